@@ -1,0 +1,67 @@
+"""Every error that this package raises on purpose."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+
+class UrdfIkError(Exception):
+    """Root of every error that this package raises on purpose."""
+
+
+class UrdfError(UrdfIkError):
+    """A URDF that is broken, with the place and the mend.
+
+    Attributes:
+        source: the file's path, or ``<text>`` for XML that was given as a string or stream.
+        line: line number in the source, or None where the defect has no line.
+        element: the XML element at fault, such as ``<joint name="j2">``, or None.
+        mend: what would be valid.
+    """
+
+    def __init__(
+        self,
+        problem: str,
+        *,
+        source: str,
+        line: int | None = None,
+        element: str | None = None,
+        mend: str | None = None,
+    ) -> None:
+        self.problem, self.source, self.line, self.element, self.mend = problem, source, line, element, mend
+        where = source if line is None else f"{source}:{line}"
+        parts = [where, *([element] if element else []), problem]
+        super().__init__(": ".join(parts) + (f" ({mend})" if mend else ""))
+
+
+class ChainError(UrdfIkError):
+    """The chain from base to tip is unknown or ambiguous; ``candidates`` lists the valid names."""
+
+    def __init__(self, problem: str, candidates: Iterable[str] = ()) -> None:
+        self.candidates = tuple(candidates)
+        listed = f"; candidates: {', '.join(self.candidates)}" if self.candidates else ""
+        super().__init__(problem + listed)
+
+
+class PoseError(UrdfIkError, ValueError):
+    """A target that is no pose; ``index`` is the place of the first bad one in a batch, else None."""
+
+    def __init__(self, problem: str, index: tuple[int, ...] | None = None) -> None:
+        self.index = index
+        super().__init__(problem if index is None else f"pose {list(index)}: {problem}")
+
+
+class JointVectorError(UrdfIkError, ValueError):
+    """A joint vector of the wrong shape or with values that are not finite."""
+
+
+class UnsupportedArm(UrdfIkError):
+    """The arm was read, but no solver of this package can solve it completely."""
+
+
+class CatalogueError(UrdfIkError):
+    """A name that the catalogue does not hold, or whose package is not installed."""
+
+
+class MissingPackage(UrdfIkError, ImportError):
+    """An optional package is not installed; the message holds the command that installs it."""
