@@ -1,0 +1,168 @@
+"""Verify joint vectors on the arm as written, polish them there, and collect the different ones."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from urdf_ik._kernels import layout
+from urdf_ik._kernels.compile import kernel
+from urdf_ik._kernels.screws import jacobian_from_axes, place_axes
+from urdf_ik._kernels.trig import wrap
+
+_MACHINE = 2.220446049250313e-16
+
+
+@kernel
+def pose_error(target, T, scale, e):
+    """Twist from ``T`` to ``target``, linear part times ``scale``, to ``e`` (6,); returns its greatest entry.
+
+    The rotation's part is the vector of the skew part of target T^T, exact to second order.
+    """
+    for i in range(3):
+        e[i] = (target[i, 3] - T[i, 3]) * scale
+    E = np.empty((3, 3))
+    for i in range(3):
+        for j in range(3):
+            E[i, j] = target[i, 0] * T[j, 0] + target[i, 1] * T[j, 1] + target[i, 2] * T[j, 2]
+    e[3] = 0.5 * (E[2, 1] - E[1, 2])
+    e[4] = 0.5 * (E[0, 2] - E[2, 0])
+    e[5] = 0.5 * (E[1, 0] - E[0, 1])
+    worst = 0.0
+    for i in range(6):
+        worst = max(worst, abs(e[i]))
+    # The skew part vanishes at half a turn too.
+    return worst if E[0, 0] + E[1, 1] + E[2, 2] > 1.0 else 2.0
+
+
+@kernel
+def damped_step(J, e, damping, step):
+    """Least-squares solution of [J; damping I] step = [e; 0] for J (6, n), by Householder reflections."""
+    n = J.shape[1]
+    M = np.zeros((6 + n, n + 1))
+    for i in range(6):
+        for j in range(n):
+            M[i, j] = J[i, j]
+        M[i, n] = e[i]
+    for j in range(n):
+        M[6 + j, j] = damping
+    for k in range(n):
+        norm = 0.0
+        for i in range(k, 7 + k):
+            norm += M[i, k] * M[i, k]
+        norm = math.sqrt(norm)
+        head = M[k, k]
+        alpha = -norm if head > 0.0 else norm
+        if alpha == 0.0:
+            continue
+        first = head - alpha
+        w = 2.0 / (norm * norm - head * head + first * first)
+        for j in range(k + 1, n + 1):
+            dot = first * M[k, j]
+            for i in range(k + 1, 7 + k):
+                dot += M[i, k] * M[i, j]
+            dot *= w
+            M[k, j] -= dot * first
+            for i in range(k + 1, 7 + k):
+                M[i, j] -= dot * M[i, k]
+        M[k, k] = alpha
+    for k in range(n - 1, -1, -1):
+        s = M[k, n]
+        for j in range(k + 1, n):
+            s -= M[k, j] * step[j]
+        step[k] = s / M[k, k] if M[k, k] != 0.0 else 0.0
+
+
+@kernel
+def refine(arm, target, q, rounds):
+    """Newton's method, damped, on the arm as written; ``q`` (6,) is replaced by the best vector met.
+
+    Returns its error (pose_error). The damping falls with the error, so that convergence is quadratic at
+    regular solutions and steps stay bounded at singular ones.
+    """
+    H = arm[layout.H : layout.H + 18].reshape(6, 3)
+    P = arm[layout.P : layout.P + 21].reshape(7, 3)
+    R_tip = arm[layout.R_TIP : layout.R_TIP + 9].reshape(3, 3)
+    scale = 1.0 / arm[layout.SIZE]
+    prismatic = np.zeros(6, np.bool_)
+    T, J = np.empty((4, 4)), np.empty((6, 6))
+    axes, points, e, step = np.empty((6, 3)), np.empty((6, 3)), np.empty(6), np.empty(6)
+    best = q.copy()
+    least = math.inf
+    for k in range(rounds + 1):
+        place_axes(H, P, R_tip, prismatic, q, T, axes, points)
+        error = pose_error(target, T, scale, e)
+        if error < least:
+            least = error
+            best[:] = q
+        elif k > 3 and error > 0.5 * least and least < 1e-13:
+            break
+        if error < 8.0 * _MACHINE or k == rounds:
+            break
+        jacobian_from_axes(prismatic, axes, points, T[:3, 3], J)
+        for j in range(6):
+            for i in range(3):
+                J[i, j] *= scale
+        damped_step(J, e, min(1e-2 * error, 1e-2) + 1e-12, step)
+        longest = 0.0
+        for j in range(6):
+            longest = max(longest, abs(step[j]))
+        shrink = min(1.0, 0.5 / (longest + 1e-300))
+        for j in range(6):
+            q[j] = wrap(q[j] + shrink * step[j])
+    q[:] = best
+    return least
+
+
+@kernel
+def is_new(Q, flags, q, tolerance):
+    """Whether ``q`` differs from every valid row of ``Q`` (B, n) by more than ``tolerance`` in some joint."""
+    for b in range(Q.shape[0]):
+        if flags[b] & layout.VALID:
+            apart = 0.0
+            for j in range(q.size):
+                apart = max(apart, abs(wrap(q[j] - Q[b, j])))
+            if apart <= tolerance:
+                return False
+    return True
+
+
+@kernel
+def keep(Q, flags, b, q, marks):
+    """Store ``q`` in column ``b``, or the first free one if that is taken; a full table drops it."""
+    if flags[b] & layout.VALID:
+        for k in range(Q.shape[0]):
+            if not flags[k] & layout.VALID:
+                b = k
+                break
+        else:
+            return
+    for j in range(q.size):
+        Q[b, j] = q[j]
+    flags[b] = layout.VALID | marks
+
+
+@kernel
+def accept(arm, target, q, b, marks, near, Q, flags):
+    """Polish the candidate ``q`` of column ``b`` on the arm as written and keep it if it is verified and new.
+
+    On an imperfect arm near a singularity (``near``) the ideal candidate may stand for two solutions, or for
+    none: starts beside it find both. Their offsets are fixed, so the same target always gives the same answer.
+    """
+    imperfect = arm[layout.IMPERFECTION] > arm[layout.EXACT_STRUCTURE]
+    start = q.copy()
+    error = refine(arm, target, q, 15 if imperfect else 6)
+    if error <= arm[layout.REACH] and is_new(Q, flags, q, arm[layout.DUPLICATE]):
+        keep(Q, flags, b, q, marks)
+    if not (imperfect and near):
+        return
+    seed = 12345
+    for k in range(12):
+        width = 10.0 ** (-2.0 - 2.0 * (k % 3)) * (1.0 if k < 6 else 0.3)
+        for j in range(6):
+            seed = (seed * 1103515245 + 12345) % 2147483648
+            q[j] = start[j] + width * (seed / 1073741824.0 - 1.0)
+        error = refine(arm, target, q, 25)
+        if error <= arm[layout.REACH] and is_new(Q, flags, q, 10.0 * arm[layout.DUPLICATE]):
+            keep(Q, flags, b, q, marks)

@@ -1,0 +1,191 @@
+"""All solutions of a 6R arm whose last three axes meet: up to four places of the first three joints, two wrists."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from urdf_ik._kernels import layout
+from urdf_ik._kernels import wrist_position as shoulder
+from urdf_ik._kernels.batch import spread, store
+from urdf_ik._kernels.compile import inlined, kernel, step
+from urdf_ik._kernels.layout import BLOCK, COS_ALPHA, OFFSET, ROWS, SIN_ALPHA
+from urdf_ik._kernels.refine import accept
+from urdf_ik._kernels.subproblems import unturn, wrist_bend, wrist_turns
+from urdf_ik._kernels.target import load, project_rotation, to_frame_1
+from urdf_ik._kernels.trig import atan2, wrap
+
+
+@step
+def wrist_rotation(r0, r3, r6, arm, c1, s1, c2, s2, c3, s3):
+    """One column of the target's rotation, seen from frame 3."""
+    x, y = unturn(r0, r3, c1, s1)
+    y, z = unturn(y, r6, arm[COS_ALPHA], arm[SIN_ALPHA])
+    x, y = unturn(x, y, c2, s2)
+    y, z = unturn(y, z, arm[COS_ALPHA + 1], arm[SIN_ALPHA + 1])
+    x, y = unturn(x, y, c3, s3)
+    y, z = unturn(y, z, arm[COS_ALPHA + 2], arm[SIN_ALPHA + 2])
+    return x, y, z
+
+
+@inlined
+def branch(kind, W, O, m, arm):
+    """Joint angles (rows 0-5) of one branch to ``O``, and in row 6 whether it is: 0 none, 1 valid, 2 in doubt."""
+    ca, sa, cb, sb = arm[COS_ALPHA + 3], arm[SIN_ALPHA + 3], arm[COS_ALPHA + 4], arm[SIN_ALPHA + 4]
+    edge, reach = arm[layout.EDGE], arm[layout.REACH] * arm[layout.REACH] * 1e-2
+    for i in range(m):
+        c1, s1, c2, s2, c3, s3, m1, m2, arm1, arm2, error = shoulder.position(
+            kind, W[9, i], W[10, i], W[11, i], arm, W[13, i], W[14, i], False, 1.0, 0.0, False, 1.0, 0.0, 1.0, 0.0
+        )
+        m00, m10, m20 = wrist_rotation(W[0, i], W[3, i], W[6, i], arm, c1, s1, c2, s2, c3, s3)
+        m01, m11, m21 = wrist_rotation(W[1, i], W[4, i], W[7, i], arm, c1, s1, c2, s2, c3, s3)
+        m02, m12, m22 = wrist_rotation(W[2, i], W[5, i], W[8, i], arm, c1, s1, c2, s2, c3, s3)
+        c5, s5, m3 = wrist_bend(m02, m12, m22, ca, sa, cb, sb, W[15, i])
+        c4, s4, c6, s6, fixed, turned = wrist_turns(
+            m00, m10, m20, m01, m11, m21, m02, m12, m22, c5, s5, ca, sa, cb, sb, False, 1.0, 0.0
+        )
+        lost = (m1 < -edge) | (m2 < -edge) | (m3 < -edge)
+        doubt = (min(m1, m2) <= edge) | (min(m3, fixed) <= edge) | (min(arm1, arm2) <= edge)
+        doubt = doubt | (not (error + turned <= reach))
+        O[0, i] = wrap(atan2(s1, c1) - arm[OFFSET])
+        O[1, i] = wrap(atan2(s2, c2) - arm[OFFSET + 1])
+        O[2, i] = wrap(atan2(s3, c3) - arm[OFFSET + 2])
+        O[3, i] = wrap(atan2(s4, c4) - arm[OFFSET + 3])
+        O[4, i] = wrap(atan2(s5, c5) - arm[OFFSET + 4])
+        O[5, i] = wrap(atan2(s6, c6) - arm[OFFSET + 5])
+        O[6, i] = 0.0 if lost else (2.0 if doubt else 1.0)
+
+
+@kernel
+def solve_with_care(kind, target, arm, q_ref, Q, flags):
+    """One pose near a singularity, at the edge of reach, or of an imperfect arm; replaces its rows.
+
+    A margin within ``fold`` of zero is a double root, of which one branch is kept; a joint that the target
+    leaves free (squared arm below ``continuum``) takes ``q_ref``'s value, or zero.
+    """
+    fold, clamp, continuum = arm[layout.FOLD], arm[layout.CLAMP], arm[layout.CONTINUUM]
+    near_zone = 1e-3
+    ca, sa, cb, sb = arm[COS_ALPHA + 3], arm[SIN_ALPHA + 3], arm[COS_ALPHA + 4], arm[SIN_ALPHA + 4]
+    X, q, roots = np.empty(12), np.empty(6), np.empty((4, 2))
+    to_frame_1(target, arm, X)
+    Q[:, :] = math.nan
+    flags[:] = 0
+    found = 4
+    if kind == shoulder.GENERAL:
+        found = shoulder.general_roots(X[9], X[10], X[11], arm, roots)
+    c1h, s1h = math.cos(q_ref[0] + arm[OFFSET]), math.sin(q_ref[0] + arm[OFFSET])
+    c2h, s2h = math.cos(q_ref[1] + arm[OFFSET + 1]), math.sin(q_ref[1] + arm[OFFSET + 1])
+    for b in range(8):
+        if b // 2 >= found:
+            break
+        front, up, flip = arm[layout.SIGNS + 3 * b], arm[layout.SIGNS + 3 * b + 1], arm[layout.SIGNS + 3 * b + 2]
+        c1, s1, c2, s2, c3, s3, m1, m2, arm1, arm2, _ = shoulder.position(
+            kind, X[9], X[10], X[11], arm, front, up, False, 1.0, 0.0, False, 1.0, 0.0, roots[b // 2, 0], roots[b // 2, 1]
+        )
+        if m1 < -clamp or m2 < -clamp:
+            continue
+        marks = 0
+        free1, free2 = arm1 <= continuum, arm2 <= continuum
+        if free1 or m1 <= fold:
+            marks |= layout.SHOULDER
+            if front < 0.0 and kind != shoulder.GENERAL:
+                continue
+        if m2 <= fold:
+            marks |= layout.ELBOW
+            if up < 0.0:
+                continue
+        if free2:
+            marks |= layout.ELBOW if kind == shoulder.PARALLEL_23 else layout.SHOULDER
+            if (up if kind == shoulder.PARALLEL_23 else front) < 0.0 and kind != shoulder.GENERAL:
+                continue
+        if free1 or free2:
+            c1, s1, c2, s2, c3, s3, _, _, _, _, _ = shoulder.position(
+                kind, X[9], X[10], X[11], arm, front, up, free1, c1h, s1h, free2, c2h, s2h, roots[b // 2, 0], roots[b // 2, 1]
+            )
+        m00, m10, m20 = wrist_rotation(X[0], X[3], X[6], arm, c1, s1, c2, s2, c3, s3)
+        m01, m11, m21 = wrist_rotation(X[1], X[4], X[7], arm, c1, s1, c2, s2, c3, s3)
+        m02, m12, m22 = wrist_rotation(X[2], X[5], X[8], arm, c1, s1, c2, s2, c3, s3)
+        c5, s5, m3 = wrist_bend(m02, m12, m22, ca, sa, cb, sb, flip)
+        if m3 < -clamp:
+            continue
+        c4, s4, c6, s6, fixed, _ = wrist_turns(
+            m00, m10, m20, m01, m11, m21, m02, m12, m22, c5, s5, ca, sa, cb, sb, False, 1.0, 0.0
+        )
+        if fixed <= fold or m3 <= fold:
+            marks |= layout.WRIST
+        if fixed <= continuum or (m3 <= fold and fixed > arm[layout.EDGE]):
+            if flip < 0.0:
+                continue
+        if fixed <= continuum:
+            # The sum (or difference) of the turns is what counts: share its distance from the reference.
+            a4 = q_ref[3] + arm[OFFSET + 3]
+            for _ in range(2):
+                c4, s4, c6, s6, fixed, _ = wrist_turns(
+                    m00, m10, m20, m01, m11, m21, m02, m12, m22, c5, s5, ca, sa, cb, sb, True, math.cos(a4), math.sin(a4)
+                )
+                rest = wrap(wrap(math.atan2(s6, c6) - arm[OFFSET + 5]) - q_ref[5])
+                aligned = 1.0 if ca * cb - sa * sb * c5 > 0.0 else -1.0
+                a4 += 0.5 * q_ref[6] * aligned * rest
+        q[0] = wrap(math.atan2(s1, c1) - arm[OFFSET])
+        q[1] = wrap(math.atan2(s2, c2) - arm[OFFSET + 1])
+        q[2] = wrap(math.atan2(s3, c3) - arm[OFFSET + 2])
+        q[3] = wrap(math.atan2(s4, c4) - arm[OFFSET + 3])
+        q[4] = wrap(math.atan2(s5, c5) - arm[OFFSET + 4])
+        q[5] = wrap(math.atan2(s6, c6) - arm[OFFSET + 5])
+        near = min(min(m1, m2), min(min(m3, fixed), min(arm1, arm2))) < near_zone
+        accept(arm, target, q, b, marks, near, Q, flags)
+
+
+@inlined
+def solve(kind, T, arm, q_ref, Q, flags):
+    """All solutions of poses ``T`` (m, 4, 4) to ``Q`` (m, 8, 6) and ``flags`` (m, 8).
+
+    ``q_ref`` (7,): the joint vector that representatives are taken near, and 1 where it was given, 0 where it
+    stands for zeros. Returns the index of the first target that is no pose, -1 where all are.
+    """
+    W, O = np.empty((ROWS, BLOCK)), np.empty((7, BLOCK))
+    proper = np.empty((4, 4))
+    care = np.empty(BLOCK, np.bool_)
+    single = T.shape[0] == 1
+    for start in range(0, T.shape[0], BLOCK):
+        m = min(BLOCK, T.shape[0] - start)
+        load(W, T, start, m, arm)
+        for i in range(m):
+            if not W[12, i] <= arm[layout.ROTATION]:
+                return start + i
+            care[i] = W[12, i] > arm[layout.EXACT_ROTATION] or kind == shoulder.GENERAL
+        if kind != shoulder.GENERAL:
+            for b in range(1 if single else 8):
+                columns = spread(W, arm, b, m, single)
+                branch(kind, W, O, columns, arm)
+                store(O, b, start, columns, single, care, Q, flags)
+        for i in range(m):
+            if care[i]:
+                project_rotation(T[start + i], proper)
+                solve_with_care(kind, proper, arm, q_ref, Q[start + i], flags[start + i])
+    return -1
+
+
+@kernel
+def solve_parallel_23(T, arm, q_ref, Q, flags):
+    """Axes 2 and 3 parallel; see ``solve``."""
+    return solve(shoulder.PARALLEL_23, T, arm, q_ref, Q, flags)
+
+
+@kernel
+def solve_intersecting_12(T, arm, q_ref, Q, flags):
+    """Axes 1 and 2 intersect; see ``solve``."""
+    return solve(shoulder.INTERSECTING_12, T, arm, q_ref, Q, flags)
+
+
+@kernel
+def solve_parallel_12(T, arm, q_ref, Q, flags):
+    """Axes 1 and 2 parallel; see ``solve``."""
+    return solve(shoulder.PARALLEL_12, T, arm, q_ref, Q, flags)
+
+
+@kernel
+def solve_general_shoulder(T, arm, q_ref, Q, flags):
+    """No relation among the first three axes; see ``solve``."""
+    return solve(shoulder.GENERAL, T, arm, q_ref, Q, flags)

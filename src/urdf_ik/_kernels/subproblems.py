@@ -1,0 +1,97 @@
+"""The steps that the families are made of, without branches: each takes and gives angles as (cos, sin).
+
+A step that has two solutions takes a sign. Where they meet, or cease to exist, it continues with the double
+root, and the margin that it returns beside the angles (zero where they meet, negative beyond) tells.
+Frames are Denavit-Hartenberg's in Craig's order, so every rotation is about z or x.
+Sources: Pieper 1968; Paden 1986 (subproblems 1 to 4); Elias and Wen 2022.
+"""
+
+from __future__ import annotations
+
+import math
+
+from urdf_ik._kernels.compile import step
+
+_TINY = 1e-300
+
+
+@step
+def unit(c, s):
+    """(c, s) scaled to length 1."""
+    w = 1.0 / math.sqrt(c * c + s * s + _TINY)
+    return c * w, s * w
+
+
+@step
+def swing_to_offset(x, y, k, sign):
+    """Turn about z so that (X, k) becomes (x, y), X free: subproblem 4.
+
+    Returns cos, sin, X, margin r^2 - k^2 [m^2].
+    """
+    rr = x * x + y * y
+    margin = rr - k * k
+    X = sign * math.sqrt(max(margin, 0.0))
+    c, s = unit(X * x + k * y, X * y - k * x)
+    return c, s, X, margin
+
+
+@step
+def elbow(ux, uy, a, b, side, sign):
+    """Planar two-link arm: a e(q2) + b e(q2 + side * gamma) = (ux, uy); law of cosines, then subproblem 1.
+
+    Returns cos q2, sin q2, cos gamma, sin gamma, margin 1 - cos^2 gamma.
+    """
+    uu = ux * ux + uy * uy
+    c = (uu - a * a - b * b) / (2.0 * a * b)
+    margin = (1.0 - c) * (1.0 + c)
+    c = min(max(c, -1.0), 1.0)
+    s = sign * math.sqrt(max(margin, 0.0))
+    wx, wy = a + b * c, side * b * s
+    c2, s2 = unit(wx * ux + wy * uy, wx * uy - wy * ux)
+    return c2, s2, c, s, margin
+
+
+@step
+def unturn(x, y, c, s):
+    """(x, y) turned back by the angle (c, s)."""
+    return c * x + s * y, c * y - s * x
+
+
+@step
+def wrist_bend(x, y, z, ca, sa, cb, sb, sign):
+    """Middle angle of a wrist whose last axis points along (x, y, z) in the frame of the first: subproblem 4.
+
+    The axes enclose alpha (ca, sa) and beta (cb, sb). The sine comes from the part of the last axis across the
+    first one, which keeps its digits where the three axes fall into a plane.
+    Returns cos, sin, margin sin^2.
+    """
+    c = (ca * cb - z) / (sa * sb)
+    across = ca * sb * c + sa * cb
+    margin = (x * x + y * y - across * across) / (sb * sb)
+    s = sign * math.sqrt(max(margin, 0.0))
+    c, s = unit(c, s)
+    return c, s, margin
+
+
+@step
+def wrist_turns(m00, m10, m20, m01, m11, m21, m02, m12, m22, c, s, ca, sa, cb, sb, hold, ch, sh):
+    """First and last angle of a wrist with known bend (c, s): M = Rz(first) Rx(alpha) Rz(bend) Rx(beta) Rz(last).
+
+    ``hold`` sets the first angle to (ch, sh), for a target that leaves it free.
+    The last angle is measured after the first one is undone, so their sum stays exact where the axes align.
+    Returns both as (cos, sin), the squared length that fixes the first (0: only their sum matters), and the
+    squared error of the rotation reached.
+    """
+    X = sb * s
+    Y = -(ca * sb * c + sa * cb)
+    fixed = X * X + Y * Y
+    cf, sf = unit(X * m02 + Y * m12, X * m12 - Y * m02)
+    cf, sf = (ch, sh) if hold else (cf, sf)
+    vx, vy, vz = cf * c - sf * ca * s, sf * c + cf * ca * s, sa * s
+    cl = vx * m00 + vy * m10 + vz * m20
+    sl = -(vx * m01 + vy * m11 + vz * m21)
+    ex = cf * X - sf * Y - m02
+    ey = sf * X + cf * Y - m12
+    ez = ca * cb - sa * sb * c - m22
+    ev = vx * m02 + vy * m12 + vz * m22
+    return cf, sf, cl, sl, fixed, ex * ex + ey * ey + ez * ez + ev * ev

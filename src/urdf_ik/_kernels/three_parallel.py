@@ -1,0 +1,273 @@
+"""All solutions of a 6R arm whose axes 2, 3 and 4 are parallel.
+
+Seen along the parallel axes, joints 2 to 4 only shift the wrist across them and turn it by one angle phi. The
+component along them fixes joints 1 and 5, phi and joint 6 follow like a wrist's two turns, and a planar
+two-link arm is left. Sources: Hawkins 2013 (Universal Robots); Elias and Wen 2022 (three parallel axes).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from urdf_ik._kernels import layout
+from urdf_ik._kernels.batch import spread, store
+from urdf_ik._kernels.compile import inlined, kernel, step
+from urdf_ik._kernels.layout import ALONG, BLOCK, COS_ALPHA, COS_FIRST, OFFSET, ROWS, SIN_ALPHA, SIN_FIRST, TURN_3, TURN_4, A, D
+from urdf_ik._kernels.polynomials import trigonometric_roots
+from urdf_ik._kernels.refine import accept
+from urdf_ik._kernels.subproblems import elbow, swing_to_offset, unit, unturn, wrist_bend, wrist_turns
+from urdf_ik._kernels.target import load, project_rotation, to_frame_1
+from urdf_ik._kernels.trig import atan2, wrap
+
+INTERSECTING_56, GENERAL = 0, 1
+
+
+@step
+def seen_along(x, y, z, arm, c1, s1):
+    """A vector of frame 1 before joint 1 turns, in the frame whose z is the parallel axes' direction."""
+    x, y = unturn(x, y, c1, s1)
+    y, z = unturn(y, z, arm[COS_ALPHA], arm[SIN_ALPHA])
+    return x, y, z
+
+
+@step
+def forearm(arm, c5, s5):
+    """Step from axis 4 to the origin of frame 6, across the parallel axes, before the turn phi."""
+    return arm[A + 3] + arm[A + 4] * c5, arm[COS_FIRST] * arm[A + 4] * s5 - arm[SIN_FIRST] * arm[D + 3]
+
+
+@inlined
+def branch(W, O, m, arm):
+    """Joint angles (rows 0-5) of one branch to ``O``, and in row 6 whether it is: 0 none, 1 valid, 2 in doubt."""
+    ca, sa, cb, sb = arm[COS_FIRST], arm[SIN_FIRST], arm[COS_ALPHA + 4], arm[SIN_ALPHA + 4]
+    edge, reach = arm[layout.EDGE], arm[layout.REACH] * arm[layout.REACH] * 1e-2
+    scale = 1.0 / (arm[layout.SIZE] * arm[layout.SIZE])
+    for i in range(m):
+        px, py, pz = W[9, i], W[10, i], W[11, i]
+        k = (arm[COS_ALPHA] * pz - arm[ALONG]) / arm[SIN_ALPHA]
+        c1, s1, _, m1 = swing_to_offset(px, py, k, W[13, i])
+        m00, m10, m20 = seen_along(W[0, i], W[3, i], W[6, i], arm, c1, s1)
+        m01, m11, m21 = seen_along(W[1, i], W[4, i], W[7, i], arm, c1, s1)
+        m02, m12, m22 = seen_along(W[2, i], W[5, i], W[8, i], arm, c1, s1)
+        c5, s5, m3 = wrist_bend(m02, m12, m22, ca, sa, cb, sb, W[15, i])
+        cf, sf, c6, s6, fixed, turned = wrist_turns(
+            m00, m10, m20, m01, m11, m21, m02, m12, m22, c5, s5, ca, sa, cb, sb, False, 1.0, 0.0
+        )
+        qx, qy = unturn(px, py, c1, s1)
+        qx -= arm[A]
+        ox, oy, oz = qx, arm[COS_ALPHA] * qy + arm[SIN_ALPHA] * pz, arm[COS_ALPHA] * pz - arm[SIN_ALPHA] * qy
+        fx, fy = forearm(arm, c5, s5)
+        ux, uy = ox - (cf * fx - sf * fy), oy - (sf * fx + cf * fy)
+        c2, s2, c3, s3, m2 = elbow(ux, uy, arm[A + 1], arm[A + 2], arm[TURN_3], W[14, i])
+        wx, wy = arm[A + 1] + arm[A + 2] * c3, arm[TURN_3] * arm[A + 2] * s3
+        ex, ey, ez = c2 * wx - s2 * wy - ux, s2 * wx + c2 * wy - uy, oz - arm[ALONG]
+        error = (ex * ex + ey * ey + ez * ez) * scale
+        m1 *= scale
+        arm1, arm2 = (px * px + py * py) * scale, (ux * ux + uy * uy) * scale
+        lost = (m1 < -edge) | (m2 < -edge) | (m3 < -edge)
+        doubt = (min(m1, m2) <= edge) | (min(m3, fixed) <= edge) | (min(arm1, arm2) <= edge)
+        doubt = doubt | (not (error + turned <= reach))
+        t2, t3 = atan2(s2, c2), atan2(s3, c3)
+        t4 = arm[TURN_4] * (atan2(sf, cf) - t2 - arm[TURN_3] * t3)
+        O[0, i] = wrap(atan2(s1, c1) - arm[OFFSET])
+        O[1, i] = wrap(t2 - arm[OFFSET + 1])
+        O[2, i] = wrap(t3 - arm[OFFSET + 2])
+        O[3, i] = wrap(wrap(t4 - arm[OFFSET + 3]))
+        O[4, i] = wrap(atan2(s5, c5) - arm[OFFSET + 4])
+        O[5, i] = wrap(atan2(s6, c6) - arm[OFFSET + 5])
+        O[6, i] = 0.0 if lost else (2.0 if doubt else 1.0)
+
+
+@kernel
+def shoulder_roots(X, arm, roots):
+    """First angles of an arm whose axes 5 and 6 do not meet, as (cos, sin) rows of ``roots``; returns how many.
+
+    Direction and height of axis 6 along the parallel axes give cos t5 and sin t5, both affine in (cos, sin) of
+    the first angle; their squares add up to one.
+    """
+    ca, sa, cb, sb = arm[COS_FIRST], arm[SIN_FIRST], arm[COS_ALPHA + 4], arm[SIN_ALPHA + 4]
+    c0, cc, cs = _along(X[2], X[5], X[8], arm)
+    s0, sc, ss = _along(X[9], X[10], X[11], arm)
+    w = -1.0 / (sa * sb)
+    c0, cc, cs = (c0 - ca * cb) * w, cc * w, cs * w
+    w = 1.0 / (sa * arm[A + 4])
+    s0, sc, ss = (s0 - arm[ALONG]) * w, sc * w, ss * w
+    square_c, square_s = cc * cc + sc * sc, cs * cs + ss * ss
+    return trigonometric_roots(
+        c0 * c0 + s0 * s0 - 1.0 + 0.5 * (square_c + square_s),
+        2.0 * (c0 * cc + s0 * sc),
+        2.0 * (c0 * cs + s0 * ss),
+        0.5 * (square_c - square_s),
+        cc * cs + sc * ss,
+        roots,
+    )
+
+
+@kernel
+def _along(x, y, z, arm):
+    """Component along the parallel axes as constant, cos t1 and sin t1 coefficients."""
+    return arm[COS_ALPHA] * z, -arm[SIN_ALPHA] * y, arm[SIN_ALPHA] * x
+
+
+@kernel
+def free_turn(wanted, ox, oy, fx, fy, arm):
+    """The turn phi nearest to ``wanted`` that leaves the two-link arm something it can reach; NaN: none.
+
+    The distance to reach is |o - Rz(phi) f|, between |a2 - a3| and a2 + a3.
+    """
+    total = ox * ox + oy * oy + fx * fx + fy * fy
+    product = 2.0 * math.sqrt((ox * ox + oy * oy) * (fx * fx + fy * fy))
+    far, close = arm[A + 1] + arm[A + 2], arm[A + 1] - arm[A + 2]
+    low, high = total - far * far, total - close * close
+    slack = arm[layout.CLAMP] * arm[layout.SIZE] * arm[layout.SIZE]
+    if low > product + slack or high < -product - slack:
+        return math.nan
+    shift = math.atan2(fy, fx) - math.atan2(oy, ox)
+    beta = wrap(wrap(wanted + shift))
+    now = product * math.cos(beta)
+    if now < low:
+        beta = math.copysign(math.acos(min(low / product, 1.0)), beta)
+    elif now > high:
+        beta = math.copysign(math.acos(max(high / product, -1.0)), beta)
+    return beta - shift
+
+
+@kernel
+def solve_with_care(kind, target, arm, q_ref, Q, flags):
+    """One pose near a singularity, at the edge of reach, or of an imperfect arm; replaces its rows.
+
+    A margin within ``fold`` of zero is a double root, of which one branch is kept; a joint that the target
+    leaves free (squared arm below ``continuum``) takes ``q_ref``'s value, or zero, or what is nearest to it
+    within reach.
+    """
+    fold, clamp, continuum = arm[layout.FOLD], arm[layout.CLAMP], arm[layout.CONTINUUM]
+    near_zone = 1e-3
+    ca, sa, cb, sb = arm[COS_FIRST], arm[SIN_FIRST], arm[COS_ALPHA + 4], arm[SIN_ALPHA + 4]
+    scale = 1.0 / (arm[layout.SIZE] * arm[layout.SIZE])
+    X, q, roots = np.empty(12), np.empty(6), np.empty((4, 2))
+    to_frame_1(target, arm, X)
+    Q[:, :] = math.nan
+    flags[:] = 0
+    px, py, pz = X[9], X[10], X[11]
+    found = shoulder_roots(X, arm, roots) if kind == GENERAL else 4
+    k = (arm[COS_ALPHA] * pz - arm[ALONG]) / arm[SIN_ALPHA]
+    arm1 = (px * px + py * py) * scale
+    for b in range(8):
+        front, up, flip = arm[layout.SIGNS + 3 * b], arm[layout.SIGNS + 3 * b + 1], arm[layout.SIGNS + 3 * b + 2]
+        marks = 0
+        m1 = 1.0
+        if kind == GENERAL:
+            root = (0 if front > 0.0 else 2) + (0 if flip > 0.0 else 1)
+            if root >= found:
+                continue
+            c1, s1 = roots[root, 0], roots[root, 1]
+        else:
+            c1, s1, _, m1 = swing_to_offset(px, py, k, front)
+            m1 *= scale
+            if m1 < -clamp:
+                continue
+            if m1 <= fold:
+                marks |= layout.SHOULDER
+                if front < 0.0:
+                    continue
+            if arm1 <= continuum:
+                c1, s1 = math.cos(q_ref[0] + arm[OFFSET]), math.sin(q_ref[0] + arm[OFFSET])
+        m00, m10, m20 = seen_along(X[0], X[3], X[6], arm, c1, s1)
+        m01, m11, m21 = seen_along(X[1], X[4], X[7], arm, c1, s1)
+        m02, m12, m22 = seen_along(X[2], X[5], X[8], arm, c1, s1)
+        qx, qy = unturn(px, py, c1, s1)
+        qx -= arm[A]
+        ox, oy, oz = qx, arm[COS_ALPHA] * qy + arm[SIN_ALPHA] * pz, arm[COS_ALPHA] * pz - arm[SIN_ALPHA] * qy
+        if kind == GENERAL:
+            c5, s5 = unit((ca * cb - m22) / (sa * sb), (oz - arm[ALONG]) / (sa * arm[A + 4]))
+            m3 = 1.0
+        else:
+            c5, s5, m3 = wrist_bend(m02, m12, m22, ca, sa, cb, sb, flip)
+        if m3 < -clamp:
+            continue
+        cf, sf, c6, s6, fixed, _ = wrist_turns(
+            m00, m10, m20, m01, m11, m21, m02, m12, m22, c5, s5, ca, sa, cb, sb, False, 1.0, 0.0
+        )
+        if fixed <= fold or m3 <= fold:
+            marks |= layout.WRIST
+        if kind != GENERAL and flip < 0.0 and (fixed <= continuum or (m3 <= fold and fixed > arm[layout.EDGE])):
+            continue
+        fx, fy = forearm(arm, c5, s5)
+        if fixed <= continuum:
+            _, _, c6, s6, _, _ = wrist_turns(
+                m00, m10, m20, m01, m11, m21, m02, m12, m22, c5, s5, ca, sa, cb, sb, True, 1.0, 0.0
+            )
+            aligned = 1.0 if ca * cb - sa * sb * c5 > 0.0 else -1.0
+            wanted = aligned * (math.atan2(s6, c6) - arm[OFFSET + 5] - q_ref[5])
+            phi = free_turn(wanted, ox, oy, fx, fy, arm)
+            if math.isnan(phi):
+                continue
+            cf, sf, c6, s6, _, _ = wrist_turns(
+                m00, m10, m20, m01, m11, m21, m02, m12, m22, c5, s5, ca, sa, cb, sb, True, math.cos(phi), math.sin(phi)
+            )
+        ux, uy = ox - (cf * fx - sf * fy), oy - (sf * fx + cf * fy)
+        c2, s2, c3, s3, m2 = elbow(ux, uy, arm[A + 1], arm[A + 2], arm[TURN_3], up)
+        arm2 = (ux * ux + uy * uy) * scale
+        if m2 < -clamp:
+            continue
+        if m2 <= fold:
+            marks |= layout.ELBOW
+            if up < 0.0:
+                continue
+        if arm2 <= continuum:
+            marks |= layout.ELBOW
+            c2, s2 = math.cos(q_ref[1] + arm[OFFSET + 1]), math.sin(q_ref[1] + arm[OFFSET + 1])
+        t2, t3 = math.atan2(s2, c2), math.atan2(s3, c3)
+        t4 = arm[TURN_4] * (math.atan2(sf, cf) - t2 - arm[TURN_3] * t3)
+        q[0] = wrap(math.atan2(s1, c1) - arm[OFFSET])
+        q[1] = wrap(t2 - arm[OFFSET + 1])
+        q[2] = wrap(t3 - arm[OFFSET + 2])
+        q[3] = wrap(wrap(t4 - arm[OFFSET + 3]))
+        q[4] = wrap(math.atan2(s5, c5) - arm[OFFSET + 4])
+        q[5] = wrap(math.atan2(s6, c6) - arm[OFFSET + 5])
+        near = min(min(m1, m2), min(min(m3, fixed), min(arm1, arm2))) < near_zone
+        accept(arm, target, q, b, marks, near, Q, flags)
+
+
+@inlined
+def solve(kind, T, arm, q_ref, Q, flags):
+    """All solutions of poses ``T`` (m, 4, 4) to ``Q`` (m, 8, 6) and ``flags`` (m, 8).
+
+    ``q_ref`` (7,): the joint vector that representatives are taken near, and 1 where it was given, 0 where it
+    stands for zeros. Returns the index of the first target that is no pose, -1 where all are.
+    """
+    W, O = np.empty((ROWS, BLOCK)), np.empty((7, BLOCK))
+    proper = np.empty((4, 4))
+    care = np.empty(BLOCK, np.bool_)
+    single = T.shape[0] == 1
+    for start in range(0, T.shape[0], BLOCK):
+        m = min(BLOCK, T.shape[0] - start)
+        load(W, T, start, m, arm)
+        for i in range(m):
+            if not W[12, i] <= arm[layout.ROTATION]:
+                return start + i
+            care[i] = W[12, i] > arm[layout.EXACT_ROTATION] or kind == GENERAL
+        if kind != GENERAL:
+            for b in range(1 if single else 8):
+                columns = spread(W, arm, b, m, single)
+                branch(W, O, columns, arm)
+                store(O, b, start, columns, single, care, Q, flags)
+        for i in range(m):
+            if care[i]:
+                project_rotation(T[start + i], proper)
+                solve_with_care(kind, proper, arm, q_ref, Q[start + i], flags[start + i])
+    return -1
+
+
+@kernel
+def solve_intersecting_56(T, arm, q_ref, Q, flags):
+    """Axes 5 and 6 intersect; see ``solve``."""
+    return solve(INTERSECTING_56, T, arm, q_ref, Q, flags)
+
+
+@kernel
+def solve_general_wrist(T, arm, q_ref, Q, flags):
+    """Axes 5 and 6 are skew; see ``solve``."""
+    return solve(GENERAL, T, arm, q_ref, Q, flags)

@@ -1,0 +1,262 @@
+"""Arm: what :func:`load` returns. It joins reading, chain, structure, family and solutions."""
+
+from __future__ import annotations
+
+import re
+import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik import families
+from urdf_ik._kernels import compile as compiler
+from urdf_ik._kernels.layout import LENGTH
+from urdf_ik._kernels.target import to_frame_1
+from urdf_ik.chain import Chain
+from urdf_ik.errors import PoseError, UnsupportedArm
+from urdf_ik.poses import as_pose_array, check_poses
+from urdf_ik.solutions import IKSolutions
+from urdf_ik.structure import Structure, analyse
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Iterator, Sequence
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from urdf_ik.collision import CollisionModel
+    from urdf_ik.families.plan import Plan
+    from urdf_ik.urdf import UrdfModel
+
+# Poses that one thread takes at a time: enough to hide the hand-over, few enough to share evenly.
+_SHARE = 4096
+
+
+class Arm:
+    """A serial arm, read from a URDF and ready to be solved.
+
+    Attributes:
+        model: the URDF as it was read.
+        chain: screw axes of the joints from base to tip.
+        structure: relations of the axes, family, method and branches; ``str()`` reads like a sentence.
+    """
+
+    def __init__(self, model: UrdfModel, chain: Chain) -> None:
+        self.model = model
+        self.chain = chain
+        self.structure: Structure = analyse(chain)
+        self._no_reference = np.zeros(7)
+        self._plan: Plan | None = families.choose(self.structure, chain)
+        if self._plan is not None:
+            plan = self._plan
+            self.structure = replace(
+                self.structure,
+                family=plan.family,
+                method=plan.method,
+                branches=plan.branches,
+                imperfection=plan.imperfection,
+            )
+            self._kernel, self._numbers = plan.solve, plan.arm
+            self._branches, self._shape = plan.branches, (1, len(plan.branches), chain.n)
+            self._compile()
+
+    def __repr__(self) -> str:
+        return f"<Arm {self.name!r}: {self.base} to {self.tip}, {self.structure.family or f'{self.dof} joints'}>"
+
+    @property
+    def name(self) -> str:
+        """The robot's name in the URDF."""
+        return self.model.name
+
+    @property
+    def base(self) -> str:
+        """Base link; poses are expressed in it."""
+        return self.chain.base
+
+    @property
+    def tip(self) -> str:
+        """Tip link, whose pose is solved for."""
+        return self.chain.tip
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Movable joints, base to tip."""
+        return self.chain.joint_names
+
+    @property
+    def dof(self) -> int:
+        """Number of movable joints."""
+        return self.chain.n
+
+    @property
+    def limits(self) -> NDArray[np.float64]:
+        """(n, 2) rad or m; a continuous joint has (-inf, inf)."""
+        return self.chain.limits
+
+    @cached_property
+    def collision_model(self) -> CollisionModel:
+        """Self-collision of this URDF through Pinocchio and coal, built when first asked for."""
+        from urdf_ik.collision import CollisionModel
+
+        return CollisionModel(self.model, self.base, self.tip)
+
+    def fk(self, q: ArrayLike) -> NDArray[np.float64]:
+        """Pose of the tip in the base: (..., n) rad or m to (..., 4, 4); see :meth:`Chain.fk`."""
+        return self.chain.fk(q)
+
+    def jacobian(self, q: ArrayLike) -> NDArray[np.float64]:
+        """Geometric Jacobian at the tip in base axes: (..., n) to (..., 6, n); see :meth:`Chain.jacobian`."""
+        return self.chain.jacobian(q)
+
+    def link_poses(self, q: ArrayLike) -> dict[str, NDArray[np.float64]]:
+        """Pose of every link in the base: (..., n) to (..., 4, 4) each; see :meth:`Chain.link_poses`."""
+        return self.chain.link_poses(q)
+
+    def ik(self, T: Any, q_ref: ArrayLike | None = None, *, threads: int = 1) -> IKSolutions:
+        """Every joint vector that brings the tip to ``T``.
+
+        Each solution was verified against the URDF as written: position and rotation errors are below 1e-9 m
+        and rad. A pose out of reach gives an empty answer, which :meth:`IKSolutions.explain` explains. At a
+        singularity that leaves a joint free, the answer holds one representative, marked in ``singular``: the
+        free joint (of the shoulder or the wrist) stands at zero, or near ``q_ref`` where that is given.
+
+        Args:
+            T: (..., 4, 4) pose of the tip in the base [m], a ``pinocchio.SE3`` or a list of them. A rotation
+                that is off by rounding (up to 1e-5) is replaced by the nearest one.
+            q_ref: (n,) rad, joint vector near which representatives of a continuum are chosen.
+            threads: number of threads that share a batch.
+
+        Returns:
+            The solutions, (..., B, n), one column a branch.
+
+        Raises:
+            PoseError: a target is no pose; the error holds its index in the batch.
+            UnsupportedArm: no solver takes this arm.
+        """
+        if self._plan is None:
+            raise UnsupportedArm(f"{self.name}: no solver for this arm yet. {self.structure}")
+        if type(T) is np.ndarray and T.shape == (4, 4) and T.dtype == np.float64 and T.flags.c_contiguous:
+            target = T
+        else:
+            target = as_pose_array(T)
+        reference = self._no_reference if q_ref is None else self._reference(q_ref)
+        if target.ndim == 2:
+            q, flags = np.empty(self._shape), np.empty(self._shape[:2], np.uint8)
+            if self._kernel(target[None], self._numbers, reference, q, flags) >= 0:
+                self._refuse(target)
+            return IKSolutions(self, target, q[0], flags[0], self._branches)
+        batch = target.shape[:-2]
+        stack = target.reshape(-1, 4, 4)
+        q, flags = np.empty((len(stack), *self._shape[1:])), np.empty((len(stack), self._shape[1]), np.uint8)
+        if self._solve_stack(stack, reference, q, flags, threads) >= 0:
+            self._refuse(target)
+        return IKSolutions(
+            self, target, q.reshape(*batch, *q.shape[1:]), flags.reshape(*batch, flags.shape[1]), self._branches
+        )
+
+    def explain(self, T: ArrayLike) -> str:
+        """Why the single pose ``T`` (4, 4) has no solution, with the number that is out of range.
+
+        Raises:
+            UnsupportedArm: no solver takes this arm.
+        """
+        if self._plan is None:
+            raise UnsupportedArm(f"{self.name}: no solver for this arm yet. {self.structure}")
+        seen = np.empty(12)
+        to_frame_1(np.ascontiguousarray(T, dtype=np.float64), self._numbers, seen)
+        return self._plan.explain(seen[:9].reshape(3, 3), seen[9:])
+
+    def _solve_stack(
+        self,
+        T: NDArray[np.float64],
+        reference: NDArray[np.float64],
+        q: NDArray[np.float64],
+        flags: NDArray[np.uint8],
+        threads: int,
+    ) -> int:
+        """Solve (m, 4, 4) into ``q`` and ``flags``; index of the first bad pose, or -1."""
+        if threads <= 1 or len(T) <= _SHARE:
+            return self._kernel(T, self._numbers, reference, q, flags)
+
+        def share(start: int) -> int:
+            part = slice(start, start + _SHARE)
+            bad = self._kernel(T[part], self._numbers, reference, q[part], flags[part])
+            return start + bad if bad >= 0 else -1
+
+        with ThreadPoolExecutor(threads) as pool:
+            bad = [index for index in pool.map(share, range(0, len(T), _SHARE)) if index >= 0]
+        return min(bad, default=-1)
+
+    def _reference(self, q_ref: ArrayLike) -> NDArray[np.float64]:
+        reference = np.ones(self.dof + 1)
+        reference[:-1] = self.chain.check(q_ref)
+        return reference
+
+    def _refuse(self, T: NDArray[np.float64]) -> None:
+        """Raise the error that says what is wrong with the first bad pose."""
+        check_poses(T)
+        raise PoseError("a rotation that is neither orthonormal nor near it")
+
+    def _compile(self) -> None:
+        """Have the solver compiled, or its machine code read back, before the first pose comes."""
+        with _patience(self.structure.family):
+            self._kernel(np.zeros((0, 4, 4)), np.zeros(LENGTH), self._no_reference, np.empty((0, 8, 6)), _NO_FLAGS)
+
+
+_NO_FLAGS = np.empty((0, 8), np.uint8)
+
+
+@contextmanager
+def _patience(family: str) -> Iterator[None]:
+    """Say on stderr what takes so long, should it take over two seconds."""
+    text = f"urdf-ik: compiling the solver for {family!r} (once on this machine, about half a minute) ..."
+    timer = threading.Timer(2.0, lambda: print(text, file=sys.stderr, flush=True))
+    timer.daemon = True
+    if compiler.is_cold():
+        timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+
+
+def load(
+    source: str | os.PathLike[str] | IO[Any],
+    base: str | None = None,
+    tip: str | None = None,
+    *,
+    mesh_roots: Sequence[str | os.PathLike[str]] = (),
+) -> Arm:
+    """Read a URDF and prepare its solver.
+
+    Args:
+        source: a path, XML text, an open file, or a catalogue name such as 'zyyzyz_6r' or 'ur5'.
+        base: base link; default: the root, where only one chain comes into question.
+        tip: tip link; default: the end of the only movable chain.
+        mesh_roots: folders that meshes may be read from, besides the URDF's own.
+
+    Raises:
+        UrdfError: the URDF is broken; the error names line, element and mend.
+        ChainError: base or tip is unknown or ambiguous; the error lists the candidates.
+        CatalogueError: a name that the catalogue does not hold.
+        UnsupportedArm: a joint of the chain cannot be handled.
+    """
+    from urdf_ik import catalogue, urdf
+
+    if isinstance(source, str) and _is_name(source):
+        entry = catalogue.resolve(source)
+        source, base, tip = entry.path, base or entry.base, tip or entry.tip
+        mesh_roots = (*mesh_roots, *entry.package_dirs)
+    model = urdf.read(source, mesh_roots=mesh_roots)
+    return Arm(model, Chain.from_urdf(model, base, tip))
+
+
+def _is_name(source: str) -> bool:
+    """Whether ``source`` can only be meant as a catalogue name: no markup, no folder, no ending, no such file."""
+    return bool(re.fullmatch(r"[\w-]+", source)) and not Path(source).exists()

@@ -1,0 +1,293 @@
+"""A serial chain from a base link to a tip link, as screw axes at the zero configuration."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik._kernels import screws
+from urdf_ik.errors import JointVectorError, UnsupportedArm
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from urdf_ik.urdf import Joint, UrdfModel
+
+MOVABLE = ("revolute", "continuous", "prismatic")
+
+
+@dataclass(frozen=True)
+class TreeJoint:
+    """One joint of the URDF's whole tree, as :meth:`Chain.link_poses` walks it.
+
+    ``column`` is the index in the joint vector that drives it (None: it stays at ``offset``), with
+    value = multiplier * q[column] + offset.
+    """
+
+    parent: str
+    child: str
+    origin: NDArray[np.float64]
+    axis: NDArray[np.float64]
+    prismatic: bool
+    column: int | None
+    multiplier: float
+    offset: float
+
+
+@dataclass(frozen=True)
+class Chain:
+    """The joints between ``base`` and ``tip`` as a product of exponentials.
+
+    Attributes:
+        base: base link; every pose is expressed in it.
+        tip: tip link; its pose is what forward kinematics gives.
+        joint_names: movable joints, base to tip.
+        joint_types: 'revolute', 'continuous' or 'prismatic', one a joint.
+        H: (n, 3) unit directions of the joint axes at q = 0, in base axes.
+        P: (n + 1, 3) m, steps from the base origin to axis 1, from axis to axis, from axis n to the tip.
+        R_tip: (3, 3) rotation of the tip in the base at q = 0.
+        limits: (n, 2) rad or m; a continuous joint has (-inf, inf).
+        tree: every joint of the URDF, parents first, in the base link's frame.
+    """
+
+    base: str
+    tip: str
+    joint_names: tuple[str, ...]
+    joint_types: tuple[str, ...]
+    H: NDArray[np.float64]
+    P: NDArray[np.float64]
+    R_tip: NDArray[np.float64]
+    limits: NDArray[np.float64]
+    tree: tuple[TreeJoint, ...] = field(repr=False, default=())
+    root: str = ""
+
+    def __post_init__(self) -> None:
+        for array in (self.H, self.P, self.R_tip, self.limits):
+            array.setflags(write=False)
+
+    @property
+    def n(self) -> int:
+        """Number of movable joints."""
+        return len(self.joint_names)
+
+    @property
+    def prismatic(self) -> NDArray[np.bool_]:
+        """(n,) true for prismatic joints."""
+        return np.array([kind == "prismatic" for kind in self.joint_types], dtype=np.bool_)
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """(n, 3) m, a point on each joint axis at q = 0."""
+        return np.cumsum(self.P, axis=0)[:-1]
+
+    @property
+    def size(self) -> float:
+        """Length that tolerances are relative to [m]: the sum of the steps between the axes and to the tip."""
+        return float(np.linalg.norm(self.P[1:], axis=1).sum()) or 1.0
+
+    @classmethod
+    def from_urdf(cls, model: UrdfModel, base: str | None = None, tip: str | None = None) -> Chain:
+        """Build the chain from ``base`` to ``tip``.
+
+        Raises:
+            ChainError: base or tip is unknown, ambiguous, or not on one chain.
+            UnsupportedArm: a joint of the chain is of a type, or a mimic, that cannot be solved.
+        """
+        base, tip = model.resolve_chain(base, tip)
+        movable: list[Joint] = []
+        H: list[NDArray[np.float64]] = []
+        points: list[NDArray[np.float64]] = [np.zeros(3)]
+        frame = np.eye(4)
+        for joint, upwards in _steps(model, base, tip):
+            if not upwards:
+                frame = frame @ joint.origin
+            if joint.type != "fixed":
+                _require_supported(model, joint)
+                direction = frame[:3, :3] @ joint.axis
+                movable.append(joint)
+                H.append((-1.0 if upwards else 1.0) * direction / np.linalg.norm(direction))
+                points.append(frame[:3, 3].copy())
+            if upwards:
+                frame = frame @ np.linalg.inv(joint.origin)
+        points.append(frame[:3, 3].copy())
+        names = tuple(joint.name for joint in movable)
+        limits = [
+            (-np.inf, np.inf) if joint.type == "continuous" else (joint.lower, joint.upper) for joint in movable
+        ]
+        return cls(
+            base=base,
+            tip=tip,
+            joint_names=names,
+            joint_types=tuple(joint.type for joint in movable),
+            H=np.array(H, dtype=np.float64).reshape(-1, 3),
+            P=np.diff(np.array(points), axis=0),
+            R_tip=np.ascontiguousarray(frame[:3, :3]),
+            limits=np.array(limits, dtype=np.float64).reshape(-1, 2),
+            tree=_tree(model, names),
+            root=model.root,
+        )
+
+    def fk(self, q: ArrayLike) -> NDArray[np.float64]:
+        """Pose of the tip in the base.
+
+        Args:
+            q: (..., n) rad or m.
+
+        Returns:
+            (..., 4, 4) homogeneous transforms.
+
+        Raises:
+            JointVectorError: the last dimension is not n, or a value is not finite.
+        """
+        Q = self.check(q)
+        T = np.empty((*Q.shape[:-1], 4, 4))
+        screws.forward_batch(
+            self.H, self.P, self.R_tip, self.prismatic, Q.reshape(-1, self.n), T.reshape(-1, 4, 4)
+        )
+        return T
+
+    def jacobian(self, q: ArrayLike) -> NDArray[np.float64]:
+        """Geometric Jacobian at the tip, in base axes, linear rows above angular ones.
+
+        Args:
+            q: (..., n) rad or m.
+
+        Returns:
+            (..., 6, n).
+
+        Raises:
+            JointVectorError: the last dimension is not n, or a value is not finite.
+        """
+        Q = self.check(q)
+        J = np.empty((*Q.shape[:-1], 6, self.n))
+        screws.jacobian_batch(
+            self.H, self.P, self.R_tip, self.prismatic, Q.reshape(-1, self.n), J.reshape(-1, 6, self.n)
+        )
+        return J
+
+    def link_poses(self, q: ArrayLike) -> dict[str, NDArray[np.float64]]:
+        """Pose of every link of the URDF in the base link's frame.
+
+        Joints outside the chain stay at zero; one that mimics a joint of the chain follows it.
+
+        Args:
+            q: (..., n) rad or m.
+
+        Returns:
+            Link name to (..., 4, 4).
+
+        Raises:
+            JointVectorError: the last dimension is not n, or a value is not finite.
+        """
+        Q = self.check(q)
+        batch = Q.shape[:-1]
+        free = {self.root: np.broadcast_to(np.eye(4), (*batch, 4, 4))}
+        for joint in self.tree:
+            drive = np.full(batch, joint.offset)
+            if joint.column is not None:
+                drive += joint.multiplier * Q[..., joint.column]
+            free[joint.child] = free[joint.parent] @ joint.origin @ _motion(joint, drive)
+        to_base = np.linalg.inv(free[self.base])
+        return {link: to_base @ pose for link, pose in free.items()}
+
+    def check(self, q: ArrayLike) -> NDArray[np.float64]:
+        """``q`` as a C-contiguous float64 array (..., n).
+
+        Raises:
+            JointVectorError: the last dimension is not n, or a value is not finite.
+        """
+        try:
+            Q = np.ascontiguousarray(q, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise JointVectorError(f"a joint vector must be an array of numbers (..., {self.n}): {error}") from None
+        if Q.ndim == 0 or Q.shape[-1] != self.n:
+            raise JointVectorError(
+                f"joint vectors of shape {Q.shape} given; the chain has {self.n} joints "
+                f"({', '.join(self.joint_names)}), so the last dimension must be {self.n}"
+            )
+        if not np.isfinite(Q).all():
+            where = np.argwhere(~np.isfinite(Q))[0]
+            raise JointVectorError(
+                f"joint vector{list(where[:-1]) or ''}: joint {self.joint_names[where[-1]]!r} "
+                f"is {Q[tuple(where)]}; a finite number is needed"
+            )
+        return Q
+
+
+def _steps(model: UrdfModel, base: str, tip: str) -> list[tuple[Joint, bool]]:
+    """Joints from ``base`` up to the common ancestor (marked True) and from there down to ``tip``."""
+    up, down = _to_root(model, base), _to_root(model, tip)
+    while up and down and up[-1].name == down[-1].name:
+        up.pop()
+        down.pop()
+    return [(joint, True) for joint in up] + [(joint, False) for joint in reversed(down)]
+
+
+def _to_root(model: UrdfModel, link: str) -> list[Joint]:
+    out = []
+    while (joint := model.parent_joint(link)) is not None:
+        out.append(joint)
+        link = joint.parent
+    return out
+
+
+def _require_supported(model: UrdfModel, joint: Joint) -> None:
+    if joint.type not in MOVABLE:
+        raise UnsupportedArm(
+            f"{model.source}: joint {joint.name!r} of the chain is {joint.type}; "
+            f"only fixed, {', '.join(MOVABLE)} joints can be solved"
+        )
+    if joint.mimic is not None:
+        raise UnsupportedArm(
+            f"{model.source}: joint {joint.name!r} of the chain mimics {joint.mimic[0]!r}; a chain whose joints "
+            f"move together cannot be solved yet: choose a base and tip with independent joints"
+        )
+
+
+def _motion(joint: TreeJoint, value: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(..., 4, 4) motion of one joint by ``value`` (...,) rad or m."""
+    n = value.size
+    T = np.empty((n, 4, 4))
+    screws.forward_batch(
+        joint.axis.reshape(1, 3),
+        np.zeros((2, 3)),
+        np.eye(3),
+        np.array([joint.prismatic]),
+        np.ascontiguousarray(value.reshape(n, 1)),
+        T,
+    )
+    return T.reshape(*value.shape, 4, 4)
+
+
+def _tree(model: UrdfModel, names: tuple[str, ...]) -> tuple[TreeJoint, ...]:
+    """Every joint of the URDF, parents before children."""
+    by_name = {joint.name: joint for joint in model.joints}
+    out: list[TreeJoint] = []
+    waiting = [model.root]
+    while waiting:
+        for joint in model.children(waiting.pop()):
+            multiplier, offset, driver = 1.0, 0.0, joint
+            while driver.mimic is not None and driver.mimic[0] in by_name:
+                driven_by, factor, shift = driver.mimic
+                offset += multiplier * shift
+                multiplier *= factor
+                driver = by_name[driven_by]
+            moves = joint.type in MOVABLE
+            column = names.index(driver.name) if moves and driver.name in names else None
+            out.append(
+                TreeJoint(
+                    parent=joint.parent,
+                    child=joint.child,
+                    origin=joint.origin,
+                    axis=np.ascontiguousarray(joint.axis, dtype=np.float64),
+                    prismatic=joint.type == "prismatic",
+                    column=column,
+                    multiplier=multiplier,
+                    offset=offset if moves else 0.0,
+                )
+            )
+            waiting.append(joint.child)
+    return tuple(out)
+

@@ -1,0 +1,134 @@
+"""What a family makes of an arm: the parameters of its kernel, its branches, and how far the arm is off."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik._kernels import layout
+from urdf_ik.dh_frames import denavit_hartenberg
+from urdf_ik.tolerances import DEFAULT
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from urdf_ik.chain import Chain
+    from urdf_ik.dh_frames import DHFrames
+    from urdf_ik.structure import Structure
+
+    Array = NDArray[np.float64]
+
+# Below this a cosine or sine of a twist is rounding of zero: eight units in the last place of 1.
+_ROUNDING = 2e-15
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A family's answer to an arm.
+
+    Attributes:
+        family: its name.
+        method: how it is solved, in words.
+        branches: names of the columns.
+        imperfection: (rad, m) of the relations that the family rests on.
+        error: greatest difference between the poses of the ideal arm and of the arm as written, over sampled
+            joint vectors [rad, share of size].
+        arm: (layout.LENGTH,) the kernel's numbers.
+        solve: kernel (T, arm, q_ref, Q, flags) -> index of the first bad pose or -1.
+        explain: (target in frame 1 as rotation (3, 3) and point (3,), size) -> why there is no solution.
+    """
+
+    family: str
+    method: str
+    branches: tuple[str, ...]
+    imperfection: tuple[float, float]
+    error: float
+    arm: Array
+    solve: Callable[..., int]
+    explain: Callable[[Array, Array], str]
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether the arm as written is the ideal one, to rounding."""
+        return self.error <= DEFAULT.exact_structure
+
+    @property
+    def rank(self) -> tuple[bool, float]:
+        """Sorts exact plans first, in the order given, then by error."""
+        return (not self.is_exact, 0.0 if self.is_exact else self.error)
+
+
+def ideal_frames(
+    chain: Chain,
+    directions: Array,
+    points: Array,
+    parallel: Sequence[bool],
+    meet: Sequence[bool],
+) -> tuple[DHFrames, float]:
+    """DH frames of the ideal arm, and how far its poses are from those of the arm as written."""
+    home = np.eye(4)
+    home[:3, :3], home[:3, 3] = chain.R_tip, chain.P.sum(axis=0)
+    frames = denavit_hartenberg(directions, points, home, parallel, meet)
+    Q = np.random.default_rng(0).uniform(-np.pi, np.pi, (12, chain.n))
+    apart = np.array([frames.fk(q) for q in Q]) - chain.fk(Q)
+    apart[:, :3, 3] /= chain.size
+    return frames, float(np.abs(apart).max())
+
+
+def pack(chain: Chain, frames: DHFrames, error: float, signs: Array) -> Array:
+    """The numbers that every family's kernel needs; the family adds its own."""
+    arm = np.zeros(layout.LENGTH)
+    base, tool = frames.base, frames.tool
+    arm[layout.BASE_ROTATION : layout.BASE_ROTATION + 9] = base[:3, :3].T.ravel()
+    arm[layout.BASE_ORIGIN : layout.BASE_ORIGIN + 3] = base[:3, 3]
+    arm[layout.TOOL_ROTATION : layout.TOOL_ROTATION + 9] = tool[:3, :3].T.ravel()
+    arm[layout.TOOL_POINT : layout.TOOL_POINT + 3] = -tool[:3, :3].T @ tool[:3, 3]
+    arm[layout.COS_ALPHA : layout.COS_ALPHA + 5] = snapped(np.cos(frames.alpha))
+    arm[layout.SIN_ALPHA : layout.SIN_ALPHA + 5] = snapped(np.sin(frames.alpha))
+    arm[layout.A : layout.A + 5] = frames.a
+    arm[layout.D : layout.D + 4] = frames.d[:4]
+    arm[layout.OFFSET : layout.OFFSET + 6] = frames.offset
+    arm[layout.SIZE] = chain.size
+    arm[layout.REACH : layout.REACH + 8] = DEFAULT.for_kernels()
+    exact = error <= DEFAULT.exact_structure
+    arm[layout.CLAMP] = 100.0 * DEFAULT.fold if exact else 100.0 * DEFAULT.fold + 50.0 * error
+    arm[layout.IMPERFECTION] = error
+    if not exact:
+        arm[layout.EDGE] = np.inf
+    arm[layout.SIGNS : layout.SIGNS + 24] = signs.ravel()
+    arm[layout.H : layout.H + 18] = chain.H.ravel()
+    arm[layout.P : layout.P + 21] = chain.P.ravel()
+    arm[layout.R_TIP : layout.R_TIP + 9] = chain.R_tip.ravel()
+    return arm
+
+
+def snapped(values: Array) -> Array:
+    """Values with the rounding of 0 and +-1 taken away."""
+    nearest = np.round(values)
+    return np.where(np.abs(values - nearest) < _ROUNDING, nearest, values)
+
+
+def imperfection(structure: Structure, parallel: Sequence[int], meet: Sequence[int]) -> tuple[float, float]:
+    """Greatest angle [rad] and distance [m] by which these pairs, named by their first axis, are off."""
+    angles = [structure.pairs[i - 1].off_angle for i in parallel]
+    distances = [structure.pairs[i - 1].off_distance for i in meet]
+    return max(angles, default=0.0), max(distances, default=0.0)
+
+
+def mean_direction(directions: Array) -> Array:
+    """Directions (k, 3) replaced by their common one, each with its own sign."""
+    signs = np.where(directions @ directions[0] < 0.0, -1.0, 1.0)
+    mean = (signs[:, None] * directions).sum(axis=0)
+    return signs[:, None] * (mean / np.linalg.norm(mean))
+
+
+def method_in_words(steps: str, error: float) -> str:
+    """``steps``, with what is done about an imperfect arm."""
+    if error <= DEFAULT.exact_structure:
+        return f"Closed form: {steps}"
+    return f"Nearest ideal arm in closed form ({steps}), refined by Newton's method on the URDF as written"

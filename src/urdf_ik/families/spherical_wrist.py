@@ -1,0 +1,166 @@
+"""Six revolute joints whose last three axes meet in a point (Pieper 1968)."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik._kernels import layout
+from urdf_ik._kernels import spherical_wrist as kernels
+from urdf_ik.families.plan import Plan, ideal_frames, imperfection, mean_direction, method_in_words, pack
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.chain import Chain
+    from urdf_ik.structure import Structure
+
+    Array = NDArray[np.float64]
+
+_SIGNS = np.array([[front, up, flip] for front in (1, -1) for up in (1, -1) for flip in (1, -1)], dtype=np.float64)
+_NAMES = tuple(
+    f"shoulder {front}, elbow {up}, wrist {flip}"
+    for front in ("front", "back")
+    for up in ("up", "down")
+    for flip in ("noflip", "flip")
+)
+_ROOTS = tuple(f"position {k}, wrist {flip}" for k in (1, 2, 3, 4) for flip in ("noflip", "flip"))
+_STEPS = {
+    "2||3": "wrist centre first: joint 1 by the plane it lies in, elbow by the law of cosines; then the wrist",
+    "1x2": "wrist centre first: joint 3 by its distance, joints 2 and 1 by its height; then the wrist",
+    "1||2": "wrist centre first: joint 3 by its height, joints 1 and 2 in the plane; then the wrist",
+    "": "wrist centre first, by a quartic in joint 3; then the wrist",
+}
+
+
+def matches(structure: Structure) -> bool:
+    """Whether axes 4, 5 and 6 of a 6R arm meet, and its position problem is not degenerate."""
+    return (
+        len(structure.joint_types) == 6
+        and "prismatic" not in structure.joint_types
+        and structure.triple(4, "meet") is not None
+        and structure.triple(1, "meet") is None
+        and structure.triple(1, "parallel") is None
+        and not structure.is_parallel(3)
+    )
+
+
+def prepare(structure: Structure, chain: Chain) -> Plan:
+    """Parameters of the nearest arm with a spherical wrist."""
+    shoulder = _shoulder(structure)
+    wrist = structure.triple(4, "meet")
+    directions, points = chain.H.copy(), chain.points.copy()
+    if wrist is not None and wrist.point is not None:
+        points[3:] = wrist.point
+    parallel, meet = [False] * 5, [False, False, False, True, True]
+    pairs = []
+    if shoulder in ("2||3", "1||2"):
+        first = int(shoulder[0])
+        pairs.append(first)
+        directions[first - 1 : first + 1] = mean_direction(directions[first - 1 : first + 1])
+        parallel[first - 1] = True
+    crossing = structure.is_intersecting(1)
+    meet[0] = crossing and (shoulder == "1x2" or structure.pairs[0].off_distance < 1e-12 * chain.size)
+    frames, error = ideal_frames(chain, directions, points, parallel, meet)
+    angle, distance = imperfection(structure, pairs, [1] if shoulder == "1x2" else [])
+    arm = pack(chain, frames, error, _SIGNS)
+    _fill(arm, shoulder)
+    name = {"2||3": "2||3 and 1x2" if crossing else "2||3", "": "general shoulder"}.get(shoulder, shoulder)
+    solve = {
+        "2||3": kernels.solve_parallel_23,
+        "1x2": kernels.solve_intersecting_12,
+        "1||2": kernels.solve_parallel_12,
+        "": kernels.solve_general_shoulder,
+    }[shoulder]
+    return Plan(
+        family=f"6R spherical wrist, {name}",
+        method=method_in_words(_STEPS[shoulder], error),
+        branches=_NAMES if shoulder else _ROOTS,
+        imperfection=(angle, max(distance, wrist.imperfection if wrist else 0.0)),
+        error=error,
+        arm=arm,
+        solve=solve,
+        explain=lambda rotation, point: _explain(arm, shoulder, rotation, point),
+    )
+
+
+def _shoulder(structure: Structure) -> str:
+    if structure.is_parallel(2):
+        return "2||3"
+    if structure.is_parallel(1):
+        return "1||2"
+    return "1x2" if structure.is_intersecting(1) else ""
+
+
+def _fill(arm: Array, shoulder: str) -> None:
+    """The family's own numbers; names as in _kernels/wrist_position.py."""
+    a, d = arm[layout.A : layout.A + 5], arm[layout.D : layout.D + 4]
+    ca, sa = arm[layout.COS_ALPHA : layout.COS_ALPHA + 5], arm[layout.SIN_ALPHA : layout.SIN_ALPHA + 5]
+    centre = np.array([a[2], -sa[2] * d[2], ca[2] * d[2]])
+    rho, phi = math.hypot(centre[0], centre[1]), math.atan2(centre[1], centre[0])
+    arm[layout.CENTRE : layout.CENTRE + 3] = centre
+    arm[layout.RHO] = rho
+    arm[layout.COS_PHI], arm[layout.SIN_PHI] = math.cos(phi), math.sin(phi)
+    height = centre[2] + d[1]
+    if shoulder == "2||3":
+        arm[layout.HEIGHT] = d[0] + ca[1] * height
+        # The elbow is up where it lies above the line from shoulder to wrist, seen along axis 1.
+        up = -ca[1] * np.sign(sa[0]) * _SIGNS[:, 0]
+        signs = _SIGNS.copy()
+        signs[:, 1] *= up
+        arm[layout.SIGNS : layout.SIGNS + 24] = signs.ravel()
+    elif shoulder == "1x2":
+        # |p|^2 = constant + 2 rho |(a2, d2 sin alpha2)| cos(t3 + phi - delta)
+        x, y = a[1], d[0] * sa[1]
+        swing, delta = 2.0 * rho * math.hypot(x, y), math.atan2(y, x)
+        constant = a[1] ** 2 + d[0] ** 2 + rho**2 + height**2 + 2.0 * d[0] * ca[1] * height
+        arm[layout.SWING], arm[layout.SWING + 1] = 1.0 / swing, -constant / swing
+        arm[layout.COS_PHI], arm[layout.SIN_PHI] = math.cos(delta - phi), math.sin(delta - phi)
+    elif shoulder == "1||2":
+        # cos(alpha1) p_z = d2 + sin(alpha2) rho sin(t3 + phi) + cos(alpha2) height
+        swing = sa[1] * rho
+        arm[layout.SWING], arm[layout.SWING + 1] = 1.0 / swing, -(d[0] + ca[1] * height) / swing
+
+
+def _explain(arm: Array, shoulder: str, rotation: Array, point: Array) -> str:
+    size = arm[layout.SIZE]
+    if shoulder == "2||3":
+        ca, sa = arm[layout.COS_ALPHA], arm[layout.SIN_ALPHA]
+        height = arm[layout.HEIGHT]
+        up = (point[2] - ca * height) / sa
+        side = ca * up - sa * height
+        radius = math.hypot(point[0], point[1])
+        if radius < abs(side):
+            return (
+                f"the wrist centre is {radius:.6g} m from axis 1, and joints 2 and 3 cannot bring it closer "
+                f"than {abs(side):.6g} m"
+            )
+        ahead = math.sqrt(radius**2 - side**2)
+        reach = [math.hypot(sign * ahead - arm[layout.A], up) for sign in (1.0, -1.0)]
+        longest = arm[layout.A + 1] + arm[layout.RHO]
+        shortest = abs(arm[layout.A + 1] - arm[layout.RHO])
+        if min(reach) > longest:
+            return f"wrist centre {min(reach):.6g} m from the shoulder (axis 2), reach {longest:.6g} m"
+        if max(reach) < shortest:
+            return (
+                f"wrist centre {max(reach):.6g} m from the shoulder (axis 2), closer than the folded arm's "
+                f"{shortest:.6g} m"
+            )
+    elif shoulder in ("1x2", "1||2"):
+        square = float(point @ point) if shoulder == "1x2" else arm[layout.COS_ALPHA] * point[2]
+        swing, shift = arm[layout.SWING], arm[layout.SWING + 1]
+        if abs(square * swing + shift) > 1.0:
+            low, high = sorted(((-1.0 - shift) / swing, (1.0 - shift) / swing))
+            if shoulder == "1x2":
+                low, high = math.sqrt(max(low, 0.0)), math.sqrt(max(high, 0.0))
+                return (
+                    f"wrist centre {math.sqrt(square):.6g} m from the shoulder (where axes 1 and 2 meet), "
+                    f"reach {low:.6g} to {high:.6g} m"
+                )
+            return f"wrist centre at {square:.6g} m along axis 1, which joint 3 moves from {low:.6g} to {high:.6g} m"
+    far = float(np.linalg.norm(point))
+    if far > 2.0 * size:
+        return f"the wrist centre is {far:.6g} m from axis 1, and all links together measure {size:.6g} m"
+    return "no angles of the first three joints bring the wrist centre there and leave the wrist its turn"

@@ -1,0 +1,48 @@
+"""Every numerical tolerance of the package, with its meaning. Lengths are relative to the arm's size.
+
+The kernels receive the first eight as part of their one array, in this order.
+"""
+
+from __future__ import annotations
+
+from dataclasses import astuple, dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Tolerances:
+    """What the solvers compare with.
+
+    Attributes:
+        reach: position [of the arm's size] and rotation [rad] error below which a solution is verified.
+        edge: squared distance from a singularity, as a share, below which a pose leaves the fast path.
+        fold: squared distance below which two solutions that meet count as one: 1e-14 is 1e-7 rad, the
+            resolution of a double root in double precision.
+        continuum: squared distance below which a joint counts as free and a representative is returned.
+        duplicate: two joint vectors closer than this in every joint [rad] are one solution.
+        rotation: greatest entry of R^T R - I that is still read as a rotation with rounding errors.
+        exact_rotation: the same, below which the rotation is used as it stands instead of being projected.
+        exact_structure: imperfection [rad, share of size] below which an arm is a member of its family.
+        near_angle: two axes this close to parallel [rad] may be meant to be.
+        near_distance: two axes this close [share of size] may be meant to meet.
+    """
+
+    reach: float = 1e-10
+    edge: float = 1e-7
+    fold: float = 1e-14
+    continuum: float = 4e-22
+    duplicate: float = 1e-8
+    rotation: float = 1e-5
+    exact_rotation: float = 1e-12
+    exact_structure: float = 1e-13
+    near_angle: float = 0.02
+    near_distance: float = 1e-3
+
+    def for_kernels(self) -> NDArray[np.float64]:
+        """(8,) the first eight values, in the order in which the kernels expect them."""
+        return np.array(astuple(self)[:8], dtype=np.float64)
+
+
+DEFAULT = Tolerances()
