@@ -12,6 +12,8 @@ from urdf_ik._kernels.screws import jacobian_from_axes, place_axes
 from urdf_ik._kernels.trig import wrap
 
 _MACHINE = 2.220446049250313e-16
+# Forward kinematics of six joints carries about ten roundings.
+_CONVERGED = 1e-14
 
 
 @kernel
@@ -96,7 +98,7 @@ def refine(arm, target, q, rounds):
         if error < least:
             least = error
             best[:] = q
-        elif k > 3 and error > 0.5 * least and least < 1e-13:
+        elif k > 3 and error > 0.5 * least and least < _CONVERGED:
             break
         if error < 8.0 * _MACHINE or k == rounds:
             break
@@ -148,21 +150,29 @@ def accept(arm, target, q, b, marks, near, Q, flags):
     """Polish the candidate ``q`` of column ``b`` on the arm as written and keep it if it is verified and new.
 
     On an imperfect arm near a singularity (``near``) the ideal candidate may stand for two solutions, or for
-    none: starts beside it find both. Their offsets are fixed, so the same target always gives the same answer.
+    none: starts beside it find both. Near a double root an error falls with the square of the distance, so only
+    what has converged to rounding is a solution there; the best of the rest is kept where nothing has.
+    Their offsets are fixed, so the same target always gives the same answer.
     """
-    imperfect = arm[layout.IMPERFECTION] > arm[layout.EXACT_STRUCTURE]
-    start = q.copy()
-    error = refine(arm, target, q, 15 if imperfect else 6)
-    if error <= arm[layout.REACH] and is_new(Q, flags, q, arm[layout.DUPLICATE]):
-        keep(Q, flags, b, q, marks)
-    if not (imperfect and near):
+    if arm[layout.IMPERFECTION] <= arm[layout.EXACT_STRUCTURE] or not near:
+        if refine(arm, target, q, 15) <= arm[layout.REACH] and is_new(Q, flags, q, arm[layout.DUPLICATE]):
+            keep(Q, flags, b, q, marks)
         return
+    start, best = q.copy(), q.copy()
+    least, converged = math.inf, False
     seed = 12345
-    for k in range(12):
-        width = 10.0 ** (-2.0 - 2.0 * (k % 3)) * (1.0 if k < 6 else 0.3)
+    for k in range(13):
+        width = 0.0 if k == 0 else 10.0 ** (-2.0 - 2.0 * (k % 3)) * (1.0 if k < 7 else 0.3)
         for j in range(6):
             seed = (seed * 1103515245 + 12345) % 2147483648
             q[j] = start[j] + width * (seed / 1073741824.0 - 1.0)
         error = refine(arm, target, q, 25)
-        if error <= arm[layout.REACH] and is_new(Q, flags, q, 10.0 * arm[layout.DUPLICATE]):
-            keep(Q, flags, b, q, marks)
+        if error < least:
+            least = error
+            best[:] = q
+        if error <= _CONVERGED:
+            converged = True
+            if is_new(Q, flags, q, 10.0 * arm[layout.DUPLICATE]):
+                keep(Q, flags, b, q, marks)
+    if not converged and least <= arm[layout.REACH] and is_new(Q, flags, best, 10.0 * arm[layout.DUPLICATE]):
+        keep(Q, flags, b, best, marks)

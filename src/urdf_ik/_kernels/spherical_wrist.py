@@ -12,7 +12,7 @@ from urdf_ik._kernels.batch import spread, store
 from urdf_ik._kernels.compile import inlined, kernel, step
 from urdf_ik._kernels.layout import BLOCK, COS_ALPHA, OFFSET, ROWS, SIN_ALPHA
 from urdf_ik._kernels.refine import accept
-from urdf_ik._kernels.subproblems import unturn, wrist_bend, wrist_turns
+from urdf_ik._kernels.subproblems import is_fold, unturn, wrist_bend, wrist_turns
 from urdf_ik._kernels.target import load, project_rotation, to_frame_1
 from urdf_ik._kernels.trig import atan2, wrap
 
@@ -87,14 +87,15 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
             continue
         marks = 0
         free1, free2 = arm1 <= continuum, arm2 <= continuum
-        if free1 or m1 <= fold:
+        if m1 <= fold or arm1 <= fold:
             marks |= layout.SHOULDER
-            if front < 0.0 and kind != shoulder.GENERAL:
-                continue
-        if m2 <= fold:
+        if m2 <= fold or (kind == shoulder.PARALLEL_23 and arm2 <= fold):
             marks |= layout.ELBOW
-            if up < 0.0:
-                continue
+        swung = arm1 if kind == shoulder.PARALLEL_23 else (arm2 if kind == shoulder.INTERSECTING_12 else 1.0)
+        if front < 0.0 and kind != shoulder.GENERAL and (free1 or is_fold(m1, swung, fold)):
+            continue
+        if up < 0.0 and is_fold(m2, arm2 if kind == shoulder.PARALLEL_23 else 1.0, fold):
+            continue
         if free2:
             marks |= layout.ELBOW if kind == shoulder.PARALLEL_23 else layout.SHOULDER
             if (up if kind == shoulder.PARALLEL_23 else front) < 0.0 and kind != shoulder.GENERAL:
@@ -114,9 +115,8 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
         )
         if fixed <= fold or m3 <= fold:
             marks |= layout.WRIST
-        if fixed <= continuum or (m3 <= fold and fixed > arm[layout.EDGE]):
-            if flip < 0.0:
-                continue
+        if flip < 0.0 and (fixed <= continuum or is_fold(m3, fixed, fold)):
+            continue
         if fixed <= continuum:
             # The sum (or difference) of the turns is what counts: share its distance from the reference.
             a4 = q_ref[3] + arm[OFFSET + 3]

@@ -39,14 +39,16 @@ def swing_to_offset(x, y, k, sign):
 def elbow(ux, uy, a, b, side, sign):
     """Planar two-link arm: a e(q2) + b e(q2 + side * gamma) = (ux, uy); law of cosines, then subproblem 1.
 
-    Returns cos q2, sin q2, cos gamma, sin gamma, margin 1 - cos^2 gamma.
+    1 + cos gamma and 1 - cos gamma are taken apart, so that a folded arm of equal links keeps its digits.
+    Returns cos q2, sin q2, cos gamma, sin gamma, margin sin^2 gamma.
     """
     uu = ux * ux + uy * uy
-    c = (uu - a * a - b * b) / (2.0 * a * b)
-    margin = (1.0 - c) * (1.0 + c)
-    c = min(max(c, -1.0), 1.0)
+    w = 0.5 / (a * b)
+    folded, stretched = (uu - (a - b) * (a - b)) * w, ((a + b) * (a + b) - uu) * w
+    margin = folded * stretched
+    c = min(max(0.5 * (folded - stretched), -1.0), 1.0)
     s = sign * math.sqrt(max(margin, 0.0))
-    wx, wy = a + b * c, side * b * s
+    wx, wy = a - b + b * max(folded, 0.0), side * b * s
     c2, s2 = unit(wx * ux + wy * uy, wx * uy - wy * ux)
     return c2, s2, c, s, margin
 
@@ -95,3 +97,12 @@ def wrist_turns(m00, m10, m20, m01, m11, m21, m02, m12, m22, c, s, ca, sa, cb, s
     ez = ca * cb - sa * sb * c - m22
     ev = vx * m02 + vy * m12 + vz * m22
     return cf, sf, cl, sl, fixed, ex * ex + ey * ey + ez * ez + ev * ev
+
+
+@step
+def is_fold(margin, arm, fold):
+    """Whether two solutions whose squared sine is ``margin`` meet in a double root.
+
+    Where the squared ``arm`` that they swing is itself small they do not: they part by half a turn there.
+    """
+    return margin <= fold * min(1.0, math.sqrt(arm))

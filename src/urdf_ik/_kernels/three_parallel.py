@@ -17,7 +17,7 @@ from urdf_ik._kernels.compile import inlined, kernel, step
 from urdf_ik._kernels.layout import ALONG, BLOCK, COS_ALPHA, COS_FIRST, OFFSET, ROWS, SIN_ALPHA, SIN_FIRST, TURN_3, TURN_4, A, D
 from urdf_ik._kernels.polynomials import trigonometric_roots
 from urdf_ik._kernels.refine import accept
-from urdf_ik._kernels.subproblems import elbow, swing_to_offset, unit, unturn, wrist_bend, wrist_turns
+from urdf_ik._kernels.subproblems import elbow, is_fold, swing_to_offset, unit, unturn, wrist_bend, wrist_turns
 from urdf_ik._kernels.target import load, project_rotation, to_frame_1
 from urdf_ik._kernels.trig import atan2, wrap
 
@@ -66,7 +66,8 @@ def branch(W, O, m, arm):
         error = (ex * ex + ey * ey + ez * ez) * scale
         m1 *= scale
         arm1, arm2 = (px * px + py * py) * scale, (ux * ux + uy * uy) * scale
-        lost = (m1 < -edge) | (m2 < -edge) | (m3 < -edge)
+        # Where the wrist leaves phi free, another phi may bring the elbow within reach.
+        lost = (m1 < -edge) | (m3 < -edge) | ((m2 < -edge) & (fixed > edge))
         doubt = (min(m1, m2) <= edge) | (min(m3, fixed) <= edge) | (min(arm1, arm2) <= edge)
         doubt = doubt | (not (error + turned <= reach))
         t2, t3 = atan2(s2, c2), atan2(s3, c3)
@@ -168,10 +169,10 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
             m1 *= scale
             if m1 < -clamp:
                 continue
-            if m1 <= fold:
+            if m1 <= fold or arm1 <= fold:
                 marks |= layout.SHOULDER
-                if front < 0.0:
-                    continue
+            if front < 0.0 and (arm1 <= continuum or is_fold(m1, arm1, fold)):
+                continue
             if arm1 <= continuum:
                 c1, s1 = math.cos(q_ref[0] + arm[OFFSET]), math.sin(q_ref[0] + arm[OFFSET])
         m00, m10, m20 = seen_along(X[0], X[3], X[6], arm, c1, s1)
@@ -192,7 +193,7 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
         )
         if fixed <= fold or m3 <= fold:
             marks |= layout.WRIST
-        if kind != GENERAL and flip < 0.0 and (fixed <= continuum or (m3 <= fold and fixed > arm[layout.EDGE])):
+        if kind != GENERAL and flip < 0.0 and (fixed <= continuum or is_fold(m3, fixed, fold)):
             continue
         fx, fy = forearm(arm, c5, s5)
         if fixed <= continuum:
@@ -212,12 +213,11 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
         arm2 = (ux * ux + uy * uy) * scale
         if m2 < -clamp:
             continue
-        if m2 <= fold:
+        if m2 <= fold or arm2 <= fold:
             marks |= layout.ELBOW
-            if up < 0.0:
-                continue
+        if up < 0.0 and (arm2 <= continuum or is_fold(m2, arm2, fold)):
+            continue
         if arm2 <= continuum:
-            marks |= layout.ELBOW
             c2, s2 = math.cos(q_ref[1] + arm[OFFSET + 1]), math.sin(q_ref[1] + arm[OFFSET + 1])
         t2, t3 = math.atan2(s2, c2), math.atan2(s3, c3)
         t4 = arm[TURN_4] * (math.atan2(sf, cf) - t2 - arm[TURN_3] * t3)
