@@ -107,6 +107,45 @@ def shoulder_roots(X, arm, roots):
 
 
 @kernel
+def aligned_root(X, arm, c1, s1):
+    """The root (c1, s1), made exact where axis 6 is almost parallel to axes 2-4.
+
+    There the quartic has two roots that nearly meet, known to half the digits only. Both lie beside the plain
+    angle at which axis 6 points along the parallel axes the most. With x the distance from it and w = 1 - cos x,
+    sin t5 = b + g sin x + k w and sin^2 t5 = m - 2 h w - e w^2 without cancellation: Newton's method on their
+    difference, from the quadratic equation that is left to second order in x.
+    """
+    ca, sa, cb, sb = arm[COS_FIRST], arm[SIN_FIRST], arm[COS_ALPHA + 4], arm[SIN_ALPHA + 4]
+    _, dc, ds = _along(X[2], X[5], X[8], arm)
+    ce, se = unit(dc, ds)
+    if ce * c1 + se * s1 < 0.0:
+        ce, se = -ce, -se
+    x = ce * s1 - se * c1
+    if abs(x) > 1e-4:
+        return c1, s1
+    level, hc, hs = _along(X[9], X[10], X[11], arm)
+    w = 1.0 / (sa * arm[A + 4])
+    b, g, k = (level + hc * ce + hs * se - arm[ALONG]) * w, (hs * ce - hc * se) * w, -(hc * ce + hs * se) * w
+    mx, my, mz = seen_along(X[2], X[5], X[8], arm, ce, se)
+    c5, _, m = wrist_bend(mx, my, mz, ca, sa, cb, sb, 1.0)
+    a = (dc * ce + ds * se) / (sa * sb)
+    square, half = g * g + b * k + c5 * a, b * g
+    if abs(square) < 1e-9:
+        return c1, s1
+    root = math.sqrt(max(half * half - square * (b * b - m), 0.0))
+    first, second = (-half + root) / square, (-half - root) / square
+    x = first if abs(first - x) < abs(second - x) else second
+    for _ in range(2):
+        w = 2.0 * math.sin(0.5 * x) ** 2
+        bend = b + g * math.sin(x) + k * w
+        value = bend * bend - m + 2.0 * c5 * a * w + a * a * w * w
+        slope = 2.0 * bend * (g * math.cos(x) + k * math.sin(x)) + 2.0 * (c5 * a + a * a * w) * math.sin(x)
+        if abs(slope) > 1e-9 * abs(x):
+            x -= value / slope
+    return unit(ce * math.cos(x) - se * math.sin(x), se * math.cos(x) + ce * math.sin(x))
+
+
+@kernel
 def _along(x, y, z, arm):
     """Component along the parallel axes as constant, cos t1 and sin t1 coefficients."""
     return arm[COS_ALPHA] * z, -arm[SIN_ALPHA] * y, arm[SIN_ALPHA] * x
@@ -163,7 +202,7 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
             root = (0 if front > 0.0 else 2) + (0 if flip > 0.0 else 1)
             if root >= found:
                 continue
-            c1, s1 = roots[root, 0], roots[root, 1]
+            c1, s1 = aligned_root(X, arm, roots[root, 0], roots[root, 1])
         else:
             c1, s1, _, m1 = swing_to_offset(px, py, k, front)
             m1 *= scale
@@ -211,7 +250,8 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
         ux, uy = ox - (cf * fx - sf * fy), oy - (sf * fx + cf * fy)
         c2, s2, c3, s3, m2 = elbow(ux, uy, arm[A + 1], arm[A + 2], arm[TURN_3], up)
         arm2 = (ux * ux + uy * uy) * scale
-        if m2 < -clamp:
+        # A root next to an aligned wrist is rough, and phi with it: let Newton's method decide.
+        if m2 < (-max(clamp, 1e-9 / (fixed + 1e-8)) if kind == GENERAL else -clamp):
             continue
         if m2 <= fold or arm2 <= fold:
             marks |= layout.ELBOW
