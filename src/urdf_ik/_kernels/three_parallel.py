@@ -107,8 +107,8 @@ def shoulder_roots(X, arm, roots):
 
 
 @kernel
-def aligned_root(X, arm, c1, s1):
-    """The root (c1, s1), made exact where axis 6 is almost parallel to axes 2-4.
+def sharpen_roots(X, arm, roots, found):
+    """Make the roots exact at which axis 6 is almost parallel to axes 2-4; ``roots`` is changed in place.
 
     There the quartic has two roots that nearly meet, known to half the digits only. Both lie beside the plain
     angle at which axis 6 points along the parallel axes the most. With x the distance from it and w = 1 - cos x,
@@ -117,24 +117,42 @@ def aligned_root(X, arm, c1, s1):
     """
     ca, sa, cb, sb = arm[COS_FIRST], arm[SIN_FIRST], arm[COS_ALPHA + 4], arm[SIN_ALPHA + 4]
     _, dc, ds = _along(X[2], X[5], X[8], arm)
-    ce, se = unit(dc, ds)
-    if ce * c1 + se * s1 < 0.0:
-        ce, se = -ce, -se
-    x = ce * s1 - se * c1
-    if abs(x) > 1e-4:
-        return c1, s1
     level, hc, hs = _along(X[9], X[10], X[11], arm)
     w = 1.0 / (sa * arm[A + 4])
-    b, g, k = (level + hc * ce + hs * se - arm[ALONG]) * w, (hs * ce - hc * se) * w, -(hc * ce + hs * se) * w
-    mx, my, mz = seen_along(X[2], X[5], X[8], arm, ce, se)
-    c5, _, m = wrist_bend(mx, my, mz, ca, sa, cb, sb, 1.0)
-    a = (dc * ce + ds * se) / (sa * sb)
-    square, half = g * g + b * k + c5 * a, b * g
-    if abs(square) < 1e-9:
-        return c1, s1
-    root = math.sqrt(max(half * half - square * (b * b - m), 0.0))
-    first, second = (-half + root) / square, (-half - root) / square
-    x = first if abs(first - x) < abs(second - x) else second
+    for side in range(2):
+        ce, se = unit(dc, ds) if side == 0 else unit(-dc, -ds)
+        first, second = -1, -1
+        for i in range(found):
+            if ce * roots[i, 0] + se * roots[i, 1] > 0.0 and abs(ce * roots[i, 1] - se * roots[i, 0]) < 1e-4:
+                if first < 0:
+                    first = i
+                else:
+                    second = i
+        if first < 0:
+            continue
+        b, g, k = (level + hc * ce + hs * se - arm[ALONG]) * w, (hs * ce - hc * se) * w, -(hc * ce + hs * se) * w
+        mx, my, mz = seen_along(X[2], X[5], X[8], arm, ce, se)
+        c5, _, m = wrist_bend(mx, my, mz, ca, sa, cb, sb, 1.0)
+        a = (dc * ce + ds * se) / (sa * sb)
+        square, half = g * g + b * k + c5 * a, b * g
+        if abs(square) < 1e-9:
+            continue
+        spread = math.sqrt(max(half * half - square * (b * b - m), 0.0)) / abs(square)
+        low, high = -half / square - spread, -half / square + spread
+        low, high = _sharpened(low, b, g, k, m, c5, a), _sharpened(high, b, g, k, m, c5, a)
+        x = ce * roots[first, 1] - se * roots[first, 0]
+        if second >= 0:
+            y = ce * roots[second, 1] - se * roots[second, 0]
+            x, y = (low, high) if x <= y else (high, low)
+            roots[second, 0], roots[second, 1] = ce * math.cos(y) - se * math.sin(y), se * math.cos(y) + ce * math.sin(y)
+        else:
+            x = low if abs(low - x) < abs(high - x) else high
+        roots[first, 0], roots[first, 1] = ce * math.cos(x) - se * math.sin(x), se * math.cos(x) + ce * math.sin(x)
+
+
+@kernel
+def _sharpened(x, b, g, k, m, c5, a):
+    """Two steps of Newton's method on the difference of ``sharpen_roots``."""
     for _ in range(2):
         w = 2.0 * math.sin(0.5 * x) ** 2
         bend = b + g * math.sin(x) + k * w
@@ -142,7 +160,7 @@ def aligned_root(X, arm, c1, s1):
         slope = 2.0 * bend * (g * math.cos(x) + k * math.sin(x)) + 2.0 * (c5 * a + a * a * w) * math.sin(x)
         if abs(slope) > 1e-9 * abs(x):
             x -= value / slope
-    return unit(ce * math.cos(x) - se * math.sin(x), se * math.cos(x) + ce * math.sin(x))
+    return x
 
 
 @kernel
@@ -191,7 +209,10 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
     Q[:, :] = math.nan
     flags[:] = 0
     px, py, pz = X[9], X[10], X[11]
-    found = shoulder_roots(X, arm, roots) if kind == GENERAL else 4
+    found = 0
+    if kind == GENERAL:
+        found = shoulder_roots(X, arm, roots)
+        sharpen_roots(X, arm, roots, found)
     k = (arm[COS_ALPHA] * pz - arm[ALONG]) / arm[SIN_ALPHA]
     arm1 = (px * px + py * py) * scale
     for b in range(8):
@@ -202,7 +223,7 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
             root = (0 if front > 0.0 else 2) + (0 if flip > 0.0 else 1)
             if root >= found:
                 continue
-            c1, s1 = aligned_root(X, arm, roots[root, 0], roots[root, 1])
+            c1, s1 = roots[root, 0], roots[root, 1]
         else:
             c1, s1, _, m1 = swing_to_offset(px, py, k, front)
             m1 *= scale
