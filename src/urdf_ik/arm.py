@@ -16,7 +16,6 @@ import numpy as np
 
 from urdf_ik import families
 from urdf_ik._kernels import compile as compiler
-from urdf_ik._kernels.layout import LENGTH
 from urdf_ik._kernels.target import to_frame_1
 from urdf_ik.chain import Chain
 from urdf_ik.errors import PoseError, UnsupportedArm
@@ -62,9 +61,8 @@ class Arm:
                 branches=plan.branches,
                 imperfection=plan.imperfection,
             )
-            self._kernel, self._numbers = plan.solve, plan.arm
+            self._solver, self._kernel, self._numbers = plan.solve, self._first_solve, plan.arm
             self._branches, self._shape = plan.branches, (1, len(plan.branches), chain.n)
-            self._compile()
 
     def __repr__(self) -> str:
         return f"<Arm {self.name!r}: {self.base} to {self.tip}, {self.structure.family or f'{self.dof} joints'}>"
@@ -203,13 +201,13 @@ class Arm:
         check_poses(T)
         raise PoseError("a rotation that is neither orthonormal nor near it")
 
-    def _compile(self) -> None:
-        """Have the solver compiled, or its machine code read back, before the first pose comes."""
+    def _first_solve(self, *arguments: Any) -> int:
+        """Solve, and say so should the compiler take long; from then on the kernel is called directly."""
+        solve = self._solver
         with _patience(self.structure.family):
-            self._kernel(np.zeros((0, 4, 4)), np.zeros(LENGTH), self._no_reference, np.empty((0, 8, 6)), _NO_FLAGS)
-
-
-_NO_FLAGS = np.empty((0, 8), np.uint8)
+            bad = solve(*arguments)
+        self._kernel = solve
+        return bad
 
 
 @contextmanager
