@@ -1,6 +1,6 @@
 """Every numerical tolerance of the package, with its meaning. Lengths are relative to the arm's size.
 
-The kernels receive the first eight as part of their one array, in this order.
+The kernels receive the first nine as part of their one array, in this order.
 """
 
 from __future__ import annotations
@@ -18,9 +18,11 @@ class Tolerances:
     Attributes:
         reach: position [of the arm's size] and rotation [rad] error below which a solution is verified.
         edge: squared distance from a singularity, as a share, below which a pose leaves the fast path.
-        fold: squared distance below which two solutions that meet count as one: 1e-14 is 1e-7 rad, the
-            resolution of a double root in double precision.
+        fold: pose error half way between two solutions below which they are one double root: it falls with the
+            square of their distance, and 2e-14 is about 2e-7 rad, the resolution of double precision.
         continuum: squared distance below which a joint counts as free and a representative is returned.
+        singular: smallest singular value of the Jacobian, lengths as shares of the size, below which its rank
+            counts as dropped.
         duplicate: two joint vectors closer than this in every joint [rad] are one solution.
         rotation: greatest entry of R^T R - I that is still read as a rotation with rounding errors.
         exact_rotation: the same, below which the rotation is used as it stands instead of being projected.
@@ -31,8 +33,9 @@ class Tolerances:
 
     reach: float = 1e-10
     edge: float = 1e-7
-    fold: float = 1e-14
+    fold: float = 2e-14
     continuum: float = 4e-22
+    singular: float = 1e-6
     duplicate: float = 1e-8
     rotation: float = 1e-5
     exact_rotation: float = 1e-12
@@ -41,8 +44,8 @@ class Tolerances:
     near_distance: float = 1e-3
 
     def for_kernels(self) -> NDArray[np.float64]:
-        """(8,) the first eight values, in the order in which the kernels expect them."""
-        return np.array(astuple(self)[:8], dtype=np.float64)
+        """(9,) the first nine values, in the order in which the kernels expect them."""
+        return np.array(astuple(self)[:9], dtype=np.float64)
 
 
 DEFAULT = Tolerances()

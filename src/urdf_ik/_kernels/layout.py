@@ -14,12 +14,15 @@ CENTRE, RHO, COS_PHI, SIN_PHI, HEIGHT, SWING = 50, 53, 54, 55, 56, 57
 # Three parallel axes: height of axis 6 along them, the sign that axes 3 and 4 turn with, the wrist's first twist.
 ALONG, TURN_3, TURN_4, COS_FIRST, SIN_FIRST = 50, 51, 52, 53, 54
 # Tolerances, in the order of ``tolerances.Tolerances``.
-REACH, EDGE, FOLD, CONTINUUM, DUPLICATE, ROTATION, EXACT_ROTATION, EXACT_STRUCTURE = range(64, 72)
+REACH, EDGE, FOLD, CONTINUUM, SINGULAR, DUPLICATE, ROTATION, EXACT_ROTATION, EXACT_STRUCTURE = range(64, 73)
 # How far below zero a margin may fall before the branch is given up, and how far the ideal arm is off.
-CLAMP, IMPERFECTION = 72, 73
+CLAMP, IMPERFECTION = 73, 74
 # Signs of the eight branches (8, 3); the arm as written.
 SIGNS, H, P, R_TIP = 76, 100, 118, 139
 LENGTH = 148
+
+# What a squared quantity of order one carries of rounding when it arrives at the families: 32 units in the last place.
+ROUNDING = 7e-15
 
 # Rows of a block's workspace: target (0-12), signs of the branch (13-15), root (16-17), scratch (13-25).
 ROWS, BLOCK = 26, 32

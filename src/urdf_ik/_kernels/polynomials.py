@@ -72,6 +72,17 @@ def trigonometric_roots(e0, ec, es, ec2, es2, roots):
 
 
 @kernel
+def root_gap(roots, count, i):
+    """Squared distance on the unit circle from root ``i`` to the nearest other one; 4 where it is alone."""
+    gap = 4.0
+    for k in range(count):
+        if k != i:
+            c, s = roots[k, 0] - roots[i, 0], roots[k, 1] - roots[i, 1]
+            gap = min(gap, c * c + s * s)
+    return gap
+
+
+@kernel
 def _sort_by_angle(roots, count):
     """Order the first rows of ``roots`` by angle in (-pi, pi], so that columns are stable."""
     for i in range(1, count):

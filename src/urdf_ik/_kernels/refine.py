@@ -11,7 +11,7 @@ from urdf_ik._kernels.compile import kernel
 from urdf_ik._kernels.screws import jacobian_from_axes, place_axes
 from urdf_ik._kernels.trig import wrap
 
-_MACHINE = 2.220446049250313e-16
+_ROUNDING = 1.8e-15
 # Forward kinematics of six joints carries about ten roundings.
 _CONVERGED = 1e-14
 
@@ -77,15 +77,21 @@ def damped_step(J, e, damping, step):
 
 
 @kernel
-def refine(arm, target, q, rounds):
-    """Newton's method, damped, on the arm as written; ``q`` (6,) is replaced by the best vector met.
-
-    Returns its error (pose_error). The damping falls with the error, so that convergence is quadratic at
-    regular solutions and steps stay bounded at singular ones.
-    """
+def place(arm, prismatic, q, T, axes, points):
+    """``place_axes`` of the arm as written."""
     H = arm[layout.H : layout.H + 18].reshape(6, 3)
     P = arm[layout.P : layout.P + 21].reshape(7, 3)
     R_tip = arm[layout.R_TIP : layout.R_TIP + 9].reshape(3, 3)
+    place_axes(H, P, R_tip, prismatic, q, T, axes, points)
+
+
+@kernel
+def refine(arm, target, q, rounds, enough):
+    """Newton's method, damped, on the arm as written; ``q`` (6,) is replaced by the best vector met.
+
+    It stops below ``enough``. Returns its error (pose_error). The damping falls with the error, so that convergence is quadratic at
+    regular solutions and steps stay bounded at singular ones.
+    """
     scale = 1.0 / arm[layout.SIZE]
     prismatic = np.zeros(6, np.bool_)
     T, J = np.empty((4, 4)), np.empty((6, 6))
@@ -93,14 +99,14 @@ def refine(arm, target, q, rounds):
     best = q.copy()
     least = math.inf
     for k in range(rounds + 1):
-        place_axes(H, P, R_tip, prismatic, q, T, axes, points)
+        place(arm, prismatic, q, T, axes, points)
         error = pose_error(target, T, scale, e)
         if error < least:
             least = error
             best[:] = q
         elif k > 3 and error > 0.5 * least and least < _CONVERGED:
             break
-        if error < 8.0 * _MACHINE or k == rounds:
+        if error < enough or k == rounds:
             break
         jacobian_from_axes(prismatic, axes, points, T[:3, 3], J)
         for j in range(6):
@@ -118,15 +124,90 @@ def refine(arm, target, q, rounds):
 
 
 @kernel
-def is_new(Q, flags, q, tolerance):
-    """Whether ``q`` differs from every valid row of ``Q`` (B, n) by more than ``tolerance`` in some joint."""
+def least_stretch(J):
+    """Smallest singular value of ``J`` (6, 6), by inverse iteration on its triangular factor."""
+    n = J.shape[0]
+    R = J.copy()
+    for k in range(n):
+        norm = 0.0
+        for i in range(k, n):
+            norm += R[i, k] * R[i, k]
+        norm = math.sqrt(norm)
+        alpha = -norm if R[k, k] > 0.0 else norm
+        first = R[k, k] - alpha
+        square = norm * norm - R[k, k] * R[k, k] + first * first
+        if square > 0.0:
+            for j in range(k + 1, n):
+                dot = first * R[k, j]
+                for i in range(k + 1, n):
+                    dot += R[i, k] * R[i, j]
+                dot *= 2.0 / square
+                R[k, j] -= dot * first
+                for i in range(k + 1, n):
+                    R[i, j] -= dot * R[i, k]
+        R[k, k] = alpha
+        if abs(alpha) < 1e-30:
+            return 0.0
+    x, y = np.ones(n), np.empty(n)
+    least = math.inf
+    for _ in range(4):
+        for i in range(n):
+            rest = x[i]
+            for j in range(i):
+                rest -= R[j, i] * y[j]
+            y[i] = rest / R[i, i]
+        length = 0.0
+        for i in range(n - 1, -1, -1):
+            rest = y[i]
+            for j in range(i + 1, n):
+                rest -= R[i, j] * x[j]
+            x[i] = rest / R[i, i]
+        for i in range(n):
+            length += x[i] * x[i]
+        length = math.sqrt(length)
+        for i in range(n):
+            x[i] /= length
+        least = 1.0 / math.sqrt(length)
+    return least
+
+
+@kernel
+def singular_marks(arm, q, marks):
+    """``marks`` if the Jacobian at ``q`` is singular (OTHER where they name no kind), else none."""
+    axes, points, T, J = np.empty((6, 3)), np.empty((6, 3)), np.empty((4, 4)), np.empty((6, 6))
+    prismatic = np.zeros(6, np.bool_)
+    place(arm, prismatic, q, T, axes, points)
+    jacobian_from_axes(prismatic, axes, points, T[:3, 3], J)
+    for j in range(6):
+        for i in range(3):
+            J[i, j] /= arm[layout.SIZE]
+    if least_stretch(J) > arm[layout.SINGULAR]:
+        return 0
+    return marks if marks else layout.OTHER
+
+
+@kernel
+def is_new(arm, target, Q, flags, q):
+    """Whether ``q`` differs from every valid row of ``Q`` (B, n).
+
+    Two vectors half way between which the arm is still in the pose, to rounding, are one double root.
+    """
+    middle, e = np.empty(q.size), np.empty(6)
+    axes, points, T = np.empty((6, 3)), np.empty((6, 3)), np.empty((4, 4))
+    prismatic = np.zeros(6, np.bool_)
     for b in range(Q.shape[0]):
         if flags[b] & layout.VALID:
             apart = 0.0
             for j in range(q.size):
-                apart = max(apart, abs(wrap(q[j] - Q[b, j])))
-            if apart <= tolerance:
+                step = wrap(q[j] - Q[b, j])
+                middle[j] = Q[b, j] + 0.5 * step
+                apart = max(apart, abs(step))
+            if apart <= arm[layout.DUPLICATE]:
                 return False
+            if apart < 1e-3:
+                place(arm, prismatic, middle, T, axes, points)
+                if pose_error(target, T, 1.0 / arm[layout.SIZE], e) <= arm[layout.FOLD]:
+                    return False
     return True
 
 
@@ -154,9 +235,12 @@ def accept(arm, target, q, b, marks, near, Q, flags):
     what has converged to rounding is a solution there; the best of the rest is kept where nothing has.
     Their offsets are fixed, so the same target always gives the same answer.
     """
-    if arm[layout.IMPERFECTION] <= arm[layout.EXACT_STRUCTURE] or not near:
-        if refine(arm, target, q, 15) <= arm[layout.REACH] and is_new(Q, flags, q, arm[layout.DUPLICATE]):
-            keep(Q, flags, b, q, marks)
+    exact = arm[layout.IMPERFECTION] <= arm[layout.EXACT_STRUCTURE]
+    # A closed form is not improved by a step along a singular direction that only rounding asks for.
+    enough = 2.0 * _CONVERGED if exact else _ROUNDING
+    if exact or not near:
+        if refine(arm, target, q, 15, enough) <= arm[layout.REACH] and is_new(arm, target, Q, flags, q):
+            keep(Q, flags, b, q, singular_marks(arm, q, marks) if near else 0)
         return
     start, best = q.copy(), q.copy()
     least, converged = math.inf, False
@@ -166,13 +250,13 @@ def accept(arm, target, q, b, marks, near, Q, flags):
         for j in range(6):
             seed = (seed * 1103515245 + 12345) % 2147483648
             q[j] = start[j] + width * (seed / 1073741824.0 - 1.0)
-        error = refine(arm, target, q, 25)
+        error = refine(arm, target, q, 25, _ROUNDING)
         if error < least:
             least = error
             best[:] = q
         if error <= _CONVERGED:
             converged = True
-            if is_new(Q, flags, q, 10.0 * arm[layout.DUPLICATE]):
-                keep(Q, flags, b, q, marks)
-    if not converged and least <= arm[layout.REACH] and is_new(Q, flags, best, 10.0 * arm[layout.DUPLICATE]):
-        keep(Q, flags, b, best, marks)
+            if is_new(arm, target, Q, flags, q):
+                keep(Q, flags, b, q, singular_marks(arm, q, marks))
+    if not converged and least <= arm[layout.REACH] and is_new(arm, target, Q, flags, best):
+        keep(Q, flags, b, best, singular_marks(arm, best, marks))

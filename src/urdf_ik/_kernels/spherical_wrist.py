@@ -11,8 +11,9 @@ from urdf_ik._kernels import wrist_position as shoulder
 from urdf_ik._kernels.batch import spread, store
 from urdf_ik._kernels.compile import inlined, kernel, step
 from urdf_ik._kernels.layout import BLOCK, COS_ALPHA, OFFSET, ROWS, SIN_ALPHA
+from urdf_ik._kernels.polynomials import root_gap
 from urdf_ik._kernels.refine import accept
-from urdf_ik._kernels.subproblems import is_fold, unturn, wrist_bend, wrist_turns
+from urdf_ik._kernels.subproblems import is_double, unturn, wrist_bend, wrist_turns
 from urdf_ik._kernels.target import load, project_rotation, to_frame_1
 from urdf_ik._kernels.trig import atan2, wrap
 
@@ -66,6 +67,7 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
     """
     fold, clamp, continuum = arm[layout.FOLD], arm[layout.CLAMP], arm[layout.CONTINUUM]
     near_zone = 1e-3
+    scale = 1.0 / (arm[layout.SIZE] * arm[layout.SIZE])
     ca, sa, cb, sb = arm[COS_ALPHA + 3], arm[SIN_ALPHA + 3], arm[COS_ALPHA + 4], arm[SIN_ALPHA + 4]
     X, q, roots = np.empty(12), np.empty(6), np.empty((4, 2))
     to_frame_1(target, arm, X)
@@ -83,24 +85,29 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
         c1, s1, c2, s2, c3, s3, m1, m2, arm1, arm2, _ = shoulder.position(
             kind, X[9], X[10], X[11], arm, front, up, False, 1.0, 0.0, False, 1.0, 0.0, roots[b // 2, 0], roots[b // 2, 1]
         )
+        if kind == shoulder.GENERAL:
+            m1 = root_gap(roots, found, b // 2)
         if m1 < -clamp or m2 < -clamp:
             continue
         marks = 0
         free1, free2 = arm1 <= continuum, arm2 <= continuum
-        if m1 <= fold or arm1 <= fold:
+        by_height = kind == shoulder.PARALLEL_23
+        if (m1 <= fold and kind != shoulder.GENERAL) or free1 or (free2 and not by_height):
             marks |= layout.SHOULDER
-        if m2 <= fold or (kind == shoulder.PARALLEL_23 and arm2 <= fold):
+        if m2 <= fold or (free2 and by_height):
             marks |= layout.ELBOW
-        swung = arm1 if kind == shoulder.PARALLEL_23 else (arm2 if kind == shoulder.INTERSECTING_12 else 1.0)
-        if front < 0.0 and kind != shoulder.GENERAL and (free1 or is_fold(m1, swung, fold)):
-            continue
-        if up < 0.0 and is_fold(m2, arm2 if kind == shoulder.PARALLEL_23 else 1.0, fold):
-            continue
-        if free2:
-            marks |= layout.ELBOW if kind == shoulder.PARALLEL_23 else layout.SHOULDER
-            if (up if kind == shoulder.PARALLEL_23 else front) < 0.0 and kind != shoulder.GENERAL:
+        if kind != shoulder.GENERAL:
+            # Of two signs that stand for the same root, or the same continuum, the positive one is kept, as zero.
+            swung = arm1 if by_height else (arm2 if kind == shoulder.INTERSECTING_12 else 1.0)
+            bent = layout.ROUNDING / (2.0 * arm[layout.A + 1] * arm[layout.RHO] * scale) if by_height else layout.ROUNDING
+            double1 = is_double(m1, swung, layout.ROUNDING)
+            double2 = is_double(m2, arm2 if by_height else 1.0, bent)
+            if front < 0.0 and (double1 or free1 or (free2 and not by_height)):
                 continue
-        if free1 or free2:
+            if up < 0.0 and (double2 or (free2 and by_height)):
+                continue
+            front, up = (0.0 if double1 else front), (0.0 if double2 else up)
+        if free1 or free2 or front == 0.0 or up == 0.0:
             c1, s1, c2, s2, c3, s3, _, _, _, _, _ = shoulder.position(
                 kind, X[9], X[10], X[11], arm, front, up, free1, c1h, s1h, free2, c2h, s2h, roots[b // 2, 0], roots[b // 2, 1]
             )
@@ -115,8 +122,14 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
         )
         if fixed <= fold or m3 <= fold:
             marks |= layout.WRIST
-        if flip < 0.0 and (fixed <= continuum or is_fold(m3, fixed, fold)):
+        double3 = is_double(m3, fixed, layout.ROUNDING / (sb * sb))
+        if flip < 0.0 and (double3 or fixed <= continuum):
             continue
+        if double3:
+            c5, s5, _ = wrist_bend(m02, m12, m22, ca, sa, cb, sb, 0.0)
+            c4, s4, c6, s6, fixed, _ = wrist_turns(
+                m00, m10, m20, m01, m11, m21, m02, m12, m22, c5, s5, ca, sa, cb, sb, False, 1.0, 0.0
+            )
         if fixed <= continuum:
             # The sum (or difference) of the turns is what counts: share its distance from the reference.
             a4 = q_ref[3] + arm[OFFSET + 3]

@@ -100,9 +100,10 @@ def wrist_turns(m00, m10, m20, m01, m11, m21, m02, m12, m22, c, s, ca, sa, cb, s
 
 
 @step
-def is_fold(margin, arm, fold):
-    """Whether two solutions whose squared sine is ``margin`` meet in a double root.
+def is_double(margin, arm, rounding):
+    """Whether a margin cannot be told from zero: the two solutions are one double root.
 
-    Where the squared ``arm`` that they swing is itself small they do not: they part by half a turn there.
+    The margin is a difference of squares; where the squared length ``arm`` that it belongs to is small, so is
+    its rounding error, and the solutions part by half a turn instead of meeting.
     """
-    return margin <= fold * min(1.0, math.sqrt(arm))
+    return margin <= rounding * math.sqrt(arm)

@@ -15,9 +15,9 @@ from urdf_ik._kernels import layout
 from urdf_ik._kernels.batch import spread, store
 from urdf_ik._kernels.compile import inlined, kernel, step
 from urdf_ik._kernels.layout import ALONG, BLOCK, COS_ALPHA, COS_FIRST, OFFSET, ROWS, SIN_ALPHA, SIN_FIRST, TURN_3, TURN_4, A, D
-from urdf_ik._kernels.polynomials import trigonometric_roots
+from urdf_ik._kernels.polynomials import root_gap, trigonometric_roots
 from urdf_ik._kernels.refine import accept
-from urdf_ik._kernels.subproblems import elbow, is_fold, swing_to_offset, unit, unturn, wrist_bend, wrist_turns
+from urdf_ik._kernels.subproblems import elbow, is_double, swing_to_offset, unit, unturn, wrist_bend, wrist_turns
 from urdf_ik._kernels.target import load, project_rotation, to_frame_1
 from urdf_ik._kernels.trig import atan2, wrap
 
@@ -224,6 +224,7 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
             if root >= found:
                 continue
             c1, s1 = roots[root, 0], roots[root, 1]
+            m1 = root_gap(roots, found, root)
         else:
             c1, s1, _, m1 = swing_to_offset(px, py, k, front)
             m1 *= scale
@@ -231,8 +232,11 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
                 continue
             if m1 <= fold or arm1 <= fold:
                 marks |= layout.SHOULDER
-            if front < 0.0 and (arm1 <= continuum or is_fold(m1, arm1, fold)):
+            double1 = is_double(m1, arm1, layout.ROUNDING)
+            if front < 0.0 and (double1 or arm1 <= continuum):
                 continue
+            if double1:
+                c1, s1, _, _ = swing_to_offset(px, py, k, 0.0)
             if arm1 <= continuum:
                 c1, s1 = math.cos(q_ref[0] + arm[OFFSET]), math.sin(q_ref[0] + arm[OFFSET])
         m00, m10, m20 = seen_along(X[0], X[3], X[6], arm, c1, s1)
@@ -253,8 +257,15 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
         )
         if fixed <= fold or m3 <= fold:
             marks |= layout.WRIST
-        if kind != GENERAL and flip < 0.0 and (fixed <= continuum or is_fold(m3, fixed, fold)):
-            continue
+        if kind != GENERAL:
+            double3 = is_double(m3, fixed, layout.ROUNDING / (sb * sb))
+            if flip < 0.0 and (double3 or fixed <= continuum):
+                continue
+            if double3:
+                c5, s5, _ = wrist_bend(m02, m12, m22, ca, sa, cb, sb, 0.0)
+                cf, sf, c6, s6, fixed, _ = wrist_turns(
+                    m00, m10, m20, m01, m11, m21, m02, m12, m22, c5, s5, ca, sa, cb, sb, False, 1.0, 0.0
+                )
         fx, fy = forearm(arm, c5, s5)
         if fixed <= continuum:
             _, _, c6, s6, _, _ = wrist_turns(
@@ -276,8 +287,11 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
             continue
         if m2 <= fold or arm2 <= fold:
             marks |= layout.ELBOW
-        if up < 0.0 and (arm2 <= continuum or is_fold(m2, arm2, fold)):
+        double2 = is_double(m2, arm2, layout.ROUNDING / (2.0 * arm[A + 1] * arm[A + 2] * scale))
+        if up < 0.0 and (double2 or arm2 <= continuum):
             continue
+        if double2:
+            c2, s2, c3, s3, _ = elbow(ux, uy, arm[A + 1], arm[A + 2], arm[TURN_3], 0.0)
         if arm2 <= continuum:
             c2, s2 = math.cos(q_ref[1] + arm[OFFSET + 1]), math.sin(q_ref[1] + arm[OFFSET + 1])
         t2, t3 = math.atan2(s2, c2), math.atan2(s3, c3)

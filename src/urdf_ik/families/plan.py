@@ -94,7 +94,7 @@ def pack(chain: Chain, frames: DHFrames, error: float, signs: Array) -> Array:
     arm[layout.D : layout.D + 4] = frames.d[:4]
     arm[layout.OFFSET : layout.OFFSET + 6] = frames.offset
     arm[layout.SIZE] = chain.size
-    arm[layout.REACH : layout.REACH + 8] = DEFAULT.for_kernels()
+    arm[layout.REACH : layout.REACH + 9] = DEFAULT.for_kernels()
     exact = error <= DEFAULT.exact_structure
     arm[layout.CLAMP] = 100.0 * DEFAULT.fold if exact else 100.0 * DEFAULT.fold + 50.0 * error
     arm[layout.IMPERFECTION] = error

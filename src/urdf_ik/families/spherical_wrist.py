@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.chain import Chain
+    from urdf_ik.dh_frames import DHFrames
     from urdf_ik.structure import Structure
 
     Array = NDArray[np.float64]
@@ -66,7 +67,7 @@ def prepare(structure: Structure, chain: Chain) -> Plan:
     frames, error = ideal_frames(chain, directions, points, parallel, meet)
     angle, distance = imperfection(structure, pairs, [1] if shoulder == "1x2" else [])
     arm = pack(chain, frames, error, _SIGNS)
-    _fill(arm, shoulder)
+    _fill(arm, shoulder, _front(chain, frames, points[3]))
     name = {"2||3": "2||3 and 1x2" if crossing else "2||3", "": "general shoulder"}.get(shoulder, shoulder)
     solve = {
         "2||3": kernels.solve_parallel_23,
@@ -94,8 +95,23 @@ def _shoulder(structure: Structure) -> str:
     return "1x2" if structure.is_intersecting(1) else ""
 
 
-def _fill(arm: Array, shoulder: str) -> None:
-    """The family's own numbers; names as in _kernels/wrist_position.py."""
+def _front(chain: Chain, frames: DHFrames, centre: Array) -> float:
+    """1 where frame 1's x points to the arm's front, else -1.
+
+    The front is where the shoulder's offset puts axis 2; without one, where the wrist is at q = 0; if that is on
+    axis 1, where a positive turn of joint 2 leans the arm.
+    """
+    if frames.a[0] > 0.0:
+        return 1.0
+    x = frames.base[:3, 0]
+    ahead = float((centre - frames.base[:3, 3]) @ x)
+    if abs(ahead) < 1e-6 * chain.size:
+        ahead = float(np.cross(chain.H[1], chain.H[0]) @ x)
+    return 1.0 if ahead > 0.0 else -1.0
+
+
+def _fill(arm: Array, shoulder: str, ahead: float) -> None:
+    """The family's own numbers; names as in _kernels/wrist_position.py. ``ahead``: side of x that is the front."""
     a, d = arm[layout.A : layout.A + 5], arm[layout.D : layout.D + 4]
     ca, sa = arm[layout.COS_ALPHA : layout.COS_ALPHA + 5], arm[layout.SIN_ALPHA : layout.SIN_ALPHA + 5]
     centre = np.array([a[2], -sa[2] * d[2], ca[2] * d[2]])
@@ -106,10 +122,10 @@ def _fill(arm: Array, shoulder: str) -> None:
     height = centre[2] + d[1]
     if shoulder == "2||3":
         arm[layout.HEIGHT] = d[0] + ca[1] * height
-        # The elbow is up where it lies above the line from shoulder to wrist, seen along axis 1.
-        up = -ca[1] * np.sign(sa[0]) * _SIGNS[:, 0]
         signs = _SIGNS.copy()
-        signs[:, 1] *= up
+        signs[:, 0] *= ahead
+        # The elbow is up where it lies above the line from shoulder to wrist, seen along axis 1.
+        signs[:, 1] *= -ca[1] * np.sign(sa[0]) * signs[:, 0]
         arm[layout.SIGNS : layout.SIGNS + 24] = signs.ravel()
     elif shoulder == "1x2":
         # |p|^2 = constant + 2 rho |(a2, d2 sin alpha2)| cos(t3 + phi - delta)

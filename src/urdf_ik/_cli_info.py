@@ -1,0 +1,148 @@
+"""What ``urdf-ik info`` tells of an arm: joints, relations of the axes, and how it is solved."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import TYPE_CHECKING, Any
+
+from urdf_ik import _cli_io, _cli_views
+from urdf_ik.structure import AxisPair, AxisTriple
+
+if TYPE_CHECKING:
+    from urdf_ik._cli_io import Angles
+    from urdf_ik.arm import Arm
+
+_UNSOLVED = "none: no solver takes this structure"
+
+
+def as_json(arm: Arm, angles: Angles) -> str:
+    """The same facts as data; a limit that is not there is null."""
+    structure = arm.structure
+    angle, distance = structure.imperfection
+    limits = angles.shown(arm.limits.T).T
+    return _cli_io.json_text(
+        {
+            "robot": arm.name,
+            "source": arm.model.source,
+            "base": arm.base,
+            "tip": arm.tip,
+            "units": {"angle": angles.unit, "length": "m"},
+            "joints": [
+                {"name": name, "type": kind, "axis": axis, "lower": lower, "upper": upper}
+                for name, kind, axis, (lower, upper) in zip(
+                    arm.joint_names, arm.chain.joint_types, arm.chain.H, limits, strict=True
+                )
+            ],
+            "structure": {
+                "pairs": [
+                    {
+                        "axes": [pair.first, pair.first + 1],
+                        "relation": pair.relation,
+                        "angle": angles.angle(pair.angle),
+                        "distance": pair.distance,
+                        "off_angle": angles.angle(pair.off_angle),
+                        "off_distance": pair.off_distance,
+                    }
+                    for pair in structure.pairs
+                ],
+                "triples": [
+                    {
+                        "axes": _numbers(triple),
+                        "relation": triple.relation,
+                        "off_angle": angles.angle(triple.imperfection) if triple.relation == "parallel" else 0.0,
+                        "off_distance": triple.imperfection if triple.relation == "meet" else 0.0,
+                        "point": triple.point,
+                    }
+                    for triple in structure.triples
+                ],
+                "imperfection": {"angle": angles.angle(angle), "distance": distance},
+            },
+            "solver": {
+                "supported": bool(structure.family),
+                "family": structure.family or None,
+                "method": structure.method or None,
+                "max_solutions": structure.max_solutions,
+                "branches": structure.branches,
+            },
+        }
+    )
+
+
+def as_text(arm: Arm, angles: Angles) -> str:
+    """Tables and lines for people."""
+    structure = arm.structure
+    unit = angles.unit
+    joints = _cli_views.grid(
+        ["#", "joint", "type", "axis in base at q = 0", "lower", "upper", "unit"],
+        [
+            [i + 1, name, kind, _vector(axis), *(_limit(x) for x in limits), "m" if kind == "prismatic" else unit]
+            for i, (name, kind, axis, limits) in enumerate(
+                zip(arm.joint_names, arm.chain.joint_types, arm.chain.H, angles.shown(arm.limits.T).T, strict=True)
+            )
+        ],
+        left=["joint", "type", "axis in base at q = 0", "unit"],
+    )
+    axes = _cli_views.grid(
+        ["axes", "relation", f"angle [{unit}]", "distance [m]", "imperfection"],
+        [_pair_row(pair, angles) for pair in structure.pairs] + [_triple_row(t, angles) for t in structure.triples],
+        left=["axes", "relation", "imperfection"],
+    )
+    facts = [
+        ("robot", arm.name),
+        ("source", arm.model.source),
+        ("chain", f"{arm.base} to {arm.tip}, {arm.dof} joints"),
+    ]
+    solver = [("family", structure.family or _UNSOLVED)]
+    if structure.family:
+        angle, distance = structure.imperfection
+        solver += [
+            ("solver", structure.method),
+            ("imperfection", f"{angles.angle(angle):.1e} {unit}, {distance:.1e} m off the family, as written"),
+            ("solutions", f"up to {structure.max_solutions}, one a branch:"),
+        ]
+    branches = [f"{'':14}{i + 1:>2}  {name}" for i, name in enumerate(structure.branches)]
+    return _cli_views.render(_facts(facts), "", joints, "", axes, "", _facts(solver), *branches)
+
+
+def _facts(facts: list[tuple[str, str]]) -> str:
+    """Lines of a heading and its text, folded under itself."""
+    lines = []
+    for heading, text in facts:
+        folded = textwrap.wrap(text, 64, break_long_words=False, break_on_hyphens=False) or [""]
+        lines += [f"{heading if i == 0 else '':<14}{line}" for i, line in enumerate(folded)]
+    return "\n".join(lines)
+
+
+def _pair_row(pair: AxisPair, angles: Angles) -> list[str]:
+    distance = "0" if pair.off_distance else f"{pair.distance:.6g}"
+    off = {
+        "parallel": f"{angles.angle(pair.off_angle):.1e} {angles.unit}",
+        "coincident": f"{angles.angle(pair.off_angle):.1e} {angles.unit}, {pair.off_distance:.1e} m",
+        "intersecting": f"{pair.off_distance:.1e} m",
+    }
+    return [
+        f"{pair.first}, {pair.first + 1}",
+        pair.relation,
+        f"{angles.angle(pair.angle):.6g}",
+        distance,
+        off.get(pair.relation, "-"),
+    ]
+
+
+def _triple_row(triple: AxisTriple, angles: Angles) -> list[str]:
+    axes = ", ".join(map(str, _numbers(triple)))
+    if triple.relation == "meet":
+        return [axes, "meet in a point", "-", "-", f"{triple.imperfection:.1e} m"]
+    return [axes, triple.relation, "-", "-", f"{angles.angle(triple.imperfection):.1e} {angles.unit}"]
+
+
+def _numbers(triple: AxisTriple) -> list[int]:
+    return [triple.first, triple.first + 1, triple.first + 2]
+
+
+def _vector(axis: Any) -> str:
+    return " ".join(f"{_cli_views.number(float(x), 4):>7}" for x in axis)
+
+
+def _limit(value: float) -> str:
+    return "none" if abs(value) == float("inf") else _cli_views.number(float(value), 4)

@@ -1,0 +1,125 @@
+"""Arguments and options of the commands of ``urdf-ik``."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import IO, Annotated
+
+import typer
+from typer import Argument, Option
+
+
+class Format(StrEnum):
+    """Output of solutions and poses."""
+
+    TABLE = "table"
+    JSON = "json"
+    CSV = "csv"
+    NPZ = "npz"
+
+
+class ReportFormat(StrEnum):
+    """Output of reports."""
+
+    TABLE = "table"
+    JSON = "json"
+
+
+# What every command takes.
+Robot = Annotated[
+    str, Argument(metavar="ROBOT", help="URDF file, a catalogue name (zyyzyz_6r, dh_6r, ur5, ...), or - for stdin.")
+]
+Base = Annotated[str | None, Option("--base", metavar="LINK", help="Base link; poses are given in its frame.")]
+Tip = Annotated[str | None, Option("--tip", metavar="LINK", help="Tip link, whose pose is meant.")]
+MeshRoot = Annotated[
+    list[Path] | None, Option("--mesh-root", metavar="DIR", help="Where meshes may be read from; repeatable.")
+]
+Degrees = Annotated[bool, Option("--degrees", help="Angles in degrees, in and out, instead of rad.")]
+Output = Annotated[Path | None, Option("--output", "-o", metavar="FILE", help="Write here instead of stdout.")]
+DataFormat = Annotated[
+    Format | None, Option("--format", "-f", help="Default: by the name of --output, else table.", show_default=False)
+]
+TextFormat = Annotated[ReportFormat, Option("--format", "-f", help="How to print it.")]
+Seed = Annotated[int, Option("--seed", min=0, help="Seed of everything that is drawn.")]
+
+# Joint vectors of fk.
+Vectors = Annotated[list[str] | None, Option("--q", metavar="Q1,Q2,...", help="Joint vector, rad or m; repeatable.")]
+VectorFile = Annotated[
+    str | None, Option("--file", metavar="FILE", help="Joint vectors: csv, json, npy, npz, or - for stdin.")
+]
+
+# Targets of ik.
+Position = Annotated[str | None, Option("--xyz", metavar="X,Y,Z", help="Position of the tip [m].")]
+QuatXyzw = Annotated[str | None, Option("--quat-xyzw", metavar="X,Y,Z,W", help="Orientation, scalar last.")]
+QuatWxyz = Annotated[str | None, Option("--quat-wxyz", metavar="W,X,Y,Z", help="Orientation, scalar first.")]
+Rpy = Annotated[str | None, Option("--rpy", metavar="R,P,Y", help="Roll, pitch, yaw about fixed x, y, z.")]
+Rotvec = Annotated[str | None, Option("--rotvec", metavar="X,Y,Z", help="Rotation axis times angle.")]
+Planted = Annotated[
+    list[str] | None, Option("--q", metavar="Q1,Q2,...", help="The tip at this joint vector; repeatable.")
+]
+PoseFile = Annotated[str | None, Option("--poses", metavar="FILE", help="Poses from a file, or - for stdin.")]
+Random = Annotated[int | None, Option("--random", metavar="N", min=1, help="N poses of random joint vectors.")]
+
+# What becomes of the solutions of ik.
+Turns = Annotated[bool, Option("--turns", help="Add the +-2 pi images inside the limits.")]
+WithinLimits = Annotated[bool, Option("--within-limits", help="Keep those inside the limits.")]
+CollisionFree = Annotated[bool, Option("--collision-free", help="Keep those free of self-collision.")]
+Nearest = Annotated[
+    str | None, Option("--nearest", metavar="Q1,Q2,...", help="Keep the one nearest to this joint vector.")
+]
+Checked = Annotated[
+    bool | None,
+    Option(
+        "--check/--no-check",
+        help="Pinocchio's error and self-collision of each solution, or leave Pinocchio out. "
+        "Default: both up to 20 poses, beyond that only the error.",
+        show_default=False,
+    ),
+]
+
+# What check compares.
+Count = Annotated[int, Option("-n", "--poses", min=1, help="Number of random poses.")]
+Collision = Annotated[
+    bool | None,
+    Option(
+        "--collision/--no-collision",
+        help="Compare collision checks, too. Default: where the URDF has collision shapes that can be read.",
+        show_default=False,
+    ),
+]
+
+
+def print_version(wanted: bool) -> None:
+    """Print the version and leave, where that is wanted."""
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(f"urdf-ik {version('urdf-ik')}")
+        raise typer.Exit
+
+
+Version = Annotated[
+    bool, Option("--version", callback=print_version, is_eager=True, help="Print the version and leave.")
+]
+
+
+def is_terminal(stream: IO[str] | None) -> bool:
+    """Whether a person reads there; a stream that was closed before the program began is None."""
+    return stream is not None and stream.isatty()
+
+
+def format_for(chosen: Format | None, output: Path | None, *, terminal: bool) -> Format:
+    """The format that was asked for, by the file's name where none was.
+
+    Raises:
+        typer.BadParameter: binary data would go to a terminal.
+    """
+    if chosen is None:
+        suffix = "" if output is None else output.suffix.lstrip(".").lower()
+        chosen = Format(suffix) if suffix in tuple(Format) else Format.TABLE
+    if chosen is Format.NPZ and output is None and terminal:
+        raise typer.BadParameter(
+            "npz is binary: give --output FILE, or redirect standard output", param_hint="--format"
+        )
+    return chosen

@@ -1,0 +1,134 @@
+"""Names of arms, and where their URDFs lie: bundled with this package, or in example-robot-data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from urdf_ik.errors import CatalogueError
+
+BUNDLED: Mapping[str, tuple[str, str]] = {
+    "zyyzyz_6r": ("base_link", "tool0"),
+    "dh_6r": ("base_link", "tool0"),
+}
+"""Arms that come with this package: base link and tip link."""
+
+_UR = ("base_link", "tool0")
+
+EXAMPLE_ROBOT_DATA: Mapping[str, tuple[str, str, str]] = {
+    # The package's own ur3.urdf is a robot without links; ur3_robot.urdf is the arm.
+    "ur3": ("ur_description/urdf/ur3_robot.urdf", *_UR),
+    "ur3_gripper": ("ur_description/urdf/ur3_gripper.urdf", *_UR),
+    "ur3_limited": ("ur_description/urdf/ur3_joint_limited_robot.urdf", *_UR),
+    "ur5": ("ur_description/urdf/ur5_robot.urdf", *_UR),
+    "ur5_gripper": ("ur_description/urdf/ur5_gripper.urdf", *_UR),
+    "ur5_limited": ("ur_description/urdf/ur5_joint_limited_robot.urdf", *_UR),
+    "ur10": ("ur_description/urdf/ur10_robot.urdf", *_UR),
+    "ur10_limited": ("ur_description/urdf/ur10_joint_limited_robot.urdf", *_UR),
+    "kinova": ("kinova_description/robots/kinova.urdf", "j2s6s200_link_base", "j2s6s200_end_effector"),
+    "panda": ("panda_description/urdf/panda.urdf", "panda_link0", "panda_hand_tcp"),
+    "xarm7": ("xarm_description/urdf/xarm7.urdf", "link_base", "link_eef"),
+    "z1": ("z1_description/urdf/z1.urdf", "link00", "gripperStator"),
+    "so100": ("so_arm_description/urdf/so100.urdf", "base", "gripper"),
+    "so101": ("so_arm_description/urdf/so101.urdf", "base_link", "gripper_frame_link"),
+    "twodof": ("asr_twodof_description/urdf/TwoDofs.urdf", "world", "Tip"),
+    "baxter_left": ("baxter_description/urdf/baxter.urdf", "torso", "left_gripper"),
+    "baxter_right": ("baxter_description/urdf/baxter.urdf", "torso", "right_gripper"),
+    "pr2_left": ("pr2_description/urdf/pr2.urdf", "torso_lift_link", "l_gripper_tool_frame"),
+    "pr2_right": ("pr2_description/urdf/pr2.urdf", "torso_lift_link", "r_gripper_tool_frame"),
+    "talos_left": ("talos_data/robots/talos_reduced.urdf", "torso_2_link", "gripper_left_base_link"),
+    "talos_right": ("talos_data/robots/talos_reduced.urdf", "torso_2_link", "gripper_right_base_link"),
+    "tiago": ("tiago_description/robots/tiago_no_hand.urdf", "torso_lift_link", "arm_tool_link"),
+    "tiago_pro_left": ("tiago_pro_description/robots/tiago_pro.urdf", "torso_lift_link", "arm_left_tool_link"),
+    "tiago_pro_right": ("tiago_pro_description/robots/tiago_pro.urdf", "torso_lift_link", "arm_right_tool_link"),
+}
+"""Arms of example-robot-data: file below its ``robots`` folder, base link and tip link."""
+
+INSTALL_EXAMPLE_ROBOT_DATA = "pip install 'urdf-ik[robots]'"
+_DISTRIBUTION = "example-robot-data"
+_MARKER = "share/example-robot-data/package.xml"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """An arm that has a name.
+
+    Attributes:
+        name: the name it was asked for by.
+        path: its URDF.
+        base: base link of the arm, None for the only movable chain.
+        tip: tip link of the arm, None for the only movable chain.
+        package_dirs: folders in which ``package://`` addresses of its meshes are looked up.
+    """
+
+    name: str
+    path: Path
+    base: str | None
+    tip: str | None
+    package_dirs: tuple[Path, ...] = ()
+
+
+def names() -> tuple[str, ...]:
+    """Every name of the catalogue, bundled arms first, whether or not example-robot-data is installed."""
+    return (*BUNDLED, *EXAMPLE_ROBOT_DATA)
+
+
+def resolve(name: str) -> Entry:
+    """Find the arm of that name.
+
+    Raises:
+        CatalogueError: the catalogue has no such name (the message lists the nearest), or the name belongs to
+            example-robot-data, which is not installed (the message says how to install it).
+    """
+    if name in BUNDLED:
+        base, tip = BUNDLED[name]
+        return Entry(name, _bundled_folder() / f"{name}.urdf", base, tip)
+    if name not in EXAMPLE_ROBOT_DATA:
+        raise CatalogueError(f"no arm is called {name!r}; {_alternatives(name)}")
+    share = _example_robot_data_share()
+    if share is None:
+        raise CatalogueError(
+            f"{name!r} is an arm of {_DISTRIBUTION}, which is not installed: {INSTALL_EXAMPLE_ROBOT_DATA}"
+        )
+    file, base, tip = EXAMPLE_ROBOT_DATA[name]
+    path = share / "example-robot-data" / "robots" / file
+    if not path.is_file():
+        raise CatalogueError(
+            f"{name!r} is not in the installed {_DISTRIBUTION}, {path} is missing: "
+            f"{INSTALL_EXAMPLE_ROBOT_DATA} --upgrade"
+        )
+    return Entry(name, path, base, tip, (share,))
+
+
+def _bundled_folder() -> Path:
+    """The folder of the bundled URDFs: inside an installed package, at the repository's root in a checkout."""
+    package = Path(__file__).resolve().parent
+    inside = package / "urdf"
+    return inside if inside.is_dir() else package.parents[1] / "urdf"
+
+
+def _example_robot_data_share() -> Path | None:
+    """The ``share`` folder of example-robot-data, or None where it is not installed.
+
+    Its wheel holds no Python module, so only the list of its files tells where it lies.
+    """
+    from importlib import metadata  # 10 ms that ``import urdf_ik`` need not pay
+
+    try:
+        files = metadata.files(_DISTRIBUTION) or ()
+    except metadata.PackageNotFoundError:
+        return None
+    for file in files:
+        if file.as_posix().endswith(_MARKER):
+            return Path(str(file.locate())).resolve().parents[1]
+    return None
+
+
+def _alternatives(name: str) -> str:
+    """The names nearest to one that the catalogue does not hold, or all of them where none is near."""
+    import difflib
+
+    if nearest := difflib.get_close_matches(name.lower(), names(), n=4, cutoff=0.5):
+        return f"nearest: {', '.join(nearest)}"
+    return f"there are: {', '.join(names())}"

@@ -1,0 +1,293 @@
+"""The ``urdf-ik`` command: info, fk, ik and check.
+
+Exit status: 0 done; 1 a pose has no solution, or a check failed; 2 usage, which includes poses and joint vectors
+that are none; 3 a URDF or a chain that is wrong; 4 an arm that no solver takes; 130 interrupted.
+
+Everything heavy is imported inside the commands, so that ``--help`` and a mistyped option answer at once.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from enum import IntEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+from typer.core import TyperGroup
+
+from urdf_ik import _cli_options as options
+from urdf_ik import errors
+from urdf_ik._cli_options import Format, ReportFormat
+
+if TYPE_CHECKING:
+    from urdf_ik._cli_io import Angles
+    from urdf_ik.arm import Arm
+    from urdf_ik.solutions import IKSolutions
+
+
+class Status(IntEnum):
+    """Exit status."""
+
+    DONE = 0
+    FAILED = 1
+    USAGE = 2
+    URDF = 3
+    UNSUPPORTED = 4
+    READER_GONE = 141  # as the shell reports a program that SIGPIPE ended
+
+
+def status_of(error: errors.UrdfIkError) -> Status:
+    """Exit status for an error of this package."""
+    if isinstance(error, errors.UrdfError | errors.ChainError):
+        return Status.URDF
+    return Status.UNSUPPORTED if isinstance(error, errors.UnsupportedArm) else Status.USAGE
+
+
+class _Commands(TyperGroup):
+    """Turns this package's errors into one message on stderr and an exit status."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command."""
+        try:
+            return super().invoke(ctx)
+        except errors.UrdfIkError as error:
+            typer.echo(f"Error: {error}", err=True)
+            raise typer.Exit(status_of(error)) from None
+        except MemoryError:
+            typer.echo("Error: not enough memory for that many poses; give fewer at a time", err=True)
+            raise typer.Exit(Status.USAGE) from None
+        except OSError as error:
+            # Standard output cannot be written. Python would try again at exit and complain: let that go nowhere.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            if isinstance(error, BrokenPipeError):
+                raise typer.Exit(Status.READER_GONE) from None
+            typer.echo(f"Error: {error}", err=True)
+            raise typer.Exit(Status.USAGE) from None
+
+
+app = typer.Typer(
+    name="urdf-ik",
+    cls=_Commands,
+    help="Every inverse-kinematics solution of an arm given as URDF, each one checked against Pinocchio.",
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    no_args_is_help=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _help(what: str, *examples: str) -> str:
+    """Help text; the marker before the examples keeps their lines as they are."""
+    return what + "\n\n\b\nExamples:\n" + "\n".join(f"  {line}" for line in examples)
+
+
+@app.callback()
+def root(version: options.Version = False) -> None:
+    """Take the options that stand before the command."""
+
+
+@app.command(
+    help=_help(
+        "Show an arm: its joints, how neighbouring axes lie to each other, and how it is solved.",
+        "urdf-ik info zyyzyz_6r",
+        "urdf-ik info my_arm.urdf --base base_link --tip tool0 --format json",
+    )
+)
+def info(
+    robot: options.Robot,
+    base: options.Base = None,
+    tip: options.Tip = None,
+    mesh_root: options.MeshRoot = None,
+    degrees: options.Degrees = False,
+    format: options.TextFormat = ReportFormat.TABLE,
+) -> None:
+    """Print what is known of the arm."""
+    from urdf_ik import _cli_info, _cli_io
+
+    arm = _arm(robot, base, tip, mesh_root)
+    write = _cli_info.as_json if format is ReportFormat.JSON else _cli_info.as_text
+    _cli_io.write(write(arm, _angles(arm, degrees)), None)
+
+
+@app.command(
+    help=_help(
+        "Forward kinematics: the tip's pose in the base, for each joint vector.",
+        "urdf-ik fk zyyzyz_6r --q 0.1,-0.2,0.3,0,0.5,0",
+        "urdf-ik fk ur5 --file vectors.csv --degrees --format csv",
+        "urdf-ik fk ur5 --q 0,-1,1,0,1,0 -f json | urdf-ik ik ur5 --poses -",
+    )
+)
+def fk(
+    robot: options.Robot,
+    q: options.Vectors = None,
+    file: options.VectorFile = None,
+    base: options.Base = None,
+    tip: options.Tip = None,
+    mesh_root: options.MeshRoot = None,
+    degrees: options.Degrees = False,
+    format: options.DataFormat = None,
+    output: options.Output = None,
+) -> None:
+    """Print the tip's pose."""
+    import numpy as np
+
+    from urdf_ik import _cli_fk, _cli_io
+
+    chosen = options.format_for(format, output, terminal=options.is_terminal(sys.stdout))
+    if bool(q) == (file is not None):
+        raise _cli_io.usage("give joint vectors with --q or with --file, and not with both", "--q")
+    _one_stdin(robot, file, "--file")
+    arm = _arm(robot, base, tip, mesh_root)
+    angles = _angles(arm, degrees)
+    if file is not None:
+        typed = _cli_io.read_joint_vectors(file, "--file", arm.joint_names)
+    else:
+        typed = np.array([_cli_io.numbers(text, "--q", arm.joint_names) for text in q or ()])
+    vectors = angles.typed(typed)
+    if chosen is Format.TABLE:
+        _cli_io.write(_cli_fk.as_text(arm, vectors, angles, to_file=output is not None), output)
+    else:
+        _cli_io.write(_cli_fk.DATA[chosen](arm, vectors, angles), output)
+
+
+@app.command(
+    help=_help(
+        "Inverse kinematics: every solution of a pose, with its branch, checks and error as Pinocchio measures it.\n\n"
+        "The target is a typed pose (--xyz with an orientation), the tip at a joint vector (--q), poses from a file "
+        "(--poses) or random ones (--random). With none of them it is the arm's example: among 256 seeded joint "
+        "vectors inside the limits, the one whose pose has most solutions.\n\n"
+        "A file holds 4x4 matrices or x,y,z,qx,qy,qz,qw, as npy, npz, json or csv. More than 20 poses are summed up "
+        "in the table; csv, json and npz hold them all. The status is 1 when a pose has no solution.",
+        "urdf-ik ik zyyzyz_6r",
+        "urdf-ik ik dh_6r --xyz 0.5,0.11,0.26 --quat-xyzw 0,0,0.8,0.6",
+        "urdf-ik ik ur5 --q 0.1,-1,1,0.2,0.3,0 --within-limits --collision-free",
+        "urdf-ik ik ur5 --random 1000 --format npz --output solutions.npz",
+    )
+)
+def ik(
+    robot: options.Robot,
+    xyz: options.Position = None,
+    quat_xyzw: options.QuatXyzw = None,
+    quat_wxyz: options.QuatWxyz = None,
+    rpy: options.Rpy = None,
+    rotvec: options.Rotvec = None,
+    q: options.Planted = None,
+    poses: options.PoseFile = None,
+    random: options.Random = None,
+    seed: options.Seed = 0,
+    turns: options.Turns = False,
+    within_limits: options.WithinLimits = False,
+    collision_free: options.CollisionFree = False,
+    nearest: options.Nearest = None,
+    check: options.Checked = None,
+    base: options.Base = None,
+    tip: options.Tip = None,
+    mesh_root: options.MeshRoot = None,
+    degrees: options.Degrees = False,
+    format: options.DataFormat = None,
+    output: options.Output = None,
+) -> None:
+    """Print every solution."""
+    from urdf_ik import _cli_answer, _cli_io, _cli_targets, _cli_views
+    from urdf_ik._cli_progress import Progress
+
+    chosen = options.format_for(format, output, terminal=options.is_terminal(sys.stdout))
+    _one_stdin(robot, poses, "--poses")
+    arm = _arm(robot, base, tip, mesh_root)
+    angles = _angles(arm, degrees)
+    orientations = {"--quat-xyzw": quat_xyzw, "--quat-wxyz": quat_wxyz, "--rpy": rpy, "--rotvec": rotvec}
+    asked = _cli_targets.Asked(xyz, orientations, q or (), poses, random, seed)
+    near = None if nearest is None else angles.typed(_cli_io.numbers(nearest, "--nearest", arm.joint_names))
+
+    def pick(solutions: IKSolutions) -> IKSolutions:
+        # In this order, since images of a solution neither change its collisions nor leave the limits.
+        solutions = solutions.within_limits() if within_limits else solutions
+        solutions = solutions.collision_free() if collision_free else solutions
+        solutions = solutions.turns() if turns else solutions
+        return solutions if near is None else solutions.nearest(near)
+
+    with Progress("checking solutions", "solving") as progress:
+        target = _cli_targets.target(arm, asked, angles)
+        few = len(target.poses) <= _cli_views.SUMMARY_ABOVE
+        answer = _cli_answer.solve(
+            arm,
+            target.poses,
+            pick,
+            errors=check is not False,
+            collisions=few if check is None else check,
+            tick=progress.tick,
+        )
+    if chosen is Format.TABLE:
+        _cli_io.write(_cli_views.answer_text(answer, angles, target.note, to_file=output is not None), output)
+    else:
+        _cli_io.write(_cli_answer.DATA[chosen](answer, angles), output)
+    if unsolved := int((answer.counts == 0).sum()):
+        if chosen is not Format.TABLE:
+            typer.echo(f"{unsolved} of {len(answer.counts)} poses have no solution", err=True)
+        raise typer.Exit(Status.FAILED)
+
+
+@app.command(
+    help=_help(
+        "Check an arm against Pinocchio: kinematics, every solution of random poses, collision. "
+        "The status is 1 when a check failed.",
+        "urdf-ik check zyyzyz_6r -n 200",
+        "urdf-ik check my_arm.urdf --tip tool0 --no-collision --format json",
+    )
+)
+def check(
+    robot: options.Robot,
+    n: options.Count = 200,
+    seed: options.Seed = 0,
+    collision: options.Collision = None,
+    base: options.Base = None,
+    tip: options.Tip = None,
+    mesh_root: options.MeshRoot = None,
+    format: options.TextFormat = ReportFormat.TABLE,
+) -> None:
+    """Print the report of the cross-check."""
+    from urdf_ik import _cli_io, crosscheck
+    from urdf_ik._cli_progress import Progress
+
+    arm = _arm(robot, base, tip, mesh_root)
+    with Progress("checking poses", "checking against Pinocchio") as progress:
+        report = crosscheck.check(arm, n=n, seed=seed, collision=collision, progress=progress.tick)
+    _cli_io.write(report.to_json() if format is ReportFormat.JSON else f"{report}\n", None)
+    if not report.passed:
+        raise typer.Exit(Status.FAILED)
+
+
+def main() -> None:
+    """Entry point of the ``urdf-ik`` command."""
+    try:
+        app()
+    except KeyboardInterrupt:
+        sys.exit(130)
+
+
+def _arm(robot: str, base: str | None, tip: str | None, mesh_roots: list[Path] | None) -> Arm:
+    import urdf_ik
+
+    if robot == "-" and sys.stdin is None:
+        raise typer.BadParameter("standard input is closed", param_hint="ROBOT")
+    source = sys.stdin.buffer if robot == "-" else robot
+    return urdf_ik.load(source, base=base, tip=tip, mesh_roots=mesh_roots or ())
+
+
+def _angles(arm: Arm, degrees: bool) -> Angles:
+    import numpy as np
+
+    from urdf_ik._cli_io import Angles
+
+    return Angles(degrees, np.array([kind != "prismatic" for kind in arm.chain.joint_types]))
+
+
+def _one_stdin(robot: str, source: str | None, option: str) -> None:
+    if robot == "-" and source == "-":
+        raise typer.BadParameter("ROBOT is read from standard input already", param_hint=option)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,190 @@
+"""Joint limits: which +-2 pi images of an angle lie inside them, and by how much a value is out.
+
+Pure functions over joint vectors (..., B, n), NaN rows where there is no solution. The limits are closed
+intervals, widened by a tolerance: half a turn and limits such as 3.1416 or 3.14 mean what they say.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from urdf_ik.errors import UrdfIkError
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+TURN = 2.0 * np.pi
+LIMIT_TOLERANCE = 1e-9
+"""How far [rad or m] a value may lie beyond a limit: the error that the contract grants to a solution."""
+MAX_ENTRIES = 2**27
+"""Greatest number of joint values that :func:`turns` puts into one array: one gigabyte."""
+
+
+class Turned(NamedTuple):
+    """What :func:`turns` found.
+
+    Attributes:
+        q: (..., B * M, n) all images, column b * M + m; a branch's first column is what :func:`nearest_image`
+            gives. NaN rows where there is no such image.
+        valid: (..., B * M) bool.
+        steps: one array (..., B, m_i) a joint: turns that its images are away from the value given, nearest
+            first, NaN where there are fewer.
+        ranks: (M, n) which of its images each joint has in the M columns of a branch.
+    """
+
+    q: Array
+    valid: Mask
+    steps: tuple[Array, ...]
+    ranks: NDArray[np.intp]
+
+
+def image_range(q: Array, limits: Array, turning: Mask, tol: float = LIMIT_TOLERANCE) -> tuple[Array, Array]:
+    """First and last k for which ``q + 2 pi k`` is inside the limits, exactly as floating point adds them.
+
+    A joint that does not turn (prismatic), or without a limit on a side (continuous), has at most one
+    image: itself, or the nearest to it that is inside.
+
+    Args:
+        q: (..., n) rad or m.
+        limits: (n, 2) lower and upper, rad or m.
+        turning: (n,) whether 2 pi more is the same posture.
+        tol: rad or m by which a limit may be exceeded; negative: the margin to keep from it.
+
+    Returns:
+        Two arrays (..., n) of whole numbers; first > last where no image is inside.
+
+    Raises:
+        UrdfIkError: ``tol`` is not finite.
+    """
+    if not np.isfinite(tol):
+        raise UrdfIkError(f"a limit tolerance of {tol} given; it must be a finite number of rad or m")
+    lower, upper = limits[:, 0] - tol, limits[:, 1] + tol
+    with np.errstate(invalid="ignore", over="ignore"):  # NaN rows, and limits like 1e308 for "none"
+        first, last = np.ceil((lower - q) / TURN), np.floor((upper - q) / TURN)
+        # The quotient is rounded; the sum that is returned later decides.
+        first = np.where(q + (first - 1.0) * TURN >= lower, first - 1.0, first)
+        first = np.where(q + first * TURN < lower, first + 1.0, first)
+        last = np.where(q + (last + 1.0) * TURN <= upper, last + 1.0, last)
+        last = np.where(q + last * TURN > upper, last - 1.0, last)
+        single = ~(np.isfinite(lower) & np.isfinite(upper))
+        near = np.minimum(np.maximum(0.0, first), last)
+        first, last = np.where(single & (first <= last), near, first), np.where(single & (first <= last), near, last)
+        inside = (q >= lower) & (q <= upper)
+    first = np.where(turning, first, 0.0)
+    last = np.where(turning, last, np.where(inside, 0.0, -1.0))
+    nothing = np.isnan(q)
+    return np.where(nothing, 0.0, first), np.where(nothing, -1.0, last)
+
+
+def nearest_image(q: Array, limits: Array, turning: Mask, tol: float = LIMIT_TOLERANCE) -> tuple[Array, Mask]:
+    """The image inside the limits that is fewest turns from each value: the value itself where it is inside.
+
+    Args:
+        q: (..., B, n) rad or m.
+        limits: (n, 2) rad or m.
+        turning: (n,) whether 2 pi more is the same posture.
+        tol: see :func:`image_range`.
+
+    Returns:
+        q (..., B, n), NaN rows where a joint has no image inside; (..., B) bool.
+    """
+    first, last = image_range(q, limits, turning, tol)
+    inside = np.asarray((first <= last).all(axis=-1))
+    image = q + _fewest(first, last) * TURN
+    image[~inside] = np.nan
+    return image, inside
+
+
+def turns(q: Array, limits: Array, turning: Mask, tol: float = LIMIT_TOLERANCE) -> Turned:
+    """Every combination of images inside the limits; arguments as :func:`nearest_image`.
+
+    Every branch gets the same number M of columns, the product of the greatest number of images that each
+    joint has in ``q``.
+
+    Raises:
+        UrdfIkError: more than ``MAX_ENTRIES`` joint values.
+    """
+    first, last = image_range(q, limits, turning, tol)
+    inside = (first <= last).all(axis=-1, keepdims=True)
+    counts = np.where(inside, last - first + 1.0, 1.0)
+    per_joint = counts.reshape(-1, q.shape[-1]).max(axis=0, initial=1.0)
+    entries = q.size * float(np.prod(per_joint))
+    if entries > MAX_ENTRIES:
+        images = " x ".join(f"{count:.4g}" for count in per_joint)
+        raise UrdfIkError(
+            f"the joints have {images} images inside their limits: {entries:.3g} joint values, more than "
+            f"{MAX_ENTRIES:.3g} in one array; iter_turns() gives the images of one pose one by one"
+        )
+    steps = []
+    for i, count in enumerate(per_joint):
+        k = first[..., i, None] + np.arange(int(count))
+        k = np.where((k <= last[..., i, None]) & inside, k, np.nan)
+        # Fewest turns first; of two the one nearer to zero.
+        order = np.argsort(np.abs(k) + 0.25 * (k * q[..., i, None] > 0.0), axis=-1, kind="stable")
+        steps.append(np.take_along_axis(k, order, axis=-1))
+    ranks = np.indices(per_joint.astype(np.intp)).reshape(q.shape[-1], int(np.prod(per_joint))).T
+    out = np.empty((*q.shape[:-1], len(ranks), q.shape[-1]))
+    for i, k in enumerate(steps):
+        out[..., i] = (q[..., i, None] + k * TURN)[..., ranks[:, i]]
+    out = out.reshape(*q.shape[:-2], q.shape[-2] * len(ranks), q.shape[-1])
+    valid = np.asarray(~np.isnan(out).any(axis=-1))
+    out[~valid] = np.nan
+    return Turned(out, valid, tuple(steps), ranks)
+
+
+def iter_turns(q: Array, limits: Array, turning: Mask, tol: float = LIMIT_TOLERANCE) -> Iterator[Array]:
+    """The images (n,) of one joint vector (n,) inside the limits, one by one, in the order of :func:`turns`."""
+    first, last = image_range(q, limits, turning, tol)
+    if (first <= last).all():
+        for k in _combinations(q, first, last):
+            yield q + np.array(k) * TURN
+
+
+def excess(q: Array, limits: Array, turning: Mask, tol: float = LIMIT_TOLERANCE) -> tuple[Array, Array]:
+    """How far each joint is from its limits in the image that is least far out; arguments as :func:`nearest_image`.
+
+    Returns:
+        Image (..., B, n) and signed distance (..., B, n): positive beyond the upper limit, negative below the
+        lower one, zero where an image is inside; NaN where ``q`` is.
+    """
+    first, last = image_range(q, limits, turning, tol)
+    inside = first <= last
+    # Where none is inside, last is the image below the limits and the next one lies above them.
+    low = q + np.where(turning, last, 0.0) * TURN
+    high = low + np.where(turning, TURN, 0.0)
+    below, above = limits[:, 0] - tol - low, high - limits[:, 1] - tol
+    upwards = np.where(turning, above < below, above > 0.0)
+    image = np.where(inside, q + _fewest(first, last) * TURN, np.where(upwards, high, low))
+    signed = np.where(inside, 0.0, np.where(upwards, above, -below))
+    return np.where(np.isnan(q), np.nan, image), np.where(np.isnan(q), np.nan, signed)
+
+
+def _fewest(first: Array, last: Array) -> Array:
+    """The whole number nearest to zero of first..last; 0 where there is none."""
+    return np.where(first <= last, np.clip(0.0, first, np.maximum(first, last)), 0.0)
+
+
+def _combinations(q: Array, first: Array, last: Array) -> Iterator[tuple[float, ...]]:
+    """Every choice of one whole number a joint, lazily: a winch's limits may hold 1e15 of them."""
+    if not len(q):
+        yield ()
+        return
+    for k in _outwards(float(first[0]), float(last[0]), float(q[0])):
+        for rest in _combinations(q[1:], first[1:], last[1:]):
+            yield (k, *rest)
+
+
+def _outwards(first: float, last: float, value: float) -> Iterator[float]:
+    """Whole numbers first..last, the one nearest to zero first; of k and -k the one that takes ``value`` to zero."""
+    k = max(first, min(0.0, last))
+    towards = -1.0 if value > 0.0 else 1.0
+    size = abs(k)
+    while size <= max(abs(first), abs(last)):
+        for candidate in (size * towards, -size * towards) if size else (0.0,):
+            if first <= candidate <= last:
+                yield candidate
+        size += 1.0
