@@ -1,0 +1,192 @@
+#!/usr/bin/env python3
+"""Compare urdf-ik with its peers: the same poses, the same process, judged by Pinocchio.
+
+    python benchmarks/bench.py [--md] [--poses N] [--repeats R] [--robot NAME ...] [--peer NAME ...]
+
+For each arm it prints, for every solver: microseconds a call for one pose, result ready as an array; thousands of poses
+a second in batch with one and with two threads, all solutions of each; the ratios to EAIK; and the share of poses
+answered completely, for random poses, for poses 1e-1 to 1e-7 rad from a singularity, and the share of exactly singular
+poses answered at all. Repetitions of the solvers alternate and the best one counts, since no machine is quiet and other
+work only ever adds time.
+"""
+
+from __future__ import annotations
+
+import argparse
+import gc
+import os
+import platform
+import sys
+import time
+from collections.abc import Callable
+from functools import partial
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import complete
+import numpy as np
+from peers import PEERS, Eaik, Peer, Ssik, Unavailable
+from rich.console import Console
+from rich.table import Table
+from robots import ROBOTS, Robot
+
+SINGLE_CALLS = 1000  # a repetition
+SLOW_CALLS = 20  # a repetition, for solvers of half a millisecond
+BATCH = 10_000  # poses in a batch
+
+
+def _timed(work: Callable[[], Any]) -> float:
+    """Seconds that the work takes, without a collection in between."""
+    gc.collect()
+    gc.disable()
+    try:
+        start = time.perf_counter()
+        work()
+        return time.perf_counter() - start
+    finally:
+        gc.enable()
+
+
+def _speed(peers: list[Peer], targets: np.ndarray, repeats: int) -> dict[str, dict[str, float]]:
+    """Best of alternating repetitions: ``us`` a call, ``batch 1`` and ``batch 2`` thousands of poses a second."""
+    batch = targets[np.arange(BATCH) % len(targets)]
+    calls = {p.name: SLOW_CALLS if isinstance(p, Ssik) else SINGLE_CALLS for p in peers}
+    singles = {p.name: [p.prepare(t) for t in targets[: calls[p.name]]] for p in peers}
+    batches = {p.name: p.prepare_batch(batch) for p in peers if p.batch_call}
+
+    def one_by_one(peer: Peer) -> None:
+        solve = peer.solve
+        for prepared in singles[peer.name]:
+            solve(prepared)
+
+    samples: dict[str, dict[str, list[float]]] = {p.name: {"us": [], "batch 1": [], "batch 2": []} for p in peers}
+    for repetition in range(repeats + 1):  # the first one warms up and is thrown away
+        for peer in peers if repetition % 2 else peers[::-1]:
+            row = samples[peer.name]
+            row["us"].append(1e6 * _timed(partial(one_by_one, peer)) / calls[peer.name])
+            if peer.batch_call:
+                for threads in (1, 2):
+                    seconds = _timed(partial(peer.solve_batch, batches[peer.name], threads))
+                    row[f"batch {threads}"].append(1e-3 * BATCH / seconds)
+    return {name: {k: (min if k == "us" else max)(v[1:]) for k, v in row.items() if v} for name, row in samples.items()}
+
+
+def _ratio(value: float | None, base: float | None, *, less_is_better: bool = False) -> str:
+    """How many times better the value is than the base."""
+    if value is None or base is None:
+        return "-"
+    return f"{base / value if less_is_better else value / base:.2f}"
+
+
+def _share(count: int, total: int) -> str:
+    """A percentage that says 100 only where it is all of them."""
+    percent = 100.0 * count / total
+    return "100 %" if count == total else f"{min(percent, 99.9):.1f} %"
+
+
+COLUMNS = (
+    "solver",
+    "us a call",
+    "x EAIK",
+    "batch, 1 thread [k/s]",
+    "x EAIK",
+    "batch, 2 threads [k/s]",
+    "x EAIK",
+    "complete, random",
+    "complete, near-singular",
+    "singular, answered",
+    "wrong answers",
+)
+
+FOOTNOTE = """
+Best of the repetitions. us a call: one pose, all solutions as an array. k/s: thousands of poses a second, all solutions
+of each. x EAIK: times as fast as EAIK. complete: share of poses answered with every solution that any of the solvers
+found (error at most 1e-9 m and rad by Pinocchio), the planted one included. near-singular: 1e-1 to 1e-7 rad from a
+singularity. singular, answered: exactly singular, at least one solution. wrong answers: share of all these poses
+answered with a joint vector that misses the pose and is not flagged as approximate."""
+
+
+def measure(robot: Robot, wanted: list[type[Peer]], poses: int, repeats: int) -> list[list[str]]:
+    """All rows of one arm's table, one a solver; a peer that is missing is a row that says so."""
+    peers: list[Peer] = []
+    missing: list[list[str]] = []
+    for kind in wanted:
+        try:
+            peers.append(kind(robot))
+        except Unavailable as reason:
+            missing.append([kind.name, str(reason), *["-"] * (len(COLUMNS) - 2)])
+    judge, rng = robot.judge, np.random.default_rng(2)
+    planted = complete.draw_random(judge, max(poses, SINGLE_CALLS), rng)
+    targets = np.array([judge.pose(q) for q in planted])
+    speed = _speed(peers, targets, repeats)
+    base = next((speed[p.name] for p in peers if isinstance(p, Eaik)), {})
+    random = complete.tally(peers, judge, planted[:poses])
+    near = complete.tally(peers, judge, complete.draw_singular(judge, poses, rng, complete.NEAR))
+    exact = complete.tally(peers, judge, complete.draw_singular(judge, max(1, poses // 4), rng, (0.0,)))
+    rows = []
+    for peer, a, b, c in zip(peers, random, near, exact, strict=True):
+        row = speed[peer.name]
+        cells = [peer.name, f"{row['us']:.2f}", _ratio(row["us"], base.get("us"), less_is_better=True)]
+        for key in ("batch 1", "batch 2"):
+            value = row.get(key)
+            cells += ["-" if value is None else f"{value:.0f}", _ratio(value, base.get(key))]
+        cells += [_share(a.complete, a.poses), _share(b.complete, b.poses), _share(c.answered, c.poses)]
+        cells.append(_share(a.wrong + b.wrong + c.wrong, a.poses + b.poses + c.poses))
+        rows.append(cells)
+    return rows + missing
+
+
+def _machine() -> str:
+    """One line on where the figures come from."""
+    cpu = platform.processor() or platform.machine()
+    info = Path("/proc/cpuinfo")
+    if info.exists():
+        names = (line for line in info.read_text().splitlines() if line.startswith("model name"))
+        cpu = next(names, cpu).partition(":")[2].strip() or cpu
+    packages = ", ".join(f"{name} {version(name)}" for name in ("numpy", "numba", "pin"))
+    return f"{cpu}, {os.cpu_count()} cores, Python {platform.python_version()}, {packages}"
+
+
+def _show(console: Console, robot: Robot, rows: list[list[str]], *, markdown: bool) -> None:
+    """Print one arm's table."""
+    if markdown:
+        print(f"\n**{robot.name}**\n")
+        print("| " + " | ".join(COLUMNS) + " |")
+        print("|---|" + "---:|" * (len(COLUMNS) - 1))
+        for row in rows:
+            print("| " + " | ".join(row) + " |")
+        return
+    table = Table(title=robot.name, title_justify="left")
+    for i, column in enumerate(COLUMNS):
+        table.add_column(column, justify="right" if i else "left", overflow="fold")
+    for row in rows:
+        table.add_row(*row)
+    console.print(table)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the comparison and print it."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--md", action="store_true", help="print Markdown")
+    parser.add_argument("--poses", type=int, default=500, help="poses for the completeness columns (default 500)")
+    parser.add_argument("--repeats", type=int, default=15, help="alternating repetitions (default 15)")
+    parser.add_argument("--robot", nargs="*", help="only these arms: " + ", ".join(r.name for r in ROBOTS))
+    parser.add_argument("--peer", nargs="*", help="only these solvers: " + ", ".join(p.name for p in PEERS))
+    options = parser.parse_args(arguments)
+    robots = [r for r in ROBOTS if not options.robot or r.name in options.robot]
+    wanted = [p for p in PEERS if not options.peer or p.name in options.peer]
+    if not robots or not wanted or options.poses < 1 or options.repeats < 1:
+        parser.error("nothing to do: name at least one arm and one solver, one pose and one repetition")
+    # A pipe has no width of its own, and eleven columns want some.
+    console = Console(width=None if sys.stdout.isatty() else 150)
+    print(_machine())
+    for robot in robots:
+        print(f"{robot.name} ...", file=sys.stderr, flush=True)
+        _show(console, robot, measure(robot, wanted, options.poses, options.repeats), markdown=options.md)
+    print(FOOTNOTE)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,217 @@
+"""The solvers that the benchmark compares, behind one small interface.
+
+Each takes a 4x4 pose and answers with a (k, 6) array of joint vectors [rad], as it stands after the shortest way that
+its own documentation gives. Whatever a peer wants prepared (a pose object, another frame) is prepared off the clock.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from abc import ABC, abstractmethod
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from robots import Robot
+
+
+class Unavailable(Exception):  # noqa: N818 - it is an answer, not a failure
+    """The peer is not installed or does not take the arm; the message goes into the table."""
+
+
+class Peer(ABC):
+    """One solver on one arm.
+
+    Attributes:
+        name: what the table calls it.
+        single_call: the call that is timed for one pose.
+        batch_call: the call that is timed for many, or None where the solver has none.
+    """
+
+    name: str
+    single_call: str
+    batch_call: str | None = None
+
+    @abstractmethod
+    def __init__(self, robot: Robot) -> None:
+        """Prepare the solver for the arm, or raise Unavailable."""
+
+    def prepare(self, target: np.ndarray) -> Any:
+        """The pose (4, 4) in the form that the solver's call takes; not timed."""
+        return target
+
+    def prepare_batch(self, targets: np.ndarray) -> Any:
+        """The poses (n, 4, 4) in the form that the solver's batch call takes; not timed."""
+        return targets
+
+    @abstractmethod
+    def solve(self, prepared: Any) -> np.ndarray:
+        """All solutions (k, 6) of one prepared pose; rows of NaN are none. Timed."""
+
+    def claims(self, prepared: Any) -> tuple[np.ndarray, np.ndarray]:
+        """All solutions (k, 6), and which (k,) of them the solver says only come near. Not timed."""
+        found = self.solve(prepared).reshape(-1, 6)
+        return found, np.zeros(len(found), dtype=bool)
+
+    def solve_batch(self, prepared: Any, threads: int) -> Any:
+        """All solutions of the prepared poses with so many threads. Timed."""
+        raise NotImplementedError
+
+
+class UrdfIk(Peer):
+    """This package."""
+
+    name = "urdf-ik"
+    single_call = "arm.ik(T).q"
+    batch_call = "arm.ik(T, threads=...).q"
+
+    def __init__(self, robot: Robot) -> None:
+        """Load the arm from its URDF text."""
+        import urdf_ik
+
+        self.arm = urdf_ik.load(robot.urdf, base="base", tip="tool")
+
+    def solve(self, prepared: Any) -> np.ndarray:
+        """One pose."""
+        found: np.ndarray = self.arm.ik(prepared).q
+        return found
+
+    def solve_batch(self, prepared: Any, threads: int) -> Any:
+        """Many poses."""
+        return self.arm.ik(prepared, threads=threads).q
+
+
+class Eaik(Peer):
+    """EAIK (Ostermeier, Kuelz, Althoff 2025), given the axes that Pinocchio reads from the same URDF."""
+
+    name = "EAIK"
+    single_call = "np.array(bot.IK(T).Q)"
+    batch_call = "bot.IK_batched(T, threads)"
+
+    def __init__(self, robot: Robot) -> None:
+        """Build it from H, P and the home rotation."""
+        try:
+            import eaik.pybindings.EAIK as binding
+            from eaik.IK_Robot import IKRobot
+        except ImportError as error:
+            raise Unavailable("not installed") from error
+        axes, offsets, home = robot.judge.screws()
+        self.name = f"EAIK {version('eaik')}"
+        self.bot = IKRobot()
+        self.bot._robot = binding.Robot(axes.T, offsets.T, home, [], True)
+        # Asked before the first call: on an arm that it does not know, IK raises and IK_batched aborts the process.
+        if not self.bot.hasKnownDecomposition():
+            raise Unavailable("no decomposition for this arm")
+
+    def solve(self, prepared: Any) -> np.ndarray:
+        """One pose."""
+        return np.array(self.bot.IK(prepared).Q)
+
+    def claims(self, prepared: Any) -> tuple[np.ndarray, np.ndarray]:
+        """With its own least-squares flags."""
+        answer = self.bot.IK(prepared)
+        return np.array(answer.Q).reshape(-1, 6), np.array(answer.is_LS, dtype=bool)
+
+    def solve_batch(self, prepared: Any, threads: int) -> Any:
+        """Many poses."""
+        return self.bot.IK_batched(prepared, threads)
+
+
+class IkGeo(Peer):
+    """ik-geo (Elias and Wen 2022, Ostermeier's Rust port)."""
+
+    name = "ik-geo"
+    single_call = "np.array([q for q, _ in bot.get_ik(R, t)])"
+
+    def __init__(self, robot: Robot) -> None:
+        """Build it from H and P; its poses carry no home rotation."""
+        try:
+            import ik_geo
+        except ImportError as error:
+            raise Unavailable("not installed") from error
+        axes, offsets, self.home = robot.judge.screws()
+        if robot.structure == "wrist":  # it wants the points of axes 4, 5 and 6 in the wrist's centre, the origin of 5
+            offsets[3], offsets[4] = offsets[3] + offsets[4], 0.0
+            offsets[6], offsets[5] = offsets[6] + offsets[5], 0.0
+        self.name = f"ik-geo {version('ik-geo')}"
+        kinds = {"wrist": "spherical_two_parallel", "three parallel": "three_parallel_two_intersecting"}
+        maker: Any = ik_geo
+        self.bot = getattr(maker.Robot, kinds[robot.structure])(axes, offsets)
+
+    def prepare(self, target: np.ndarray) -> Any:
+        """Rotation and position; version 1.0.3 reads a rotation given as an array by columns."""
+        return np.ascontiguousarray((target[:3, :3] @ self.home.T).T), np.ascontiguousarray(target[:3, 3])
+
+    def solve(self, prepared: Any) -> np.ndarray:
+        """One pose."""
+        return np.array([q for q, _ in self.bot.get_ik(*prepared)])
+
+    def claims(self, prepared: Any) -> tuple[np.ndarray, np.ndarray]:
+        """With its own least-squares flags."""
+        answer = self.bot.get_ik(*prepared)
+        return np.array([q for q, _ in answer]).reshape(-1, 6), np.array([flag for _, flag in answer], dtype=bool)
+
+
+class Opw(Peer):
+    """py-opw-kinematics (Brandstoetter, Angerer and Hofbaur 2014), for ortho-parallel arms with a spherical wrist."""
+
+    name = "py-opw"
+    single_call = "np.array(bot.inverse(pose))"
+    batch_call = "bot.reach(poses, threads=...).joints"
+
+    def __init__(self, robot: Robot) -> None:
+        """Build it from the ortho-parallel parameters."""
+        if robot.ortho_parallel is None:
+            raise Unavailable("no ortho-parallel arm")
+        try:
+            import py_opw_kinematics as opw
+        except ImportError as error:
+            raise Unavailable("not installed") from error
+        self.opw = opw
+        self.name = f"py-opw {version('py-opw-kinematics')}"
+        p = robot.ortho_parallel
+        model = opw.KinematicModel(p.a1, p.a2, p.b, p.c1, p.c2, p.c3, p.c4, offsets=p.offsets)
+        self.bot = opw.Robot(model, degrees=False)
+
+    def prepare(self, target: np.ndarray) -> Any:
+        """A RigidTransform."""
+        return self.opw.RigidTransform.from_matrix(target)
+
+    def prepare_batch(self, targets: np.ndarray) -> Any:
+        """A RigidTransform of many."""
+        return self.prepare(targets)
+
+    def solve(self, prepared: Any) -> np.ndarray:
+        """One pose."""
+        return np.array(self.bot.inverse(prepared))
+
+    def solve_batch(self, prepared: Any, threads: int) -> Any:
+        """Many poses."""
+        return self.bot.reach(prepared, threads=threads).joints
+
+
+class Ssik(Peer):
+    """ssik's general entry point; its generated modules, where built beforehand, are some 25 times faster."""
+
+    name = "ssik"
+    single_call = "np.array([s.q for s in bot.solve(T, respect_limits=False)])"
+
+    def __init__(self, robot: Robot) -> None:
+        """Read the URDF from a temporary file, since it takes no text."""
+        try:
+            import ssik
+        except ImportError as error:
+            raise Unavailable("not installed") from error
+        self.name = f"ssik {version('ssik')}"
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "arm.urdf")
+            path.write_text(robot.urdf)
+            self.bot = ssik.Manipulator.from_urdf(path, base="base", ee="tool")
+
+    def solve(self, prepared: Any) -> np.ndarray:
+        """One pose."""
+        return np.array([s.q for s in self.bot.solve(prepared, respect_limits=False)])
+
+
+PEERS: tuple[type[Peer], ...] = (UrdfIk, Eaik, IkGeo, Opw, Ssik)

@@ -1,0 +1,99 @@
+"""Names of arms: every one leads to a URDF that holds its chain, and a name that does not says what would."""
+
+from __future__ import annotations
+
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+from lxml import etree
+
+from urdf_ik import catalogue
+from urdf_ik.errors import CatalogueError
+
+
+def movable_joints(path: Path, base: str, tip: str) -> list[str]:
+    """Names of the joints that move tip against base, going up from the tip."""
+    joints = {joint.find("child").get("link"): joint for joint in etree.parse(path).getroot().findall("joint")}
+    names = []
+    link = tip
+    while link != base:
+        joint = joints[link]
+        if joint.get("type") != "fixed":
+            names.append(joint.get("name"))
+        link = joint.find("parent").get("link")
+    return names
+
+
+@pytest.mark.parametrize("name", catalogue.names())
+def test_every_name_leads_to_a_chain(name: str) -> None:
+    """The file exists, and its tip hangs below its base by two to seven movable joints."""
+    entry = catalogue.resolve(name)
+    assert entry.name == name
+    assert entry.path.is_absolute() and entry.path.suffix == ".urdf"
+    assert entry.base is not None and entry.tip is not None
+    assert 2 <= len(movable_joints(entry.path, entry.base, entry.tip)) <= 7
+
+
+@pytest.mark.parametrize("name", catalogue.EXAMPLE_ROBOT_DATA)
+def test_meshes_lie_in_the_package_folders(name: str) -> None:
+    """Every mesh that the URDF names is a file below one of the entry's package folders."""
+    entry = catalogue.resolve(name)
+    addresses = {mesh.get("filename") for mesh in etree.parse(entry.path).iter("mesh")}
+    inside = [address.removeprefix("package://") for address in addresses]
+    assert all(any((folder / path).is_file() for folder in entry.package_dirs) for path in inside)
+    # The arms are drawn with meshes, but for a pendulum of two links.
+    assert addresses or name == "twodof"
+
+
+def test_ur3_is_not_the_robot_without_links() -> None:
+    """The name ur3 gives the arm, where example-robot-data's own ur3.urdf has no links."""
+    path = catalogue.resolve("ur3").path
+    assert etree.parse(path.with_name("ur3.urdf")).getroot().find("link") is None
+    assert len(etree.parse(path).getroot().findall("joint")) > 6
+
+
+def test_bundled_arms_are_all_named() -> None:
+    """Every URDF of the bundled folder has a name, and bundled names come first."""
+    folder = catalogue.resolve("zyyzyz_6r").path.parent
+    files = {path.stem for path in folder.glob("*.urdf")}
+    assert files == set(catalogue.BUNDLED) == set(catalogue.names()[: len(files)])
+
+
+@pytest.mark.parametrize(
+    ("name", "nearest"),
+    [("zyyzyz", "zyyzyz_6r"), ("UR5", "ur5"), ("ur5e", "ur5"), ("pand", "panda"), ("baxter", "baxter_left")],
+)
+def test_unknown_name_lists_the_nearest(name: str, nearest: str) -> None:
+    """A name with a slip in it is refused, and the message holds the name that was meant."""
+    with pytest.raises(CatalogueError, match=rf"'{name}'; nearest: .*\b{nearest}\b"):
+        catalogue.resolve(name)
+
+
+def test_unknown_name_that_is_near_to_none_lists_all() -> None:
+    """A name that resembles nothing is refused with the whole catalogue."""
+    with pytest.raises(CatalogueError) as caught:
+        catalogue.resolve("q" * 12)
+    assert all(name in str(caught.value) for name in catalogue.names())
+
+
+@pytest.mark.parametrize("installed", ["not at all", "without a list of files", "with other files"])
+def test_missing_package_says_how_to_install_it(installed: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without example-robot-data its names say how to install it, and bundled names still work."""
+
+    def files(distribution: str) -> list[metadata.PackagePath] | None:
+        if installed == "not at all":
+            raise metadata.PackageNotFoundError(distribution)
+        return None if installed == "without a list of files" else [metadata.PackagePath("share/else/package.xml")]
+
+    monkeypatch.setattr(metadata, "files", files)
+    with pytest.raises(CatalogueError, match=r"'ur5' .* example-robot-data.*pip install 'urdf-ik\[robots\]'"):
+        catalogue.resolve("ur5")
+    assert catalogue.resolve("dh_6r").path.is_file()
+
+
+def test_outdated_package_says_how_to_upgrade_it(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Where the installed package lacks the arm, the message names the missing file and the upgrade."""
+    monkeypatch.setattr(catalogue, "_example_robot_data_share", lambda: tmp_path)
+    with pytest.raises(CatalogueError, match=r"ur5_robot\.urdf is missing: .*\[robots\]' --upgrade"):
+        catalogue.resolve("ur5")

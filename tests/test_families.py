@@ -1,0 +1,271 @@
+"""Every family, on arms from the catalogue and on random members: complete, exact and without duplicates."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from arms import KINDS, random_arm, ur_like
+from cases import (
+    ALL,
+    CATALOGUE,
+    MEMBERS_OF,
+    assert_exact,
+    closest_pair,
+    described,
+    from_catalogue,
+    named,
+    nearest,
+    rows,
+)
+from oracle import Oracle, angle_distance
+
+import urdf_ik
+
+# Families whose geometry gives every column a meaning: no path that avoids singularities changes the column.
+NAMED_BRANCHES = (
+    "zyyzyz_6r",
+    "dh_6r",
+    "ur5",
+    "industrial",
+    "industrial-lateral",
+    "ur_like-negated-middle",
+    *MEMBERS_OF["wrist, 2||3"],
+    *MEMBERS_OF["wrist, 2||3, 1x2"],
+    *MEMBERS_OF["2||3||4, 5x6"],
+)
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_forward_kinematics_and_jacobian_agree_with_pinocchio(name: str) -> None:
+    """Joint names, FK, Jacobian and every link's pose are Pinocchio's, one joint vector at a time and in a batch."""
+    case = named(name)
+    q = case.oracle.draw(np.random.default_rng(1), 12)
+    assert case.arm.joint_names == case.oracle.names
+    assert case.arm.dof == 6
+    assert case.arm.limits.shape == (6, 2)
+    poses = case.oracle.poses(q)
+    np.testing.assert_allclose(case.arm.fk(q), poses, atol=1e-12)
+    np.testing.assert_allclose([case.arm.fk(x) for x in q], poses, atol=1e-12)
+    jacobians = np.array([case.oracle.jacobian(x) for x in q])
+    np.testing.assert_allclose(case.arm.jacobian(q), jacobians, atol=1e-12)
+    np.testing.assert_allclose([case.arm.jacobian(x) for x in q], jacobians, atol=1e-12)
+    np.testing.assert_array_equal(case.arm.fk(q.reshape(2, 3, 2, 6)), case.arm.fk(q).reshape(2, 3, 2, 4, 4))
+    assert case.arm.jacobian(q.reshape(3, 4, 6)).shape == (3, 4, 6, 6)
+    np.testing.assert_allclose(case.arm.link_poses(q[0])[case.arm.tip], poses[0], atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_solutions_are_exact_and_contain_the_planted_one(name: str) -> None:
+    """On random poses the drawn joint vector comes back, all solutions reach the pose, none comes twice."""
+    case = named(name)
+    for q in case.oracle.draw(np.random.default_rng(2), 40):
+        target = case.oracle.pose(q)
+        solutions = case.arm.ik(target)
+        found = assert_exact(case, solutions, target)
+        assert nearest(found, q) <= case.oracle.tolerance(q)
+        assert closest_pair(found) > 1e-7
+        assert solutions.branches == case.arm.structure.branches
+        assert np.asarray(solutions.q).shape == (len(solutions.branches), 6)
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_no_solution_is_missing(name: str) -> None:
+    """Whatever a multi-start Newton search on Pinocchio's model finds is among the solutions, and no less."""
+    case = named(name)
+    rng = np.random.default_rng(3)
+    for q in case.oracle.draw(rng, 2):
+        target = case.oracle.pose(q)
+        found = rows(case.arm.ik(target))
+        searched = case.oracle.solutions(target, rng)
+        assert len(found) >= len(searched) > 0
+        for other in searched:
+            assert nearest(found, other) <= 1e-5
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_many_members_of_a_family(kind: str) -> None:
+    """Over many arms of a family, with all signs and proportions, the planted solution comes back and all are exact."""
+    for seed in range(10, 26):
+        case = described(random_arm(kind, seed, orthogonal=bool(seed % 2), aligned=bool(seed // 2 % 2)))
+        for q in case.oracle.draw(np.random.default_rng(seed), 6):
+            target = case.oracle.pose(q)
+            found = assert_exact(case, case.arm.ik(target), target)
+            assert nearest(found, q) <= case.oracle.tolerance(q), (case.name, q)
+            assert closest_pair(found) > 1e-7, (case.name, q)
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_batch_equals_single(name: str) -> None:
+    """A stack of poses gives what each pose gives, column by column, with any number of threads and in any shape."""
+    case = named(name)
+    targets = case.oracle.poses(case.oracle.draw(np.random.default_rng(4), 30))
+    targets[7, :3, 3] += 100.0  # one out of reach in the middle
+    batch = case.arm.ik(targets)
+    singles = [case.arm.ik(t) for t in targets]
+    np.testing.assert_array_equal(batch.valid, [s.valid for s in singles])
+    np.testing.assert_array_equal(batch.singular, [s.singular for s in singles])
+    np.testing.assert_allclose(batch.q, [s.q for s in singles], rtol=0.0, atol=1e-12, equal_nan=True)
+    assert not batch.valid[7].any()
+    np.testing.assert_array_equal(case.arm.ik(targets, threads=2).q, batch.q)
+    shaped = case.arm.ik(targets.reshape(5, 3, 2, 4, 4))
+    np.testing.assert_array_equal(shaped.q, batch.q.reshape(5, 3, 2, *batch.q.shape[1:]))
+    np.testing.assert_array_equal(shaped.valid, batch.valid.reshape(5, 3, 2, -1))
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_out_of_reach_is_empty_and_no_exception(name: str) -> None:
+    """A pose a kilometre away has no solution, in every column NaN."""
+    case = named(name)
+    target = np.eye(4)
+    target[0, 3] = 1e3
+    solutions = case.arm.ik(target)
+    assert len(assert_exact(case, solutions, target)) == 0
+    assert list(solutions) == []
+
+
+@pytest.mark.parametrize("name", NAMED_BRANCHES)
+def test_branch_columns_are_stable(name: str) -> None:
+    """Along a path of joint vectors that crosses no singularity, the path's solution stays in one column."""
+    case = named(name)
+    rng = np.random.default_rng(5)
+    longest = 0
+    for q in case.oracle.draw(rng, 6):
+        direction = rng.normal(size=6)
+        direction /= np.linalg.norm(direction)
+        columns: list[int] = []
+        for step in range(120):
+            here = q + 0.02 * step * direction
+            if case.oracle.sigma_min(here) < 5e-3:
+                break  # a singularity may follow: the columns are free to change behind it
+            solutions = case.arm.ik(case.oracle.pose(here))
+            columns.append(int(np.nanargmin(angle_distance(np.asarray(solutions.q), here))))
+        assert len(set(columns)) <= 1, (q, direction, columns)
+        longest = max(longest, len(columns))
+    assert longest > 20
+
+
+@pytest.mark.parametrize("signs", list(itertools.product((1, -1), repeat=3)))
+def test_signs_of_the_parallel_axes(signs: tuple[int, int, int]) -> None:
+    """Any of the three parallel axes may point the other way, the middle one alone included."""
+    case = described(ur_like(signs=(1, *signs, 1, 1)))
+    for q in case.oracle.draw(np.random.default_rng(6), 25):
+        target = case.oracle.pose(q)
+        found = assert_exact(case, case.arm.ik(target), target)
+        assert nearest(found, q) <= case.oracle.tolerance(q)
+
+
+@pytest.mark.parametrize("name", ["zyyzyz_6r", "ur5", "industrial"])
+def test_angles_at_a_half_turn(name: str) -> None:
+    """Joint vectors made of 0, +-pi/2 and +-pi give angles in (-pi, pi] and exact solutions, singular or not."""
+    case = named(name)
+    values = np.array([0.0, np.pi / 2, -np.pi / 2, np.pi, -np.pi])
+    for q in values[np.random.default_rng(7).integers(0, 5, (60, 6))]:
+        target = case.oracle.pose(q)
+        assert len(assert_exact(case, case.arm.ik(target), target)) > 0, q
+
+
+def test_article_arm_back_facing_shoulder() -> None:
+    """The article's arm has eight branches; the back-facing four reach the pose, with theta2 of the opposite sign.
+
+    The published formula gives the back-facing shoulder the theta2 of the front-facing one, which misses.
+    """
+    case = from_catalogue("zyyzyz_6r")
+    for q in np.array([[0.3, 0.5, 0.9, 0.4, 0.8, -0.2], [-2.0, -0.4, 1.3, 1.1, -0.6, 0.5]]):
+        target = case.oracle.pose(q)
+        solutions = list(case.arm.ik(target))
+        assert len(solutions) == 8
+        assert all(case.oracle.error(s.q, target) < 1e-12 for s in solutions)
+        front = [s for s in solutions if "shoulder front" in s.branch]
+        back = [s for s in solutions if "shoulder back" in s.branch]
+        assert len(front) == len(back) == 4
+        for s in back:
+            # No shoulder offset: turning axis 1 by half a turn mirrors axes 2 and 3.
+            mirrored = np.array([s.q[0] + np.pi, -s.q[1], -s.q[2]])
+            partners = [f for f in front if angle_distance(f.q[:3], mirrored) < 1e-9]
+            assert len(partners) == 2
+            as_published = s.q.copy()
+            as_published[1] = partners[0].q[1]
+            assert case.oracle.error(as_published, target) > 1e-2
+
+
+def test_article_arm_front_faces_the_wrist() -> None:
+    """On the article's arm, shoulder front has joint 1 turned towards the wrist's centre, as theta1 = atan2(y, x)."""
+    case = from_catalogue("zyyzyz_6r")
+    for q in case.oracle.draw(np.random.default_rng(11), 10):
+        for one in case.arm.ik(case.oracle.pose(q)):
+            # Upper arm 1 m, forearm to the wrist's centre 1.1 m, both along z at q = 0.
+            ahead = np.sin(one.q[1]) + 1.1 * np.sin(one.q[1] + one.q[2])
+            assert ("shoulder front" in one.branch) == (ahead > 0.0)
+
+
+def test_article_arm_shallow_wrist() -> None:
+    """At |sin q5| = 5e-3, which the published code takes for singular, the article's arm has eight exact solutions."""
+    case = from_catalogue("zyyzyz_6r")
+    q = np.array([0.3, 0.5, 0.9, 0.4, 5e-3, -0.2])
+    target = case.oracle.pose(q)
+    solutions = case.arm.ik(target)
+    found = assert_exact(case, solutions, target)
+    assert len(found) == 8
+    assert nearest(found, q) < 1e-9
+    assert not np.asarray(solutions.singular).any()
+
+
+def test_dh_arm_example_target() -> None:
+    """The DH arm reaches its example target with exactly eight joint vectors."""
+    case = from_catalogue("dh_6r")
+    target = urdf_ik.pose([0.5, 0.11, 0.26], quat_xyzw=[0.0, 0.0, 0.8, 0.6])
+    found = assert_exact(case, case.arm.ik(target), target)
+    assert len(found) == 8
+    assert closest_pair(found) > 0.1
+    assert len(case.oracle.solutions(target, np.random.default_rng(8))) == 8
+
+
+def test_dh_arm_is_the_table() -> None:
+    """The bundled DH arm is the modified Denavit-Hartenberg table: rows alpha, a, d, theta0."""
+    half = np.pi / 2
+    table = [
+        (0.0, 0.0, 0.1, 0.0),
+        (half, 0.0, 0.0, 0.0),
+        (0.0, 0.5, 0.0, half),
+        (half, 0.0, 0.5, 0.0),
+        (-half, 0.0, 0.0, 0.0),
+        (half, 0.0, 0.0, 0.0),
+    ]
+    case = from_catalogue("dh_6r")
+    for q in case.oracle.draw(np.random.default_rng(9), 5):
+        pose = np.eye(4)
+        for (alpha, a, d, theta0), angle in zip(table, q, strict=True):
+            (ca, sa), (ct, st) = ((np.cos(x), np.sin(x)) for x in (alpha, theta0 + angle))
+            pose = pose @ [
+                [ct, -st, 0, a],
+                [st * ca, ct * ca, -sa, -sa * d],
+                [st * sa, ct * sa, ca, ca * d],
+                [0, 0, 0, 1],
+            ]
+        np.testing.assert_allclose(case.oracle.pose(q), pose, atol=1e-12)
+        np.testing.assert_allclose(case.arm.fk(q), pose, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_branch_names(name: str) -> None:
+    """Arms with shoulder, elbow and wrist have eight columns, each with a name of its own that says all three."""
+    branches = named(name).arm.structure.branches
+    assert len(branches) == len(set(branches)) == 8
+    for words in itertools.product(
+        ("shoulder front", "shoulder back"), ("elbow up", "elbow down"), ("noflip", "wrist flip")
+    ):
+        assert sum(all(word in branch for word in words) for branch in branches) == 1, words
+
+
+def test_base_and_tip_may_be_any_links() -> None:
+    """Fixed joints before the base and after the tip do not matter: other links, the same solutions."""
+    described_arm = random_arm("wrist, 2||3", 3)
+    whole, inner = described(described_arm), urdf_ik.load(described_arm.urdf, base="link_1", tip="link_9")
+    oracle = Oracle(described_arm.urdf, "link_1", "link_9")
+    for q in oracle.draw(np.random.default_rng(10), 10):
+        found = rows(inner.ik(oracle.pose(q)))
+        others = rows(whole.arm.ik(whole.oracle.pose(q)))
+        assert len(found) == len(others)
+        assert all(nearest(others, x) < 1e-6 for x in found)

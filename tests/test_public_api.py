@@ -1,0 +1,71 @@
+"""What ``import urdf_ik`` gives, and what it must not cost."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import subprocess
+import sys
+
+import pytest
+
+import urdf_ik
+from urdf_ik import errors
+
+PROMISED = ("load", "Arm", "Chain", "Structure", "IKSolutions", "Solution", "Singular", "pose")
+HEAVY = {"pinocchio", "coal", "yourdfpy", "trimesh", "matplotlib", "viser", "typer", "rich"}
+# Numba itself imports the bare ``scipy`` for its version; the weight lies in the subpackages.
+HEAVY |= {"scipy.linalg", "scipy.optimize", "scipy.sparse", "scipy.spatial"}
+
+
+def answer_of(code: str) -> object:
+    """What a fresh interpreter prints as JSON when it runs the code."""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+@pytest.mark.parametrize("name", urdf_ik.__all__)
+def test_every_exported_name_exists(name: str) -> None:
+    """A name in __all__ is an attribute, public, with a docstring of its own where it is a class or function."""
+    exported = getattr(urdf_ik, name)
+    assert not name.startswith("_") or name == "__version__"
+    if inspect.isclass(exported) or inspect.isfunction(exported):
+        assert exported.__doc__
+
+
+def test_exported_names_are_listed_once() -> None:
+    """No name is in __all__ twice, and the interface's stable names are all there."""
+    assert len(set(urdf_ik.__all__)) == len(urdf_ik.__all__)
+    assert set(PROMISED) <= set(urdf_ik.__all__)
+
+
+def test_every_error_is_exported_and_has_one_root() -> None:
+    """All errors that the package raises on purpose are caught by UrdfIkError and can be named from urdf_ik."""
+    own = {
+        name: value
+        for name, value in vars(errors).items()
+        if inspect.isclass(value) and value.__module__ == errors.__name__
+    }
+    assert all(issubclass(value, urdf_ik.UrdfIkError) for value in own.values())
+    assert all(getattr(urdf_ik, name) is value for name, value in own.items())
+    assert set(own) <= set(urdf_ik.__all__)
+
+
+def test_import_brings_none_of_the_heavy_packages() -> None:
+    """In a fresh interpreter ``import urdf_ik`` loads nothing that only some of its rooms need."""
+    code = "import json, sys, urdf_ik; print(json.dumps(sorted(sys.modules)))"
+    loaded = answer_of(code)
+    assert isinstance(loaded, list) and "urdf_ik" in loaded
+    assert HEAVY.isdisjoint(loaded), sorted(HEAVY & set(loaded))
+
+
+def test_every_module_can_be_imported() -> None:
+    """Each module of the package imports on its own, without a warning."""
+    code = (
+        "import importlib, json, pkgutil, warnings, urdf_ik; warnings.simplefilter('error'); "
+        "names = [m.name for m in pkgutil.walk_packages(urdf_ik.__path__, 'urdf_ik.')]; "
+        "[importlib.import_module(name) for name in names]; print(json.dumps(names))"
+    )
+    names = answer_of(code)
+    assert isinstance(names, list) and {"urdf_ik.errors", "urdf_ik.catalogue"} <= set(names)
