@@ -217,10 +217,11 @@ def missing_link(q: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def far_link(q: np.ndarray) -> dict[str, np.ndarray]:
-    """Link poses with the hand where nothing can be touched."""
+    """Link poses with the upper arm where nothing can be touched."""
     poses = dict(loaded("zyyzyz_6r").link_poses(q))
-    for name in ("link_4", "link_5", "link_6"):
-        poses[name] = poses[name] + np.array([0, 0, 0, 100.0])[:, None] * [0, 0, 0, 1.0]
+    for name in ("link_2", "link_3"):
+        poses[name] = poses[name].copy()
+        poses[name][..., 2, 3] += 100.0
     return poses
 
 
@@ -297,9 +298,10 @@ def test_damage_is_caught_by_its_row(damage: str) -> None:
         assert row.worst > row.tolerance
         if row.name != "joints and limits":
             planted, T = replay(arm, report.seed, row.index)
-            if row.name.startswith("solutions"):
-                again = max(Reference(arm.model, arm.base, arm.tip).error(row.q, T))
-                assert again > row.tolerance or np.isnan(again)
+            if "not finite" in row.detail:
+                assert row.q == tuple(planted)
+            elif row.name.startswith("solutions"):
+                assert max(Reference(arm.model, arm.base, arm.tip).error(row.q, T)) > row.tolerance
             elif row.name.startswith(("forward", "Jacobian", "planted", "duplicates")):
                 assert row.q == tuple(planted)
 

@@ -192,26 +192,38 @@ class Inverse:
         for i, index in enumerate(indices):
             columns = np.flatnonzero(valid[i])
             for b in columns:
+                number = np.isfinite(found[i, b]).all()
+                detail = f"branch {names[b]!r}" + ("" if number else ", marked valid, is not finite")
                 for tally, values in zip(self._error, errors, strict=True):
-                    tally.add(float(values[i, b]), index, found[i, b], f"branch {names[b]!r}")
+                    tally.add(float(values[i, b]), index, found[i, b] if number else Q[i], detail)
             mine = found[i, columns]
             far = self._apart(mine, Q[i]).min(initial=np.inf)
             self._planted.add(float(far), index, Q[i], f"{len(mine)} solutions", PLANTED + float(planted[i]))
-            self._compare_single(index, T[i], found[i], valid[i], sigma[i], names)
+            self._compare_single(index, Q[i], T[i], found[i], valid[i], sigma[i], names)
             gaps = self._apart(mine[:, None], mine[None])
             doubled = int(np.count_nonzero(np.triu(gaps < DUPLICATE, k=1)))
             self._duplicates.add(doubled, index, Q[i], f"{doubled} of its pairs" if doubled else "")
         return [found[i, valid[i]] for i in range(len(indices))]
 
     def _compare_single(
-        self, index: int, T: Array, found: Array, valid: NDArray[np.bool_], sigma: Array, names: Sequence[str]
+        self,
+        index: int,
+        q: Array,
+        T: Array,
+        found: Array,
+        valid: NDArray[np.bool_],
+        sigma: Array,
+        names: Sequence[str],
     ) -> None:
         alone = self._arm.ik(T)
         single, has = np.asarray(alone.q), np.asarray(alone.valid)
         for b in np.flatnonzero(valid | has):
-            apart = float(self._apart(single[b], found[b])) if valid[b] and has[b] else np.inf
+            if valid[b] and has[b]:
+                apart, detail = float(self._apart(single[b], found[b])), f"branch {names[b]!r}"
+            else:
+                apart, detail = np.inf, f"branch {names[b]!r} only in the {'batch' if valid[b] else 'single answer'}"
             tolerance = SAME + CONDITIONING / max(float(np.nan_to_num(sigma[b])), 1e-300)
-            self._single.add(apart, index, found[b] if valid[b] else single[b], f"branch {names[b]!r}", tolerance)
+            self._single.add(apart, index, q, detail, tolerance)
 
     def _apart(self, a: Array, b: Array) -> Array:
         """Largest difference (...) [rad or m] between joint vectors (..., n), revolute joints modulo 2 pi."""

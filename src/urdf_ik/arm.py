@@ -67,6 +67,9 @@ class Arm:
     def __repr__(self) -> str:
         return f"<Arm {self.name!r}: {self.base} to {self.tip}, {self.structure.family or f'{self.dof} joints'}>"
 
+    def __reduce__(self) -> tuple[type[Arm], tuple[UrdfModel, Chain]]:
+        return Arm, (self.model, self.chain)
+
     @property
     def name(self) -> str:
         """The robot's name in the URDF."""
@@ -126,7 +129,8 @@ class Arm:
 
         Args:
             T: (..., 4, 4) pose of the tip in the base [m], a ``pinocchio.SE3`` or a list of them. A rotation
-                that is off by rounding (up to 1e-5) is replaced by the nearest one.
+                that is off by rounding (up to 1e-5) is replaced by the nearest one. The answer keeps a stack
+                of poses by reference, for ``explain``; a single pose is copied.
             q_ref: (n,) rad, joint vector near which representatives of a continuum are chosen.
             threads: number of threads that share a batch.
 
@@ -139,10 +143,12 @@ class Arm:
         """
         if self._plan is None:
             raise UnsupportedArm(f"{self.name}: no solver for this arm yet. {self.structure}")
-        if type(T) is np.ndarray and T.shape == (4, 4) and T.dtype == np.float64 and T.flags.c_contiguous:
-            target = T
+        if type(T) is np.ndarray and T.shape == (4, 4) and T.dtype == np.float64:
+            # A copy, so that the answer does not change when the caller's array does.
+            target = T.copy()
         else:
             target = as_pose_array(T)
+            target = target.copy() if target is T and target.ndim == 2 else target
         reference = self._no_reference if q_ref is None else self._reference(q_ref)
         if target.ndim == 2:
             q, flags = np.empty(self._shape), np.empty(self._shape[:2], np.uint8)

@@ -148,7 +148,8 @@ def meeting_point(points: Vector, directions: Vector) -> Vector:
     across = np.eye(3) - directions[:, :, None] * directions[:, None, :]
     # Relative to one of the points, so that an arm far from its base loses no digits.
     offset = np.einsum("kij,kj->i", across, points - points[0])
-    return points[0] + np.linalg.solve(across.sum(axis=0), offset)
+    centre: Vector = points[0] + np.linalg.solve(across.sum(axis=0), offset)
+    return centre
 
 
 def _pair(chain: Chain, i: int, size: float) -> AxisPair:

@@ -32,17 +32,17 @@ def spread(W, arm, b, m, single):
 
 
 @inlined
-def store(O, b, start, columns, single, care, Q, flags):
+def store(out, b, start, columns, single, care, Q, flags):
     """Copy the angles of a block to the answer, NaN where there is no solution, and mark poses in doubt."""
     for i in range(columns):
         pose, branch, k = (start, i, 0) if single else (start + i, b, i)
-        if O[6, i] == 1.0:
+        if out[6, i] == 1.0:
             for j in range(6):
-                Q[pose, branch, j] = O[j, i]
+                Q[pose, branch, j] = out[j, i]
             flags[pose, branch] = layout.VALID
         else:
             for j in range(6):
                 Q[pose, branch, j] = math.nan
             flags[pose, branch] = 0
-            if O[6, i] == 2.0:
+            if out[6, i] == 2.0:
                 care[k] = True

@@ -69,11 +69,12 @@ def kernel(function: _Function) -> _Function:
     Division by zero gives an infinity or NaN, as in NumPy: a check would keep loops from being vectorised.
     ``contract`` lets the compiler fuse a multiplication with an addition; nothing else of ``fastmath`` is on.
     """
-    given, config.CACHE_DIR = config.CACHE_DIR, str(CACHE_DIRECTORY)
+    given = config.CACHE_DIR  # type: ignore[attr-defined]
+    config.CACHE_DIR = str(CACHE_DIRECTORY)  # type: ignore[attr-defined]
     try:
         return numba.njit(cache=True, **_OPTIONS)(function)  # type: ignore[no-any-return]
     finally:
-        config.CACHE_DIR = given
+        config.CACHE_DIR = given  # type: ignore[attr-defined]
 
 
 def step(function: _Function) -> _Function:

@@ -89,8 +89,8 @@ def place(arm, prismatic, q, T, axes, points):
 def refine(arm, target, q, rounds, enough):
     """Newton's method, damped, on the arm as written; ``q`` (6,) is replaced by the best vector met.
 
-    It stops below ``enough``. Returns its error (pose_error). The damping falls with the error, so that convergence is quadratic at
-    regular solutions and steps stay bounded at singular ones.
+    It stops below ``enough`` and returns the error left (see ``pose_error``). The damping falls with the error, so
+    that convergence is quadratic at regular solutions and steps stay bounded at singular ones.
     """
     scale = 1.0 / arm[layout.SIZE]
     prismatic = np.zeros(6, np.bool_)

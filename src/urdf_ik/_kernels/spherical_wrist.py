@@ -31,8 +31,8 @@ def wrist_rotation(r0, r3, r6, arm, c1, s1, c2, s2, c3, s3):
 
 
 @inlined
-def branch(kind, W, O, m, arm):
-    """Joint angles (rows 0-5) of one branch to ``O``, and in row 6 whether it is: 0 none, 1 valid, 2 in doubt."""
+def branch(kind, W, out, m, arm):
+    """Joint angles (rows 0-5) of one branch to ``out``, and in row 6 whether it is: 0 none, 1 valid, 2 in doubt."""
     ca, sa, cb, sb = arm[COS_ALPHA + 3], arm[SIN_ALPHA + 3], arm[COS_ALPHA + 4], arm[SIN_ALPHA + 4]
     edge, reach = arm[layout.EDGE], arm[layout.REACH] * arm[layout.REACH] * 1e-2
     for i in range(m):
@@ -49,13 +49,13 @@ def branch(kind, W, O, m, arm):
         lost = (m1 < -edge) | (m2 < -edge) | (m3 < -edge)
         doubt = (min(m1, m2) <= edge) | (min(m3, fixed) <= edge) | (min(arm1, arm2) <= edge)
         doubt = doubt | (not (error + turned <= reach))
-        O[0, i] = wrap(atan2(s1, c1) - arm[OFFSET])
-        O[1, i] = wrap(atan2(s2, c2) - arm[OFFSET + 1])
-        O[2, i] = wrap(atan2(s3, c3) - arm[OFFSET + 2])
-        O[3, i] = wrap(atan2(s4, c4) - arm[OFFSET + 3])
-        O[4, i] = wrap(atan2(s5, c5) - arm[OFFSET + 4])
-        O[5, i] = wrap(atan2(s6, c6) - arm[OFFSET + 5])
-        O[6, i] = 0.0 if lost else (2.0 if doubt else 1.0)
+        out[0, i] = wrap(atan2(s1, c1) - arm[OFFSET])
+        out[1, i] = wrap(atan2(s2, c2) - arm[OFFSET + 1])
+        out[2, i] = wrap(atan2(s3, c3) - arm[OFFSET + 2])
+        out[3, i] = wrap(atan2(s4, c4) - arm[OFFSET + 3])
+        out[4, i] = wrap(atan2(s5, c5) - arm[OFFSET + 4])
+        out[5, i] = wrap(atan2(s6, c6) - arm[OFFSET + 5])
+        out[6, i] = 0.0 if lost else (2.0 if doubt else 1.0)
 
 
 @kernel
@@ -82,8 +82,9 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
         if b // 2 >= found:
             break
         front, up, flip = arm[layout.SIGNS + 3 * b], arm[layout.SIGNS + 3 * b + 1], arm[layout.SIGNS + 3 * b + 2]
+        c3r, s3r = roots[b // 2, 0], roots[b // 2, 1]
         c1, s1, c2, s2, c3, s3, m1, m2, arm1, arm2, _ = shoulder.position(
-            kind, X[9], X[10], X[11], arm, front, up, False, 1.0, 0.0, False, 1.0, 0.0, roots[b // 2, 0], roots[b // 2, 1]
+            kind, X[9], X[10], X[11], arm, front, up, False, 1.0, 0.0, False, 1.0, 0.0, c3r, s3r
         )
         if kind == shoulder.GENERAL:
             m1 = root_gap(roots, found, b // 2)
@@ -99,9 +100,9 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
         if kind != shoulder.GENERAL:
             # Of two signs that stand for the same root, or the same continuum, the positive one is kept, as zero.
             swung = arm1 if by_height else (arm2 if kind == shoulder.INTERSECTING_12 else 1.0)
-            bent = layout.ROUNDING / (2.0 * arm[layout.A + 1] * arm[layout.RHO] * scale) if by_height else layout.ROUNDING
             double1 = is_double(m1, swung, layout.ROUNDING)
-            double2 = is_double(m2, arm2 if by_height else 1.0, bent)
+            links = 2.0 * arm[layout.A + 1] * arm[layout.RHO] * scale if by_height else 1.0
+            double2 = is_double(m2, arm2 if by_height else 1.0, layout.ROUNDING / links)
             if front < 0.0 and (double1 or free1 or (free2 and not by_height)):
                 continue
             if up < 0.0 and (double2 or (free2 and by_height)):
@@ -109,7 +110,7 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
             front, up = (0.0 if double1 else front), (0.0 if double2 else up)
         if free1 or free2 or front == 0.0 or up == 0.0:
             c1, s1, c2, s2, c3, s3, _, _, _, _, _ = shoulder.position(
-                kind, X[9], X[10], X[11], arm, front, up, free1, c1h, s1h, free2, c2h, s2h, roots[b // 2, 0], roots[b // 2, 1]
+                kind, X[9], X[10], X[11], arm, front, up, free1, c1h, s1h, free2, c2h, s2h, c3r, s3r
             )
         m00, m10, m20 = wrist_rotation(X[0], X[3], X[6], arm, c1, s1, c2, s2, c3, s3)
         m01, m11, m21 = wrist_rotation(X[1], X[4], X[7], arm, c1, s1, c2, s2, c3, s3)
@@ -134,8 +135,9 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
             # The sum (or difference) of the turns is what counts: share its distance from the reference.
             a4 = q_ref[3] + arm[OFFSET + 3]
             for _ in range(2):
+                c4, s4 = math.cos(a4), math.sin(a4)
                 c4, s4, c6, s6, fixed, _ = wrist_turns(
-                    m00, m10, m20, m01, m11, m21, m02, m12, m22, c5, s5, ca, sa, cb, sb, True, math.cos(a4), math.sin(a4)
+                    m00, m10, m20, m01, m11, m21, m02, m12, m22, c5, s5, ca, sa, cb, sb, True, c4, s4
                 )
                 rest = wrap(wrap(math.atan2(s6, c6) - arm[OFFSET + 5]) - q_ref[5])
                 aligned = 1.0 if ca * cb - sa * sb * c5 > 0.0 else -1.0
@@ -157,7 +159,7 @@ def solve(kind, T, arm, q_ref, Q, flags):
     ``q_ref`` (7,): the joint vector that representatives are taken near, and 1 where it was given, 0 where it
     stands for zeros. Returns the index of the first target that is no pose, -1 where all are.
     """
-    W, O = np.empty((ROWS, BLOCK)), np.empty((7, BLOCK))
+    W, out = np.empty((ROWS, BLOCK)), np.empty((7, BLOCK))
     proper = np.empty((4, 4))
     care = np.empty(BLOCK, np.bool_)
     single = T.shape[0] == 1
@@ -171,8 +173,8 @@ def solve(kind, T, arm, q_ref, Q, flags):
         if kind != shoulder.GENERAL:
             for b in range(1 if single else 8):
                 columns = spread(W, arm, b, m, single)
-                branch(kind, W, O, columns, arm)
-                store(O, b, start, columns, single, care, Q, flags)
+                branch(kind, W, out, columns, arm)
+                store(out, b, start, columns, single, care, Q, flags)
         for i in range(m):
             if care[i]:
                 project_rotation(T[start + i], proper)

@@ -15,14 +15,15 @@ from urdf_ik._kernels.compile import inlined, kernel
 def load(W, T, start, m, arm):
     """Write rotation (rows 0-8), solved point (9-11) and defect (12) of poses ``start``.. to ``W``.
 
-    The defect is the greatest entry of R^T R - I, infinite or NaN for what is no rigid motion.
+    The defect is the greatest entry of R^T R - I and of the last row's error, infinite or NaN for what cannot be
+    a rigid motion.
     """
     for i in range(m):
         for r in range(3):
             for c in range(4):
                 W[13 + 4 * r + c, i] = T[start + i, r, c]
-        W[25, i] = abs(T[start + i, 3, 0]) + abs(T[start + i, 3, 1]) + abs(T[start + i, 3, 2])
-        W[25, i] += abs(T[start + i, 3, 3] - 1.0)
+        a, b, c, d = T[start + i, 3, 0], T[start + i, 3, 1], T[start + i, 3, 2], T[start + i, 3, 3] - 1.0
+        W[25, i] = max(max(abs(a), abs(b)), max(abs(c), abs(d))) + 0.0 * (a + b + c + d)
     for i in range(m):
         r00, r01, r02, tx = W[13, i], W[14, i], W[15, i], W[16, i]
         r10, r11, r12, ty = W[17, i], W[18, i], W[19, i], W[20, i]
@@ -34,8 +35,10 @@ def load(W, T, start, m, arm):
         d4 = abs(r00 * r02 + r10 * r12 + r20 * r22)
         d5 = abs(r01 * r02 + r11 * r12 + r21 * r22)
         det = r00 * (r11 * r22 - r12 * r21) - r01 * (r10 * r22 - r12 * r20) + r02 * (r10 * r21 - r11 * r20)
-        # Sums carry a NaN on, where max() would drop it.
-        W[12, i] = d0 + d1 + d2 + d3 + d4 + d5 + abs(det - 1.0) + W[25, i] + 0.0 * (tx + ty + tz)
+        worst = max(max(max(d0, d1), max(d2, d3)), max(max(d4, d5), W[25, i]))
+        # Products with zero carry a NaN or an infinity on, where max() would drop it.
+        lost = 0.0 * (d0 + d1 + d2 + W[25, i]) + (0.0 * tx + 0.0 * ty + 0.0 * tz)
+        W[12, i] = (worst if det > 0.0 else math.inf) + lost
         a0 = arm[0] * r00 + arm[1] * r10 + arm[2] * r20
         a1 = arm[0] * r01 + arm[1] * r11 + arm[2] * r21
         a2 = arm[0] * r02 + arm[1] * r12 + arm[2] * r22

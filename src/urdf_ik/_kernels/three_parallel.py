@@ -14,7 +14,20 @@ import numpy as np
 from urdf_ik._kernels import layout
 from urdf_ik._kernels.batch import spread, store
 from urdf_ik._kernels.compile import inlined, kernel, step
-from urdf_ik._kernels.layout import ALONG, BLOCK, COS_ALPHA, COS_FIRST, OFFSET, ROWS, SIN_ALPHA, SIN_FIRST, TURN_3, TURN_4, A, D
+from urdf_ik._kernels.layout import (
+    ALONG,
+    BLOCK,
+    COS_ALPHA,
+    COS_FIRST,
+    OFFSET,
+    ROWS,
+    SIN_ALPHA,
+    SIN_FIRST,
+    TURN_3,
+    TURN_4,
+    A,
+    D,
+)
 from urdf_ik._kernels.polynomials import root_gap, trigonometric_roots
 from urdf_ik._kernels.refine import accept
 from urdf_ik._kernels.subproblems import elbow, is_double, swing_to_offset, unit, unturn, wrist_bend, wrist_turns
@@ -39,8 +52,8 @@ def forearm(arm, c5, s5):
 
 
 @inlined
-def branch(W, O, m, arm):
-    """Joint angles (rows 0-5) of one branch to ``O``, and in row 6 whether it is: 0 none, 1 valid, 2 in doubt."""
+def branch(W, out, m, arm):
+    """Joint angles (rows 0-5) of one branch to ``out``, and in row 6 whether it is: 0 none, 1 valid, 2 in doubt."""
     ca, sa, cb, sb = arm[COS_FIRST], arm[SIN_FIRST], arm[COS_ALPHA + 4], arm[SIN_ALPHA + 4]
     edge, reach = arm[layout.EDGE], arm[layout.REACH] * arm[layout.REACH] * 1e-2
     scale = 1.0 / (arm[layout.SIZE] * arm[layout.SIZE])
@@ -72,13 +85,13 @@ def branch(W, O, m, arm):
         doubt = doubt | (not (error + turned <= reach))
         t2, t3 = atan2(s2, c2), atan2(s3, c3)
         t4 = arm[TURN_4] * (atan2(sf, cf) - t2 - arm[TURN_3] * t3)
-        O[0, i] = wrap(atan2(s1, c1) - arm[OFFSET])
-        O[1, i] = wrap(t2 - arm[OFFSET + 1])
-        O[2, i] = wrap(t3 - arm[OFFSET + 2])
-        O[3, i] = wrap(wrap(t4 - arm[OFFSET + 3]))
-        O[4, i] = wrap(atan2(s5, c5) - arm[OFFSET + 4])
-        O[5, i] = wrap(atan2(s6, c6) - arm[OFFSET + 5])
-        O[6, i] = 0.0 if lost else (2.0 if doubt else 1.0)
+        out[0, i] = wrap(atan2(s1, c1) - arm[OFFSET])
+        out[1, i] = wrap(t2 - arm[OFFSET + 1])
+        out[2, i] = wrap(t3 - arm[OFFSET + 2])
+        out[3, i] = wrap(wrap(t4 - arm[OFFSET + 3]))
+        out[4, i] = wrap(atan2(s5, c5) - arm[OFFSET + 4])
+        out[5, i] = wrap(atan2(s6, c6) - arm[OFFSET + 5])
+        out[6, i] = 0.0 if lost else (2.0 if doubt else 1.0)
 
 
 @kernel
@@ -144,10 +157,16 @@ def sharpen_roots(X, arm, roots, found):
         if second >= 0:
             y = ce * roots[second, 1] - se * roots[second, 0]
             x, y = (low, high) if x <= y else (high, low)
-            roots[second, 0], roots[second, 1] = ce * math.cos(y) - se * math.sin(y), se * math.cos(y) + ce * math.sin(y)
+            _set_beside(roots, second, ce, se, y)
         else:
             x = low if abs(low - x) < abs(high - x) else high
-        roots[first, 0], roots[first, 1] = ce * math.cos(x) - se * math.sin(x), se * math.cos(x) + ce * math.sin(x)
+        _set_beside(roots, first, ce, se, x)
+
+
+@kernel
+def _set_beside(roots, i, c, s, x):
+    """Set root ``i`` to the angle (c, s) turned by ``x``."""
+    roots[i, 0], roots[i, 1] = c * math.cos(x) - s * math.sin(x), s * math.cos(x) + c * math.sin(x)
 
 
 @kernel
@@ -313,7 +332,7 @@ def solve(kind, T, arm, q_ref, Q, flags):
     ``q_ref`` (7,): the joint vector that representatives are taken near, and 1 where it was given, 0 where it
     stands for zeros. Returns the index of the first target that is no pose, -1 where all are.
     """
-    W, O = np.empty((ROWS, BLOCK)), np.empty((7, BLOCK))
+    W, out = np.empty((ROWS, BLOCK)), np.empty((7, BLOCK))
     proper = np.empty((4, 4))
     care = np.empty(BLOCK, np.bool_)
     single = T.shape[0] == 1
@@ -327,8 +346,8 @@ def solve(kind, T, arm, q_ref, Q, flags):
         if kind != GENERAL:
             for b in range(1 if single else 8):
                 columns = spread(W, arm, b, m, single)
-                branch(W, O, columns, arm)
-                store(O, b, start, columns, single, care, Q, flags)
+                branch(W, out, columns, arm)
+                store(out, b, start, columns, single, care, Q, flags)
         for i in range(m):
             if care[i]:
                 project_rotation(T[start + i], proper)

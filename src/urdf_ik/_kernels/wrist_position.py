@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from urdf_ik._kernels.compile import kernel, step
-from urdf_ik._kernels.layout import A, CENTRE, COS_ALPHA, COS_PHI, D, HEIGHT, RHO, SIN_ALPHA, SIN_PHI, SIZE, SWING
+from urdf_ik._kernels.layout import CENTRE, COS_ALPHA, COS_PHI, HEIGHT, RHO, SIN_ALPHA, SIN_PHI, SIZE, SWING, A, D
 from urdf_ik._kernels.polynomials import trigonometric_roots
 from urdf_ik._kernels.subproblems import elbow, swing_to_offset, unit
 

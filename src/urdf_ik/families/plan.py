@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -124,7 +124,8 @@ def mean_direction(directions: Array) -> Array:
     """Directions (k, 3) replaced by their common one, each with its own sign."""
     signs = np.where(directions @ directions[0] < 0.0, -1.0, 1.0)
     mean = (signs[:, None] * directions).sum(axis=0)
-    return signs[:, None] * (mean / np.linalg.norm(mean))
+    common: Array = signs[:, None] * (mean / np.linalg.norm(mean))
+    return common
 
 
 def method_in_words(steps: str, error: float) -> str:
