@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compare urdf-ik with its peers: the same poses, the same process, judged by Pinocchio.
 
-    python benchmarks/bench.py [--md] [--poses N] [--repeats R] [--robot NAME ...] [--peer NAME ...]
+    python benchmarks/bench.py [--md] [--poses N] [--repeats R] [--seed S] [--robot NAME ...] [--peer NAME ...]
 
 For each arm it prints, for every solver: microseconds a call for one pose, result ready as an array; thousands of poses
 a second in batch with one and with two threads, all solutions of each; the ratios to EAIK; and the share of poses
@@ -107,7 +107,7 @@ singularity. singular, answered: exactly singular, at least one solution. wrong 
 answered with a joint vector that misses the pose and is not flagged as approximate."""
 
 
-def measure(robot: Robot, wanted: list[type[Peer]], poses: int, repeats: int) -> list[list[str]]:
+def measure(robot: Robot, wanted: list[type[Peer]], poses: int, repeats: int, seed: int) -> list[list[str]]:
     """All rows of one arm's table, one a solver; a peer that is missing is a row that says so."""
     peers: list[Peer] = []
     missing: list[list[str]] = []
@@ -116,7 +116,7 @@ def measure(robot: Robot, wanted: list[type[Peer]], poses: int, repeats: int) ->
             peers.append(kind(robot))
         except Unavailable as reason:
             missing.append([kind.name, str(reason), *["-"] * (len(COLUMNS) - 2)])
-    judge, rng = robot.judge, np.random.default_rng(2)
+    judge, rng = robot.judge, np.random.default_rng(seed)
     planted = complete.draw_random(judge, max(poses, SINGLE_CALLS), rng)
     targets = np.array([judge.pose(q) for q in planted])
     speed = _speed(peers, targets, repeats)
@@ -171,6 +171,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--md", action="store_true", help="print Markdown")
     parser.add_argument("--poses", type=int, default=500, help="poses for the completeness columns (default 500)")
     parser.add_argument("--repeats", type=int, default=15, help="alternating repetitions (default 15)")
+    parser.add_argument("--seed", type=int, default=2, help="seed of the poses (default 2)")
     parser.add_argument("--robot", nargs="*", help="only these arms: " + ", ".join(r.name for r in ROBOTS))
     parser.add_argument("--peer", nargs="*", help="only these solvers: " + ", ".join(p.name for p in PEERS))
     options = parser.parse_args(arguments)
@@ -183,7 +184,7 @@ def main(arguments: list[str] | None = None) -> int:
     print(_machine())
     for robot in robots:
         print(f"{robot.name} ...", file=sys.stderr, flush=True)
-        _show(console, robot, measure(robot, wanted, options.poses, options.repeats), markdown=options.md)
+        _show(console, robot, measure(robot, wanted, options.poses, options.repeats, options.seed), markdown=options.md)
     print(FOOTNOTE)
     return 0
 

@@ -244,7 +244,10 @@ class SsikBuilt(Peer):
             if spec is None or spec.loader is None:
                 raise Unavailable("no module built")
             self.module: Any = importlib.util.module_from_spec(spec)
-            spec.loader.exec_module(self.module)
+            try:
+                spec.loader.exec_module(self.module)
+            except ImportError as error:
+                raise Unavailable(f"the module built does not import ({error})") from error
 
     def solve(self, prepared: Any) -> np.ndarray:
         """One pose."""

@@ -247,7 +247,7 @@ def twisted(q: np.ndarray, valid: np.ndarray) -> None:
 
 def doubled(q: np.ndarray, valid: np.ndarray) -> None:
     """One branch is given twice, the second time a turn and a rounding error away."""
-    q[:, 4] = q[:, 0] + 2 * np.pi + 1e-12
+    q[:, 1] = q[:, 0] + 2 * np.pi + 1e-12
 
 
 DAMAGE = {

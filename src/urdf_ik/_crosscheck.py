@@ -191,7 +191,7 @@ class Inverse:
         planted = CONDITIONING / np.maximum(self._sigma_min(Q), 1e-300)
         for i, index in enumerate(indices):
             columns = np.flatnonzero(valid[i])
-            for b in columns:
+            for b in map(int, columns):
                 number = np.isfinite(found[i, b]).all()
                 detail = f"branch {names[b]!r}" + ("" if number else ", marked valid, is not finite")
                 for tally, values in zip(self._error, errors, strict=True):
@@ -217,7 +217,7 @@ class Inverse:
     ) -> None:
         alone = self._arm.ik(T)
         single, has = np.asarray(alone.q), np.asarray(alone.valid)
-        for b in np.flatnonzero(valid | has):
+        for b in map(int, np.flatnonzero(valid | has)):
             if valid[b] and has[b]:
                 apart, detail = float(self._apart(single[b], found[b])), f"branch {names[b]!r}"
             else:

@@ -84,7 +84,7 @@ class Reference:
         """
         model = source if isinstance(source, urdf.UrdfModel) else urdf.read(source)
         self.base, self.tip = model.resolve_chain(base, tip)
-        self.pin_model, follows = _build(model)
+        self.pin_model = _build(model)
         self._base, self._tip = self._frame(self.base), self._frame(self.tip)
         self._bodies = [(f.name, i) for i, f in enumerate(self.pin_model.frames) if f.type == pin.FrameType.BODY]
 
@@ -103,7 +103,8 @@ class Reference:
         self._drives = []
         for name in self.pin_model.names[1:]:
             joint = self._joint(name)
-            driver, multiplier, offset = (name, 1.0, 0.0) if follows else followed[name]
+            driver, multiplier, offset = followed[name]
+            # A joint that Pinocchio itself makes follow another has no entry of its own.
             if joint.nq and joint.nv == 1 and (driver in column or offset):
                 self._drives.append(
                     _Drive(joint.idx_q, joint.idx_v, joint.nq == 2, column.get(driver), multiplier, offset)
@@ -343,19 +344,19 @@ def finite(Q: Array) -> Iterator[tuple[int, ...]]:
     return (index for index in np.ndindex(Q.shape[:-1]) if good[index])
 
 
-def _build(model: urdf.UrdfModel) -> tuple[Any, bool]:
-    """Pinocchio's model, and whether it makes mimicking joints follow by itself.
+def _build(model: urdf.UrdfModel) -> Any:
+    """Pinocchio's model, in which mimicking joints follow by themselves where it can.
 
     It refuses some mimics that are valid in a URDF: of a joint that its tree holds later, of one that mimics, too, or
     of a continuous one. There every joint is left free, and :class:`Reference` moves it.
     """
     text = model.xml.decode()
     try:
-        return pin.buildModelFromXML(text, mimic=True), True
+        return pin.buildModelFromXML(text, mimic=True)
     except ValueError:
         pass
     try:
-        return pin.buildModelFromXML(text), False
+        return pin.buildModelFromXML(text)
     except ValueError as error:
         raise UrdfError(f"Pinocchio refuses it: {error}", source=model.source) from None
 
