@@ -50,7 +50,7 @@ def _timed(work: Callable[[], Any]) -> float:
 
 def _speed(peers: list[Peer], targets: np.ndarray, repeats: int) -> dict[str, dict[str, float]]:
     """Best of alternating repetitions: ``us`` a call, ``batch 1`` and ``batch 2`` thousands of poses a second."""
-    batch = targets[np.arange(BATCH) % len(targets)]
+    batch = targets[:BATCH]
     calls = {p.name: SLOW_CALLS if isinstance(p, Ssik) else SINGLE_CALLS for p in peers}
     singles = {p.name: [p.prepare(t) for t in targets[: calls[p.name]]] for p in peers}
     batches = {p.name: p.prepare_batch(batch) for p in peers if p.batch_call}
@@ -117,7 +117,7 @@ def measure(robot: Robot, wanted: list[type[Peer]], poses: int, repeats: int, se
         except Unavailable as reason:
             missing.append([kind.name, str(reason), *["-"] * (len(COLUMNS) - 2)])
     judge, rng = robot.judge, np.random.default_rng(seed)
-    planted = complete.draw_random(judge, max(poses, SINGLE_CALLS), rng)
+    planted = complete.draw_random(judge, max(poses, BATCH), rng)
     targets = np.array([judge.pose(q) for q in planted])
     speed = _speed(peers, targets, repeats)
     base = next((speed[p.name] for p in peers if isinstance(p, Eaik)), {})

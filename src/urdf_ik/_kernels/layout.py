@@ -20,6 +20,8 @@ CLAMP, IMPERFECTION = 73, 74
 # Signs of the eight branches (8, 3); the arm as written.
 SIGNS, H, P, R_TIP = 76, 100, 118, 139
 LENGTH = 148
+# General 6R, behind these: inverse of the tip's home pose (3, 4), centre of the axes, 1 / scale, number of variants.
+HOME_INVERSE, CENTRE_OF_AXES, SCALE, VARIANTS, FIRST_VARIANT = 148, 160, 163, 164, 168
 
 # What a squared quantity of order one carries of rounding when it arrives at the families: 32 units in the last place.
 ROUNDING = 7e-15

@@ -124,8 +124,59 @@ def refine(arm, target, q, rounds, enough):
 
 
 @kernel
-def least_stretch(J):
-    """Smallest singular value of ``J`` (6, 6), by inverse iteration on its triangular factor."""
+def newton(arm, target, q, rounds):
+    """Newton's method on the arm as written, undamped but for long steps; for starts near a regular solution.
+
+    ``q`` (6,) is replaced by the last vector. Returns its error (see ``pose_error``), infinite where the Jacobian
+    gives no step.
+    """
+    scale = 1.0 / arm[layout.SIZE]
+    prismatic = np.zeros(6, np.bool_)
+    T, J, e = np.empty((4, 4)), np.empty((6, 6)), np.empty(6)
+    axes, points = np.empty((6, 3)), np.empty((6, 3))
+    previous = math.inf
+    for k in range(rounds + 1):
+        place(arm, prismatic, q, T, axes, points)
+        error = pose_error(target, T, scale, e)
+        if k == rounds or error < _ROUNDING or (error < _CONVERGED and error > 0.1 * previous):
+            return error
+        previous = error
+        jacobian_from_axes(prismatic, axes, points, T[:3, 3], J)
+        for j in range(6):
+            for i in range(3):
+                J[i, j] *= scale
+        for i in range(6):
+            pivot = i
+            for r in range(i + 1, 6):
+                if abs(J[r, i]) > abs(J[pivot, i]):
+                    pivot = r
+            if abs(J[pivot, i]) < 1e-12:
+                return math.inf
+            if pivot != i:
+                e[i], e[pivot] = e[pivot], e[i]
+                for j in range(i, 6):
+                    J[i, j], J[pivot, j] = J[pivot, j], J[i, j]
+            w = 1.0 / J[i, i]
+            for r in range(i + 1, 6):
+                f = J[r, i] * w
+                e[r] -= f * e[i]
+                for j in range(i + 1, 6):
+                    J[r, j] -= f * J[i, j]
+        longest = 0.0
+        for i in range(5, -1, -1):
+            for j in range(i + 1, 6):
+                e[i] -= J[i, j] * e[j]
+            e[i] /= J[i, i]
+            longest = max(longest, abs(e[i]))
+        shrink = min(1.0, 0.5 / (longest + 1e-300))
+        for j in range(6):
+            q[j] = wrap(q[j] + shrink * e[j])
+    return math.inf
+
+
+@kernel
+def least_stretch(J, x):
+    """Smallest singular value of ``J`` (6, 6) and its direction ``x`` (6,): inverse iteration on the QR factor."""
     n = J.shape[0]
     R = J.copy()
     for k in range(n):
@@ -147,8 +198,9 @@ def least_stretch(J):
                     R[i, j] -= dot * R[i, k]
         R[k, k] = alpha
         if abs(alpha) < 1e-30:
-            return 0.0
-    x, y = np.ones(n), np.empty(n)
+            R[k, k] = 1e-30
+    y = np.empty(n)
+    x[:] = 1.0
     least = math.inf
     for _ in range(4):
         for i in range(n):
@@ -181,7 +233,7 @@ def singular_marks(arm, q, marks):
     for j in range(6):
         for i in range(3):
             J[i, j] /= arm[layout.SIZE]
-    if least_stretch(J) > arm[layout.SINGULAR]:
+    if least_stretch(J, q.copy()) > arm[layout.SINGULAR]:
         return 0
     return marks if marks else layout.OTHER
 

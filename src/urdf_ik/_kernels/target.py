@@ -103,3 +103,21 @@ def project_rotation(T, out):
         out[2, 0], out[2, 1], out[2, 2] = 0.5 * g + w * k20, 0.5 * h + w * k21, 0.5 * k + w * k22
         if math.fabs(out[0, 0] - a) + math.fabs(out[1, 1] - e) + math.fabs(out[2, 2] - k) < 1e-16:
             break
+
+
+@kernel
+def check_target(T):
+    """The defect of one pose (4, 4), as ``load`` measures it."""
+    worst, lost = max(max(abs(T[3, 0]), abs(T[3, 1])), max(abs(T[3, 2]), abs(T[3, 3] - 1.0))), 0.0
+    for i in range(3):
+        lost += 0.0 * T[i, 3]
+        for j in range(3):
+            s = T[0, i] * T[0, j] + T[1, i] * T[1, j] + T[2, i] * T[2, j]
+            worst = max(worst, abs(s - (1.0 if i == j else 0.0)))
+            lost += 0.0 * T[i, j]
+    lost += 0.0 * (T[3, 0] + T[3, 1] + T[3, 2] + T[3, 3])
+    x = T[1, 1] * T[2, 2] - T[1, 2] * T[2, 1]
+    y = T[1, 2] * T[2, 0] - T[1, 0] * T[2, 2]
+    z = T[1, 0] * T[2, 1] - T[1, 1] * T[2, 0]
+    det = T[0, 0] * x + T[0, 1] * y + T[0, 2] * z
+    return (worst if det > 0.0 else math.inf) + lost

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from urdf_ik.families import spherical_wrist, three_parallel
+from urdf_ik.families import general_6r, spherical_wrist, three_parallel
 
 if TYPE_CHECKING:
     from urdf_ik.chain import Chain
@@ -16,5 +16,9 @@ FAMILIES = (spherical_wrist, three_parallel)
 
 def choose(structure: Structure, chain: Chain) -> Plan | None:
     """The first family that takes the arm exactly, else the one that it is nearest to, else None."""
-    plans = [family.prepare(structure, chain) for family in FAMILIES if family.matches(structure)]
-    return min(plans, key=lambda plan: plan.rank, default=None)
+    for family in FAMILIES:
+        if family.matches(structure):
+            plan = family.prepare(structure, chain)
+            if plan.is_exact:
+                return plan
+    return general_6r.prepare(structure, chain) if general_6r.matches(structure) else None

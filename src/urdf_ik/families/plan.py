@@ -38,7 +38,7 @@ class Plan:
         imperfection: (rad, m) of the relations that the family rests on.
         error: greatest difference between the poses of the ideal arm and of the arm as written, over sampled
             joint vectors [rad, share of size].
-        arm: (layout.LENGTH,) the kernel's numbers.
+        arm: (layout.LENGTH or more,) the kernel's numbers.
         solve: kernel (T, arm, q_ref, Q, flags) -> index of the first bad pose or -1.
         explain: (target in frame 1 as rotation (3, 3) and point (3,), size) -> why there is no solution.
     """
@@ -82,7 +82,7 @@ def ideal_frames(
 
 def pack(chain: Chain, frames: DHFrames, error: float, signs: Array) -> Array:
     """The numbers that every family's kernel needs; the family adds its own."""
-    arm = np.zeros(layout.LENGTH)
+    arm = pack_as_written(chain)
     base, tool = frames.base, frames.tool
     arm[layout.BASE_ROTATION : layout.BASE_ROTATION + 9] = base[:3, :3].T.ravel()
     arm[layout.BASE_ORIGIN : layout.BASE_ORIGIN + 3] = base[:3, 3]
@@ -93,14 +93,20 @@ def pack(chain: Chain, frames: DHFrames, error: float, signs: Array) -> Array:
     arm[layout.A : layout.A + 5] = frames.a
     arm[layout.D : layout.D + 4] = frames.d[:4]
     arm[layout.OFFSET : layout.OFFSET + 6] = frames.offset
-    arm[layout.SIZE] = chain.size
-    arm[layout.REACH : layout.REACH + 9] = DEFAULT.for_kernels()
     exact = error <= DEFAULT.exact_structure
     arm[layout.CLAMP] = 100.0 * DEFAULT.fold if exact else 100.0 * DEFAULT.fold + 50.0 * error
     arm[layout.IMPERFECTION] = error
     if not exact:
         arm[layout.EDGE] = np.inf
     arm[layout.SIGNS : layout.SIGNS + 24] = signs.ravel()
+    return arm
+
+
+def pack_as_written(chain: Chain) -> Array:
+    """The numbers of the arm as the URDF has it, and the tolerances."""
+    arm = np.zeros(layout.LENGTH)
+    arm[layout.SIZE] = chain.size
+    arm[layout.REACH : layout.REACH + 9] = DEFAULT.for_kernels()
     arm[layout.H : layout.H + 18] = chain.H.ravel()
     arm[layout.P : layout.P + 21] = chain.P.ravel()
     arm[layout.R_TIP : layout.R_TIP + 9] = chain.R_tip.ravel()

@@ -1,0 +1,257 @@
+"""General 6R, second half: from the hidden joint's angles to all solutions, verified on the arm as written."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from urdf_ik._kernels import hidden_joint as hidden
+from urdf_ik._kernels import layout
+from urdf_ik._kernels.compile import kernel
+from urdf_ik._kernels.lines import LINE, line_vector
+from urdf_ik._kernels.refine import is_new, keep, least_stretch, newton, place, refine
+from urdf_ik._kernels.screws import jacobian_from_axes
+from urdf_ik._kernels.target import check_target, project_rotation
+from urdf_ik._kernels.trig import wrap
+
+# A root this close to the unit circle may be real: rounding moves double roots off it by half its digits.
+_NEAR_CIRCLE = 0.03
+# Below this smallest singular value [of the Jacobian in shares of the size] a second solution may be next door.
+_NEAR_FOLD = 5e-3
+_LARGEST_NOISE = 1e-7
+
+
+@kernel
+def turned(h, p, angle, v):
+    """Turn the point ``v`` (3,) in place about the axis through ``p`` along ``h``."""
+    c, s = math.cos(angle), math.sin(angle)
+    x, y, z = v[0] - p[0], v[1] - p[1], v[2] - p[2]
+    d = (h[0] * x + h[1] * y + h[2] * z) * (1.0 - c)
+    v[0] = c * x + s * (h[1] * z - h[2] * y) + d * h[0] + p[0]
+    v[1] = c * y + s * (h[2] * x - h[0] * z) + d * h[1] + p[1]
+    v[2] = c * z + s * (h[0] * y - h[1] * x) + d * h[2] + p[2]
+
+
+@kernel
+def carried(G, v):
+    """Move the point ``v`` (3,) in place by ``G`` (4, 4)."""
+    x, y, z = v[0], v[1], v[2]
+    for i in range(3):
+        v[i] = G[i, 0] * x + G[i, 1] * y + G[i, 2] * z + G[i, 3]
+
+
+@kernel
+def other_side(variant, G, H, P, angles, v):
+    """Move ``v`` in place through joints a + 3, a + 4, a + 5 backwards, and ``G`` where it stands among them."""
+    first, before = int(variant[hidden.FIRST]), int(variant[hidden.BEFORE])
+    for k in range(3):
+        if k == before:
+            carried(G, v)
+        j = (first + 3 + k) % 6
+        turned(H[j], P[j], -angles[j], v)
+    if before == 3:
+        carried(G, v)
+
+
+@kernel
+def remaining_angles(variant, G, A, c, s, angles):
+    """The other five angles for the hidden one (c, s), to ``angles`` (6,), from the null vector of the matrix."""
+    first = int(variant[hidden.FIRST])
+    H = variant[hidden.AXES : hidden.AXES + 18].reshape(6, 3)
+    P = variant[hidden.POINTS : hidden.POINTS + 18].reshape(6, 3)
+    inverse = variant[hidden.LEFT_INVERSE : hidden.LEFT_INVERSE + 135].reshape(9, LINE)
+    x = np.empty(hidden.SIZE)
+    hidden.null_vector(A, c, s, x)
+    best, most = 0, -1.0
+    for j in range(3):
+        square = x[4 * j] ** 2 + x[4 * j + 1] ** 2
+        if square > most:
+            best, most = j, square
+    d0, d1, d2 = 0.0, 0.0, 0.0
+    for i in range(4):
+        d0 += x[i] * x[4 * best + i]
+        d1 += x[4 + i] * x[4 * best + i]
+        d2 += x[8 + i] * x[4 * best + i]
+    sign = 1.0 if d0 > 0.0 else -1.0
+    angles[(first + 3) % 6] = math.atan2(sign * d2, sign * d1)
+    angles[(first + 4) % 6] = 2.0 * math.atan2(x[4 * best + 1], x[4 * best])
+    angles[(first + 5) % 6] = math.atan2(s, c)
+    k = first + 2
+    point, end = P[k].copy(), P[k] + H[k]
+    other_side(variant, G, H, P, angles, point)
+    other_side(variant, G, H, P, angles, end)
+    w, products = np.empty(LINE), np.empty(9)
+    line_vector(point[0], point[1], point[2], end[0] - point[0], end[1] - point[1], end[2] - point[2], w)
+    for i in range(9):
+        total = 0.0
+        for j in range(LINE):
+            total += inverse[i, j] * w[j]
+        products[i] = total
+    angles[first], angles[first + 1] = math.atan2(products[6], products[3]), math.atan2(products[2], products[1])
+    # The last one turns any vector across axis a + 2 to where the other side has it.
+    least = 0
+    for i in range(1, 3):
+        if abs(H[k, i]) < abs(H[k, least]):
+            least = i
+    u = -H[k, least] * H[k]
+    u[least] += 1.0
+    u /= math.sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2])
+    v = P[k] + u
+    other_side(variant, G, H, P, angles, v)
+    turned(H[first], P[first], -angles[first], v)
+    turned(H[first + 1], P[first + 1], -angles[first + 1], v)
+    v -= P[k]
+    across = H[k, 0] * (u[1] * v[2] - u[2] * v[1]) + H[k, 1] * (u[2] * v[0] - u[0] * v[2])
+    across += H[k, 2] * (u[0] * v[1] - u[1] * v[0])
+    angles[k] = math.atan2(across, u[0] * v[0] + u[1] * v[1] + u[2] * v[2])
+
+
+@kernel
+def loop_motion(arm, target, reverse, G):
+    """The motion that the six joints must make together, in the scaled frame of the axes, to ``G`` (4, 4)."""
+    centre = arm[layout.CENTRE_OF_AXES : layout.CENTRE_OF_AXES + 3]
+    home = arm[layout.HOME_INVERSE : layout.HOME_INVERSE + 12].reshape(3, 4)
+    for i in range(3):
+        for j in range(3):
+            G[i, j] = target[i, 0] * home[0, j] + target[i, 1] * home[1, j] + target[i, 2] * home[2, j]
+        G[i, 3] = target[i, 0] * home[0, 3] + target[i, 1] * home[1, 3] + target[i, 2] * home[2, 3] + target[i, 3]
+        G[3, i] = 0.0
+    G[3, 3] = 1.0
+    x = np.empty(3)
+    for i in range(3):
+        x[i] = G[i, 3] - centre[i] + G[i, 0] * centre[0] + G[i, 1] * centre[1] + G[i, 2] * centre[2]
+        x[i] *= arm[layout.SCALE]
+    for i in range(3):
+        G[i, 3] = x[i]
+    if reverse:
+        for i in range(3):
+            for j in range(i):
+                G[i, j], G[j, i] = G[j, i], G[i, j]
+        for i in range(3):
+            G[i, 3] = -(G[i, 0] * x[0] + G[i, 1] * x[1] + G[i, 2] * x[2])
+
+
+@kernel
+def gather(arm, variant, circle, target, Q, flags):
+    """Add the solutions that one variant of the elimination finds; returns whether it gives cause for doubt."""
+    G, A = np.empty((4, 4)), np.empty((3, 6, 9))
+    D, coefficients = np.empty(hidden.SAMPLES), np.empty(2 * hidden.DEGREE + 1, np.complex128)
+    z = np.empty(2 * hidden.DEGREE, np.complex128)
+    angles, q = np.empty(6), np.empty(6)
+    reverse = variant[hidden.REVERSED] != 0.0
+    loop_motion(arm, target, reverse, G)
+    hidden.equations(variant, G, A)
+    hidden.determinants(A, circle, D)
+    doubt = not hidden.harmonics(D, circle, coefficients) < _LARGEST_NOISE
+    hidden.complex_roots(coefficients, z)
+    for k in range(z.size):
+        size = abs(z[k])
+        if not 0.9 < size < 1.1 or abs(math.log(size)) > _NEAR_CIRCLE:
+            continue
+        remaining_angles(variant, G, A, z[k].real / size, z[k].imag / size, angles)
+        for j in range(6):
+            q[j] = wrap(angles[5 - j] if reverse else angles[j])
+        start = q.copy()
+        error = newton(arm, target, q, 12)
+        if error > 1e-13:
+            q[:] = start
+            error = refine(arm, target, q, 20, 1.8e-15)
+        if error <= 1e-13:
+            if is_new(arm, target, Q, flags, q):
+                keep(Q, flags, 0, q, 0)
+        elif abs(math.log(size)) < 1e-4:
+            doubt = True
+    return doubt
+
+
+@kernel
+def search_beside(arm, target, Q, flags):
+    """Find the partners of solutions that lie next to a fold; flag the singular ones. Returns whether there were any.
+
+    Along the direction that the Jacobian all but loses, Newton's method starts at distances from 0.3 to 1e-7 rad
+    on both sides.
+    """
+    prismatic = np.zeros(6, np.bool_)
+    T, J = np.empty((4, 4)), np.empty((6, 6))
+    axes, points, x, q = np.empty((6, 3)), np.empty((6, 3)), np.empty(6), np.empty(6)
+    beside = False
+    for b in range(Q.shape[0]):
+        if not flags[b] & layout.VALID:
+            continue
+        place(arm, prismatic, Q[b], T, axes, points)
+        jacobian_from_axes(prismatic, axes, points, T[:3, 3], J)
+        for j in range(6):
+            for i in range(3):
+                J[i, j] /= arm[layout.SIZE]
+        sigma = least_stretch(J, x)
+        if sigma <= arm[layout.SINGULAR]:
+            flags[b] |= layout.OTHER
+        if sigma > _NEAR_FOLD:
+            continue
+        beside = True
+        for k in range(28):
+            distance = (1.0 if k % 2 else -1.0) * 0.3 * 10.0 ** (-0.5 * (k // 2))
+            for j in range(6):
+                q[j] = wrap(Q[b, j] + distance * x[j])
+            if refine(arm, target, q, 20, 1.8e-15) <= 2e-14 and is_new(arm, target, Q, flags, q):
+                keep(Q, flags, 0, q, 0)
+    return beside
+
+
+@kernel
+def sort_columns(Q, flags):
+    """Order the solutions of one pose by their joint angles, first joint first, from -pi to pi; empty columns last."""
+    for i in range(1, Q.shape[0]):
+        for b in range(i, 0, -1):
+            if not flags[b] & layout.VALID:
+                break
+            ahead = not flags[b - 1] & layout.VALID
+            if not ahead:
+                for j in range(Q.shape[1]):
+                    if abs(Q[b, j] - Q[b - 1, j]) > 1e-6:
+                        ahead = Q[b, j] < Q[b - 1, j]
+                        break
+            if not ahead:
+                break
+            flags[b], flags[b - 1] = flags[b - 1], flags[b]
+            for j in range(Q.shape[1]):
+                Q[b, j], Q[b - 1, j] = Q[b - 1, j], Q[b, j]
+
+
+@kernel
+def complete(arm, target, Q, flags):
+    """Add what is missing to the solutions of one pose that ``Q`` and ``flags`` hold already."""
+    circle = np.empty((hidden.SAMPLES, 2))
+    for k in range(hidden.SAMPLES):
+        circle[k, 0] = math.cos(2.0 * math.pi * k / hidden.SAMPLES)
+        circle[k, 1] = math.sin(2.0 * math.pi * k / hidden.SAMPLES)
+    variants = int(arm[layout.VARIANTS])
+    doubt = True
+    for v in range(variants):
+        if v > 0 and not doubt:
+            break
+        start = layout.FIRST_VARIANT + v * hidden.VARIANT
+        doubt = gather(arm, arm[start : start + hidden.VARIANT], circle, target, Q, flags)
+        count = 0
+        for b in range(Q.shape[0]):
+            count += flags[b] & layout.VALID
+        # Solutions come in pairs.
+        doubt = doubt or count % 2 == 1
+        if v == 0 or v == variants - 1:
+            doubt = search_beside(arm, target, Q, flags) or doubt
+
+
+@kernel
+def solve(T, arm, q_ref, Q, flags):
+    """All solutions of poses ``T`` (m, 4, 4) to ``Q`` (m, 16, 6) and ``flags`` (m, 16); see ``spherical_wrist.solve``."""
+    proper = np.empty((4, 4))
+    for i in range(T.shape[0]):
+        if not check_target(T[i]) <= arm[layout.ROTATION]:
+            return i
+        project_rotation(T[i], proper)
+        Q[i, :, :] = math.nan
+        flags[i, :] = 0
+        complete(arm, proper, Q[i], flags[i])
+        sort_columns(Q[i], flags[i])
+    return -1

@@ -1,0 +1,160 @@
+"""Six revolute joints without a structure that a closed form could use: up to sixteen solutions.
+
+The elimination of _kernels/hidden_joint.py can be set up in eight ways that need nothing of the pose: four places
+to cut the loop, on the chain and on the reversed chain. Which of them keeps its digits depends on the arm, and on
+arms with parallel or meeting neighbours every one may be singular at all angles; moving the axes by a millionth
+cures that, since the solutions are polished on the arm as written. The choice is made by planted poses when the
+arm is loaded.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik._kernels import general_6r as kernels
+from urdf_ik._kernels import hidden_joint, layout
+from urdf_ik._kernels.lines import LINE, line_motion, line_vector
+from urdf_ik.families.plan import Plan, pack_as_written
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.chain import Chain
+    from urdf_ik.structure import Structure
+
+    Array = NDArray[np.float64]
+
+_NAMES = tuple(f"solution {k}" for k in range(1, 17))
+_SHIFTS = (0.0, 1e-6, 1e-5)
+_KEPT = 3
+_PLANTED = 12
+
+
+def matches(structure: Structure) -> bool:
+    """Whether the arm has six revolute joints."""
+    return len(structure.joint_types) == 6 and "prismatic" not in structure.joint_types
+
+
+def prepare(structure: Structure, chain: Chain) -> Plan:
+    """The elimination's constant matrices, for the ways of setting it up that find most."""
+    arm = pack_as_written(chain)
+    H, points, centre, scale = _scaled(chain)
+    home = np.eye(4)
+    home[:3, :3], home[:3, 3] = chain.R_tip, chain.P.sum(axis=0)
+    variants = _best(arm, chain, H, points, centre, scale, np.linalg.inv(home)[:3])
+    return Plan(
+        family="6R general",
+        method="Elimination to one joint's angle (Raghavan and Roth), Newton's method on the URDF as written",
+        branches=_NAMES,
+        imperfection=(0.0, 0.0),
+        error=0.0,
+        arm=variants,
+        solve=kernels.solve,
+        explain=lambda rotation, point: _explain(chain, point),
+    )
+
+
+def _explain(chain: Chain, point: Array) -> str:
+    far = float(np.linalg.norm(point - chain.points[0]))
+    if far > chain.size:
+        return f"the tip is {far:.6g} m from axis 1, and all links together measure {chain.size:.6g} m"
+    return "no joint angles bring the tip there: all real roots of the elimination were followed"
+
+
+def _scaled(chain: Chain) -> tuple[Array, Array, Array, float]:
+    """Axes with the origin in their midst and a mean distance of one: directions, points, centre, scale."""
+    centre = chain.points.mean(axis=0)
+    points = chain.points - centre
+    points = points - np.einsum("ij,ij->i", points, chain.H)[:, None] * chain.H
+    length = float(np.sqrt((points**2).sum(axis=1).mean()))
+    scale = 1.0 / length if length > 0.0 else 1.0
+    return chain.H, points * scale, centre, scale
+
+
+def _best(
+    arm: Array, chain: Chain, H: Array, points: Array, centre: Array, scale: float, home_inverse: Array
+) -> Array:
+    """``arm`` with the variants behind it that find the most solutions of planted poses, in that order."""
+    arm = np.concatenate([arm, np.zeros(layout.FIRST_VARIANT - len(arm))])
+    arm[layout.HOME_INVERSE : layout.HOME_INVERSE + 12] = home_inverse.ravel()
+    arm[layout.CENTRE_OF_AXES : layout.CENTRE_OF_AXES + 3] = centre
+    arm[layout.SCALE] = scale
+    rng = np.random.default_rng(0)
+    targets = chain.fk(rng.uniform(-math.pi, math.pi, (_PLANTED, 6)))
+    scored = []
+    for shift in _SHIFTS:
+        moved = H + shift * rng.standard_normal((6, 3))
+        moved /= np.linalg.norm(moved, axis=1, keepdims=True)
+        at = points + shift * rng.standard_normal((6, 3))
+        for reverse in (False, True):
+            for first in range(4):
+                row = _variant(moved, at, first, reverse)
+                found = _count(arm, row, targets)
+                scored.append((-found, shift, first, reverse, row))
+    scored.sort(key=lambda entry: entry[:2])
+    chosen: list[tuple[float, float, int, bool, Array]] = []
+    for entry in scored:
+        if len(chosen) < _KEPT and all(entry[2:4] != other[2:4] for other in chosen):
+            chosen.append(entry)
+    arm[layout.VARIANTS] = len(chosen)
+    return np.concatenate([arm, *(entry[4] for entry in chosen)])
+
+
+def _count(arm: Array, row: Array, targets: Array) -> int:
+    """Number of solutions that one variant finds of all targets."""
+    angles = 2.0 * math.pi * np.arange(hidden_joint.SAMPLES) / hidden_joint.SAMPLES
+    circle = np.column_stack([np.cos(angles), np.sin(angles)])
+    total = 0
+    for target in targets:
+        Q, flags = np.full((16, 6), np.nan), np.zeros(16, np.uint8)
+        kernels.gather(arm, row, circle, target, Q, flags)
+        total += int(flags.sum())
+    return total
+
+
+def _variant(H: Array, points: Array, first: int, reverse: bool) -> Array:
+    """One row of numbers, as _kernels/hidden_joint.py reads it, for a loop cut before joint ``first`` + 3."""
+    if reverse:
+        H, points = -H[::-1], points[::-1]
+    joints = [_joint_motion(H[i], points[i]) for i in range(6)]
+    back = [motion * np.array([1.0, 1.0, -1.0])[:, None, None] for motion in joints]
+    line = np.empty(LINE)
+    line_vector(*points[first + 2], *H[first + 2], line)
+    left = np.stack([joints[first][i] @ joints[first + 1][j] @ line for i in range(3) for j in range(3)], axis=1)
+    full, _, _ = np.linalg.svd(left)
+    null = full[:, 9:].T
+    kept, kept_too, hidden = ((first + k) % 6 for k in (3, 4, 5))
+    row = np.zeros(hidden_joint.VARIANT)
+    row[hidden_joint.FIRST], row[hidden_joint.REVERSED], row[hidden_joint.BEFORE] = first, reverse, 3 - first
+    for start, values in (
+        (hidden_joint.KEPT, back[kept]),
+        (hidden_joint.KEPT_TOO, back[kept_too]),
+        (hidden_joint.HIDDEN, back[hidden]),
+        (hidden_joint.LINE_0, line),
+        (hidden_joint.NULL, null),
+        (hidden_joint.NULL_HIDDEN, null @ back[hidden]),
+        (hidden_joint.LEFT_INVERSE, np.linalg.pinv(left, rcond=1e-10)),
+        (hidden_joint.AXES, H),
+        (hidden_joint.POINTS, points),
+    ):
+        row[start : start + values.size] = values.ravel()
+    return row
+
+
+def _joint_motion(h: Array, p: Array) -> Array:
+    """(3, 15, 15): the motion of lines by a joint's angle t is the sum of these times 1, cos t, sin t."""
+    at = []
+    K = np.array([[0.0, -h[2], h[1]], [h[2], 0.0, -h[0]], [-h[1], h[0], 0.0]])
+    for c, s in ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0)):
+        G = np.eye(4)
+        G[:3, :3] = np.eye(3) + s * K + (1.0 - c) * K @ K
+        G[:3, 3] = p - G[:3, :3] @ p
+        U = np.empty((LINE, LINE))
+        line_motion(G, U)
+        at.append(U)
+    zero, half, quarter = at
+    constant = 0.5 * (zero + half)
+    return np.stack([constant, 0.5 * (zero - half), quarter - constant])

@@ -1,0 +1,451 @@
+"""Chains between any two links of a tree: forward kinematics, Jacobian and link poses are Pinocchio's."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from numpy.typing import NDArray
+
+from urdf_ik import urdf
+from urdf_ik.chain import Chain
+from urdf_ik.errors import ChainError, JointVectorError, UnsupportedArm
+
+Array = NDArray[np.float64]
+LIMIT = '<limit lower="-3" upper="3" effort="1" velocity="1"/>'
+
+
+class Judge:
+    """Pinocchio's model of a tree, asked by joint names; a joint that is not named stays at zero."""
+
+    def __init__(self, xml: str) -> None:
+        """Read URDF text; joints that mimic follow their drivers."""
+        self.model = pin.buildModelFromXML(xml, mimic=True)
+        self.data = self.model.createData()
+
+    def place(self, values: Mapping[str, float]) -> None:
+        """Move the joints."""
+        full = pin.neutral(self.model)
+        for name, value in values.items():
+            entry = self.model.joints[self.model.getJointId(name)]
+            # A continuous joint is a cosine and a sine.
+            numbers = (math.cos(value), math.sin(value)) if entry.nq == 2 else (value,)
+            full[entry.idx_q : entry.idx_q + entry.nq] = numbers
+        pin.computeJointJacobians(self.model, self.data, full)
+        pin.updateFramePlacements(self.model, self.data)
+
+    def _frame(self, link: str) -> int:
+        index = self.model.getFrameId(link, pin.FrameType.BODY)
+        assert index < self.model.nframes, link
+        return int(index)
+
+    def pose(self, base: str, link: str) -> Array:
+        """Pose (4, 4) of a link in another one."""
+        frames = self.data.oMf
+        return frames[self._frame(base)].actInv(frames[self._frame(link)]).homogeneous
+
+    def jacobian(self, base: str, tip: str, names: tuple[str, ...]) -> Array:
+        """Jacobian (6, n) of the tip against the base, which moves too where joints lead up from it."""
+        b, t = self._frame(base), self._frame(tip)
+        of_base, of_tip = (
+            # A model of one joint gets a flat array from Pinocchio.
+            np.reshape(pin.getFrameJacobian(self.model, self.data, i, pin.LOCAL_WORLD_ALIGNED), (6, -1))
+            for i in (b, t)
+        )
+        arm = self.data.oMf[t].translation - self.data.oMf[b].translation
+        linear = of_tip[:3] - of_base[:3] - np.cross(of_base[3:], arm, axis=0)
+        to_base = self.data.oMf[b].rotation.T
+        relative = np.concatenate([to_base @ linear, to_base @ (of_tip[3:] - of_base[3:])])
+        columns = [self.model.joints[self.model.getJointId(name)].idx_v for name in names]
+        return relative[:, columns]
+
+
+def by_differences(chain: Chain, q: Array) -> Array:
+    """Jacobian (6, n) from poses on either side of q."""
+    step = 1e-6
+    columns = []
+    for move in step * np.eye(chain.n):
+        before, after = chain.fk(q - move), chain.fk(q + move)
+        rate = (after - before) / (2.0 * step)
+        spin = rate[:3, :3] @ chain.fk(q)[:3, :3].T
+        columns.append([*rate[:3, 3], spin[2, 1], spin[0, 2], spin[1, 0]])
+    return np.array(columns).reshape(-1, 6).T
+
+
+def joint(
+    name: str,
+    kind: str,
+    parent: str,
+    child: str,
+    xyz: str = "0 0 0",
+    rpy: str = "0 0 0",
+    axis: str = "",
+    more: str = "",
+) -> str:
+    """A joint element; limits come with every type that needs them."""
+    axis = f'<axis xyz="{axis}"/>' if axis else ""
+    limit = LIMIT if kind in ("revolute", "prismatic") and "<limit" not in more else ""
+    return (
+        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
+        f'<origin xyz="{xyz}" rpy="{rpy}"/>{axis}{limit}{more}</joint>'
+    )
+
+
+def robot(*joints: str) -> str:
+    """URDF text with the links that the joints name."""
+    text = "".join(joints)
+    links = dict.fromkeys(part.split('"')[0] for part in text.split(' link="')[1:])
+    return f'<robot name="r">{"".join(f"""<link name="{link}"/>""" for link in links)}{text}</robot>'
+
+
+def random_tree(seed: int, joints: int = 12) -> str:
+    """A tree with every type of joint, axes of any length and direction, and fixed joints anywhere."""
+    rng = np.random.default_rng(seed)
+
+    def numbers(low: float, high: float) -> str:
+        return " ".join(repr(float(x)) for x in rng.uniform(low, high, 3))
+
+    parts = []
+    for i in range(joints):
+        kind = str(rng.choice(["revolute", "continuous", "prismatic", "fixed"], p=[0.35, 0.2, 0.25, 0.2]))
+        # Mostly deep, with side branches.
+        parent = max(0, i - int(rng.choice([0, 0, 0, 1, 3])))
+        axis = "" if kind == "fixed" else numbers(-4.0, 4.0)
+        parts.append(joint(f"j{i}", kind, f"l{parent}", f"l{i + 1}", numbers(-1, 1), numbers(-3, 3), axis))
+    # The file's order is not the tree's.
+    return robot(*[parts[i] for i in rng.permutation(joints)])
+
+
+def serial(kinds: str, seed: int = 0) -> str:
+    """A chain of joints, R, C (continuous), P or F (fixed), from link l0 on, in random frames."""
+    rng = np.random.default_rng([seed, *kinds.encode()])
+
+    def numbers() -> str:
+        return " ".join(repr(float(x)) for x in rng.uniform(-1.5, 1.5, 3))
+
+    names = {"R": "revolute", "C": "continuous", "P": "prismatic", "F": "fixed"}
+    return robot(
+        *(
+            joint(f"j{i}", names[k], f"l{i}", f"l{i + 1}", numbers(), numbers(), "" if k == "F" else numbers())
+            for i, k in enumerate(kinds)
+        )
+    )
+
+
+def assert_agrees(chain: Chain, judge: Judge, q: Array) -> None:
+    """FK and Jacobian at one joint vector are Pinocchio's."""
+    judge.place(dict(zip(chain.joint_names, q, strict=True)))
+    np.testing.assert_allclose(chain.fk(q), judge.pose(chain.base, chain.tip), atol=2e-13)
+    expected = judge.jacobian(chain.base, chain.tip, chain.joint_names)
+    np.testing.assert_allclose(chain.jacobian(q), expected, atol=2e-13)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_any_base_and_tip_of_a_tree(seed: int) -> None:
+    """Between any two links, up, down or over a branching, FK, Jacobian and every link's pose are Pinocchio's."""
+    xml = random_tree(seed)
+    model, judge = urdf.read(xml), Judge(xml)
+    rng = np.random.default_rng(seed)
+    for base, tip in itertools.product(model.links, repeat=2):
+        chain = Chain.from_urdf(model, base, tip)
+        if not chain.n:
+            continue
+        q = rng.uniform(-2.5, 2.5, chain.n)
+        assert_agrees(chain, judge, q)
+        poses = chain.link_poses(q)
+        assert set(poses) == set(model.links)
+        for link, pose in poses.items():
+            np.testing.assert_allclose(pose, judge.pose(base, link), atol=5e-13, err_msg=f"{base} {tip} {link}")
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_only_joints_between_base_and_tip_move_the_tip(seed: int) -> None:
+    """The chain's joints are those, and all those, whose column of Pinocchio's relative Jacobian is not zero."""
+    xml = random_tree(seed)
+    model, judge = urdf.read(xml), Judge(xml)
+    movable = tuple(joint.name for joint in model.joints if joint.type != "fixed")
+    judge.place({name: 0.3 for name in movable})
+    for base, tip in itertools.product(model.links, repeat=2):
+        columns = judge.jacobian(base, tip, movable)
+        moving = {name for name, column in zip(movable, columns.T, strict=True) if np.abs(column).max() > 1e-9}
+        assert set(Chain.from_urdf(model, base, tip).joint_names) == moving
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_swapped_base_and_tip(seed: int) -> None:
+    """From tip to base the joints come in the opposite order, with the same values, and the pose is the inverse."""
+    model = urdf.read(random_tree(seed))
+    rng = np.random.default_rng(seed)
+    for base, tip in itertools.combinations(model.links, 2):
+        there, back = Chain.from_urdf(model, base, tip), Chain.from_urdf(model, tip, base)
+        assert back.joint_names == there.joint_names[::-1]
+        np.testing.assert_array_equal(back.limits, there.limits[::-1])
+        if not there.n:
+            continue
+        q = rng.uniform(-2.5, 2.5, there.n)
+        np.testing.assert_allclose(back.fk(q[::-1]) @ there.fk(q), np.eye(4), atol=1e-12)
+
+
+@pytest.mark.parametrize("kinds", ["R", "RRPR", "PRRRRRR", "PPP", "CRCRCR", "RCPRCP", "FRRRRRR", "RRRFRRR", "RRRRRRF"])
+def test_joint_types_and_fixed_joints(kinds: str) -> None:
+    """Any mix of joints, with fixed ones before, between and behind them: as Pinocchio and differences have it."""
+    xml = serial(kinds)
+    chain, judge = Chain.from_urdf(urdf.read(xml), "l0", f"l{len(kinds)}"), Judge(xml)
+    assert "".join({"revolute": "R", "continuous": "C", "prismatic": "P"}[k] for k in chain.joint_types) == (
+        kinds.replace("F", "")
+    )
+    for q in np.random.default_rng(1).uniform(-3.0, 3.0, (5, chain.n)):
+        assert_agrees(chain, judge, q)
+        np.testing.assert_allclose(chain.jacobian(q), by_differences(chain, q), atol=3e-9)
+
+
+@pytest.mark.parametrize("route", [("l7", "l0"), ("l7", "l3"), ("l2", "l6")])
+def test_jacobian_by_differences_on_other_routes(route: tuple[str, str]) -> None:
+    """Joints walked upwards and prismatic ones move the tip as the differences of poses say."""
+    chain = Chain.from_urdf(urdf.read(serial("RPRFCRP")), *route)
+    for q in np.random.default_rng(2).uniform(-2.0, 2.0, (4, chain.n)):
+        np.testing.assert_allclose(chain.jacobian(q), by_differences(chain, q), atol=3e-9)
+
+
+def test_many_fixed_joints_fold_into_one_step() -> None:
+    """Runs of fixed joints at the start, in the middle and at the end leave no trace but their product."""
+    xml = serial("FFFRFFRFFPFF", seed=3)
+    chain, judge = Chain.from_urdf(urdf.read(xml)), Judge(xml)
+    assert (chain.base, chain.tip) == ("l0", "l12")
+    assert chain.joint_names == ("j3", "j6", "j9")
+    assert_agrees(chain, judge, np.array([0.4, -1.2, 0.7]))
+
+
+@pytest.mark.parametrize("kind", ["revolute", "continuous", "prismatic"])
+@pytest.mark.parametrize("axis", ["0 0 -1", "1e-3 0 0", "3 4 12", "-1e6 1e6 1", "0.6 0 0.8", "1 1e-9 0"])
+def test_axes_of_any_length_and_direction(kind: str, axis: str) -> None:
+    """An axis need not be a unit vector, or along a coordinate: it is a direction, for sliding joints as well."""
+    xml = robot(joint("j", kind, "a", "b", "0.1 0.2 0.3", "0.4 0.5 0.6", axis), joint("f", "fixed", "b", "c", "1 2 3"))
+    chain, judge = Chain.from_urdf(urdf.read(xml), "a", "c"), Judge(xml)
+    for value in (-2.0, 0.0, 1.3):
+        assert_agrees(chain, judge, np.array([value]))
+    np.testing.assert_allclose(np.linalg.norm(chain.H, axis=1), 1.0, atol=1e-15)
+
+
+def test_screw_axes_are_pinocchios_zero_configuration() -> None:
+    """H are directions of the joints, P steps between points on them, and R_tip the tip's rotation, all at q = 0."""
+    xml = serial("FRPRCRF", seed=5)
+    chain, judge = Chain.from_urdf(urdf.read(xml)), Judge(xml)
+    judge.place({})
+    home = judge.pose("l0", "l7")
+    jacobian = judge.jacobian("l0", "l7", chain.joint_names)
+    turning = ~chain.prismatic
+    assert list(turning) == [True, False, True, True, True]
+    np.testing.assert_allclose(chain.H[turning], jacobian[3:, turning].T, atol=1e-14)
+    np.testing.assert_allclose(chain.H[~turning], jacobian[:3, ~turning].T, atol=1e-14)
+    # The speed at the tip is the axis crossed with the arm from any point of it.
+    arms = home[:3, 3] - chain.points
+    np.testing.assert_allclose(np.cross(chain.H, arms)[turning], jacobian[:3, turning].T, atol=1e-13)
+    np.testing.assert_allclose(chain.P.sum(axis=0), home[:3, 3], atol=1e-14)
+    np.testing.assert_allclose(chain.R_tip, home[:3, :3], atol=1e-14)
+    assert (chain.H.shape, chain.P.shape, chain.n) == ((5, 3), (6, 3), 5)
+
+
+def test_a_chain_does_not_change() -> None:
+    """Its arrays are read-only: fk and ik rest on the same numbers for as long as they are used."""
+    chain = Chain.from_urdf(urdf.read(serial("RRR")))
+    for array in (chain.H, chain.P, chain.R_tip, chain.limits):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0.0
+
+
+def test_base_and_tip_without_a_joint_between_them() -> None:
+    """Rigidly joined links, or one link twice, make a chain of no joints whose pose is constant."""
+    xml = robot(joint("f", "fixed", "a", "b", "1 2 3", "0.1 0.2 0.3"), joint("j", "revolute", "b", "c", axis="0 0 1"))
+    model, judge = urdf.read(xml), Judge(xml)
+    judge.place({})
+    for base, tip in (("a", "b"), ("b", "a"), ("c", "c")):
+        chain = Chain.from_urdf(model, base, tip)
+        assert (chain.n, chain.jacobian([]).shape, chain.limits.shape) == (0, (6, 0), (0, 2))
+        np.testing.assert_allclose(chain.fk([]), judge.pose(base, tip), atol=1e-15)
+        assert chain.fk(np.empty((3, 0))).shape == (3, 4, 4)
+
+
+# ---------------------------------------------------------------- joints outside the chain
+
+HAND = robot(
+    joint("a", "revolute", "base", "arm", "0 0 0.3", axis="0 1 0"),
+    joint("b", "continuous", "arm", "wrist", "0 0 0.5", "0.2 0 0", axis="1 0 0"),
+    joint("f", "fixed", "wrist", "tool", "0 0 0.1"),
+    # Fingers that follow the arm, each in its own way.
+    joint("left", "prismatic", "wrist", "left", "0 0.1 0.1", axis="0 2 0", more='<mimic joint="a" multiplier="0.1"/>'),
+    joint("right", "revolute", "wrist", "right", "0 -0.1 0.1", axis="0 0 1", more=f"{LIMIT}{{}}"),
+    # Nobody moves these.
+    joint("free", "revolute", "wrist", "camera", "0.1 0 0", axis="0 0 1"),
+    joint("lid", "revolute", "camera", "shutter", "0.1 0 0", axis="0 1 0", more='<mimic joint="free" offset="0.7"/>'),
+    joint("door", "prismatic", "base", "drawer", "-1 0 0", axis="1 0 0"),
+    joint("loose", "floating", "base", "cart", "2 0 0", "0 0 1"),
+    joint("flat", "planar", "base", "rug", "0 3 0", axis="0 0 1"),
+)
+RIGHT = '<mimic joint="a" multiplier="-0.5" offset="0.25"/>'
+
+
+@pytest.mark.parametrize(("base", "tip"), [("base", "tool"), ("tool", "base"), ("drawer", "tool"), ("camera", "base")])
+def test_links_beside_the_chain(base: str, tip: str) -> None:
+    """Joints outside the chain stay at zero, floating ones too; those that mimic one of its joints follow it."""
+    xml = HAND.format(RIGHT)
+    model, judge = urdf.read(xml), Judge(xml)
+    chain = Chain.from_urdf(model, base, tip)
+    for q in np.random.default_rng(4).uniform(-2.0, 2.0, (5, chain.n)):
+        judge.place(dict(zip(chain.joint_names, q, strict=True)))
+        poses = chain.link_poses(q)
+        assert set(poses) == set(model.links)
+        for link, pose in poses.items():
+            np.testing.assert_allclose(pose, judge.pose(base, link), atol=1e-13, err_msg=link)
+
+
+@pytest.mark.parametrize(("driver", "factor", "shift"), [("b", 2.0, -0.3), ("left", -3.0, 0.1), ("lid", 5.0, 0.2)])
+def test_mimics_of_mimics_and_of_continuous_joints(driver: str, factor: float, shift: float) -> None:
+    """A joint may follow a continuous one, or one that follows another: value = multiplier * driver + offset.
+
+    Pinocchio refuses both; here it is told the values instead.
+    """
+    plain = HAND.format("")
+    xml = HAND.format(f'<mimic joint="{driver}" multiplier="{factor}" offset="{shift}"/>')
+    chain, judge = Chain.from_urdf(urdf.read(xml), "base", "tool"), Judge(plain)
+    q = np.array([0.8, -0.6])
+    follows = {"b": q[1], "left": 0.1 * q[0], "lid": 0.7}[driver]
+    judge.place({"a": q[0], "b": q[1], "right": factor * follows + shift})
+    np.testing.assert_allclose(chain.link_poses(q)["right"], judge.pose("base", "right"), atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("base", "tip", "kind", "name"),
+    [
+        ("base", "cart", "floating", "loose"),
+        ("cart", "base", "floating", "loose"),
+        ("tool", "rug", "planar", "flat"),
+        ("base", "right", "mimics 'a'", "right"),
+        ("left", "tool", "mimics 'a'", "left"),
+        ("base", "shutter", "mimics 'free'", "lid"),
+    ],
+)
+def test_joints_that_cannot_be_solved(base: str, tip: str, kind: str, name: str) -> None:
+    """Floating, planar and mimic joints in the chain are refused, by name and with the reason."""
+    with pytest.raises(UnsupportedArm, match=f"'{name}'.*{kind}"):
+        Chain.from_urdf(urdf.read(HAND.format(RIGHT)), base, tip)
+
+
+def test_unknown_links() -> None:
+    """A base or tip that the URDF lacks is refused, with the links that there are."""
+    model = urdf.read(serial("RR"))
+    for base, tip in (("nope", "l2"), ("l0", "nope")):
+        with pytest.raises(ChainError, match="nope") as error:
+            Chain.from_urdf(model, base, tip)
+        assert error.value.candidates == ("l0", "l1", "l2")
+
+
+def test_limits() -> None:
+    """A continuous joint has none, whatever its element says; the others have the URDF's, in the chain's order."""
+    tight = '<limit lower="-0.5" upper="1.5" effort="1" velocity="1"/>'
+    short = tight.replace("-0.5", "0").replace("1.5", "0.2")
+    xml = robot(
+        joint("c", "prismatic", "l2", "l3", axis="1 0 0", more=short),
+        joint("a", "continuous", "l0", "l1", axis="1 0 0", more=tight),
+        joint("b", "revolute", "l1", "l2", axis="0 1 0", more=tight),
+        joint("d", "continuous", "l3", "l4", axis="0 0 1"),
+    )
+    model = urdf.read(xml)
+    np.testing.assert_array_equal(
+        Chain.from_urdf(model, "l0", "l4").limits, [[-np.inf, np.inf], [-0.5, 1.5], [0.0, 0.2], [-np.inf, np.inf]]
+    )
+    # Walked upwards a joint's value means the same, and so do its limits.
+    np.testing.assert_array_equal(Chain.from_urdf(model, "l3", "l1").limits, [[0.0, 0.2], [-0.5, 1.5]])
+
+
+# ---------------------------------------------------------------- joint vectors
+
+
+@pytest.mark.parametrize("shape", [(), (5,), (2, 3), (1,), (0,), (2, 0, 3), (2, 1, 2, 2)])
+def test_batches_of_any_shape(shape: tuple[int, ...]) -> None:
+    """A batch gives, in its own shape, what each of its joint vectors gives, bit for bit."""
+    chain = Chain.from_urdf(urdf.read(HAND.format(RIGHT)), "drawer", "tool")
+    q = np.random.default_rng(6).uniform(-2.0, 2.0, (*shape, chain.n))
+    poses, jacobians, links = chain.fk(q), chain.jacobian(q), chain.link_poses(q)
+    assert poses.shape == (*shape, 4, 4)
+    assert jacobians.shape == (*shape, 6, chain.n)
+    assert {pose.shape for pose in links.values()} == {(*shape, 4, 4)}
+    for index in np.ndindex(*shape):
+        np.testing.assert_array_equal(poses[index], chain.fk(q[index]))
+        np.testing.assert_array_equal(jacobians[index], chain.jacobian(q[index]))
+        alone = chain.link_poses(q[index])
+        for link, pose in links.items():
+            np.testing.assert_allclose(pose[index], alone[link], atol=1e-15)
+
+
+def test_joint_vectors_of_any_number_type() -> None:
+    """Lists, tuples, integers, single precision and strided arrays mean the numbers that they hold."""
+    chain = Chain.from_urdf(urdf.read(serial("RPR")))
+    expected = chain.fk(np.array([1.0, -2.0, 0.5])), chain.jacobian(np.array([1.0, -2.0, 0.5]))
+    strided = np.array([[1.0, 9.0, -2.0], [9.0, 9.0, 9.0], [0.5, 9.0, 9.0]])
+    for q in (
+        [1, -2, 0.5],
+        (1.0, -2.0, 0.5),
+        np.array([1, -2, 0.5], dtype=np.float32),
+        np.array([1, -2, 0.5], dtype=np.float16),
+        np.array([0.5, -2.0, 1.0])[::-1],
+        strided.ravel()[::2][[0, 1, 3]],
+    ):
+        np.testing.assert_array_equal(chain.fk(q), expected[0])
+        np.testing.assert_array_equal(chain.jacobian(q), expected[1])
+    whole = np.array([[1, -2, 3], [0, 0, 0]])
+    for kind in (np.int8, np.int64, np.float32, bool):
+        np.testing.assert_array_equal(chain.fk(whole.astype(kind)), chain.fk(whole.astype(kind).astype(float)))
+    np.testing.assert_array_equal(chain.fk(np.asfortranarray(whole)), chain.fk(whole.astype(float)))
+
+
+def test_joint_vectors_are_not_modified() -> None:
+    """What was handed in is still the same afterwards, and what comes out belongs to the caller."""
+    chain = Chain.from_urdf(urdf.read(HAND.format(RIGHT)), "base", "tool")
+    q = np.array([[0.3, 7.0], [-0.2, -8.0]])
+    before = q.copy()
+    first = chain.fk(q), chain.jacobian(q), chain.link_poses(q)["tool"]
+    np.testing.assert_array_equal(q, before)
+    kept = [array.copy() for array in first]
+    for array in first:
+        array[...] = 0.0
+    for again, expected in zip((chain.fk(q), chain.jacobian(q), chain.link_poses(q)["tool"]), kept, strict=True):
+        np.testing.assert_array_equal(again, expected)
+
+
+@pytest.mark.parametrize(
+    ("q", "words"),
+    [
+        ([0.0, 0.0], r"\(2,\).*3 joints \(j0, j1, j2\)"),
+        ([[0.0] * 4] * 3, r"\(3, 4\)"),
+        (1.0, "last dimension must be 3"),
+        ([], r"\(0,\)"),
+        ([0.0, np.nan, 0.0], "'j1' is nan"),
+        ([0.0, 0.0, -np.inf], "'j2' is -inf"),
+        ([[[0.0] * 3] * 2, [[0.0] * 3, [np.inf, 0.0, np.nan]]], r"\[1, 1\].*'j0' is inf"),
+        (["a", "b", "c"], "array of numbers"),
+        ([[0.0, 0.0, 0.0], [0.0, 0.0]], "array of numbers"),
+        (None, "3 joints"),
+        ({"j0": 1.0}, "array of numbers"),
+        ([1j, 0.0, 0.0], "array of numbers"),
+    ],
+)
+def test_what_is_no_joint_vector(q: object, words: str) -> None:
+    """A wrong shape, or what is not a finite number, raises JointVectorError, which names joint and place."""
+    chain = Chain.from_urdf(urdf.read(serial("RPR")))
+    for ask in (chain.fk, chain.jacobian, chain.link_poses):
+        with pytest.raises(JointVectorError, match=words):
+            ask(q)  # type: ignore[arg-type]
+
+
+def test_size_is_the_length_of_the_links() -> None:
+    """Tolerances are relative to the steps from axis 1 to the tip: the place of the base does not matter."""
+    chain = Chain.from_urdf(urdf.read(serial("RRPR")))
+    assert chain.size == pytest.approx(sum(math.hypot(*step) for step in chain.P[1:]), rel=1e-14)
+    assert replace(chain, P=np.concatenate([[[9.0, 9.0, 9.0]], chain.P[1:]])).size == chain.size
+    assert replace(chain, P=np.zeros((5, 3))).size == 1.0

@@ -1,0 +1,441 @@
+"""Relations of axes, their measured imperfection, the family that follows, and how all of it reads."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+
+import numpy as np
+import pytest
+from arms import KINDS, DescribedArm, X, Y, Z, industrial, random_arm, rotation, serial_urdf, ur_like
+from cases import from_catalogue
+from numpy.typing import NDArray
+
+import urdf_ik
+from urdf_ik import urdf
+from urdf_ik.chain import Chain
+from urdf_ik.structure import Structure, analyse
+
+Array = NDArray[np.float64]
+
+FAMILY = {
+    "wrist, 2||3": "6R spherical wrist, 2||3",
+    "wrist, 2||3, 1x2": "6R spherical wrist, 2||3 and 1x2",
+    "wrist, 1x2": "6R spherical wrist, 1x2",
+    "wrist, general": "6R spherical wrist, general shoulder",
+    "wrist, 1||2": "6R spherical wrist, 1||2",
+    "wrist, 2x3": "6R spherical wrist, general shoulder",
+    "2||3||4, 5x6": "6R 2||3||4 and 5x6",
+    "2||3||4, 1x2, 5x6": "6R 2||3||4 and 5x6",
+    "2||3||4": "6R 2||3||4",
+}
+NAMED = [
+    f"shoulder {front}, elbow {up}, wrist {flip}"
+    for front in ("front", "back")
+    for up in ("up", "down")
+    for flip in ("noflip", "flip")
+]
+BRANCHES = {
+    "6R spherical wrist, general shoulder": [
+        f"position {root}, wrist {flip}" for root in (1, 2, 3, 4) for flip in ("noflip", "flip")
+    ],
+    "6R 2||3||4": [
+        f"position {root}, elbow {up}" for pair in ((1, 2), (3, 4)) for up in ("up", "down") for root in pair
+    ],
+}
+
+
+def text_of(axes: Array, points: Array, *, mount: tuple[Array, Array] | None = None) -> str:
+    """URDF text of axes through points (n, 3) [m] with a tool at 0.3 m, every frame aligned with the base at q = 0.
+
+    ``mount``: rotation (3, 3) and place (3,) of the arm in its base link.
+    """
+    turn, place = mount if mount else (np.eye(3), np.zeros(3))
+    axes, points = axes @ turn.T, points @ turn.T + place
+    reach = np.linalg.norm(np.ptp(points, axis=0)) or 1.0
+    tip = points[-1] + 0.3 * reach * turn @ np.array([0.6, 0.48, 0.64])
+    steps = np.diff([*points, tip], axis=0, prepend=np.zeros((1, 3)))
+    return serial_urdf("made", [(step, (0.0, 0.0, 0.0)) for step in steps], [*axes, None])
+
+
+def relations(axes: Array, points: Array) -> Structure:
+    """What the package finds out about these axes, the family aside."""
+    return analyse(Chain.from_urdf(urdf.read(text_of(np.asarray(axes, float), np.asarray(points, float)))))
+
+
+def structure_of(axes: Array, points: Array, **how: tuple[Array, Array]) -> Structure:
+    """The structure of the loaded arm."""
+    return urdf_ik.load(text_of(axes, points, **how), "base", "tool").structure
+
+
+def of_kind(kind: str, seed: int = 0, *, orthogonal: bool = False) -> DescribedArm:
+    """A member of a family, as axes and points without a base."""
+    return random_arm(kind, seed, orthogonal=orthogonal, aligned=True)
+
+
+# ---------------------------------------------------------------- pairs and triples
+
+
+@pytest.mark.parametrize(
+    ("direction", "point", "relation", "degrees", "distance"),
+    [
+        (Z, [0.3, 0.4, 7.0], "parallel", 0.0, 0.5),
+        (-Z, [0.3, 0.4, -7.0], "parallel", 180.0, 0.5),
+        (Z, [0.0, 0.0, 3.0], "coincident", 0.0, 0.0),
+        (-Z, [0.0, 0.0, -3.0], "coincident", 180.0, 0.0),
+        (X, [0.0, 0.0, 2.0], "intersecting", 90.0, 0.0),
+        (-Y, [0.0, 5.0, 2.0], "intersecting", 90.0, 0.0),
+        (np.array([0.6, 0.0, 0.8]), [3.0, 0.0, 1.0], "intersecting", math.degrees(math.acos(0.8)), 0.0),
+        (np.array([0.6, 0.0, -0.8]), [-3.0, 0.0, 1.0], "intersecting", math.degrees(math.acos(-0.8)), 0.0),
+        (X, [4.0, 0.25, 2.0], "skew", 90.0, 0.25),
+        (np.array([0.6, 0.0, 0.8]), [3.0, -0.25, 1.0], "skew", math.degrees(math.acos(0.8)), 0.25),
+    ],
+)
+def test_relation_of_two_axes(
+    direction: Array, point: list[float], relation: str, degrees: float, distance: float
+) -> None:
+    """Against the z axis: the relation, the angle from 0 to 180 degrees and the distance of the lines are known."""
+    (pair,) = relations([Z, direction], [np.zeros(3), point]).pairs
+    assert (pair.first, pair.relation) == (1, relation)
+    assert math.degrees(pair.angle) == pytest.approx(degrees, abs=1e-12)
+    assert pair.distance == pytest.approx(distance, abs=1e-14)
+    assert pair.off_angle == pair.off_distance == 0.0
+
+
+@pytest.mark.parametrize("slide", [0.0, -3.0, 40.0])
+@pytest.mark.parametrize("other", [0.0, 2.5, -40.0])
+def test_points_may_lie_anywhere_on_their_axes(slide: float, other: float) -> None:
+    """Whether lines meet, and how far apart they are, does not depend on where on them the joints' frames sit."""
+    u, v = np.array([1.0, 2.0, 2.0]) / 3.0, np.array([2.0, -2.0, 1.0]) / 3.0
+    for gap, relation in ((0.0, "intersecting"), (0.3, "skew")):
+        normal = np.cross(u, v)
+        (pair,) = relations([u, v], [slide * u, gap * normal + other * v]).pairs
+        assert pair.relation == relation
+        assert pair.distance == pytest.approx(gap, abs=1e-13)
+    (pair,) = relations([u, -u], [slide * u, 0.2 * normal + other * u]).pairs
+    assert pair.relation == "parallel"
+    assert pair.distance == pytest.approx(0.2, abs=1e-13)
+
+
+def test_three_axes() -> None:
+    """Triples that meet or are parallel are found, with the point where they meet; two that meet are not enough."""
+    corner = np.array([0.3, -0.2, 0.7])
+    slid = [corner + 2.0 * X, corner - 1.0 * Y, corner + 0.5 * Z]
+    (triple,) = relations([X, Y, Z], slid).triples
+    assert (triple.first, triple.relation) == (1, "meet")
+    assert triple.imperfection == pytest.approx(0.0, abs=1e-15)
+    assert triple.point == pytest.approx(corner, abs=1e-15)
+    for signs in itertools.product((1.0, -1.0), repeat=3):
+        (triple,) = relations(np.outer(signs, Y), [np.zeros(3), X, X + Z]).triples
+        assert (triple.first, triple.relation, triple.imperfection, triple.point) == (1, "parallel", 0.0, None)
+    # Neighbours meet, in different points.
+    assert relations([X, Y, Z], [np.zeros(3), np.zeros(3), Y]).triples == ()
+    # The outer two are parallel and lie in one line: they meet the middle one in one point.
+    (triple,) = relations([X, Y, -X], [np.zeros(3), np.zeros(3), 3.0 * X]).triples
+    assert triple.relation == "meet"
+    # Two in one line do not make three that meet in a point.
+    assert relations([X, X, Y], [np.zeros(3), np.zeros(3), np.zeros(3)]).triples == ()
+    found = relations([Z, Y, Y, Y, X, Z], np.cumsum([X, X, Z, Z, Y, X], axis=0)).triples
+    assert [(t.first, t.relation) for t in found] == [(2, "parallel")]
+
+
+def test_questions_about_a_structure() -> None:
+    """Axes are numbered from 1; coincident ones count as parallel, and parallel ones never as intersecting."""
+    structure = relations([Z, X, -X, X, Y], np.cumsum([np.zeros(3), Z, Z, X, Z], axis=0))
+    assert [structure.is_parallel(i) for i in (1, 2, 3, 4)] == [False, True, True, False]
+    assert [structure.is_intersecting(i) for i in (1, 2, 3, 4)] == [True, False, False, False]
+    assert [pair.relation for pair in structure.pairs] == ["intersecting", "parallel", "parallel", "skew"]
+    found = structure.triple(2, "parallel")
+    assert found is not None and found.first == 2
+    assert structure.triple(2, "meet") is structure.triple(1, "parallel") is None
+
+
+# ---------------------------------------------------------------- imperfection
+
+SMALL = [1e-3, 1e-4, 1e-6, 1e-9]
+
+
+@pytest.mark.parametrize("small", SMALL)
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_tilted_axis_is_measured(small: float, sign: float) -> None:
+    """Two axes meant to be parallel, or in one line, are off by the angle that one of them was tilted by."""
+    for axis in (X, np.array([0.3, -0.5, 0.0])):
+        tilted = sign * rotation(axis, small) @ Z
+        (pair,) = relations([Z, tilted], [np.zeros(3), X]).pairs
+        assert pair.relation == "parallel"
+        assert pair.off_angle == pytest.approx(small, rel=1e-6)
+        (pair,) = relations([Z, tilted], [np.zeros(3), Z]).pairs
+        assert pair.relation == "coincident"
+        assert pair.off_angle == pytest.approx(small, rel=1e-6)
+
+
+@pytest.mark.parametrize("small", [*SMALL, 1e-12])
+def test_shifted_axis_is_measured(small: float) -> None:
+    """Two axes meant to meet, or to lie in one line, are off by the distance that one of them was shifted by."""
+    (pair,) = relations([Z, X], [np.zeros(3), np.array([2.0, small, 3.0])]).pairs
+    assert (pair.relation, pair.off_angle) == ("intersecting", 0.0)
+    assert pair.off_distance == pytest.approx(small, rel=1e-6)
+    (pair,) = relations([Z, Z], [np.zeros(3), np.array([0.0, small, 3.0])]).pairs
+    assert (pair.relation, pair.off_angle) == ("coincident", 0.0)
+    assert pair.off_distance == pytest.approx(small, rel=1e-6)
+
+
+@pytest.mark.parametrize("small", SMALL)
+def test_imperfect_triples_are_measured(small: float) -> None:
+    """Of three axes with one tilted or shifted, the worst is off the common direction or point by a known share."""
+    # The common direction is the mean of the three: the tilted one is 2/3 of the angle off it.
+    (triple,) = relations([Y, rotation(Z, small) @ Y, -Y], [np.zeros(3), X, X + Z]).triples
+    assert triple.relation == "parallel"
+    assert triple.imperfection == pytest.approx(2.0 / 3.0 * small, rel=1e-5)
+    # Point with the least squares from x, y, x axes: half way where two of them see the shift, a third where all do.
+    for shift, share in ((Y, 1.0 / 2.0), (Z, 2.0 / 3.0)):
+        (triple,) = relations([X, Y, X], [np.zeros(3), np.zeros(3), small * shift]).triples
+        assert triple.relation == "meet"
+        assert triple.imperfection == pytest.approx(share * small, rel=1e-6)
+
+
+@pytest.mark.parametrize("small", SMALL)
+def test_imperfection_of_the_arm(small: float) -> None:
+    """The arm's imperfection holds the relations that its family rests on: angle and distance, each where it is."""
+    wrist = industrial()
+    axes = wrist.axes.copy()
+    axes[2] = rotation(X, small) @ axes[2]
+    structure = structure_of(axes, wrist.points)
+    assert structure.family == FAMILY["wrist, 2||3"]
+    assert structure.imperfection == pytest.approx((small, 0.0), rel=1e-6, abs=1e-15)
+    points = wrist.points.copy()
+    points[5] += small * Z
+    structure = structure_of(wrist.axes, points)
+    assert structure.family == FAMILY["wrist, 2||3"]
+    assert structure.imperfection == pytest.approx((0.0, 2.0 / 3.0 * small), rel=1e-6, abs=1e-15)
+
+    parallel = ur_like()
+    axes = parallel.axes.copy()
+    axes[3] = rotation(X, small) @ axes[3]
+    structure = structure_of(axes, parallel.points)
+    assert structure.family == FAMILY["2||3||4, 5x6"]
+    assert structure.imperfection == pytest.approx((2.0 / 3.0 * small, 0.0), rel=1e-5, abs=1e-15)
+    points = parallel.points.copy()
+    points[5] += small * X
+    structure = structure_of(parallel.axes, points)
+    assert structure.family == FAMILY["2||3||4, 5x6"]
+    assert structure.imperfection == pytest.approx((0.0, small), rel=1e-6, abs=1e-15)
+
+
+def test_what_the_family_does_not_need_is_no_imperfection() -> None:
+    """A shoulder offset, a tilted axis 1 or a tilted tool leave the family exact."""
+    wrist = industrial()
+    axes, points = wrist.axes.copy(), wrist.points.copy()
+    axes[0] = rotation(X, 1e-3) @ axes[0]
+    points[1] += [1e-4, 0.0, 0.0]
+    assert max(structure_of(axes, points).imperfection) < 1e-13
+
+
+@pytest.mark.parametrize("which", ["tilt", "shift"])
+def test_far_off_is_no_relation(which: str) -> None:
+    """Axes that are degrees or centimetres off are not taken for what they nearly are, and the family is gone."""
+    for described, row in ((industrial(), 5), (ur_like(), 3)):
+        axes, points = described.axes.copy(), described.points.copy()
+        if which == "tilt" and row == 3:
+            axes[3] = rotation(X, 0.05) @ axes[3]
+        elif which == "shift" and row == 5:
+            points[5] += 0.02 * Z
+        else:
+            continue
+        structure = structure_of(axes, points)
+        assert structure.family == structure.method == ""
+        assert (structure.branches, structure.max_solutions) == ((), 0)
+
+
+@pytest.mark.parametrize("digits", [4, 5, 7])
+def test_rounded_decimals_keep_the_family(digits: int) -> None:
+    """An arm whose frames turn by 1.5708 or 3.1416 is a member of its family, off by what the rounding is."""
+    half = round(math.pi / 2.0, digits)
+    off = math.pi / 2.0 - half
+    turns = [(0, 0, 0), (-half, 0, 0), (0, 0, 0), (-half, 0, 0), (half, 0, 0), (-half, 0, 0), (0, 0, 0)]
+    places = [(0, 0, 0.4), (0.05, 0, 0), (0.5, 0, 0), (0.03, 0.2, 0), (0, 0, 0.3), (0, 0, 0), (0, 0, 0.1)]
+    text = serial_urdf("rounded", list(zip(places, turns, strict=True)), [*[Z] * 6, None])
+    structure = urdf_ik.load(text).structure
+    assert structure.family == FAMILY["wrist, 2||3"]
+    assert structure.imperfection == pytest.approx((0.0, 0.0), abs=1e-12)
+    # Now the elbow's own frame is turned there and back, by two numbers that do not agree.
+    turns[2], places[2] = (half, 0, 0), (0.5, 0, 0)
+    text = serial_urdf(
+        "rounded",
+        [*list(zip(places, turns, strict=True))[:3], ((0, 0, 0), (-math.pi / 2.0, 0, 0)), *list(
+            zip(places, turns, strict=True)
+        )[3:]],
+        [Z, Z, None, *[Z] * 4, None],
+    )  # fmt: skip
+    structure = urdf_ik.load(text).structure
+    assert structure.family == FAMILY["wrist, 2||3"]
+    assert structure.imperfection == pytest.approx((off, 0.0), rel=1e-6, abs=1e-12)
+    assert "refined" in structure.method
+
+
+# ---------------------------------------------------------------- families
+
+
+@pytest.mark.parametrize("orthogonal", [False, True])
+@pytest.mark.parametrize("kind", KINDS)
+def test_family_of_every_kind(kind: str, orthogonal: bool) -> None:
+    """Each kind of arm is put into its family, with the family's branches, exactly, whatever its proportions."""
+    for seed in range(6):
+        arm = urdf_ik.load(random_arm(kind, seed, orthogonal=orthogonal, aligned=bool(seed % 2)).urdf, "base", "tool")
+        structure = arm.structure
+        assert structure.family == FAMILY[kind]
+        assert list(structure.branches) == BRANCHES.get(structure.family, NAMED)
+        assert structure.max_solutions == len(set(structure.branches)) == 8
+        assert max(structure.imperfection) < 1e-13
+        assert structure.method.startswith("Closed form")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_base_signs_and_slides_do_not_matter(kind: str) -> None:
+    """The same lines elsewhere, with axes turned round and frames slid along them, have the same structure."""
+    described = of_kind(kind)
+    expected = structure_of(described.axes, described.points)
+    rng = np.random.default_rng([3, *kind.encode()])
+    for _ in range(6):
+        turn = rotation(rng.normal(size=3), rng.uniform(0.3, 3.0))
+        signs = rng.choice([-1.0, 1.0], (6, 1))
+        slid = described.points + rng.uniform(-2.0, 2.0, (6, 1)) * described.axes
+        found = structure_of(signs * described.axes, slid, mount=(turn, rng.uniform(-3.0, 3.0, 3)))
+        assert (found.family, found.branches) == (expected.family, expected.branches)
+        assert [p.relation for p in found.pairs] == [p.relation for p in expected.pairs]
+        assert [(t.first, t.relation) for t in found.triples] == [(t.first, t.relation) for t in expected.triples]
+        for pair, other in zip(found.pairs, expected.pairs, strict=True):
+            assert math.sin(pair.angle) == pytest.approx(math.sin(other.angle), abs=1e-12)
+            assert pair.distance == pytest.approx(other.distance, abs=1e-12)
+        assert max(found.imperfection) < 1e-12
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("scale", [1e-3, 100.0])
+def test_size_does_not_matter(kind: str, scale: float) -> None:
+    """An arm of millimetres and one of a hundred metres belong to the family of the arm that they are copies of."""
+    for seed in range(3):
+        described = of_kind(kind, seed)
+        expected = structure_of(described.axes, described.points)
+        found = structure_of(described.axes, scale * described.points)
+        assert (found.family, found.method) == (expected.family, expected.method)
+        assert [p.relation for p in found.pairs] == [p.relation for p in expected.pairs]
+        for pair, other in zip(found.pairs, expected.pairs, strict=True):
+            assert pair.distance == pytest.approx(scale * other.distance, abs=1e-12 * scale)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 100.0])
+def test_imperfection_counts_relative_to_the_size(scale: float) -> None:
+    """A wrist that is off by 1e-4 of the arm's length is still one, in millimetres as in hundreds of metres."""
+    wrist = industrial()
+    points = wrist.points.copy()
+    points[5] += 1e-4 * Z
+    structure = structure_of(wrist.axes, scale * points)
+    assert structure.family == FAMILY["wrist, 2||3"]
+    assert structure.imperfection[1] == pytest.approx(2.0 / 3.0 * 1e-4 * scale, rel=1e-6)
+
+
+def test_far_from_its_base() -> None:
+    """An arm that is mounted a kilometre from its base link has the structure that it has at home."""
+    for described, family in ((industrial(), "wrist, 2||3"), (ur_like(), "2||3||4, 5x6")):
+        mount = rotation(np.array([1.0, 2.0, 3.0]), 0.7), np.array([1000.0, -300.0, 50.0])
+        structure = structure_of(described.axes, described.points, mount=mount)
+        assert structure.family == FAMILY[family]
+        assert max(structure.imperfection) < 1e-11
+
+
+def test_no_family() -> None:
+    """Arms with other than six revolute joints, or without the relations, have no family, branches or method."""
+    rng = np.random.default_rng(8)
+    axes = rng.normal(size=(7, 3))
+    axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+    points = np.cumsum(rng.uniform(0.2, 0.6, (7, 3)), axis=0)
+    for n in (1, 2, 5, 6, 7):
+        structure = structure_of(axes[:n], points[:n])
+        assert structure.family == structure.method == ""
+        assert structure.branches == ()
+        assert len(structure.pairs) == n - 1
+        assert f"{n} joints ({'R' * n}), of no family" in str(structure)
+    # A wrist whose position problem has a continuum of solutions, or none, is not of the wrist's family.
+    described = of_kind("wrist, 2||3")
+    parallel = described.axes.copy()
+    parallel[:3] = described.axes[1]
+    assert "wrist" not in structure_of(parallel, described.points).family
+
+
+def test_sliding_joints() -> None:
+    """A sliding joint has a direction, not a line: it may be parallel to a neighbour and is never in line with it."""
+    axis = '<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/>'
+    joints = "".join(
+        f'<joint name="j{i}" type="{kind}"><parent link="l{i}"/><child link="l{i + 1}"/>{axis}</joint>'
+        for i, kind in enumerate(("revolute", "prismatic", "revolute"))
+    )
+    text = f'<robot name="r">{"".join(f"""<link name="l{i}"/>""" for i in range(4))}{joints}</robot>'
+    structure = urdf_ik.load(text).structure
+    assert [pair.relation for pair in structure.pairs] == ["parallel", "parallel"]
+    assert structure.triples == ()
+    assert str(structure).startswith("3 joints (RPR), of no family that is solved here. Axes 1 and 2 are parallel")
+
+
+# ---------------------------------------------------------------- words
+
+
+def test_text_of_the_article_arm() -> None:
+    """The sentences say family, relations, method, number of solutions and imperfection."""
+    structure = from_catalogue("zyyzyz_6r").arm.structure
+    assert str(structure) == (
+        "6 joints (RRRRRR): 6R spherical wrist, 2||3 and 1x2. Axes 4, 5 and 6 meet in a point; axes 1 and 2 are "
+        "intersecting at 90 deg; axes 2 and 3 are parallel, 1 m apart; axes 3 and 4 are intersecting at 90 deg; axes 4 "
+        "and 5 are intersecting at 90 deg; axes 5 and 6 are intersecting at 90 deg. "
+        f"{structure.method}. Up to 8 solutions. The structure is exact to rounding."
+    )
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_text_of_every_kind(kind: str) -> None:
+    """Sentences with capital letters and full stops: family, every relation, method, number of solutions, exactness."""
+    structure = structure_of(of_kind(kind).axes, of_kind(kind).points)
+    text = str(structure)
+    for part in (*structure.pairs, *structure.triples, structure.method, structure.family, "Up to 8 solutions."):
+        assert str(part).lower() in text.lower()
+    sentences = re.split(r"(?<=\.) (?=[A-Z])", text)
+    assert len(sentences) == 5
+    assert all(re.fullmatch(r"[A-Z0-9].*[^.]\.", sentence) for sentence in sentences), sentences
+    assert "  " not in text and "None" not in text and "nan" not in text
+
+
+def test_text_tells_the_imperfection() -> None:
+    """An arm that is not exact says by how much, in rad and m, and that the solver goes by the URDF as written."""
+    wrist = industrial()
+    axes, points = wrist.axes.copy(), wrist.points.copy()
+    axes[2] = rotation(X, 3e-5) @ axes[2]
+    points[5] += 6e-4 * Z
+    text = str(structure_of(axes, points))
+    assert "3e-05 rad and 0.0004 m off" in text
+    assert "refined by Newton's method on the URDF as written" in text
+
+
+@pytest.mark.parametrize(
+    ("direction", "point", "text"),
+    [
+        (Z, [0.3, 0.4, 7.0], "axes 1 and 2 are parallel, 0.5 m apart"),
+        (-Z, [0.0, 0.0, 7.0], "axes 1 and 2 are coincident"),
+        (np.array([0.6, 0.0, 0.8]), [3.0, 0.0, 1.0], "axes 1 and 2 are intersecting at 36.8699 deg"),
+        (X, [4.0, 0.25, 2.0], "axes 1 and 2 are skew at 90 deg, 0.25 m apart"),
+    ],
+)
+def test_text_of_a_pair(direction: Array, point: list[float], text: str) -> None:
+    """A pair reads as a clause with its angle and its distance, where the relation leaves them open."""
+    assert str(relations([Z, direction], [np.zeros(3), point]).pairs[0]) == text
+
+
+def test_branch_names_are_the_columns() -> None:
+    """The names that the structure tells are those of the answers, for every pose, reachable or not."""
+    for kind in KINDS:
+        described = of_kind(kind)
+        arm = urdf_ik.load(text_of(described.axes, described.points), "base", "tool")
+        far = np.eye(4)
+        far[0, 3] = 1e3
+        for target in (arm.fk(np.full(6, 0.4)), far, np.array([far, far])):
+            assert arm.ik(target).branches == arm.structure.branches
