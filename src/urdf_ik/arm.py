@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import sys
 import threading
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
@@ -32,9 +31,6 @@ if TYPE_CHECKING:
     from urdf_ik.collision import CollisionModel
     from urdf_ik.families.plan import Plan
     from urdf_ik.urdf import UrdfModel
-
-# Poses that one thread takes at a time: enough to hide the hand-over, few enough to share evenly.
-_SHARE = 4096
 
 
 class Arm:
@@ -185,17 +181,23 @@ class Arm:
         threads: int,
     ) -> int:
         """Solve (m, 4, 4) into ``q`` and ``flags``; index of the first bad pose, or -1."""
-        if threads <= 1 or len(T) <= _SHARE:
+        if threads <= 1 or len(T) < threads:
             return self._kernel(T, self._numbers, reference, q, flags)
+        bad = [-1] * threads
+        edges = np.linspace(0, len(T), threads + 1).astype(int)
 
-        def share(start: int) -> int:
-            part = slice(start, start + _SHARE)
-            bad = self._kernel(T[part], self._numbers, reference, q[part], flags[part])
-            return start + bad if bad >= 0 else -1
+        def share(k: int) -> None:
+            part = slice(edges[k], edges[k + 1])
+            found = self._kernel(T[part], self._numbers, reference, q[part], flags[part])
+            bad[k] = edges[k] + found if found >= 0 else -1
 
-        with ThreadPoolExecutor(threads) as pool:
-            bad = [index for index in pool.map(share, range(0, len(T), _SHARE)) if index >= 0]
-        return min(bad, default=-1)
+        helpers = [threading.Thread(target=share, args=(k,)) for k in range(1, threads)]
+        for helper in helpers:
+            helper.start()
+        share(0)
+        for helper in helpers:
+            helper.join()
+        return min((index for index in bad if index >= 0), default=-1)
 
     def _reference(self, q_ref: ArrayLike) -> NDArray[np.float64]:
         reference = np.ones(self.dof + 1)

@@ -244,7 +244,10 @@ def complete(arm, target, Q, flags):
 
 @kernel
 def solve(T, arm, q_ref, Q, flags):
-    """All solutions of poses ``T`` (m, 4, 4) to ``Q`` (m, 16, 6) and ``flags`` (m, 16); see ``spherical_wrist.solve``."""
+    """All solutions of poses ``T`` (m, 4, 4) to ``Q`` (m, 16, 6) and ``flags`` (m, 16).
+
+    Arguments and result as those of ``spherical_wrist.solve``; ``q_ref`` has no part in it.
+    """
     proper = np.empty((4, 4))
     for i in range(T.shape[0]):
         if not check_target(T[i]) <= arm[layout.ROTATION]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from urdf_ik._kernels import layout
 from urdf_ik._kernels import wrist_position as shoulder
-from urdf_ik._kernels.batch import spread, store
+from urdf_ik._kernels.batch import PAIRS, spread, store
 from urdf_ik._kernels.compile import inlined, kernel, step
 from urdf_ik._kernels.layout import BLOCK, COS_ALPHA, OFFSET, ROWS, SIN_ALPHA
 from urdf_ik._kernels.polynomials import root_gap
@@ -31,8 +31,8 @@ def wrist_rotation(r0, r3, r6, arm, c1, s1, c2, s2, c3, s3):
 
 
 @inlined
-def branch(kind, W, out, m, arm):
-    """Joint angles (rows 0-5) of one branch to ``out``, and in row 6 whether it is: 0 none, 1 valid, 2 in doubt."""
+def branches(kind, W, out, m, arm):
+    """Both wrists of one place of the first three joints, for a block of poses, as ``batch.store`` reads them."""
     ca, sa, cb, sb = arm[COS_ALPHA + 3], arm[SIN_ALPHA + 3], arm[COS_ALPHA + 4], arm[SIN_ALPHA + 4]
     edge, reach = arm[layout.EDGE], arm[layout.REACH] * arm[layout.REACH] * 1e-2
     for i in range(m):
@@ -46,16 +46,25 @@ def branch(kind, W, out, m, arm):
         c4, s4, c6, s6, fixed, turned = wrist_turns(
             m00, m10, m20, m01, m11, m21, m02, m12, m22, c5, s5, ca, sa, cb, sb, False, 1.0, 0.0
         )
+        c4f, s4f, c6f, s6f, _, turned_too = wrist_turns(
+            m00, m10, m20, m01, m11, m21, m02, m12, m22, c5, -s5, ca, sa, cb, sb, False, 1.0, 0.0
+        )
         lost = (m1 < -edge) | (m2 < -edge) | (m3 < -edge)
         doubt = (min(m1, m2) <= edge) | (min(m3, fixed) <= edge) | (min(arm1, arm2) <= edge)
-        doubt = doubt | (not (error + turned <= reach))
-        out[0, i] = wrap(atan2(s1, c1) - arm[OFFSET])
-        out[1, i] = wrap(atan2(s2, c2) - arm[OFFSET + 1])
-        out[2, i] = wrap(atan2(s3, c3) - arm[OFFSET + 2])
+        doubt = doubt | (not (error + max(turned, turned_too) <= reach))
+        q1, q2 = wrap(atan2(s1, c1) - arm[OFFSET]), wrap(atan2(s2, c2) - arm[OFFSET + 1])
+        q3, bend = wrap(atan2(s3, c3) - arm[OFFSET + 2]), atan2(s5, c5)
+        state = 0.0 if lost else (2.0 if doubt else 1.0)
+        out[0, i], out[1, i], out[2, i] = q1, q2, q3
         out[3, i] = wrap(atan2(s4, c4) - arm[OFFSET + 3])
-        out[4, i] = wrap(atan2(s5, c5) - arm[OFFSET + 4])
+        out[4, i] = wrap(bend - arm[OFFSET + 4])
         out[5, i] = wrap(atan2(s6, c6) - arm[OFFSET + 5])
-        out[6, i] = 0.0 if lost else (2.0 if doubt else 1.0)
+        out[6, i] = state
+        out[7, i], out[8, i], out[9, i] = q1, q2, q3
+        out[10, i] = wrap(atan2(s4f, c4f) - arm[OFFSET + 3])
+        out[11, i] = wrap(-bend - arm[OFFSET + 4])
+        out[12, i] = wrap(atan2(s6f, c6f) - arm[OFFSET + 5])
+        out[13, i] = state
 
 
 @kernel
@@ -159,7 +168,7 @@ def solve(kind, T, arm, q_ref, Q, flags):
     ``q_ref`` (7,): the joint vector that representatives are taken near, and 1 where it was given, 0 where it
     stands for zeros. Returns the index of the first target that is no pose, -1 where all are.
     """
-    W, out = np.empty((ROWS, BLOCK)), np.empty((7, BLOCK))
+    W, out = np.empty((ROWS, BLOCK)), np.empty((14, BLOCK))
     proper = np.empty((4, 4))
     care = np.empty(BLOCK, np.bool_)
     single = T.shape[0] == 1
@@ -171,10 +180,10 @@ def solve(kind, T, arm, q_ref, Q, flags):
                 return start + i
             care[i] = W[12, i] > arm[layout.EXACT_ROTATION] or kind == shoulder.GENERAL
         if kind != shoulder.GENERAL:
-            for b in range(1 if single else 8):
-                columns = spread(W, arm, b, m, single)
-                branch(kind, W, out, columns, arm)
-                store(out, b, start, columns, single, care, Q, flags)
+            for pair in range(1 if single else PAIRS):
+                columns = spread(W, arm, pair, 1, m, single)
+                branches(kind, W, out, columns, arm)
+                store(out, pair, 1, start, columns, single, care, Q, flags)
         for i in range(m):
             if care[i]:
                 project_rotation(T[start + i], proper)

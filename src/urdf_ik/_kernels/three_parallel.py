@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from urdf_ik._kernels import layout
-from urdf_ik._kernels.batch import spread, store
+from urdf_ik._kernels.batch import PAIRS, spread, store
 from urdf_ik._kernels.compile import inlined, kernel, step
 from urdf_ik._kernels.layout import (
     ALONG,
@@ -52,11 +52,12 @@ def forearm(arm, c5, s5):
 
 
 @inlined
-def branch(W, out, m, arm):
-    """Joint angles (rows 0-5) of one branch to ``out``, and in row 6 whether it is: 0 none, 1 valid, 2 in doubt."""
+def branches(W, out, m, arm):
+    """Both elbows of one shoulder and wrist, for a block of poses, as ``batch.store`` reads them."""
     ca, sa, cb, sb = arm[COS_FIRST], arm[SIN_FIRST], arm[COS_ALPHA + 4], arm[SIN_ALPHA + 4]
     edge, reach = arm[layout.EDGE], arm[layout.REACH] * arm[layout.REACH] * 1e-2
     scale = 1.0 / (arm[layout.SIZE] * arm[layout.SIZE])
+    upper, lower, side = arm[A + 1], arm[A + 2], arm[TURN_3]
     for i in range(m):
         px, py, pz = W[9, i], W[10, i], W[11, i]
         k = (arm[COS_ALPHA] * pz - arm[ALONG]) / arm[SIN_ALPHA]
@@ -73,25 +74,32 @@ def branch(W, out, m, arm):
         ox, oy, oz = qx, arm[COS_ALPHA] * qy + arm[SIN_ALPHA] * pz, arm[COS_ALPHA] * pz - arm[SIN_ALPHA] * qy
         fx, fy = forearm(arm, c5, s5)
         ux, uy = ox - (cf * fx - sf * fy), oy - (sf * fx + cf * fy)
-        c2, s2, c3, s3, m2 = elbow(ux, uy, arm[A + 1], arm[A + 2], arm[TURN_3], W[14, i])
-        wx, wy = arm[A + 1] + arm[A + 2] * c3, arm[TURN_3] * arm[A + 2] * s3
+        c2, s2, c3, s3, m2 = elbow(ux, uy, upper, lower, side, W[14, i])
+        c2d, s2d, _, _, _ = elbow(ux, uy, upper, lower, side, -W[14, i])
+        wx, wy = upper + lower * c3, side * lower * s3
         ex, ey, ez = c2 * wx - s2 * wy - ux, s2 * wx + c2 * wy - uy, oz - arm[ALONG]
-        error = (ex * ex + ey * ey + ez * ez) * scale
+        dx, dy = c2d * wx + s2d * wy - ux, s2d * wx - c2d * wy - uy
+        error = (max(ex * ex + ey * ey, dx * dx + dy * dy) + ez * ez) * scale
         m1 *= scale
         arm1, arm2 = (px * px + py * py) * scale, (ux * ux + uy * uy) * scale
         # Where the wrist leaves phi free, another phi may bring the elbow within reach.
         lost = (m1 < -edge) | (m3 < -edge) | ((m2 < -edge) & (fixed > edge))
         doubt = (min(m1, m2) <= edge) | (min(m3, fixed) <= edge) | (min(arm1, arm2) <= edge)
         doubt = doubt | (not (error + turned <= reach))
-        t2, t3 = atan2(s2, c2), atan2(s3, c3)
-        t4 = arm[TURN_4] * (atan2(sf, cf) - t2 - arm[TURN_3] * t3)
-        out[0, i] = wrap(atan2(s1, c1) - arm[OFFSET])
+        phi, t2, t3, t2d = atan2(sf, cf), atan2(s2, c2), atan2(s3, c3), atan2(s2d, c2d)
+        q1, q5 = wrap(atan2(s1, c1) - arm[OFFSET]), wrap(atan2(s5, c5) - arm[OFFSET + 4])
+        q6 = wrap(atan2(s6, c6) - arm[OFFSET + 5])
+        state = 0.0 if lost else (2.0 if doubt else 1.0)
+        out[0, i] = q1
         out[1, i] = wrap(t2 - arm[OFFSET + 1])
         out[2, i] = wrap(t3 - arm[OFFSET + 2])
-        out[3, i] = wrap(wrap(t4 - arm[OFFSET + 3]))
-        out[4, i] = wrap(atan2(s5, c5) - arm[OFFSET + 4])
-        out[5, i] = wrap(atan2(s6, c6) - arm[OFFSET + 5])
-        out[6, i] = 0.0 if lost else (2.0 if doubt else 1.0)
+        out[3, i] = wrap(wrap(arm[TURN_4] * (phi - t2 - side * t3) - arm[OFFSET + 3]))
+        out[4, i], out[5, i], out[6, i] = q5, q6, state
+        out[7, i] = q1
+        out[8, i] = wrap(t2d - arm[OFFSET + 1])
+        out[9, i] = wrap(-t3 - arm[OFFSET + 2])
+        out[10, i] = wrap(wrap(arm[TURN_4] * (phi - t2d + side * t3) - arm[OFFSET + 3]))
+        out[11, i], out[12, i], out[13, i] = q5, q6, state
 
 
 @kernel
@@ -332,7 +340,7 @@ def solve(kind, T, arm, q_ref, Q, flags):
     ``q_ref`` (7,): the joint vector that representatives are taken near, and 1 where it was given, 0 where it
     stands for zeros. Returns the index of the first target that is no pose, -1 where all are.
     """
-    W, out = np.empty((ROWS, BLOCK)), np.empty((7, BLOCK))
+    W, out = np.empty((ROWS, BLOCK)), np.empty((14, BLOCK))
     proper = np.empty((4, 4))
     care = np.empty(BLOCK, np.bool_)
     single = T.shape[0] == 1
@@ -344,10 +352,10 @@ def solve(kind, T, arm, q_ref, Q, flags):
                 return start + i
             care[i] = W[12, i] > arm[layout.EXACT_ROTATION] or kind == GENERAL
         if kind != GENERAL:
-            for b in range(1 if single else 8):
-                columns = spread(W, arm, b, m, single)
-                branch(W, out, columns, arm)
-                store(out, b, start, columns, single, care, Q, flags)
+            for pair in range(1 if single else PAIRS):
+                columns = spread(W, arm, pair, 2, m, single)
+                branches(W, out, columns, arm)
+                store(out, pair, 2, start, columns, single, care, Q, flags)
         for i in range(m):
             if care[i]:
                 project_rotation(T[start + i], proper)
