@@ -15,6 +15,7 @@ import numpy as np
 
 from urdf_ik import families
 from urdf_ik._kernels import compile as compiler
+from urdf_ik._kernels.layout import BLOCK
 from urdf_ik._kernels.target import to_frame_1
 from urdf_ik.chain import Chain
 from urdf_ik.errors import PoseError, UnsupportedArm
@@ -181,10 +182,11 @@ class Arm:
         threads: int,
     ) -> int:
         """Solve (m, 4, 4) into ``q`` and ``flags``; index of the first bad pose, or -1."""
-        if threads <= 1 or len(T) < threads:
+        if threads <= 1 or len(T) < 2 * BLOCK * threads:
             return self._kernel(T, self._numbers, reference, q, flags)
         bad = [-1] * threads
-        edges = np.linspace(0, len(T), threads + 1).astype(int)
+        # Shares of whole blocks: every pose is solved by the same instructions, however many threads there are.
+        edges = [BLOCK * (k * (len(T) // BLOCK) // threads) for k in range(threads)] + [len(T)]
 
         def share(k: int) -> None:
             part = slice(edges[k], edges[k + 1])

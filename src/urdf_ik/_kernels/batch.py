@@ -10,6 +10,7 @@ import math
 
 from urdf_ik._kernels import layout
 from urdf_ik._kernels.compile import inlined, step
+from urdf_ik._kernels.layout import BLOCK
 
 PAIRS = 4
 
@@ -24,7 +25,9 @@ def first_of(pair, apart):
 def spread(W, arm, pair, apart, m, single):
     """Write the signs of a pair's first branch over the block; of a single pose, those of all pairs side by side.
 
-    Returns the number of columns of the block in use.
+    A block of fewer poses is filled up with its last one: whatever a pose's place in a batch, the same
+    instructions then handle it and give the same digits.
+    Returns the number of columns to solve, and how many of them to store.
     """
     if single:
         for r in range(12):
@@ -33,12 +36,16 @@ def spread(W, arm, pair, apart, m, single):
         for i in range(PAIRS):
             b = layout.SIGNS + 3 * first_of(i, apart)
             W[13, i], W[14, i], W[15, i] = arm[b], arm[b + 1], arm[b + 2]
-        return PAIRS
+        return PAIRS, PAIRS
     b = layout.SIGNS + 3 * first_of(pair, apart)
     front, up, flip = arm[b], arm[b + 1], arm[b + 2]
-    for i in range(m):
+    for i in range(BLOCK):
         W[13, i], W[14, i], W[15, i] = front, up, flip
-    return m
+    if pair == 0:
+        for r in range(12):
+            for i in range(m, BLOCK):
+                W[r, i] = W[r, m - 1]
+    return BLOCK, m
 
 
 @inlined

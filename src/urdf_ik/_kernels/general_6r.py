@@ -20,6 +20,7 @@ _NEAR_CIRCLE = 0.03
 # Below this smallest singular value [of the Jacobian in shares of the size] a second solution may be next door.
 _NEAR_FOLD = 5e-3
 _LARGEST_NOISE = 1e-7
+_CONVERGED = 2e-14
 
 
 @kernel
@@ -154,10 +155,10 @@ def gather(arm, variant, circle, target, Q, flags):
             q[j] = wrap(angles[5 - j] if reverse else angles[j])
         start = q.copy()
         error = newton(arm, target, q, 12)
-        if error > 1e-13:
+        if error > _CONVERGED:
             q[:] = start
             error = refine(arm, target, q, 20, 1.8e-15)
-        if error <= 1e-13:
+        if error <= _CONVERGED:
             if is_new(arm, target, Q, flags, q):
                 keep(Q, flags, 0, q, 0)
         elif abs(math.log(size)) < 1e-4:
@@ -194,7 +195,7 @@ def search_beside(arm, target, Q, flags):
             distance = (1.0 if k % 2 else -1.0) * 0.3 * 10.0 ** (-0.5 * (k // 2))
             for j in range(6):
                 q[j] = wrap(Q[b, j] + distance * x[j])
-            if refine(arm, target, q, 20, 1.8e-15) <= 2e-14 and is_new(arm, target, Q, flags, q):
+            if refine(arm, target, q, 20, 1.8e-15) <= _CONVERGED and is_new(arm, target, Q, flags, q):
                 keep(Q, flags, 0, q, 0)
     return beside
 

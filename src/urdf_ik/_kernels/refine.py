@@ -291,10 +291,16 @@ def accept(arm, target, q, b, marks, near, Q, flags):
     # A closed form is not improved by a step along a singular direction that only rounding asks for.
     enough = 2.0 * _CONVERGED if exact else _ROUNDING
     if exact or not near:
-        if refine(arm, target, q, 15, enough) <= arm[layout.REACH] and is_new(arm, target, Q, flags, q):
+        start = q.copy()
+        error = math.inf if exact else newton(arm, target, q, 8)
+        if error > _CONVERGED:
+            q[:] = start
+            error = refine(arm, target, q, 15, enough)
+        if error <= arm[layout.REACH] and is_new(arm, target, Q, flags, q):
             keep(Q, flags, b, q, singular_marks(arm, q, marks) if near else 0)
         return
-    start, best = q.copy(), q.copy()
+    start = q.copy()
+    best = q.copy()
     least, converged = math.inf, False
     seed = 12345
     for k in range(13):

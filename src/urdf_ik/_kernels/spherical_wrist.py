@@ -71,11 +71,14 @@ def branches(kind, W, out, m, arm):
 def solve_with_care(kind, target, arm, q_ref, Q, flags):
     """One pose near a singularity, at the edge of reach, or of an imperfect arm; replaces its rows.
 
+    Returns whether any solution, or a place where one might be, is near a singularity.
+
     A margin within ``fold`` of zero is a double root, of which one branch is kept; a joint that the target
     leaves free (squared arm below ``continuum``) takes ``q_ref``'s value, or zero.
     """
     fold, clamp, continuum = arm[layout.FOLD], arm[layout.CLAMP], arm[layout.CONTINUUM]
-    near_zone = 1e-3
+    near_zone = max(1e-3, 30.0 * arm[layout.IMPERFECTION])
+    close = False
     scale = 1.0 / (arm[layout.SIZE] * arm[layout.SIZE])
     ca, sa, cb, sb = arm[COS_ALPHA + 3], arm[SIN_ALPHA + 3], arm[COS_ALPHA + 4], arm[SIN_ALPHA + 4]
     X, q, roots = np.empty(12), np.empty(6), np.empty((4, 2))
@@ -158,7 +161,9 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
         q[4] = wrap(math.atan2(s5, c5) - arm[OFFSET + 4])
         q[5] = wrap(math.atan2(s6, c6) - arm[OFFSET + 5])
         near = min(min(m1, m2), min(min(m3, fixed), min(arm1, arm2))) < near_zone
+        close = close or near
         accept(arm, target, q, b, marks, near, Q, flags)
+    return close
 
 
 @inlined
@@ -181,9 +186,9 @@ def solve(kind, T, arm, q_ref, Q, flags):
             care[i] = W[12, i] > arm[layout.EXACT_ROTATION] or kind == shoulder.GENERAL
         if kind != shoulder.GENERAL:
             for pair in range(1 if single else PAIRS):
-                columns = spread(W, arm, pair, 1, m, single)
+                columns, wanted = spread(W, arm, pair, 1, m, single)
                 branches(kind, W, out, columns, arm)
-                store(out, pair, 1, start, columns, single, care, Q, flags)
+                store(out, pair, 1, start, wanted, single, care, Q, flags)
         for i in range(m):
             if care[i]:
                 project_rotation(T[start + i], proper)

@@ -40,21 +40,24 @@ def matches(structure: Structure) -> bool:
 
 def prepare(structure: Structure, chain: Chain) -> Plan:
     """The elimination's constant matrices, for the ways of setting it up that find most."""
-    arm = pack_as_written(chain)
-    H, points, centre, scale = _scaled(chain)
-    home = np.eye(4)
-    home[:3, :3], home[:3, 3] = chain.R_tip, chain.P.sum(axis=0)
-    variants = _best(arm, chain, H, points, centre, scale, np.linalg.inv(home)[:3])
     return Plan(
         family="6R general",
         method="Elimination to one joint's angle (Raghavan and Roth), Newton's method on the URDF as written",
         branches=_NAMES,
         imperfection=(0.0, 0.0),
         error=0.0,
-        arm=variants,
+        arm=with_elimination(pack_as_written(chain), chain),
         solve=kernels.solve,
         explain=lambda rotation, point: _explain(chain, point),
     )
+
+
+def with_elimination(arm: Array, chain: Chain) -> Array:
+    """``arm`` with the elimination's numbers behind its own."""
+    H, points, centre, scale = _scaled(chain)
+    home = np.eye(4)
+    home[:3, :3], home[:3, 3] = chain.R_tip, chain.P.sum(axis=0)
+    return _best(arm, chain, H, points, centre, scale, np.linalg.inv(home)[:3])
 
 
 def _explain(chain: Chain, point: Array) -> str:

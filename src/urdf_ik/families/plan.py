@@ -57,11 +57,6 @@ class Plan:
         """Whether the arm as written is the ideal one, to rounding."""
         return self.error <= DEFAULT.exact_structure
 
-    @property
-    def rank(self) -> tuple[bool, float]:
-        """Sorts exact plans first, in the order given, then by error."""
-        return (not self.is_exact, 0.0 if self.is_exact else self.error)
-
 
 def ideal_frames(
     chain: Chain,

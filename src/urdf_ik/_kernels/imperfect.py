@@ -1,0 +1,75 @@
+"""Arms near a family: its closed form gives starting points, the general elimination adds what they cannot tell.
+
+Away from singularities the ideal arm and the arm as written have the same solutions, a small step apart. Near
+them their numbers differ: there, and wherever solutions do not come in pairs, the elimination looks too.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from urdf_ik._kernels import layout, spherical_wrist, three_parallel, wrist_position
+from urdf_ik._kernels.compile import inlined, kernel
+from urdf_ik._kernels.general_6r import complete
+from urdf_ik._kernels.target import check_target, project_rotation
+
+_WRIST, _PARALLEL = 0, 1
+
+
+@inlined
+def solve(family, kind, T, arm, q_ref, Q, flags):
+    """All solutions of poses ``T`` (m, 4, 4) to ``Q`` (m, 16, 6) and ``flags`` (m, 16).
+
+    Arguments and result as those of ``spherical_wrist.solve``.
+    """
+    proper = np.empty((4, 4))
+    for i in range(T.shape[0]):
+        if not check_target(T[i]) <= arm[layout.ROTATION]:
+            return i
+        project_rotation(T[i], proper)
+        if family == _WRIST:
+            near = spherical_wrist.solve_with_care(kind, proper, arm, q_ref, Q[i], flags[i])
+        else:
+            near = three_parallel.solve_with_care(kind, proper, arm, q_ref, Q[i], flags[i])
+        count = 0
+        for b in range(Q.shape[1]):
+            count += flags[i, b] & layout.VALID
+        if near or count % 2 == 1:
+            complete(arm, proper, Q[i], flags[i])
+    return -1
+
+
+@kernel
+def near_parallel_23(T, arm, q_ref, Q, flags):
+    """Spherical wrist, axes 2 and 3 parallel; see ``solve``."""
+    return solve(_WRIST, wrist_position.PARALLEL_23, T, arm, q_ref, Q, flags)
+
+
+@kernel
+def near_intersecting_12(T, arm, q_ref, Q, flags):
+    """Spherical wrist, axes 1 and 2 intersect; see ``solve``."""
+    return solve(_WRIST, wrist_position.INTERSECTING_12, T, arm, q_ref, Q, flags)
+
+
+@kernel
+def near_parallel_12(T, arm, q_ref, Q, flags):
+    """Spherical wrist, axes 1 and 2 parallel; see ``solve``."""
+    return solve(_WRIST, wrist_position.PARALLEL_12, T, arm, q_ref, Q, flags)
+
+
+@kernel
+def near_general_shoulder(T, arm, q_ref, Q, flags):
+    """Spherical wrist, no relation among the first three axes; see ``solve``."""
+    return solve(_WRIST, wrist_position.GENERAL, T, arm, q_ref, Q, flags)
+
+
+@kernel
+def near_intersecting_56(T, arm, q_ref, Q, flags):
+    """Three parallel axes, 5 and 6 intersect; see ``solve``."""
+    return solve(_PARALLEL, three_parallel.INTERSECTING_56, T, arm, q_ref, Q, flags)
+
+
+@kernel
+def near_general_wrist(T, arm, q_ref, Q, flags):
+    """Three parallel axes, 5 and 6 skew; see ``solve``."""
+    return solve(_PARALLEL, three_parallel.GENERAL, T, arm, q_ref, Q, flags)
