@@ -17,6 +17,8 @@ from urdf_ik._kernels.trig import wrap
 
 # A root this close to the unit circle may be real: rounding moves double roots off it by half its digits.
 _NEAR_CIRCLE = 0.03
+# This close to it, it should be.
+_ON_CIRCLE = 1e-3
 # Below this smallest singular value [of the Jacobian in shares of the size] a second solution may be next door.
 _NEAR_FOLD = 5e-3
 _LARGEST_NOISE = 1e-7
@@ -134,8 +136,13 @@ def loop_motion(arm, target, reverse, G):
 
 
 @kernel
-def gather(arm, variant, circle, target, Q, flags):
-    """Add the solutions that one variant of the elimination finds; returns whether it gives cause for doubt."""
+def gather(arm, variant, circle, target, Q, flags, spare):
+    """Add the solutions that one variant of the elimination finds; returns whether it gives cause for doubt.
+
+    That is so where the determinant was drowned in rounding, and where more roots look real than solutions came of
+    them. ``spare`` (7,), a joint vector and its error, takes the best of what was verified but did not converge, as
+    at a singularity.
+    """
     G, A = np.empty((4, 4)), np.empty((3, 6, 9))
     D, coefficients = np.empty(hidden.SAMPLES), np.empty(2 * hidden.DEGREE + 1, np.complex128)
     z = np.empty(2 * hidden.DEGREE, np.complex128)
@@ -146,10 +153,12 @@ def gather(arm, variant, circle, target, Q, flags):
     hidden.determinants(A, circle, D)
     doubt = not hidden.harmonics(D, circle, coefficients) < _LARGEST_NOISE
     hidden.complex_roots(coefficients, z)
+    expected = 0
     for k in range(z.size):
         size = abs(z[k])
         if not 0.9 < size < 1.1 or abs(math.log(size)) > _NEAR_CIRCLE:
             continue
+        expected += abs(math.log(size)) < _ON_CIRCLE
         remaining_angles(variant, G, A, z[k].real / size, z[k].imag / size, angles)
         for j in range(6):
             q[j] = wrap(angles[5 - j] if reverse else angles[j])
@@ -157,13 +166,22 @@ def gather(arm, variant, circle, target, Q, flags):
         error = newton(arm, target, q, 12)
         if error > _CONVERGED:
             q[:] = start
-            error = refine(arm, target, q, 20, 1.8e-15)
-        if error <= _CONVERGED:
-            if is_new(arm, target, Q, flags, q):
-                keep(Q, flags, 0, q, 0)
-        elif abs(math.log(size)) < 1e-4:
-            doubt = True
-    return doubt
+            error = refine(arm, target, q, 40, 1.8e-15)
+        if error < spare[6]:
+            spare[:6] = q
+            spare[6] = error
+        if error <= _CONVERGED and is_new(arm, target, Q, flags, q):
+            keep(Q, flags, 0, q, 0)
+    return doubt or count(flags) < expected
+
+
+@kernel
+def count(flags):
+    """Number of solutions among the columns of one pose."""
+    total = 0
+    for b in range(flags.size):
+        total += flags[b] & layout.VALID
+    return total
 
 
 @kernel
@@ -228,19 +246,19 @@ def complete(arm, target, Q, flags):
         circle[k, 0] = math.cos(2.0 * math.pi * k / hidden.SAMPLES)
         circle[k, 1] = math.sin(2.0 * math.pi * k / hidden.SAMPLES)
     variants = int(arm[layout.VARIANTS])
+    spare = np.full(7, math.inf)
     doubt = True
     for v in range(variants):
         if v > 0 and not doubt:
             break
         start = layout.FIRST_VARIANT + v * hidden.VARIANT
-        doubt = gather(arm, arm[start : start + hidden.VARIANT], circle, target, Q, flags)
-        count = 0
-        for b in range(Q.shape[0]):
-            count += flags[b] & layout.VALID
+        doubt = gather(arm, arm[start : start + hidden.VARIANT], circle, target, Q, flags, spare)
         # Solutions come in pairs.
-        doubt = doubt or count % 2 == 1
+        doubt = doubt or count(flags) % 2 == 1
         if v == 0 or v == variants - 1:
             doubt = search_beside(arm, target, Q, flags) or doubt
+    if spare[6] <= arm[layout.REACH] and count(flags) == 0:
+        keep(Q, flags, 0, spare[:6], layout.OTHER)
 
 
 @kernel

@@ -10,7 +10,7 @@ import numpy as np
 
 from urdf_ik._kernels import layout, spherical_wrist, three_parallel, wrist_position
 from urdf_ik._kernels.compile import inlined, kernel
-from urdf_ik._kernels.general_6r import complete
+from urdf_ik._kernels.general_6r import complete, count
 from urdf_ik._kernels.target import check_target, project_rotation
 
 _WRIST, _PARALLEL = 0, 1
@@ -31,10 +31,7 @@ def solve(family, kind, T, arm, q_ref, Q, flags):
             near = spherical_wrist.solve_with_care(kind, proper, arm, q_ref, Q[i], flags[i])
         else:
             near = three_parallel.solve_with_care(kind, proper, arm, q_ref, Q[i], flags[i])
-        count = 0
-        for b in range(Q.shape[1]):
-            count += flags[i, b] & layout.VALID
-        if near or count % 2 == 1:
+        if near or count(flags[i]) % 2 == 1:
             complete(arm, proper, Q[i], flags[i])
     return -1
 

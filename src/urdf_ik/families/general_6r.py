@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 _NAMES = tuple(f"solution {k}" for k in range(1, 17))
 _SHIFTS = (0.0, 1e-6, 1e-5)
-_KEPT = 3
+_KEPT = 5
 _PLANTED = 12
 
 
@@ -113,7 +113,7 @@ def _count(arm: Array, row: Array, targets: Array) -> int:
     total = 0
     for target in targets:
         Q, flags = np.full((16, 6), np.nan), np.zeros(16, np.uint8)
-        kernels.gather(arm, row, circle, target, Q, flags)
+        kernels.gather(arm, row, circle, target, Q, flags, np.full(7, np.inf))
         total += int(flags.sum())
     return total
 
@@ -125,7 +125,8 @@ def _variant(H: Array, points: Array, first: int, reverse: bool) -> Array:
     joints = [_joint_motion(H[i], points[i]) for i in range(6)]
     back = [motion * np.array([1.0, 1.0, -1.0])[:, None, None] for motion in joints]
     line = np.empty(LINE)
-    line_vector(*points[first + 2], *H[first + 2], line)
+    (px, py, pz), (lx, ly, lz) = points[first + 2], H[first + 2]
+    line_vector(px, py, pz, lx, ly, lz, line)
     left = np.stack([joints[first][i] @ joints[first + 1][j] @ line for i in range(3) for j in range(3)], axis=1)
     full, _, _ = np.linalg.svd(left)
     null = full[:, 9:].T
