@@ -58,7 +58,8 @@ SIGNS = st.sampled_from([1.0, -1.0])
 
 # ---------------------------------------------------------------- angles
 
-MAGNITUDES = [0.0, *(10.0**k for k in (-150, -20, -9, -3)), 0.3, 0.4142135623730950, 0.4142135623730951, 1.0, 3.0, 1e150]
+# On both sides of tan(pi / 8), where the kernel changes its formula, and far from one.
+MAGNITUDES = [0.0, 1e-150, 1e-20, 1e-9, 1e-3, 0.3, 0.4142135623730950, 0.4142135623730951, 1.0, 3.0, 1e150]
 
 
 @pytest.mark.parametrize("as_run", [trig.atan2, interpreted(trig.atan2)], ids=["compiled", "interpreted"])
@@ -318,7 +319,7 @@ def test_wrist_steps_undo_three_turns(first: float, alpha: float, bend: float, b
 
 @given(TWISTS, TWISTS, angles(), st.floats(0.0, PI))
 def test_wrist_margin_tells_reach(alpha: float, beta: float, around: float, polar: float) -> None:
-    """Axis 6 reaches the directions between |alpha - beta| and alpha + beta from axis 4: there the margin is positive."""
+    """Axis 6 reaches the directions between |alpha - beta| and alpha + beta from axis 4: the margin is positive there."""
     a, b = abs(alpha), abs(beta)
     low, high = abs(a - b), min(a + b, 2.0 * PI - a - b)
     if min(abs(polar - low), abs(polar - high)) < 1e-3:
@@ -396,9 +397,11 @@ def test_defect_of_what_is_not_finite(place: tuple[int, int], number: float) -> 
     """One NaN or infinity anywhere makes the defect exceed every tolerance, in a block and alone."""
     arm, _ = numbers_of(industrial().urdf)
     W = np.empty((layout.ROWS, layout.BLOCK))
-    target.load(W, spoilt(place, number)[None], 0, 1, arm)
+    with np.errstate(all="ignore"):  # interpreted, the kernels are NumPy's arithmetic
+        target.load(W, spoilt(place, number)[None], 0, 1, arm)
+        alone = target.check_target(spoilt(place, number))
     assert not W[12, 0] <= 1e300
-    assert not target.check_target(spoilt(place, number)) <= 1e300
+    assert not alone <= 1e300
 
 
 def test_defect_of_reflections_and_last_rows() -> None:
@@ -406,8 +409,12 @@ def test_defect_of_reflections_and_last_rows() -> None:
     arm, _ = numbers_of(industrial().urdf)
     W = np.empty((layout.ROWS, layout.BLOCK))
     turned_in = spoilt((3, 3), 1.0) @ np.diag([1.0, -1.0, 1.0, 1.0])
-    cases = [(turned_in, math.inf), (spoilt((3, 1), 0.25), 0.25), (spoilt((3, 3), 0.5), 0.5), (np.zeros((4, 4)), math.inf)]
-    for T, defect in cases:
+    for T, defect in (
+        (turned_in, math.inf),
+        (spoilt((3, 1), 0.25), 0.25),
+        (spoilt((3, 3), 0.5), 0.5),
+        (np.zeros((4, 4)), math.inf),
+    ):
         target.load(W, T[None], 0, 1, arm)
         assert W[12, 0] == target.check_target(T) == defect
 

@@ -10,7 +10,7 @@ from urdf_ik._kernels import hidden_joint as hidden
 from urdf_ik._kernels import layout
 from urdf_ik._kernels.compile import kernel
 from urdf_ik._kernels.lines import LINE, line_vector
-from urdf_ik._kernels.refine import is_new, keep, least_stretch, newton, place, refine
+from urdf_ik._kernels.refine import STARTS, is_new, keep, least_stretch, newton, place, refine, start_beside
 from urdf_ik._kernels.screws import jacobian_from_axes
 from urdf_ik._kernels.target import check_target, project_rotation
 from urdf_ik._kernels.trig import wrap
@@ -136,12 +136,12 @@ def loop_motion(arm, target, reverse, G):
 
 
 @kernel
-def gather(arm, variant, circle, target, Q, flags, spare):
+def gather(arm, variant, circle, target, Q, flags, spare, stuck):
     """Add the solutions that one variant of the elimination finds; returns whether it gives cause for doubt.
 
     That is so where the determinant was drowned in rounding, and where more roots look real than solutions came of
     them. ``spare`` (7,), a joint vector and its error, takes the best of what was verified but did not converge, as
-    at a singularity.
+    at a singularity; ``stuck`` (17, 6) the starting points that led nowhere, their number in its last row.
     """
     G, A = np.empty((4, 4)), np.empty((3, 6, 9))
     D, coefficients = np.empty(hidden.SAMPLES), np.empty(2 * hidden.DEGREE + 1, np.complex128)
@@ -154,6 +154,7 @@ def gather(arm, variant, circle, target, Q, flags, spare):
     doubt = not hidden.harmonics(D, circle, coefficients) < _LARGEST_NOISE
     hidden.complex_roots(coefficients, z)
     expected = 0
+    stuck[16, 0] = 0.0
     for k in range(z.size):
         size = abs(z[k])
         if not 0.9 < size < 1.1 or abs(math.log(size)) > _NEAR_CIRCLE:
@@ -172,6 +173,9 @@ def gather(arm, variant, circle, target, Q, flags, spare):
             spare[6] = error
         if error <= _CONVERGED and is_new(arm, target, Q, flags, q):
             keep(Q, flags, 0, q, 0)
+        elif abs(math.log(size)) < _ON_CIRCLE:
+            stuck[int(stuck[16, 0])] = start
+            stuck[16, 0] += 1.0
     return doubt or count(flags) < expected
 
 
@@ -246,17 +250,23 @@ def complete(arm, target, Q, flags):
         circle[k, 0] = math.cos(2.0 * math.pi * k / hidden.SAMPLES)
         circle[k, 1] = math.sin(2.0 * math.pi * k / hidden.SAMPLES)
     variants = int(arm[layout.VARIANTS])
-    spare = np.full(7, math.inf)
+    spare, stuck, q = np.full(7, math.inf), np.empty((17, 6)), np.empty(6)
     doubt = True
     for v in range(variants):
         if v > 0 and not doubt:
             break
         start = layout.FIRST_VARIANT + v * hidden.VARIANT
-        doubt = gather(arm, arm[start : start + hidden.VARIANT], circle, target, Q, flags, spare)
+        doubt = gather(arm, arm[start : start + hidden.VARIANT], circle, target, Q, flags, spare, stuck)
         # Solutions come in pairs.
         doubt = doubt or count(flags) % 2 == 1
         if v == 0 or v == variants - 1:
             doubt = search_beside(arm, target, Q, flags) or doubt
+        if doubt and v == variants - 1:
+            for i in range(int(stuck[16, 0])):
+                for k in range(1, STARTS):
+                    start_beside(stuck[i], k, q)
+                    if refine(arm, target, q, 40, 1.8e-15) <= _CONVERGED and is_new(arm, target, Q, flags, q):
+                        keep(Q, flags, 0, q, 0)
     if spare[6] <= arm[layout.REACH] and count(flags) == 0:
         keep(Q, flags, 0, spare[:6], layout.OTHER)
 

@@ -14,6 +14,7 @@ from urdf_ik._kernels.trig import wrap
 _ROUNDING = 1.8e-15
 # Forward kinematics of six joints carries about ten roundings.
 _CONVERGED = 1e-14
+STARTS = 13
 
 
 @kernel
@@ -279,6 +280,16 @@ def keep(Q, flags, b, q, marks):
 
 
 @kernel
+def start_beside(q, k, start):
+    """The k-th of ``STARTS`` fixed starting points around ``q``, to ``start``: itself, then 1e-2 to 1e-6 rad away."""
+    seed = 12345 + 7919 * k
+    width = 0.0 if k == 0 else 10.0 ** (-2.0 - 2.0 * (k % 3)) * (1.0 if k < 7 else 0.3)
+    for j in range(q.size):
+        seed = (seed * 1103515245 + 12345) % 2147483648
+        start[j] = q[j] + width * (seed / 1073741824.0 - 1.0)
+
+
+@kernel
 def accept(arm, target, q, b, marks, near, Q, flags):
     """Polish the candidate ``q`` of column ``b`` on the arm as written and keep it if it is verified and new.
 
@@ -299,15 +310,10 @@ def accept(arm, target, q, b, marks, near, Q, flags):
         if error <= arm[layout.REACH] and is_new(arm, target, Q, flags, q):
             keep(Q, flags, b, q, singular_marks(arm, q, marks) if near else 0)
         return
-    start = q.copy()
-    best = q.copy()
+    start, best = q.copy(), q.copy()
     least, converged = math.inf, False
-    seed = 12345
-    for k in range(13):
-        width = 0.0 if k == 0 else 10.0 ** (-2.0 - 2.0 * (k % 3)) * (1.0 if k < 7 else 0.3)
-        for j in range(6):
-            seed = (seed * 1103515245 + 12345) % 2147483648
-            q[j] = start[j] + width * (seed / 1073741824.0 - 1.0)
+    for k in range(STARTS):
+        start_beside(start, k, q)
         error = refine(arm, target, q, 25, _ROUNDING)
         if error < least:
             least = error

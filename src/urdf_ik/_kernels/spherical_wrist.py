@@ -100,6 +100,8 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
         )
         if kind == shoulder.GENERAL:
             m1 = root_gap(roots, found, b // 2)
+        near = min(abs(m1), abs(m2)) < near_zone or min(arm1, arm2) < near_zone
+        close = close or near
         if m1 < -clamp or m2 < -clamp:
             continue
         marks = 0
@@ -128,6 +130,8 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
         m01, m11, m21 = wrist_rotation(X[1], X[4], X[7], arm, c1, s1, c2, s2, c3, s3)
         m02, m12, m22 = wrist_rotation(X[2], X[5], X[8], arm, c1, s1, c2, s2, c3, s3)
         c5, s5, m3 = wrist_bend(m02, m12, m22, ca, sa, cb, sb, flip)
+        near = near or abs(m3) < near_zone
+        close = close or near
         if m3 < -clamp:
             continue
         c4, s4, c6, s6, fixed, _ = wrist_turns(
@@ -160,7 +164,7 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
         q[3] = wrap(math.atan2(s4, c4) - arm[OFFSET + 3])
         q[4] = wrap(math.atan2(s5, c5) - arm[OFFSET + 4])
         q[5] = wrap(math.atan2(s6, c6) - arm[OFFSET + 5])
-        near = min(min(m1, m2), min(min(m3, fixed), min(arm1, arm2))) < near_zone
+        near = near or fixed < near_zone
         close = close or near
         accept(arm, target, q, b, marks, near, Q, flags)
     return close

@@ -258,6 +258,7 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
         else:
             c1, s1, _, m1 = swing_to_offset(px, py, k, front)
             m1 *= scale
+            close = close or abs(m1) < near_zone or arm1 < near_zone
             if m1 < -clamp:
                 continue
             if m1 <= fold or arm1 <= fold:
@@ -280,6 +281,7 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
             m3 = 1.0
         else:
             c5, s5, m3 = wrist_bend(m02, m12, m22, ca, sa, cb, sb, flip)
+        close = close or abs(m3) < near_zone
         if m3 < -clamp:
             continue
         cf, sf, c6, s6, fixed, _ = wrist_turns(
@@ -312,6 +314,8 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
         ux, uy = ox - (cf * fx - sf * fy), oy - (sf * fx + cf * fy)
         c2, s2, c3, s3, m2 = elbow(ux, uy, arm[A + 1], arm[A + 2], arm[TURN_3], up)
         arm2 = (ux * ux + uy * uy) * scale
+        near = min(abs(m1), abs(m2)) < near_zone or min(min(abs(m3), fixed), min(arm1, arm2)) < near_zone
+        close = close or near
         # A root next to an aligned wrist is rough, and phi with it: let Newton's method decide.
         if m2 < (-max(clamp, 1e-9 / (fixed + 1e-8)) if kind == GENERAL else -clamp):
             continue
@@ -332,8 +336,6 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
         q[3] = wrap(wrap(t4 - arm[OFFSET + 3]))
         q[4] = wrap(math.atan2(s5, c5) - arm[OFFSET + 4])
         q[5] = wrap(math.atan2(s6, c6) - arm[OFFSET + 5])
-        near = min(min(m1, m2), min(min(m3, fixed), min(arm1, arm2))) < near_zone
-        close = close or near
         accept(arm, target, q, b, marks, near, Q, flags)
     return close
 

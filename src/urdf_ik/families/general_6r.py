@@ -113,7 +113,7 @@ def _count(arm: Array, row: Array, targets: Array) -> int:
     total = 0
     for target in targets:
         Q, flags = np.full((16, 6), np.nan), np.zeros(16, np.uint8)
-        kernels.gather(arm, row, circle, target, Q, flags, np.full(7, np.inf))
+        kernels.gather(arm, row, circle, target, Q, flags, np.full(7, np.inf), np.empty((17, 6)))
         total += int(flags.sum())
     return total
 
