@@ -319,7 +319,7 @@ def test_wrist_steps_undo_three_turns(first: float, alpha: float, bend: float, b
 
 @given(TWISTS, TWISTS, angles(), st.floats(0.0, PI))
 def test_wrist_margin_tells_reach(alpha: float, beta: float, around: float, polar: float) -> None:
-    """Axis 6 reaches the directions between |alpha - beta| and alpha + beta from axis 4: the margin is positive there."""
+    """Axis 6 reaches directions between |alpha - beta| and alpha + beta from axis 4; there the margin is positive."""
     a, b = abs(alpha), abs(beta)
     low, high = abs(a - b), min(a + b, 2.0 * PI - a - b)
     if min(abs(polar - low), abs(polar - high)) < 1e-3:

@@ -237,6 +237,9 @@ def test_imperfection_of_the_family(small: float) -> None:
         structure = structure_of(axes, described.points)
         assert structure.family == FAMILY[kind]
         assert structure.imperfection == pytest.approx((share * small, 0.0), rel=1e-5, abs=1e-15)
+        # The columns keep their names, whatever more may be found beside them.
+        assert list(structure.branches[:8]) == NAMED
+        assert len(set(structure.branches)) == structure.max_solutions
     for described, kind, shift, share in ((industrial(), "wrist, 2||3", Z, 2 / 3), (ur_like(), "2||3||4, 5x6", X, 1.0)):
         points = described.points.copy()
         points[5] += small * shift

@@ -6,6 +6,8 @@ them their numbers differ: there, and wherever solutions do not come in pairs, t
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from urdf_ik._kernels import layout, spherical_wrist, three_parallel, wrist_position
@@ -14,6 +16,15 @@ from urdf_ik._kernels.general_6r import complete, count
 from urdf_ik._kernels.target import check_target, project_rotation
 
 _WRIST, _PARALLEL = 0, 1
+# Places on the circle from which an almost free joint is tried.
+_AROUND = 12
+
+
+@inlined
+def _closed_form(family, kind, target, arm, q_ref, Q, flags, continuum, beside):
+    if family == _WRIST:
+        return spherical_wrist.solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside)
+    return three_parallel.solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside)
 
 
 @inlined
@@ -22,16 +33,21 @@ def solve(family, kind, T, arm, q_ref, Q, flags):
 
     Arguments and result as those of ``spherical_wrist.solve``.
     """
-    proper = np.empty((4, 4))
+    proper, around = np.empty((4, 4)), np.zeros(7)
+    almost_free = (30.0 * arm[layout.IMPERFECTION]) ** 2
     for i in range(T.shape[0]):
         if not check_target(T[i]) <= arm[layout.ROTATION]:
             return i
         project_rotation(T[i], proper)
-        if family == _WRIST:
-            near = spherical_wrist.solve_with_care(kind, proper, arm, q_ref, Q[i], flags[i])
-        else:
-            near = three_parallel.solve_with_care(kind, proper, arm, q_ref, Q[i], flags[i])
-        if near or count(flags[i]) % 2 == 1:
+        Q[i, :, :] = math.nan
+        flags[i, :] = 0
+        near = _closed_form(family, kind, proper, arm, q_ref, Q[i], flags[i], arm[layout.CONTINUUM], True)
+        if near == 2:
+            # The ideal arm's free joint is not free: its few true values lie anywhere on the circle.
+            for k in range(_AROUND):
+                around[:6] = math.pi * (2.0 * k / _AROUND - 1.0)
+                _closed_form(family, kind, proper, arm, around, Q[i], flags[i], almost_free, False)
+        if near > 0 or count(flags[i]) % 2 == 1:
             complete(arm, proper, Q[i], flags[i])
     return -1
 

@@ -290,10 +290,10 @@ def start_beside(q, k, start):
 
 
 @kernel
-def accept(arm, target, q, b, marks, near, Q, flags):
+def accept(arm, target, q, b, marks, near, beside, Q, flags):
     """Polish the candidate ``q`` of column ``b`` on the arm as written and keep it if it is verified and new.
 
-    On an imperfect arm near a singularity (``near``) the ideal candidate may stand for two solutions, or for
+    On an imperfect arm near a singularity (``near``) and where ``beside`` is set, the ideal candidate may stand for two solutions, or for
     none: starts beside it find both. Near a double root an error falls with the square of the distance, so only
     what has converged to rounding is a solution there; the best of the rest is kept where nothing has.
     Their offsets are fixed, so the same target always gives the same answer.
@@ -301,20 +301,20 @@ def accept(arm, target, q, b, marks, near, Q, flags):
     exact = arm[layout.IMPERFECTION] <= arm[layout.EXACT_STRUCTURE]
     # A closed form is not improved by a step along a singular direction that only rounding asks for.
     enough = 2.0 * _CONVERGED if exact else _ROUNDING
-    if exact or not near:
+    if exact or not near or not beside:
         start = q.copy()
         error = math.inf if exact else newton(arm, target, q, 8)
         if error > _CONVERGED:
             q[:] = start
-            error = refine(arm, target, q, 15, enough)
-        if error <= arm[layout.REACH] and is_new(arm, target, Q, flags, q):
+            error = refine(arm, target, q, 15 if exact else 60, enough)
+        if error <= (arm[layout.REACH] if exact else _CONVERGED) and is_new(arm, target, Q, flags, q):
             keep(Q, flags, b, q, singular_marks(arm, q, marks) if near else 0)
         return
     start, best = q.copy(), q.copy()
     least, converged = math.inf, False
     for k in range(STARTS):
         start_beside(start, k, q)
-        error = refine(arm, target, q, 25, _ROUNDING)
+        error = refine(arm, target, q, 40, _ROUNDING)
         if error < least:
             least = error
             best[:] = q

@@ -220,24 +220,25 @@ def free_turn(wanted, ox, oy, fx, fy, arm):
 
 
 @kernel
-def solve_with_care(kind, target, arm, q_ref, Q, flags):
-    """One pose near a singularity, at the edge of reach, or of an imperfect arm; replaces its rows.
+def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
+    """One pose near a singularity, at the edge of reach, or of an imperfect arm; adds to its rows.
 
-    Returns whether any solution, or a place where one might be, is near a singularity.
+    ``beside`` lets an imperfect arm's candidates near singularities be followed from starts beside them too.
+    Returns 0 where nothing is near a singularity, 1 where a solution, or a place where one might be, is, and 2
+    where an imperfect arm all but leaves a joint free.
 
     A margin within ``fold`` of zero is a double root, of which one branch is kept; a joint that the target
     leaves free (squared arm below ``continuum``) takes ``q_ref``'s value, or zero, or what is nearest to it
     within reach.
     """
-    fold, clamp, continuum = arm[layout.FOLD], arm[layout.CLAMP], arm[layout.CONTINUUM]
+    fold, clamp = arm[layout.FOLD], arm[layout.CLAMP]
     near_zone = max(1e-3, 30.0 * arm[layout.IMPERFECTION])
-    close = False
+    almost_free = (30.0 * arm[layout.IMPERFECTION]) ** 2
+    close, loose = False, False
     ca, sa, cb, sb = arm[COS_FIRST], arm[SIN_FIRST], arm[COS_ALPHA + 4], arm[SIN_ALPHA + 4]
     scale = 1.0 / (arm[layout.SIZE] * arm[layout.SIZE])
     X, q, roots = np.empty(12), np.empty(6), np.empty((4, 2))
     to_frame_1(target, arm, X)
-    Q[:, :] = math.nan
-    flags[:] = 0
     px, py, pz = X[9], X[10], X[11]
     found = 0
     if kind == GENERAL:
@@ -316,6 +317,7 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
         arm2 = (ux * ux + uy * uy) * scale
         near = min(abs(m1), abs(m2)) < near_zone or min(min(abs(m3), fixed), min(arm1, arm2)) < near_zone
         close = close or near
+        loose = loose or min(fixed, min(arm1, arm2)) < almost_free
         # A root next to an aligned wrist is rough, and phi with it: let Newton's method decide.
         if m2 < (-max(clamp, 1e-9 / (fixed + 1e-8)) if kind == GENERAL else -clamp):
             continue
@@ -336,8 +338,8 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags):
         q[3] = wrap(wrap(t4 - arm[OFFSET + 3]))
         q[4] = wrap(math.atan2(s5, c5) - arm[OFFSET + 4])
         q[5] = wrap(math.atan2(s6, c6) - arm[OFFSET + 5])
-        accept(arm, target, q, b, marks, near, Q, flags)
-    return close
+        accept(arm, target, q, b, marks, near, beside, Q, flags)
+    return 2 if loose else (1 if close else 0)
 
 
 @inlined
@@ -366,7 +368,11 @@ def solve(kind, T, arm, q_ref, Q, flags):
         for i in range(m):
             if care[i]:
                 project_rotation(T[start + i], proper)
-                solve_with_care(kind, proper, arm, q_ref, Q[start + i], flags[start + i])
+                Q[start + i, :, :] = math.nan
+                flags[start + i, :] = 0
+                solve_with_care(
+                    kind, proper, arm, q_ref, Q[start + i], flags[start + i], arm[layout.CONTINUUM], True
+                )
     return -1
 
 
