@@ -18,6 +18,7 @@ from urdf_ik._kernels.target import check_target, project_rotation
 _WRIST, _PARALLEL = 0, 1
 # Places on the circle from which an almost free joint is tried.
 _AROUND = 12
+_FAR_OFF = 1e-4
 
 
 @inlined
@@ -35,13 +36,15 @@ def solve(family, kind, T, arm, q_ref, Q, flags):
     """
     proper, around = np.empty((4, 4)), np.zeros(7)
     almost_free = (30.0 * arm[layout.IMPERFECTION]) ** 2
+    # Far enough from the ideal arm the elimination is in its element; next to it, starts beside the candidates are.
+    beside = arm[layout.IMPERFECTION] < _FAR_OFF
     for i in range(T.shape[0]):
         if not check_target(T[i]) <= arm[layout.ROTATION]:
             return i
         project_rotation(T[i], proper)
         Q[i, :, :] = math.nan
         flags[i, :] = 0
-        near = _closed_form(family, kind, proper, arm, q_ref, Q[i], flags[i], arm[layout.CONTINUUM], True)
+        near = _closed_form(family, kind, proper, arm, q_ref, Q[i], flags[i], arm[layout.CONTINUUM], beside)
         if near == 2:
             # The ideal arm's free joint is not free: its few true values lie anywhere on the circle.
             for k in range(_AROUND):

@@ -79,7 +79,8 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
     leaves free (squared arm below ``continuum``) takes ``q_ref``'s value, or zero.
     """
     fold, clamp = arm[layout.FOLD], arm[layout.CLAMP]
-    near_zone = max(1e-3, 30.0 * arm[layout.IMPERFECTION])
+    near_zone = max(1e-3, 5.0 * arm[layout.IMPERFECTION])
+    near_axis = max(1e-3, (10.0 * arm[layout.IMPERFECTION]) ** 2)
     almost_free = (30.0 * arm[layout.IMPERFECTION]) ** 2
     close, loose = False, False
     scale = 1.0 / (arm[layout.SIZE] * arm[layout.SIZE])
@@ -101,7 +102,7 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
         )
         if kind == shoulder.GENERAL:
             m1 = root_gap(roots, found, b // 2)
-        near = min(abs(m1), abs(m2)) < near_zone or min(arm1, arm2) < near_zone
+        near = min(abs(m1), abs(m2)) < near_zone or min(arm1, arm2) < near_axis
         close = close or near
         loose = loose or min(arm1, arm2) < almost_free
         if m1 < -clamp or m2 < -clamp:
@@ -166,7 +167,7 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
         q[3] = wrap(math.atan2(s4, c4) - arm[OFFSET + 3])
         q[4] = wrap(math.atan2(s5, c5) - arm[OFFSET + 4])
         q[5] = wrap(math.atan2(s6, c6) - arm[OFFSET + 5])
-        near = near or fixed < near_zone
+        near = near or fixed < near_axis
         loose = loose or fixed < almost_free
         close = close or near
         accept(arm, target, q, b, marks, near, beside, Q, flags)

@@ -232,7 +232,8 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
     within reach.
     """
     fold, clamp = arm[layout.FOLD], arm[layout.CLAMP]
-    near_zone = max(1e-3, 30.0 * arm[layout.IMPERFECTION])
+    near_zone = max(1e-3, 5.0 * arm[layout.IMPERFECTION])
+    near_axis = max(1e-3, (10.0 * arm[layout.IMPERFECTION]) ** 2)
     almost_free = (30.0 * arm[layout.IMPERFECTION]) ** 2
     close, loose = False, False
     ca, sa, cb, sb = arm[COS_FIRST], arm[SIN_FIRST], arm[COS_ALPHA + 4], arm[SIN_ALPHA + 4]
@@ -259,7 +260,7 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
         else:
             c1, s1, _, m1 = swing_to_offset(px, py, k, front)
             m1 *= scale
-            close = close or abs(m1) < near_zone or arm1 < near_zone
+            close = close or abs(m1) < near_zone or arm1 < near_axis
             if m1 < -clamp:
                 continue
             if m1 <= fold or arm1 <= fold:
@@ -315,7 +316,7 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
         ux, uy = ox - (cf * fx - sf * fy), oy - (sf * fx + cf * fy)
         c2, s2, c3, s3, m2 = elbow(ux, uy, arm[A + 1], arm[A + 2], arm[TURN_3], up)
         arm2 = (ux * ux + uy * uy) * scale
-        near = min(abs(m1), abs(m2)) < near_zone or min(min(abs(m3), fixed), min(arm1, arm2)) < near_zone
+        near = min(abs(m1), min(abs(m2), abs(m3))) < near_zone or min(fixed, min(arm1, arm2)) < near_axis
         close = close or near
         loose = loose or min(fixed, min(arm1, arm2)) < almost_free
         # A root next to an aligned wrist is rough, and phi with it: let Newton's method decide.
