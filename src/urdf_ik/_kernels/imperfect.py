@@ -35,7 +35,7 @@ def solve(family, kind, T, arm, q_ref, Q, flags):
     Arguments and result as those of ``spherical_wrist.solve``.
     """
     proper, around = np.empty((4, 4)), np.zeros(7)
-    almost_free = (30.0 * arm[layout.IMPERFECTION]) ** 2
+    almost_free = (5.0 * arm[layout.IMPERFECTION]) ** 2
     # Far enough from the ideal arm the elimination is in its element; next to it, starts beside the candidates are.
     beside = arm[layout.IMPERFECTION] < _FAR_OFF
     for i in range(T.shape[0]):

@@ -234,7 +234,7 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
     fold, clamp = arm[layout.FOLD], arm[layout.CLAMP]
     near_zone = max(1e-3, 5.0 * arm[layout.IMPERFECTION])
     near_axis = max(1e-3, (10.0 * arm[layout.IMPERFECTION]) ** 2)
-    almost_free = (30.0 * arm[layout.IMPERFECTION]) ** 2
+    almost_free = (5.0 * arm[layout.IMPERFECTION]) ** 2
     close, loose = False, False
     ca, sa, cb, sb = arm[COS_FIRST], arm[SIN_FIRST], arm[COS_ALPHA + 4], arm[SIN_ALPHA + 4]
     scale = 1.0 / (arm[layout.SIZE] * arm[layout.SIZE])
