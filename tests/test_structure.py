@@ -441,7 +441,6 @@ def test_text_tells_the_imperfection() -> None:
     assert "on the URDF as written" in text
 
 
-@pytest.mark.xfail(strict=True, reason="axes 1 and 2 within near_distance read as intersecting, 'exact to rounding'")
 def test_text_tells_what_nearly_intersects() -> None:
     """Where axes 1 and 2 miss each other by 0.4 mm, which the family does not mind, nothing says that they meet."""
     wrist = industrial()

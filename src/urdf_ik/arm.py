@@ -18,7 +18,7 @@ from urdf_ik._kernels import compile as compiler
 from urdf_ik._kernels.layout import BLOCK
 from urdf_ik._kernels.target import to_frame_1
 from urdf_ik.chain import Chain
-from urdf_ik.errors import PoseError, UnsupportedArm
+from urdf_ik.errors import JointVectorError, PoseError, UnsupportedArm
 from urdf_ik.poses import as_pose_array, check_poses
 from urdf_ik.solutions import IKSolutions
 from urdf_ik.structure import Structure, analyse
@@ -161,16 +161,20 @@ class Arm:
             self, target, q.reshape(*batch, *q.shape[1:]), flags.reshape(*batch, flags.shape[1]), self._branches
         )
 
-    def explain(self, T: ArrayLike) -> str:
+    def explain(self, T: Any) -> str:
         """Why the single pose ``T`` (4, 4) has no solution, with the number that is out of range.
 
         Raises:
+            PoseError: ``T`` is no pose, or more than one.
             UnsupportedArm: no solver takes this arm.
         """
+        target = check_poses(T)
+        if target.ndim != 2:
+            raise PoseError(f"an array of shape {target.shape} given; explain takes a single pose (4, 4)")
         if self._plan is None:
             raise UnsupportedArm(f"{self.name}: no solver for this arm yet. {self.structure}")
         seen = np.empty(12)
-        to_frame_1(np.ascontiguousarray(T, dtype=np.float64), self._numbers, seen)
+        to_frame_1(np.linalg.inv(target) if self._plan.mirrored else target, self._numbers, seen)
         return self._plan.explain(seen[:9].reshape(3, 3), seen[9:])
 
     def _solve_stack(
@@ -185,12 +189,17 @@ class Arm:
         if threads <= 1 or len(T) < 2 * BLOCK * threads:
             return self._kernel(T, self._numbers, reference, q, flags)
         bad = [-1] * threads
+        failed: list[BaseException] = []
         # Shares of whole blocks: every pose is solved by the same instructions, however many threads there are.
         edges = [BLOCK * (k * (len(T) // BLOCK) // threads) for k in range(threads)] + [len(T)]
 
         def share(k: int) -> None:
             part = slice(edges[k], edges[k + 1])
-            found = self._kernel(T[part], self._numbers, reference, q[part], flags[part])
+            try:
+                found = self._kernel(T[part], self._numbers, reference, q[part], flags[part])
+            except BaseException as error:  # a thread would swallow it, and leave its share unsolved
+                failed.append(error)
+                return
             bad[k] = edges[k] + found if found >= 0 else -1
 
         helpers = [threading.Thread(target=share, args=(k,)) for k in range(1, threads)]
@@ -199,11 +208,17 @@ class Arm:
         share(0)
         for helper in helpers:
             helper.join()
+        if failed:
+            raise failed[0]
         return min((index for index in bad if index >= 0), default=-1)
 
     def _reference(self, q_ref: ArrayLike) -> NDArray[np.float64]:
         reference = np.ones(self.dof + 1)
-        reference[:-1] = self.chain.check(q_ref)
+        q = self.chain.check(q_ref)
+        if q.shape != (self.dof,):
+            raise JointVectorError(f"q_ref of shape {q.shape} given; one joint vector ({self.dof},) is needed")
+        # Turns do not matter to an answer in (-pi, pi].
+        reference[:-1] = np.where(self.chain.prismatic, q, np.remainder(q + np.pi, 2.0 * np.pi) - np.pi)
         return reference
 
     def _refuse(self, T: NDArray[np.float64]) -> None:

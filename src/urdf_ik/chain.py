@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import math
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -129,6 +130,22 @@ class Chain:
             root=model.root,
         )
 
+    def reversed(self) -> Chain:
+        """The same joints from tip to base: its poses are the inverses, its joint vectors run backwards."""
+        back = self.R_tip.T
+        points = np.vstack([self.P.sum(axis=0), self.points[::-1], np.zeros(3)])
+        return replace(
+            self,
+            base=self.tip,
+            tip=self.base,
+            joint_names=self.joint_names[::-1],
+            joint_types=self.joint_types[::-1],
+            H=-self.H[::-1] @ back.T,
+            P=np.diff(points, axis=0) @ back.T,
+            R_tip=np.ascontiguousarray(back),
+            limits=self.limits[::-1].copy(),
+        )
+
     def fk(self, q: ArrayLike) -> NDArray[np.float64]:
         """Pose of the tip in the base.
 
@@ -143,8 +160,9 @@ class Chain:
         """
         Q = self.check(q)
         T = np.empty((*Q.shape[:-1], 4, 4))
+        many = math.prod(Q.shape[:-1])
         screws.forward_batch(
-            self.H, self.P, self.R_tip, self.prismatic, Q.reshape(-1, self.n), T.reshape(-1, 4, 4)
+            self.H, self.P, self.R_tip, self.prismatic, Q.reshape(many, self.n), T.reshape(many, 4, 4)
         )
         return T
 
@@ -162,8 +180,9 @@ class Chain:
         """
         Q = self.check(q)
         J = np.empty((*Q.shape[:-1], 6, self.n))
+        many = math.prod(Q.shape[:-1])
         screws.jacobian_batch(
-            self.H, self.P, self.R_tip, self.prismatic, Q.reshape(-1, self.n), J.reshape(-1, 6, self.n)
+            self.H, self.P, self.R_tip, self.prismatic, Q.reshape(many, self.n), J.reshape(many, 6, self.n)
         )
         return J
 
@@ -199,7 +218,10 @@ class Chain:
             JointVectorError: the last dimension is not n, or a value is not finite.
         """
         try:
-            Q = np.ascontiguousarray(q, dtype=np.float64)
+            given = np.asarray(q)
+            if given.dtype.kind in "cSU":
+                raise TypeError(f"its elements are of type {given.dtype}")
+            Q = np.ascontiguousarray(given, dtype=np.float64)
         except (TypeError, ValueError) as error:
             raise JointVectorError(f"a joint vector must be an array of numbers (..., {self.n}): {error}") from None
         if Q.ndim == 0 or Q.shape[-1] != self.n:
@@ -210,7 +232,7 @@ class Chain:
         if not np.isfinite(Q).all():
             where = np.argwhere(~np.isfinite(Q))[0]
             raise JointVectorError(
-                f"joint vector{list(where[:-1]) or ''}: joint {self.joint_names[where[-1]]!r} "
+                f"joint vector{where[:-1].tolist() or ''}: joint {self.joint_names[where[-1]]!r} "
                 f"is {Q[tuple(where)]}; a finite number is needed"
             )
         return Q

@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     Vector = NDArray[np.float64]
 
 
+# Below this [rad or m] a deviation is not worth a word.
+_ROUNDING = 1e-12
+
+
 @dataclass(frozen=True)
 class AxisPair:
     """Two neighbouring joint axes, numbered from 1.
@@ -40,7 +44,10 @@ class AxisPair:
     def __str__(self) -> str:
         apart = f", {self.distance:.6g} m apart" if self.relation in ("parallel", "skew") else ""
         at = "" if self.relation in ("parallel", "coincident") else f" at {np.degrees(self.angle):.6g} deg"
-        return f"axes {self.first} and {self.first + 1} are {self.relation}{at}{apart}"
+        off = [f"{self.off_angle:.2g} rad"] * (self.off_angle > _ROUNDING)
+        off += [f"{self.off_distance:.2g} m"] * (self.off_distance > _ROUNDING)
+        but = f" but for {' and '.join(off)}" if off else ""
+        return f"axes {self.first} and {self.first + 1} are {self.relation}{at}{apart}{but}"
 
 
 @dataclass(frozen=True)

@@ -293,10 +293,10 @@ def start_beside(q, k, start):
 def accept(arm, target, q, b, marks, near, beside, Q, flags):
     """Polish the candidate ``q`` of column ``b`` on the arm as written and keep it if it is verified and new.
 
-    On an imperfect arm near a singularity (``near``) and where ``beside`` is set, the ideal candidate may stand for two solutions, or for
-    none: starts beside it find both. Near a double root an error falls with the square of the distance, so only
-    what has converged to rounding is a solution there; the best of the rest is kept where nothing has.
-    Their offsets are fixed, so the same target always gives the same answer.
+    On an imperfect arm near a singularity (``near``) and where ``beside`` is set, the ideal candidate may stand for
+    two solutions, or for none: starts beside it find both. Near a double root an error falls with the square of the
+    distance, so only what has converged to rounding is a solution there; the best of the rest is kept where nothing
+    has. Their offsets are fixed, so the same target always gives the same answer.
     """
     exact = arm[layout.IMPERFECTION] <= arm[layout.EXACT_STRUCTURE]
     # A closed form is not improved by a step along a singular direction that only rounding asks for.

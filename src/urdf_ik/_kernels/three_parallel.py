@@ -343,6 +343,39 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
     return 2 if loose else (1 if close else 0)
 
 
+@kernel
+def elbow_distances(kind, arm, rotation, point, distances):
+    """How far apart each shoulder and wrist would bring axes 2 and 4 [m], to ``distances`` (4,); NaN: there is none.
+
+    The target is given in frame 1, as rotation (3, 3) and point (3,).
+    """
+    ca, sa, cb, sb = arm[COS_FIRST], arm[SIN_FIRST], arm[COS_ALPHA + 4], arm[SIN_ALPHA + 4]
+    X, roots = np.empty(12), np.empty((4, 2))
+    X[:9], X[9:] = rotation.ravel(), point
+    found = shoulder_roots(X, arm, roots) if kind == GENERAL else 4
+    k = (arm[COS_ALPHA] * X[11] - arm[ALONG]) / arm[SIN_ALPHA]
+    for i in range(found):
+        m1, m3 = 0.0, 0.0
+        if kind == GENERAL:
+            c1, s1 = roots[i, 0], roots[i, 1]
+        else:
+            c1, s1, _, m1 = swing_to_offset(X[9], X[10], k, 1.0 - 2.0 * (i // 2))
+        m00, m10, m20 = seen_along(X[0], X[3], X[6], arm, c1, s1)
+        m01, m11, m21 = seen_along(X[1], X[4], X[7], arm, c1, s1)
+        m02, m12, m22 = seen_along(X[2], X[5], X[8], arm, c1, s1)
+        ox, oy, oz = seen_along(X[9], X[10], X[11], arm, c1, s1)
+        if kind == GENERAL:
+            c5, s5 = unit((ca * cb - m22) / (sa * sb), (oz - arm[ALONG]) / (sa * arm[A + 4]))
+        else:
+            c5, s5, m3 = wrist_bend(m02, m12, m22, ca, sa, cb, sb, 1.0 - 2.0 * (i % 2))
+        cf, sf, _, _, _, _ = wrist_turns(
+            m00, m10, m20, m01, m11, m21, m02, m12, m22, c5, s5, ca, sa, cb, sb, False, 1.0, 0.0
+        )
+        fx, fy = forearm(arm, c5, s5)
+        if m1 >= 0.0 and m3 >= -arm[layout.CLAMP]:
+            distances[i] = math.hypot(ox - arm[A] - (cf * fx - sf * fy), oy - (sf * fx + cf * fy))
+
+
 @inlined
 def solve(kind, T, arm, q_ref, Q, flags):
     """All solutions of poses ``T`` (m, 4, 4) to ``Q`` (m, 8, 6) and ``flags`` (m, 8).

@@ -42,6 +42,6 @@ def atan2(y, x):
 
 @step
 def wrap(a):
-    """The angle ``a``, at most two turns off, in (-pi, pi]."""
+    """The angle ``a``, at most one turn off, in (-pi, pi]."""
     a = a - 6.283185307179586 if a > 3.141592653589793 else a
     return a + 6.283185307179586 if a <= -3.141592653589793 else a

@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from urdf_ik.families import general_6r, imperfect, spherical_wrist, three_parallel
+from urdf_ik.families.mirrored import mirrored
+from urdf_ik.structure import analyse
 
 if TYPE_CHECKING:
     from urdf_ik.chain import Chain
@@ -15,17 +17,21 @@ FAMILIES = (spherical_wrist, three_parallel)
 
 
 def choose(structure: Structure, chain: Chain) -> Plan | None:
-    """The first family that takes the arm exactly; else the nearest one, with the general solver behind it; else that.
+    """The first family that takes the arm exactly, from either end; else the nearest, with elimination behind it.
 
-    None where no solver takes the arm.
+    Elimination alone where no family is near; None where no solver takes the arm.
     """
-    near = []
-    for family in FAMILIES:
-        if family.matches(structure):
-            plan = family.prepare(structure, chain)
-            if plan.is_exact:
-                return plan
-            near.append(plan)
+    back = chain.reversed()
+    near: list[tuple[Plan, Chain]] = []
+    for seen, relations in ((chain, structure), (back, analyse(back))):
+        for family in FAMILIES:
+            if family.matches(relations):
+                plan = family.prepare(relations, seen)
+                if plan.is_exact:
+                    return mirrored(plan) if seen is back else plan
+                near.append((plan, seen))
     if near:
-        return imperfect.prepare(min(near, key=lambda plan: plan.error), chain)
-    return general_6r.prepare(structure, chain) if general_6r.matches(structure) else None
+        plan, seen = min(near, key=lambda entry: entry[0].error)
+        plan = imperfect.prepare(plan, seen)
+        return mirrored(plan) if seen is back else plan
+    return general_6r.prepare(chain) if general_6r.matches(structure) else None

@@ -38,7 +38,7 @@ def matches(structure: Structure) -> bool:
     return len(structure.joint_types) == 6 and "prismatic" not in structure.joint_types
 
 
-def prepare(structure: Structure, chain: Chain) -> Plan:
+def prepare(chain: Chain) -> Plan:
     """The elimination's constant matrices, for the ways of setting it up that find most."""
     return Plan(
         family="6R general",
@@ -57,7 +57,8 @@ def with_elimination(arm: Array, chain: Chain) -> Array:
     H, points, centre, scale = _scaled(chain)
     home = np.eye(4)
     home[:3, :3], home[:3, 3] = chain.R_tip, chain.P.sum(axis=0)
-    return _best(arm, chain, H, points, centre, scale, np.linalg.inv(home)[:3])
+    inverse = np.asarray(np.linalg.inv(home)[:3], dtype=np.float64)
+    return _best(arm, chain, H, points, centre, scale, inverse)
 
 
 def _explain(chain: Chain, point: Array) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -40,7 +40,8 @@ class Plan:
             joint vectors [rad, share of size].
         arm: (layout.LENGTH or more,) the kernel's numbers.
         solve: kernel (T, arm, q_ref, Q, flags) -> index of the first bad pose or -1.
-        explain: (target in frame 1 as rotation (3, 3) and point (3,), size) -> why there is no solution.
+        explain: (target in frame 1 as rotation (3, 3) and point (3,)) -> why there is no solution.
+        mirrored: whether the numbers are those of the chain from tip to base.
     """
 
     family: str
@@ -51,6 +52,7 @@ class Plan:
     arm: Array
     solve: Callable[..., int]
     explain: Callable[[Array, Array], str]
+    mirrored: bool = False
 
     @property
     def is_exact(self) -> bool:
@@ -66,12 +68,16 @@ def ideal_frames(
     meet: Sequence[bool],
 ) -> tuple[DHFrames, float]:
     """DH frames of the ideal arm, and how far its poses are from those of the arm as written."""
+    # Measured from the first axis: how far from its base the arm is mounted has no part in its structure.
+    mount = chain.P[0]
+    local = replace(chain, P=np.vstack([np.zeros(3), chain.P[1:]]))
     home = np.eye(4)
-    home[:3, :3], home[:3, 3] = chain.R_tip, chain.P.sum(axis=0)
-    frames = denavit_hartenberg(directions, points, home, parallel, meet)
+    home[:3, :3], home[:3, 3] = local.R_tip, local.P.sum(axis=0)
+    frames = denavit_hartenberg(directions, points - mount, home, parallel, meet)
     Q = np.random.default_rng(0).uniform(-np.pi, np.pi, (12, chain.n))
-    apart = np.array([frames.fk(q) for q in Q]) - chain.fk(Q)
+    apart = np.array([frames.fk(q) for q in Q]) - local.fk(Q)
     apart[:, :3, 3] /= chain.size
+    frames.base[:3, 3] += mount
     return frames, float(np.abs(apart).max())
 
 

@@ -62,8 +62,9 @@ def prepare(structure: Structure, chain: Chain) -> Plan:
         pairs.append(first)
         directions[first - 1 : first + 1] = mean_direction(directions[first - 1 : first + 1])
         parallel[first - 1] = True
-    crossing = structure.is_intersecting(1)
-    meet[0] = crossing and (shoulder == "1x2" or structure.pairs[0].off_distance < 1e-12 * chain.size)
+    # With 2 || 3 an offset between axes 1 and 2 costs nothing, so what nearly meets need not be made to.
+    crossing = structure.is_intersecting(1) and structure.pairs[0].off_distance < 1e-12 * chain.size
+    meet[0] = crossing or shoulder == "1x2"
     frames, error = ideal_frames(chain, directions, points, parallel, meet)
     angle, distance = imperfection(structure, pairs, [1] if shoulder == "1x2" else [])
     arm = pack(chain, frames, error, _SIGNS)

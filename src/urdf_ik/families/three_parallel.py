@@ -79,7 +79,6 @@ def prepare(structure: Structure, chain: Chain) -> Plan:
 
 
 def _explain(arm: Array, crossing: bool, rotation: Array, point: Array) -> str:
-    size = arm[layout.SIZE]
     if crossing:
         side = (arm[layout.COS_ALPHA] * point[2] - arm[layout.ALONG]) / arm[layout.SIN_ALPHA]
         radius = math.hypot(point[0], point[1])
@@ -88,8 +87,13 @@ def _explain(arm: Array, crossing: bool, rotation: Array, point: Array) -> str:
                 f"the point where axes 5 and 6 meet is {radius:.6g} m from axis 1, and the arm's sideways offset "
                 f"keeps it {abs(side):.6g} m away"
             )
-    far = float(np.linalg.norm(point))
+    distances = np.full(4, np.nan)
+    kernels.elbow_distances(kernels.INTERSECTING_56 if crossing else kernels.GENERAL, arm, rotation, point, distances)
+    distances = distances[np.isfinite(distances)]
     longest = arm[layout.A + 1] + arm[layout.A + 2]
-    if far > longest + size:
-        return f"wrist {far:.6g} m from the shoulder, and all links together measure {size:.6g} m"
-    return f"with every turn of the wrist, axis 4 stays out of the reach of links 2 and 3, {longest:.6g} m"
+    shortest = abs(arm[layout.A + 1] - arm[layout.A + 2])
+    if len(distances) and distances.min() > longest:
+        return f"axis 4 would have to be {distances.min():.6g} m or more from axis 2, reach {longest:.6g} m"
+    if len(distances) and distances.max() < shortest:
+        return f"axis 4 would be {distances.max():.6g} m or less from axis 2, the folded links' {shortest:.6g} m away"
+    return "no turn of joint 1 gives the last axis both its direction and its height along axes 2 to 4"
