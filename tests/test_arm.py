@@ -452,28 +452,23 @@ class AtOnce:
         """Too late."""
 
 
-@pytest.mark.parametrize("cold", [False, True])
-def test_a_slow_first_call_says_so(
-    cold: bool, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
-    """With nothing compiled yet, a first call that takes over two seconds tells stderr what it is doing, once."""
+def test_a_slow_first_call_says_so(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
+    """A first call that takes over two seconds tells stderr what it is doing, once."""
     arm = urdf_ik.load(TEXT, "base", "tool")
     monkeypatch.setattr(AtOnce, "waits", [])
     monkeypatch.setattr(arm_module.threading, "Timer", AtOnce)
-    monkeypatch.setattr(arm_module.compiler, "is_cold", lambda: cold)
     for _ in range(2):
         assert arm.ik(arm.fk(Q)).count > 0
     written = capfd.readouterr()
     assert written.out == ""
-    assert written.err.count("compiling the solver for '6R 2||3||4 and 5x6'") == int(cold)
+    assert written.err.count("compiling the solver for '6R 2||3||4 and 5x6'") == 1
     assert set(AtOnce.waits) == {2.0}
 
 
-def test_a_fast_first_call_is_silent(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_fast_first_call_is_silent(capfd: pytest.CaptureFixture[str]) -> None:
     """Where it does not take so long nothing is written, and no timer is left behind."""
     case = from_catalogue("zyyzyz_6r")
     case.arm.ik(np.eye(4))  # whatever there is to compile is compiled
-    monkeypatch.setattr(arm_module.compiler, "is_cold", lambda: True)
     before = threading.active_count()
     arm = urdf_ik.load("zyyzyz_6r")
     assert arm.ik(arm.fk(Q)).count == 8

@@ -774,16 +774,6 @@ def test_directory_falls_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     assert alone.is_dir()
 
 
-def test_cold_until_something_was_compiled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """An empty cache is cold, one that holds an index of machine code, at any depth, is not."""
-    monkeypatch.setattr(compiler, "CACHE_DIRECTORY", tmp_path)
-    assert compiler.is_cold()
-    (tmp_path / "deep").mkdir()
-    assert compiler.is_cold()
-    (tmp_path / "deep" / "solve.nbi").touch()
-    assert not compiler.is_cold()
-
-
 USE = """
 import json, numpy as np
 from numba.core import config

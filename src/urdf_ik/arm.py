@@ -14,7 +14,6 @@ from typing import IO, TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik import families
-from urdf_ik._kernels import compile as compiler
 from urdf_ik._kernels.layout import BLOCK
 from urdf_ik._kernels.target import to_frame_1
 from urdf_ik.chain import Chain
@@ -241,8 +240,7 @@ def _patience(family: str) -> Iterator[None]:
     text = f"urdf-ik: compiling the solver for {family!r} (once on this machine, about half a minute) ..."
     timer = threading.Timer(2.0, lambda: print(text, file=sys.stderr, flush=True))
     timer.daemon = True
-    if compiler.is_cold():
-        timer.start()
+    timer.start()
     try:
         yield
     finally:

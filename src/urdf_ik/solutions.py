@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import IntFlag
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
@@ -16,13 +16,40 @@ from urdf_ik.errors import JointVectorError, UrdfIkError
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from urdf_ik.arm import Arm
+    from urdf_ik.chain import Chain
     from urdf_ik.collision import CollisionModel
 
     Array = NDArray[np.float64]
     Columns = NDArray[np.intp]
 
 _Number = TypeVar("_Number", bound=np.generic)
+
+
+class SolvedArm(Protocol):
+    """What solutions ask of the arm that they belong to."""
+
+    @property
+    def name(self) -> str:
+        """The robot's name."""
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Movable joints, base to tip."""
+
+    @property
+    def limits(self) -> Array:
+        """(n, 2) rad or m."""
+
+    @property
+    def collision_model(self) -> CollisionModel:
+        """What ``collision_free`` asks."""
+
+    @property
+    def chain(self) -> Chain:
+        """The joints and their types."""
+
+    def explain(self, T: Any) -> str:
+        """Why a pose has no solution."""
 
 
 class Singular(IntFlag):
@@ -85,7 +112,7 @@ class IKSolutions:
 
     def __init__(
         self,
-        arm: Arm,
+        arm: SolvedArm,
         T: Array,
         q: Array,
         info: NDArray[np.uint8],

@@ -58,11 +58,6 @@ CACHE_DIRECTORY = _directory()
 _OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
 
 
-def is_cold() -> bool:
-    """Whether nothing has been compiled yet for this version of the kernels."""
-    return not any(CACHE_DIRECTORY.rglob("*.nbi"))
-
-
 def kernel(function: _Function) -> _Function:
     """Compile ``function`` when it is first called, without the GIL, and keep its machine code.
 

@@ -13,16 +13,8 @@ from urdf_ik._kernels.lines import LINE, line_vector
 from urdf_ik._kernels.refine import STARTS, is_new, keep, least_stretch, newton, place, refine, start_beside
 from urdf_ik._kernels.screws import jacobian_from_axes
 from urdf_ik._kernels.target import check_target, project_rotation
+from urdf_ik._kernels.thresholds import CONVERGED, FINISHED, LARGEST_NOISE, NEAR_CIRCLE, NEAR_FOLD, ON_CIRCLE
 from urdf_ik._kernels.trig import wrap
-
-# A root this close to the unit circle may be real: rounding moves double roots off it by half its digits.
-_NEAR_CIRCLE = 0.03
-# This close to it, it should be.
-_ON_CIRCLE = 1e-3
-# Below this smallest singular value [of the Jacobian in shares of the size] a second solution may be next door.
-_NEAR_FOLD = 5e-3
-_LARGEST_NOISE = 1e-7
-_CONVERGED = 2e-14
 
 
 @kernel
@@ -151,29 +143,29 @@ def gather(arm, variant, circle, target, Q, flags, spare, stuck):
     loop_motion(arm, target, reverse, G)
     hidden.equations(variant, G, A)
     hidden.determinants(A, circle, D)
-    doubt = not hidden.harmonics(D, circle, coefficients) < _LARGEST_NOISE
+    doubt = not hidden.harmonics(D, circle, coefficients) < LARGEST_NOISE
     hidden.complex_roots(coefficients, z)
     expected = 0
     stuck[16, 0] = 0.0
     for k in range(z.size):
         size = abs(z[k])
-        if not 0.9 < size < 1.1 or abs(math.log(size)) > _NEAR_CIRCLE:
+        if not 0.9 < size < 1.1 or abs(math.log(size)) > NEAR_CIRCLE:
             continue
-        expected += abs(math.log(size)) < _ON_CIRCLE
+        expected += abs(math.log(size)) < ON_CIRCLE
         remaining_angles(variant, G, A, z[k].real / size, z[k].imag / size, angles)
         for j in range(6):
             q[j] = wrap(angles[5 - j] if reverse else angles[j])
         start = q.copy()
         error = newton(arm, target, q, 12)
-        if error > _CONVERGED:
+        if error > CONVERGED:
             q[:] = start
-            error = refine(arm, target, q, 40, 1.8e-15)
+            error = refine(arm, target, q, 40, FINISHED)
         if error < spare[6]:
             spare[:6] = q
             spare[6] = error
-        if error <= _CONVERGED and is_new(arm, target, Q, flags, q):
+        if error <= CONVERGED and is_new(arm, target, Q, flags, q):
             keep(Q, flags, 0, q, 0)
-        elif abs(math.log(size)) < _ON_CIRCLE:
+        elif abs(math.log(size)) < ON_CIRCLE:
             stuck[int(stuck[16, 0])] = start
             stuck[16, 0] += 1.0
     return doubt or count(flags) < expected
@@ -210,14 +202,14 @@ def search_beside(arm, target, Q, flags):
         sigma = least_stretch(J, x)
         if sigma <= arm[layout.SINGULAR]:
             flags[b] |= layout.OTHER
-        if sigma > _NEAR_FOLD:
+        if sigma > NEAR_FOLD:
             continue
         beside = True
         for k in range(28):
             distance = (1.0 if k % 2 else -1.0) * 0.3 * 10.0 ** (-0.5 * (k // 2))
             for j in range(6):
                 q[j] = wrap(Q[b, j] + distance * x[j])
-            if refine(arm, target, q, 20, 1.8e-15) <= _CONVERGED and is_new(arm, target, Q, flags, q):
+            if refine(arm, target, q, 20, FINISHED) <= CONVERGED and is_new(arm, target, Q, flags, q):
                 keep(Q, flags, 0, q, 0)
     return beside
 
@@ -265,7 +257,7 @@ def complete(arm, target, Q, flags):
             for i in range(int(stuck[16, 0])):
                 for k in range(1, STARTS):
                     start_beside(stuck[i], k, q)
-                    if refine(arm, target, q, 40, 1.8e-15) <= _CONVERGED and is_new(arm, target, Q, flags, q):
+                    if refine(arm, target, q, 40, FINISHED) <= CONVERGED and is_new(arm, target, Q, flags, q):
                         keep(Q, flags, 0, q, 0)
     if spare[6] <= arm[layout.REACH] and count(flags) == 0:
         keep(Q, flags, 0, spare[:6], layout.OTHER)

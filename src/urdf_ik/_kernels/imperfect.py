@@ -14,11 +14,9 @@ from urdf_ik._kernels import layout, spherical_wrist, three_parallel, wrist_posi
 from urdf_ik._kernels.compile import inlined, kernel
 from urdf_ik._kernels.general_6r import complete, count
 from urdf_ik._kernels.target import check_target, project_rotation
+from urdf_ik._kernels.thresholds import ALMOST_FREE, AROUND, FAR_OFF
 
 _WRIST, _PARALLEL = 0, 1
-# Places on the circle from which an almost free joint is tried.
-_AROUND = 12
-_FAR_OFF = 1e-4
 
 
 @inlined
@@ -35,9 +33,9 @@ def solve(family, kind, T, arm, q_ref, Q, flags):
     Arguments and result as those of ``spherical_wrist.solve``.
     """
     proper, around = np.empty((4, 4)), np.zeros(7)
-    almost_free = (5.0 * arm[layout.IMPERFECTION]) ** 2
+    almost_free = (ALMOST_FREE * arm[layout.IMPERFECTION]) ** 2
     # Far enough from the ideal arm the elimination is in its element; next to it, starts beside the candidates are.
-    beside = arm[layout.IMPERFECTION] < _FAR_OFF
+    beside = arm[layout.IMPERFECTION] < FAR_OFF
     for i in range(T.shape[0]):
         if not check_target(T[i]) <= arm[layout.ROTATION]:
             return i
@@ -47,8 +45,8 @@ def solve(family, kind, T, arm, q_ref, Q, flags):
         near = _closed_form(family, kind, proper, arm, q_ref, Q[i], flags[i], arm[layout.CONTINUUM], beside)
         if near == 2:
             # The ideal arm's free joint is not free: its few true values lie anywhere on the circle.
-            for k in range(_AROUND):
-                around[:6] = math.pi * (2.0 * k / _AROUND - 1.0)
+            for k in range(AROUND):
+                around[:6] = math.pi * (2.0 * k / AROUND - 1.0)
                 _closed_form(family, kind, proper, arm, around, Q[i], flags[i], almost_free, False)
         if near > 0 or count(flags[i]) % 2 == 1:
             complete(arm, proper, Q[i], flags[i])

@@ -23,9 +23,6 @@ LENGTH = 148
 # General 6R, behind these: inverse of the tip's home pose (3, 4), centre of the axes, 1 / scale, number of variants.
 HOME_INVERSE, CENTRE_OF_AXES, SCALE, VARIANTS, FIRST_VARIANT = 148, 160, 163, 164, 168
 
-# What a squared quantity of order one carries of rounding when it arrives at the families: 32 units in the last place.
-ROUNDING = 7e-15
-
 # Rows of a block's workspace: target (0-12), signs of the branch (13-15), root (16-17), scratch (13-25).
 ROWS, BLOCK = 26, 32
 

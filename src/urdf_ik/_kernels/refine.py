@@ -9,11 +9,9 @@ import numpy as np
 from urdf_ik._kernels import layout
 from urdf_ik._kernels.compile import kernel
 from urdf_ik._kernels.screws import jacobian_from_axes, place_axes
+from urdf_ik._kernels.thresholds import CONVERGED, FINISHED
 from urdf_ik._kernels.trig import wrap
 
-_ROUNDING = 1.8e-15
-# Forward kinematics of six joints carries about ten roundings.
-_CONVERGED = 1e-14
 STARTS = 13
 
 
@@ -105,7 +103,7 @@ def refine(arm, target, q, rounds, enough):
         if error < least:
             least = error
             best[:] = q
-        elif k > 3 and error > 0.5 * least and least < _CONVERGED:
+        elif k > 3 and error > 0.5 * least and least < CONVERGED:
             break
         if error < enough or k == rounds:
             break
@@ -139,7 +137,7 @@ def newton(arm, target, q, rounds):
     for k in range(rounds + 1):
         place(arm, prismatic, q, T, axes, points)
         error = pose_error(target, T, scale, e)
-        if k == rounds or error < _ROUNDING or (error < _CONVERGED and error > 0.1 * previous):
+        if k == rounds or error < FINISHED or (error < CONVERGED and error > 0.1 * previous):
             return error
         previous = error
         jacobian_from_axes(prismatic, axes, points, T[:3, 3], J)
@@ -300,25 +298,25 @@ def accept(arm, target, q, b, marks, near, beside, Q, flags):
     """
     exact = arm[layout.IMPERFECTION] <= arm[layout.EXACT_STRUCTURE]
     # A closed form is not improved by a step along a singular direction that only rounding asks for.
-    enough = 2.0 * _CONVERGED if exact else _ROUNDING
+    enough = CONVERGED if exact else FINISHED
     if exact or not near or not beside:
         start = q.copy()
         error = math.inf if exact else newton(arm, target, q, 8)
-        if error > _CONVERGED:
+        if error > CONVERGED:
             q[:] = start
             error = refine(arm, target, q, 15 if exact else 60, enough)
-        if error <= (arm[layout.REACH] if exact else _CONVERGED) and is_new(arm, target, Q, flags, q):
+        if error <= (arm[layout.REACH] if exact else CONVERGED) and is_new(arm, target, Q, flags, q):
             keep(Q, flags, b, q, singular_marks(arm, q, marks) if near else 0)
         return
     start, best = q.copy(), q.copy()
     least, converged = math.inf, False
     for k in range(STARTS):
         start_beside(start, k, q)
-        error = refine(arm, target, q, 40, _ROUNDING)
+        error = refine(arm, target, q, 40, FINISHED)
         if error < least:
             least = error
             best[:] = q
-        if error <= _CONVERGED:
+        if error <= CONVERGED:
             converged = True
             if is_new(arm, target, Q, flags, q):
                 keep(Q, flags, b, q, singular_marks(arm, q, marks))

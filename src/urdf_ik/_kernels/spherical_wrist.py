@@ -15,6 +15,7 @@ from urdf_ik._kernels.polynomials import root_gap
 from urdf_ik._kernels.refine import accept
 from urdf_ik._kernels.subproblems import is_double, unturn, wrist_bend, wrist_turns
 from urdf_ik._kernels.target import load, project_rotation, to_frame_1
+from urdf_ik._kernels.thresholds import ALMOST_FREE, NEAR, NEAR_BY_ARM, NEAR_BY_SINE, ROUNDING
 from urdf_ik._kernels.trig import atan2, wrap
 
 
@@ -79,9 +80,9 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
     leaves free (squared arm below ``continuum``) takes ``q_ref``'s value, or zero.
     """
     fold, clamp = arm[layout.FOLD], arm[layout.CLAMP]
-    near_zone = max(1e-3, 5.0 * arm[layout.IMPERFECTION])
-    near_axis = max(1e-3, (10.0 * arm[layout.IMPERFECTION]) ** 2)
-    almost_free = (5.0 * arm[layout.IMPERFECTION]) ** 2
+    near_zone = max(NEAR, NEAR_BY_SINE * arm[layout.IMPERFECTION])
+    near_axis = max(NEAR, (NEAR_BY_ARM * arm[layout.IMPERFECTION]) ** 2)
+    almost_free = (ALMOST_FREE * arm[layout.IMPERFECTION]) ** 2
     close, loose = False, False
     scale = 1.0 / (arm[layout.SIZE] * arm[layout.SIZE])
     ca, sa, cb, sb = arm[COS_ALPHA + 3], arm[SIN_ALPHA + 3], arm[COS_ALPHA + 4], arm[SIN_ALPHA + 4]
@@ -117,9 +118,9 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
         if kind != shoulder.GENERAL:
             # Of two signs that stand for the same root, or the same continuum, the positive one is kept, as zero.
             swung = arm1 if by_height else (arm2 if kind == shoulder.INTERSECTING_12 else 1.0)
-            double1 = is_double(m1, swung, layout.ROUNDING)
+            double1 = is_double(m1, swung, ROUNDING)
             links = 2.0 * arm[layout.A + 1] * arm[layout.RHO] * scale if by_height else 1.0
-            double2 = is_double(m2, arm2 if by_height else 1.0, layout.ROUNDING / links)
+            double2 = is_double(m2, arm2 if by_height else 1.0, ROUNDING / links)
             if front < 0.0 and (double1 or free1 or (free2 and not by_height)):
                 continue
             if up < 0.0 and (double2 or (free2 and by_height)):
@@ -142,7 +143,7 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
         )
         if fixed <= fold or m3 <= fold:
             marks |= layout.WRIST
-        double3 = is_double(m3, fixed, layout.ROUNDING / (sb * sb))
+        double3 = is_double(m3, fixed, ROUNDING / (sb * sb))
         if flip < 0.0 and (double3 or fixed <= continuum):
             continue
         if double3:

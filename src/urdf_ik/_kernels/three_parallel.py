@@ -32,6 +32,7 @@ from urdf_ik._kernels.polynomials import root_gap, trigonometric_roots
 from urdf_ik._kernels.refine import accept
 from urdf_ik._kernels.subproblems import elbow, is_double, swing_to_offset, unit, unturn, wrist_bend, wrist_turns
 from urdf_ik._kernels.target import load, project_rotation, to_frame_1
+from urdf_ik._kernels.thresholds import ALMOST_FREE, NEAR, NEAR_BY_ARM, NEAR_BY_SINE, ROUNDING
 from urdf_ik._kernels.trig import atan2, wrap
 
 INTERSECTING_56, GENERAL = 0, 1
@@ -232,9 +233,9 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
     within reach.
     """
     fold, clamp = arm[layout.FOLD], arm[layout.CLAMP]
-    near_zone = max(1e-3, 5.0 * arm[layout.IMPERFECTION])
-    near_axis = max(1e-3, (10.0 * arm[layout.IMPERFECTION]) ** 2)
-    almost_free = (5.0 * arm[layout.IMPERFECTION]) ** 2
+    near_zone = max(NEAR, NEAR_BY_SINE * arm[layout.IMPERFECTION])
+    near_axis = max(NEAR, (NEAR_BY_ARM * arm[layout.IMPERFECTION]) ** 2)
+    almost_free = (ALMOST_FREE * arm[layout.IMPERFECTION]) ** 2
     close, loose = False, False
     ca, sa, cb, sb = arm[COS_FIRST], arm[SIN_FIRST], arm[COS_ALPHA + 4], arm[SIN_ALPHA + 4]
     scale = 1.0 / (arm[layout.SIZE] * arm[layout.SIZE])
@@ -265,7 +266,7 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
                 continue
             if m1 <= fold or arm1 <= fold:
                 marks |= layout.SHOULDER
-            double1 = is_double(m1, arm1, layout.ROUNDING)
+            double1 = is_double(m1, arm1, ROUNDING)
             if front < 0.0 and (double1 or arm1 <= continuum):
                 continue
             if double1:
@@ -292,7 +293,7 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
         if fixed <= fold or m3 <= fold:
             marks |= layout.WRIST
         if kind != GENERAL:
-            double3 = is_double(m3, fixed, layout.ROUNDING / (sb * sb))
+            double3 = is_double(m3, fixed, ROUNDING / (sb * sb))
             if flip < 0.0 and (double3 or fixed <= continuum):
                 continue
             if double3:
@@ -324,7 +325,7 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
             continue
         if m2 <= fold or arm2 <= fold:
             marks |= layout.ELBOW
-        double2 = is_double(m2, arm2, layout.ROUNDING / (2.0 * arm[A + 1] * arm[A + 2] * scale))
+        double2 = is_double(m2, arm2, ROUNDING / (2.0 * arm[A + 1] * arm[A + 2] * scale))
         if up < 0.0 and (double2 or arm2 <= continuum):
             continue
         if double2:
