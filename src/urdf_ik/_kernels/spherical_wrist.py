@@ -15,7 +15,7 @@ from urdf_ik._kernels.polynomials import root_gap
 from urdf_ik._kernels.refine import accept
 from urdf_ik._kernels.subproblems import is_double, unturn, wrist_bend, wrist_turns
 from urdf_ik._kernels.target import load, project_rotation, to_frame_1
-from urdf_ik._kernels.thresholds import ALMOST_FREE, NEAR, NEAR_BY_ARM, NEAR_BY_SINE, ROUNDING
+from urdf_ik._kernels.thresholds import ALMOST_FREE, NEAR, NEAR_BY_ARM, NEAR_BY_SINE, ROUGH, ROUNDING
 from urdf_ik._kernels.trig import atan2, wrap
 
 
@@ -117,7 +117,7 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
             marks |= layout.ELBOW
         if kind != shoulder.GENERAL:
             # Of two signs that stand for the same root, or the same continuum, the positive one is kept, as zero.
-            swung = arm1 if by_height else (arm2 if kind == shoulder.INTERSECTING_12 else 1.0)
+            swung = arm1 if by_height else (min(arm1, arm2) if kind == shoulder.INTERSECTING_12 else 1.0)
             double1 = is_double(m1, swung, ROUNDING)
             links = 2.0 * arm[layout.A + 1] * arm[layout.RHO] * scale if by_height else 1.0
             double2 = is_double(m2, arm2 if by_height else 1.0, ROUNDING / links)
@@ -136,7 +136,8 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
         c5, s5, m3 = wrist_bend(m02, m12, m22, ca, sa, cb, sb, flip)
         near = near or abs(m3) < near_zone
         close = close or near
-        if m3 < -clamp:
+        # The quartic's roots are rough where it is ill-conditioned: let Newton's method decide.
+        if m3 < (-max(clamp, ROUGH) if kind == shoulder.GENERAL else -clamp):
             continue
         c4, s4, c6, s6, fixed, _ = wrist_turns(
             m00, m10, m20, m01, m11, m21, m02, m12, m22, c5, s5, ca, sa, cb, sb, False, 1.0, 0.0

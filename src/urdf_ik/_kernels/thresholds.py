@@ -5,6 +5,8 @@ All are dimensionless: lengths count as shares of the arm's size, angles in rad.
 
 # A squared quantity of order one arrives at the families with this much rounding: 32 units in the last place.
 ROUNDING = 7e-15
+# After the root of a quartic, with this much at worst.
+ROUGH = 1e-7
 # Newton's method is done when an error falls to what forward kinematics of six joints rounds to.
 FINISHED, CONVERGED = 1.8e-15, 2e-14
 

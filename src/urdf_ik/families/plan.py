@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -58,6 +58,16 @@ class Plan:
     def is_exact(self) -> bool:
         """Whether the arm as written is the ideal one, to rounding."""
         return self.error <= DEFAULT.exact_structure
+
+
+def cheapest(plans: Iterable[Plan]) -> Plan:
+    """The first exact one of plans, made as they are asked for; else the one with the least error."""
+    made: list[Plan] = []
+    for plan in plans:
+        if plan.is_exact:
+            return plan
+        made.append(plan)
+    return min(made, key=lambda plan: plan.error)
 
 
 def ideal_frames(

@@ -9,7 +9,7 @@ import numpy as np
 
 from urdf_ik._kernels import layout
 from urdf_ik._kernels import spherical_wrist as kernels
-from urdf_ik.families.plan import Plan, ideal_frames, imperfection, mean_direction, method_in_words, pack
+from urdf_ik.families.plan import Plan, cheapest, ideal_frames, imperfection, mean_direction, method_in_words, pack
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -28,6 +28,8 @@ _NAMES = tuple(
     for flip in ("noflip", "flip")
 )
 _ROOTS = tuple(f"position {k}, wrist {flip}" for k in (1, 2, 3, 4) for flip in ("noflip", "flip"))
+# An offset [of the arm's size] or an angle [rad] that can be divided by.
+_CLEAR = 1e-4
 _STEPS = {
     "2||3": "wrist centre first: joint 1 by the plane it lies in, elbow by the law of cosines; then the wrist",
     "1x2": "wrist centre first: joint 3 by its distance, joints 2 and 1 by its height; then the wrist",
@@ -49,8 +51,11 @@ def matches(structure: Structure) -> bool:
 
 
 def prepare(structure: Structure, chain: Chain) -> Plan:
-    """Parameters of the nearest arm with a spherical wrist."""
-    shoulder = _shoulder(structure)
+    """Parameters of the arm with a spherical wrist, for the cheapest shoulder that it has exactly, or has nearly."""
+    return cheapest(_with_shoulder(structure, chain, shoulder) for shoulder in _shoulders(structure, chain))
+
+
+def _with_shoulder(structure: Structure, chain: Chain, shoulder: str) -> Plan:
     wrist = structure.triple(4, "meet")
     directions, points = chain.H.copy(), chain.points.copy()
     if wrist is not None and wrist.point is not None:
@@ -88,12 +93,14 @@ def prepare(structure: Structure, chain: Chain) -> Plan:
     )
 
 
-def _shoulder(structure: Structure) -> str:
-    if structure.is_parallel(2):
-        return "2||3"
-    if structure.is_parallel(1):
-        return "1||2"
-    return "1x2" if structure.is_intersecting(1) else ""
+def _shoulders(structure: Structure, chain: Chain) -> list[str]:
+    """Relations that hold, exactly or nearly, cheapest first; '' for none, which asks for a real offset and angle."""
+    kinds = ["2||3"] * structure.is_parallel(2) + ["1||2"] * structure.is_parallel(1)
+    kinds += ["1x2"] * structure.is_intersecting(1)
+    first = structure.pairs[0]
+    if first.distance > _CLEAR * chain.size and np.sin(first.angle) > _CLEAR:
+        kinds.append("")
+    return kinds
 
 
 def _front(chain: Chain, frames: DHFrames, centre: Array) -> float:

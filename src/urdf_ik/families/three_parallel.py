@@ -9,7 +9,7 @@ import numpy as np
 
 from urdf_ik._kernels import layout
 from urdf_ik._kernels import three_parallel as kernels
-from urdf_ik.families.plan import Plan, ideal_frames, imperfection, mean_direction, method_in_words, pack
+from urdf_ik.families.plan import Plan, cheapest, ideal_frames, imperfection, mean_direction, method_in_words, pack
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -29,6 +29,8 @@ _NAMES = tuple(
 _ROOTS = tuple(
     f"position {root}, elbow {up}" for first in (1, 3) for up in ("up", "down") for root in (first, first + 1)
 )
+# An offset [of the arm's size] that can be divided by.
+_CLEAR = 1e-4
 
 
 def matches(structure: Structure) -> bool:
@@ -46,9 +48,13 @@ def matches(structure: Structure) -> bool:
 
 
 def prepare(structure: Structure, chain: Chain) -> Plan:
-    """Parameters of the nearest arm with three parallel axes."""
+    """Parameters of the arm with three parallel axes, whose axes 5 and 6 meet, exactly or nearly, or do not."""
+    kinds = [True] * structure.is_intersecting(5) + [False] * (structure.pairs[4].distance > _CLEAR * chain.size)
+    return cheapest(_with_wrist(structure, chain, crossing) for crossing in kinds)
+
+
+def _with_wrist(structure: Structure, chain: Chain, crossing: bool) -> Plan:
     parallel = structure.triple(2, "parallel")
-    crossing = structure.is_intersecting(5)
     directions, points = chain.H.copy(), chain.points.copy()
     directions[1:4] = mean_direction(directions[1:4])
     meet = [False, False, False, False, crossing]

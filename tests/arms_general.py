@@ -1,0 +1,174 @@
+"""URDF text of arms without a closed form, and of arms near a family, for tests."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from arms import DescribedArm, X, Y, Z, random_arm, rotation, serial_urdf
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def from_screws(
+    name: str, kind: str, axes: Sequence[Array] | Array, points: Sequence[Sequence[float]] | Array, tip: Sequence[float]
+) -> DescribedArm:
+    """An arm whose frames are aligned with the base at q = 0, with a tool that points anywhere.
+
+    Args:
+        name: what a test's id shows.
+        kind: what is special about it, in words.
+        axes: directions (6, 3).
+        points: a point (6, 3) [m] on each axis.
+        tip: the tip's place (3,) [m].
+    """
+    places = np.vstack([points, tip])
+    steps = np.diff(places, axis=0, prepend=np.zeros((1, 3)))
+    origins = [(step, (0.0, 0.0, 0.0)) for step in steps[:-1]] + [(steps[-1], (0.4, -0.3, 0.9))]
+    urdf = serial_urdf(name, origins, [*axes, None])
+    return DescribedArm(name, kind, urdf, np.array(axes, dtype=np.float64), np.array(points, dtype=np.float64))
+
+
+def unstructured(seed: int) -> DescribedArm:
+    """Six random lines: no two neighbours parallel or meeting."""
+    rng = np.random.default_rng([seed, 66])
+    axes = rng.normal(size=(6, 3))
+    axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+    points = np.cumsum(rng.uniform(-0.6, 0.6, (6, 3)), axis=0)
+    return from_screws(f"random-{seed}", "no structure", axes, points, points[-1] + rng.uniform(-0.3, 0.3, 3))
+
+
+def standard_dh(
+    name: str, alpha: Sequence[float], a: Sequence[float], d: Sequence[float], kind: str = "standard DH"
+) -> DescribedArm:
+    """An arm from a standard Denavit-Hartenberg table (alpha [rad], a [m], d [m]), with frame 6 as its tip."""
+    frame, axes, points = np.eye(4), [], []
+    origins: list[tuple[Array, tuple[float, float, float]]] = [(np.zeros(3), (0.0, 0.0, 0.0))]
+    for twist, length, offset in zip(alpha, a, d, strict=True):
+        axes.append(frame[:3, 2].copy())
+        points.append(frame[:3, 3].copy())
+        origins.append((np.array([length, 0.0, offset]), (twist, 0.0, 0.0)))
+        step = np.eye(4)
+        step[:3, :3], step[:3, 3] = rotation(X, twist), (length, 0.0, offset)
+        frame = frame @ step
+    urdf = serial_urdf(name, origins, [*[Z] * len(origins[:-1]), None])
+    return DescribedArm(name, kind, urdf, np.array(axes), np.array(points))
+
+
+def manseur_doty() -> DescribedArm:
+    """The arm of Manseur and Doty that reaches one pose with sixteen joint vectors."""
+    quarter, one = math.radians(90.0), math.radians(1.0)
+    return standard_dh("manseur_doty", [quarter, one] * 3, (0.3, 1, 0, 1.5, 0, 0), (0, 0, 0.2, 0, 0, 0))
+
+
+def crx_like() -> DescribedArm:
+    """Like Fanuc's CRX-10: 1 x 2, 2 || 3, 3 x 4, 4 x 5, 5 x 6, and axis 6 passes axis 4 at 0.15 m."""
+    points = [(0, 0, 0.245), (0, 0, 0.245), (0, 0, 0.955), (0.3, 0, 0.955), (0.54, 0, 0.955), (0.54, -0.15, 0.955)]
+    return from_screws("crx", "1x2, 2||3, 3x4, 4x5, 5x6", [Z, Y, -Y, -X, -Y, -X], points, (0.7, -0.15, 0.955))
+
+
+def hc10_like() -> DescribedArm:
+    """Like Yaskawa's HC10: the relations of a CRX, folded at q = 0, with other lengths and signs."""
+    points = [(0, 0, 0.275), (0, 0, 0.275), (0, 0, 0.975), (0, 0, 0.475), (0, 0.162, 0.475), (0, 0.162, 0.475)]
+    return from_screws("hc10", "1x2, 2||3, 3x4, 4x5, 5x6", [Z, Y, -Y, Z, -Y, Z], points, (0, 0.162, 0.345))
+
+
+def jaco_like() -> DescribedArm:
+    """Like Kinova's JACO: 1 x 2, 2 || 3, 4 x 5 and 5 x 6 under 60 degrees, the wrist's points 0.148 m apart."""
+    sixty = math.radians(60.0)
+    u4, u5 = Z, rotation(Y, sixty) @ Z
+    # At q = 0 the wrist is twisted out of its plane.
+    u6 = rotation(u5, 0.7) @ rotation(Y, sixty) @ u5
+    p5 = np.array([0.0, -0.0098, 0.9669])
+    p6 = p5 + 0.148 * u5
+    points = [(0, 0, 0.2), (0, 0, 0.2755), (0, 0, 0.6855), (0, -0.0098, 0.8928), p5, p6]
+    return from_screws("jaco", "1x2, 2||3, 4x5, 5x6", [-Z, Y, -Y, u4, u5, u6], np.array(points), p6 + 0.16 * u6)
+
+
+def irb140_like() -> DescribedArm:
+    """Like ABB's IRB 140 without its wrist: 2 || 3, 3 x 4, 4 x 5, and axis 6 passes axis 5 at 20 mm."""
+    points = [(0, 0, 0.1), (0.07, 0, 0.352), (0.07, 0, 0.712), (0.2, 0, 0.712), (0.45, 0, 0.712), (0.5, 0, 0.732)]
+    return from_screws("irb140", "2||3, 3x4, 4x5", [Z, Y, Y, X, Y, X], points, (0.515, 0.0, 0.732))
+
+
+def tilted(arm: DescribedArm, eps: float, seed: int) -> DescribedArm:
+    """The arm with every axis turned by ``eps`` [rad] and every point moved by ``eps`` times the arm's length.
+
+    Turns and moves go across the axis, in a random direction: along it they would change nothing.
+    """
+    rng = np.random.default_rng([seed, *arm.name.encode()])
+
+    def across(axis: Array) -> Array:
+        v = np.cross(axis, rng.normal(size=3))
+        return v / np.linalg.norm(v)
+
+    length = float(np.linalg.norm(np.diff(arm.points, axis=0), axis=1).sum())
+    axes = np.array([rotation(across(h), eps) @ h for h in arm.axes])
+    points = np.array([p + eps * length * across(h) for h, p in zip(arm.axes, arm.points, strict=True)])
+    tip = points[-1] + rng.uniform(-0.2, 0.2, 3)
+    return from_screws(f"{arm.name}-{eps:g}", f"{arm.kind}, off by {eps:g}", axes, points, tip)
+
+
+def near_member(kind: str, eps: float, seed: int) -> DescribedArm:
+    """A random member of a family of ``arms.KINDS``, ``eps`` [rad, share of length] off it."""
+    return tilted(random_arm(kind, seed), eps, seed)
+
+
+def rounded_industrial(decimals: int = 4) -> DescribedArm:
+    """A six-axis industrial arm as a vendor writes it: axes along z, quarter turns as rounded decimals."""
+    quarter, half = round(math.pi / 2, decimals), round(math.pi, decimals)
+    origins = [
+        ((0, 0, 0.45), (0, 0, 0)),
+        ((0.15, 0, 0), (-quarter, 0, 0)),
+        ((0, -0.6, 0), (half, 0, 0)),
+        ((0.2, 0.12, 0), (0, quarter, 0)),
+        # The wrist's frames sit apart along its axes, so that these meet but for the decimals.
+        ((0, 0, 0.44), (0, -quarter, 0)),
+        ((-0.09, 0, 0), (0, quarter, 0)),
+        ((0.02, 0, 0.09), (0, 0.2, 0)),
+    ]
+    return _along_z("rounded_industrial", "wrist, 2||3", origins)
+
+
+def rounded_ur(decimals: int = 4) -> DescribedArm:
+    """A UR5 with quarter and half turns as rounded decimals."""
+    quarter, half = round(math.pi / 2, decimals), round(math.pi, decimals)
+    origins = [
+        ((0, 0, 0.089159), (0, 0, 0)),
+        ((0, 0, 0), (quarter, 0, 0)),
+        ((-0.425, 0, 0), (0, 0, 0)),
+        ((-0.39225, 0, 0.10915), (0, 0, 0)),
+        ((0, -0.09465, 0), (quarter, 0, 0)),
+        ((0, 0.0823, 0), (quarter, half, half)),
+        ((0.01, 0, 0.05), (0, 0, 0.3)),
+    ]
+    return _along_z("rounded_ur", "2||3||4, 1x2, 5x6", origins)
+
+
+def calibrated_ur() -> DescribedArm:
+    """A UR10e with deviations of the size that a factory calibration writes: up to 1 mm and 15 mrad."""
+    origins = [
+        ((0, 0, 0.18052), (0, 0, 3.8e-7)),
+        ((-1.8e-7, 0, 0), (1.5701348, 0, 2.4e-6)),
+        ((-0.6121786, 0, 0), (3.1413467, 3.1411518, -3.1415879)),
+        ((-0.5711198, 0.00231998, 0.1742485), (3.1282792, 3.1415117, 3.1415865)),
+        ((6.03e-5, -0.1197387, 1.839e-4), (1.5692604, 0, 4.5e-7)),
+        ((-6.25e-5, 0.1155158, -6.13e-5), (1.5702653, 3.1415927, 3.1415921)),
+        ((0.02, -0.01, 0.1), (0, 0, 0)),
+    ]
+    return _along_z("calibrated_ur", "2||3||4", origins)
+
+
+def _along_z(name: str, kind: str, origins: Sequence[tuple[Sequence[float], Sequence[float]]]) -> DescribedArm:
+    """An arm of six joints about their own z, given by the origins (xyz, rpy) of the joints and of the tool."""
+    urdf = serial_urdf(name, origins, [*[Z] * 6, None])
+    frame, axes, points = np.eye(4), [], []
+    for xyz, (roll, pitch, yaw) in origins[:6]:
+        step = np.eye(4)
+        step[:3, :3], step[:3, 3] = rotation(Z, yaw) @ rotation(Y, pitch) @ rotation(X, roll), xyz
+        frame = frame @ step
+        axes.append(frame[:3, 2].copy())
+        points.append(frame[:3, 3].copy())
+    return DescribedArm(name, kind, urdf, np.array(axes), np.array(points))
