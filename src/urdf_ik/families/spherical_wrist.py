@@ -96,8 +96,10 @@ def _with_shoulder(structure: Structure, chain: Chain, shoulder: str) -> Plan:
 def _shoulders(structure: Structure, chain: Chain) -> list[str]:
     """Relations that hold, exactly or nearly, cheapest first; '' for none, which asks for a real offset and angle."""
     kinds = ["2||3"] * structure.is_parallel(2) + ["1||2"] * structure.is_parallel(1)
+    first, second = structure.pairs[:2]
+    if np.sin(second.angle) < _CLEAR:
+        return kinds
     kinds += ["1x2"] * structure.is_intersecting(1)
-    first = structure.pairs[0]
     if first.distance > _CLEAR * chain.size and np.sin(first.angle) > _CLEAR:
         kinds.append("")
     return kinds
