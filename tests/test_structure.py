@@ -249,6 +249,10 @@ def test_imperfection_of_the_family(small: float) -> None:
         points = described.points.copy()
         points[5] += small * shift
         structure = structure_of(described.axes, points)
+        if kind.startswith("2||3||4") and small > 1e-4:
+            # Far enough off for axes 5 and 6 not to meet at all.
+            assert structure.family == FAMILY["2||3||4"]
+            continue
         assert structure.family == FAMILY[kind]
         assert structure.imperfection == pytest.approx((0.0, share * small), rel=1e-6, abs=1e-15)
 
