@@ -237,7 +237,7 @@ class Arm:
 @contextmanager
 def _patience(family: str) -> Iterator[None]:
     """Say on stderr what takes so long, should it take over two seconds."""
-    text = f"urdf-ik: compiling the solver for {family!r} (once on this machine, about half a minute) ..."
+    text = f"urdf-ik: compiling the solver for {family!r} (once on this machine, up to half a minute) ..."
     timer = threading.Timer(2.0, lambda: print(text, file=sys.stderr, flush=True))
     timer.daemon = True
     timer.start()
