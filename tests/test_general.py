@@ -158,14 +158,14 @@ def test_columns_are_sorted(name: str) -> None:
 
 @pytest.mark.parametrize("name", ALL)
 def test_out_of_reach_is_empty(name: str) -> None:
-    """A pose beyond all links has no solution, no exception, and an explanation that holds both lengths."""
+    """A pose 1 % beyond all links has no solution, in every column NaN, and no exception; nor has one far away."""
     case = named(name)
     target = case.oracle.pose(np.zeros(6))
-    target[:3, 3] = case.arm.chain.points[0] + np.array([0.0, 1.01 * case.arm.chain.size, 0.0])
-    solutions = case.arm.ik(target)
-    assert len(assert_exact(case, solutions, target)) == 0
-    assert f"{1.01 * case.arm.chain.size:.4g}"[:4] in solutions.explain()
-    assert f"{case.arm.chain.size:.6g} m" in solutions.explain()
+    for factor in (1.01, 3.0, 1e3):
+        target[:3, 3] = case.arm.chain.points[0] + np.array([0.0, factor * case.arm.chain.size, 0.0])
+        solutions = case.arm.ik(target)
+        assert len(assert_exact(case, solutions, target)) == 0
+        assert list(solutions) == []
 
 
 @pytest.mark.parametrize("name", ["random-0", "random-1", "random-2", *STRUCTURED])
