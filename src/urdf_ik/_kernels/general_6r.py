@@ -13,7 +13,7 @@ from urdf_ik._kernels.lines import LINE, line_vector
 from urdf_ik._kernels.refine import STARTS, is_new, keep, least_stretch, newton, place, refine, start_beside
 from urdf_ik._kernels.screws import jacobian_from_axes
 from urdf_ik._kernels.target import check_target, project_rotation
-from urdf_ik._kernels.thresholds import CONVERGED, FINISHED, LARGEST_NOISE, NEAR_CIRCLE, NEAR_FOLD, ON_CIRCLE
+from urdf_ik._kernels.thresholds import CONVERGED, CROWDED, FINISHED, LARGEST_NOISE, NEAR_CIRCLE, NEAR_FOLD, ON_CIRCLE
 from urdf_ik._kernels.trig import wrap
 
 
@@ -168,7 +168,21 @@ def gather(arm, variant, circle, target, Q, flags, spare, stuck):
         elif abs(math.log(size)) < ON_CIRCLE:
             stuck[int(stuck[16, 0])] = start
             stuck[16, 0] += 1.0
-    return doubt or count(flags) < expected
+    return doubt or count(flags) < expected or crowded(z)
+
+
+@kernel
+def crowded(z):
+    """Whether three roots, one of which may be real, are so close that rounding can move them about."""
+    for i in range(z.size):
+        if 0.9 < abs(z[i]) < 1.1:
+            close = 0
+            for j in range(z.size):
+                apart = z[i] - z[j]
+                close += apart.real * apart.real + apart.imag * apart.imag < CROWDED * CROWDED
+            if close > 2:
+                return True
+    return False
 
 
 @kernel

@@ -1,7 +1,8 @@
 """Arms near a family: its closed form gives starting points, the general elimination adds what they cannot tell.
 
 Away from singularities the ideal arm and the arm as written have the same solutions, a small step apart. Near
-them their numbers differ: there, and wherever solutions do not come in pairs, the elimination looks too.
+them their numbers differ: there, and wherever solutions do not come in pairs, the elimination looks too. How near
+is near is plain where each angle has a margin of its own; the other kinds are always looked at twice.
 """
 
 from __future__ import annotations
@@ -34,6 +35,7 @@ def solve(family, kind, T, arm, q_ref, Q, flags):
     """
     proper, around = np.empty((4, 4)), np.zeros(7)
     almost_free = (ALMOST_FREE * arm[layout.IMPERFECTION]) ** 2
+    plain = kind == (wrist_position.PARALLEL_23 if family == _WRIST else three_parallel.INTERSECTING_56)
     # Far enough from the ideal arm the elimination is in its element; next to it, starts beside the candidates are.
     beside = arm[layout.IMPERFECTION] < FAR_OFF
     for i in range(T.shape[0]):
@@ -48,7 +50,8 @@ def solve(family, kind, T, arm, q_ref, Q, flags):
             for k in range(AROUND):
                 around[:6] = math.pi * (2.0 * k / AROUND - 1.0)
                 _closed_form(family, kind, proper, arm, around, Q[i], flags[i], almost_free, False)
-        if near > 0 or count(flags[i]) % 2 == 1:
+        found = count(flags[i])
+        if near > 0 or found == 0 or found % 2 == 1 or not plain:
             complete(arm, proper, Q[i], flags[i])
     return -1
 

@@ -42,6 +42,7 @@ class Plan:
         solve: kernel (T, arm, q_ref, Q, flags) -> index of the first bad pose or -1.
         explain: (target in frame 1 as rotation (3, 3) and point (3,)) -> why there is no solution.
         mirrored: whether the numbers are those of the chain from tip to base.
+        by_quartic: whether its branches are the roots of a quartic.
     """
 
     family: str
@@ -53,6 +54,7 @@ class Plan:
     solve: Callable[..., int]
     explain: Callable[[Array, Array], str]
     mirrored: bool = False
+    by_quartic: bool = False
 
     @property
     def is_exact(self) -> bool:
@@ -61,13 +63,16 @@ class Plan:
 
 
 def cheapest(plans: Iterable[Plan]) -> Plan:
-    """The first exact one of plans, made as they are asked for; else the one with the least error."""
+    """The first exact one of plans, made as they are asked for; else the one with the least error.
+
+    A quartic is no help to an arm that it does not fit exactly: its roots part with the root of the error.
+    """
     made: list[Plan] = []
     for plan in plans:
         if plan.is_exact:
             return plan
         made.append(plan)
-    return min(made, key=lambda plan: plan.error)
+    return min(made, key=lambda plan: (plan.by_quartic, plan.error))
 
 
 def ideal_frames(
@@ -116,6 +121,9 @@ def pack(chain: Chain, frames: DHFrames, error: float, signs: Array) -> Array:
 def pack_as_written(chain: Chain) -> Array:
     """The numbers of the arm as the URDF has it, and the tolerances."""
     arm = np.zeros(layout.LENGTH)
+    # The target as it stands, where a family needs no frames of its own.
+    arm[layout.BASE_ROTATION : layout.BASE_ROTATION + 9 : 4] = 1.0
+    arm[layout.TOOL_ROTATION : layout.TOOL_ROTATION + 9 : 4] = 1.0
     arm[layout.SIZE] = chain.size
     arm[layout.REACH : layout.REACH + 9] = DEFAULT.for_kernels()
     arm[layout.H : layout.H + 18] = chain.H.ravel()

@@ -90,6 +90,7 @@ def _with_shoulder(structure: Structure, chain: Chain, shoulder: str) -> Plan:
         arm=arm,
         solve=solve,
         explain=lambda rotation, point: _explain(arm, shoulder, rotation, point),
+        by_quartic=not shoulder,
     )
 
 
@@ -111,7 +112,7 @@ def _front(chain: Chain, frames: DHFrames, centre: Array) -> float:
     The front is where the shoulder's offset puts axis 2; without one, where the wrist is at q = 0; if that is on
     axis 1, where a positive turn of joint 2 leans the arm.
     """
-    if frames.a[0] > 0.0:
+    if frames.a[0] > 1e-6 * chain.size:
         return 1.0
     x = frames.base[:3, 0]
     ahead = float((centre - frames.base[:3, 3]) @ x)

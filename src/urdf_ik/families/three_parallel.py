@@ -81,6 +81,7 @@ def _with_wrist(structure: Structure, chain: Chain, crossing: bool) -> Plan:
         arm=arm,
         solve=kernels.solve_intersecting_56 if crossing else kernels.solve_general_wrist,
         explain=lambda rotation, point: _explain(arm, crossing, rotation, point),
+        by_quartic=not crossing,
     )
 
 
