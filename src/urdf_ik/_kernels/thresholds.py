@@ -21,9 +21,9 @@ AROUND, FAR_OFF = 12, 1e-4
 
 # A root this close to the unit circle (of its logarithm) may be real, rounding moves double roots off it by half
 # their digits; this close, it should be.
-NEAR_CIRCLE, ON_CIRCLE = 0.03, 1e-3
+NEAR_CIRCLE, ON_CIRCLE = 0.03, 0.02
 # Three roots closer together than this may be taken for each other.
-CROWDED = 0.02
+CROWDED = 0.04
 # Noise of a determinant's harmonics that it is no longer trusted with.
 LARGEST_NOISE = 1e-7
 # Below this smallest singular value of the Jacobian a second solution may be next door.
