@@ -72,7 +72,7 @@ def damaged_ik(change: Callable[[np.ndarray, np.ndarray], None], *, where: str =
 # ---------------------------------------------------------------- sound arms
 
 
-@pytest.mark.parametrize(("name", "n"), [("zyyzyz_6r", 60), ("dh_6r", 60), ("ur5", 15)])
+@pytest.mark.parametrize(("name", "n"), [("zyyzyz_6r", 60), ("dh_6r", 60), ("ur3", 8), ("ur5", 15), ("ur10", 8)])
 def test_a_sound_arm_passes(name: str, n: int) -> None:
     """Every property of a sound arm holds, every row compared something, and nothing was left out."""
     report = check(loaded(name), n, seed=1)

@@ -9,7 +9,17 @@ import numpy as np
 
 from urdf_ik._kernels import layout
 from urdf_ik._kernels import spherical_wrist as kernels
-from urdf_ik.families.plan import Plan, cheapest, ideal_frames, imperfection, mean_direction, method_in_words, pack
+from urdf_ik.families.plan import (
+    NAMES,
+    SIGNS,
+    Plan,
+    cheapest,
+    ideal_frames,
+    imperfection,
+    mean_direction,
+    method_in_words,
+    pack,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -20,13 +30,6 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-_SIGNS = np.array([[front, up, flip] for front in (1, -1) for up in (1, -1) for flip in (1, -1)], dtype=np.float64)
-_NAMES = tuple(
-    f"shoulder {front}, elbow {up}, wrist {flip}"
-    for front in ("front", "back")
-    for up in ("up", "down")
-    for flip in ("noflip", "flip")
-)
 _ROOTS = tuple(f"position {k}, wrist {flip}" for k in (1, 2, 3, 4) for flip in ("noflip", "flip"))
 # An offset [of the arm's size] or an angle [rad] that can be divided by.
 _CLEAR = 1e-4
@@ -72,7 +75,7 @@ def _with_shoulder(structure: Structure, chain: Chain, shoulder: str) -> Plan:
     meet[0] = crossing or shoulder == "1x2"
     frames, error = ideal_frames(chain, directions, points, parallel, meet)
     angle, distance = imperfection(structure, pairs, [1] if shoulder == "1x2" else [])
-    arm = pack(chain, frames, error, _SIGNS)
+    arm = pack(chain, frames, error, SIGNS)
     _fill(arm, shoulder, _front(chain, frames, points[3]))
     name = {"2||3": "2||3 and 1x2" if crossing else "2||3", "": "general shoulder"}.get(shoulder, shoulder)
     solve = {
@@ -84,7 +87,7 @@ def _with_shoulder(structure: Structure, chain: Chain, shoulder: str) -> Plan:
     return Plan(
         family=f"6R spherical wrist, {name}",
         method=method_in_words(_STEPS[shoulder], error),
-        branches=_NAMES if shoulder else _ROOTS,
+        branches=NAMES if shoulder else _ROOTS,
         imperfection=(angle, max(distance, wrist.imperfection if wrist else 0.0)),
         error=error,
         arm=arm,
@@ -133,7 +136,7 @@ def _fill(arm: Array, shoulder: str, ahead: float) -> None:
     height = centre[2] + d[1]
     if shoulder == "2||3":
         arm[layout.HEIGHT] = d[0] + ca[1] * height
-        signs = _SIGNS.copy()
+        signs = SIGNS.copy()
         signs[:, 0] *= ahead
         # The elbow is up where it lies above the line from shoulder to wrist, seen along axis 1.
         signs[:, 1] *= -ca[1] * np.sign(sa[0]) * signs[:, 0]

@@ -9,7 +9,17 @@ import numpy as np
 
 from urdf_ik._kernels import layout
 from urdf_ik._kernels import three_parallel as kernels
-from urdf_ik.families.plan import Plan, cheapest, ideal_frames, imperfection, mean_direction, method_in_words, pack
+from urdf_ik.families.plan import (
+    NAMES,
+    SIGNS,
+    Plan,
+    cheapest,
+    ideal_frames,
+    imperfection,
+    mean_direction,
+    method_in_words,
+    pack,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -19,13 +29,6 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-_SIGNS = np.array([[front, up, flip] for front in (1, -1) for up in (1, -1) for flip in (1, -1)], dtype=np.float64)
-_NAMES = tuple(
-    f"shoulder {front}, elbow {up}, wrist {flip}"
-    for front in ("front", "back")
-    for up in ("up", "down")
-    for flip in ("noflip", "flip")
-)
 _ROOTS = tuple(
     f"position {root}, elbow {up}" for first in (1, 3) for up in ("up", "down") for root in (first, first + 1)
 )
@@ -59,7 +62,7 @@ def _with_wrist(structure: Structure, chain: Chain, crossing: bool) -> Plan:
     directions[1:4] = mean_direction(directions[1:4])
     meet = [False, False, False, False, crossing]
     frames, error = ideal_frames(chain, directions, points, [False, True, True, False, False], meet)
-    arm = pack(chain, frames, error, _SIGNS)
+    arm = pack(chain, frames, error, SIGNS)
     ca, sa = arm[layout.COS_ALPHA : layout.COS_ALPHA + 5], arm[layout.SIN_ALPHA : layout.SIN_ALPHA + 5]
     d = arm[layout.D : layout.D + 4]
     turn_3, turn_4 = ca[1], ca[1] * ca[2]
@@ -75,7 +78,7 @@ def _with_wrist(structure: Structure, chain: Chain, crossing: bool) -> Plan:
     return Plan(
         family="6R 2||3||4 and 5x6" if crossing else "6R 2||3||4",
         method=method_in_words(steps, error),
-        branches=_NAMES if crossing else _ROOTS,
+        branches=NAMES if crossing else _ROOTS,
         imperfection=(parallel.imperfection if parallel else 0.0, distance),
         error=error,
         arm=arm,
