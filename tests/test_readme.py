@@ -26,7 +26,9 @@ def test_the_tour_prints_what_it_shows() -> None:
 
 def test_the_command_prints_what_is_shown() -> None:
     """`urdf-ik ik zyyzyz_6r` prints what the README shows; errors, which are rounding, may differ in their digits."""
-    shown = re.search(r"This is what both print:\n\n```text\n(.*?)```", README, re.DOTALL)
+    shown = re.search(
+        r"This is what `make run` and `urdf-ik ik zyyzyz_6r` print:\s*```text\n(.*?)```", README, re.DOTALL
+    )
     assert shown is not None
     command = [sys.executable, "-m", "urdf_ik.cli", "ik", "zyyzyz_6r"]
     printed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
@@ -35,3 +37,16 @@ def test_the_command_prints_what_is_shown() -> None:
     rounding = re.compile(r"\d\.\de-\d+|\b0\b")
     first, second = (rounding.sub("E", text.split(table)[1]).split() for text in (printed, shown[1]))
     assert first == second
+
+
+def test_the_shortened_outputs_are_lines_of_the_whole() -> None:
+    """`info` and `check` print the lines that the README shows of them, in that order, up to digits of rounding."""
+    for command in ("info", "check"):
+        shown = re.search(rf"`urdf-ik {command} zyyzyz_6r`[^`]*```text\n(.*?)```", README, re.DOTALL)
+        assert shown is not None
+        arguments = [sys.executable, "-m", "urdf_ik.cli", command, "zyyzyz_6r"]
+        printed = subprocess.run(arguments, capture_output=True, text=True, check=True).stdout
+        rounding = re.compile(r"\d\.\de-1[3-9]")
+        lines = iter([rounding.sub("E", line) for line in printed.splitlines()])
+        for line in shown[1].splitlines():
+            assert rounding.sub("E", line) in lines, line

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 _ROOTS = tuple(f"position {k}, wrist {flip}" for k in (1, 2, 3, 4) for flip in ("noflip", "flip"))
 # An offset [of the arm's size] or an angle [rad] that can be divided by.
-_CLEAR = 1e-4
+_CLEAR = 3e-3
 _STEPS = {
     "2||3": "wrist centre first: joint 1 by the plane it lies in, elbow by the law of cosines; then the wrist",
     "1x2": "wrist centre first: joint 3 by its distance, joints 2 and 1 by its height; then the wrist",
@@ -104,7 +104,7 @@ def _shoulders(structure: Structure, chain: Chain) -> list[str]:
     if np.sin(second.angle) < _CLEAR:
         return kinds
     kinds += ["1x2"] * structure.is_intersecting(1)
-    if first.distance > _CLEAR * chain.size and np.sin(first.angle) > _CLEAR:
+    if not kinds or (first.distance > _CLEAR * chain.size and np.sin(first.angle) > _CLEAR):
         kinds.append("")
     return kinds
 

@@ -13,7 +13,6 @@ from urdf_ik.families.plan import (
     NAMES,
     SIGNS,
     Plan,
-    cheapest,
     ideal_frames,
     imperfection,
     mean_direction,
@@ -32,8 +31,6 @@ if TYPE_CHECKING:
 _ROOTS = tuple(
     f"position {root}, elbow {up}" for first in (1, 3) for up in ("up", "down") for root in (first, first + 1)
 )
-# An offset [of the arm's size] that can be divided by.
-_CLEAR = 1e-4
 
 
 def matches(structure: Structure) -> bool:
@@ -51,12 +48,8 @@ def matches(structure: Structure) -> bool:
 
 
 def prepare(structure: Structure, chain: Chain) -> Plan:
-    """Parameters of the arm with three parallel axes, whose axes 5 and 6 meet, exactly or nearly, or do not."""
-    kinds = [True] * structure.is_intersecting(5) + [False] * (structure.pairs[4].distance > _CLEAR * chain.size)
-    return cheapest(_with_wrist(structure, chain, crossing) for crossing in kinds)
-
-
-def _with_wrist(structure: Structure, chain: Chain, crossing: bool) -> Plan:
+    """Parameters of the nearest arm with three parallel axes, whose axes 5 and 6 meet or do not."""
+    crossing = structure.is_intersecting(5)
     parallel = structure.triple(2, "parallel")
     directions, points = chain.H.copy(), chain.points.copy()
     directions[1:4] = mean_direction(directions[1:4])
