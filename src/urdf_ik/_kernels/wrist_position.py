@@ -101,7 +101,7 @@ def general_roots(px, py, pz, arm, roots):
     """
     a1, ca1, sa1 = arm[A], arm[COS_ALPHA], arm[SIN_ALPHA]
     # f is affine in (cos, sin); three values give its coefficients.
-    x0, y0, z0 = second_link(arm, 0.0, 0.0)
+    _, _, z0 = second_link(arm, 0.0, 0.0)
     x1, y1, z1 = second_link(arm, 1.0, 0.0)
     x2, y2, z2 = second_link(arm, 0.0, 1.0)
     ff = 0.5 * (x1 * x1 + y1 * y1 + z1 * z1)
