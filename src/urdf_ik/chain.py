@@ -114,9 +114,7 @@ class Chain:
                 frame = frame @ np.linalg.inv(joint.origin)
         points.append(frame[:3, 3].copy())
         names = tuple(joint.name for joint in movable)
-        limits = [
-            (-np.inf, np.inf) if joint.type == "continuous" else (joint.lower, joint.upper) for joint in movable
-        ]
+        limits = [(-np.inf, np.inf) if joint.type == "continuous" else (joint.lower, joint.upper) for joint in movable]
         return cls(
             base=base,
             tip=tip,
@@ -161,9 +159,7 @@ class Chain:
         Q = self.check(q)
         T = np.empty((*Q.shape[:-1], 4, 4))
         many = math.prod(Q.shape[:-1])
-        screws.forward_batch(
-            self.H, self.P, self.R_tip, self.prismatic, Q.reshape(many, self.n), T.reshape(many, 4, 4)
-        )
+        screws.forward_batch(self.H, self.P, self.R_tip, self.prismatic, Q.reshape(many, self.n), T.reshape(many, 4, 4))
         return T
 
     def jacobian(self, q: ArrayLike) -> NDArray[np.float64]:
@@ -312,4 +308,3 @@ def _tree(model: UrdfModel, names: tuple[str, ...]) -> tuple[TreeJoint, ...]:
             )
             waiting.append(joint.child)
     return tuple(out)
-

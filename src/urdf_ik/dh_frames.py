@@ -37,6 +37,13 @@ class DHFrames:
     offset: Array
     tool: Array
 
+    def steps(self) -> list[Array]:
+        """The n + 1 constant motions between the joints' turns, from frame 1 to frame n, offsets included."""
+        steps = [rotation_z(self.offset[0])]
+        for a, alpha, d, offset in zip(self.a, self.alpha, self.d, self.offset[1:], strict=True):
+            steps.append(step_x(a, alpha) @ slide_z(d) @ rotation_z(offset))
+        return [*steps, np.eye(4)]
+
     def fk(self, q: Array) -> Array:
         """Pose (4, 4) of the tip for one joint vector (n,) of revolute joints."""
         T = self.base

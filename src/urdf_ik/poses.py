@@ -188,9 +188,7 @@ def as_pose_array(T: Any) -> Array:
         raise PoseError(f"poses must be an array of numbers (..., 4, 4): {error}") from None
     if array.dtype.kind not in "fiu":
         what = type(T).__name__ if array.dtype == np.object_ else f"{type(T).__name__} of {array.dtype}"
-        raise PoseError(
-            f"{what} given; a pose is a 4x4 array of real numbers, a pinocchio.SE3, or a list of either"
-        )
+        raise PoseError(f"{what} given; a pose is a 4x4 array of real numbers, a pinocchio.SE3, or a list of either")
     if array.shape[-2:] != (4, 4):
         raise PoseError(f"an array of shape {array.shape} given; poses have the shape (..., 4, 4)")
     return np.require(array, np.float64, ["C", "A", "E"])

@@ -15,7 +15,16 @@ from urdf_ik._kernels.polynomials import LANES, self_inversive_roots
 from urdf_ik._kernels.refine import STARTS, is_new, keep, least_stretch, place, refine, start_beside
 from urdf_ik._kernels.screws import jacobian_from_axes
 from urdf_ik._kernels.target import check_target, project_rotation
-from urdf_ik._kernels.thresholds import CONVERGED, CROWDED, FINISHED, LARGEST_NOISE, NEAR_CIRCLE, NEAR_FOLD, ON_CIRCLE
+from urdf_ik._kernels.thresholds import (
+    CLOSE,
+    CONVERGED,
+    CROWDED,
+    FINISHED,
+    LARGEST_NOISE,
+    NEAR_CIRCLE,
+    NEAR_FOLD,
+    ON_CIRCLE,
+)
 from urdf_ik._kernels.trig import wrap
 
 
@@ -151,7 +160,7 @@ def gather(arm, variant, circle, target, Q, flags, spare, stuck):
     stuck[16, 0] = 0.0
     for k in range(z.size):
         size = abs(z[k])
-        if 0.9 < size < 1.1 and abs(math.log(size)) < NEAR_CIRCLE:
+        if size > 0.0 and abs(math.log(size)) < NEAR_CIRCLE:
             hidden_angles[many, 0], hidden_angles[many, 1] = z[k].real / size, z[k].imag / size
             on_circle[many] = abs(math.log(size)) < ON_CIRCLE
             expected += on_circle[many]
@@ -168,7 +177,9 @@ def gather(arm, variant, circle, target, Q, flags, spare, stuck):
     newton_on_starts(arm, target, starts, many, 12, found, errors, stretches)
     for k in range(many):
         q, error = found[k], errors[k]
-        if error > CONVERGED:
+        if error > CONVERGED and error < CLOSE:
+            error = refine(arm, target, q, 40, FINISHED)
+        if error > CONVERGED and on_circle[k]:
             q[:] = starts[k]
             error = refine(arm, target, q, 40, FINISHED)
         if error < spare[6]:

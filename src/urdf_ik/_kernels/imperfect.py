@@ -1,8 +1,12 @@
-"""Arms near a family: its closed form gives starting points, the general elimination adds what they cannot tell.
+"""Arms near a family: its closed form, corrected for the arm as written, and the elimination where that cannot tell.
 
-Away from singularities the ideal arm and the arm as written have the same solutions, a small step apart. Near
-them their numbers differ: there, and wherever solutions do not come in pairs, the elimination looks too. How near
-is near is plain where each angle has a margin of its own; the other kinds are always looked at twice.
+The closed form answers for the ideal arm. Given the pose that the ideal arm must take for the arm as written to be
+in the target, it answers exactly; that pose differs from the target by what the two arms differ at the solution,
+which changes slowly, so putting the first answer's difference into the target makes the second answer better by
+about the imperfection, next to folds too. Newton's method then starts close. A branch is decided if Newton's method
+must have a single solution there (Kantorovich), or if its margin is clearly negative. A pose with a branch that is
+not decided goes on to a closer look, which the elimination has part in. How clear a margin is, is plain where each
+angle has a margin of its own; the other kinds are always looked at closely.
 """
 
 from __future__ import annotations
@@ -12,12 +16,26 @@ import math
 import numpy as np
 
 from urdf_ik._kernels import layout, spherical_wrist, three_parallel, wrist_position
-from urdf_ik._kernels.compile import inlined, kernel
+from urdf_ik._kernels.compile import inlined, kernel, step
 from urdf_ik._kernels.general_6r import complete, count
-from urdf_ik._kernels.target import check_target, project_rotation
-from urdf_ik._kernels.thresholds import ALMOST_FREE, AROUND, FAR_OFF
+from urdf_ik._kernels.newton import (
+    ANGLES,
+    COLUMN_ROWS,
+    ERROR,
+    LANES,
+    LEAST,
+    POINT,
+    ROTATION,
+    forward,
+    newton_columns,
+)
+from urdf_ik._kernels.target import check_target, project_rotation, to_frame_1
+from urdf_ik._kernels.thresholds import ALMOST_FREE, AROUND, CLOSE_BY, CONVERGED, CORRECTIONS, FAR_OFF, KANTOROVICH
+from urdf_ik._kernels.trig import wrap
 
 _WRIST, _PARALLEL = 0, 1
+_BRANCHES = 8
+_POSES = LANES // _BRANCHES
 
 
 @inlined
@@ -28,32 +46,163 @@ def _closed_form(family, kind, target, arm, q_ref, Q, flags, continuum, beside):
 
 
 @inlined
+def _ideal(family, kind, W, out, arm):
+    """The ideal arm's answers to the columns of ``W``, each for its own branch; see ``branches`` of the families."""
+    if family == _WRIST:
+        spherical_wrist.branches(kind, W, out, LANES, arm)
+    else:
+        three_parallel.branches(W, out, LANES, arm)
+
+
+@inlined
+def _correct(W, N, out, arm):
+    """Give the ideal arm other targets, in ``W``: those in ``N``, moved by what the two arms differ at its answers."""
+    for i in range(LANES):
+        q = out[0, i], out[1, i], out[2, i], out[3, i], out[4, i], out[5, i]
+        R, p = forward(arm, layout.INNER_FRAMES, q)
+        S, o = forward(arm, layout.IDEAL_FRAMES, q)
+        # The ideal arm's pose, the inverse of the real one's, and the target.
+        e = _row_between(S[0], S[1], S[2], R), _row_between(S[3], S[4], S[5], R), _row_between(S[6], S[7], S[8], R)
+        x, y, z = N[POINT, i] - p[0], N[POINT + 1, i] - p[1], N[POINT + 2, i] - p[2]
+        for r in range(3):
+            for c in range(3):
+                W[3 * r + c, i] = (
+                    e[r][0] * N[ROTATION + c, i] + e[r][1] * N[ROTATION + 3 + c, i] + e[r][2] * N[ROTATION + 6 + c, i]
+                )
+            W[9 + r, i] = o[r] + (e[r][0] * x + e[r][1] * y + e[r][2] * z)
+
+
+@step
+def _row_between(a, b, c, R):
+    """The row (a, b, c) times the transposed of ``R`` (9)."""
+    return a * R[0] + b * R[1] + c * R[2], a * R[3] + b * R[4] + c * R[5], a * R[6] + b * R[7] + c * R[8]
+
+
+@inlined
+def _fill(W, N, X, arm, first):
+    """A pose in frame 1 (12,) and the signs of its branches to eight columns from ``first``."""
+    for b in range(_BRANCHES):
+        for r in range(12):
+            W[r, first + b] = X[r]
+            N[ROTATION + r, first + b] = X[r]
+        for r in range(3):
+            W[13 + r, first + b] = arm[layout.SIGNS + 3 * b + r]
+
+
+@inlined
+def _steepness(family, arm):
+    """How fast a margin changes with the joint vector that the correction is taken at, per rad.
+
+    A squared sine changes by up to four times what the pose changes by, a wrist's by that over the square of the
+    sine of its last twist; an elbow's by the law of cosines.
+    """
+    upper, lower = arm[layout.A + 1], arm[layout.RHO] if family == _WRIST else arm[layout.A + 2]
+    elbow = 4.0 * (upper + lower) * arm[layout.SIZE] / (upper * lower)
+    wrist = 4.0 / (arm[layout.SIN_ALPHA + 4] * arm[layout.SIN_ALPHA + 4])
+    return arm[layout.DRIFT] * max(elbow, wrist)
+
+
+@inlined
+def _decide(family, N, out, past, arm, answer):
+    """Polish what is in doubt, and tell what can be told of it; returns how many columns stay in doubt.
+
+    ``answer`` (7, LANES): joint vector, and 0 where there is no solution, 1 where there is one, 2 in doubt.
+    """
+    for j in range(6):
+        for i in range(LANES):
+            N[ANGLES + j, i] = out[j, i]
+    newton_columns(arm, layout.INNER_FRAMES, N, 5)
+    error, steep = arm[layout.IMPERFECTION], _steepness(family, arm)
+    open_columns = 0
+    for i in range(LANES):
+        if answer[6, i] != 2.0:
+            continue
+        last, moved = 0.0, 0.0
+        for j in range(6):
+            last = max(last, abs(wrap(out[j, i] - past[j, i])))
+            moved = max(moved, abs(wrap(N[ANGLES + j, i] - out[j, i])))
+            answer[j, i] = N[ANGLES + j, i]
+        # A solution lies as far from the answer as an arm of this length lets the imperfection turn it, and at x
+        # beside a fold its margin, x^2, is less than it would be here by steep x: at most steep^2 / 4.
+        away = min(last + 0.25 * steep + error / math.sqrt(out[15, i] + 1e-300), 1.0)
+        if N[ERROR, i] <= CONVERGED and moved <= KANTOROVICH * N[LEAST, i] and out[14, i] > 0.0:
+            answer[6, i] = 1.0
+        elif out[14, i] < -steep * away - 1e-12:
+            answer[6, i] = 0.0
+        else:
+            open_columns += 1
+    return open_columns
+
+
+@inlined
 def solve(family, kind, T, arm, q_ref, Q, flags):
     """All solutions of poses ``T`` (m, 4, 4) to ``Q`` (m, 16, 6) and ``flags`` (m, 16).
 
     Arguments and result as those of ``spherical_wrist.solve``.
     """
-    proper, around = np.empty((4, 4)), np.zeros(7)
-    almost_free = (ALMOST_FREE * arm[layout.IMPERFECTION]) ** 2
+    W, out, N = np.empty((layout.ROWS, LANES)), np.empty((16, LANES)), np.empty((COLUMN_ROWS, LANES))
+    past, answer, X, proper = np.empty((6, LANES)), np.empty((7, LANES)), np.empty(12), np.empty((_POSES, 4, 4))
     plain = kind == (wrist_position.PARALLEL_23 if family == _WRIST else three_parallel.INTERSECTING_56)
-    # Far enough from the ideal arm the elimination is in its element; next to it, starts beside the candidates are.
-    beside = arm[layout.IMPERFECTION] < FAR_OFF
-    for i in range(T.shape[0]):
-        if not check_target(T[i]) <= arm[layout.ROTATION]:
-            return i
-        project_rotation(T[i], proper)
-        Q[i, :, :] = math.nan
-        flags[i, :] = 0
-        near = _closed_form(family, kind, proper, arm, q_ref, Q[i], flags[i], arm[layout.CONTINUUM], beside)
-        if near == 2:
-            # The ideal arm's free joint is not free: its few true values lie anywhere on the circle.
-            for k in range(AROUND):
-                around[:6] = math.pi * (2.0 * k / AROUND - 1.0)
-                _closed_form(family, kind, proper, arm, around, Q[i], flags[i], almost_free, False)
-        found = count(flags[i])
-        if near > 0 or found == 0 or found % 2 == 1 or not plain:
-            complete(arm, proper, Q[i], flags[i])
+    for start in range(0, T.shape[0], _POSES):
+        for k in range(_POSES):
+            i = min(start + k, T.shape[0] - 1)
+            if not check_target(T[i]) <= arm[layout.ROTATION]:
+                return i
+            project_rotation(T[i], proper[k])
+            to_frame_1(proper[k], arm, X)
+            _fill(W, N, X, arm, _BRANCHES * k)
+        for i in range(LANES):
+            answer[6, i] = 2.0
+        if plain:
+            _ideal(family, kind, W, out, arm)
+            for _ in range(CORRECTIONS):
+                for j in range(6):
+                    for i in range(LANES):
+                        past[j, i] = out[j, i]
+                _correct(W, N, out, arm)
+                _ideal(family, kind, W, out, arm)
+                if _decide(family, N, out, past, arm, answer) == 0:
+                    break
+        for k in range(min(_POSES, T.shape[0] - start)):
+            i, first = start + k, _BRANCHES * k
+            found, decided = 0, True
+            for b in range(_BRANCHES):
+                state = answer[6, first + b]
+                found += state == 1.0
+                decided = decided and state != 2.0
+                flags[i, b] = layout.VALID if state == 1.0 else 0
+                for j in range(6):
+                    Q[i, b, j] = answer[j, first + b] if state == 1.0 else math.nan
+            for b in range(_BRANCHES, Q.shape[1]):
+                flags[i, b] = 0
+                for j in range(6):
+                    Q[i, b, j] = math.nan
+            if not decided or found % 2 == 1:
+                _look_closely(family, kind, proper[k], arm, q_ref, Q[i], flags[i])
     return -1
+
+
+@inlined
+def _look_closely(family, kind, target, arm, q_ref, Q, flags):
+    """Add what is missing to the solutions of one pose in ``Q`` (16, 6) and ``flags`` (16,)."""
+    plain = kind == (wrist_position.PARALLEL_23 if family == _WRIST else three_parallel.INTERSECTING_56)
+    # Far enough from the ideal arm the elimination is in its element; close to it, starts beside the candidates are.
+    beside = arm[layout.IMPERFECTION] < CLOSE_BY
+    if plain and arm[layout.IMPERFECTION] > FAR_OFF:
+        complete(arm, target, Q, flags)
+        return
+    Q[:, :] = math.nan
+    flags[:] = 0
+    near = _closed_form(family, kind, target, arm, q_ref, Q, flags, arm[layout.CONTINUUM], beside)
+    if near == 2:
+        # The ideal arm's free joint is not free: its few true values lie anywhere on the circle.
+        around, almost_free = np.zeros(7), (ALMOST_FREE * arm[layout.IMPERFECTION]) ** 2
+        for k in range(AROUND):
+            around[:6] = math.pi * (2.0 * k / AROUND - 1.0)
+            _closed_form(family, kind, target, arm, around, Q, flags, almost_free, False)
+    found = count(flags)
+    if near > 0 or found == 0 or found % 2 == 1 or not plain:
+        complete(arm, target, Q, flags)
 
 
 @kernel

@@ -21,9 +21,12 @@ CLAMP, IMPERFECTION = 73, 74
 SIGNS, H, P, R_TIP = 76, 100, 118, 139
 # The arm as written again, for Newton's method: 1 / size, and seven frames (rotation 9, translation 3).
 INVERSE_SIZE, FRAMES = 75, 148
-LENGTH = 232
+# For imperfect arms, the same from the ideal arm's frame 1 to its frame 6, of the arm as written and of the ideal
+# one; and how fast the difference of the two changes with the joint vector, per rad.
+INNER_FRAMES, IDEAL_FRAMES, DRIFT = 232, 316, 400
+LENGTH = 404
 # General 6R, behind these: inverse of the tip's home pose (3, 4), centre of the axes, 1 / scale, number of variants.
-HOME_INVERSE, CENTRE_OF_AXES, SCALE, VARIANTS, FIRST_VARIANT = 232, 244, 247, 248, 252
+HOME_INVERSE, CENTRE_OF_AXES, SCALE, VARIANTS, FIRST_VARIANT = 404, 416, 419, 420, 424
 
 # Rows of a block's workspace: target (0-12), signs of the branch (13-15), root (16-17), scratch (13-25).
 ROWS, BLOCK = 26, 32

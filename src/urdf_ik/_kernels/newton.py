@@ -23,10 +23,9 @@ _TINY = 1e-300
 
 
 @step
-def _beyond(F, k, R, p, angle):
-    """Frame (R, p) moved by a turn ``angle`` about its z axis and the k-th step of ``F``."""
+def _beyond(F, f, R, p, angle):
+    """Frame (R, p) moved by a turn ``angle`` about its z axis and the step that stands at ``f`` in ``F``."""
     r00, r01, r02, r10, r11, r12, r20, r21, r22 = R
-    f = layout.FRAMES + 12 * k
     c, s = cos_sin(angle)
     x0, y0 = c * r00 + s * r01, c * r01 - s * r00
     x1, y1 = c * r10 + s * r11, c * r11 - s * r10
@@ -40,6 +39,13 @@ def _beyond(F, k, R, p, angle):
     a, b, d = F[f + 9], F[f + 10], F[f + 11]
     p = p[0] + (x0 * a + y0 * b + r02 * d), p[1] + (x1 * a + y1 * b + r12 * d), p[2] + (x2 * a + y2 * b + r22 * d)
     return (n00, n01, n02, n10, n11, n12, n20, n21, n22), p
+
+
+@step
+def _first(F, f):
+    """The frame on axis 1."""
+    R = F[f], F[f + 1], F[f + 2], F[f + 3], F[f + 4], F[f + 5], F[f + 6], F[f + 7], F[f + 8]
+    return R, (F[f + 9], F[f + 10], F[f + 11])
 
 
 @step
@@ -101,22 +107,33 @@ def _solved(j0, j1, j2, j3, j4, j5, e):
 
 
 @step
-def newton_step(F, G, p, q):
+def forward(F, f, q):
+    """Rotation (9) and point (3) of the tip at ``q`` (6 angles)."""
+    R, p = _first(F, f)
+    R, p = _beyond(F, f + 12, R, p, q[0])
+    R, p = _beyond(F, f + 24, R, p, q[1])
+    R, p = _beyond(F, f + 36, R, p, q[2])
+    R, p = _beyond(F, f + 48, R, p, q[3])
+    R, p = _beyond(F, f + 60, R, p, q[4])
+    return _beyond(F, f + 72, R, p, q[5])
+
+
+@step
+def newton_step(F, f, G, p, q):
     """Pose error at ``q`` (6 angles) towards the rotation ``G`` (9) and point ``p`` (3), and the step that mends it.
 
+    The arm's frames stand at ``f`` in ``F``.
     Returns the greatest entry of the twist (see ``refine.pose_error``), the step clamped to half a radian, and a
     bound from below on the Jacobian's smallest singular value (see ``_solved``).
     """
     scale = F[layout.INVERSE_SIZE]
-    f = layout.FRAMES
-    R1 = F[f], F[f + 1], F[f + 2], F[f + 3], F[f + 4], F[f + 5], F[f + 6], F[f + 7], F[f + 8]
-    p1 = F[f + 9], F[f + 10], F[f + 11]
-    R2, p2 = _beyond(F, 1, R1, p1, q[0])
-    R3, p3 = _beyond(F, 2, R2, p2, q[1])
-    R4, p4 = _beyond(F, 3, R3, p3, q[2])
-    R5, p5 = _beyond(F, 4, R4, p4, q[3])
-    R6, p6 = _beyond(F, 5, R5, p5, q[4])
-    R, tip = _beyond(F, 6, R6, p6, q[5])
+    R1, p1 = _first(F, f)
+    R2, p2 = _beyond(F, f + 12, R1, p1, q[0])
+    R3, p3 = _beyond(F, f + 24, R2, p2, q[1])
+    R4, p4 = _beyond(F, f + 36, R3, p3, q[2])
+    R5, p5 = _beyond(F, f + 48, R4, p4, q[3])
+    R6, p6 = _beyond(F, f + 60, R5, p5, q[4])
+    R, tip = _beyond(F, f + 72, R6, p6, q[5])
     e0, e1, e2 = (p[0] - tip[0]) * scale, (p[1] - tip[1]) * scale, (p[2] - tip[2]) * scale
     e3 = 0.5 * (R[3] * G[6] - R[6] * G[3] + R[4] * G[7] - R[7] * G[4] + R[5] * G[8] - R[8] * G[5])
     e4 = 0.5 * (R[6] * G[0] - R[0] * G[6] + R[7] * G[1] - R[1] * G[7] + R[8] * G[2] - R[2] * G[8])
@@ -159,7 +176,7 @@ def newton(arm, target, q, rounds):
     p = target[0, 3], target[1, 3], target[2, 3]
     previous = math.inf
     for k in range(rounds + 1):
-        error, x, _ = newton_step(arm, G, p, (q[0], q[1], q[2], q[3], q[4], q[5]))
+        error, x, _ = newton_step(arm, layout.FRAMES, G, p, (q[0], q[1], q[2], q[3], q[4], q[5]))
         if k == rounds or error < FINISHED or (error < CONVERGED and error > 0.1 * previous):
             return error
         previous = error
@@ -173,14 +190,18 @@ ANGLES, ROTATION, POINT, ERROR, LEAST, _NEXT, COLUMN_ROWS = 0, 6, 15, 18, 19, 20
 
 
 @inlined
-def newton_columns(arm, W, rounds):
-    """``newton`` on the columns of ``W`` (COLUMN_ROWS, LANES) side by side, until none gains by another round."""
+def newton_columns(arm, frames, W, rounds):
+    """``newton`` on the columns of ``W`` (COLUMN_ROWS, LANES) side by side, until none gains by another round.
+
+    ``frames``: where the arm's frames stand in ``arm``.
+    """
     for i in range(LANES):
         W[ERROR, i] = math.inf
     for k in range(rounds + 1):
         for i in range(LANES):
             error, x, least = newton_step(
                 arm,
+                frames,
                 (W[6, i], W[7, i], W[8, i], W[9, i], W[10, i], W[11, i], W[12, i], W[13, i], W[14, i]),
                 (W[15, i], W[16, i], W[17, i]),
                 (W[0, i], W[1, i], W[2, i], W[3, i], W[4, i], W[5, i]),
@@ -223,7 +244,7 @@ def newton_on_starts(arm, target, starts, many, rounds, found, errors, stretches
             for c in range(3):
                 W[ROTATION + 3 * r + c, i] = target[r, c]
             W[POINT + r, i] = target[r, 3]
-    newton_columns(arm, W, rounds)
+    newton_columns(arm, layout.FRAMES, W, rounds)
     for i in range(many):
         for j in range(6):
             found[i, j] = W[j, i]

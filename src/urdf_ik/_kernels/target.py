@@ -77,9 +77,7 @@ def to_frame_1(T, arm, X):
             X[3 * r + c] = s
         s = 0.0
         for k in range(3):
-            s += arm[3 * r + k] * (
-                T[k, 0] * arm[21] + T[k, 1] * arm[22] + T[k, 2] * arm[23] + T[k, 3] - arm[9 + k]
-            )
+            s += arm[3 * r + k] * (T[k, 0] * arm[21] + T[k, 1] * arm[22] + T[k, 2] * arm[23] + T[k, 3] - arm[9 + k])
         X[9 + r] = s
 
 

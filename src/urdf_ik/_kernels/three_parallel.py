@@ -101,6 +101,10 @@ def branches(W, out, m, arm):
         out[9, i] = wrap(-t3 - arm[OFFSET + 2])
         out[10, i] = wrap(wrap(arm[TURN_4] * (phi - t2d + side * t3) - arm[OFFSET + 3]))
         out[11, i], out[12, i], out[13, i] = q5, q6, state
+        out[14, i], out[15, i] = (
+            min(min(m1, m3), m2 if (fixed > edge) | (m2 > 0.0) else 0.0),
+            min(fixed, min(arm1, arm2)),
+        )
 
 
 @kernel
@@ -384,7 +388,7 @@ def solve(kind, T, arm, q_ref, Q, flags):
     ``q_ref`` (7,): the joint vector that representatives are taken near, and 1 where it was given, 0 where it
     stands for zeros. Returns the index of the first target that is no pose, -1 where all are.
     """
-    W, out = np.empty((ROWS, BLOCK)), np.empty((14, BLOCK))
+    W, out = np.empty((ROWS, BLOCK)), np.empty((16, BLOCK))
     proper = np.empty((4, 4))
     care = np.empty(BLOCK, np.bool_)
     single = T.shape[0] == 1
@@ -405,9 +409,7 @@ def solve(kind, T, arm, q_ref, Q, flags):
                 project_rotation(T[start + i], proper)
                 Q[start + i, :, :] = math.nan
                 flags[start + i, :] = 0
-                solve_with_care(
-                    kind, proper, arm, q_ref, Q[start + i], flags[start + i], arm[layout.CONTINUUM], True
-                )
+                solve_with_care(kind, proper, arm, q_ref, Q[start + i], flags[start + i], arm[layout.CONTINUUM], True)
     return -1
 
 

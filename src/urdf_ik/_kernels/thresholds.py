@@ -17,13 +17,22 @@ PATIENCE = 7
 NEAR, NEAR_BY_SINE, NEAR_BY_ARM = 1e-3, 5.0, 10.0
 # Up to this multiple of its imperfection an arm that swings freely on the ideal arm does so almost.
 ALMOST_FREE = 5.0
-# Places on the circle from which an almost free joint is tried; imperfection up to which starts beside candidates
-# help, because the elimination has not come into its element yet.
-AROUND, FAR_OFF = 12, 1e-4
+# Newton's method, moved by less than this share of the Jacobian's smallest singular value, has found the one solution
+# there: with J's Lipschitz constant at most 1, Kantorovich's theorem asks for a half.
+KANTOROVICH = 0.5
+# How often an imperfect arm's target is corrected before the elimination is asked.
+CORRECTIONS = 4
+# Places on the circle from which an almost free joint is tried.
+AROUND = 12
+# Imperfection up to which starts beside candidates help, because the elimination has not come into its element yet,
+# and from which the ideal arm's candidates add nothing to it.
+CLOSE_BY, FAR_OFF = 1e-4, 1e-3
 
-# A root this close to the unit circle (of its logarithm) may be real, rounding moves double roots off it by half
-# their digits; this close, it should be.
-NEAR_CIRCLE, ON_CIRCLE = 0.03, 0.02
+# A root this close to the unit circle (of its logarithm) may be real: a moved axis, and rounding, push double roots
+# off it by half their digits; this close, it should be.
+NEAR_CIRCLE, ON_CIRCLE = 0.1, 0.02
+# An error from which Newton's method, slow at a double root, may still arrive.
+CLOSE = 1e-4
 # Three roots closer together than this may be taken for each other.
 CROWDED = 0.04
 # Noise of a determinant's harmonics that it is no longer trusted with.

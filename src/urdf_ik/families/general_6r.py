@@ -78,9 +78,7 @@ def _scaled(chain: Chain) -> tuple[Array, Array, Array, float]:
     return chain.H, points * scale, centre, scale
 
 
-def _best(
-    arm: Array, chain: Chain, H: Array, points: Array, centre: Array, scale: float, home_inverse: Array
-) -> Array:
+def _best(arm: Array, chain: Chain, H: Array, points: Array, centre: Array, scale: float, home_inverse: Array) -> Array:
     """``arm`` with a few variants behind it, in the order in which they are to be tried.
 
     Each is tried on planted poses. What counts most is that a variant does not miss a solution without giving
@@ -93,7 +91,7 @@ def _best(
     arm[layout.SCALE] = scale
     rng = np.random.default_rng(0)
     targets = chain.fk(_planted(chain, rng))
-    ways, rows, counts, doubts = [], [], [], []
+    rows, counts, doubts = [], [], []
     for shift in _SHIFTS:
         moved = H + shift * rng.standard_normal((6, 3))
         moved /= np.linalg.norm(moved, axis=1, keepdims=True)
@@ -103,7 +101,6 @@ def _best(
                 row = _variant(moved, at, first, reverse)
                 count, doubt = np.empty(len(targets), np.int64), np.empty(len(targets), np.bool_)
                 kernels.trial(arm, row, targets, count, doubt)
-                ways.append((first, reverse))
                 rows.append(row)
                 counts.append(count)
                 doubts.append(doubt)
@@ -115,7 +112,7 @@ def _best(
         silent = (missed * ~doubt)[:, open_poses].sum(axis=1)
         rest = (missed + doubt)[:, open_poses].sum(axis=1)
         order = sorted(range(len(rows)), key=lambda k: (silent[k], rest[k], k))
-        best = next(k for k in order if all(ways[k] != ways[other] for other in chosen))
+        best = next(k for k in order if k not in chosen)
         chosen.append(best)
         if (open_poses & doubt[best]).any():
             open_poses &= doubt[best]

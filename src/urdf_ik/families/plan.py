@@ -123,7 +123,10 @@ def pack(chain: Chain, frames: DHFrames, error: float, signs: Array) -> Array:
     arm[layout.CLAMP] = 100.0 * DEFAULT.fold if exact else 100.0 * DEFAULT.fold + 50.0 * error
     arm[layout.IMPERFECTION] = error
     if not exact:
-        arm[layout.EDGE] = np.inf
+        arm[layout.EDGE] = max(DEFAULT.edge, (5.0 * error) ** 2)
+        arm[layout.INNER_FRAMES : layout.INNER_FRAMES + 84] = _frames(chain, base, np.linalg.inv(tool))
+        arm[layout.IDEAL_FRAMES : layout.IDEAL_FRAMES + 84] = _as_numbers(frames.steps())
+        arm[layout.DRIFT] = _drift(chain, frames)
     arm[layout.SIGNS : layout.SIGNS + 24] = signs.ravel()
     return arm
 
@@ -140,17 +143,38 @@ def pack_as_written(chain: Chain) -> Array:
     arm[layout.P : layout.P + 21] = chain.P.ravel()
     arm[layout.R_TIP : layout.R_TIP + 9] = chain.R_tip.ravel()
     arm[layout.INVERSE_SIZE] = 1.0 / chain.size
-    arm[layout.FRAMES : layout.FRAMES + 84] = _frames(chain)
+    arm[layout.FRAMES : layout.FRAMES + 84] = _frames(chain, np.eye(4), np.eye(4))
     return arm
 
 
-def _frames(chain: Chain) -> Array:
-    """(84,) steps from the base through a frame on each joint axis, z along it, to the tip, at q = 0."""
+def _drift(chain: Chain, frames: DHFrames) -> float:
+    """Greatest change of the motion between the ideal arm's pose and the real one's, seen from axis 1 [1 / rad]."""
+    rng = np.random.default_rng(1)
+    Q = rng.uniform(-np.pi, np.pi, (60, 6))
+    shift = 1e-3
+    moved = Q + shift * rng.choice([-1.0, 1.0], (60, 6))
+    inward = np.linalg.inv(frames.base)
+
+    def between(Q: Array) -> Array:
+        ideal = np.array([frames.fk(q) for q in Q])
+        return inward @ ideal @ np.linalg.inv(chain.fk(Q)) @ frames.base
+
+    change = between(moved) - between(Q)
+    change[:, :3, 3] /= chain.size
+    return float(np.abs(change).max()) / shift
+
+
+def _frames(chain: Chain, before: Array, behind: Array) -> Array:
+    """(84,) steps from ``before`` (in the base) by a frame on each joint axis to ``behind`` (in the tip), at q = 0."""
     home = np.eye(4)
     home[:3, :3], home[:3, 3] = chain.R_tip, chain.P.sum(axis=0)
     on_axes = [frame(h, any_normal(h), p) for h, p in zip(chain.H, chain.points, strict=True)]
-    places = [np.eye(4), *on_axes, home]
-    steps = [np.linalg.inv(a) @ b for a, b in itertools.pairwise(places)]
+    places = [before, *on_axes, home @ behind]
+    return _as_numbers([np.linalg.inv(a) @ b for a, b in itertools.pairwise(places)])
+
+
+def _as_numbers(steps: Iterable[Array]) -> Array:
+    """Rigid motions (4, 4) as rows of rotation and translation, in one array."""
     return np.concatenate([np.concatenate([step[:3, :3].ravel(), step[:3, 3]]) for step in steps])
 
 
