@@ -162,6 +162,18 @@ def mean_direction(directions: Array) -> Array:
     return common
 
 
+def straightened(structure: Structure, directions: Array) -> tuple[Array, list[bool]]:
+    """Directions (n, 3) with neighbours that are parallel, or nearly, made exactly so; and which those are."""
+    parallel = [structure.is_parallel(i) for i in range(1, len(directions))]
+    straight = directions.copy()
+    start = 0
+    for end in range(1, len(directions) + 1):
+        if end == len(directions) or not parallel[end - 1]:
+            straight[start:end] = mean_direction(directions[start:end])
+            start = end
+    return straight, parallel
+
+
 def method_in_words(steps: str, error: float) -> str:
     """``steps``, with what is done about an imperfect arm."""
     if error <= DEFAULT.exact_structure:
