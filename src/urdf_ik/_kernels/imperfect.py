@@ -11,19 +11,30 @@ import math
 
 import numpy as np
 
-from urdf_ik._kernels import layout, spherical_wrist, three_parallel, wrist_position
+from urdf_ik._kernels import (
+    layout,
+    parallel_shoulder,
+    spherical_middle,
+    spherical_wrist,
+    three_parallel,
+    wrist_position,
+)
 from urdf_ik._kernels.compile import inlined, kernel
 from urdf_ik._kernels.general_6r import complete, count
 from urdf_ik._kernels.target import check_target, project_rotation
 from urdf_ik._kernels.thresholds import ALMOST_FREE, AROUND, FAR_OFF
 
-_WRIST, _PARALLEL = 0, 1
+_WRIST, _PARALLEL, _SHOULDER, _MIDDLE = 0, 1, 2, 3
 
 
 @inlined
 def _closed_form(family, kind, target, arm, q_ref, Q, flags, continuum, beside):
     if family == _WRIST:
         return spherical_wrist.solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside)
+    if family == _SHOULDER:
+        return parallel_shoulder.solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside)
+    if family == _MIDDLE:
+        return spherical_middle.solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside)
     return three_parallel.solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside)
 
 
@@ -36,6 +47,7 @@ def solve(family, kind, T, arm, q_ref, Q, flags):
     proper, around = np.empty((4, 4)), np.zeros(7)
     almost_free = (ALMOST_FREE * arm[layout.IMPERFECTION]) ** 2
     plain = kind == (wrist_position.PARALLEL_23 if family == _WRIST else three_parallel.INTERSECTING_56)
+    plain = plain and (family == _WRIST or family == _PARALLEL)
     # Far enough from the ideal arm the elimination is in its element; next to it, starts beside the candidates are.
     beside = arm[layout.IMPERFECTION] < FAR_OFF
     for i in range(T.shape[0]):
@@ -90,3 +102,51 @@ def near_intersecting_56(T, arm, q_ref, Q, flags):
 def near_general_wrist(T, arm, q_ref, Q, flags):
     """Three parallel axes, 5 and 6 skew; see ``solve``."""
     return solve(_PARALLEL, three_parallel.GENERAL, T, arm, q_ref, Q, flags)
+
+
+@kernel
+def near_shoulder_intersecting_56(T, arm, q_ref, Q, flags):
+    """Axes 1 to 3 parallel, axes 5 and 6 intersect; see ``solve``."""
+    return solve(_SHOULDER, parallel_shoulder.INTERSECTING_56, T, arm, q_ref, Q, flags)
+
+
+@kernel
+def near_shoulder_parallel_56(T, arm, q_ref, Q, flags):
+    """Axes 1 to 3 parallel, axes 5 and 6 are parallel; see ``solve``."""
+    return solve(_SHOULDER, parallel_shoulder.PARALLEL_56, T, arm, q_ref, Q, flags)
+
+
+@kernel
+def near_shoulder_intersecting_45(T, arm, q_ref, Q, flags):
+    """Axes 1 to 3 parallel, axes 4 and 5 intersect; see ``solve``."""
+    return solve(_SHOULDER, parallel_shoulder.INTERSECTING_45, T, arm, q_ref, Q, flags)
+
+
+@kernel
+def near_shoulder_parallel_45(T, arm, q_ref, Q, flags):
+    """Axes 1 to 3 parallel, axes 4 and 5 are parallel; see ``solve``."""
+    return solve(_SHOULDER, parallel_shoulder.PARALLEL_45, T, arm, q_ref, Q, flags)
+
+
+@kernel
+def near_shoulder_general_wrist(T, arm, q_ref, Q, flags):
+    """Axes 1 to 3 parallel, axes 4, 5 and 6 are skew; see ``solve``."""
+    return solve(_SHOULDER, parallel_shoulder.GENERAL, T, arm, q_ref, Q, flags)
+
+
+@kernel
+def near_middle_intersecting_56(T, arm, q_ref, Q, flags):
+    """Axes 2 to 4 meet, axes 5 and 6 intersect; see ``solve``."""
+    return solve(_MIDDLE, spherical_middle.INTERSECTING_56, T, arm, q_ref, Q, flags)
+
+
+@kernel
+def near_middle_parallel_56(T, arm, q_ref, Q, flags):
+    """Axes 2 to 4 meet, axes 5 and 6 are parallel; see ``solve``."""
+    return solve(_MIDDLE, spherical_middle.PARALLEL_56, T, arm, q_ref, Q, flags)
+
+
+@kernel
+def near_middle_general_wrist(T, arm, q_ref, Q, flags):
+    """Axes 2 to 4 meet, axes 5 and 6 are skew; see ``solve``."""
+    return solve(_MIDDLE, spherical_middle.GENERAL, T, arm, q_ref, Q, flags)

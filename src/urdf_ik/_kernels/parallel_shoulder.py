@@ -15,10 +15,11 @@ import numpy as np
 
 from urdf_ik._kernels import layout
 from urdf_ik._kernels.compile import inlined, kernel, step
+from urdf_ik._kernels.general_6r import search_beside
 from urdf_ik._kernels.layout import COS_ALPHA, OFFSET, SIN_ALPHA, A, D
 from urdf_ik._kernels.linked_angles import linked_roots, sharpen_roots
 from urdf_ik._kernels.polynomials import root_gap
-from urdf_ik._kernels.refine import accept
+from urdf_ik._kernels.refine import accept, holds
 from urdf_ik._kernels.subproblems import (
     elbow,
     free_turn,
@@ -30,12 +31,19 @@ from urdf_ik._kernels.subproblems import (
     wrist_bend,
 )
 from urdf_ik._kernels.target import check_target, project_rotation, to_frame_1
-from urdf_ik._kernels.thresholds import ALMOST_FREE, NEAR, NEAR_BY_ARM, NEAR_BY_SINE, ROUGH, ROUNDING
+from urdf_ik._kernels.thresholds import (
+    ALMOST_FREE,
+    NEAR,
+    NEAR_BY_ARM,
+    NEAR_BY_SINE,
+    ROOTS_CROWDED,
+    ROUGH,
+    ROUGH_BY_MARGIN,
+    ROUNDING,
+)
 from urdf_ik._kernels.trig import wrap
 
 INTERSECTING_56, PARALLEL_56, INTERSECTING_45, PARALLEL_45, GENERAL = 0, 1, 2, 3, 4
-# Squared sine between axis 5 and axes 1-3 below which rounding alone may put the elbow out of reach.
-_ALMOST_ALIGNED = 1e-12
 # How often another joint 6 is tried where two joints are free and the elbow asks for a part of their range only.
 _PLACES = 24
 
@@ -176,8 +184,8 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
     near_zone = max(NEAR, NEAR_BY_SINE * arm[layout.IMPERFECTION])
     near_axis = max(NEAR, (NEAR_BY_ARM * arm[layout.IMPERFECTION]) ** 2)
     almost_free = (ALMOST_FREE * arm[layout.IMPERFECTION]) ** 2
-    rough = max(clamp, ROUGH) if kind == GENERAL else clamp
-    close, loose = False, False
+    rough = max(clamp, ROUGH)
+    close, loose, crowded, free = False, False, False, False
     size = arm[layout.SIZE]
     scale = 1.0 / (size * size)
     slack = 0.5 * clamp * size * size
@@ -204,8 +212,9 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
         c4, s4, c6, s6, m1, m3 = wrist_angles(kind, mx, my, mz, level, arm, front, flip, c6, s6)
         if kind == GENERAL:
             m1 = root_gap(roots, found, root)
+            crowded = crowded or m1 < ROOTS_CROWDED
         close = close or min(abs(m1), abs(m3)) < near_zone
-        if m1 < -clamp or m3 < -clamp:
+        if m1 < -clamp or m3 < -max(rough, ROUGH_BY_MARGIN / (max(m1, 0.0) + 1e-12)):
             continue
         if kind == INTERSECTING_56 and is_double(m1, 1.0, ROUNDING):
             # Of two signs that stand for the same root the positive one is kept, as zero.
@@ -229,19 +238,20 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
             cf, sf = turn_of_hand(X, arm, c4, s4, math.cos(t5), math.sin(t5), c6, s6)
             # From axis 1 to axis 3 across the parallel axes, by way of the last point that no free joint moves.
             ox, oy = X[9], X[10]
-            if free6 and not arm5 < _ALMOST_ALIGNED:
+            if free6 and not arm5 < ALMOST_ALIGNED:
                 fx, fy = last_across(arm, c4, s4, c5, s5)
             else:
                 ox -= arm[A + 4] * (X[0] * c6 - X[1] * s6)
                 oy -= arm[A + 4] * (X[3] * c6 - X[4] * s6)
                 fx, fy = hand_across(arm, c4, s4)
-            if free6 or arm5 < _ALMOST_ALIGNED:
+            if free6 or arm5 < ALMOST_ALIGNED:
                 given = math.atan2(sf, cf)
+                # Rounding alone may put the elbow out of reach here.
                 psi = free_turn(given, ox, oy, fx, fy, upper + lower, upper - lower, slack)
                 if math.isnan(psi):
                     continue
                 # The free joint turns with or against psi.
-                if arm5 < _ALMOST_ALIGNED:
+                if arm5 < ALMOST_ALIGNED:
                     t5 -= turn * math.copysign(1.0, vz) * (psi - given)
                 else:
                     t6 -= turn * math.copysign(1.0, mz) * (psi - given)
@@ -252,8 +262,10 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
             near = min(abs(m1), min(abs(m2), abs(m3))) < near_zone or min(arm1, min(arm5, arm6)) < near_axis
             close = close or near
             loose = loose or min(arm1, arm5) < almost_free
-            # A rough root next to an aligned wrist makes psi rough too: let Newton's method decide.
-            if m2 < -max(rough, 1e-9 / (arm5 + 1e-8) if kind == GENERAL else 0.0):
+            free = free or min(arm1, min(arm5, arm6)) < ALMOST_ALIGNED
+            # Next to a fold or an aligned wrist the angles are rough: let Newton's method decide.
+            least = max(min(m1, min(m3, arm5)), 0.0)
+            if m2 < -max(rough, (1e-9 if kind == GENERAL else ROUGH_BY_MARGIN) / (least + 1e-12)):
                 continue
             if m2 <= fold or arm1 <= fold:
                 marks |= layout.ELBOW
@@ -266,8 +278,13 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
             q[3] = wrap(math.atan2(s4, c4) - arm[OFFSET + 3])
             q[4] = _wrapped(t5 - arm[OFFSET + 4])
             q[5] = _wrapped(t6 - arm[OFFSET + 5])
-            accept(arm, target, q, b, marks, near, beside, Q, flags)
+            sure = min(m1, min(m2, m3)) >= -clamp and (free5 or free6 or arm5 >= ALMOST_ALIGNED)
+            if sure or holds(arm, target, q):
+                accept(arm, target, q, b, marks, near, beside, Q, flags)
             break
+    # Two roots of the quartic are so close that both may have led to the same solution.
+    if crowded and not free and arm[layout.IMPERFECTION] <= arm[layout.EXACT_STRUCTURE]:
+        search_beside(arm, target, Q, flags)
     return 2 if loose else (1 if close else 0)
 
 

@@ -16,13 +16,22 @@ import numpy as np
 
 from urdf_ik._kernels import layout
 from urdf_ik._kernels.compile import inlined, kernel, step
+from urdf_ik._kernels.general_6r import search_beside
 from urdf_ik._kernels.layout import CENTRE, CENTRE_5, COS_ALPHA, OFFSET, SIN_ALPHA, A
 from urdf_ik._kernels.linked_angles import linked_roots
 from urdf_ik._kernels.polynomials import root_gap
-from urdf_ik._kernels.refine import accept
+from urdf_ik._kernels.refine import accept, holds
 from urdf_ik._kernels.subproblems import nearest_between, swing_to_offset, unit, unturn, wrist_bend, wrist_turns
 from urdf_ik._kernels.target import check_target, project_rotation, to_frame_1
-from urdf_ik._kernels.thresholds import ALMOST_FREE, NEAR, NEAR_BY_ARM, NEAR_BY_SINE, ROUGH
+from urdf_ik._kernels.thresholds import (
+    ALMOST_FREE,
+    NEAR,
+    NEAR_BY_ARM,
+    NEAR_BY_SINE,
+    ROOTS_CROWDED,
+    ROUGH,
+    ROUGH_BY_MARGIN,
+)
 from urdf_ik._kernels.trig import wrap
 
 INTERSECTING_56, PARALLEL_56, GENERAL = 0, 1, 2
@@ -47,19 +56,17 @@ def square_of_centre(X, arm):
 @step
 def first_angle(kind, X, arm, front):
     """Joint 1 where one equation holds it alone: cos, sin, margin, squared arm that fixes it (both dimensionless)."""
-    gz = arm[CENTRE_5 + 2]
-    radius = arm[CENTRE] * arm[CENTRE] + arm[CENTRE + 1] * arm[CENTRE + 1]
+    gx, gy, gz = arm[CENTRE_5], arm[CENTRE_5 + 1], arm[CENTRE_5 + 2]
+    w = 1.0 / (arm[CENTRE] * arm[CENTRE] + arm[CENTRE + 1] * arm[CENTRE + 1])
     if kind == INTERSECTING_56:
         k, kc, ks = square_of_centre(X, arm)
-        gx, gy = arm[CENTRE_5], arm[CENTRE_5 + 1]
-        c, s, _, margin = swing_to_offset(-0.5 * ks, 0.5 * kc, 0.5 * (gx * gx + gy * gy + gz * gz - k), front)
-        w = 1.0 / (radius * arm[layout.SIZE] * arm[layout.SIZE])
+        k, kc, ks = 0.5 * (gx * gx + gy * gy + gz * gz - k), 0.5 * kc, 0.5 * ks
+        w /= arm[layout.SIZE] * arm[layout.SIZE]
     else:
         k, kc, ks = height_of_centre(X, arm)
-        c, s, _, margin = swing_to_offset(-ks, kc, arm[COS_ALPHA + 4] * gz - k, front)
-        ks, kc = 2.0 * ks, 2.0 * kc
-        w = 1.0 / radius
-    return c, s, margin * w, 0.25 * (kc * kc + ks * ks) * w
+        k = arm[COS_ALPHA + 4] * gz - k
+    c, s, _, margin = swing_to_offset(-ks, kc, k, front)
+    return c, s, margin * w, (kc * kc + ks * ks) * w
 
 
 @step
@@ -184,8 +191,8 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
     near_zone = max(NEAR, NEAR_BY_SINE * arm[layout.IMPERFECTION])
     near_axis = max(NEAR, (NEAR_BY_ARM * arm[layout.IMPERFECTION]) ** 2)
     almost_free = (ALMOST_FREE * arm[layout.IMPERFECTION]) ** 2
-    rough = max(clamp, ROUGH) if kind == GENERAL else clamp
-    close, loose = False, False
+    rough = max(clamp, ROUGH)
+    close, loose, crowded, free = False, False, False, False
     size = arm[layout.SIZE]
     scale = 1.0 / (size * size)
     ca, sa, cb, sb = arm[COS_ALPHA + 1], arm[SIN_ALPHA + 1], arm[COS_ALPHA + 2], arm[SIN_ALPHA + 2]
@@ -199,6 +206,7 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
         marks = 0
         if kind == GENERAL:
             c1, s1, m1, arm1 = roots[b // 2, 0], roots[b // 2, 1], root_gap(roots, found, b // 2), 1.0
+            crowded = crowded or m1 < ROOTS_CROWDED
         else:
             c1, s1, m1, arm1 = first_angle(kind, X, arm, front)
             if m1 < fold or arm1 < fold:
@@ -218,7 +226,8 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
         near = min(abs(m1), abs(m2)) < near_zone or min(arm1, arm6) < near_axis
         close = close or near
         loose = loose or arm6 < almost_free
-        if m2 < -clamp:
+        # Next to a fold, or to an axis that nothing turns about, angles are rough: let Newton's method decide.
+        if m2 < -max(rough, ROUGH_BY_MARGIN / (max(min(m1, arm1), 0.0) + 1e-12)):
             continue
         if arm6 <= continuum:
             c6, s6 = math.cos(q_ref[5] + arm[OFFSET + 5]), math.sin(q_ref[5] + arm[OFFSET + 5])
@@ -230,8 +239,8 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
         m02, m12, m22 = middle_rotation(M[2], M[5], M[8], arm, c1, s1)
         c3, s3, m3 = wrist_bend(m02, m12, m22, ca, sa, cb, sb, flip)
         near = near or abs(m3) < near_zone
-        # The quartic's roots are rough where it is ill-conditioned: let Newton's method decide.
-        if m3 < -max(rough, 1e-9 / (arm6 + 1e-8) if kind == GENERAL else 0.0):
+        least = max(min(min(m1, m2), min(arm1, arm6)), 0.0)
+        if m3 < -max(rough, (1e-9 if kind == GENERAL else ROUGH_BY_MARGIN) / (least + 1e-12)):
             close = close or near
             continue
         c2, s2, c4, s4, fixed, _ = wrist_turns(
@@ -243,8 +252,9 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
             # The sum (or difference) of the turns is what counts: share its distance from the reference.
             t2 = q_ref[1] + arm[OFFSET + 1]
             for _ in range(2):
+                c2, s2 = math.cos(t2), math.sin(t2)
                 c2, s2, c4, s4, fixed, _ = wrist_turns(
-                    m00, m10, m20, m01, m11, m21, m02, m12, m22, c3, s3, ca, sa, cb, sb, True, math.cos(t2), math.sin(t2)
+                    m00, m10, m20, m01, m11, m21, m02, m12, m22, c3, s3, ca, sa, cb, sb, True, c2, s2
                 )
                 rest = wrap(wrap(math.atan2(s4, c4) - arm[OFFSET + 3]) - q_ref[3])
                 t2 += 0.5 * q_ref[6] * (1.0 if ca * cb - sa * sb * c3 > 0.0 else -1.0) * rest
@@ -257,7 +267,12 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
         near = near or fixed < near_axis
         close = close or near
         loose = loose or fixed < almost_free
-        accept(arm, target, q, b, marks, near, beside, Q, flags)
+        free = free or min(fixed, min(arm1, arm6)) < ALMOST_ALIGNED
+        if min(m1, min(m2, m3)) >= -clamp or holds(arm, target, q):
+            accept(arm, target, q, b, marks, near, beside, Q, flags)
+    # Two roots of the quartic are so close that both may have led to the same solution.
+    if crowded and not free and arm[layout.IMPERFECTION] <= arm[layout.EXACT_STRUCTURE]:
+        search_beside(arm, target, Q, flags)
     return 2 if loose else (1 if close else 0)
 
 

@@ -27,6 +27,8 @@ _NAMES = tuple(
 _ROOTS = tuple(
     f"position {root}, elbow {up}" for first in (1, 3) for up in ("up", "down") for root in (first, first + 1)
 )
+# Distance of axes 4 and 5 [of the arm's size] that can be divided by.
+_CLEAR = 1e-4
 _PLANAR = "the rest is a planar arm"
 _KINDS = {
     "5x6": (
@@ -81,8 +83,8 @@ def prepare(structure: Structure, chain: Chain) -> Plan:
         "5||6": structure.is_parallel(5),
         "4x5": structure.is_intersecting(4),
         "4||5": structure.is_parallel(4),
-        # Twists and an offset to divide by.
-        "": structure.pairs[3].relation == "skew",
+        # An offset to divide by.
+        "": not structure.is_parallel(4) and structure.pairs[3].distance > _CLEAR * chain.size,
     }
     return cheapest(_with_wrist(structure, chain, wrist) for wrist, holds in relations.items() if holds)
 

@@ -114,7 +114,6 @@ def _explain(arm: Array, kind: int, rotation: Array, point: Array) -> str:
                 f"{name} is {wanted:.6g} m from where axes 5 and 6 meet, and joint 1 can bring it {low:.6g} to "
                 f"{high:.6g} m near"
             )
-        return f"joint 1 cannot bring {name} to where joints 5 and 6 could take it, or axes 2 and 4 enclose no such angle"
     if kind == kernels.PARALLEL_56:
         wanted = arm[layout.COS_ALPHA + 4] * arm[layout.CENTRE_5 + 2]
         if not low <= wanted <= high:
