@@ -47,7 +47,7 @@ def solve(family, kind, T, arm, q_ref, Q, flags):
     proper, around = np.empty((4, 4)), np.zeros(7)
     almost_free = (ALMOST_FREE * arm[layout.IMPERFECTION]) ** 2
     plain = kind == (wrist_position.PARALLEL_23 if family == _WRIST else three_parallel.INTERSECTING_56)
-    plain = plain and (family == _WRIST or family == _PARALLEL)
+    plain = plain and family in (_WRIST, _PARALLEL)
     # Far enough from the ideal arm the elimination is in its element; next to it, starts beside the candidates are.
     beside = arm[layout.IMPERFECTION] < FAR_OFF
     for i in range(T.shape[0]):

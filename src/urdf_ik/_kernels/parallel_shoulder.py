@@ -32,6 +32,7 @@ from urdf_ik._kernels.subproblems import (
 )
 from urdf_ik._kernels.target import check_target, project_rotation, to_frame_1
 from urdf_ik._kernels.thresholds import (
+    ALMOST_ALIGNED,
     ALMOST_FREE,
     NEAR,
     NEAR_BY_ARM,

@@ -24,6 +24,7 @@ from urdf_ik._kernels.refine import accept, holds
 from urdf_ik._kernels.subproblems import nearest_between, swing_to_offset, unit, unturn, wrist_bend, wrist_turns
 from urdf_ik._kernels.target import check_target, project_rotation, to_frame_1
 from urdf_ik._kernels.thresholds import (
+    ALMOST_ALIGNED,
     ALMOST_FREE,
     NEAR,
     NEAR_BY_ARM,
