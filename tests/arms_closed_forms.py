@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from arms import Maker, Screws, apart, leaning, length, random_arm, sign, start
+from arms import Maker, Screws, apart, leaning, length, sign, start
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -23,6 +23,16 @@ def _skew(h: Array, p: Array, rng: np.random.Generator, orthogonal: bool) -> tup
 def _meeting(h: Array, p: Array, rng: np.random.Generator, orthogonal: bool) -> tuple[Array, Array]:
     """An axis that meets the axis (h, p), but not in p."""
     return leaning(h, rng, orthogonal=orthogonal), p + length(rng) * h
+
+
+def _crossing(h: Array, p: Array, rng: np.random.Generator, orthogonal: bool) -> tuple[Array, Array]:
+    """An axis that meets the axis (h, p) in p."""
+    return leaning(h, rng, orthogonal=orthogonal), p
+
+
+def _in_line(h: Array, p: Array, rng: np.random.Generator, orthogonal: bool) -> tuple[Array, Array]:
+    """An axis in one line with the axis (h, p)."""
+    return sign(rng) * h, p + length(rng) * h
 
 
 def _parallel(h: Array, p: Array, rng: np.random.Generator, orthogonal: bool) -> tuple[Array, Array]:
@@ -101,4 +111,13 @@ KINDS: dict[str, Maker] = {
 }
 """Every family's conditions in words, with what makes axes and points that fulfil them and no further ones."""
 
-__all__ = ["KINDS", "PARALLEL_SHOULDER", "SPHERICAL_MIDDLE", "random_arm"]
+DEGENERATE: dict[str, Maker] = {
+    "1||2||3||4": _chain(_parallel, _parallel, _parallel, _skew, _skew),
+    "1||2||3, 4||5||6": _chain(_parallel, _parallel, _skew, _parallel, _parallel),
+    "1||2||3, 4x5x6": _chain(_parallel, _parallel, _skew, _crossing, _crossing),
+    "1||2||3, 4 = 5": _chain(_parallel, _parallel, _skew, _in_line, _skew),
+    "2x3x4x5": _middle(_skew, _crossing, _skew),
+    "1x2x3x4": _middle(_crossing, _skew, _skew),
+    "2x3x4, 5 = 6": _middle(_skew, _skew, _in_line),
+}
+"""Arms that have the families' axes and are singular in every pose."""
