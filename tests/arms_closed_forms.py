@@ -111,6 +111,9 @@ KINDS: dict[str, Maker] = {
 }
 """Every family's conditions in words, with what makes axes and points that fulfil them and no further ones."""
 
+TWICE: dict[str, Maker] = {"2x3x4, 4x5x6": _middle(_skew, _meeting, _crossing)}
+"""Arms that two families take: here a spherical wrist, but with a quartic, and a spherical middle without one."""
+
 DEGENERATE: dict[str, Maker] = {
     "1||2||3||4": _chain(_parallel, _parallel, _parallel, _skew, _skew),
     "1||2||3, 4||5||6": _chain(_parallel, _parallel, _skew, _parallel, _parallel),

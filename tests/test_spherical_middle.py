@@ -5,7 +5,9 @@ from __future__ import annotations
 import closed_forms
 import numpy as np
 import pytest
-from arms_closed_forms import KINDS, SPHERICAL_MIDDLE
+from arms import random_arm
+from arms_closed_forms import KINDS, SPHERICAL_MIDDLE, TWICE
+from cases import described
 from closed_forms import member, members, near_member
 
 MINE = tuple(kind for kind in KINDS if kind.removesuffix(", reversed") in SPHERICAL_MIDDLE)
@@ -106,3 +108,13 @@ def test_out_of_reach(kind: str) -> None:
         solutions = case.arm.ik(target)
         assert len(list(solutions)) == 0
         assert " m" in solutions.explain()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_cheapest_family_comes_first(seed: int) -> None:
+    """An arm with a spherical wrist that asks for a quartic is solved by its spherical middle, without one."""
+    case = described(random_arm("2x3x4, 4x5x6", seed, orthogonal=bool(seed % 2), kinds=TWICE))
+    assert case.arm.structure.family.removesuffix(", reversed") == "6R 2x3x4 and 5x6"
+    closed_forms.holds(case, 30, 10)
+    closed_forms.holds_near_singularities(case, 8, 11)
+    closed_forms.is_complete(case, 1, 12)

@@ -124,9 +124,7 @@ def first_roots(X, arm, roots):
     h, hc, hs = height_of_centre(X, arm)
     k, kc, ks = square_of_centre(X, arm)
     w, v = -1.0 / (2.0 * a5 * r), -1.0 / (sa5 * r)
-    return linked_roots(
-        (k - r * r - gz * gz - a5 * a5) * w, kc * w, ks * w, (h - ca5 * gz) * v, hc * v, hs * v, roots
-    )
+    return linked_roots((k - r * r - gz * gz - a5 * a5) * w, kc * w, ks * w, (h - ca5 * gz) * v, hc * v, hs * v, roots)
 
 
 @step
