@@ -8,7 +8,7 @@ points along an axis where a joint's frame sits, fixed joints in between, limits
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -186,41 +186,41 @@ Screws = tuple[Array, Array]
 Maker = Callable[[np.random.Generator, bool], Screws]
 
 
-def _length(rng: np.random.Generator) -> float:
+def length(rng: np.random.Generator) -> float:
     """A link length [m], of either sign."""
     return float(rng.uniform(0.1, 1.0) * rng.choice([-1.0, 1.0]))
 
 
-def _sign(rng: np.random.Generator) -> float:
+def sign(rng: np.random.Generator) -> float:
     """An axis' sign."""
     return float(rng.choice([-1.0, 1.0]))
 
 
-def _leaning(axis: Array, rng: np.random.Generator, *, orthogonal: bool) -> Array:
+def leaning(axis: Array, rng: np.random.Generator, *, orthogonal: bool) -> Array:
     """A unit vector that leaves the given one at 30 to 90 degrees to either side, or at exactly 90."""
     if orthogonal:
         candidates = [v for v in (X, Y, Z) if abs(v @ axis) < 0.5]
-        return _sign(rng) * candidates[int(rng.integers(len(candidates)))]
+        return sign(rng) * candidates[int(rng.integers(len(candidates)))]
     across = np.cross(axis, _direction(rng))
     return rotation(across, rng.uniform(math.radians(30.0), math.radians(150.0))) @ axis
 
 
-def _start(rng: np.random.Generator, *, orthogonal: bool) -> Array:
+def start(rng: np.random.Generator, *, orthogonal: bool) -> Array:
     """The first axis."""
-    return _sign(rng) * Z if orthogonal else _direction(rng)
+    return sign(rng) * Z if orthogonal else _direction(rng)
 
 
-def _apart(rng: np.random.Generator) -> Array:
+def apart(rng: np.random.Generator) -> Array:
     """A step (3,) [m] between two points that leaves no component near zero."""
-    return np.array([_length(rng) for _ in range(3)])
+    return np.array([length(rng) for _ in range(3)])
 
 
 def _wrist(h3: Array, p3: Array, rng: np.random.Generator, *, orthogonal: bool) -> Screws:
     """Axes 4, 5 and 6 through one point, at a distance from axis 3."""
-    h4 = _leaning(h3, rng, orthogonal=orthogonal)
-    h5 = _leaning(h4, rng, orthogonal=orthogonal)
-    h6 = _leaning(h5, rng, orthogonal=orthogonal)
-    return np.array([h4, h5, h6]), np.tile(p3 + _apart(rng), (3, 1))
+    h4 = leaning(h3, rng, orthogonal=orthogonal)
+    h5 = leaning(h4, rng, orthogonal=orthogonal)
+    h6 = leaning(h5, rng, orthogonal=orthogonal)
+    return np.array([h4, h5, h6]), np.tile(p3 + apart(rng), (3, 1))
 
 
 def _wrist_with(
@@ -238,72 +238,72 @@ def _wrist_with(
 
 def _shoulder_23(rng: np.random.Generator, orthogonal: bool) -> Screws:
     """2 || 3, axis 1 passes both at a distance."""
-    h1 = _start(rng, orthogonal=orthogonal)
-    h2 = _leaning(h1, rng, orthogonal=orthogonal)
-    p2 = _apart(rng)
-    return np.array([h1, h2, _sign(rng) * h2]), np.array([np.zeros(3), p2, p2 + _apart(rng)])
+    h1 = start(rng, orthogonal=orthogonal)
+    h2 = leaning(h1, rng, orthogonal=orthogonal)
+    p2 = apart(rng)
+    return np.array([h1, h2, sign(rng) * h2]), np.array([np.zeros(3), p2, p2 + apart(rng)])
 
 
 def _shoulder_12_23(rng: np.random.Generator, orthogonal: bool) -> Screws:
     """2 || 3 and 1 x 2."""
     axes, points = _shoulder_23(rng, orthogonal)
-    points[1] = axes[0] * _length(rng)
+    points[1] = axes[0] * length(rng)
     return axes, points
 
 
 def _shoulder_12(rng: np.random.Generator, orthogonal: bool) -> Screws:
     """1 x 2, axis 3 skew."""
-    h1 = _start(rng, orthogonal=orthogonal)
-    h2 = _leaning(h1, rng, orthogonal=orthogonal)
-    h3 = _leaning(h2, rng, orthogonal=orthogonal)
-    p2 = h1 * _length(rng)
-    return np.array([h1, h2, h3]), np.array([np.zeros(3), p2, p2 + _apart(rng)])
+    h1 = start(rng, orthogonal=orthogonal)
+    h2 = leaning(h1, rng, orthogonal=orthogonal)
+    h3 = leaning(h2, rng, orthogonal=orthogonal)
+    p2 = h1 * length(rng)
+    return np.array([h1, h2, h3]), np.array([np.zeros(3), p2, p2 + apart(rng)])
 
 
 def _shoulder_general(rng: np.random.Generator, orthogonal: bool) -> Screws:
     """No two neighbours parallel or intersecting."""
     axes, points = _shoulder_12(rng, orthogonal)
-    step = _apart(rng)
+    step = apart(rng)
     points[1:] += step
     return axes, points
 
 
 def _shoulder_1parallel2(rng: np.random.Generator, orthogonal: bool) -> Screws:
     """1 || 2, axis 3 skew: a general shoulder."""
-    h1 = _start(rng, orthogonal=orthogonal)
-    h3 = _leaning(h1, rng, orthogonal=orthogonal)
-    p2 = _apart(rng)
-    return np.array([h1, _sign(rng) * h1, h3]), np.array([np.zeros(3), p2, p2 + _apart(rng)])
+    h1 = start(rng, orthogonal=orthogonal)
+    h3 = leaning(h1, rng, orthogonal=orthogonal)
+    p2 = apart(rng)
+    return np.array([h1, sign(rng) * h1, h3]), np.array([np.zeros(3), p2, p2 + apart(rng)])
 
 
 def _shoulder_2x3(rng: np.random.Generator, orthogonal: bool) -> Screws:
     """2 x 3, axis 1 skew: a general shoulder."""
     axes, points = _shoulder_general(rng, orthogonal)
-    points[2] = points[1] + axes[1] * _length(rng)
+    points[2] = points[1] + axes[1] * length(rng)
     return axes, points
 
 
 def _three_parallel(rng: np.random.Generator, orthogonal: bool) -> Screws:
     """2 || 3 || 4 with random signs; 5 and 6 skew, 1 and 2 skew."""
-    h1 = _start(rng, orthogonal=orthogonal)
-    h2 = _leaning(h1, rng, orthogonal=orthogonal)
-    h5 = _leaning(h2, rng, orthogonal=orthogonal)
-    h6 = _leaning(h5, rng, orthogonal=orthogonal)
-    points = np.cumsum([np.zeros(3), *(_apart(rng) for _ in range(5))], axis=0)
-    return np.array([h1, h2, _sign(rng) * h2, _sign(rng) * h2, h5, h6]), points
+    h1 = start(rng, orthogonal=orthogonal)
+    h2 = leaning(h1, rng, orthogonal=orthogonal)
+    h5 = leaning(h2, rng, orthogonal=orthogonal)
+    h6 = leaning(h5, rng, orthogonal=orthogonal)
+    points = np.cumsum([np.zeros(3), *(apart(rng) for _ in range(5))], axis=0)
+    return np.array([h1, h2, sign(rng) * h2, sign(rng) * h2, h5, h6]), points
 
 
 def _three_parallel_56(rng: np.random.Generator, orthogonal: bool) -> Screws:
     """2 || 3 || 4 and 5 x 6."""
     axes, points = _three_parallel(rng, orthogonal)
-    points[5] = points[4] + axes[4] * _length(rng)
+    points[5] = points[4] + axes[4] * length(rng)
     return axes, points
 
 
 def _three_parallel_12_56(rng: np.random.Generator, orthogonal: bool) -> Screws:
     """2 || 3 || 4, 1 x 2 and 5 x 6."""
     axes, points = _three_parallel_56(rng, orthogonal)
-    points[1] = axes[0] * _length(rng)
+    points[1] = axes[0] * length(rng)
     return axes, points
 
 
@@ -321,18 +321,21 @@ KINDS: dict[str, Maker] = {
 """Every family's conditions in words, with what makes axes and points that fulfil them and no further ones."""
 
 
-def random_arm(kind: str, seed: int, *, orthogonal: bool = False, aligned: bool = False) -> DescribedArm:
+def random_arm(
+    kind: str, seed: int, *, orthogonal: bool = False, aligned: bool = False, kinds: Mapping[str, Maker] = KINDS
+) -> DescribedArm:
     """A random member of a family.
 
     Args:
-        kind: a key of ``KINDS``.
+        kind: a key of ``kinds``.
         seed: the same seed gives the same arm.
         orthogonal: neighbouring axes are parallel or at right angles, along x, y or z of the arm at q = 0.
         aligned: every frame is parallel to the base's, so that the structure is exact to the last digit.
+        kinds: what makes axes and points, by kind.
     """
     rng = np.random.default_rng([seed, *kind.encode()])
-    axes, points = KINDS[kind](rng, orthogonal)
-    tool = points[-1] + _apart(rng) * 0.5, _turn(rng)
+    axes, points = kinds[kind](rng, orthogonal)
+    tool = points[-1] + apart(rng) * 0.5, _turn(rng)
     words = ["orthogonal"] * orthogonal + ["aligned"] * aligned
     name = "-".join([kind.replace(", ", "+").replace("||", "p"), *words, str(seed)])
     urdf = _describe(axes, points, tool, rng, name=name, aligned=aligned)

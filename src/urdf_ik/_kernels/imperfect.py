@@ -15,7 +15,14 @@ import math
 
 import numpy as np
 
-from urdf_ik._kernels import layout, spherical_wrist, three_parallel, wrist_position
+from urdf_ik._kernels import (
+    layout,
+    parallel_shoulder,
+    spherical_middle,
+    spherical_wrist,
+    three_parallel,
+    wrist_position,
+)
 from urdf_ik._kernels.compile import inlined, kernel, step
 from urdf_ik._kernels.general_6r import complete, count
 from urdf_ik._kernels.newton import (
@@ -33,7 +40,7 @@ from urdf_ik._kernels.target import check_target, project_rotation, to_frame_1
 from urdf_ik._kernels.thresholds import ALMOST_FREE, AROUND, CLOSE_BY, CONVERGED, CORRECTIONS, FAR_OFF, KANTOROVICH
 from urdf_ik._kernels.trig import wrap
 
-_WRIST, _PARALLEL = 0, 1
+_WRIST, _PARALLEL, _SHOULDER, _MIDDLE = 0, 1, 2, 3
 _BRANCHES = 8
 _POSES = LANES // _BRANCHES
 
@@ -42,6 +49,10 @@ _POSES = LANES // _BRANCHES
 def _closed_form(family, kind, target, arm, q_ref, Q, flags, continuum, beside):
     if family == _WRIST:
         return spherical_wrist.solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside)
+    if family == _SHOULDER:
+        return parallel_shoulder.solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside)
+    if family == _MIDDLE:
+        return spherical_middle.solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside)
     return three_parallel.solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside)
 
 
@@ -142,7 +153,6 @@ def solve(family, kind, T, arm, q_ref, Q, flags):
     """
     W, out, N = np.empty((layout.ROWS, LANES)), np.empty((16, LANES)), np.empty((COLUMN_ROWS, LANES))
     past, answer, X, proper = np.empty((6, LANES)), np.empty((7, LANES)), np.empty(12), np.empty((_POSES, 4, 4))
-    plain = kind == (wrist_position.PARALLEL_23 if family == _WRIST else three_parallel.INTERSECTING_56)
     for start in range(0, T.shape[0], _POSES):
         for k in range(_POSES):
             i = min(start + k, T.shape[0] - 1)
@@ -153,16 +163,15 @@ def solve(family, kind, T, arm, q_ref, Q, flags):
             _fill(W, N, X, arm, _BRANCHES * k)
         for i in range(LANES):
             answer[6, i] = 2.0
-        if plain:
+        _ideal(family, kind, W, out, arm)
+        for _ in range(CORRECTIONS):
+            for j in range(6):
+                for i in range(LANES):
+                    past[j, i] = out[j, i]
+            _correct(W, N, out, arm)
             _ideal(family, kind, W, out, arm)
-            for _ in range(CORRECTIONS):
-                for j in range(6):
-                    for i in range(LANES):
-                        past[j, i] = out[j, i]
-                _correct(W, N, out, arm)
-                _ideal(family, kind, W, out, arm)
-                if _decide(family, N, out, past, arm, answer) == 0:
-                    break
+            if _decide(family, N, out, past, arm, answer) == 0:
+                break
         for k in range(min(_POSES, T.shape[0] - start)):
             i, first = start + k, _BRANCHES * k
             found, decided = 0, True
@@ -178,14 +187,27 @@ def solve(family, kind, T, arm, q_ref, Q, flags):
                 for j in range(6):
                     Q[i, b, j] = math.nan
             if not decided or found % 2 == 1:
-                _look_closely(family, kind, proper[k], arm, q_ref, Q[i], flags[i])
+                _look_closely(family, kind, True, proper[k], arm, q_ref, Q[i], flags[i])
     return -1
 
 
 @inlined
-def _look_closely(family, kind, target, arm, q_ref, Q, flags):
+def solve_closely(family, kind, T, arm, q_ref, Q, flags):
+    """As ``solve``, for kinds whose margins do not tell how near a fold is: every pose is looked at closely."""
+    proper = np.empty((4, 4))
+    for i in range(T.shape[0]):
+        if not check_target(T[i]) <= arm[layout.ROTATION]:
+            return i
+        project_rotation(T[i], proper)
+        Q[i, :, :] = math.nan
+        flags[i, :] = 0
+        _look_closely(family, kind, False, proper, arm, q_ref, Q[i], flags[i])
+    return -1
+
+
+@inlined
+def _look_closely(family, kind, plain, target, arm, q_ref, Q, flags):
     """Add what is missing to the solutions of one pose in ``Q`` (16, 6) and ``flags`` (16,)."""
-    plain = kind == (wrist_position.PARALLEL_23 if family == _WRIST else three_parallel.INTERSECTING_56)
     # Far enough from the ideal arm the elimination is in its element; close to it, starts beside the candidates are.
     beside = arm[layout.IMPERFECTION] < CLOSE_BY
     if plain and arm[layout.IMPERFECTION] > FAR_OFF:
@@ -214,19 +236,19 @@ def near_parallel_23(T, arm, q_ref, Q, flags):
 @kernel
 def near_intersecting_12(T, arm, q_ref, Q, flags):
     """Spherical wrist, axes 1 and 2 intersect; see ``solve``."""
-    return solve(_WRIST, wrist_position.INTERSECTING_12, T, arm, q_ref, Q, flags)
+    return solve_closely(_WRIST, wrist_position.INTERSECTING_12, T, arm, q_ref, Q, flags)
 
 
 @kernel
 def near_parallel_12(T, arm, q_ref, Q, flags):
     """Spherical wrist, axes 1 and 2 parallel; see ``solve``."""
-    return solve(_WRIST, wrist_position.PARALLEL_12, T, arm, q_ref, Q, flags)
+    return solve_closely(_WRIST, wrist_position.PARALLEL_12, T, arm, q_ref, Q, flags)
 
 
 @kernel
 def near_general_shoulder(T, arm, q_ref, Q, flags):
     """Spherical wrist, no relation among the first three axes; see ``solve``."""
-    return solve(_WRIST, wrist_position.GENERAL, T, arm, q_ref, Q, flags)
+    return solve_closely(_WRIST, wrist_position.GENERAL, T, arm, q_ref, Q, flags)
 
 
 @kernel
@@ -238,4 +260,52 @@ def near_intersecting_56(T, arm, q_ref, Q, flags):
 @kernel
 def near_general_wrist(T, arm, q_ref, Q, flags):
     """Three parallel axes, 5 and 6 skew; see ``solve``."""
-    return solve(_PARALLEL, three_parallel.GENERAL, T, arm, q_ref, Q, flags)
+    return solve_closely(_PARALLEL, three_parallel.GENERAL, T, arm, q_ref, Q, flags)
+
+
+@kernel
+def near_shoulder_intersecting_56(T, arm, q_ref, Q, flags):
+    """Axes 1 to 3 parallel, axes 5 and 6 intersect; see ``solve``."""
+    return solve_closely(_SHOULDER, parallel_shoulder.INTERSECTING_56, T, arm, q_ref, Q, flags)
+
+
+@kernel
+def near_shoulder_parallel_56(T, arm, q_ref, Q, flags):
+    """Axes 1 to 3 parallel, axes 5 and 6 are parallel; see ``solve``."""
+    return solve_closely(_SHOULDER, parallel_shoulder.PARALLEL_56, T, arm, q_ref, Q, flags)
+
+
+@kernel
+def near_shoulder_intersecting_45(T, arm, q_ref, Q, flags):
+    """Axes 1 to 3 parallel, axes 4 and 5 intersect; see ``solve``."""
+    return solve_closely(_SHOULDER, parallel_shoulder.INTERSECTING_45, T, arm, q_ref, Q, flags)
+
+
+@kernel
+def near_shoulder_parallel_45(T, arm, q_ref, Q, flags):
+    """Axes 1 to 3 parallel, axes 4 and 5 are parallel; see ``solve``."""
+    return solve_closely(_SHOULDER, parallel_shoulder.PARALLEL_45, T, arm, q_ref, Q, flags)
+
+
+@kernel
+def near_shoulder_general_wrist(T, arm, q_ref, Q, flags):
+    """Axes 1 to 3 parallel, axes 4, 5 and 6 are skew; see ``solve``."""
+    return solve_closely(_SHOULDER, parallel_shoulder.GENERAL, T, arm, q_ref, Q, flags)
+
+
+@kernel
+def near_middle_intersecting_56(T, arm, q_ref, Q, flags):
+    """Axes 2 to 4 meet, axes 5 and 6 intersect; see ``solve``."""
+    return solve_closely(_MIDDLE, spherical_middle.INTERSECTING_56, T, arm, q_ref, Q, flags)
+
+
+@kernel
+def near_middle_parallel_56(T, arm, q_ref, Q, flags):
+    """Axes 2 to 4 meet, axes 5 and 6 are parallel; see ``solve``."""
+    return solve_closely(_MIDDLE, spherical_middle.PARALLEL_56, T, arm, q_ref, Q, flags)
+
+
+@kernel
+def near_middle_general_wrist(T, arm, q_ref, Q, flags):
+    """Axes 2 to 4 meet, axes 5 and 6 are skew; see ``solve``."""
+    return solve_closely(_MIDDLE, spherical_middle.GENERAL, T, arm, q_ref, Q, flags)

@@ -13,6 +13,8 @@ COS_ALPHA, SIN_ALPHA, A, D, OFFSET, SIZE = 24, 29, 34, 39, 43, 49
 CENTRE, RHO, COS_PHI, SIN_PHI, HEIGHT, SWING = 50, 53, 54, 55, 56, 57
 # Three parallel axes: height of axis 6 along them, the sign that axes 3 and 4 turn with, the wrist's first twist.
 ALONG, TURN_3, TURN_4, COS_FIRST, SIN_FIRST = 50, 51, 52, 53, 54
+# Spherical middle: the point where axes 2-4 meet in frame 1, at CENTRE, and in frame 5 before joint 5 turns.
+CENTRE_5 = 53
 # Tolerances, in the order of ``tolerances.Tolerances``.
 REACH, EDGE, FOLD, CONTINUUM, SINGULAR, DUPLICATE, ROTATION, EXACT_ROTATION, EXACT_STRUCTURE = range(64, 73)
 # How far below zero a margin may fall before the branch is given up, and how far the ideal arm is off.

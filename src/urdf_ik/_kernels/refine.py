@@ -10,7 +10,7 @@ from urdf_ik._kernels import layout
 from urdf_ik._kernels.compile import kernel
 from urdf_ik._kernels.newton import newton
 from urdf_ik._kernels.screws import jacobian_from_axes, place_axes
-from urdf_ik._kernels.thresholds import CONVERGED, FINISHED, PATIENCE
+from urdf_ik._kernels.thresholds import CONVERGED, DOUBTFUL, FINISHED, PATIENCE
 from urdf_ik._kernels.trig import wrap
 
 STARTS = 13
@@ -124,6 +124,15 @@ def refine(arm, target, q, rounds, enough):
             q[j] = wrap(q[j] + shrink * step[j])
     q[:] = best
     return least
+
+
+@kernel
+def holds(arm, target, q):
+    """Whether Newton's method makes a solution of ``q`` (6,), a candidate whose margins say that there is none.
+
+    That is for a margin below zero by what rounding may have done to it; ``q`` is replaced.
+    """
+    return refine(arm, target, q, 60, CONVERGED) <= DOUBTFUL
 
 
 @kernel

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import math
 
-from urdf_ik._kernels.compile import step
+from urdf_ik._kernels.compile import kernel, step
+from urdf_ik._kernels.trig import wrap
 
 _TINY = 1e-300
 
@@ -57,6 +58,26 @@ def elbow(ux, uy, a, b, side, sign):
 def unturn(x, y, c, s):
     """(x, y) turned back by the angle (c, s)."""
     return c * x + s * y, c * y - s * x
+
+
+@step
+def swing_to_tilt(x, y, z, ca, sa, c, across, sign):
+    """Turn about z so that an axis tilted by alpha (ca, sa) from it encloses a given angle with the unit vector given.
+
+    The angle has cosine ``c`` and squared sine ``across``; the axis is Rz(-t) (0, sin alpha, cos alpha). The margin
+    is a product of two factors, each free of cancellation, so the turn keeps its digits where the vectors align.
+    Returns cos t, sin t, margin.
+    """
+    r = math.copysign(math.sqrt(x * x + y * y), sa)
+    c_low, s_low = ca * z + sa * r, sa * z - ca * r
+    c_high, s_high = ca * z - sa * r, sa * z + ca * r
+    above = (across - s_low * s_low) / (c_low + c) if c_low + c > 0.5 else c_low - c
+    below = (s_high * s_high - across) / (c_high + c) if c_high + c < -0.5 else c - c_high
+    margin = above * below / (sa * sa)
+    k = (c - ca * z) / sa
+    X = sign * math.sqrt(max(margin, 0.0))
+    ct, st = unit(X * x + k * y, k * x - X * y)
+    return ct, st, margin
 
 
 @step
@@ -107,3 +128,33 @@ def is_double(margin, arm, rounding):
     its rounding error, and the solutions part by half a turn instead of meeting.
     """
     return margin <= rounding * math.sqrt(arm)
+
+
+@kernel
+def nearest_between(wanted, x, y, low, high, slack):
+    """The angle nearest to ``wanted`` at which x cos + y sin lies between ``low`` and ``high``; NaN: there is none.
+
+    ``slack``, in their unit, is allowed to rounding.
+    """
+    size = math.hypot(x, y)
+    if low > size + slack or high < -size - slack:
+        return math.nan
+    phase = math.atan2(y, x)
+    beta = wrap(wrap(wanted - phase))
+    now = size * math.cos(beta)
+    if now < low:
+        beta = math.copysign(math.acos(min(low / size, 1.0)), beta)
+    elif now > high:
+        beta = math.copysign(math.acos(max(high / size, -1.0)), beta)
+    return beta + phase
+
+
+@kernel
+def free_turn(wanted, ox, oy, fx, fy, longest, shortest, slack):
+    """The turn phi nearest to ``wanted`` that brings o - Rz(phi) f within a two-link arm's reach [m]; NaN: none.
+
+    ``slack`` [m^2] is allowed to rounding.
+    """
+    total = ox * ox + oy * oy + fx * fx + fy * fy
+    low, high = 0.5 * (total - longest * longest), 0.5 * (total - shortest * shortest)
+    return nearest_between(wanted, ox * fx + oy * fy, oy * fx - ox * fy, low, high, slack)

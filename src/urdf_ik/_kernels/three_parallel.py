@@ -28,9 +28,19 @@ from urdf_ik._kernels.layout import (
     A,
     D,
 )
-from urdf_ik._kernels.polynomials import root_gap, trigonometric_roots
+from urdf_ik._kernels.linked_angles import linked_roots, sharpen_roots
+from urdf_ik._kernels.polynomials import root_gap
 from urdf_ik._kernels.refine import accept
-from urdf_ik._kernels.subproblems import elbow, is_double, swing_to_offset, unit, unturn, wrist_bend, wrist_turns
+from urdf_ik._kernels.subproblems import (
+    elbow,
+    free_turn,
+    is_double,
+    swing_to_offset,
+    unit,
+    unturn,
+    wrist_bend,
+    wrist_turns,
+)
 from urdf_ik._kernels.target import load, project_rotation, to_frame_1
 from urdf_ik._kernels.thresholds import ALMOST_FREE, NEAR, NEAR_BY_ARM, NEAR_BY_SINE, ROUNDING
 from urdf_ik._kernels.trig import atan2, wrap
@@ -121,107 +131,28 @@ def shoulder_roots(X, arm, roots):
     c0, cc, cs = (c0 - ca * cb) * w, cc * w, cs * w
     w = 1.0 / (sa * arm[A + 4])
     s0, sc, ss = (s0 - arm[ALONG]) * w, sc * w, ss * w
-    square_c, square_s = cc * cc + sc * sc, cs * cs + ss * ss
-    return trigonometric_roots(
-        c0 * c0 + s0 * s0 - 1.0 + 0.5 * (square_c + square_s),
-        2.0 * (c0 * cc + s0 * sc),
-        2.0 * (c0 * cs + s0 * ss),
-        0.5 * (square_c - square_s),
-        cc * cs + sc * ss,
-        roots,
-    )
+    return linked_roots(c0, cc, cs, s0, sc, ss, roots)
 
 
 @kernel
-def sharpen_roots(X, arm, roots, found):
-    """Make the roots exact at which axis 6 is almost parallel to axes 2-4; ``roots`` is changed in place.
-
-    There the quartic has two roots that nearly meet, known to half the digits only. Both lie beside the plain
-    angle at which axis 6 points along the parallel axes the most. With x the distance from it and w = 1 - cos x,
-    sin t5 = b + g sin x + k w and sin^2 t5 = m - 2 h w - e w^2 without cancellation: Newton's method on their
-    difference, from the quadratic equation that is left to second order in x.
-    """
+def sharpen_shoulder_roots(X, arm, roots, found):
+    """Make the roots exact at which axis 6 is almost parallel to axes 2-4; ``roots`` is changed in place."""
     ca, sa, cb, sb = arm[COS_FIRST], arm[SIN_FIRST], arm[COS_ALPHA + 4], arm[SIN_ALPHA + 4]
     _, dc, ds = _along(X[2], X[5], X[8], arm)
     level, hc, hs = _along(X[9], X[10], X[11], arm)
     w = 1.0 / (sa * arm[A + 4])
-    for side in range(2):
-        ce, se = unit(dc, ds) if side == 0 else unit(-dc, -ds)
-        first, second = -1, -1
-        for i in range(found):
-            if ce * roots[i, 0] + se * roots[i, 1] > 0.0 and abs(ce * roots[i, 1] - se * roots[i, 0]) < 1e-4:
-                if first < 0:
-                    first = i
-                else:
-                    second = i
-        if first < 0:
-            continue
-        b, g, k = (level + hc * ce + hs * se - arm[ALONG]) * w, (hs * ce - hc * se) * w, -(hc * ce + hs * se) * w
+    for side in (1.0, -1.0):
+        ce, se = unit(side * dc, side * ds)
         mx, my, mz = seen_along(X[2], X[5], X[8], arm, ce, se)
         c5, _, m = wrist_bend(mx, my, mz, ca, sa, cb, sb, 1.0)
-        a = (dc * ce + ds * se) / (sa * sb)
-        square, half = g * g + b * k + c5 * a, b * g
-        if abs(square) < 1e-9:
-            continue
-        spread = math.sqrt(max(half * half - square * (b * b - m), 0.0)) / abs(square)
-        low, high = -half / square - spread, -half / square + spread
-        low, high = _sharpened(low, b, g, k, m, c5, a), _sharpened(high, b, g, k, m, c5, a)
-        x = ce * roots[first, 1] - se * roots[first, 0]
-        if second >= 0:
-            y = ce * roots[second, 1] - se * roots[second, 0]
-            x, y = (low, high) if x <= y else (high, low)
-            _set_beside(roots, second, ce, se, y)
-        else:
-            x = low if abs(low - x) < abs(high - x) else high
-        _set_beside(roots, first, ce, se, x)
-
-
-@kernel
-def _set_beside(roots, i, c, s, x):
-    """Set root ``i`` to the angle (c, s) turned by ``x``."""
-    roots[i, 0], roots[i, 1] = c * math.cos(x) - s * math.sin(x), s * math.cos(x) + c * math.sin(x)
-
-
-@kernel
-def _sharpened(x, b, g, k, m, c5, a):
-    """Two steps of Newton's method on the difference of ``sharpen_roots``."""
-    for _ in range(2):
-        w = 2.0 * math.sin(0.5 * x) ** 2
-        bend = b + g * math.sin(x) + k * w
-        value = bend * bend - m + 2.0 * c5 * a * w + a * a * w * w
-        slope = 2.0 * bend * (g * math.cos(x) + k * math.sin(x)) + 2.0 * (c5 * a + a * a * w) * math.sin(x)
-        if abs(slope) > 1e-9 * abs(x):
-            x -= value / slope
-    return x
+        slope = (dc * ce + ds * se) / (sa * sb)
+        sharpen_roots(ce, se, c5, m, slope, (level - arm[ALONG]) * w, hc * w, hs * w, roots, found)
 
 
 @kernel
 def _along(x, y, z, arm):
     """Component along the parallel axes as constant, cos t1 and sin t1 coefficients."""
     return arm[COS_ALPHA] * z, -arm[SIN_ALPHA] * y, arm[SIN_ALPHA] * x
-
-
-@kernel
-def free_turn(wanted, ox, oy, fx, fy, arm):
-    """The turn phi nearest to ``wanted`` that leaves the two-link arm something it can reach; NaN: none.
-
-    The distance to reach is |o - Rz(phi) f|, between |a2 - a3| and a2 + a3.
-    """
-    total = ox * ox + oy * oy + fx * fx + fy * fy
-    product = 2.0 * math.sqrt((ox * ox + oy * oy) * (fx * fx + fy * fy))
-    far, close = arm[A + 1] + arm[A + 2], arm[A + 1] - arm[A + 2]
-    low, high = total - far * far, total - close * close
-    slack = arm[layout.CLAMP] * arm[layout.SIZE] * arm[layout.SIZE]
-    if low > product + slack or high < -product - slack:
-        return math.nan
-    shift = math.atan2(fy, fx) - math.atan2(oy, ox)
-    beta = wrap(wrap(wanted + shift))
-    now = product * math.cos(beta)
-    if now < low:
-        beta = math.copysign(math.acos(min(low / product, 1.0)), beta)
-    elif now > high:
-        beta = math.copysign(math.acos(max(high / product, -1.0)), beta)
-    return beta - shift
 
 
 @kernel
@@ -249,7 +180,8 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
     found = 0
     if kind == GENERAL:
         found = shoulder_roots(X, arm, roots)
-        sharpen_roots(X, arm, roots, found)
+        sharpen_shoulder_roots(X, arm, roots, found)
+    slack = 0.5 * clamp * arm[layout.SIZE] * arm[layout.SIZE]
     k = (arm[COS_ALPHA] * pz - arm[ALONG]) / arm[SIN_ALPHA]
     arm1 = (px * px + py * py) * scale
     for b in range(8):
@@ -312,7 +244,7 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
             )
             aligned = 1.0 if ca * cb - sa * sb * c5 > 0.0 else -1.0
             wanted = aligned * (math.atan2(s6, c6) - arm[OFFSET + 5] - q_ref[5])
-            phi = free_turn(wanted, ox, oy, fx, fy, arm)
+            phi = free_turn(wanted, ox, oy, fx, fy, arm[A + 1] + arm[A + 2], arm[A + 1] - arm[A + 2], slack)
             if math.isnan(phi):
                 continue
             cf, sf, c6, s6, _, _ = wrist_turns(

@@ -7,10 +7,18 @@ All are dimensionless: lengths count as shares of the arm's size, angles in rad.
 ROUNDING = 7e-15
 # After the root of a quartic, with this much at worst.
 ROUGH = 1e-7
+# Squared sine or arm below which a joint is so nearly free that rounding moves its angle about.
+ALMOST_ALIGNED = 1e-12
+# Two roots of a quartic whose squared distance on the unit circle is below this may lead to one solution.
+ROOTS_CROWDED = 1e-4
+# Rounding of what is left after a step whose own margin is m: this much over m.
+ROUGH_BY_MARGIN = 1e-13
 # Newton's method is done when an error falls to what forward kinematics of six joints rounds to.
 FINISHED, CONVERGED = 1.8e-15, 2e-14
 # A damped iteration that has not gained a third in this many rounds has come to rest.
 PATIENCE = 7
+# Error to which a candidate must fall that lies a little beyond its family's edge.
+DOUBTFUL = 1e-12
 
 # Squared sines below which a pose counts as near a singularity; an imperfect arm's count from further away,
 # its squared sines in proportion to its imperfection, its squared arms in proportion to the square of it.

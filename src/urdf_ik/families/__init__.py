@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from urdf_ik.families import general_6r, imperfect, spherical_wrist, three_parallel
+from urdf_ik.families import (
+    general_6r,
+    imperfect,
+    parallel_shoulder,
+    spherical_middle,
+    spherical_wrist,
+    three_parallel,
+)
 from urdf_ik.families.mirrored import mirrored
 from urdf_ik.structure import analyse
 
@@ -13,23 +20,31 @@ if TYPE_CHECKING:
     from urdf_ik.families.plan import Plan
     from urdf_ik.structure import Structure
 
-FAMILIES = (spherical_wrist, three_parallel)
+FAMILIES = (spherical_wrist, three_parallel, parallel_shoulder, spherical_middle)
 
 
 def choose(structure: Structure, chain: Chain) -> Plan | None:
     """The first family that takes the arm exactly, from either end; else the nearest, with elimination behind it.
 
-    Elimination alone where no family is near; None where no solver takes the arm.
+    A quartic comes after all closed forms without one. Elimination alone where no family is near; None where no
+    solver takes the arm.
     """
     back = chain.reversed()
+    quartic: Plan | None = None
     near: list[tuple[Plan, Chain]] = []
     for seen, relations in ((chain, structure), (back, analyse(back))):
         for family in FAMILIES:
             if family.matches(relations):
                 plan = family.prepare(relations, seen)
-                if plan.is_exact:
-                    return mirrored(plan) if seen is back else plan
-                near.append((plan, seen))
+                if not plan.is_exact:
+                    near.append((plan, seen))
+                    continue
+                plan = mirrored(plan) if seen is back else plan
+                if not plan.by_quartic:
+                    return plan
+                quartic = quartic or plan
+    if quartic:
+        return quartic
     if near:
         plan, seen = min(near, key=lambda entry: entry[0].error)
         plan = imperfect.prepare(plan, seen)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from urdf_ik._kernels import imperfect, spherical_wrist, three_parallel
+from urdf_ik._kernels import imperfect, parallel_shoulder, spherical_middle, spherical_wrist, three_parallel
 from urdf_ik.families.general_6r import with_elimination
 
 if TYPE_CHECKING:
@@ -19,6 +19,14 @@ _NEAR = {
     spherical_wrist.solve_general_shoulder: imperfect.near_general_shoulder,
     three_parallel.solve_intersecting_56: imperfect.near_intersecting_56,
     three_parallel.solve_general_wrist: imperfect.near_general_wrist,
+    parallel_shoulder.solve_intersecting_56: imperfect.near_shoulder_intersecting_56,
+    parallel_shoulder.solve_parallel_56: imperfect.near_shoulder_parallel_56,
+    parallel_shoulder.solve_intersecting_45: imperfect.near_shoulder_intersecting_45,
+    parallel_shoulder.solve_parallel_45: imperfect.near_shoulder_parallel_45,
+    parallel_shoulder.solve_general_wrist: imperfect.near_shoulder_general_wrist,
+    spherical_middle.solve_intersecting_56: imperfect.near_middle_intersecting_56,
+    spherical_middle.solve_parallel_56: imperfect.near_middle_parallel_56,
+    spherical_middle.solve_general_wrist: imperfect.near_middle_general_wrist,
 }
 
 

@@ -124,7 +124,7 @@ def pack(chain: Chain, frames: DHFrames, error: float, signs: Array) -> Array:
     arm[layout.IMPERFECTION] = error
     if not exact:
         arm[layout.EDGE] = max(DEFAULT.edge, (5.0 * error) ** 2)
-        arm[layout.INNER_FRAMES : layout.INNER_FRAMES + 84] = _frames(chain, base, np.linalg.inv(tool))
+        arm[layout.INNER_FRAMES : layout.INNER_FRAMES + 84] = _frames(chain, base, np.asarray(np.linalg.inv(tool)))
         arm[layout.IDEAL_FRAMES : layout.IDEAL_FRAMES + 84] = _as_numbers(frames.steps())
         arm[layout.DRIFT] = _drift(chain, frames)
     arm[layout.SIGNS : layout.SIGNS + 24] = signs.ravel()
@@ -157,14 +157,15 @@ def _drift(chain: Chain, frames: DHFrames) -> float:
 
     def between(Q: Array) -> Array:
         ideal = np.array([frames.fk(q) for q in Q])
-        return inward @ ideal @ np.linalg.inv(chain.fk(Q)) @ frames.base
+        motions: Array = inward @ ideal @ np.linalg.inv(chain.fk(Q)) @ frames.base
+        return motions
 
     change = between(moved) - between(Q)
     change[:, :3, 3] /= chain.size
     return float(np.abs(change).max()) / shift
 
 
-def _frames(chain: Chain, before: Array, behind: Array) -> Array:
+def _frames(chain: Chain, before: Array, behind: NDArray[np.floating]) -> Array:
     """(84,) steps from ``before`` (in the base) by a frame on each joint axis to ``behind`` (in the tip), at q = 0."""
     home = np.eye(4)
     home[:3, :3], home[:3, 3] = chain.R_tip, chain.P.sum(axis=0)
@@ -197,6 +198,18 @@ def mean_direction(directions: Array) -> Array:
     mean = (signs[:, None] * directions).sum(axis=0)
     common: Array = signs[:, None] * (mean / np.linalg.norm(mean))
     return common
+
+
+def straightened(structure: Structure, directions: Array) -> tuple[Array, list[bool]]:
+    """Directions (n, 3) with neighbours that are parallel, or nearly, made exactly so; and which those are."""
+    parallel = [structure.is_parallel(i) for i in range(1, len(directions))]
+    straight = directions.copy()
+    start = 0
+    for end in range(1, len(directions) + 1):
+        if end == len(directions) or not parallel[end - 1]:
+            straight[start:end] = mean_direction(directions[start:end])
+            start = end
+    return straight, parallel
 
 
 def method_in_words(steps: str, error: float) -> str:

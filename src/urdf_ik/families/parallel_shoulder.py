@@ -1,0 +1,135 @@
+"""Six revolute joints whose axes 1, 2 and 3 are parallel; seen from the tip, those whose axes 4, 5 and 6 are."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik._kernels import layout
+from urdf_ik._kernels import parallel_shoulder as kernels
+from urdf_ik.families.plan import SIGNS, Plan, cheapest, ideal_frames, imperfection, method_in_words, pack, straightened
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.chain import Chain
+    from urdf_ik.structure import Structure
+
+    Array = NDArray[np.float64]
+
+_NAMES = tuple(
+    f"wrist {front}, elbow {up}, {flip}"
+    for front in ("front", "back")
+    for up in ("up", "down")
+    for flip in ("noflip", "flip")
+)
+_ROOTS = tuple(
+    f"position {root}, elbow {up}" for first in (1, 3) for up in ("up", "down") for root in (first, first + 1)
+)
+# Distance of axes 4 and 5 [of the arm's size] that can be divided by.
+_CLEAR = 1e-4
+_PLANAR = "the rest is a planar arm"
+_KINDS = {
+    "5x6": (
+        kernels.INTERSECTING_56,
+        kernels.solve_intersecting_56,
+        f"joint 4 by the height along axes 1 to 3, joint 6 by the tilt of axis 5 to them, {_PLANAR}",
+    ),
+    "5||6": (
+        kernels.PARALLEL_56,
+        kernels.solve_parallel_56,
+        f"joint 4 by the tilt of axes 5 and 6 to axes 1 to 3, joint 6 by the height along these, {_PLANAR}",
+    ),
+    "4x5": (
+        kernels.INTERSECTING_45,
+        kernels.solve_intersecting_45,
+        f"joint 6 by the height along axes 1 to 3, joint 4 by the tilt of axis 5 to them, {_PLANAR}",
+    ),
+    "4||5": (
+        kernels.PARALLEL_45,
+        kernels.solve_parallel_45,
+        f"joint 6 by the tilt of axes 4 and 5 to axes 1 to 3, joint 4 by the height along these, {_PLANAR}",
+    ),
+    "": (
+        kernels.GENERAL,
+        kernels.solve_general_wrist,
+        f"a quartic in joint 6 from height and tilt along axes 1 to 3, {_PLANAR}",
+    ),
+}
+
+
+def matches(structure: Structure) -> bool:
+    """Whether axes 1, 2 and 3 of a 6R arm are parallel, and neither the wrist nor a pair of axes is degenerate.
+
+    A fourth parallel axis, three wrist axes that are parallel or meet, and two axes in one line make the arm
+    singular everywhere.
+    """
+    return (
+        len(structure.joint_types) == 6
+        and "prismatic" not in structure.joint_types
+        and structure.triple(1, "parallel") is not None
+        and not structure.is_parallel(3)
+        and structure.triple(4, "parallel") is None
+        and structure.triple(4, "meet") is None
+        and all(pair.relation != "coincident" for pair in structure.pairs)
+    )
+
+
+def prepare(structure: Structure, chain: Chain) -> Plan:
+    """Parameters of the nearest arm of this family, for the cheapest wrist that it has exactly, or has nearly."""
+    relations = {
+        "5x6": structure.is_intersecting(5),
+        "5||6": structure.is_parallel(5),
+        "4x5": structure.is_intersecting(4),
+        "4||5": structure.is_parallel(4),
+        # An offset to divide by.
+        "": not structure.is_parallel(4) and structure.pairs[3].distance > _CLEAR * chain.size,
+    }
+    return cheapest(_with_wrist(structure, chain, wrist) for wrist, holds in relations.items() if holds)
+
+
+def _with_wrist(structure: Structure, chain: Chain, wrist: str) -> Plan:
+    kind, solve, steps = _KINDS[wrist]
+    directions, parallel = straightened(structure, chain.H)
+    meet = [False, False, False, wrist == "4x5", wrist == "5x6"]
+    frames, error = ideal_frames(chain, directions, chain.points, parallel, meet)
+    arm = pack(chain, frames, error, SIGNS)
+    pairs = [i for i, holds in enumerate(parallel, start=1) if holds]
+    return Plan(
+        family=f"6R 1||2||3 and {wrist}" if wrist else "6R 1||2||3",
+        method=method_in_words(steps, error),
+        branches=_NAMES if wrist else _ROOTS,
+        imperfection=imperfection(structure, pairs, [i for i, holds in enumerate(meet, start=1) if holds]),
+        error=error,
+        arm=arm,
+        solve=solve,
+        explain=lambda rotation, point: _explain(arm, kind, rotation, point),
+        by_quartic=not wrist,
+    )
+
+
+def _explain(arm: Array, kind: int, rotation: Array, point: Array) -> str:
+    shortest, longest = abs(arm[layout.A] - arm[layout.A + 1]), arm[layout.A] + arm[layout.A + 1]
+    distances = np.full(4, np.nan)
+    target = np.concatenate([rotation.ravel(), point])
+    level = kernels.level_of(target, arm)
+    across = float(np.hypot(rotation[2, 0], rotation[2, 1]))
+    links = abs(arm[layout.A + 3] * arm[layout.SIN_ALPHA + 2]) + abs(arm[layout.D + 3]) + arm[layout.A + 4] * across
+    if abs(level) > links:
+        return (
+            f"along axes 1 to 3, axis 6 would have to be {abs(level):.6g} m from axis 4, and the links between them "
+            f"reach no further than {links:.6g} m in the wanted direction"
+        )
+    kernels.elbow_distances(kind, target, arm, distances)
+    distances = distances[np.isfinite(distances)]
+    if len(distances) and distances.min() > longest:
+        return f"axis 3 would have to be {distances.min():.6g} m or more from axis 1, reach {longest:.6g} m"
+    if len(distances) and distances.max() < shortest:
+        return f"axis 3 would be {distances.max():.6g} m or less from axis 1, the folded links' {shortest:.6g} m away"
+    if len(distances):
+        return (
+            f"axis 3 would be {distances.min():.6g} to {distances.max():.6g} m from axis 1, "
+            f"reach {shortest:.6g} to {longest:.6g} m"
+        )
+    return "no turns of joints 4 and 6 give the last axis both its direction and its height along axes 1 to 3"

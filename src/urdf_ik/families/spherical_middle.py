@@ -1,0 +1,127 @@
+"""Six revolute joints whose axes 2, 3 and 4 meet in a point; seen from the tip, those whose axes 3, 4 and 5 do."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik._kernels import layout
+from urdf_ik._kernels import spherical_middle as kernels
+from urdf_ik.families.plan import SIGNS, Plan, cheapest, ideal_frames, imperfection, method_in_words, pack, straightened
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.chain import Chain
+    from urdf_ik.structure import Structure
+
+    Array = NDArray[np.float64]
+
+_NAMES = tuple(
+    f"shoulder {front}, wrist {up}, {flip}"
+    for front in ("front", "back")
+    for up in ("up", "down")
+    for flip in ("noflip", "flip")
+)
+_ROOTS = tuple(f"position {k}, {flip}" for k in (1, 2, 3, 4) for flip in ("noflip", "flip"))
+_MIDDLE = "then joints 2 to 4 like a wrist"
+_KINDS = {
+    "5x6": (
+        kernels.INTERSECTING_56,
+        kernels.solve_intersecting_56,
+        f"where axes 2 to 4 meet is at a known distance from where 5 and 6 do: joint 1, joints 5 and 6, {_MIDDLE}",
+    ),
+    "5||6": (
+        kernels.PARALLEL_56,
+        kernels.solve_parallel_56,
+        f"where axes 2 to 4 meet is in a known plane across axes 5 and 6: joint 1, a planar arm, {_MIDDLE}",
+    ),
+    "": (
+        kernels.GENERAL,
+        kernels.solve_general_wrist,
+        f"where axes 2 to 4 meet is on a circle about axis 1 and on a torus about axes 5 and 6: a quartic in joint 1, "
+        f"{_MIDDLE}",
+    ),
+}
+
+
+def matches(structure: Structure) -> bool:
+    """Whether axes 2, 3 and 4 of a 6R arm meet, and neither axis 1 nor axis 5 in the same point.
+
+    A fourth axis there and two axes in one line make the arm singular everywhere.
+    """
+    return (
+        len(structure.joint_types) == 6
+        and "prismatic" not in structure.joint_types
+        and structure.triple(2, "meet") is not None
+        and structure.triple(1, "meet") is None
+        and structure.triple(3, "meet") is None
+        and all(pair.relation != "coincident" for pair in structure.pairs)
+    )
+
+
+def prepare(structure: Structure, chain: Chain) -> Plan:
+    """Parameters of the nearest arm of this family, for the cheapest wrist that it has exactly, or has nearly."""
+    relation = structure.pairs[4].relation
+    wrists = {"intersecting": ["5x6"], "parallel": ["5||6"]}.get(relation, [""])
+    return cheapest(_with_wrist(structure, chain, wrist) for wrist in wrists)
+
+
+def _with_wrist(structure: Structure, chain: Chain, wrist: str) -> Plan:
+    kind, solve, steps = _KINDS[wrist]
+    middle = structure.triple(2, "meet")
+    directions, parallel = straightened(structure, chain.H)
+    points = chain.points.copy()
+    if middle is not None and middle.point is not None:
+        points[1:4] = middle.point
+    frames, error = ideal_frames(chain, directions, points, parallel, [False, True, True, False, wrist == "5x6"])
+    arm = pack(chain, frames, error, SIGNS)
+    _fill(arm)
+    pairs = [i for i, holds in enumerate(parallel, start=1) if holds]
+    angle, distance = imperfection(structure, pairs, [5] if wrist == "5x6" else [])
+    return Plan(
+        family=f"6R 2x3x4 and {wrist}" if wrist else "6R 2x3x4",
+        method=method_in_words(steps, error),
+        branches=_NAMES if wrist else _ROOTS,
+        imperfection=(angle, max(distance, middle.imperfection if middle else 0.0)),
+        error=error,
+        arm=arm,
+        solve=solve,
+        explain=lambda rotation, point: _explain(arm, kind, rotation, point),
+        by_quartic=not wrist,
+    )
+
+
+def _fill(arm: Array) -> None:
+    """Where axes 2, 3 and 4 meet, in frame 1 and in frame 5 before joint 5 turns."""
+    a, d = arm[layout.A : layout.A + 5], arm[layout.D : layout.D + 4]
+    ca, sa = arm[layout.COS_ALPHA : layout.COS_ALPHA + 5], arm[layout.SIN_ALPHA : layout.SIN_ALPHA + 5]
+    arm[layout.CENTRE : layout.CENTRE + 3] = a[0], -sa[0] * d[0], ca[0] * d[0]
+    arm[layout.CENTRE_5 : layout.CENTRE_5 + 3] = -a[3], -sa[3] * d[2], -ca[3] * d[2] - d[3]
+
+
+def _explain(arm: Array, kind: int, rotation: Array, point: Array) -> str:
+    target = np.concatenate([rotation.ravel(), point])
+    low, high = kernels.reach_of_joint_1(kind, target, arm)
+    name = "the point where axes 2 to 4 meet"
+    if kind == kernels.INTERSECTING_56:
+        wanted = float(np.linalg.norm(arm[layout.CENTRE_5 : layout.CENTRE_5 + 3]))
+        low, high = math.sqrt(max(low, 0.0)), math.sqrt(max(high, 0.0))
+        if not low <= wanted <= high:
+            return (
+                f"{name} is {wanted:.6g} m from where axes 5 and 6 meet, and joint 1 can bring it {low:.6g} to "
+                f"{high:.6g} m near"
+            )
+    if kind == kernels.PARALLEL_56:
+        wanted = arm[layout.COS_ALPHA + 4] * arm[layout.CENTRE_5 + 2]
+        if not low <= wanted <= high:
+            return (
+                f"{name} is {wanted:.6g} m along axis 6 from the origin of its frame, and joint 1 can bring it to "
+                f"{low:.6g} to {high:.6g} m"
+            )
+    far = float(np.linalg.norm(point))
+    if far > 2.0 * arm[layout.SIZE]:
+        return f"axis 6 is {far:.6g} m from axis 1, and all links together measure {arm[layout.SIZE]:.6g} m"
+    return f"no turns of joints 1, 5 and 6 bring {name} to one place and leave axes 2 to 4 their turn"

@@ -1,0 +1,157 @@
+"""What the tests of the families with three parallel axes at one end and with a spherical middle have in common."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from arms import random_arm
+from arms_closed_forms import KINDS
+from arms_general import tilted
+from cases import Case, assert_exact, closest_pair, described, flags, indistinct_pairs, nearest, rows
+from numpy.typing import NDArray
+
+from urdf_ik._kernels import layout
+from urdf_ik.families import general_6r
+
+Array = NDArray[np.float64]
+
+# Oblique and at right angles, with exact and with rounded frames.
+VARIANTS = ((0, False, False), (1, True, True), (2, True, False))
+
+
+@lru_cache
+def member(kind: str, seed: int = 0, orthogonal: bool = False, aligned: bool = False) -> Case:
+    """Load a random member of one of the families."""
+    return described(random_arm(kind, seed, orthogonal=orthogonal, aligned=aligned, kinds=KINDS))
+
+
+@lru_cache
+def near_member(kind: str, eps: float) -> Case:
+    """Load a random member that is ``eps`` [rad, share of length] off its family."""
+    return described(tilted(random_arm(kind, 0, kinds=KINDS), eps, 0))
+
+
+def members(kind: str) -> list[Case]:
+    """One member of a kind for each of ``VARIANTS``."""
+    return [member(kind, *variant) for variant in VARIANTS]
+
+
+def by_elimination(case: Case, target: Array) -> Array:
+    """The solutions (k, 6) of one pose that the general elimination finds."""
+    plan = general_6r.prepare(case.arm.chain)
+    Q, valid = np.empty((1, 16, 6)), np.empty((1, 16), np.uint8)
+    plan.solve(target[None], plan.arm, np.zeros(7), Q, valid)
+    return Q[valid & layout.VALID != 0]
+
+
+def holds(case: Case, poses: int, seed: int) -> None:
+    """On random poses the planted one is found, all are exact, none comes twice, and their number is even."""
+    for q in case.oracle.draw(np.random.default_rng(seed), poses):
+        target = case.oracle.pose(q)
+        found = assert_exact(case, case.arm.ik(target), target)
+        assert nearest(found, q) <= case.oracle.tolerance(q), (case.name, q)
+        assert closest_pair(found) > 1e-7, (case.name, q)
+        assert len(found) % 2 == 0 or min(case.oracle.sigma_min(x) for x in found) < 1e-6, (case.name, q)
+
+
+def holds_near_singularities(case: Case, singularities: int, seed: int) -> None:
+    """At 1e-1 to 1e-8 rad from any singularity the planted one is found, all are exact, none comes twice."""
+    rng = np.random.default_rng(seed)
+    for _ in range(singularities):
+        q0, joint = case.oracle.singular(rng)
+        for k in range(1, 9):
+            q = q0.copy()
+            q[joint] += 10.0**-k * rng.choice([-1.0, 1.0])
+            target = case.oracle.pose(q)
+            found = assert_exact(case, case.arm.ik(target), target)
+            assert len(found) > 0, (case.name, q)
+            assert nearest(found, q) <= case.oracle.tolerance(q), (case.name, k, q)
+            assert closest_pair(found) > 1e-8, (case.name, k, q)
+
+
+def holds_on_singularities(case: Case, singularities: int, seed: int) -> None:
+    """Exactly singular: exact and marked solutions, none told twice; with the planted one as reference, that one.
+
+    Where a curve of solutions leaves a pose by no more than its rounding, which of them was planted cannot be told.
+    """
+    rng = np.random.default_rng(seed)
+    for _ in range(singularities):
+        q, _ = case.oracle.singular(rng)
+        target = case.oracle.pose(q)
+        solutions = case.arm.ik(target)
+        found = assert_exact(case, solutions, target)
+        assert len(found) > 0, (case.name, q)
+        assert flags(solutions).any(), (case.name, q)
+        assert indistinct_pairs(case, found, target) == 0, (case.name, q)
+        found = assert_exact(case, case.arm.ik(target, q_ref=q), target)
+        if not 3e-8 < case.oracle.curvature(q) < 1e-5:
+            assert nearest(found, q) <= 3.0 * case.oracle.singular_tolerance(q), (case.name, q)
+
+
+def agrees_with_elimination(case: Case, poses: int, seed: int) -> None:
+    """Both solvers find the same joint vectors, away from singularities."""
+    compared = 0
+    for q in case.oracle.draw(np.random.default_rng(seed), poses):
+        target = case.oracle.pose(q)
+        found, others = rows(case.arm.ik(target)), by_elimination(case, target)
+        if min(case.oracle.sigma_min(x) for x in found) < 1e-2:
+            continue
+        compared += 1
+        assert len(found) >= len(others), (case.name, q)
+        assert all(nearest(found, x) < 1e-6 for x in others), (case.name, q)
+    assert compared > 0
+
+
+def is_complete(case: Case, poses: int, seed: int) -> None:
+    """The solutions are those of a multi-start Newton search on Pinocchio's model, or more."""
+    rng = np.random.default_rng(seed)
+    for q in case.oracle.draw(rng, poses):
+        target = case.oracle.pose(q)
+        found, searched = rows(case.arm.ik(target)), case.oracle.solutions(target, rng)
+        assert len(found) >= len(searched) > 0, (case.name, q)
+        assert all(nearest(found, x) <= 1e-5 for x in searched), (case.name, q)
+
+
+def batch_equals_single(case: Case) -> None:
+    """A stack of poses gives what each pose gives, column by column, with any number of threads."""
+    targets = case.oracle.poses(case.oracle.draw(np.random.default_rng(4), 80))
+    targets[7, :3, 3] += 100.0
+    batch = case.arm.ik(targets)
+    singles = [case.arm.ik(target) for target in targets]
+    np.testing.assert_array_equal(batch.q, [s.q for s in singles])
+    np.testing.assert_array_equal(batch.singular, [s.singular for s in singles])
+    np.testing.assert_array_equal(case.arm.ik(targets, threads=2).q, batch.q)
+    assert not batch.valid[7].any()
+
+
+def at_quarter_turns(case: Case, poses: int, seed: int) -> None:
+    """All joints on multiples of a quarter turn from where neighbouring axes lie in a plane: exact solutions."""
+    offset = case.arm._plan.arm[layout.OFFSET : layout.OFFSET + 6]
+    offset = offset[::-1] if case.arm._plan.mirrored else offset
+    rng = np.random.default_rng(seed)
+    for quarters in rng.integers(-2, 3, (poses, 6)):
+        target = case.oracle.pose(0.5 * np.pi * quarters - offset)
+        found = assert_exact(case, case.arm.ik(target), target)
+        assert len(found) > 0, (case.name, quarters)
+        assert indistinct_pairs(case, found, target) == 0, (case.name, quarters)
+
+
+def has_a_clean_edge(case: Case, seed: int) -> None:
+    """Where two solutions meet on a fold, both are there 1e-6 m to one side of it, and neither to the other."""
+    rng, checked = np.random.default_rng(seed), 0
+    for _ in range(30):
+        q, _ = case.oracle.singular(rng)
+        left, sigmas, _ = np.linalg.svd(case.oracle.jacobian(q))
+        lost = left[:3, -1]
+        if np.linalg.norm(lost) < 0.1 or sigmas[-2] < 0.05 or case.oracle.curvature(q) < 0.02:
+            continue
+        counts = []
+        for side in (-1e-6, 1e-6):
+            target = case.oracle.pose(q)
+            target[:3, 3] += side * lost / np.linalg.norm(lost)
+            found = assert_exact(case, case.arm.ik(target), target)
+            counts.append(sum(nearest(x[None], q) < 0.03 for x in found))
+        assert sorted(counts) == [0, 2], (case.name, q, counts)
+        checked += 1
+    assert checked >= 3, case.name

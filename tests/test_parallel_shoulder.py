@@ -1,0 +1,142 @@
+"""Axes 1, 2 and 3 parallel, or 4, 5 and 6: complete, exact and without duplicates, at singularities too."""
+
+from __future__ import annotations
+
+import closed_forms
+import numpy as np
+import pytest
+from arms import random_arm
+from arms_closed_forms import DEGENERATE, KINDS, PARALLEL_SHOULDER
+from cases import assert_exact, described
+from closed_forms import member, members, near_member
+
+MINE = tuple(kind for kind in KINDS if kind.removesuffix(", reversed") in PARALLEL_SHOULDER)
+FAMILY = {
+    "1||2||3, 5x6": "6R 1||2||3 and 5x6",
+    "1||2||3, 3x4, 5x6": "6R 1||2||3 and 5x6",
+    "1||2||3, 5||6": "6R 1||2||3 and 5||6",
+    "1||2||3, 4x5": "6R 1||2||3 and 4x5",
+    "1||2||3, 4x5, 5x6": "6R 1||2||3 and 5x6",
+    "1||2||3, 4x5, 5||6": "6R 1||2||3 and 5||6",
+    "1||2||3, 4||5": "6R 1||2||3 and 4||5",
+    "1||2||3, 4||5, 5x6": "6R 1||2||3 and 5x6",
+    "1||2||3": "6R 1||2||3",
+    "1||2||3, 3x4": "6R 1||2||3",
+}
+
+
+@pytest.mark.parametrize("kind", MINE)
+def test_structure(kind: str) -> None:
+    """The family is named after its cheapest relation, is exact, and has eight columns with names of their own."""
+    reverse = ", reversed" if kind.endswith("reversed") else ""
+    for case in members(kind):
+        structure = case.arm.structure
+        assert structure.family == FAMILY[kind.removesuffix(", reversed")] + reverse
+        assert len(set(structure.branches)) == structure.max_solutions == 8
+        assert sum("elbow up" in name for name in structure.branches) == 4
+        assert max(structure.imperfection) < 1e-13
+        assert structure.method.startswith("Closed form")
+
+
+@pytest.mark.parametrize("kind", MINE)
+def test_random_poses(kind: str) -> None:
+    """Planted joint vectors come back, all are exact, none comes twice."""
+    for case in members(kind):
+        closed_forms.holds(case, 40, 1)
+
+
+@pytest.mark.parametrize("kind", MINE)
+def test_many_members(kind: str) -> None:
+    """Over many arms, with all signs and proportions, the same holds."""
+    for seed in range(10, 22):
+        closed_forms.holds(member(kind, seed, bool(seed % 2), bool(seed // 2 % 2)), 6, seed)
+
+
+@pytest.mark.parametrize("kind", MINE)
+def test_near_singularities(kind: str) -> None:
+    """At 1e-1 to 1e-8 rad from any singularity every planted one is found."""
+    for case in members(kind):
+        closed_forms.holds_near_singularities(case, 10, 2)
+
+
+@pytest.mark.parametrize("kind", MINE)
+def test_on_singularities(kind: str) -> None:
+    """Exactly singular poses have marked solutions, and the planted one where it is the reference."""
+    for case in members(kind):
+        closed_forms.holds_on_singularities(case, 8, 3)
+
+
+@pytest.mark.parametrize("kind", MINE)
+def test_quarter_turns(kind: str) -> None:
+    """Where several joints are free at once there is still an exact solution."""
+    for case in members(kind)[1:]:
+        closed_forms.at_quarter_turns(case, 30, 4)
+
+
+@pytest.mark.parametrize("kind", MINE)
+def test_agrees_with_the_elimination(kind: str) -> None:
+    """The general elimination finds the same solutions."""
+    closed_forms.agrees_with_elimination(member(kind), 10, 5)
+
+
+@pytest.mark.parametrize("kind", MINE)
+def test_no_solution_is_missing(kind: str) -> None:
+    """A multi-start Newton search on Pinocchio's model finds no further solution."""
+    closed_forms.is_complete(member(kind), 2, 6)
+
+
+@pytest.mark.parametrize("kind", MINE)
+def test_batch_equals_single(kind: str) -> None:
+    """A stack of poses gives what each pose gives."""
+    closed_forms.batch_equals_single(member(kind))
+
+
+@pytest.mark.parametrize("kind", PARALLEL_SHOULDER)
+def test_edge(kind: str) -> None:
+    """Across the edge of what the arm can do, two solutions vanish together."""
+    closed_forms.has_a_clean_edge(member(kind), 7)
+
+
+@pytest.mark.parametrize("kind", MINE)
+@pytest.mark.parametrize("eps", [1e-12, 1e-6, 1e-3])
+def test_imperfect_members(kind: str, eps: float) -> None:
+    """Off by 1e-12 to 1e-3 the contract holds, with the method of the nearest family or with elimination."""
+    closed_forms.holds(near_member(kind, eps), 15, 8)
+
+
+@pytest.mark.parametrize("kind", PARALLEL_SHOULDER)
+def test_out_of_reach(kind: str) -> None:
+    """20 m off along the parallel axes the wrist does not reach, and the reason says by how much; so from the tip."""
+    case, back = member(kind), member(f"{kind}, reversed")
+    for q in case.oracle.draw(np.random.default_rng(9), 3):
+        target = case.oracle.pose(q)
+        target[:3, 3] += 20.0 * case.arm.chain.H[0]
+        solutions = case.arm.ik(target)
+        assert len(list(solutions)) == 0
+        assert "along axes 1 to 3" in solutions.explain()
+        assert " m from axis 4" in solutions.explain()
+        assert back.arm.explain(target).startswith("seen from the tip, ")
+
+
+def test_too_far_across() -> None:
+    """20 m off across the parallel axes it is the elbow that does not reach, and the reason says by how much."""
+    case, explained = member("1||2||3, 5x6"), 0
+    across = np.cross(case.arm.chain.H[0], [0.0, 0.0, 1.0])
+    for q in case.oracle.draw(np.random.default_rng(10), 5):
+        target = case.oracle.pose(q)
+        target[:3, 3] += 20.0 * across / np.linalg.norm(across)
+        solutions = case.arm.ik(target)
+        assert len(list(solutions)) == 0
+        explained += "axis 3 would have to be" in solutions.explain()
+    assert explained == 5
+
+
+@pytest.mark.parametrize("kind", DEGENERATE)
+def test_arms_that_are_singular_everywhere(kind: str) -> None:
+    """A fourth parallel axis, a wrist that meets or is parallel, two axes in line: no member, and no exception."""
+    case = described(random_arm(kind, 0, kinds=DEGENERATE))
+    assert not case.arm.structure.family.startswith(("6R 1||2||3", "6R 2x3x4"))
+    for q in case.oracle.draw(np.random.default_rng(11), 3):
+        assert case.oracle.sigma_min(q) < 1e-12
+        target = case.oracle.pose(q)
+        assert_exact(case, case.arm.ik(target), target)
