@@ -56,6 +56,7 @@ class Arm:
                 method=plan.method,
                 branches=plan.branches,
                 imperfection=plan.imperfection,
+                error=plan.error,
             )
             self._solver, self._kernel, self._numbers = plan.solve, self._first_solve, plan.arm
             self._branches, self._shape = plan.branches, (1, len(plan.branches), chain.n)

@@ -83,6 +83,8 @@ class Structure:
         method: how it is solved, and why, in words.
         branches: names of the columns of its solutions.
         imperfection: (rad, m) how far the URDF as written is from the family.
+        error: the same as greatest difference between poses of the ideal arm and of the arm as written [rad, share
+            of the arm's size]; what decides whether it counts as exact.
     """
 
     joint_types: tuple[str, ...]
@@ -92,6 +94,12 @@ class Structure:
     method: str = ""
     branches: tuple[str, ...] = ()
     imperfection: tuple[float, float] = (0.0, 0.0)
+    error: float = 0.0
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether the URDF as written is a member of the family, to rounding."""
+        return self.error <= DEFAULT.exact_structure
 
     @property
     def max_solutions(self) -> int:
