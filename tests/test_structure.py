@@ -6,11 +6,11 @@ import itertools
 import math
 import re
 
+import cases
 import numpy as np
 import pytest
 from arms import KINDS, DescribedArm, X, Y, Z, industrial, random_arm, rotation, serial_urdf, ur_like
 from arms_general import crx_like
-from cases import described, from_catalogue
 from numpy.typing import NDArray
 
 import urdf_ik
@@ -407,7 +407,7 @@ def test_sliding_joints() -> None:
 
 def test_text_of_the_article_arm() -> None:
     """The sentences say family, relations, method, number of solutions and imperfection."""
-    structure = from_catalogue("zyyzyz_6r").arm.structure
+    structure = cases.from_catalogue("zyyzyz_6r").arm.structure
     assert str(structure) == (
         "6 joints (RRRRRR): 6R spherical wrist, 2||3 and 1x2. Axes 4, 5 and 6 meet in a point; axes 1 and 2 are "
         "intersecting at 90 deg; axes 2 and 3 are parallel, 1 m apart; axes 3 and 4 are intersecting at 90 deg; axes 4 "
@@ -447,7 +447,7 @@ def test_text_tells_the_imperfection() -> None:
 
 def test_text_of_a_general_arm() -> None:
     """An arm without a closed form says why it has none, and claims no exactness of a structure it does not use."""
-    text = str(described(crx_like()).arm.structure)
+    text = str(cases.described(crx_like()).arm.structure)
     assert "No three neighbouring axes meet in a point or are parallel, so no closed form applies." in text
     assert "exact" not in text
     assert "Up to 16 solutions." in text
