@@ -1,4 +1,4 @@
-"""Cuspidal arms: known ones are found and their paths hold, proven others are none, and what is used of det J is true."""
+"""Cuspidal arms: known ones are found and their paths hold, proven others are none, and what this rests on is true."""
 
 from __future__ import annotations
 
