@@ -104,10 +104,11 @@ COLUMNS = (
 
 FOOTNOTE = """
 Best of the repetitions. us a call: one pose, all solutions as an array. k/s: thousands of poses a second, all solutions
-of each. x EAIK, x ssik: times as fast as that, its single call where it has no batch. complete: share of poses answered with every solution that any of the solvers
-found (error at most 1e-9 m and rad by Pinocchio), the planted one included. near-singular: 1e-1 to 1e-7 rad from a
-singularity. singular, answered: exactly singular, at least one solution. wrong answers: share of all these poses
-answered with a joint vector that misses the pose and is not flagged as approximate."""
+of each. x EAIK, x ssik: times as fast as that, by its single call where it has no batch. complete: share of poses
+answered with every solution that any of the solvers found (error at most 1e-9 m and rad by Pinocchio), the planted one
+included. near-singular: 1e-1 to 1e-7 rad from a singularity. singular, answered: exactly singular, at least one
+solution. wrong answers: share of all these poses answered with a joint vector that misses the pose and is not flagged
+as approximate."""
 
 
 def measure(robot: Robot, wanted: list[type[Peer]], poses: int, repeats: int, seed: int) -> list[list[str]]:
