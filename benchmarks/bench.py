@@ -33,9 +33,9 @@ from rich.table import Table
 from robots import CALIBRATED_UR10E, GENERAL, ROBOTS, UR10E, Robot
 
 SINGLE_CALLS = 1000  # a repetition
-SLOW_CALLS = 20  # a repetition, for solvers of half a millisecond
+SLOW_CALLS = 20  # a repetition, for solvers of half a millisecond and more
 BATCH = 10_000  # poses in a batch
-GENERAL_CALLS, GENERAL_BATCH = 50, 400  # the same for general arms, on which every solver is slow
+GENERAL_CALLS, GENERAL_BATCH = 50, 400  # the same for general arms, on which this package is slow, too
 
 
 def _timed(work: Callable[[], Any]) -> float:
@@ -53,8 +53,8 @@ def _timed(work: Callable[[], Any]) -> float:
 def _speed(peers: list[Peer], targets: np.ndarray, repeats: int, *, general: bool) -> dict[str, dict[str, float]]:
     """Best of alternating repetitions: ``us`` a call, ``batch 1`` and ``batch 2`` thousands of poses a second."""
     batch = targets[: GENERAL_BATCH if general else BATCH]
-    many = GENERAL_CALLS if general else SINGLE_CALLS
-    calls = {p.name: SLOW_CALLS if isinstance(p, Ssik) else many for p in peers}
+    slow = {p.name: isinstance(p, Ssik) or (general and not isinstance(p, UrdfIk)) for p in peers}
+    calls = {p.name: SLOW_CALLS if slow[p.name] else GENERAL_CALLS if general else SINGLE_CALLS for p in peers}
     singles = {p.name: [p.prepare(t) for t in targets[: calls[p.name]]] for p in peers}
     batches = {p.name: p.prepare_batch(batch) for p in peers if p.batch_call}
 
@@ -137,7 +137,10 @@ def measure(robot: Robot, wanted: list[type[Peer]], poses: int, repeats: int, se
         cells = [peer.name, f"{row['us']:.2f}", _ratio(row["us"], base.get("us"), less_is_better=True)]
         for key in ("batch 1", "batch 2"):
             value = row.get(key)
-            cells += ["-" if value is None else f"{value:.0f}", _ratio(value, base.get(key))]
+            cells += [
+                "-" if value is None else f"{value:.0f}" if value >= 10.0 else f"{value:.2f}",
+                _ratio(value, base.get(key)),
+            ]
         cells += [_share(a.complete, a.poses), _share(b.complete, b.poses), _share(c.answered, c.poses)]
         cells.append(_share(a.wrong + b.wrong + c.wrong, a.poses + b.poses + c.poses))
         rows.append(cells)

@@ -219,7 +219,7 @@ class Ssik(Peer):
             self.bot = ssik.Manipulator.from_urdf(path, base="base", ee="tool")
         if robot.structure == "general":
             print(
-                f"{self.name} derives its solver for {robot.name}: up to 3 minutes, once ...",
+                f"{self.name} derives its solver for {robot.name}: minutes, once on this machine ...",
                 file=sys.stderr,
                 flush=True,
             )
