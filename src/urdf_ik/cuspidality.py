@@ -33,6 +33,15 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
     Node = tuple[int, ...]
 
+# The families that the proof was made for, from either end.
+_BY_QUADRATICS = (
+    "6R spherical wrist, 2||3",
+    "6R spherical wrist, 2||3 and 1x2",
+    "6R spherical wrist, 1x2",
+    "6R spherical wrist, 1||2",
+    "6R 2||3||4 and 5x6",
+)
+
 _MOVING = (1, 2, 3, 4)
 _NODES = 16  # along each of these joints
 _FINER = 8  # samples from node to node
@@ -47,11 +56,8 @@ def is_cuspidal(arm: Arm) -> bool | None:
     structure = arm.structure
     if len(structure.joint_types) != 6 or "prismatic" in structure.joint_types:
         return None
-    # Closed forms whose branches are the roots of quadratics name them; those of a quartic are numbered.
-    if structure.is_exact and not structure.is_general and "elbow" in structure.branches[0]:
-        by_quadratics = not any("position" in name for name in structure.branches)
-        if by_quadratics:
-            return False
+    if structure.is_exact and structure.family.removesuffix(", reversed") in _BY_QUADRATICS:
+        return False
     return True if nonsingular_change(arm) is not None else None
 
 
