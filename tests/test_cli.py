@@ -178,6 +178,7 @@ def test_check_complete_ends_with_the_reports_verdict(monkeypatch: pytest.Monkey
     failed = SimpleNamespace(passed=False, to_json=lambda: '{"passed": false}')
     monkeypatch.setattr(completeness, "compare", lambda *_, **__: failed)
     assert call("check", ARM, "--complete", "-f", "json").exit_code == 1
+    assert call("check", ARM, "--complete", "--collision").exit_code == 2
 
 
 def test_check_ends_with_the_reports_verdict(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -257,6 +257,8 @@ def check(
     from urdf_ik import _cli_io, completeness, crosscheck
     from urdf_ik._cli_progress import Progress
 
+    if complete and collision is not None:
+        raise _cli_io.usage("--complete compares solutions and nothing else", "--collision")
     arm = _arm(robot, base, tip, mesh_root)
     report: crosscheck.Report | completeness.Completeness
     if complete:
