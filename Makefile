@@ -10,14 +10,15 @@ PYTHON ?= $(shell $(FIND_PYTHON))
 INSTALL = $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable
 
 .DELETE_ON_ERROR:
-.PHONY: help run test lint bench clean
+.PHONY: help run test lint bench million clean
 
 help:
-	@echo "make run    all solutions of the bundled arm, each with its branch, limits, collisions and Pinocchio's error"
-	@echo "make test   the tests and the notebook; ARGS='-k name' narrows them down"
-	@echo "make lint   ruff, mypy, and notebooks without outputs"
-	@echo "make bench  the benchmark against other solvers; ARGS='--help' tells more"
-	@echo "make clean  remove .venv and what tools left behind"
+	@echo "make run      all solutions of the bundled arm, each with its branch, limits, collisions and Pinocchio's error"
+	@echo "make test     the tests and the notebook; ARGS='-k name' narrows them down"
+	@echo "make lint     ruff, mypy, and notebooks without outputs"
+	@echo "make bench    the benchmark against other solvers; ARGS='--help' tells more"
+	@echo "make million  a million random poses an arm: what is lost, doubled or off; ARGS='--help' tells more"
+	@echo "make clean    remove .venv and what tools left behind"
 
 run: $(VENV)/.run-installed
 	@$(BIN)/urdf-ik ik zyyzyz_6r $(ARGS)
@@ -32,6 +33,9 @@ lint: $(VENV)/.dev-installed
 
 bench: $(VENV)/.bench-installed
 	@$(BIN)/python benchmarks/bench.py $(ARGS)
+
+million: $(VENV)/.bench-installed
+	@$(BIN)/python benchmarks/million.py $(ARGS)
 
 clean:
 	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -4,10 +4,11 @@
     python benchmarks/bench.py [--md] [--poses N] [--repeats R] [--seed S] [--robot NAME ...] [--peer NAME ...]
 
 For each arm it prints, for every solver: microseconds a call for one pose, result ready as an array; thousands of poses
-a second in batch with one and with two threads, all solutions of each; the ratios to EAIK; and the share of poses
-answered completely, for random poses, for poses 1e-1 to 1e-7 rad from a singularity, and the share of exactly singular
-poses answered at all. Repetitions of the solvers alternate and the best one counts, since no machine is quiet and other
-work only ever adds time.
+a second in batch with one and with two threads, all solutions of each; the ratios to EAIK, or to ssik on general arms,
+which EAIK does not take; and the share of poses answered completely, for random poses, for poses 1e-1 to 1e-7 rad from
+a singularity, and the share of exactly singular poses answered at all. Last comes what a calibration costs: an arm as
+calibrated against the same arm as designed. Repetitions of the solvers alternate and the best one counts, since no
+machine is quiet and other work only ever adds time.
 """
 
 from __future__ import annotations
@@ -26,14 +27,16 @@ from typing import Any
 
 import complete
 import numpy as np
-from peers import PEERS, Eaik, Peer, Ssik, Unavailable
+from peers import PEERS, Eaik, Peer, Ssik, Unavailable, UrdfIk
 from rich.console import Console
 from rich.table import Table
-from robots import ROBOTS, Robot
+from robots import CALIBRATED_UR10E, GENERAL, ROBOTS, UR10E, Robot
 
 SINGLE_CALLS = 1000  # a repetition
-SLOW_CALLS = 20  # a repetition, for solvers of half a millisecond
+SLOW_CALLS = 20  # a repetition, for solvers of half a millisecond and more
 BATCH = 10_000  # poses in a batch
+CALIBRATED_BATCH = 2_000  # the same where an arm is compared as designed and as calibrated
+GENERAL_CALLS, GENERAL_BATCH = 50, 400  # the same for general arms, on which this package is slow, too
 
 
 def _timed(work: Callable[[], Any]) -> float:
@@ -48,10 +51,11 @@ def _timed(work: Callable[[], Any]) -> float:
         gc.enable()
 
 
-def _speed(peers: list[Peer], targets: np.ndarray, repeats: int) -> dict[str, dict[str, float]]:
+def _speed(peers: list[Peer], targets: np.ndarray, repeats: int, *, general: bool) -> dict[str, dict[str, float]]:
     """Best of alternating repetitions: ``us`` a call, ``batch 1`` and ``batch 2`` thousands of poses a second."""
-    batch = targets[:BATCH]
-    calls = {p.name: SLOW_CALLS if isinstance(p, Ssik) else SINGLE_CALLS for p in peers}
+    batch = targets[: GENERAL_BATCH if general else BATCH]
+    slow = {p.name: isinstance(p, Ssik) or (general and not isinstance(p, UrdfIk)) for p in peers}
+    calls = {p.name: SLOW_CALLS if slow[p.name] else GENERAL_CALLS if general else SINGLE_CALLS for p in peers}
     singles = {p.name: [p.prepare(t) for t in targets[: calls[p.name]]] for p in peers}
     batches = {p.name: p.prepare_batch(batch) for p in peers if p.batch_call}
 
@@ -68,7 +72,7 @@ def _speed(peers: list[Peer], targets: np.ndarray, repeats: int) -> dict[str, di
             if peer.batch_call:
                 for threads in (1, 2):
                     seconds = _timed(partial(peer.solve_batch, batches[peer.name], threads))
-                    row[f"batch {threads}"].append(1e-3 * BATCH / seconds)
+                    row[f"batch {threads}"].append(1e-3 * len(batch) / seconds)
     return {name: {k: (min if k == "us" else max)(v[1:]) for k, v in row.items() if v} for name, row in samples.items()}
 
 
@@ -88,11 +92,11 @@ def _share(count: int, total: int) -> str:
 COLUMNS = (
     "solver",
     "us a call",
-    "x EAIK",
+    "x {base}",
     "batch, 1 thread [k/s]",
-    "x EAIK",
+    "x {base}",
     "batch, 2 threads [k/s]",
-    "x EAIK",
+    "x {base}",
     "complete, random",
     "complete, near-singular",
     "singular, answered",
@@ -101,10 +105,11 @@ COLUMNS = (
 
 FOOTNOTE = """
 Best of the repetitions. us a call: one pose, all solutions as an array. k/s: thousands of poses a second, all solutions
-of each. x EAIK: times as fast as EAIK. complete: share of poses answered with every solution that any of the solvers
-found (error at most 1e-9 m and rad by Pinocchio), the planted one included. near-singular: 1e-1 to 1e-7 rad from a
-singularity. singular, answered: exactly singular, at least one solution. wrong answers: share of all these poses
-answered with a joint vector that misses the pose and is not flagged as approximate."""
+of each. x EAIK, x ssik: times as fast as that, by its single call where it has no batch. complete: share of poses
+answered with every solution that any of the solvers found (error at most 1e-9 m and rad by Pinocchio), the planted one
+included. near-singular: 1e-1 to 1e-7 rad from a singularity. singular, answered: exactly singular, at least one
+solution. wrong answers: share of all these poses answered with a joint vector that misses the pose and is not flagged
+as approximate."""
 
 
 def measure(robot: Robot, wanted: list[type[Peer]], poses: int, repeats: int, seed: int) -> list[list[str]]:
@@ -119,22 +124,51 @@ def measure(robot: Robot, wanted: list[type[Peer]], poses: int, repeats: int, se
     judge, rng = robot.judge, np.random.default_rng(seed)
     planted = complete.draw_random(judge, max(poses, BATCH), rng)
     targets = np.array([judge.pose(q) for q in planted])
-    speed = _speed(peers, targets, repeats)
-    base = next((speed[p.name] for p in peers if isinstance(p, Eaik)), {})
+    speed = _speed(peers, targets, repeats, general=robot.structure == "general")
+    base = next((speed[p.name] for p in peers if isinstance(p, _base(robot))), {})
+    if base and "batch 1" not in base:
+        # A solver without a batch takes a call for each pose, whatever the threads.
+        base |= {f"batch {threads}": 1e3 / base["us"] for threads in (1, 2)}
     random = complete.tally(peers, judge, planted[:poses])
     near = complete.tally(peers, judge, complete.draw_singular(judge, poses, rng, complete.NEAR))
     exact = complete.tally(peers, judge, complete.draw_singular(judge, max(1, poses // 4), rng, (0.0,)))
     rows = []
     for peer, a, b, c in zip(peers, random, near, exact, strict=True):
-        row = speed[peer.name]
+        row = speed[peer.name] if peer.batch_call else {"us": speed[peer.name]["us"]}
         cells = [peer.name, f"{row['us']:.2f}", _ratio(row["us"], base.get("us"), less_is_better=True)]
         for key in ("batch 1", "batch 2"):
             value = row.get(key)
-            cells += ["-" if value is None else f"{value:.0f}", _ratio(value, base.get(key))]
+            cells += [
+                "-" if value is None else f"{value:.0f}" if value >= 10.0 else f"{value:.2f}",
+                _ratio(value, base.get(key)),
+            ]
         cells += [_share(a.complete, a.poses), _share(b.complete, b.poses), _share(c.answered, c.poses)]
         cells.append(_share(a.wrong + b.wrong + c.wrong, a.poses + b.poses + c.poses))
         rows.append(cells)
     return rows + missing
+
+
+def _base(robot: Robot) -> type[Peer]:
+    """The peer that the ratios are to."""
+    return Ssik if robot.structure == "general" else Eaik
+
+
+def calibration(repeats: int, seed: int) -> list[list[str]]:
+    """Rows of the arm as designed and as calibrated: this package alone, in batch on one thread, in one run."""
+    arms = {robot.name: (UrdfIk(robot), robot.judge) for robot in (UR10E, CALIBRATED_UR10E)}
+    planted = np.random.default_rng(seed).uniform(-np.pi, np.pi, (CALIBRATED_BATCH, 6))
+    batches = {name: judge.poses(planted) for name, (_, judge) in arms.items()}
+    best = dict.fromkeys(arms, np.inf)
+    for repetition in range(repeats + 1):  # the first one warms up and is thrown away
+        for name in list(arms)[:: 1 if repetition % 2 else -1]:
+            seconds = _timed(partial(arms[name][0].solve_batch, batches[name], 1))
+            best[name] = min(best[name], seconds) if repetition else np.inf
+    times = {name: 1e6 * seconds / CALIBRATED_BATCH for name, seconds in best.items()}
+    return [[name, f"{time:.2f}", f"{time / times[UR10E.name]:.1f}"] for name, time in times.items()]
+
+
+CALIBRATION = "what a calibration costs"
+CALIBRATION_COLUMNS = ("arm", "us a pose, batch, 1 thread", "x UR10e")
 
 
 def _machine() -> str:
@@ -148,17 +182,17 @@ def _machine() -> str:
     return f"{cpu}, {os.cpu_count()} cores, Python {platform.python_version()}, {packages}"
 
 
-def _show(console: Console, robot: Robot, rows: list[list[str]], *, markdown: bool) -> None:
-    """Print one arm's table."""
+def _show(console: Console, title: str, columns: tuple[str, ...], rows: list[list[str]], *, markdown: bool) -> None:
+    """Print one table."""
     if markdown:
-        print(f"\n**{robot.name}**\n")
-        print("| " + " | ".join(COLUMNS) + " |")
-        print("|---|" + "---:|" * (len(COLUMNS) - 1))
+        print(f"\n**{title}**\n")
+        print("| " + " | ".join(columns) + " |")
+        print("|---|" + "---:|" * (len(columns) - 1))
         for row in rows:
             print("| " + " | ".join(row) + " |")
         return
-    table = Table(title=robot.name, title_justify="left")
-    for i, column in enumerate(COLUMNS):
+    table = Table(title=title, title_justify="left")
+    for i, column in enumerate(columns):
         table.add_column(column, justify="right" if i else "left", overflow="fold")
     for row in rows:
         table.add_row(*row)
@@ -172,19 +206,27 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--poses", type=int, default=500, help="poses for the completeness columns (default 500)")
     parser.add_argument("--repeats", type=int, default=15, help="alternating repetitions (default 15)")
     parser.add_argument("--seed", type=int, default=2, help="seed of the poses (default 2)")
-    parser.add_argument("--robot", nargs="*", help="only these arms: " + ", ".join(r.name for r in ROBOTS))
+    everything = (*(r.name for r in (*ROBOTS, *GENERAL)), CALIBRATION)
+    parser.add_argument("--robot", nargs="*", choices=everything, metavar="NAME", help=f"only these: {everything}")
     parser.add_argument("--peer", nargs="*", help="only these solvers: " + ", ".join(p.name for p in PEERS))
     options = parser.parse_args(arguments)
-    robots = [r for r in ROBOTS if not options.robot or r.name in options.robot]
+    robots = [r for r in (*ROBOTS, *GENERAL) if not options.robot or r.name in options.robot]
+    calibrated = not options.robot or CALIBRATION in options.robot
     wanted = [p for p in PEERS if not options.peer or p.name in options.peer]
-    if not robots or not wanted or options.poses < 1 or options.repeats < 1:
+    if not (robots or calibrated) or not wanted or options.poses < 1 or options.repeats < 1:
         parser.error("nothing to do: name at least one arm and one solver, one pose and one repetition")
     # A pipe has no width of its own, and eleven columns want some.
     console = Console(width=None if sys.stdout.isatty() else 150)
     print(_machine())
     for robot in robots:
         print(f"{robot.name} ...", file=sys.stderr, flush=True)
-        _show(console, robot, measure(robot, wanted, options.poses, options.repeats, options.seed), markdown=options.md)
+        base = _base(robot).name
+        columns = tuple(column.format(base=base) for column in COLUMNS)
+        rows = measure(robot, wanted, options.poses, options.repeats, options.seed)
+        _show(console, robot.name, columns, rows, markdown=options.md)
+    if calibrated:
+        rows = calibration(options.repeats, options.seed)
+        _show(console, CALIBRATION, CALIBRATION_COLUMNS, rows, markdown=options.md)
     print(FOOTNOTE)
     return 0
 

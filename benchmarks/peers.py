@@ -140,7 +140,11 @@ class IkGeo(Peer):
             offsets[3], offsets[4] = offsets[3] + offsets[4], 0.0
             offsets[6], offsets[5] = offsets[6] + offsets[5], 0.0
         self.name = f"ik-geo {version('ik-geo')}"
-        kinds = {"wrist": "spherical_two_parallel", "three parallel": "three_parallel_two_intersecting"}
+        kinds = {
+            "wrist": "spherical_two_parallel",
+            "three parallel": "three_parallel_two_intersecting",
+            "general": "gen_six_dof",
+        }
         maker: Any = ik_geo
         self.bot = getattr(maker.Robot, kinds[robot.structure])(axes, offsets)
 
@@ -213,6 +217,13 @@ class Ssik(Peer):
             path = Path(folder, "arm.urdf")
             path.write_text(robot.urdf)
             self.bot = ssik.Manipulator.from_urdf(path, base="base", ee="tool")
+        if robot.structure == "general":
+            print(
+                f"{self.name} derives its solver for {robot.name}: minutes, once on this machine ...",
+                file=sys.stderr,
+                flush=True,
+            )
+            self.solve(robot.judge.pose(np.full(6, 0.3)))
 
     def solve(self, prepared: Any) -> np.ndarray:
         """One pose."""
@@ -229,6 +240,8 @@ class SsikBuilt(Peer):
         """Generate the module in a temporary folder and import it."""
         if importlib.util.find_spec("ssik") is None:
             raise Unavailable("not installed")
+        if robot.structure == "general":
+            raise Unavailable("a general arm: what it derives at its first call is the module")
         self.name = f"ssik {version('ssik')}, built"
         with tempfile.TemporaryDirectory() as folder:
             urdf, out = Path(folder, "arm.urdf"), Path(folder, "arm_ik.py")

@@ -1,4 +1,4 @@
-"""The three arms that the benchmark solves, as URDF text from published link lengths."""
+"""The arms that the benchmarks solve, as URDF text from published link lengths."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
@@ -42,7 +43,7 @@ class Robot:
     Attributes:
         name: what the table calls it.
         urdf: the URDF text; base link ``base``, tip link ``tool``.
-        structure: ``"wrist"`` (spherical wrist, 2 || 3) or ``"three parallel"`` (2 || 3 || 4, 5 x 6).
+        structure: ``"wrist"`` (spherical wrist, 2 || 3), ``"three parallel"`` (2 || 3 || 4, 5 x 6) or ``"general"``.
         ortho_parallel: its ortho-parallel parameters, where it has them.
     """
 
@@ -60,12 +61,44 @@ class Robot:
 class Judge:
     """Pinocchio's view of a benchmarked arm: poses, errors, axes. It shares no code with any solver."""
 
-    def __init__(self, urdf: str) -> None:
-        """Build it from URDF text."""
+    def __init__(self, urdf: str, base: str = "base", tip: str = "tool") -> None:
+        """Build it from URDF text; the joints are those that move the tip, each with one degree of freedom."""
         self.model = pin.buildModelFromXML(urdf)
         self.data = self.model.createData()
-        self.base = self.model.getFrameId("base", pin.FrameType.BODY)
-        self.tip = self.model.getFrameId("tool", pin.FrameType.BODY)
+        self.base = self.model.getFrameId(base, pin.FrameType.BODY)
+        self.tip = self.model.getFrameId(tip, pin.FrameType.BODY)
+        if self.model.frames[self.base].parentJoint != 0:
+            raise ValueError(f"link {base!r} moves: benchmarks take arms whose base stands still")
+        supports = self.model.supports[self.model.frames[self.tip].parentJoint]
+        self._joints = [self.model.joints[i] for i in supports if i > 0]
+        self._to_base = np.linalg.inv(self.model.frames[self.base].placement.homogeneous)
+
+    def poses(self, Q: np.ndarray) -> np.ndarray:
+        """The tip's poses (m, 4, 4) in the base at joint vectors Q (m, 6) [rad], base to tip; all by Pinocchio."""
+        out = np.empty((len(Q), 4, 4))
+        model, data, tip = self.model, self.data, self.tip
+        place = data.oMf[tip]
+        for i, q in enumerate(self._configurations(Q)):
+            pin.forwardKinematics(model, data, q)
+            pin.updateFramePlacement(model, data, tip)
+            out[i] = place.homogeneous
+        return self._to_base @ out
+
+    def sigma_min(self, q: np.ndarray) -> float:
+        """Smallest singular value of the Jacobian at q (6,)."""
+        J = pin.computeFrameJacobian(self.model, self.data, self._configurations(q[None])[0], self.tip, pin.LOCAL)
+        columns = [joint.idx_v for joint in self._joints]
+        return float(np.linalg.svd(J[:, columns], compute_uv=False)[-1])
+
+    def _configurations(self, Q: np.ndarray) -> np.ndarray:
+        """Pinocchio's configurations (m, nq); a continuous joint's is a cosine and a sine, others stay at zero."""
+        full = np.tile(pin.neutral(self.model), (len(Q), 1))
+        for joint, column in zip(self._joints, Q.T, strict=True):
+            if joint.nq == 2:
+                full[:, joint.idx_q], full[:, joint.idx_q + 1] = np.cos(column), np.sin(column)
+            else:
+                full[:, joint.idx_q] = column
+        return full
 
     def pose(self, q: np.ndarray) -> np.ndarray:
         """The tool's pose (4, 4) in the base at the joint vector q (6,) [rad]."""
@@ -193,4 +226,69 @@ ZYYZYZ = Robot(
     OrthoParallel(a1=0.0, a2=0.0, b=0.0, c1=1.0, c2=1.0, c3=1.1, c4=0.2),
 )
 
+# Universal Robots' UR10e: link lengths a, offsets d [m] and twists alpha [rad] of its published standard DH table.
+_UR10E_A = (0.0, -0.6127, -0.57155, 0.0, 0.0, 0.0)
+_UR10E_D = (0.1807, 0.0, 0.0, 0.17415, 0.11985, 0.11655)
+_UR10E_ALPHA = (math.pi / 2, 0.0, 0.0, math.pi / 2, -math.pi / 2, 0.0)
+# Deviations of the kind and size that a factory calibration writes: a [m], d [m], alpha [rad], theta [rad]. These are
+# made up; no robot has them.
+_DELTA_A = (3.1e-5, 4.7e-4, -6.2e-4, 2.4e-5, -5.1e-5, 0.0)
+_DELTA_D = (-2.3e-4, 1.1e-3, -7.4e-4, -3.9e-4, 1.8e-4, -2.7e-4)
+_DELTA_ALPHA = (-4.4e-4, 1.3e-3, -1.7e-3, 6.5e-4, -9.2e-4, 0.0)
+_DELTA_THETA = (1.2e-6, -8.3e-4, 1.4e-3, -5.6e-4, 2.1e-6, -3.3e-6)
+
+
+def _from_dh(name: str, a: Sequence[float], d: Sequence[float], alpha: Sequence[float], theta: Sequence[float]) -> str:
+    """URDF text of a standard DH table: joints about z, each followed by Rz(theta) Tz(d) Tx(a) Rx(alpha)."""
+    origins: list[tuple[Vector, Vector]] = [(ZERO, ZERO)]
+    for length, offset, twist, turn in zip(a, d, alpha, theta, strict=True):
+        origins.append(((length * math.cos(turn), length * math.sin(turn), offset), (twist, 0.0, turn)))
+    return _serial(name, origins, [Z] * 6)
+
+
+def _sum(values: Sequence[float], deltas: Sequence[float]) -> list[float]:
+    return [value + delta for value, delta in zip(values, deltas, strict=True)]
+
+
+UR10E = Robot("UR10e", _from_dh("ur10e", _UR10E_A, _UR10E_D, _UR10E_ALPHA, (0.0,) * 6), "three parallel")
+CALIBRATED_UR10E = Robot(
+    "calibrated UR10e",
+    _from_dh(
+        "ur10e_calibrated",
+        _sum(_UR10E_A, _DELTA_A),
+        _sum(_UR10E_D, _DELTA_D),
+        _sum(_UR10E_ALPHA, _DELTA_ALPHA),
+        _DELTA_THETA,
+    ),
+    "general",
+)
+
+
+def _random_6r(seed: int) -> str:
+    """URDF text of six axes in random directions, 0.1 to 0.4 m apart in random directions, and a tool."""
+    rng = np.random.default_rng(seed)
+
+    def direction() -> np.ndarray:
+        v = rng.normal(size=3)
+        return v / np.linalg.norm(v)
+
+    def vector(v: np.ndarray) -> Vector:
+        x, y, z = map(float, v)
+        return x, y, z
+
+    origins = [(vector(rng.uniform(0.1, 0.4) * direction()), vector(rng.uniform(-1.0, 1.0, 3))) for _ in range(7)]
+    return _serial(f"random_6r_{seed}", origins, [vector(direction()) for _ in range(6)])
+
+
+def _from_file(name: str, stem: str) -> Robot:
+    """An arm whose kinematics lie in benchmarks/urdf."""
+    return Robot(name, (Path(__file__).parent / "urdf" / f"{stem}.urdf").read_text(), "general")
+
+
+RANDOM_6R = Robot("random 6R", _random_6r(1), "general")
+KINOVA = _from_file("Kinova j2n6s300", "kinova_j2n6s300")
+CRX = _from_file("FANUC CRX-10iA/L", "fanuc_crx10ial")
+HC10 = _from_file("Yaskawa HC10", "yaskawa_hc10")
+
 ROBOTS = (UR5, IRB2400, ZYYZYZ)
+GENERAL = (KINOVA, CRX, RANDOM_6R)

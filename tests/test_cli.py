@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from oracle import Oracle, angle_distance
 from typer.testing import CliRunner, Result
 
-from urdf_ik import catalogue, crosscheck
+from urdf_ik import catalogue, completeness, crosscheck
 from urdf_ik._cli_options import Format, format_for
 from urdf_ik.cli import app
 
@@ -169,6 +169,16 @@ def test_one_pose_of_a_batch_without_a_solution_is_status_1() -> None:
     assert result.exit_code == 1
     assert [pose["count"] for pose in strict_json(result.stdout)["poses"]] == [8, 0]
     assert result.stderr.endswith("1 of 2 poses have no solution\n")
+
+
+def test_check_complete_ends_with_the_reports_verdict(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With --complete two ways to all solutions are compared; the status is 1 where the report says so."""
+    assert strict_json(succeed("check", ARM, "--complete", "-n", "3", "-f", "json"))["second"]
+    assert "PASSED: 6 poses" in succeed("check", ARM, "--complete", "-n", "3")
+    failed = SimpleNamespace(passed=False, to_json=lambda: '{"passed": false}')
+    monkeypatch.setattr(completeness, "compare", lambda *_, **__: failed)
+    assert call("check", ARM, "--complete", "-f", "json").exit_code == 1
+    assert call("check", ARM, "--complete", "--collision").exit_code == 2
 
 
 def test_check_ends_with_the_reports_verdict(monkeypatch: pytest.MonkeyPatch) -> None:

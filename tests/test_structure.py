@@ -6,10 +6,11 @@ import itertools
 import math
 import re
 
+import cases
 import numpy as np
 import pytest
 from arms import KINDS, DescribedArm, X, Y, Z, industrial, random_arm, rotation, serial_urdf, ur_like
-from cases import from_catalogue
+from arms_general import crx_like
 from numpy.typing import NDArray
 
 import urdf_ik
@@ -406,12 +407,13 @@ def test_sliding_joints() -> None:
 
 def test_text_of_the_article_arm() -> None:
     """The sentences say family, relations, method, number of solutions and imperfection."""
-    structure = from_catalogue("zyyzyz_6r").arm.structure
+    structure = cases.from_catalogue("zyyzyz_6r").arm.structure
     assert str(structure) == (
         "6 joints (RRRRRR): 6R spherical wrist, 2||3 and 1x2. Axes 4, 5 and 6 meet in a point; axes 1 and 2 are "
         "intersecting at 90 deg; axes 2 and 3 are parallel, 1 m apart; axes 3 and 4 are intersecting at 90 deg; axes 4 "
         "and 5 are intersecting at 90 deg; axes 5 and 6 are intersecting at 90 deg. "
-        f"{structure.method}. Up to 8 solutions. The structure is exact to rounding."
+        f"{structure.method}. Up to 8 solutions. Imperfection: none: the URDF as written is of this family, exact to "
+        "rounding. Cuspidal: no: every change from one solution of a pose to another crosses a singularity."
     )
 
 
@@ -423,7 +425,7 @@ def test_text_of_every_kind(kind: str) -> None:
     for part in (*structure.pairs, *structure.triples, structure.method, structure.family, "Up to 8 solutions."):
         assert str(part).lower() in text.lower()
     sentences = re.split(r"(?<=\.) (?=[A-Z])", text)
-    assert len(sentences) == 5
+    assert len(sentences) == (5 if structure.cuspidal is None else 6)
     assert all(re.fullmatch(r"[A-Z0-9].*[^.]\.", sentence) for sentence in sentences), sentences
     assert "  " not in text and "None" not in text and "nan" not in text
 
@@ -438,7 +440,17 @@ def test_text_tells_the_imperfection() -> None:
     text = str(structure)
     assert "3e-05 rad and 0.0004 m off" in text
     assert "exact to rounding" not in text
-    assert "on the URDF as written" in text
+    assert "verified on the URDF as written" in text
+    assert "Up to 16 solutions: 8 next to those of the ideal arm, and 8 that only the arm as written can have." in text
+    assert structure.is_exact is False
+
+
+def test_text_of_a_general_arm() -> None:
+    """An arm without a closed form says why it has none, and claims no exactness of a structure it does not use."""
+    text = str(cases.described(crx_like()).arm.structure)
+    assert "No three neighbouring axes meet in a point or are parallel, so no closed form applies." in text
+    assert "exact" not in text
+    assert "Up to 16 solutions." in text
 
 
 def test_text_tells_what_nearly_intersects() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING, Any
 
-from urdf_ik import _cli_io, _cli_views
+from urdf_ik import _cli_io, _cli_views, _structure_text
 from urdf_ik.structure import AxisPair, AxisTriple
 
 if TYPE_CHECKING:
@@ -61,6 +61,8 @@ def as_json(arm: Arm, angles: Angles) -> str:
                 "supported": bool(structure.family),
                 "family": structure.family or None,
                 "method": structure.method or None,
+                "exact": structure.is_exact if structure.family else None,
+                "cuspidal": structure.cuspidal,
                 "max_solutions": structure.max_solutions,
                 "branches": structure.branches,
             },
@@ -93,15 +95,34 @@ def as_text(arm: Arm, angles: Angles) -> str:
         ("chain", f"{arm.base} to {arm.tip}, {arm.dof} joints"),
     ]
     solver = [("family", structure.family or _UNSOLVED)]
+    branches = []
     if structure.family:
-        angle, distance = structure.imperfection
         solver += [
+            ("why", _structure_text.why(structure)),
             ("solver", structure.method),
-            ("imperfection", f"{angles.angle(angle):.1e} {unit}, {distance:.1e} m off the family, as written"),
-            ("solutions", f"up to {structure.max_solutions}, one a branch:"),
+            ("solutions", _structure_text.solutions(structure)),
+            ("imperfection", _structure_text.imperfection(structure)),
+            ("cuspidal", _structure_text.cuspidal(structure)),
         ]
-    branches = [f"{'':14}{i + 1:>2}  {name}" for i, name in enumerate(structure.branches)]
+        branches = [f"{'branches' if i == 0 else '':<14}{line}" for i, line in enumerate(_columns(structure.branches))]
+    solver = [(heading, text) for heading, text in solver if text]
     return _cli_views.render(_facts(facts), "", joints, "", axes, "", _facts(solver), *branches)
+
+
+def _columns(branches: tuple[str, ...]) -> list[str]:
+    """The columns of an answer: one line each, but one for a run of names that are only numbered."""
+    lines, start = [], 0
+    while start < len(branches):
+        kind, _, number = branches[start].rpartition(" ")
+        end = start + 1
+        while number.isdigit() and end < len(branches) and branches[end] == f"{kind} {int(number) + end - start}":
+            end += 1
+        if end - start == 1:
+            lines.append(f"{start + 1:>2}  {branches[start]}")
+        else:
+            lines.append(f"{start + 1:>2} to {end}  {branches[start]} to {branches[end - 1]}")
+        start = end
+    return lines
 
 
 def _facts(facts: list[tuple[str, str]]) -> str:

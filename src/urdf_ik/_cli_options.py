@@ -80,6 +80,13 @@ Checked = Annotated[
 
 # What check compares.
 Count = Annotated[int, Option("-n", "--poses", min=1, help="Number of random poses.")]
+Complete = Annotated[
+    bool,
+    Option(
+        "--complete",
+        help="Instead: look for solutions in a second way too, for N random poses and N near singularities.",
+    ),
+]
 Collision = Annotated[
     bool | None,
     Option(

@@ -7,7 +7,7 @@ import sys
 import threading
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
@@ -17,6 +17,7 @@ from urdf_ik import families
 from urdf_ik._kernels.layout import BLOCK
 from urdf_ik._kernels.target import to_frame_1
 from urdf_ik.chain import Chain
+from urdf_ik.cuspidality import is_cuspidal
 from urdf_ik.errors import JointVectorError, PoseError, UnsupportedArm
 from urdf_ik.poses import as_pose_array, check_poses
 from urdf_ik.solutions import IKSolutions
@@ -56,6 +57,8 @@ class Arm:
                 method=plan.method,
                 branches=plan.branches,
                 imperfection=plan.imperfection,
+                error=plan.error,
+                find_cuspidal=partial(is_cuspidal, self),
             )
             self._solver, self._kernel, self._numbers = plan.solve, self._first_solve, plan.arm
             self._branches, self._shape = plan.branches, (1, len(plan.branches), chain.n)

@@ -232,8 +232,13 @@ def ik(
 @app.command(
     help=_help(
         "Check an arm against Pinocchio: kinematics, every solution of random poses, collision. "
-        "The status is 1 when a check failed.",
+        "The status is 1 when a check failed.\n\n"
+        "With --complete it looks for solutions that the solver missed: the general elimination, and Newton's method "
+        "from random starts where the solver uses the elimination itself, answer the same poses, random ones and some "
+        "1e-1 to 1e-8 rad from a singularity. Every difference is printed. The status is 1 when the solver lacks a "
+        "solution or has one that Pinocchio does not confirm.",
         "urdf-ik check zyyzyz_6r -n 200",
+        "urdf-ik check ur5 --complete -n 80",
         "urdf-ik check my_arm.urdf --tip tool0 --no-collision --format json",
     )
 )
@@ -241,19 +246,27 @@ def check(
     robot: options.Robot,
     n: options.Count = 200,
     seed: options.Seed = 0,
+    complete: options.Complete = False,
     collision: options.Collision = None,
     base: options.Base = None,
     tip: options.Tip = None,
     mesh_root: options.MeshRoot = None,
     format: options.TextFormat = ReportFormat.TABLE,
 ) -> None:
-    """Print the report of the cross-check."""
-    from urdf_ik import _cli_io, crosscheck
+    """Print the report of the cross-check, or of the comparison of two ways to all solutions."""
+    from urdf_ik import _cli_io, completeness, crosscheck
     from urdf_ik._cli_progress import Progress
 
+    if complete and collision is not None:
+        raise _cli_io.usage("--complete compares solutions and nothing else", "--collision")
     arm = _arm(robot, base, tip, mesh_root)
-    with Progress("checking poses", "checking against Pinocchio") as progress:
-        report = crosscheck.check(arm, n=n, seed=seed, collision=collision, progress=progress.tick)
+    report: crosscheck.Report | completeness.Completeness
+    if complete:
+        with Progress("comparing poses", "solving in two ways") as progress:
+            report = completeness.compare(arm, n=n, seed=seed, progress=progress.tick)
+    else:
+        with Progress("checking poses", "checking against Pinocchio") as progress:
+            report = crosscheck.check(arm, n=n, seed=seed, collision=collision, progress=progress.tick)
     _cli_io.write(report.to_json() if format is ReportFormat.JSON else f"{report}\n", None)
     if not report.passed:
         raise typer.Exit(Status.FAILED)

@@ -107,7 +107,7 @@ class Report:
 
     def to_dict(self) -> dict[str, Any]:
         """The report as plain lists, numbers and text; infinite numbers are the text 'inf' or '-inf'."""
-        out: dict[str, Any] = _plain(asdict(self))
+        out: dict[str, Any] = plain(asdict(self))
         return {"passed": self.passed, **out}
 
     def to_json(self) -> str:
@@ -183,12 +183,12 @@ class Report:
         return table
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """``value`` with tuples as lists and infinite numbers as text, which JSON can hold."""
     if isinstance(value, dict):
-        return {key: _plain(each) for key, each in value.items()}
+        return {key: plain(each) for key, each in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(each) for each in value]
+        return [plain(each) for each in value]
     if isinstance(value, float) and not math.isfinite(value):
         return str(value)
     return value

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik import _structure_text
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from urdf_ik.chain import Chain
 
     Vector = NDArray[np.float64]
 
+
+_GENERAL = "6R general"  # the family that assumes nothing
 
 # Below this [rad or m] a deviation is not worth a word.
 _ROUNDING = 1e-12
@@ -83,6 +89,9 @@ class Structure:
         method: how it is solved, and why, in words.
         branches: names of the columns of its solutions.
         imperfection: (rad, m) how far the URDF as written is from the family.
+        error: the same as greatest difference between poses of the ideal arm and of the arm as written [rad, share
+            of the arm's size]; what decides whether it counts as exact.
+        find_cuspidal: what ``cuspidal`` asks.
     """
 
     joint_types: tuple[str, ...]
@@ -92,6 +101,18 @@ class Structure:
     method: str = ""
     branches: tuple[str, ...] = ()
     imperfection: tuple[float, float] = (0.0, 0.0)
+    error: float = 0.0
+    find_cuspidal: Callable[[], bool | None] | None = field(default=None, repr=False, compare=False)
+
+    @property
+    def is_general(self) -> bool:
+        """Whether the arm is solved by elimination alone, without a closed form."""
+        return self.family == _GENERAL
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether the URDF as written is a member of the family, to rounding."""
+        return self.error <= DEFAULT.exact_structure
 
     @property
     def max_solutions(self) -> int:
@@ -110,24 +131,17 @@ class Structure:
         """The triple that begins with axis ``first``, if its relation is this one."""
         return next((t for t in self.triples if t.first == first and t.relation == relation), None)
 
+    @cached_property
+    def cuspidal(self) -> bool | None:
+        """Whether the arm can change from one solution of a pose to another without crossing a singularity.
+
+        False and True are proven, joint limits aside; None where neither a proof nor a path was found, and where no
+        solver takes the arm. Found when first asked for, which takes up to a second.
+        """
+        return None if self.find_cuspidal is None else self.find_cuspidal()
+
     def __str__(self) -> str:
-        kinds = "".join({"revolute": "R", "continuous": "R", "prismatic": "P"}[kind] for kind in self.joint_types)
-        name = f"{len(self.joint_types)} joints ({kinds})"
-        sentences = [f"{name}: {self.family}." if self.family else f"{name}, of no family that is solved here."]
-        facts = [*map(str, self.triples), *map(str, self.pairs)]
-        sentences.append("; ".join(facts).capitalize() + "." if facts else "")
-        if self.method:
-            sentences.append(f"{self.method}.")
-        if self.branches:
-            sentences.append(f"Up to {self.max_solutions} solutions.")
-        angle, distance = self.imperfection
-        if self.family:
-            sentences.append(
-                "The structure is exact to rounding."
-                if max(angle, distance) < 1e-13
-                else f"The URDF as written is {angle:.2g} rad and {distance:.2g} m off this structure."
-            )
-        return " ".join(s for s in sentences if s)
+        return _structure_text.in_sentences(self)
 
 
 def analyse(chain: Chain) -> Structure:
