@@ -328,13 +328,18 @@ def test_chain_that_has_no_table() -> None:
     fixed = serial_urdf("fixed", [((0, 0, 1), (0, 0, 0))], [None])
     with pytest.raises(DHError, match="no movable joint"):
         DHTable.from_chain(urdf_ik.load(fixed, "base", "tool").chain)
-    origins = [((0, 0, 0), (0, 0, 0)), ((1, 0, 0), (4e-8, 0, 0)), ((1, 0.5, 0), (0, 0, 0))]
-    nearly = urdf_ik.load(serial_urdf("nearly", origins, [(0, 0, 1), (0, 0, 1), None])).chain
-    with pytest.raises(DHError, match=r"axes 1 and 2 are 4.0e-08 rad off parallel.*snap=8e-08"):
-        DHTable.from_chain(nearly)
-    table = DHTable.from_chain(nearly, snap=8e-8)
-    np.testing.assert_array_equal(table.alpha[:1], [0.0])
-    assert 1e-9 < table.deviation(nearly) < 1e-7
+    for angle in (3e-9, 2e-8):
+        origins = [
+            ((0.1, 0.2, 0.3), (0.1, 0.3, 0.2)),
+            ((0.7, 0.3, 0.4), (angle, 0, 0.3)),
+            ((1, 0.5, 0.3), (0.3, 0.2, 0.1)),
+        ]
+        nearly = urdf_ik.load(serial_urdf("nearly", origins, [(0, 0, 1), (0, 0, 1), None])).chain
+        with pytest.raises(DHError, match=rf"axes 1 and 2 are {angle:.1e} rad off parallel.*snap={2 * angle:.0e}"):
+            DHTable.from_chain(nearly)
+        table = DHTable.from_chain(nearly, snap=2 * angle)
+        np.testing.assert_array_equal(table.alpha[:1], [0.0])
+        assert 0.1 * angle < table.deviation(nearly) < 10 * angle
 
 
 # ---------------------------------------------------------------- links

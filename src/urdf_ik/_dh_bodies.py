@@ -64,12 +64,14 @@ def bodies(table: DHTable) -> list[list[Body]]:
     links = [[_plate(radius), *_legs(table, 0, origins[0], radius, extent)]]
     for i in range(table.n):
         last = i == table.n - 1
-        hub = _hub(bool(table.prismatic[i]), radius, collides=last or bool(ends[i + 1] > 2.0 * extent))
+        alone = last or bool(ends[i + 1] > 2.0 * extent)
+        hub = _hub(bool(table.prismatic[i]), radius, collides=alone)
         link = [hub, *_legs(table, i + 1, origins[i + 1], radius, 0.0 if last else extent)]
         if table.prismatic[i]:
             lower, upper = table.limits[i]
             # From where the joint is at the farthest to where it is at the nearest, seen from the sliding link.
-            link.extend(_leg(np.array([0, 0, min(-upper, 0.0)]), np.array([0, 0, max(-lower, 0.0)]), radius, 0.0))
+            far, near = np.array([0.0, 0.0, min(-upper, 0.0)]), np.array([0.0, 0.0, max(-lower, 0.0)])
+            link.extend(_leg(far, near, radius, 0.0 if alone else extent))
         links.append(link)
     return links
 

@@ -167,7 +167,7 @@ class DHTable:
         table = _tidy(_frames(chain, snap), chain, convention, name)
         if snap is None and (off := table.deviation(chain)) > DEFAULT.contract:
             angles = np.linalg.norm(np.cross(chain.H[:-1], chain.H[1:]), axis=1)
-            i = int(np.argmin(np.where(angles > _as_written(None)[0], angles, np.inf)))
+            i = int(np.argmin(np.where(angles > DEFAULT.exact_structure, angles, np.inf)))
             raise DHError(
                 f"axes {i + 1} and {i + 2} are {angles[i]:.1e} rad off parallel, and their table's poses would be "
                 f"{off:.0e} of the arm's size off; give snap={2.0 * angles[i]:.0e} to take them for parallel"
