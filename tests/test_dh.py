@@ -311,6 +311,18 @@ def test_arrays_that_are_no_table(rows: object, options: dict[str, object], word
     assert all(word in str(caught.value) for word in words), str(caught.value)
 
 
+def test_constructor_copies_and_checks() -> None:
+    """Lists will do, the caller's arrays stay writable, and what is no number is refused."""
+    limits = np.array([[-1.0, 1.0]])
+    fields = {"joint_types": ("revolute",), "joint_names": ("j",), "base": np.eye(4), "tool": np.eye(4)}
+    table = DHTable("standard", [0], [1], [0], [0], limits=limits, **fields)
+    limits[0, 0] = -2.0
+    assert table.limits[0, 0] == -1.0 and not table.limits.flags.writeable
+    for values, words in (("x", "'a' is no array"), ([1, 2], "column 'a' has the shape"), (np.nan, "column 'a'")):
+        with pytest.raises(DHError, match=words):
+            DHTable("standard", [0], values, [0], [0], limits=limits, **fields)
+
+
 def test_unknown_convention() -> None:
     """A convention that is none is refused wherever one is given, with those that there are."""
     table = DHTable.from_array(np.zeros((2, 4)), "standard")

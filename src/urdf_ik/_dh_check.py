@@ -30,7 +30,7 @@ def check(table: DHTable) -> None:
         DHError: something is missing, of the wrong shape, not finite or senseless.
     """
     check_convention(table.convention)
-    n = len(table.alpha)
+    n = table.alpha.size
     if n == 0:
         raise DHError("the table has no rows; one row a joint is needed")
     for column in COLUMNS:
@@ -48,6 +48,18 @@ def check(table: DHTable) -> None:
         raise DHError(f"{table.name!r} is no name of a robot")
     for array in (*(getattr(table, column) for column in COLUMNS), table.limits, table.base, table.tool):
         array.setflags(write=False)
+
+
+def numbers(values: ArrayLike, field: str) -> Array:
+    """A copy of ``values`` as an array.
+
+    Raises:
+        DHError: they are no numbers.
+    """
+    try:
+        return np.array(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise DHError(f"{field!r} is no array of numbers: {error}") from None
 
 
 def check_convention(convention: Any) -> None:

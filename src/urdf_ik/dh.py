@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik import _dh_files
-from urdf_ik._dh_check import CONVENTIONS, check, check_convention, joint_types_of, table_array, transform
+from urdf_ik._dh_check import CONVENTIONS, check, check_convention, joint_types_of, numbers, table_array, transform
 from urdf_ik.chain import Chain
 from urdf_ik.dh_frames import denavit_hartenberg, rotation_z, slide_z, step_x
 from urdf_ik.errors import DHError
@@ -70,6 +70,9 @@ class DHTable:
     name: str = "arm"
 
     def __post_init__(self) -> None:
+        for field in ("alpha", "a", "d", "theta", "limits", "base", "tool"):
+            # Copies, since they are frozen.
+            object.__setattr__(self, field, numbers(getattr(self, field), field))
         check(self)
 
     @classmethod
@@ -205,7 +208,7 @@ class DHTable:
             H=frames[:-1, :3, 2].copy(),
             P=np.diff(np.vstack([np.zeros(3), frames[:, :3, 3]]), axis=0),
             R_tip=frames[-1, :3, :3].copy(),
-            limits=self.limits.copy(),
+            limits=self.limits,
         )
 
     def fk(self, q: ArrayLike) -> Array:
@@ -322,7 +325,7 @@ def _tidy(frames: DHFrames, chain: Chain, convention: str, name: str) -> DHTable
         theta=_wrapped(_rounded(_wrapped(theta), 1.0)),
         joint_types=chain.joint_types,
         joint_names=chain.joint_names,
-        limits=chain.limits.copy(),
+        limits=chain.limits,
         base=base,
         tool=tool,
         name=name,

@@ -46,8 +46,8 @@ class Tolerances:
     near_angle: float = 0.02
     near_distance: float = 1e-3
     contract: float = 1e-9
-    damped: float = 0.04
-    damping: float = 0.04
+    damped: float = 0.01
+    damping: float = 0.01
 
     def for_kernels(self) -> NDArray[np.float64]:
         """(9,) the first nine values, in the order in which the kernels expect them."""
