@@ -60,6 +60,13 @@ def test_bundled_arms_are_all_named() -> None:
     assert files == set(catalogue.BUNDLED) == set(catalogue.names()[: len(files)])
 
 
+def test_bundled_arms_are_described() -> None:
+    """Every bundled arm says in a few words what it is, and no two say the same."""
+    words = {name: catalogue.resolve(name).description for name in catalogue.BUNDLED}
+    assert all(10 < len(text) < 100 for text in words.values())
+    assert len(set(words.values())) == len(words)
+
+
 @pytest.mark.parametrize(
     ("name", "nearest"),
     [("zyyzyz", "zyyzyz_6r"), ("UR5", "ur5"), ("ur5e", "ur5"), ("pand", "panda"), ("baxter", "baxter_left")],

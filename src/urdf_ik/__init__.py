@@ -8,15 +8,18 @@
 
 from urdf_ik.arm import Arm, load
 from urdf_ik.chain import Chain
+from urdf_ik.dh import DHTable
 from urdf_ik.errors import (
     CatalogueError,
     ChainError,
+    DHError,
     JointVectorError,
     MissingPackage,
     PoseError,
     UnsupportedArm,
     UrdfError,
     UrdfIkError,
+    VelocityError,
 )
 from urdf_ik.poses import (
     pose,
@@ -36,6 +39,8 @@ __all__ = [
     "CatalogueError",
     "Chain",
     "ChainError",
+    "DHError",
+    "DHTable",
     "IKSolutions",
     "JointVectorError",
     "MissingPackage",
@@ -46,6 +51,7 @@ __all__ = [
     "UnsupportedArm",
     "UrdfError",
     "UrdfIkError",
+    "VelocityError",
     "load",
     "pose",
     "to_euler_zyx",

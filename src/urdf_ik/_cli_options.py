@@ -26,6 +26,15 @@ class ReportFormat(StrEnum):
     JSON = "json"
 
 
+class DHFormat(StrEnum):
+    """Output of Denavit-Hartenberg tables."""
+
+    TABLE = "table"
+    JSON = "json"
+    CSV = "csv"
+    URDF = "urdf"
+
+
 # What every command takes.
 Robot = Annotated[
     str, Argument(metavar="ROBOT", help="URDF file, a catalogue name (zyyzyz_6r, dh_6r, ur5, ...), or - for stdin.")
@@ -94,6 +103,34 @@ Collision = Annotated[
         help="Compare collision checks, too. Default: where the URDF has collision shapes that can be read.",
         show_default=False,
     ),
+]
+
+
+# Tables.
+TableOrRobot = Annotated[
+    str, Argument(metavar="FILE", help="URDF file, a catalogue name, - for a URDF on stdin, or a table: .csv or .json.")
+]
+Convention = Annotated[
+    str | None,
+    Option(
+        "--convention",
+        metavar="standard|modified",
+        help="Convention of what is printed; also of a table file that does not say its own. "
+        "Default: the table's own, standard for a URDF.",
+    ),
+]
+Snap = Annotated[
+    float | None,
+    Option(
+        "--snap",
+        metavar="TOLERANCE",
+        min=0.0,
+        help="Take neighbouring axes that are nearer than this to parallel [rad] or to meeting [share of the arm's "
+        "size] for exactly so. Default: the URDF as written.",
+    ),
+]
+TableFormat = Annotated[
+    DHFormat | None, Option("--format", "-f", help="Default: by the name of --output, else table.", show_default=False)
 ]
 
 

@@ -13,7 +13,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik import families
+from urdf_ik import families, velocity
 from urdf_ik._kernels.layout import BLOCK
 from urdf_ik._kernels.target import to_frame_1
 from urdf_ik.chain import Chain
@@ -113,6 +113,22 @@ class Arm:
     def jacobian(self, q: ArrayLike) -> NDArray[np.float64]:
         """Geometric Jacobian at the tip in base axes: (..., n) to (..., 6, n); see :meth:`Chain.jacobian`."""
         return self.chain.jacobian(q)
+
+    def manipulability(self, q: ArrayLike, part: str = "all") -> NDArray[np.float64]:
+        """Yoshikawa's manipulability: (..., n) to (...); see :func:`urdf_ik.velocity.manipulability`."""
+        return velocity.manipulability(self.chain, q, part)
+
+    def condition_number(self, q: ArrayLike, part: str = "all", length: float | None = None) -> NDArray[np.float64]:
+        """Condition of the Jacobian: (..., n) to (...); see :func:`urdf_ik.velocity.condition_number`."""
+        return velocity.condition_number(self.chain, q, part, length)
+
+    def singular_directions(self, q: ArrayLike, **options: float) -> velocity.SingularDirections:
+        """Twists lost, motions that do nothing at ``q`` (..., n); see :func:`urdf_ik.velocity.singular_directions`."""
+        return velocity.singular_directions(self.chain, q, **options)
+
+    def joint_velocities(self, q: ArrayLike, twist: ArrayLike, **options: Any) -> NDArray[np.float64]:
+        """Joint velocities (..., n) for a twist (..., 6) of the tip; see :func:`urdf_ik.velocity.joint_velocities`."""
+        return velocity.joint_velocities(self.chain, q, twist, **options)
 
     def link_poses(self, q: ArrayLike) -> dict[str, NDArray[np.float64]]:
         """Pose of every link in the base: (..., n) to (..., 4, 4) each; see :meth:`Chain.link_poses`."""

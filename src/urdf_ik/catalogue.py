@@ -8,11 +8,18 @@ from pathlib import Path
 
 from urdf_ik.errors import CatalogueError
 
-BUNDLED: Mapping[str, tuple[str, str]] = {
-    "zyyzyz_6r": ("base_link", "tool0"),
-    "dh_6r": ("base_link", "tool0"),
+BUNDLED: Mapping[str, str] = {
+    "zyyzyz_6r": "six axes z y y z y z with a spherical wrist, upright at zero",
+    "dh_6r": "six axes with a spherical wrist, from a modified Denavit-Hartenberg table",
+    "planar_2r": "two-link planar arm, 66 and 130 mm, with narrow limits",
+    "planar_2r_unit": "two-link planar arm, both links 1 m, every angle allowed",
+    "positioning_3r": "waist, shoulder and elbow of an articulated robot",
+    "scara_rrpr": "SCARA: two links, a quill that slides and turns",
+    "stanford_rrprrr": "Stanford arm: waist, shoulder, sliding boom, spherical wrist",
+    "srs_7r": "seven axes, spherical shoulder and wrist, with the lengths of a KUKA LBR iiwa 14",
+    "puma_560": "Unimation PUMA 560, by Corke and Armstrong-Helouvry's table",
 }
-"""Arms that come with this package: base link and tip link."""
+"""Arms that come with this package, each from base_link to tool0: what they are."""
 
 _UR = ("base_link", "tool0")
 
@@ -60,6 +67,7 @@ class Entry:
         base: base link of the arm, None for the only movable chain.
         tip: tip link of the arm, None for the only movable chain.
         package_dirs: folders in which ``package://`` addresses of its meshes are looked up.
+        description: what the arm is; '' for those of example-robot-data.
     """
 
     name: str
@@ -67,6 +75,7 @@ class Entry:
     base: str | None
     tip: str | None
     package_dirs: tuple[Path, ...] = ()
+    description: str = ""
 
 
 def names() -> tuple[str, ...]:
@@ -82,8 +91,7 @@ def resolve(name: str) -> Entry:
             example-robot-data, which is not installed (the message says how to install it).
     """
     if name in BUNDLED:
-        base, tip = BUNDLED[name]
-        return Entry(name, _bundled_folder() / f"{name}.urdf", base, tip)
+        return Entry(name, _bundled_folder() / f"{name}.urdf", "base_link", "tool0", description=BUNDLED[name])
     if name not in EXAMPLE_ROBOT_DATA:
         raise CatalogueError(f"no arm is called {name!r}; {_alternatives(name)}")
     share = _example_robot_data_share()

@@ -1,4 +1,4 @@
-"""The ``urdf-ik`` command: info, fk, ik and check.
+"""The ``urdf-ik`` command: info, fk, ik, check and dh.
 
 Exit status: 0 done; 1 a pose has no solution, or a check failed; 2 usage, which includes poses and joint vectors
 that are none; 3 a URDF or a chain that is wrong; 4 an arm that no solver takes; 130 interrupted.
@@ -270,6 +270,31 @@ def check(
     _cli_io.write(report.to_json() if format is ReportFormat.JSON else f"{report}\n", None)
     if not report.passed:
         raise typer.Exit(Status.FAILED)
+
+
+@app.command(
+    help=_help(
+        "Denavit-Hartenberg table of an arm, or an arm from a table (CSV or JSON).",
+        "urdf-ik dh dh_6r --convention modified",
+        "urdf-ik dh ur5 --degrees -o ur5.csv",
+        "urdf-ik dh ur5 --degrees -f csv",
+        "urdf-ik dh ur5.csv -o my_ur5.urdf",
+    )
+)
+def dh(
+    file: options.TableOrRobot,
+    convention: options.Convention = None,
+    snap: options.Snap = None,
+    base: options.Base = None,
+    tip: options.Tip = None,
+    degrees: options.Degrees = False,
+    format: options.TableFormat = None,
+    output: options.Output = None,
+) -> None:
+    """Print or write the table, or the URDF."""
+    from urdf_ik import _cli_dh
+
+    _cli_dh.run(file, lambda: _arm(file, base, tip, None), (base, tip), convention, snap, degrees, format, output)
 
 
 def main() -> None:

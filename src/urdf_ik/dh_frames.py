@@ -76,7 +76,9 @@ def slide_z(d: float) -> Array:
 def denavit_hartenberg(
     directions: Array, points: Array, home: Array, parallel: Sequence[bool], meet: Sequence[bool]
 ) -> DHFrames:
-    """Frames of revolute axes through ``points`` (n, 3) m along unit ``directions`` (n, 3) at q = 0.
+    """Frames of axes through ``points`` (n, 3) m along unit ``directions`` (n, 3) at q = 0.
+
+    A prismatic joint's axis has a direction only: the frames lie on the line that its point gives it.
 
     Args:
         directions: of the axes, in base axes.
@@ -110,7 +112,8 @@ def denavit_hartenberg(
         feet.append(other)
         xs.append(x / np.linalg.norm(x))
     origins.append(feet[-1])
-    xs.append(xs[-1] - (xs[-1] @ directions[-1]) * directions[-1])
+    before = xs[-1] if xs else any_normal(directions[-1])
+    xs.append(before - (before @ directions[-1]) * directions[-1])
     d = np.array([(origins[i] - feet[i]) @ directions[i] for i in range(1, n)])
     offset = np.zeros(n)
     for i in range(1, n - 1):

@@ -55,6 +55,19 @@ class JointVectorError(UrdfIkError, ValueError):
     """A joint vector of the wrong shape or with values that are not finite."""
 
 
+class DHError(UrdfIkError, ValueError):
+    """A Denavit-Hartenberg table that is none; ``row`` counts from 1, ``column`` is its name, where there is one."""
+
+    def __init__(self, problem: str, *, row: int | None = None, column: str | None = None) -> None:
+        self.row, self.column = row, column
+        where = ", ".join([f"row {row}"] * (row is not None) + [f"column {column!r}"] * (column is not None))
+        super().__init__(f"{where}: {problem}" if where else problem)
+
+
+class VelocityError(UrdfIkError, ValueError):
+    """A twist, damping, weight, velocity limit or length that is none."""
+
+
 class UnsupportedArm(UrdfIkError):
     """The arm was read, but no solver of this package can solve it completely."""
 

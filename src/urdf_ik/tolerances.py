@@ -29,6 +29,9 @@ class Tolerances:
         exact_structure: imperfection [rad, share of size] below which an arm is a member of its family.
         near_angle: two axes this close to parallel [rad] may be meant to be.
         near_distance: two axes this close [share of size] may be meant to meet.
+        contract: error [of the arm's size, rad] that every result keeps within.
+        damped: smallest singular value, lengths as shares of the size, below which joint velocities are damped.
+        damping: their damping at a singularity.
     """
 
     reach: float = 1e-10
@@ -42,6 +45,9 @@ class Tolerances:
     exact_structure: float = 1e-13
     near_angle: float = 0.02
     near_distance: float = 1e-3
+    contract: float = 1e-9
+    damped: float = 0.01
+    damping: float = 0.01
 
     def for_kernels(self) -> NDArray[np.float64]:
         """(9,) the first nine values, in the order in which the kernels expect them."""
