@@ -97,7 +97,7 @@ def solve(
     if errors:
         from urdf_ik.reference import Reference
 
-        judge = Reference(arm.model, arm.base, arm.tip)
+        judge = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
         position, rotation = np.full(valid.shape, np.nan), np.full(valid.shape, np.nan)
         for start in range(0, len(todo), _AT_ONCE):
             i, b = todo[start : start + _AT_ONCE].T

@@ -4,23 +4,29 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from urdf_ik.families import general_6r, imperfect, spherical_wrist, three_parallel
+from urdf_ik.families import general_6r, imperfect, locked, spherical_wrist, three_parallel
 from urdf_ik.families.mirrored import mirrored
 from urdf_ik.structure import analyse
 
 if TYPE_CHECKING:
     from urdf_ik.chain import Chain
-    from urdf_ik.families.plan import Plan
+    from urdf_ik.families.plan import Plan, RedundantPlan
     from urdf_ik.structure import Structure
 
 FAMILIES = (spherical_wrist, three_parallel)
 
 
-def choose(structure: Structure, chain: Chain) -> Plan | None:
+def choose(structure: Structure, chain: Chain) -> Plan | RedundantPlan | None:
     """The first family that takes the arm exactly, from either end; else the nearest, with elimination behind it.
 
-    Elimination alone where no family is near; None where no solver takes the arm.
+    Elimination alone where no family is near; None where no solver takes the arm. Of seven joints one is given.
     """
+    if chain.n == 7:
+        return locked.prepare(chain, (_of_a_family, _general))
+    return _of_a_family(structure, chain) or _general(structure, chain)
+
+
+def _of_a_family(structure: Structure, chain: Chain) -> Plan | None:
     back = chain.reversed()
     near: list[tuple[Plan, Chain]] = []
     for seen, relations in ((chain, structure), (back, analyse(back))):
@@ -30,8 +36,12 @@ def choose(structure: Structure, chain: Chain) -> Plan | None:
                 if plan.is_exact:
                     return mirrored(plan) if seen is back else plan
                 near.append((plan, seen))
-    if near:
-        plan, seen = min(near, key=lambda entry: entry[0].error)
-        plan = imperfect.prepare(plan, seen)
-        return mirrored(plan) if seen is back else plan
+    if not near:
+        return None
+    plan, seen = min(near, key=lambda entry: entry[0].error)
+    plan = imperfect.prepare(plan, seen)
+    return mirrored(plan) if seen is back else plan
+
+
+def _general(structure: Structure, chain: Chain) -> Plan | None:
     return general_6r.prepare(chain) if general_6r.matches(structure) else None

@@ -1,0 +1,93 @@
+"""The redundancy parameter: the one value that a pose leaves free in an arm with seven joints."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik.errors import JointVectorError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from urdf_ik.chain import Chain
+
+SWIVEL, LOCKED_JOINT = "swivel", "locked joint"
+
+
+@dataclass(frozen=True)
+class Redundancy:
+    """What the redundancy parameter of an arm is.
+
+    Attributes:
+        kind: 'swivel': the angle by which the arm's plane is turned about the line from shoulder to wrist, see
+            ``families/srs.py``; 'locked joint': the value of the first or the last joint.
+        joint: name of the locked joint, or of the elbow's joint.
+        range: least and greatest value [unit]: the joint's limits, half a turn to both sides where it has none;
+            infinite for a sliding joint without limits.
+        default: value [unit] that ``ik`` takes where none is given: zero for a swivel, the middle of the joint's
+            limits, zero where it has none.
+        unit: 'rad' or 'm'.
+    """
+
+    kind: str
+    joint: str
+    range: tuple[float, float]
+    default: float
+    unit: str
+
+    @property
+    def round(self) -> bool:
+        """Whether the range holds the whole circle, so that it has no ends."""
+        return self.unit == "rad" and self.range[1] - self.range[0] >= 2.0 * math.pi
+
+    def __str__(self) -> str:
+        low, high = self.range
+        what = (
+            f"swivel angle of the arm's plane, the one across the axis of joint {self.joint!r},"
+            if self.kind == SWIVEL
+            else f"value of joint {self.joint!r},"
+        )
+        return f"{what} {low:.4f} to {high:.4f} {self.unit}, by default {self.default + 0.0:.4f}"
+
+    def check(self, value: ArrayLike) -> NDArray[np.float64]:
+        """``value`` as an array (...) of finite numbers.
+
+        Raises:
+            JointVectorError: it is none.
+        """
+        try:
+            values = np.asarray(value, dtype=np.float64)
+        except (TypeError, ValueError):
+            values = np.array(np.nan)
+        if not np.isfinite(values).all():
+            raise JointVectorError(f"redundancy is {value!r}; finite numbers [{self.unit}] are needed: {self}")
+        return values
+
+    def wrapped(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """``values`` with angles in (-pi, pi], as joint vectors of solutions hold them."""
+        return values if self.unit == "m" else wrapped(values)
+
+
+def wrapped(angles: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``angles`` [rad] in (-pi, pi]; those that are there already keep their digits."""
+    return np.where(np.abs(angles) < np.pi, angles, np.pi - np.remainder(np.pi - angles, 2.0 * np.pi))
+
+
+def swivel(joint: str) -> Redundancy:
+    """The parameter of an arm whose elbow, ``joint``, swivels about the line from shoulder to wrist."""
+    return Redundancy(SWIVEL, joint, (-math.pi, math.pi), 0.0, "rad")
+
+
+def locked_joint(chain: Chain, k: int) -> Redundancy:
+    """The parameter of an arm whose joint ``k`` is given."""
+    low, high = (float(limit) for limit in chain.limits[k])
+    slides = bool(chain.prismatic[k])
+    endless = not math.isfinite(high - low)
+    if endless and not slides:
+        low, high = -math.pi, math.pi
+    middle = 0.0 if endless else 0.5 * (low + high)
+    return Redundancy(LOCKED_JOINT, chain.joint_names[k], (low, high), middle, "m" if slides else "rad")
