@@ -270,8 +270,9 @@ class Arm:
         def solve(part: slice) -> int:
             return plan.solve_at(stack[part], given[part], self._numbers, reference, q[part], flags[part])
 
-        with _patience(self.structure.family) if self._kernel == self._first_solve else nullcontext():
+        with nullcontext() if self._kernel == self._solver else _patience(self.structure.family):
             bad = in_shares(solve, len(stack), threads)
+        self._kernel = self._solver
         if bad >= 0:
             self._refuse(target)
         return IKSolutions(

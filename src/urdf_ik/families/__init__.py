@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from urdf_ik.families import general_6r, imperfect, locked, spherical_wrist, three_parallel
+from urdf_ik.families import general_6r, imperfect, locked, spherical_wrist, srs, three_parallel
 from urdf_ik.families.mirrored import mirrored
 from urdf_ik.structure import analyse
 
@@ -22,7 +22,7 @@ def choose(structure: Structure, chain: Chain) -> Plan | RedundantPlan | None:
     Elimination alone where no family is near; None where no solver takes the arm. Of seven joints one is given.
     """
     if chain.n == 7:
-        return locked.prepare(chain, (_of_a_family, _general))
+        return srs.prepare(structure, chain) or locked.prepare(chain, (_of_a_family, _general))
     return _of_a_family(structure, chain) or _general(structure, chain)
 
 
