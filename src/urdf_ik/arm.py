@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import sys
 import threading
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -157,8 +157,6 @@ class Arm:
         """
         if self._plan is None:
             raise self._unsupported()
-        if redundancy is not None:
-            return self._ik_at(T, redundancy, q_ref, threads)
         if type(T) is np.ndarray and T.shape == (4, 4) and T.dtype == np.float64:
             # A copy, so that the answer does not change when the caller's array does.
             target = T.copy()
@@ -166,23 +164,29 @@ class Arm:
             target = as_pose_array(T)
             target = target.copy() if target is T and target.ndim == 2 else target
         reference = self._no_reference if q_ref is None else self._reference(q_ref)
-        if target.ndim == 2:
+        if target.ndim == 2 and redundancy is None:
             q, flags = np.empty(self._shape), np.empty(self._shape[:2], np.uint8)
             if self._kernel(target[None], self._numbers, reference, q, flags) >= 0:
                 self._refuse(target)
             return IKSolutions(self, target, q[0], flags[0], self._branches)
+        values = None
+        if redundancy is not None:
+            target, values = self._redundant_plan().parameter.spread(target, redundancy)
         batch = target.shape[:-2]
         stack = target.reshape(-1, 4, 4)
         q, flags = np.empty((len(stack), *self._shape[1:])), np.empty((len(stack), self._shape[1]), np.uint8)
 
         def solve(part: slice) -> int:
-            return self._kernel(stack[part], self._numbers, reference, q[part], flags[part])
+            if values is None:
+                return self._kernel(stack[part], self._numbers, reference, q[part], flags[part])
+            with self._patience():
+                at = values.reshape(-1)[part]
+                return self._redundant_plan().solve_at(stack[part], at, self._numbers, reference, q[part], flags[part])
 
         if in_shares(solve, len(stack), threads) >= 0:
             self._refuse(target)
-        return IKSolutions(
-            self, target, q.reshape(*batch, *q.shape[1:]), flags.reshape(*batch, flags.shape[1]), self._branches
-        )
+        q, flags = q.reshape(*batch, *q.shape[1:]), flags.reshape(*batch, flags.shape[1])
+        return IKSolutions(self, target, q, flags, self._branches, redundancy=values)
 
     def redundancy_of(self, q: ArrayLike) -> NDArray[np.float64]:
         """Value of the redundancy parameter at joint vectors (..., 7), (...): ``ik`` finds them again at it.
@@ -252,38 +256,6 @@ class Arm:
             return self._redundant_plan().explain_at(target, float(redundancy))
         return self._plan.why(target)
 
-    def _ik_at(self, T: Any, redundancy: ArrayLike, q_ref: ArrayLike | None, threads: int) -> IKSolutions:
-        """``ik`` at values of the redundancy parameter."""
-        plan = self._redundant_plan()
-        target, values = as_pose_array(T), plan.parameter.check(redundancy)
-        try:
-            shape = np.broadcast_shapes(target.shape[:-2], values.shape)
-        except ValueError:
-            raise JointVectorError(
-                f"poses of shape {target.shape[:-2]} and redundancy of shape {values.shape} given; they do not broadcast"
-            ) from None
-        poses, values = np.broadcast_to(target, (*shape, 4, 4)).copy(), np.broadcast_to(values, shape).copy()
-        stack, given = poses.reshape(-1, 4, 4), values.reshape(-1)
-        reference = self._no_reference if q_ref is None else self._reference(q_ref)
-        q, flags = np.empty((len(stack), *self._shape[1:])), np.empty((len(stack), self._shape[1]), np.uint8)
-
-        def solve(part: slice) -> int:
-            return plan.solve_at(stack[part], given[part], self._numbers, reference, q[part], flags[part])
-
-        with nullcontext() if self._kernel == self._solver else _patience(self.structure.family):
-            bad = in_shares(solve, len(stack), threads)
-        self._kernel = self._solver
-        if bad >= 0:
-            self._refuse(target)
-        return IKSolutions(
-            self,
-            poses,
-            q.reshape(*shape, *q.shape[1:]),
-            flags.reshape(*shape, flags.shape[1]),
-            self._branches,
-            redundancy=values,
-        )
-
     def _redundant_plan(self) -> RedundantPlan:
         """The plan of an arm with a redundancy parameter."""
         if self._plan is None:
@@ -301,9 +273,9 @@ class Arm:
             return UnsupportedArm(f"{self.name}: no solver for this arm yet. {self.structure}")
         held = ", ".join(f"{name!r}: 0.0" for name in self.joint_names[: self.dof - 7])
         return UnsupportedArm(
-            f"{self.name}: {self.dof} joints from {self.base!r} to {self.tip!r}: {', '.join(self.joint_names)}; at most "
-            f"seven are solved, so hold the others: urdf_ik.load(..., locked={{{held}}}), which names {self.dof - 7} "
-            "of them with a value, rad or m"
+            f"{self.name}: {self.dof} joints from {self.base!r} to {self.tip!r} ({', '.join(self.joint_names)}); at "
+            f"most seven are solved: hold {self.dof - 7} or more of them, each at a value [rad or m], as in "
+            f"urdf_ik.load(..., locked={{{held}}})"
         )
 
     def _reference(self, q_ref: ArrayLike) -> NDArray[np.float64]:
@@ -322,24 +294,27 @@ class Arm:
 
     def _first_solve(self, *arguments: Any) -> int:
         """Solve, and say so should the compiler take long; from then on the kernel is called directly."""
-        solve = self._solver
-        with _patience(self.structure.family):
-            bad = solve(*arguments)
-        self._kernel = solve
-        return bad
+        with self._patience():
+            return self._solver(*arguments)
 
-
-@contextmanager
-def _patience(family: str) -> Iterator[None]:
-    """Say on stderr what takes so long, should it take over two seconds."""
-    text = f"urdf-ik: compiling the solver for {family!r} (once on this machine, up to half a minute) ..."
-    timer = threading.Timer(2.0, lambda: print(text, file=sys.stderr, flush=True))
-    timer.daemon = True
-    timer.start()
-    try:
-        yield
-    finally:
-        timer.cancel()
+    @contextmanager
+    def _patience(self) -> Iterator[None]:
+        """Say on stderr what takes so long, should the first use of the solver take over two seconds."""
+        if self._kernel is self._solver:
+            yield
+            return
+        text = (
+            f"urdf-ik: compiling the solver for {self.structure.family!r} "
+            "(once on this machine, up to half a minute) ..."
+        )
+        timer = threading.Timer(2.0, lambda: print(text, file=sys.stderr, flush=True))
+        timer.daemon = True
+        timer.start()
+        try:
+            yield
+        finally:
+            timer.cancel()
+        self._kernel = self._solver
 
 
 def load(

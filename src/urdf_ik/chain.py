@@ -372,4 +372,3 @@ def _tree(model: UrdfModel, names: tuple[str, ...]) -> tuple[TreeJoint, ...]:
             )
             waiting.append(joint.child)
     return tuple(out)
-

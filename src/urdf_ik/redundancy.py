@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
     from urdf_ik.chain import Chain
 
+    Array = NDArray[np.float64]
+
 SWIVEL, LOCKED_JOINT = "swivel", "locked joint"
 
 
@@ -53,7 +55,7 @@ class Redundancy:
         )
         return f"{what} {low:.4f} to {high:.4f} {self.unit}, by default {self.default + 0.0:.4f}"
 
-    def check(self, value: ArrayLike) -> NDArray[np.float64]:
+    def check(self, value: ArrayLike) -> Array:
         """``value`` as an array (...) of finite numbers.
 
         Raises:
@@ -67,12 +69,28 @@ class Redundancy:
             raise JointVectorError(f"redundancy is {value!r}; finite numbers [{self.unit}] are needed: {self}")
         return values
 
-    def wrapped(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    def spread(self, poses: Array, value: ArrayLike) -> tuple[Array, Array]:
+        """Poses (..., 4, 4) and values (...) broadcast against each other, in arrays of their own.
+
+        Raises:
+            JointVectorError: the values are no finite numbers, or the shapes do not fit.
+        """
+        values = self.check(value)
+        try:
+            shape = np.broadcast_shapes(poses.shape[:-2], values.shape)
+        except ValueError:
+            raise JointVectorError(
+                f"poses of shape {poses.shape[:-2]} and redundancy of shape {values.shape} given; "
+                "the shapes must broadcast, as in ik(T[:, None], redundancy=values)"
+            ) from None
+        return np.broadcast_to(poses, (*shape, 4, 4)).copy(), np.broadcast_to(values, shape).copy()
+
+    def wrapped(self, values: Array) -> Array:
         """``values`` with angles in (-pi, pi], as joint vectors of solutions hold them."""
         return values if self.unit == "m" else wrapped(values)
 
 
-def wrapped(angles: NDArray[np.float64]) -> NDArray[np.float64]:
+def wrapped(angles: Array) -> Array:
     """``angles`` [rad] in (-pi, pi]; those that are there already keep their digits."""
     return np.where(np.abs(angles) < np.pi, angles, np.pi - np.remainder(np.pi - angles, 2.0 * np.pi))
 

@@ -57,7 +57,8 @@ class Sweep:
     def __str__(self) -> str:
         unit = self.parameter.unit
         where = ", ".join(f"{low:.4f} to {high:.4f} {unit}" for low, high in self.intervals) or "no value"
-        return f"{self.parameter}; solutions at {where}; {int(self.solutions.count.sum())} at {len(self.redundancy)} values"
+        found = f"{self.solutions.count.sum()} at {len(self.redundancy)} values"
+        return f"{self.parameter}; solutions at {where}; {found}"
 
 
 def sweep(arm: Arm, parameter: Redundancy, T: Any, n: int, within_limits: bool, threads: int) -> Sweep:
@@ -73,14 +74,16 @@ def sweep(arm: Arm, parameter: Redundancy, T: Any, n: int, within_limits: bool, 
         return solutions.within_limits() if within_limits else solutions
 
     low, high = _span(arm, parameter, target[None])
-    intervals = _intervals(lambda values: solve(values).valid.any(axis=-1), low, high, parameter.round)
+
+    def solved(values: Array) -> NDArray[np.bool_]:
+        return np.asarray(solve(values).count > 0)
+
+    intervals = _intervals(solved, low, high, parameter.round)
     values = _spread(intervals if len(intervals) else np.array([[low, high]]), n, parameter.round)
     return Sweep(solve(parameter.wrapped(values)), intervals, parameter)
 
 
-def nearest(
-    arm: Arm, parameter: Redundancy, T: Any, q_ref: ArrayLike, threads: int
-) -> IKSolutions:
+def nearest(arm: Arm, parameter: Redundancy, T: Any, q_ref: ArrayLike, threads: int) -> IKSolutions:
     """See :meth:`urdf_ik.Arm.ik_nearest`.
 
     The distance is sqrt(sum of squared differences) to the +-2 pi images inside the limits, for each value of the
@@ -131,7 +134,7 @@ def _nearest_values(arm: Arm, parameter: Redundancy, T: Array, q_ref: Array, thr
     def far(values: Array) -> Array:
         solutions = arm.ik(T[:, None], redundancy=values, threads=threads)
         _, distances = _images(arm, solutions.q, q_ref[:, None, None])
-        return distances.min(axis=-1)
+        return np.asarray(distances.min(axis=-1))
 
     grid = np.linspace(low, high, _GRID, endpoint=not parameter.round)
     step = grid[1] - grid[0]
@@ -167,10 +170,9 @@ def _images(arm: Arm, q: Array, q_ref: Array) -> tuple[Array, Array]:
     """
     turning = ~arm.chain.prismatic
     first, last = limits.image_range(q, arm.limits, turning)
-    inside = (first <= last).all(axis=-1)
+    inside = np.asarray((first <= last).all(axis=-1))
     wanted = np.where(turning, np.round((q_ref - q) / limits.TURN), 0.0)
-    # A limit on one side only, or none, is met by any number of turns on the other.
-    endless = turning & ~np.isfinite(arm.limits).all(axis=1)
+    endless = turning & np.isinf(arm.limits).all(axis=1)
     turns = np.where(endless, wanted, np.clip(wanted, first, np.maximum(first, last)))
     image = np.where(inside[..., None], q + turns * limits.TURN, np.nan)
     distance = np.sqrt(((image - q_ref) ** 2).sum(axis=-1))
@@ -192,7 +194,7 @@ def _intervals(solved: Callable[[Array], NDArray[np.bool_]], low: float, high: f
     """(k, 2) where ``solved`` holds; see :class:`Sweep`."""
     grid = np.linspace(low, high, _GRID, endpoint=not is_round)
     step = grid[1] - grid[0]
-    good = solved(grid)
+    good = np.atleast_1d(solved(grid))
     if good.all():
         return np.array([[low, high]])
     if not good.any():
@@ -230,7 +232,7 @@ def _spread(intervals: Array, n: int, is_round: bool) -> Array:
     if is_round and lengths[0] >= limits.TURN:
         return np.linspace(-np.pi, np.pi, n, endpoint=False)
     if n < 2 * len(intervals):
-        return intervals.mean(axis=1)[np.argsort(-lengths, kind="stable")[:n]]
+        return np.asarray(intervals.mean(axis=1)[np.argsort(-lengths, kind="stable")[:n]])
     shares = (n - 2 * len(intervals)) * lengths / max(lengths.sum(), 1e-300)
     counts = 2 + np.floor(shares).astype(np.intp)
     # What rounding left over goes to where most was cut off.

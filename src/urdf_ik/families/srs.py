@@ -1,4 +1,4 @@
-"""Seven joints as in an arm of flesh: three axes meet in the shoulder, three in the wrist, the elbow between (S-R-S)."""
+"""Seven joints, S-R-S: three axes meet in the shoulder, three in the wrist, and the elbow is between them."""
 
 from __future__ import annotations
 
