@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from urdf_ik import _cli_io, _cli_views
@@ -27,6 +28,7 @@ def as_json(arm: Arm, angles: Angles) -> str:
             "base": arm.base,
             "tip": arm.tip,
             "units": {"angle": angles.unit, "length": "m"},
+            "locked": arm.locked,
             "joints": [
                 {"name": name, "type": kind, "axis": axis, "lower": lower, "upper": upper}
                 for name, kind, axis, (lower, upper) in zip(
@@ -59,6 +61,7 @@ def as_json(arm: Arm, angles: Angles) -> str:
             },
             "solver": {
                 "supported": bool(structure.family),
+                "redundancy": None if arm.redundancy is None else asdict(arm.redundancy),
                 "family": structure.family or None,
                 "method": structure.method or None,
                 "max_solutions": structure.max_solutions,
@@ -91,6 +94,7 @@ def as_text(arm: Arm, angles: Angles) -> str:
         ("robot", arm.name),
         ("source", arm.model.source),
         ("chain", f"{arm.base} to {arm.tip}, {arm.dof} joints"),
+        *[("locked", f"{name} at {_held(arm, name, value, angles)}") for name, value in arm.locked.items()],
     ]
     solver = [("family", structure.family or _UNSOLVED)]
     if structure.family:
@@ -98,6 +102,7 @@ def as_text(arm: Arm, angles: Angles) -> str:
         solver += [
             ("solver", structure.method),
             ("imperfection", f"{angles.angle(angle):.1e} {unit}, {distance:.1e} m off the family, as written"),
+            *([] if arm.redundancy is None else [("redundancy", str(arm.redundancy))]),
             ("solutions", f"up to {structure.max_solutions}, one a branch:"),
         ]
     branches = [f"{'':14}{i + 1:>2}  {name}" for i, name in enumerate(structure.branches)]
@@ -142,6 +147,11 @@ def _numbers(triple: AxisTriple) -> list[int]:
 
 def _vector(axis: Any) -> str:
     return " ".join(f"{_cli_views.number(float(x), 4):>7}" for x in axis)
+
+
+def _held(arm: Arm, name: str, value: float, angles: Angles) -> str:
+    slides = any(joint.name == name and joint.type == "prismatic" for joint in arm.model.joints)
+    return f"{value:.6g} m" if slides else f"{angles.angle(value):.6g} {angles.unit}"
 
 
 def _limit(value: float) -> str:
