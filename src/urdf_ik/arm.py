@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import sys
 import threading
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -179,9 +179,9 @@ class Arm:
         def solve(part: slice) -> int:
             if values is None:
                 return self._kernel(stack[part], self._numbers, reference, q[part], flags[part])
-            with self._patience():
-                at = values.reshape(-1)[part]
-                return self._redundant_plan().solve_at(stack[part], at, self._numbers, reference, q[part], flags[part])
+            at, solve_at = values.reshape(-1)[part], self._redundant_plan().solve_at
+            with nullcontext() if self._kernel is self._solver else self._patience():
+                return solve_at(stack[part], at, self._numbers, reference, q[part], flags[part])
 
         if in_shares(solve, len(stack), threads) >= 0:
             self._refuse(target)
@@ -300,9 +300,6 @@ class Arm:
     @contextmanager
     def _patience(self) -> Iterator[None]:
         """Say on stderr what takes so long, should the first use of the solver take over two seconds."""
-        if self._kernel is self._solver:
-            yield
-            return
         text = (
             f"urdf-ik: compiling the solver for {self.structure.family!r} "
             "(once on this machine, up to half a minute) ..."

@@ -76,14 +76,17 @@ class Redundancy:
             JointVectorError: the values are no finite numbers, or the shapes do not fit.
         """
         values = self.check(value)
+        batch = poses.shape[:-2]
         try:
-            shape = np.broadcast_shapes(poses.shape[:-2], values.shape)
+            shape = values.shape if not batch else np.broadcast_shapes(batch, values.shape)
         except ValueError:
             raise JointVectorError(
-                f"poses of shape {poses.shape[:-2]} and redundancy of shape {values.shape} given; "
+                f"poses of shape {batch} and redundancy of shape {values.shape} given; "
                 "the shapes must broadcast, as in ik(T[:, None], redundancy=values)"
             ) from None
-        return np.broadcast_to(poses, (*shape, 4, 4)).copy(), np.broadcast_to(values, shape).copy()
+        all_poses, all_values = np.empty((*shape, 4, 4)), np.empty(shape)
+        all_poses[...], all_values[...] = poses, values
+        return all_poses, all_values
 
     def wrapped(self, values: Array) -> Array:
         """``values`` with angles in (-pi, pi], as joint vectors of solutions hold them."""

@@ -36,11 +36,17 @@ def move_targets(T, values, motion, turns, last, out):
 
 
 @kernel
-def insert_column(six, values, flags, last, Q):
-    """Joint vectors ``six`` (m, B, 6) with ``values`` (m,) before or behind them to ``Q`` (m, B, 7)."""
+def insert_column(six, values, flags, turns, last, Q):
+    """Joint vectors ``six`` (m, B, 6) with ``values`` (m,) before or behind them to ``Q`` (m, B, 7).
+
+    Angles are brought to (-pi, pi].
+    """
     shift = 0 if last else 1
     for m in range(six.shape[0]):
+        value = values[m]
+        if turns and not abs(value) < math.pi:
+            value -= 2.0 * math.pi * math.ceil((value - math.pi) / (2.0 * math.pi))
         for b in range(six.shape[1]):
-            Q[m, b, 6 if last else 0] = values[m] if flags[m, b] else math.nan
+            Q[m, b, 6 if last else 0] = value if flags[m, b] else math.nan
             for j in range(6):
                 Q[m, b, j + shift] = six[m, b, j]

@@ -142,9 +142,7 @@ def branches(W, swivel, out, arm, up):
             W[9, i], W[10, i], W[11, i], swivel[0, i], swivel[1, i], arm, up
         )
         c4, s4 = unturn(cg, sg, c0, s0)
-        m00, m01, m02, m10, m11, m12, m20, m21, m22 = times(
-            u0, v0, w0, u1, v1, w1, u2, v2, w2, arm, TO_FRAME_3
-        )
+        m00, m01, m02, m10, m11, m12, m20, m21, m22 = times(u0, v0, w0, u1, v1, w1, u2, v2, w2, arm, TO_FRAME_3)
         c2, s2, ms = wrist_bend(m02, m12, m22, ca, sa, cb, sb, 1.0)
         c1, s1, c3, s3, fixed, t1 = wrist_turns(
             m00, m10, m20, m01, m11, m21, m02, m12, m22, c2, s2, ca, sa, cb, sb, False, 1.0, 0.0
@@ -155,15 +153,9 @@ def branches(W, swivel, out, arm, up):
         bend = atan2(s2, c2)
         out[1, i], out[2, i], out[3, i] = atan2(s1, c1), wrap(bend - shift), atan2(s3, c3)
         out[4, i], out[5, i], out[6, i] = atan2(s1f, c1f), wrap(-bend - shift), atan2(s3f, c3f)
-        m00, m10, m20 = forearm_column(
-            u0, v0, w0, u1, v1, w1, u2, v2, w2, c4, s4, W[0, i], W[3, i], W[6, i], arm
-        )
-        m01, m11, m21 = forearm_column(
-            u0, v0, w0, u1, v1, w1, u2, v2, w2, c4, s4, W[1, i], W[4, i], W[7, i], arm
-        )
-        m02, m12, m22 = forearm_column(
-            u0, v0, w0, u1, v1, w1, u2, v2, w2, c4, s4, W[2, i], W[5, i], W[8, i], arm
-        )
+        m00, m10, m20 = forearm_column(u0, v0, w0, u1, v1, w1, u2, v2, w2, c4, s4, W[0, i], W[3, i], W[6, i], arm)
+        m01, m11, m21 = forearm_column(u0, v0, w0, u1, v1, w1, u2, v2, w2, c4, s4, W[1, i], W[4, i], W[7, i], arm)
+        m02, m12, m22 = forearm_column(u0, v0, w0, u1, v1, w1, u2, v2, w2, c4, s4, W[2, i], W[5, i], W[8, i], arm)
         c6, s6, mw = wrist_bend(m02, m12, m22, cd, sd, ce, se, 1.0)
         c5, s5, c7, s7, held, t3 = wrist_turns(
             m00, m10, m20, m01, m11, m21, m02, m12, m22, c6, s6, cd, sd, ce, se, False, 1.0, 0.0
@@ -315,9 +307,7 @@ def solve_with_care(target, value, arm, q_ref, Q, flags):
             M[0, 0], M[0, 1], M[0, 2], M[1, 0], M[1, 1], M[1, 2], M[2, 0], M[2, 1], M[2, 2] = times(
                 u0, v0, w0, u1, v1, w1, u2, v2, w2, arm, TO_FRAME_3
             )
-            marked = triple_with_care(
-                M, arm, SHOULDER, 1.0 - 2.0 * shoulder, q_ref[0:3:2], q_ref[7], q[:3]
-            )
+            marked = triple_with_care(M, arm, SHOULDER, 1.0 - 2.0 * shoulder, q_ref[0:3:2], q_ref[7], q[:3])
             if marked < 0:
                 continue
             marks = bent | (layout.SHOULDER if marked else 0)
@@ -326,9 +316,7 @@ def solve_with_care(target, value, arm, q_ref, Q, flags):
                     M[0, j], M[1, j], M[2, j] = forearm_column(
                         u0, v0, w0, u1, v1, w1, u2, v2, w2, c4, s4, X[j], X[3 + j], X[6 + j], arm
                     )
-                marked = triple_with_care(
-                    M, arm, WRIST, 1.0 - 2.0 * wrist, q_ref[4:7:2], q_ref[7], q[4:]
-                )
+                marked = triple_with_care(M, arm, WRIST, 1.0 - 2.0 * wrist, q_ref[4:7:2], q_ref[7], q[4:])
                 if marked >= 0:
                     b = 4 * shoulder + 2 * elbow_column + wrist
                     keep_if_new(arm, target, q, b, marks | (layout.WRIST if marked else 0), Q, flags)

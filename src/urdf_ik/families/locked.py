@@ -78,10 +78,10 @@ def _lost_and_doubted(arm: Array, chain: Chain) -> tuple[int, int]:
 def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
     parameter = locked_joint(chain, k)
     motion, turns, last = _motion_back(chain, k), not chain.prismatic[k], k > 0
+    others = np.array([i for i in range(8) if i != k])
 
     def solve_at(T: Array, values: Array, arm: Array, q_ref: Array, Q: Array, flags: NDArray[np.uint8]) -> int:
-        reference = np.delete(q_ref, k)
-        shown = parameter.wrapped(values)
+        reference = q_ref[others]
         for start in range(0, len(T), _CHUNK):
             part = slice(start, min(start + _CHUNK, len(T)))
             moved, six = np.empty_like(T[part]), np.empty((*flags[part].shape, 6))
@@ -89,7 +89,7 @@ def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
             bad = plan.solve(moved, arm, reference, six, flags[part])
             if bad >= 0:
                 return start + bad
-            locked.insert_column(six, shown[part], flags[part], last, Q[part])
+            locked.insert_column(six, values[part], flags[part], turns, last, Q[part])
         return -1
 
     def explain_at(T: Array, value: float) -> str:
