@@ -1,8 +1,9 @@
 """What an arm with seven joints can do while its tip stands still: its nearest joint vector, and all of them.
 
 Both search along the redundancy parameter. A grid of values is solved at once; where something happens between two
-neighbours, the place is closed in upon with ever finer grids. What is narrower than the first grid's step (a 128th of
-the range: 0.05 rad of a full turn) may be missed: an interval without or with solutions, or a minimum of the distance.
+neighbours, the place is closed in upon with ever finer grids. What is narrower than the first grid's step (a 256th of
+the range: 0.025 rad of a full turn) may be missed: an interval with solutions or without, or a minimum of the distance.
+Intervals inside the joint limits may be narrower for ``nearest``, which follows solutions outside them inwards.
 """
 
 from __future__ import annotations
@@ -27,11 +28,13 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-_GRID = 128
+_GRID = 256
 # Places that are closed in upon at the same time, values on each finer grid, and the step at which that ends.
-_PLACES, _FINER, _FINEST = 4, 17, 1e-10
+_PLACES, _FINER, _FINEST = 8, 17, 1e-10
+# What a solution outside the limits costs more than any distance inside them.
+_OUTSIDE = 1e6
 # Poses whose grids are solved at a time: about 10 MB of solutions.
-_AT_ONCE = 64
+_AT_ONCE = 32
 
 
 @dataclass(frozen=True)
@@ -87,9 +90,9 @@ def nearest(arm: Arm, parameter: Redundancy, T: Any, q_ref: ArrayLike, threads: 
     """See :meth:`urdf_ik.Arm.ik_nearest`.
 
     The distance is sqrt(sum of squared differences) to the +-2 pi images inside the limits, for each value of the
-    parameter the least of all branches; ``q_ref``'s own value is one of the first grid's. The four lowest places
-    are closed in upon until values are 1e-10 apart, which leaves the distance's minimum at a limit, at the end of
-    a branch or between them all the same.
+    parameter the least of all branches; where none is inside, by how much the best of them is out. The eight lowest
+    places of the first grid and ``q_ref``'s own value are closed in upon until values are 1e-10 apart: a minimum may
+    lie at a limit, where a branch ends, or anywhere between.
     """
     target = as_pose_array(T)
     reference = arm.chain.check(q_ref)
@@ -134,6 +137,10 @@ def _nearest_values(arm: Arm, parameter: Redundancy, T: Array, q_ref: Array, thr
     def far(values: Array) -> Array:
         solutions = arm.ik(T[:, None], redundancy=values, threads=threads)
         _, distances = _images(arm, solutions.q, q_ref[:, None, None])
+        outside = np.isinf(distances).all(axis=-1)
+        if outside.any():
+            _, out = limits.excess(solutions.q[outside], arm.limits, ~arm.chain.prismatic)
+            distances[outside] = np.nan_to_num(_OUTSIDE + np.abs(out).max(axis=-1), nan=np.inf)
         return np.asarray(distances.min(axis=-1))
 
     grid = np.linspace(low, high, _GRID, endpoint=not parameter.round)
@@ -230,7 +237,7 @@ def _spread(intervals: Array, n: int, is_round: bool) -> Array:
     """``n`` values in the intervals, evenly by their lengths and lowest first, the ends included where n allows."""
     lengths = intervals[:, 1] - intervals[:, 0]
     if is_round and lengths[0] >= limits.TURN:
-        return np.linspace(-np.pi, np.pi, n, endpoint=False)
+        return np.linspace(-np.pi, np.pi, n + 1)[1:]
     if n < 2 * len(intervals):
         return np.asarray(intervals.mean(axis=1)[np.argsort(-lengths, kind="stable")[:n]])
     shares = (n - 2 * len(intervals)) * lengths / max(lengths.sum(), 1e-300)
