@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from arms import Y, Z, serial_urdf
 from arms_seven import SEVEN, random_seven, skew, sliding
 from cases import Array, Case, assert_exact, closest_pair, described, indistinct_pairs, nearest, rows
 from oracle import Oracle, angle_distance
@@ -273,6 +274,7 @@ def above_the_base(case: Case, q: Array) -> Array | None:
 
     # Joint 3 brings the wrist into the plane that joint 2 swings in, at right angles to axis 2.
     for joint in (2, 1):
+
         def off(angle: float, joint: int = joint) -> float:
             p = q.copy()
             p[0], p[joint] = 0.0, angle
@@ -369,3 +371,37 @@ def test_more_than_seven_joints_ask_for_locked_ones() -> None:
     rest = np.delete(q, 2)
     found = rows(seven.ik(oracle.pose(q), redundancy=seven.redundancy_of(rest)))
     assert nearest(found, rest) < 1e-6
+
+
+def test_an_empty_answer_tells_where_there_are_solutions() -> None:
+    """Where the pose is out of reach at one value of the last joint, the reason names the values at which it is not."""
+    case = member("one behind wrist, 1x2", 0)
+    told = 0
+    for q, T in zip(*draw(case, 12, 12)[:2], strict=True):
+        intervals = case.arm.sweep(T).intervals
+        values = np.linspace(-3.1, 3.1, 40)
+        for value in values[case.arm.ik(T, redundancy=values).count == 0][:2]:
+            text = case.arm.ik(T, redundancy=value).explain()
+            assert f"{value:.6g} rad" in text
+            assert all(f"{low:.4f} to {high:.4f} rad" in text for low, high in intervals)
+            assert ((intervals[:, 0] <= q[6] + 1e-6) & (q[6] - 1e-6 <= intervals[:, 1])).any() or (
+                (intervals[:, 0] <= q[6] + 2 * np.pi) & (q[6] + 2 * np.pi <= intervals[:, 1])
+            ).any()
+            told += 1
+    assert told
+
+
+def test_a_wrist_in_the_shoulder() -> None:
+    """Equal links folded fully leave no line to swivel about: still a solution, exact and marked, not an exception."""
+    origins = [((0, 0, 0.3), (0, 0, 0)), *[((0, 0, 0), (0, 0, 0))] * 2, ((0, 0, 0.4), (0, 0, 0))]
+    origins += [((0, 0, 0.4), (0, 0, 0)), *[((0, 0, 0), (0, 0, 0))] * 2, ((0, 0, 0.1), (0, 0, 0))]
+    text = serial_urdf("folded", origins, [Z, Y, Z, Y, Z, Y, Z, None])
+    case = Case("folded", urdf_ik.load(text, "base", "tool"), Oracle(text))
+    assert case.arm.structure.family == "7R S-R-S"
+    for q in case.oracle.draw(np.random.default_rng(0), 10):
+        q[3] = np.pi
+        T = case.oracle.pose(q)
+        for value in (0.0, 1.0, float(case.arm.redundancy_of(q))):
+            solutions = case.arm.ik(T, redundancy=value)
+            assert len(assert_exact(case, solutions, T))
+            assert all(one.singular & urdf_ik.Singular.ELBOW for one in solutions)

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from urdf_ik.arm import Arm
     from urdf_ik.collision import CollisionModel
     from urdf_ik.reference import Reference
+    from urdf_ik.solutions import IKSolutions
 
     Array = NDArray[np.float64]
 
@@ -182,7 +183,7 @@ class Inverse:
             return nothing
         try:
             own = None if self._arm.redundancy is None else self._arm.redundancy_of(Q)
-            solutions = self._arm.ik(T, redundancy=own)
+            solutions = self._solve(T, own)
         except UnsupportedArm as error:
             self.skipped = [("inverse kinematics", str(error))]
             self.tallies = []
@@ -201,7 +202,7 @@ class Inverse:
             mine = found[i, columns]
             far = self._apart(mine, Q[i]).min(initial=np.inf)
             self._planted.add(float(far), index, Q[i], f"{len(mine)} solutions", PLANTED + float(planted[i]))
-            at = None if own is None else float(own[i])
+            at = None if own is None else own[i]
             self._compare_single(index, Q[i], T[i], at, found[i], valid[i], sigma[i], names)
             gaps = self._apart(mine[:, None], mine[None])
             doubled = int(np.count_nonzero(np.triu(gaps < DUPLICATE, k=1)))
@@ -213,13 +214,13 @@ class Inverse:
         index: int,
         q: Array,
         T: Array,
-        at: float | None,
+        at: Array | None,
         found: Array,
         valid: NDArray[np.bool_],
         sigma: Array,
         names: Sequence[str],
     ) -> None:
-        alone = self._arm.ik(T, redundancy=at)
+        alone = self._solve(T, at)
         single, has = np.asarray(alone.q), np.asarray(alone.valid)
         for b in map(int, np.flatnonzero(valid | has)):
             if valid[b] and has[b]:
@@ -228,6 +229,10 @@ class Inverse:
                 apart, detail = np.inf, f"branch {names[b]!r} only in the {'batch' if valid[b] else 'single answer'}"
             tolerance = SAME + CONDITIONING / max(float(np.nan_to_num(sigma[b])), 1e-300)
             self._single.add(apart, index, q, detail, tolerance)
+
+    def _solve(self, T: Array, at: Array | None) -> IKSolutions:
+        """Solutions of T (..., 4, 4), at values (...) of the redundancy parameter where the arm has one."""
+        return self._arm.ik(T) if at is None else self._arm.ik(T, redundancy=at)
 
     def _apart(self, a: Array, b: Array) -> Array:
         """Largest difference (...) [rad or m] between joint vectors (..., n), revolute joints modulo 2 pi."""

@@ -252,9 +252,9 @@ class Arm:
             raise PoseError(f"an array of shape {target.shape} given; explain takes a single pose (4, 4)")
         if self._plan is None:
             raise self._unsupported()
-        if redundancy is not None:
-            return self._redundant_plan().explain_at(target, float(redundancy))
-        return self._plan.why(target)
+        if redundancy is None and not isinstance(self._plan, RedundantPlan):
+            return self._plan.why(target)
+        return self_motion.explanation(self, self._redundant_plan(), target, redundancy)
 
     def _redundant_plan(self) -> RedundantPlan:
         """The plan of an arm with a redundancy parameter."""

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik.arm import Arm
+    from urdf_ik.families.plan import RedundantPlan
     from urdf_ik.redundancy import Redundancy
 
     Array = NDArray[np.float64]
@@ -126,6 +127,15 @@ def nearest(arm: Arm, parameter: Redundancy, T: Any, q_ref: ArrayLike, threads: 
         Step("nearest", inside, column),
         found.redundancy,
     )
+
+
+def explanation(arm: Arm, plan: RedundantPlan, T: Array, value: float | None) -> str:
+    """Why the pose ``T`` (4, 4) has no solution at a value of the parameter (None: its default), and where it has."""
+    parameter = plan.parameter
+    at = parameter.default if value is None else float(parameter.check(value))
+    found = sweep(arm, parameter, T, 1, within_limits=False, threads=1).intervals
+    places = ", ".join(f"{low:.4f} to {high:.4f} {parameter.unit}" for low, high in found)
+    return f"{plan.explain_at(T, at)}; " + (f"there are solutions at {places}" if places else "nor at other values")
 
 
 def _nearest_values(arm: Arm, parameter: Redundancy, T: Array, q_ref: Array, threads: int) -> Array:

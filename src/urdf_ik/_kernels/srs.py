@@ -76,7 +76,7 @@ def upper_arm(x, y, z, cp, sp, arm, up):
     ex, ey, cg, sg, margin = elbow(across, 0.0, a, b, -1.0, up)
     # Of a wrist on the parallel to axis 4 through S any direction is right.
     ex, ey = unit(ex + (0.0 if across > 0.0 else 1.0), ey)
-    margin = margin if reach > 0.0 or length >= abs(c) else -1.0
+    margin = margin if reach >= -ROUNDING * c * c else -1.0
     w = 1.0 / (math.sqrt(across * across + c * c) + 1e-300)
     rho, kappa = across * w, c * w
     rho = rho if rho + abs(kappa) > 0.0 else 1.0

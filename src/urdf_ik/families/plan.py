@@ -105,10 +105,6 @@ class RedundantPlan:
         """``Plan.solve`` at the parameter's default."""
         return self.solve_at(T, np.full(len(T), self.parameter.default), arm, q_ref, Q, flags)
 
-    def why(self, T: Array) -> str:
-        """``Plan.why`` at the parameter's default."""
-        return self.explain_at(T, self.parameter.default)
-
 
 def cheapest(plans: Iterable[Plan]) -> Plan:
     """The first exact one of plans, made as they are asked for; else the one with the least error.

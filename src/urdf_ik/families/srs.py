@@ -119,4 +119,4 @@ def _explain(arm: Array, T: Array, value: float) -> str:
         return f"wrist centre {far:.6g} m from the shoulder, reach {longest:.6g} m"
     if far < shortest:
         return f"wrist centre {far:.6g} m from the shoulder, closer than the folded arm's {shortest:.6g} m"
-    return f"at a swivel angle of {value:.6g} rad the shoulder or the wrist would have to bend more than its axes allow"
+    return f"at a swivel angle of {value:.6g} rad shoulder or wrist would have to bend more than their axes allow"
