@@ -24,9 +24,15 @@ SWIVEL, LOCKED_JOINT = "swivel", "locked joint"
 class Redundancy:
     """What the redundancy parameter of an arm is.
 
+    A 'locked joint' is the value of the first or the last joint. A 'swivel' is the angle about the line from the
+    shoulder S, where axes 1, 2 and 3 meet, to the wrist W, where axes 5, 6 and 7 meet: from the normal of the plane
+    that holds axis 1 and W (axis 1 times SW) to the direction of axis 4, less its part along SW. Where axis 4 is at
+    right angles to upper arm and forearm, this is the angle between that plane and the arm's own; at zero the elbow
+    lies in the plane of axis 1 and W, above SW as axis 1 points or below. Where W lies on axis 1, to 1e-7 rad, the
+    plane is none, and the common normal of axes 1 and 2 at q = 0 stands in for its normal: there the angle jumps.
+
     Attributes:
-        kind: 'swivel': the angle by which the arm's plane is turned about the line from shoulder to wrist, see
-            ``families/srs.py``; 'locked joint': the value of the first or the last joint.
+        kind: 'swivel' or 'locked joint'.
         joint: name of the locked joint, or of the elbow's joint.
         range: least and greatest value [unit]: the joint's limits, half a turn to both sides where it has none;
             infinite for a sliding joint without limits.
@@ -98,7 +104,7 @@ def wrapped(angles: Array) -> Array:
     return np.where(np.abs(angles) < np.pi, angles, np.pi - np.remainder(np.pi - angles, 2.0 * np.pi))
 
 
-def swivel(joint: str) -> Redundancy:
+def swivel_of(joint: str) -> Redundancy:
     """The parameter of an arm whose elbow, ``joint``, swivels about the line from shoulder to wrist."""
     return Redundancy(SWIVEL, joint, (-math.pi, math.pi), 0.0, "rad")
 

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik._kernels import layout
+from urdf_ik._kernels import layout, swivel
 from urdf_ik._kernels import srs as kernels
 from urdf_ik.families.plan import RedundantPlan, snapped
-from urdf_ik.redundancy import swivel
+from urdf_ik.redundancy import swivel_of
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def prepare(structure: Structure, chain: Chain) -> RedundantPlan | None:
     elbow = np.column_stack([to_axis / a, np.cross(h, to_axis / a), h])
     first, third, twists = _triple(chain.H[:3])
     fifth, seventh, wrist_twists = _triple(chain.H[4:])
-    arm = np.zeros(kernels.LENGTH)
+    arm = np.zeros(swivel.LENGTH)
     arm[layout.BASE_ROTATION : layout.BASE_ROTATION + 9] = first.T.ravel()
     arm[layout.BASE_ORIGIN : layout.BASE_ORIGIN + 3] = S
     arm[layout.TOOL_ROTATION : layout.TOOL_ROTATION + 9] = (chain.R_tip.T @ seventh).ravel()
@@ -56,19 +56,19 @@ def prepare(structure: Structure, chain: Chain) -> RedundantPlan | None:
     arm[layout.SIZE] = chain.size
     arm[layout.REACH : layout.REACH + 9] = DEFAULT.for_kernels()
     arm[layout.CLAMP] = 100.0 * DEFAULT.fold
-    arm[kernels.UPPER], arm[kernels.FORE], arm[kernels.ALONG] = a, b, h @ (W - S)
-    arm[kernels.ZERO_4] = math.atan2(fore @ elbow[:, 1], fore @ elbow[:, 0])
-    arm[kernels.SHOULDER : kernels.SHOULDER + 5] = twists
-    arm[kernels.WRIST : kernels.WRIST + 5] = wrist_twists
-    arm[kernels.TO_FRAME_3 : kernels.TO_FRAME_3 + 9] = snapped(elbow.T @ third).ravel()
-    arm[kernels.FROM_FRAME_5 : kernels.FROM_FRAME_5 + 9] = snapped(fifth.T @ elbow).ravel()
-    arm[kernels.H : kernels.H + 21] = chain.H.ravel()
-    arm[kernels.P : kernels.P + 24] = chain.P.ravel()
-    arm[kernels.R_TIP : kernels.R_TIP + 9] = chain.R_tip.ravel()
+    arm[swivel.UPPER], arm[swivel.FORE], arm[swivel.ALONG] = a, b, h @ (W - S)
+    arm[swivel.ZERO_4] = math.atan2(fore @ elbow[:, 1], fore @ elbow[:, 0])
+    arm[swivel.SHOULDER : swivel.SHOULDER + 5] = twists
+    arm[swivel.WRIST : swivel.WRIST + 5] = wrist_twists
+    arm[swivel.TO_FRAME_3 : swivel.TO_FRAME_3 + 9] = snapped(elbow.T @ third).ravel()
+    arm[swivel.FROM_FRAME_5 : swivel.FROM_FRAME_5 + 9] = snapped(fifth.T @ elbow).ravel()
+    arm[swivel.H : swivel.H + 21] = chain.H.ravel()
+    arm[swivel.P : swivel.P + 24] = chain.P.ravel()
+    arm[swivel.R_TIP : swivel.R_TIP + 9] = chain.R_tip.ravel()
 
     def value_of(Q: Array) -> Array:
         values = np.empty(len(Q))
-        kernels.swivels(arm, Q, values)
+        swivel.swivels(arm, Q, values)
         return values
 
     return RedundantPlan(
@@ -77,7 +77,7 @@ def prepare(structure: Structure, chain: Chain) -> RedundantPlan | None:
         branches=NAMES,
         imperfection=(0.0, max(shoulder.imperfection, wrist.imperfection)),
         arm=arm,
-        parameter=swivel(chain.joint_names[3]),
+        parameter=swivel_of(chain.joint_names[3]),
         solve_at=kernels.solve,
         value_of=value_of,
         explain_at=lambda T, value: _explain(arm, T, value),
@@ -113,7 +113,7 @@ def _triple(H: Array) -> tuple[Array, Array, Array]:
 def _explain(arm: Array, T: Array, value: float) -> str:
     R, p = T[:3, :3], T[:3, 3]
     far = float(np.linalg.norm(R @ arm[layout.TOOL_POINT : layout.TOOL_POINT + 3] + p - arm[layout.BASE_ORIGIN : 12]))
-    a, b, c = arm[kernels.UPPER], arm[kernels.FORE], arm[kernels.ALONG]
+    a, b, c = arm[swivel.UPPER], arm[swivel.FORE], arm[swivel.ALONG]
     longest, shortest = math.hypot(a + b, c), math.hypot(a - b, c)
     if far > longest:
         return f"wrist centre {far:.6g} m from the shoulder, reach {longest:.6g} m"
