@@ -10,7 +10,9 @@ from urdf_ik._kernels import hidden_joint as hidden
 from urdf_ik._kernels import layout
 from urdf_ik._kernels.compile import kernel
 from urdf_ik._kernels.lines import LINE, line_vector
-from urdf_ik._kernels.refine import STARTS, is_new, keep, least_stretch, newton, place, refine, start_beside
+from urdf_ik._kernels.newton import newton_on_starts
+from urdf_ik._kernels.polynomials import LANES, self_inversive_roots
+from urdf_ik._kernels.refine import STARTS, is_new, keep, least_stretch, place, refine, start_beside
 from urdf_ik._kernels.screws import jacobian_from_axes
 from urdf_ik._kernels.target import check_target, project_rotation
 from urdf_ik._kernels.thresholds import CONVERGED, CROWDED, FINISHED, LARGEST_NOISE, NEAR_CIRCLE, NEAR_FOLD, ON_CIRCLE
@@ -50,14 +52,12 @@ def other_side(variant, G, H, P, angles, v):
 
 
 @kernel
-def remaining_angles(variant, G, A, c, s, angles):
-    """The other five angles for the hidden one (c, s), to ``angles`` (6,), from the null vector of the matrix."""
+def remaining_angles(variant, G, x, c, s, angles):
+    """The other five angles for the hidden one (c, s), to ``angles`` (6,), from the null vector ``x`` of its matrix."""
     first = int(variant[hidden.FIRST])
     H = variant[hidden.AXES : hidden.AXES + 18].reshape(6, 3)
     P = variant[hidden.POINTS : hidden.POINTS + 18].reshape(6, 3)
     inverse = variant[hidden.LEFT_INVERSE : hidden.LEFT_INVERSE + 135].reshape(9, LINE)
-    x = np.empty(hidden.SIZE)
-    hidden.null_vector(A, c, s, x)
     best, most = 0, -1.0
     for j in range(3):
         square = x[4 * j] ** 2 + x[4 * j + 1] ** 2
@@ -138,35 +138,46 @@ def gather(arm, variant, circle, target, Q, flags, spare, stuck):
     G, A = np.empty((4, 4)), np.empty((3, 6, 9))
     D, coefficients = np.empty(hidden.SAMPLES), np.empty(2 * hidden.DEGREE + 1, np.complex128)
     z = np.empty(2 * hidden.DEGREE, np.complex128)
-    angles, q = np.empty(6), np.empty(6)
+    hidden_angles, X = np.empty((LANES, 2)), np.empty((hidden.SIZE, LANES))
+    on_circle, errors, stretches = np.empty(LANES, np.bool_), np.empty(LANES), np.empty(LANES)
+    angles, starts, found = np.empty(6), np.empty((LANES, 6)), np.empty((LANES, 6))
     reverse = variant[hidden.REVERSED] != 0.0
     loop_motion(arm, target, reverse, G)
     hidden.equations(variant, G, A)
     hidden.determinants(A, circle, D)
     doubt = not hidden.harmonics(D, circle, coefficients) < LARGEST_NOISE
-    hidden.complex_roots(coefficients, z)
-    expected = 0
+    self_inversive_roots(coefficients, z)
+    many, expected = 0, 0
     stuck[16, 0] = 0.0
     for k in range(z.size):
         size = abs(z[k])
-        if not 0.9 < size < 1.1 or abs(math.log(size)) > NEAR_CIRCLE:
-            continue
-        expected += abs(math.log(size)) < ON_CIRCLE
-        remaining_angles(variant, G, A, z[k].real / size, z[k].imag / size, angles)
+        if 0.9 < size < 1.1 and abs(math.log(size)) < NEAR_CIRCLE:
+            hidden_angles[many, 0], hidden_angles[many, 1] = z[k].real / size, z[k].imag / size
+            on_circle[many] = abs(math.log(size)) < ON_CIRCLE
+            expected += on_circle[many]
+            many += 1
+    if many == 0:
+        return doubt
+    for k in range(many, LANES):
+        hidden_angles[k] = hidden_angles[0]
+    hidden.null_vectors(A, hidden_angles, X)
+    for k in range(many):
+        remaining_angles(variant, G, X[:, k], hidden_angles[k, 0], hidden_angles[k, 1], angles)
         for j in range(6):
-            q[j] = wrap(angles[5 - j] if reverse else angles[j])
-        start = q.copy()
-        error = newton(arm, target, q, 12)
+            starts[k, j] = wrap(angles[5 - j] if reverse else angles[j])
+    newton_on_starts(arm, target, starts, many, 12, found, errors, stretches)
+    for k in range(many):
+        q, error = found[k], errors[k]
         if error > CONVERGED:
-            q[:] = start
+            q[:] = starts[k]
             error = refine(arm, target, q, 40, FINISHED)
         if error < spare[6]:
             spare[:6] = q
             spare[6] = error
         if error <= CONVERGED and is_new(arm, target, Q, flags, q):
             keep(Q, flags, 0, q, 0)
-        elif abs(math.log(size)) < ON_CIRCLE:
-            stuck[int(stuck[16, 0])] = start
+        elif on_circle[k]:
+            stuck[int(stuck[16, 0])] = starts[k]
             stuck[16, 0] += 1.0
     return doubt or count(flags) < expected or crowded(z)
 
@@ -195,18 +206,34 @@ def count(flags):
 
 
 @kernel
+def follow(arm, target, starts, many, Q, flags):
+    """Keep what Newton's method finds from the rows of ``starts`` (many <= LANES, 6), if it is new."""
+    found, errors, stretches = np.empty((LANES, 6)), np.empty(LANES), np.empty(LANES)
+    newton_on_starts(arm, target, starts, many, 20, found, errors, stretches)
+    for k in range(many):
+        if errors[k] <= CONVERGED and is_new(arm, target, Q, flags, found[k]):
+            keep(Q, flags, 0, found[k], 0)
+
+
+@kernel
 def search_beside(arm, target, Q, flags):
     """Find the partners of solutions that lie next to a fold; flag the singular ones. Returns whether there were any.
 
-    Along the direction that the Jacobian all but loses, Newton's method starts at distances from 0.3 to 1e-7 rad
+    Along the direction that the Jacobian all but loses, Newton's method starts at distances from 0.3 to 1e-8 rad
     on both sides.
     """
     prismatic = np.zeros(6, np.bool_)
     T, J = np.empty((4, 4)), np.empty((6, 6))
-    axes, points, x, q = np.empty((6, 3)), np.empty((6, 3)), np.empty(6), np.empty(6)
+    axes, points, x = np.empty((6, 3)), np.empty((6, 3)), np.empty(6)
+    starts, unmoved = np.empty((LANES, 6)), np.empty((LANES, 6))
+    errors, stretches = np.empty(LANES), np.empty(LANES)
+    for b in range(Q.shape[0]):
+        for j in range(6):
+            starts[b, j] = Q[b, j] if flags[b] & layout.VALID else 0.0
+    newton_on_starts(arm, target, starts, Q.shape[0], 0, unmoved, errors, stretches)
     beside = False
     for b in range(Q.shape[0]):
-        if not flags[b] & layout.VALID:
+        if not flags[b] & layout.VALID or stretches[b] > NEAR_FOLD:
             continue
         place(arm, prismatic, Q[b], T, axes, points)
         jacobian_from_axes(prismatic, axes, points, T[:3, 3], J)
@@ -219,12 +246,12 @@ def search_beside(arm, target, Q, flags):
         if sigma > NEAR_FOLD:
             continue
         beside = True
-        for k in range(28):
-            distance = (1.0 if k % 2 else -1.0) * 0.3 * 10.0 ** (-0.5 * (k // 2))
-            for j in range(6):
-                q[j] = wrap(Q[b, j] + distance * x[j])
-            if refine(arm, target, q, 20, FINISHED) <= CONVERGED and is_new(arm, target, Q, flags, q):
-                keep(Q, flags, 0, q, 0)
+        for side in range(2):
+            for k in range(LANES):
+                distance = (1.0 if side else -1.0) * 0.3 * 10.0 ** (-0.5 * k)
+                for j in range(6):
+                    starts[k, j] = wrap(Q[b, j] + distance * x[j])
+            follow(arm, target, starts, LANES, Q, flags)
     return beside
 
 
@@ -249,14 +276,36 @@ def sort_columns(Q, flags):
 
 
 @kernel
-def complete(arm, target, Q, flags):
-    """Add what is missing to the solutions of one pose that ``Q`` and ``flags`` hold already."""
+def trial(arm, variant, targets, counts, doubts):
+    """How many solutions one variant finds of ``targets`` (m, 4, 4), to ``counts``, and whether it is in doubt."""
+    circle = sample_circle()
+    Q, flags, spare, stuck = np.empty((16, 6)), np.empty(16, np.uint8), np.empty(7), np.empty((17, 6))
+    for i in range(targets.shape[0]):
+        Q[:, :] = math.nan
+        flags[:] = 0
+        spare[:] = math.inf
+        doubts[i] = gather(arm, variant, circle, targets[i], Q, flags, spare, stuck)
+        doubts[i] = doubts[i] or count(flags) % 2 == 1
+        search_beside(arm, targets[i], Q, flags)
+        counts[i] = count(flags)
+
+
+@kernel
+def sample_circle():
+    """The angles at which the determinant is sampled, as (cos, sin) rows."""
     circle = np.empty((hidden.SAMPLES, 2))
     for k in range(hidden.SAMPLES):
         circle[k, 0] = math.cos(2.0 * math.pi * k / hidden.SAMPLES)
         circle[k, 1] = math.sin(2.0 * math.pi * k / hidden.SAMPLES)
+    return circle
+
+
+@kernel
+def complete(arm, target, Q, flags):
+    """Add what is missing to the solutions of one pose that ``Q`` and ``flags`` hold already."""
+    circle = sample_circle()
     variants = int(arm[layout.VARIANTS])
-    spare, stuck, q = np.full(7, math.inf), np.empty((17, 6)), np.empty(6)
+    spare, stuck, starts = np.full(7, math.inf), np.empty((17, 6)), np.empty((LANES, 6))
     doubt = True
     for v in range(variants):
         if v > 0 and not doubt:
@@ -270,9 +319,8 @@ def complete(arm, target, Q, flags):
         if doubt and v == variants - 1:
             for i in range(int(stuck[16, 0])):
                 for k in range(1, STARTS):
-                    start_beside(stuck[i], k, q)
-                    if refine(arm, target, q, 40, FINISHED) <= CONVERGED and is_new(arm, target, Q, flags, q):
-                        keep(Q, flags, 0, q, 0)
+                    start_beside(stuck[i], k, starts[k - 1])
+                follow(arm, target, starts, STARTS - 1, Q, flags)
     if spare[6] <= arm[layout.REACH] and count(flags) == 0:
         keep(Q, flags, 0, spare[:6], layout.OTHER)
 

@@ -16,10 +16,13 @@ import math
 
 import numpy as np
 
-from urdf_ik._kernels.compile import kernel
+from urdf_ik._kernels.compile import inlined, kernel, step
 from urdf_ik._kernels.lines import LINE, line_motion
+from urdf_ik._kernels.polynomials import LANES
+from urdf_ik._kernels.sixes import dot, less
 
 DEGREE, SAMPLES, SIZE = 8, 24, 12
+_TINY = 1e-300
 
 # Where a variant's numbers stand, one row a variant; see families/general_6r.py for what they are.
 FIRST, REVERSED, BEFORE = 0, 1, 2
@@ -95,27 +98,15 @@ def equations(variant, G, A):
                 A[h, e, m] = s
 
 
-@kernel
-def matrix_at(A, c, s, M):
-    """The 12 x 12 matrix at the hidden angle (c, s) to ``M``; columns: joint a + 3's product, slowest, then halves."""
+@inlined
+def _matrices(A, circle, M, lanes):
+    """The 12 x 12 matrices at the hidden angles ``circle`` (lanes, 2), cosine and sine, to ``M`` (12, 12, lanes).
+
+    Columns: joint a + 3's product, slowest, then the halves.
+    """
     for e in range(6):
         for j in range(3):
-            f = A[0, e, j] + c * A[1, e, j] + s * A[2, e, j]
-            g = 0.5 * (A[0, e, 3 + j] + c * A[1, e, 3 + j] + s * A[2, e, 3 + j])
-            h = 0.5 * (A[0, e, 6 + j] + c * A[1, e, 6 + j] + s * A[2, e, 6 + j])
-            M[e, 4 * j], M[e, 4 * j + 1], M[e, 4 * j + 2], M[e, 4 * j + 3] = f + g, h, g, h
-            M[6 + e, 4 * j], M[6 + e, 4 * j + 1], M[6 + e, 4 * j + 2], M[6 + e, 4 * j + 3] = h, f - g, -h, g
-
-
-@kernel
-def determinants(A, circle, D):
-    """Determinants at the angles ``circle`` (24, 2) to ``D`` (24,), by Householder's QR, all angles side by side."""
-    M = np.empty((SIZE, SIZE, SAMPLES))
-    V = np.empty((SIZE, SAMPLES))
-    square, head, first, dot = np.empty(SAMPLES), np.empty(SAMPLES), np.empty(SAMPLES), np.empty(SAMPLES)
-    for e in range(6):
-        for j in range(3):
-            for k in range(SAMPLES):
+            for k in range(lanes):
                 c, s = circle[k, 0], circle[k, 1]
                 f = A[0, e, j] + c * A[1, e, j] + s * A[2, e, j]
                 g = 0.5 * (A[0, e, 3 + j] + c * A[1, e, 3 + j] + s * A[2, e, 3 + j])
@@ -128,34 +119,114 @@ def determinants(A, circle, D):
                 M[6 + e, 4 * j + 1, k] = f - g
                 M[6 + e, 4 * j + 2, k] = -h
                 M[6 + e, 4 * j + 3, k] = g
-    for k in range(SAMPLES):
-        D[k] = 1.0
-    for i in range(SIZE):
-        for k in range(SAMPLES):
-            square[k] = 0.0
+
+
+@step
+def _upper(M, j, k):
+    return M[0, j, k], M[1, j, k], M[2, j, k], M[3, j, k], M[4, j, k], M[5, j, k]
+
+
+@step
+def _lower(M, j, k):
+    return M[6, j, k], M[7, j, k], M[8, j, k], M[9, j, k], M[10, j, k], M[11, j, k]
+
+
+@inlined
+def _triangular(M, lanes):
+    """``M`` (12, 12, lanes) made upper triangular by eleven of Householder's reflections, all lanes side by side.
+
+    The reflections' vectors are kept with zeros above, in two halves of six: loops over rows would cost more than
+    the products with zero do.
+    """
+    V = np.empty((SIZE, 1, lanes))
+    for i in range(SIZE - 1):
+        for r in range(i):
+            for k in range(lanes):
+                V[r, 0, k] = 0.0
         for r in range(i, SIZE):
-            for k in range(SAMPLES):
-                V[r, k] = M[r, i, k]
-                square[k] += V[r, k] * V[r, k]
+            for k in range(lanes):
+                V[r, 0, k] = M[r, i, k]
+        for k in range(lanes):
+            upper, lower = _upper(V, 0, k), _lower(V, 0, k)
+            square = dot(upper, upper) + dot(lower, lower)
+            head = M[i, i, k]
+            alpha = -math.copysign(math.sqrt(square), head)
+            # Scaled so that the reflection is 1 - v v^T.
+            w = 1.0 / math.sqrt(square - alpha * head + _TINY)
+            M[i, i, k] = alpha
+            V[i, 0, k] = head - alpha
+            for r in range(SIZE):
+                V[r, 0, k] *= w
+        if i < 6:
+            for j in range(i + 1, SIZE):
+                for k in range(lanes):
+                    v, w = _upper(V, 0, k), _lower(V, 0, k)
+                    upper, lower = _upper(M, j, k), _lower(M, j, k)
+                    f = dot(v, upper) + dot(w, lower)
+                    upper, lower = less(upper, f, v), less(lower, f, w)
+                    M[0, j, k], M[1, j, k], M[2, j, k], M[3, j, k], M[4, j, k], M[5, j, k] = upper
+                    M[6, j, k], M[7, j, k], M[8, j, k], M[9, j, k], M[10, j, k], M[11, j, k] = lower
+        else:
+            for j in range(i + 1, SIZE):
+                for k in range(lanes):
+                    w, lower = _lower(V, 0, k), _lower(M, j, k)
+                    lower = less(lower, dot(w, lower), w)
+                    M[6, j, k], M[7, j, k], M[8, j, k], M[9, j, k], M[10, j, k], M[11, j, k] = lower
+
+
+@kernel
+def determinants(A, circle, D):
+    """Determinants at the angles ``circle`` (24, 2) to ``D`` (24,), all angles side by side."""
+    M = np.empty((SIZE, SIZE, SAMPLES))
+    _matrices(A, circle, M, SAMPLES)
+    _triangular(M, SAMPLES)
+    for k in range(SAMPLES):
+        # Every reflection turns the determinant's sign.
+        D[k] = -M[0, 0, k]
+    for i in range(1, SIZE):
         for k in range(SAMPLES):
-            norm = math.sqrt(square[k])
-            alpha = -norm if V[i, k] > 0.0 else norm
-            # Every reflection turns the determinant's sign.
-            D[k] *= -alpha if i < SIZE - 1 else V[i, k]
-            head[k] = V[i, k] - alpha
-            first[k] = 1.0 / (square[k] - alpha * V[i, k] + 1e-300)
-            V[i, k] = head[k]
-        for j in range(i + 1, SIZE):
-            for k in range(SAMPLES):
-                dot[k] = 0.0
-            for r in range(i, SIZE):
-                for k in range(SAMPLES):
-                    dot[k] += V[r, k] * M[r, j, k]
-            for k in range(SAMPLES):
-                dot[k] *= first[k]
-            for r in range(i, SIZE):
-                for k in range(SAMPLES):
-                    M[r, j, k] -= dot[k] * V[r, k]
+            D[k] *= -M[i, i, k] if i < SIZE - 1 else M[i, i, k]
+
+
+@kernel
+def null_vectors(A, circle, X):
+    """Unit vectors that the matrices at the hidden angles ``circle`` (16, 2) take to almost zero, to ``X`` (12, 16).
+
+    Inverse iteration on the triangular factors.
+    """
+    M, length = np.empty((SIZE, SIZE, LANES)), np.empty(LANES)
+    _matrices(A, circle, M, LANES)
+    _triangular(M, LANES)
+    for k in range(LANES):
+        length[k] = 0.0
+        for i in range(SIZE):
+            length[k] = max(length[k], abs(M[i, i, k]))
+    for i in range(SIZE):
+        for k in range(LANES):
+            least = 1e-15 * length[k] + 1e-300
+            M[i, i, k] = M[i, i, k] if abs(M[i, i, k]) > least else least
+            X[i, k] = 1.0 + 0.1 * i * ((i % 3) - 1)
+    for _ in range(2):
+        for i in range(SIZE):
+            for j in range(i):
+                for k in range(LANES):
+                    X[i, k] -= M[j, i, k] * X[j, k]
+            for k in range(LANES):
+                X[i, k] /= M[i, i, k]
+        for i in range(SIZE - 1, -1, -1):
+            for j in range(i + 1, SIZE):
+                for k in range(LANES):
+                    X[i, k] -= M[i, j, k] * X[j, k]
+            for k in range(LANES):
+                X[i, k] /= M[i, i, k]
+        for k in range(LANES):
+            length[k] = 0.0
+        for i in range(SIZE):
+            for k in range(LANES):
+                length[k] += X[i, k] * X[i, k]
+        for i in range(SIZE):
+            for k in range(LANES):
+                X[i, k] /= math.sqrt(length[k])
 
 
 @kernel
@@ -179,95 +250,3 @@ def harmonics(D, circle, coefficients):
         else:
             noise = max(noise, size)
     return noise / largest if largest > 0.0 else math.inf
-
-
-@kernel
-def complex_roots(coefficients, z):
-    """All roots of a polynomial, ``coefficients`` (n + 1,) from the constant up, to ``z`` (n,), by Aberth's iteration.
-
-    Outside the unit circle the reversed polynomial is evaluated in 1/z, so that no power overflows.
-    """
-    n = z.size
-    for k in range(n):
-        angle = 2.0 * math.pi * k / n + 0.3
-        z[k] = (1.0 + 0.2 * ((k % 3) - 1)) * complex(math.cos(angle), math.sin(angle))
-    settled = np.zeros(n, np.bool_)
-    for _ in range(60):
-        moving = 0
-        for k in range(n):
-            if settled[k]:
-                continue
-            x = z[k]
-            inside = x.real * x.real + x.imag * x.imag <= 1.0
-            y = x if inside else 1.0 / x
-            value, slope = (coefficients[n] if inside else coefficients[0]), 0j
-            for j in range(1, n + 1):
-                slope = slope * y + value
-                value = value * y + (coefficients[n - j] if inside else coefficients[j])
-            if value == 0j:
-                settled[k] = True
-                continue
-            ratio = slope / value if inside else n * y - y * y * (slope / value)
-            for j in range(n):
-                if j != k:
-                    apart = x - z[j]
-                    square = apart.real * apart.real + apart.imag * apart.imag
-                    if square > 0.0:
-                        ratio -= complex(apart.real / square, -apart.imag / square)
-            square = ratio.real * ratio.real + ratio.imag * ratio.imag
-            if square == 0.0:
-                continue
-            shift = complex(ratio.real / square, -ratio.imag / square)
-            z[k] = x - shift
-            size = shift.real * shift.real + shift.imag * shift.imag
-            if size < 1e-28 * max(x.real * x.real + x.imag * x.imag, 1e-6):
-                settled[k] = True
-            else:
-                moving += 1
-        if moving == 0:
-            break
-
-
-@kernel
-def null_vector(A, c, s, x):
-    """Unit vector ``x`` (12,) that the matrix at the hidden angle (c, s) takes to almost zero: inverse iteration."""
-    M, swaps = np.empty((SIZE, SIZE)), np.empty(SIZE, np.int64)
-    matrix_at(A, c, s, M)
-    largest = 0.0
-    for i in range(SIZE):
-        for j in range(SIZE):
-            largest = max(largest, abs(M[i, j]))
-    for i in range(SIZE):
-        pivot = i
-        for r in range(i + 1, SIZE):
-            if abs(M[r, i]) > abs(M[pivot, i]):
-                pivot = r
-        swaps[i] = pivot
-        if pivot != i:
-            for j in range(SIZE):
-                M[i, j], M[pivot, j] = M[pivot, j], M[i, j]
-        if abs(M[i, i]) < 1e-15 * largest:
-            M[i, i] = 1e-15 * largest + 1e-300
-        w = 1.0 / M[i, i]
-        for r in range(i + 1, SIZE):
-            M[r, i] *= w
-            for j in range(i + 1, SIZE):
-                M[r, j] -= M[r, i] * M[i, j]
-    for i in range(SIZE):
-        x[i] = 1.0 + 0.1 * i * ((i % 3) - 1)
-    for _ in range(2):
-        for i in range(SIZE):
-            x[i], x[swaps[i]] = x[swaps[i]], x[i]
-        for i in range(SIZE):
-            for j in range(i):
-                x[i] -= M[i, j] * x[j]
-        for i in range(SIZE - 1, -1, -1):
-            for j in range(i + 1, SIZE):
-                x[i] -= M[i, j] * x[j]
-            x[i] /= M[i, i]
-        square = 0.0
-        for i in range(SIZE):
-            square += x[i] * x[i]
-        w = 1.0 / math.sqrt(square)
-        for i in range(SIZE):
-            x[i] *= w

@@ -19,9 +19,11 @@ REACH, EDGE, FOLD, CONTINUUM, SINGULAR, DUPLICATE, ROTATION, EXACT_ROTATION, EXA
 CLAMP, IMPERFECTION = 73, 74
 # Signs of the eight branches (8, 3); the arm as written.
 SIGNS, H, P, R_TIP = 76, 100, 118, 139
-LENGTH = 148
+# The arm as written again, for Newton's method: 1 / size, and seven frames (rotation 9, translation 3).
+INVERSE_SIZE, FRAMES = 75, 148
+LENGTH = 232
 # General 6R, behind these: inverse of the tip's home pose (3, 4), centre of the axes, 1 / scale, number of variants.
-HOME_INVERSE, CENTRE_OF_AXES, SCALE, VARIANTS, FIRST_VARIANT = 148, 160, 163, 164, 168
+HOME_INVERSE, CENTRE_OF_AXES, SCALE, VARIANTS, FIRST_VARIANT = 232, 244, 247, 248, 252
 
 # Rows of a block's workspace: target (0-12), signs of the branch (13-15), root (16-17), scratch (13-25).
 ROWS, BLOCK = 26, 32

@@ -8,8 +8,9 @@ import numpy as np
 
 from urdf_ik._kernels import layout
 from urdf_ik._kernels.compile import kernel
+from urdf_ik._kernels.newton import newton
 from urdf_ik._kernels.screws import jacobian_from_axes, place_axes
-from urdf_ik._kernels.thresholds import CONVERGED, FINISHED
+from urdf_ik._kernels.thresholds import CONVERGED, FINISHED, PATIENCE
 from urdf_ik._kernels.trig import wrap
 
 STARTS = 13
@@ -96,7 +97,7 @@ def refine(arm, target, q, rounds, enough):
     T, J = np.empty((4, 4)), np.empty((6, 6))
     axes, points, e, step = np.empty((6, 3)), np.empty((6, 3)), np.empty(6), np.empty(6)
     best = q.copy()
-    least = math.inf
+    least, mark, since = math.inf, math.inf, 0
     for k in range(rounds + 1):
         place(arm, prismatic, q, T, axes, points)
         error = pose_error(target, T, scale, e)
@@ -105,7 +106,10 @@ def refine(arm, target, q, rounds, enough):
             best[:] = q
         elif k > 3 and error > 0.5 * least and least < CONVERGED:
             break
-        if error < enough or k == rounds:
+        since += 1
+        if error < 0.7 * mark:
+            mark, since = error, 0
+        if error < enough or k == rounds or since > PATIENCE:
             break
         jacobian_from_axes(prismatic, axes, points, T[:3, 3], J)
         for j in range(6):
@@ -120,57 +124,6 @@ def refine(arm, target, q, rounds, enough):
             q[j] = wrap(q[j] + shrink * step[j])
     q[:] = best
     return least
-
-
-@kernel
-def newton(arm, target, q, rounds):
-    """Newton's method on the arm as written, undamped but for long steps; for starts near a regular solution.
-
-    ``q`` (6,) is replaced by the last vector. Returns its error (see ``pose_error``), infinite where the Jacobian
-    gives no step.
-    """
-    scale = 1.0 / arm[layout.SIZE]
-    prismatic = np.zeros(6, np.bool_)
-    T, J, e = np.empty((4, 4)), np.empty((6, 6)), np.empty(6)
-    axes, points = np.empty((6, 3)), np.empty((6, 3))
-    previous = math.inf
-    for k in range(rounds + 1):
-        place(arm, prismatic, q, T, axes, points)
-        error = pose_error(target, T, scale, e)
-        if k == rounds or error < FINISHED or (error < CONVERGED and error > 0.1 * previous):
-            return error
-        previous = error
-        jacobian_from_axes(prismatic, axes, points, T[:3, 3], J)
-        for j in range(6):
-            for i in range(3):
-                J[i, j] *= scale
-        for i in range(6):
-            pivot = i
-            for r in range(i + 1, 6):
-                if abs(J[r, i]) > abs(J[pivot, i]):
-                    pivot = r
-            if abs(J[pivot, i]) < 1e-12:
-                return math.inf
-            if pivot != i:
-                e[i], e[pivot] = e[pivot], e[i]
-                for j in range(i, 6):
-                    J[i, j], J[pivot, j] = J[pivot, j], J[i, j]
-            w = 1.0 / J[i, i]
-            for r in range(i + 1, 6):
-                f = J[r, i] * w
-                e[r] -= f * e[i]
-                for j in range(i + 1, 6):
-                    J[r, j] -= f * J[i, j]
-        longest = 0.0
-        for i in range(5, -1, -1):
-            for j in range(i + 1, 6):
-                e[i] -= J[i, j] * e[j]
-            e[i] /= J[i, i]
-            longest = max(longest, abs(e[i]))
-        shrink = min(1.0, 0.5 / (longest + 1e-300))
-        for j in range(6):
-            q[j] = wrap(q[j] + shrink * e[j])
-    return math.inf
 
 
 @kernel

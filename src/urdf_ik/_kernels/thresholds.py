@@ -9,6 +9,8 @@ ROUNDING = 7e-15
 ROUGH = 1e-7
 # Newton's method is done when an error falls to what forward kinematics of six joints rounds to.
 FINISHED, CONVERGED = 1.8e-15, 2e-14
+# A damped iteration that has not gained a third in this many rounds has come to rest.
+PATIENCE = 7
 
 # Squared sines below which a pose counts as near a singularity; an imperfect arm's count from further away,
 # its squared sines in proportion to its imperfection, its squared arms in proportion to the square of it.

@@ -13,7 +13,7 @@ import numpy as np
 
 from urdf_ik._kernels import general_6r, hidden_joint, layout, locked
 from urdf_ik.families.plan import RedundantPlan
-from urdf_ik.redundancy import locked_joint, wrapped
+from urdf_ik.redundancy import locked_joint
 from urdf_ik.structure import analyse
 
 if TYPE_CHECKING:
@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
 # Targets that are moved and solved at a time: their joint vectors stay in the cache.
 _CHUNK = 1024
-# Poses by which the eliminations of both ends are compared: 20 ms for each.
-_PLANTED = 100
+# Poses by which the eliminations of both ends are compared: some 10 ms for each end.
+_TRIED = 200
 
 
 def prepare(chain: Chain, choosers: Sequence[Choose]) -> RedundantPlan | None:
@@ -51,28 +51,23 @@ def prepare(chain: Chain, choosers: Sequence[Choose]) -> RedundantPlan | None:
     return None
 
 
-def _cost(plan: Plan, chain: Chain) -> tuple[int, int, int]:
+def _cost(plan: Plan, chain: Chain) -> tuple[int, int]:
     """Order of the solvers: exact closed form, exact quartic, near an ideal arm; of eliminations the surer one."""
     if plan.solve is general_6r.solve:
-        return 3, *_lost_and_doubted(plan.arm, chain)
-    return int(plan.by_quartic) if plan.is_exact else 2, 0, 0
+        return 3, _doubts(plan.arm, chain)
+    return int(plan.by_quartic) if plan.is_exact else 2, 0
 
 
-def _lost_and_doubted(arm: Array, chain: Chain) -> tuple[int, int]:
-    """Of planted poses, how many joint vectors the elimination's first variant loses, and how many poses it doubts.
+def _doubts(arm: Array, chain: Chain) -> int:
+    """Number of random poses at which the elimination's first variant gives cause for doubt.
 
-    The solver follows doubts up by its other variants. What is lost without a doubt is rare, and shows in these two.
+    The solver follows doubts up by its other variants; what it misses without one is rare, and goes along with them.
     """
-    angles = 2.0 * np.pi * np.arange(hidden_joint.SAMPLES) / hidden_joint.SAMPLES
-    circle = np.column_stack([np.cos(angles), np.sin(angles)])
     row = arm[layout.FIRST_VARIANT : layout.FIRST_VARIANT + hidden_joint.VARIANT]
-    planted = np.random.default_rng(0).uniform(-np.pi, np.pi, (_PLANTED, 6))
-    lost = doubted = 0
-    for q, target in zip(planted, chain.fk(planted), strict=True):
-        Q, flags = np.full((16, 6), np.nan), np.zeros(16, np.uint8)
-        doubted += bool(general_6r.gather(arm, row, circle, target, Q, flags, np.full(7, np.inf), np.empty((17, 6))))
-        lost += not (np.abs(wrapped(Q[flags > 0] - q)).max(axis=1, initial=0.0) < 1e-6).any()
-    return lost, doubted
+    targets = chain.fk(np.random.default_rng(0).uniform(-np.pi, np.pi, (_TRIED, 6)))
+    counts, doubts = np.empty(_TRIED, np.int64), np.empty(_TRIED, np.bool_)
+    general_6r.trial(arm, row, targets, counts, doubts)
+    return int(np.count_nonzero(doubts))
 
 
 def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -10,7 +11,7 @@ import numpy as np
 
 from urdf_ik._kernels import layout
 from urdf_ik._kernels.target import to_frame_1
-from urdf_ik.dh_frames import denavit_hartenberg
+from urdf_ik.dh_frames import any_normal, denavit_hartenberg, frame
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
@@ -173,7 +174,19 @@ def pack_as_written(chain: Chain) -> Array:
     arm[layout.H : layout.H + 18] = chain.H.ravel()
     arm[layout.P : layout.P + 21] = chain.P.ravel()
     arm[layout.R_TIP : layout.R_TIP + 9] = chain.R_tip.ravel()
+    arm[layout.INVERSE_SIZE] = 1.0 / chain.size
+    arm[layout.FRAMES : layout.FRAMES + 84] = _frames(chain)
     return arm
+
+
+def _frames(chain: Chain) -> Array:
+    """(84,) steps from the base through a frame on each joint axis, z along it, to the tip, at q = 0."""
+    home = np.eye(4)
+    home[:3, :3], home[:3, 3] = chain.R_tip, chain.P.sum(axis=0)
+    on_axes = [frame(h, any_normal(h), p) for h, p in zip(chain.H, chain.points, strict=True)]
+    places = [np.eye(4), *on_axes, home]
+    steps = [np.linalg.inv(a) @ b for a, b in itertools.pairwise(places)]
+    return np.concatenate([np.concatenate([step[:3, :3].ravel(), step[:3, 3]]) for step in steps])
 
 
 def snapped(values: Array) -> Array:
