@@ -134,19 +134,19 @@ class Judge:
         return np.array(axes), np.diff([*points, tip.translation], axis=0), tip.rotation
 
 
-def _serial(name: str, origins: Sequence[tuple[Vector, Vector]], axes: Sequence[Vector]) -> str:
-    """URDF text of six revolute joints and a fixed tool; ``origins`` holds seven (xyz [m], rpy [rad])."""
-    links = ["base", *(f"link_{i}" for i in range(1, 7)), "tool"]
+def serial(name: str, origins: Sequence[tuple[Vector, Vector]], axes: Sequence[Vector]) -> str:
+    """URDF text of revolute joints and a fixed tool; ``origins`` holds one (xyz [m], rpy [rad]) more than ``axes``."""
+    links = ["base", *(f"link_{i}" for i in range(1, len(origins))), "tool"]
     lines = [f'<robot name="{name}">', *(f'  <link name="{link}"/>' for link in links)]
     for i, (xyz, rpy) in enumerate(origins):
-        kind = "revolute" if i < 6 else "fixed"
+        kind = "revolute" if i < len(axes) else "fixed"
         lines += [
             f'  <joint name="joint_{i + 1}" type="{kind}">',
             f'    <origin xyz="{" ".join(map(repr, xyz))}" rpy="{" ".join(map(repr, rpy))}"/>',
             f'    <parent link="{links[i]}"/>',
             f'    <child link="{links[i + 1]}"/>',
         ]
-        if i < 6:
+        if i < len(axes):
             lines += [
                 f'    <axis xyz="{" ".join(map(repr, axes[i]))}"/>',
                 '    <limit lower="-3.1415926535897931" upper="3.1415926535897931" effort="100" velocity="3"/>',
@@ -159,7 +159,7 @@ def _serial(name: str, origins: Sequence[tuple[Vector, Vector]], axes: Sequence[
 _RIGHT = 1.57079632679
 UR5 = Robot(
     "UR5",
-    _serial(
+    serial(
         "ur5",
         [
             ((0.0, 0.0, 0.089159), ZERO),
@@ -179,7 +179,7 @@ UR5 = Robot(
 # turned so that its z axis leaves the flange.
 IRB2400 = Robot(
     "IRB 2400",
-    _serial(
+    serial(
         "irb2400",
         [
             (ZERO, ZERO),
@@ -209,7 +209,7 @@ IRB2400 = Robot(
 # q = 0.
 ZYYZYZ = Robot(
     "z y y z y z",
-    _serial(
+    serial(
         "zyyzyz",
         [
             (ZERO, ZERO),
@@ -243,7 +243,7 @@ def _from_dh(name: str, a: Sequence[float], d: Sequence[float], alpha: Sequence[
     origins: list[tuple[Vector, Vector]] = [(ZERO, ZERO)]
     for length, offset, twist, turn in zip(a, d, alpha, theta, strict=True):
         origins.append(((length * math.cos(turn), length * math.sin(turn), offset), (twist, 0.0, turn)))
-    return _serial(name, origins, [Z] * 6)
+    return serial(name, origins, [Z] * 6)
 
 
 def _sum(values: Sequence[float], deltas: Sequence[float]) -> list[float]:
@@ -277,7 +277,7 @@ def _random_6r(seed: int) -> str:
         return x, y, z
 
     origins = [(vector(rng.uniform(0.1, 0.4) * direction()), vector(rng.uniform(-1.0, 1.0, 3))) for _ in range(7)]
-    return _serial(f"random_6r_{seed}", origins, [vector(direction()) for _ in range(6)])
+    return serial(f"random_6r_{seed}", origins, [vector(direction()) for _ in range(6)])
 
 
 def _from_file(name: str, stem: str) -> Robot:

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 PI = np.pi
 
 Chain = namedtuple("Chain", "joint_types")
-FakeArm = namedtuple("FakeArm", "name joint_names limits dof chain explain collision_model")
+FakeArm = namedtuple("FakeArm", "name joint_names limits dof chain explain collision_model redundancy")
 
 
 class Hits:
@@ -40,7 +40,7 @@ class Hits:
         return np.maximum(q[..., 0], 0.0)
 
 
-def explain(T: Array) -> str:
+def explain(T: Array, redundancy: float | None = None) -> str:
     """What the fake arm says of a pose."""
     return f"x = {T[0, 3]:g} m is out of reach"
 
@@ -48,7 +48,7 @@ def explain(T: Array) -> str:
 KINDS = ("revolute", "prismatic", "continuous")
 LIMITS = np.array([[-2 * PI, 2 * PI], [-0.5, 0.5], [-np.inf, np.inf]])
 BRANCHES = ("front", "front, flip", "back", "back, flip")
-ARM: Any = FakeArm("fake", ("turn", "slide", "spin"), LIMITS, 3, Chain(KINDS), explain, Hits())
+ARM: Any = FakeArm("fake", ("turn", "slide", "spin"), LIMITS, 3, Chain(KINDS), explain, Hits(), None)
 
 
 def arm_with(limits: object, kinds: tuple[str, ...] = KINDS) -> Any:

@@ -29,6 +29,8 @@ from urdf_ik.poses import (
     to_rotvec,
     to_rpy,
 )
+from urdf_ik.redundancy import Redundancy
+from urdf_ik.self_motion import Sweep
 from urdf_ik.solutions import IKSolutions, Singular, Solution
 from urdf_ik.structure import Structure
 
@@ -45,9 +47,11 @@ __all__ = [
     "JointVectorError",
     "MissingPackage",
     "PoseError",
+    "Redundancy",
     "Singular",
     "Solution",
     "Structure",
+    "Sweep",
     "UnsupportedArm",
     "UrdfError",
     "UrdfIkError",

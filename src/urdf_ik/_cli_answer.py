@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik import _cli_io
+from urdf_ik import _cli_io, _cli_redundancy
 from urdf_ik.limits import LIMIT_TOLERANCE
 from urdf_ik.solutions import Singular
 
@@ -80,12 +80,16 @@ def solve(
     poses: NDArray[np.float64],
     pick: Callable[[IKSolutions], IKSolutions],
     *,
+    redundancy: NDArray[np.float64] | None = None,
     errors: bool,
     collisions: bool,
     tick: Callable[[int, int], None],
 ) -> Answer:
-    """Solve, filter with ``pick`` and check; ``tick(done, total)`` is told how far the checks are."""
-    solutions = pick(arm.ik(poses))
+    """Solve, filter with ``pick`` and check; ``tick(done, total)`` is told how far the checks are.
+
+    ``redundancy``: (N,) rad or m, or None for the arm's default.
+    """
+    solutions = pick(arm.ik(poses, redundancy=redundancy))
     q, valid = solutions.q, solutions.valid
     lower, upper = arm.limits.T
     within = valid & ((q >= lower - LIMIT_TOLERANCE) & (q <= upper + LIMIT_TOLERANCE)).all(axis=-1)
@@ -97,7 +101,7 @@ def solve(
     if errors:
         from urdf_ik.reference import Reference
 
-        judge = Reference(arm.model, arm.base, arm.tip)
+        judge = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
         position, rotation = np.full(valid.shape, np.nan), np.full(valid.shape, np.nan)
         for start in range(0, len(todo), _AT_ONCE):
             i, b = todo[start : start + _AT_ONCE].T
@@ -134,6 +138,7 @@ def as_json(answer: Answer, angles: Angles) -> str:
             "poses": [
                 {
                     "pose": pose,
+                    **_parameter(answer, angles, i),
                     "count": answer.counts[i],
                     "solutions": [_solution(answer, angles, i, b) for b in answer.places(i)],
                     **({} if answer.counts[i] else {"explanation": explanation(answer, i)}),
@@ -152,6 +157,7 @@ def explanation(answer: Answer, pose: int) -> str:
 def as_csv(answer: Answer, angles: Angles) -> str:
     """One line a solution; numbers first, so that the text of the last two columns can be left out."""
     header = ["pose", *answer.arm.joint_names, "within_limits"]
+    header += [] if answer.solutions.redundancy is None else ["redundancy"]
     header += [] if answer.free is None else ["collision_free"]
     header += [] if answer.position_error is None else ["position_error", "rotation_error"]
     return _cli_io.csv_text([*header, "singular", "branch"], _csv_rows(answer, angles))
@@ -169,6 +175,8 @@ def as_npz(answer: Answer, angles: Angles) -> bytes:
         "angle_unit": np.array(angles.unit),
         "within_limits": answer.within,
     }
+    if answer.solutions.redundancy is not None:
+        arrays["redundancy"] = _cli_redundancy.shown(answer.arm, answer.solutions.redundancy, angles)
     if answer.free is not None:
         arrays["collision_free"] = answer.free
     if answer.position_error is not None and answer.rotation_error is not None:
@@ -178,6 +186,11 @@ def as_npz(answer: Answer, angles: Angles) -> bytes:
 
 
 DATA: Mapping[str, Callable[[Answer, Angles], str | bytes]] = {"json": as_json, "csv": as_csv, "npz": as_npz}
+
+
+def _parameter(answer: Answer, angles: Angles, i: int) -> dict[str, Any]:
+    values = answer.solutions.redundancy
+    return {} if values is None else {"redundancy": _cli_redundancy.shown(answer.arm, values[i], angles)}
 
 
 def _solution(answer: Answer, angles: Angles, i: int, b: int) -> dict[str, Any]:
@@ -203,6 +216,7 @@ def _csv_rows(answer: Answer, angles: Angles) -> Iterator[list[Any]]:
     for i in range(len(answer.poses)):
         for b in answer.places(i):
             row: list[Any] = [i, *q[i, b].tolist(), int(answer.within[i, b])]
+            row += [float(value) for value in _parameter(answer, angles, i).values()]
             if answer.free is not None:
                 row.append(int(answer.free[i, b]))
             if answer.position_error is not None and answer.rotation_error is not None:

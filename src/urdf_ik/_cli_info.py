@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from urdf_ik import _cli_io, _cli_views, _structure_text
@@ -27,6 +28,7 @@ def as_json(arm: Arm, angles: Angles) -> str:
             "base": arm.base,
             "tip": arm.tip,
             "units": {"angle": angles.unit, "length": "m"},
+            "locked": arm.locked,
             "joints": [
                 {"name": name, "type": kind, "axis": axis, "lower": lower, "upper": upper}
                 for name, kind, axis, (lower, upper) in zip(
@@ -59,6 +61,7 @@ def as_json(arm: Arm, angles: Angles) -> str:
             },
             "solver": {
                 "supported": bool(structure.family),
+                "redundancy": None if arm.redundancy is None else asdict(arm.redundancy),
                 "family": structure.family or None,
                 "method": structure.method or None,
                 "exact": structure.is_exact if structure.family else None,
@@ -93,6 +96,7 @@ def as_text(arm: Arm, angles: Angles) -> str:
         ("robot", arm.name),
         ("source", arm.model.source),
         ("chain", f"{arm.base} to {arm.tip}, {arm.dof} joints"),
+        *[("locked", f"{name} at {_held(arm, name, value, angles)}") for name, value in arm.locked.items()],
     ]
     solver = [("family", structure.family or _UNSOLVED)]
     branches = []
@@ -103,6 +107,7 @@ def as_text(arm: Arm, angles: Angles) -> str:
             ("solutions", _structure_text.solutions(structure)),
             ("imperfection", _structure_text.imperfection(structure)),
             ("cuspidal", _structure_text.cuspidal(structure)),
+            *([] if arm.redundancy is None else [("redundancy", str(arm.redundancy))]),
         ]
         branches = [f"{'branches' if i == 0 else '':<14}{line}" for i, line in enumerate(_columns(structure.branches))]
     solver = [(heading, text) for heading, text in solver if text]
@@ -163,6 +168,11 @@ def _numbers(triple: AxisTriple) -> list[int]:
 
 def _vector(axis: Any) -> str:
     return " ".join(f"{_cli_views.number(float(x), 4):>7}" for x in axis)
+
+
+def _held(arm: Arm, name: str, value: float, angles: Angles) -> str:
+    slides = any(joint.name == name and joint.type == "prismatic" for joint in arm.model.joints)
+    return f"{value:.6g} m" if slides else f"{angles.angle(value):.6g} {angles.unit}"
 
 
 def _limit(value: float) -> str:

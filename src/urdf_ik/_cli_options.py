@@ -45,6 +45,10 @@ MeshRoot = Annotated[
     list[Path] | None, Option("--mesh-root", metavar="DIR", help="Where meshes may be read from; repeatable.")
 ]
 Degrees = Annotated[bool, Option("--degrees", help="Angles in degrees, in and out, instead of rad.")]
+Lock = Annotated[
+    list[str] | None,
+    Option("--lock", metavar="NAME=VALUE", help="Hold a joint there: rad or m, or 30deg; repeatable."),
+]
 Output = Annotated[Path | None, Option("--output", "-o", metavar="FILE", help="Write here instead of stdout.")]
 DataFormat = Annotated[
     Format | None, Option("--format", "-f", help="Default: by the name of --output, else table.", show_default=False)
@@ -69,6 +73,17 @@ Planted = Annotated[
 ]
 PoseFile = Annotated[str | None, Option("--poses", metavar="FILE", help="Poses from a file, or - for stdin.")]
 Random = Annotated[int | None, Option("--random", metavar="N", min=1, help="N poses of random joint vectors.")]
+
+Redundancy = Annotated[
+    str | None,
+    Option(
+        "--redundancy",
+        metavar="V1,V2,...",
+        help="Of seven joints: solve each pose at these values of the parameter that `info` names. "
+        "Default: what it is at the joint vector that a pose was made of, else the arm's default.",
+        show_default=False,
+    ),
+]
 
 # What becomes of the solutions of ik.
 Turns = Annotated[bool, Option("--turns", help="Add the +-2 pi images inside the limits.")]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik import _cli_io
+from urdf_ik import _cli_io, _cli_redundancy
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -29,10 +29,14 @@ EXAMPLE_SHARE = 0.6
 
 @dataclass(frozen=True)
 class Target:
-    """Poses (N, 4, 4) to solve, and a sentence on where they come from."""
+    """Poses (N, 4, 4) to solve, and a sentence on where they come from.
+
+    ``redundancy``: (N,) rad or m, the redundancy parameter of each; None: the arm's default, or none to give.
+    """
 
     poses: NDArray[np.float64]
     note: str
+    redundancy: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
@@ -71,8 +75,8 @@ def target(arm: Arm, asked: Asked, angles: Angles) -> Target:
         poses = _cli_io.read_poses(asked.poses, "--poses")
         return Target(poses, f"poses: {len(poses)} from {_cli_io.place(asked.poses)}")
     if asked.random is not None:
-        poses = arm.fk(_draws(arm, asked.random, asked.seed))
-        return Target(poses, f"poses: {asked.random} of random joint vectors inside the limits, seed {asked.seed}")
+        note = f"poses: {asked.random} of random joint vectors inside the limits, seed {asked.seed}"
+        return _of_vectors(arm, _draws(arm, asked.random, asked.seed), note)
     return _typed(asked, oriented, angles)
 
 
@@ -98,7 +102,12 @@ def _typed(asked: Asked, oriented: Sequence[str], angles: Angles) -> Target:
 
 def _planted(arm: Arm, typed: Sequence[str], angles: Angles) -> Target:
     q = angles.typed(np.array([_cli_io.numbers(text, "--q", arm.joint_names) for text in typed]))
-    return Target(arm.fk(q), "target: the tip at the joint vector that was given")
+    return _of_vectors(arm, q, "target: the tip at the joint vector that was given")
+
+
+def _of_vectors(arm: Arm, q: NDArray[np.float64], note: str) -> Target:
+    """The poses of joint vectors (N, n), with what the redundancy parameter is there."""
+    return Target(arm.fk(q), note, _cli_redundancy.own_values(arm, q))
 
 
 def _example(arm: Arm, angles: Angles, seed: int) -> Target:
@@ -107,12 +116,12 @@ def _example(arm: Arm, angles: Angles, seed: int) -> Target:
     lower, upper = arm.limits.T
     rounded = np.round(q, 1)
     q = np.where((rounded >= lower) & (rounded <= upper), rounded, q)
-    solutions = arm.ik(arm.fk(q))
+    solutions = arm.ik(arm.fk(q), redundancy=_cli_redundancy.own_values(arm, q))
     regular = (solutions.valid & (solutions.singular == 0)).sum(axis=-1)
     inside = solutions.within_limits().valid.sum(axis=-1)
     best = int(np.lexsort((-inside, -regular))[0])
     shown = ",".join(f"{x:.6g}" for x in angles.shown(q[best]))
-    return Target(arm.fk(q[best : best + 1]), f"target: this arm's example, the tip at q = {shown}")
+    return _of_vectors(arm, q[best : best + 1], f"target: this arm's example, the tip at q = {shown}")
 
 
 def _draws(arm: Arm, count: int, seed: int, share: float = 1.0) -> NDArray[np.float64]:

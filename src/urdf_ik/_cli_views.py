@@ -16,7 +16,7 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
-from urdf_ik import _cli_answer
+from urdf_ik import _cli_answer, _cli_redundancy
 from urdf_ik._cli_options import is_terminal
 
 if TYPE_CHECKING:
@@ -94,6 +94,8 @@ def answer_text(answer: Answer, angles: Angles, note: str, *, to_file: bool) -> 
     """The solutions of a few poses, or a summary of many."""
     arm = answer.arm
     head = [f"{arm.name}: {arm.base} to {arm.tip}, {arm.structure.family}", *_folded("", note.split(" "), " ")]
+    if arm.redundancy is not None:
+        head += _folded("", f"redundancy: {arm.redundancy}".split(" "), " ")
     if answer.unchecked:
         head += _folded("", f"self-collision was not checked: {answer.unchecked}".split(" "), " ")
     if len(answer.poses) > SUMMARY_ABOVE:
@@ -103,6 +105,8 @@ def answer_text(answer: Answer, angles: Angles, note: str, *, to_file: bool) -> 
         title = "" if len(answer.poses) == 1 else f"pose {i}: "
         count = int(answer.counts[i])
         found = f"{count} solution{'' if count == 1 else 's'}" if count else "no solution"
+        at = answer.solutions.redundancy
+        found += "" if at is None else f" at {_cli_redundancy.line(arm, at[i], angles)}"
         parts += ["", *(f"{title}{pose_line(pose)}".split("\n")), f"{found}:", "", *solutions_of(answer, angles, i)]
     return render(*parts, to_file=to_file)
 

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from urdf_ik.arm import Arm
     from urdf_ik.collision import CollisionModel
     from urdf_ik.reference import Reference
+    from urdf_ik.solutions import IKSolutions
 
     Array = NDArray[np.float64]
 
@@ -169,7 +170,8 @@ class Inverse:
         self._duplicates = Tally("duplicates", "pairs", 0.0, counted=True)
         self.tallies = [*self._error, self._planted, self._single, self._duplicates]
         self.skipped: list[tuple[str, str]] = []
-        if judge.dof > 6:
+        # An arm with a redundancy parameter is asked for the planted vector's own value of it.
+        if judge.dof > 6 and arm.redundancy is None:
             self.tallies.remove(self._planted)
             reason = f"with {judge.dof} joints a pose has infinitely many solutions"
             self.skipped.append((self._planted.name, reason))
@@ -180,7 +182,8 @@ class Inverse:
         if not self.tallies:
             return nothing
         try:
-            solutions = self._arm.ik(T)
+            own = None if self._arm.redundancy is None else self._arm.redundancy_of(Q)
+            solutions = self._solve(T, own)
         except UnsupportedArm as error:
             self.skipped = [("inverse kinematics", str(error))]
             self.tallies = []
@@ -199,7 +202,8 @@ class Inverse:
             mine = found[i, columns]
             far = self._apart(mine, Q[i]).min(initial=np.inf)
             self._planted.add(float(far), index, Q[i], f"{len(mine)} solutions", PLANTED + float(planted[i]))
-            self._compare_single(index, Q[i], T[i], found[i], valid[i], sigma[i], names)
+            at = None if own is None else own[i]
+            self._compare_single(index, Q[i], T[i], at, found[i], valid[i], sigma[i], names)
             gaps = self._apart(mine[:, None], mine[None])
             doubled = int(np.count_nonzero(np.triu(gaps < DUPLICATE, k=1)))
             self._duplicates.add(doubled, index, Q[i], f"{doubled} of its pairs" if doubled else "")
@@ -210,12 +214,13 @@ class Inverse:
         index: int,
         q: Array,
         T: Array,
+        at: Array | None,
         found: Array,
         valid: NDArray[np.bool_],
         sigma: Array,
         names: Sequence[str],
     ) -> None:
-        alone = self._arm.ik(T)
+        alone = self._solve(T, at)
         single, has = np.asarray(alone.q), np.asarray(alone.valid)
         for b in map(int, np.flatnonzero(valid | has)):
             if valid[b] and has[b]:
@@ -225,6 +230,10 @@ class Inverse:
             tolerance = SAME + CONDITIONING / max(float(np.nan_to_num(sigma[b])), 1e-300)
             self._single.add(apart, index, q, detail, tolerance)
 
+    def _solve(self, T: Array, at: Array | None) -> IKSolutions:
+        """Solutions of T (..., 4, 4), at values (...) of the redundancy parameter where the arm has one."""
+        return self._arm.ik(T) if at is None else self._arm.ik(T, redundancy=at)
+
     def _apart(self, a: Array, b: Array) -> Array:
         """Largest difference (...) [rad or m] between joint vectors (..., n), revolute joints modulo 2 pi."""
         step = np.asarray(a - b)
@@ -233,13 +242,28 @@ class Inverse:
         return apart
 
     def _sigma_min(self, Q: Array) -> Array:
-        """Smallest singular value (...) of the Jacobian at Q (..., n), its linear rows over the arm's size."""
+        """Smallest singular value (...) of the Jacobian at Q (..., n), its linear rows over the arm's size.
+
+        Of an arm with a redundancy parameter, the parameter's gradient is a row, too.
+        """
         J = self._judge.jacobian(Q)
         J[..., :3, :] /= max(self._judge.size, 1e-300)
         out = np.full(Q.shape[:-1], np.nan)
         known = np.isfinite(Q).all(axis=-1)
+        if self._arm.redundancy is not None:
+            gradient = np.full((*Q.shape[:-1], 1, Q.shape[-1]), np.nan)
+            gradient[known, 0] = self._gradient(Q[known])
+            J = np.concatenate([J, gradient], axis=-2)
         out[known] = np.linalg.svd(J[known], compute_uv=False)[..., -1]
         return out
+
+
+    def _gradient(self, Q: Array) -> Array:
+        """Central differences (k, n) of the redundancy parameter at Q (k, n)."""
+        step = 1e-6 * np.eye(Q.shape[-1])
+        ahead, behind = (self._arm.redundancy_of(Q[:, None] + side * step) for side in (1.0, -1.0))
+        turned: Array = (ahead - behind + np.pi) % (2.0 * np.pi) - np.pi
+        return turned / 2e-6
 
 
 class Collision:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import sys
 import threading
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -13,24 +13,25 @@ from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik import families, velocity
-from urdf_ik._kernels.layout import BLOCK
-from urdf_ik._kernels.target import to_frame_1
+from urdf_ik import families, self_motion, velocity
+from urdf_ik._shares import in_shares
 from urdf_ik.chain import Chain
 from urdf_ik.cuspidality import is_cuspidal
 from urdf_ik.errors import JointVectorError, PoseError, UnsupportedArm
+from urdf_ik.families.plan import Plan, RedundantPlan
 from urdf_ik.poses import as_pose_array, check_poses
 from urdf_ik.solutions import IKSolutions
 from urdf_ik.structure import Structure, analyse
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik.collision import CollisionModel
-    from urdf_ik.families.plan import Plan
+    from urdf_ik.redundancy import Redundancy
+    from urdf_ik.self_motion import Sweep
     from urdf_ik.urdf import UrdfModel
 
 
@@ -47,8 +48,8 @@ class Arm:
         self.model = model
         self.chain = chain
         self.structure: Structure = analyse(chain)
-        self._no_reference = np.zeros(7)
-        self._plan: Plan | None = families.choose(self.structure, chain)
+        self._no_reference = np.zeros(chain.n + 1)
+        self._plan: Plan | RedundantPlan | None = families.choose(self.structure, chain)
         if self._plan is not None:
             plan = self._plan
             self.structure = replace(
@@ -99,12 +100,22 @@ class Arm:
         """(n, 2) rad or m; a continuous joint has (-inf, inf)."""
         return self.chain.limits
 
+    @property
+    def locked(self) -> dict[str, float]:
+        """Joints that ``load`` was told to hold, with their values [rad or m]."""
+        return dict(self.chain.locked)
+
+    @property
+    def redundancy(self) -> Redundancy | None:
+        """What is free in a pose's solutions of an arm with seven joints; None for an arm without such a parameter."""
+        return getattr(self._plan, "parameter", None)
+
     @cached_property
     def collision_model(self) -> CollisionModel:
         """Self-collision of this URDF through Pinocchio and coal, built when first asked for."""
         from urdf_ik.collision import CollisionModel
 
-        return CollisionModel(self.model, self.base, self.tip)
+        return CollisionModel(self.model, self.base, self.tip, locked=self.locked)
 
     def fk(self, q: ArrayLike) -> NDArray[np.float64]:
         """Pose of the tip in the base: (..., n) rad or m to (..., 4, 4); see :meth:`Chain.fk`."""
@@ -134,7 +145,9 @@ class Arm:
         """Pose of every link in the base: (..., n) to (..., 4, 4) each; see :meth:`Chain.link_poses`."""
         return self.chain.link_poses(q)
 
-    def ik(self, T: Any, q_ref: ArrayLike | None = None, *, threads: int = 1) -> IKSolutions:
+    def ik(
+        self, T: Any, q_ref: ArrayLike | None = None, *, redundancy: ArrayLike | None = None, threads: int = 1
+    ) -> IKSolutions:
         """Every joint vector that brings the tip to ``T``.
 
         Each solution was verified against the URDF as written: position and rotation errors are below 1e-9 m
@@ -147,17 +160,22 @@ class Arm:
                 that is off by rounding (up to 1e-5) is replaced by the nearest one. The answer keeps a stack
                 of poses by reference, for ``explain``; a single pose is copied.
             q_ref: (n,) rad, joint vector near which representatives of a continuum are chosen.
+            redundancy: (...) rad or m, values of the redundancy parameter of an arm with seven joints, which broadcast
+                against the poses: ``ik(T[:, None], redundancy=values)`` solves every pose at every value. Default:
+                ``self.redundancy.default``.
             threads: number of threads that share a batch.
 
         Returns:
-            The solutions, (..., B, n), one column a branch.
+            The solutions, (..., B, n), one column a branch. Those of seven joints are all there are at the value that
+            is given, and ``singular`` tells where the Jacobian drops rank while it is kept.
 
         Raises:
             PoseError: a target is no pose; the error holds its index in the batch.
+            JointVectorError: ``q_ref`` or ``redundancy`` does not fit.
             UnsupportedArm: no solver takes this arm.
         """
         if self._plan is None:
-            raise UnsupportedArm(f"{self.name}: no solver for this arm yet. {self.structure}")
+            raise self._unsupported()
         if type(T) is np.ndarray and T.shape == (4, 4) and T.dtype == np.float64:
             # A copy, so that the answer does not change when the caller's array does.
             target = T.copy()
@@ -165,22 +183,84 @@ class Arm:
             target = as_pose_array(T)
             target = target.copy() if target is T and target.ndim == 2 else target
         reference = self._no_reference if q_ref is None else self._reference(q_ref)
-        if target.ndim == 2:
+        if target.ndim == 2 and redundancy is None:
             q, flags = np.empty(self._shape), np.empty(self._shape[:2], np.uint8)
             if self._kernel(target[None], self._numbers, reference, q, flags) >= 0:
                 self._refuse(target)
             return IKSolutions(self, target, q[0], flags[0], self._branches)
+        values = None
+        if redundancy is not None:
+            target, values = self._redundant_plan().parameter.spread(target, redundancy)
         batch = target.shape[:-2]
         stack = target.reshape(-1, 4, 4)
         q, flags = np.empty((len(stack), *self._shape[1:])), np.empty((len(stack), self._shape[1]), np.uint8)
-        if self._solve_stack(stack, reference, q, flags, threads) >= 0:
-            self._refuse(target)
-        return IKSolutions(
-            self, target, q.reshape(*batch, *q.shape[1:]), flags.reshape(*batch, flags.shape[1]), self._branches
-        )
 
-    def explain(self, T: Any) -> str:
+        def solve(part: slice) -> int:
+            if values is None:
+                return self._kernel(stack[part], self._numbers, reference, q[part], flags[part])
+            at, solve_at = values.reshape(-1)[part], self._redundant_plan().solve_at
+            with nullcontext() if self._kernel is self._solver else self._patience():
+                return solve_at(stack[part], at, self._numbers, reference, q[part], flags[part])
+
+        if in_shares(solve, len(stack), threads) >= 0:
+            self._refuse(target)
+        q, flags = q.reshape(*batch, *q.shape[1:]), flags.reshape(*batch, flags.shape[1])
+        return IKSolutions(self, target, q, flags, self._branches, redundancy=values)
+
+    def redundancy_of(self, q: ArrayLike) -> NDArray[np.float64]:
+        """Value of the redundancy parameter at joint vectors (..., 7), (...): ``ik`` finds them again at it.
+
+        Raises:
+            JointVectorError: the last dimension is not 7, or a value is not finite.
+            UnsupportedArm: the arm has no such parameter.
+        """
+        plan = self._redundant_plan()
+        Q = self.chain.check(q)
+        return plan.value_of(Q.reshape(-1, self.dof)).reshape(Q.shape[:-1])
+
+    def ik_nearest(self, T: Any, q_ref: ArrayLike, *, threads: int = 1) -> IKSolutions:
+        """The joint vector nearest to ``q_ref`` within the limits, over all values of the redundancy parameter.
+
+        Args:
+            T: as in ``ik``.
+            q_ref: (7,), or one for each pose (..., 7), rad or m.
+            threads: number of threads that share the work.
+
+        Returns:
+            One column a pose; its values of the parameter are ``redundancy``. See :mod:`urdf_ik.self_motion` for how
+            it is searched, and what may be missed.
+
+        Raises:
+            PoseError: a target is no pose.
+            JointVectorError: ``q_ref`` does not fit.
+            UnsupportedArm: the arm has no redundancy parameter.
+        """
+        return self_motion.nearest(self, self._redundant_plan().parameter, T, q_ref, threads)
+
+    def sweep(self, T: Any, n: int = 64, *, within_limits: bool = False, threads: int = 1) -> Sweep:
+        """The solutions of one pose at ``n`` values of the redundancy parameter, and where there are any.
+
+        Args:
+            T: (4, 4) pose of the tip in the base [m], or a ``pinocchio.SE3``.
+            n: number of values, shared among the intervals in which there are solutions by their lengths.
+            within_limits: only solutions inside the joint limits count.
+            threads: number of threads that share the work.
+
+        Returns:
+            See :class:`urdf_ik.self_motion.Sweep`.
+
+        Raises:
+            PoseError: ``T`` is no pose, or more than one.
+            UnsupportedArm: the arm has no redundancy parameter.
+        """
+        return self_motion.sweep(self, self._redundant_plan().parameter, T, n, within_limits, threads)
+
+    def explain(self, T: Any, redundancy: float | None = None) -> str:
         """Why the single pose ``T`` (4, 4) has no solution, with the number that is out of range.
+
+        Args:
+            T: the pose.
+            redundancy: the parameter of an arm with seven joints; default: its default.
 
         Raises:
             PoseError: ``T`` is no pose, or more than one.
@@ -190,45 +270,32 @@ class Arm:
         if target.ndim != 2:
             raise PoseError(f"an array of shape {target.shape} given; explain takes a single pose (4, 4)")
         if self._plan is None:
-            raise UnsupportedArm(f"{self.name}: no solver for this arm yet. {self.structure}")
-        seen = np.empty(12)
-        to_frame_1(np.linalg.inv(target) if self._plan.mirrored else target, self._numbers, seen)
-        return self._plan.explain(seen[:9].reshape(3, 3), seen[9:])
+            raise self._unsupported()
+        if redundancy is None and not isinstance(self._plan, RedundantPlan):
+            return self._plan.why(target)
+        return self_motion.explanation(self, self._redundant_plan(), target, redundancy)
 
-    def _solve_stack(
-        self,
-        T: NDArray[np.float64],
-        reference: NDArray[np.float64],
-        q: NDArray[np.float64],
-        flags: NDArray[np.uint8],
-        threads: int,
-    ) -> int:
-        """Solve (m, 4, 4) into ``q`` and ``flags``; index of the first bad pose, or -1."""
-        if threads <= 1 or len(T) < 2 * BLOCK * threads:
-            return self._kernel(T, self._numbers, reference, q, flags)
-        bad = [-1] * threads
-        failed: list[BaseException] = []
-        # Shares of whole blocks: every pose is solved by the same instructions, however many threads there are.
-        edges = [BLOCK * (k * (len(T) // BLOCK) // threads) for k in range(threads)] + [len(T)]
+    def _redundant_plan(self) -> RedundantPlan:
+        """The plan of an arm with a redundancy parameter."""
+        if self._plan is None:
+            raise self._unsupported()
+        if isinstance(self._plan, RedundantPlan):
+            return self._plan
+        raise UnsupportedArm(
+            f"{self.name}: {self.dof} joints ({', '.join(self.joint_names)}) leave nothing free in a pose; "
+            "only arms with seven have a redundancy parameter"
+        )
 
-        def share(k: int) -> None:
-            part = slice(edges[k], edges[k + 1])
-            try:
-                found = self._kernel(T[part], self._numbers, reference, q[part], flags[part])
-            except BaseException as error:  # a thread would swallow it, and leave its share unsolved
-                failed.append(error)
-                return
-            bad[k] = edges[k] + found if found >= 0 else -1
-
-        helpers = [threading.Thread(target=share, args=(k,)) for k in range(1, threads)]
-        for helper in helpers:
-            helper.start()
-        share(0)
-        for helper in helpers:
-            helper.join()
-        if failed:
-            raise failed[0]
-        return min((index for index in bad if index >= 0), default=-1)
+    def _unsupported(self) -> UnsupportedArm:
+        """The error for an arm without a solver."""
+        if self.dof <= 7:
+            return UnsupportedArm(f"{self.name}: no solver for this arm yet. {self.structure}")
+        held = ", ".join(f"{name!r}: 0.0" for name in self.joint_names[: self.dof - 7])
+        return UnsupportedArm(
+            f"{self.name}: {self.dof} joints from {self.base!r} to {self.tip!r} ({', '.join(self.joint_names)}); at "
+            f"most seven are solved: hold {self.dof - 7} or more of them, each at a value [rad or m], as in "
+            f"urdf_ik.load(..., locked={{{held}}})"
+        )
 
     def _reference(self, q_ref: ArrayLike) -> NDArray[np.float64]:
         reference = np.ones(self.dof + 1)
@@ -246,24 +313,24 @@ class Arm:
 
     def _first_solve(self, *arguments: Any) -> int:
         """Solve, and say so should the compiler take long; from then on the kernel is called directly."""
-        solve = self._solver
-        with _patience(self.structure.family):
-            bad = solve(*arguments)
-        self._kernel = solve
-        return bad
+        with self._patience():
+            return self._solver(*arguments)
 
-
-@contextmanager
-def _patience(family: str) -> Iterator[None]:
-    """Say on stderr what takes so long, should it take over two seconds."""
-    text = f"urdf-ik: compiling the solver for {family!r} (once on this machine, up to half a minute) ..."
-    timer = threading.Timer(2.0, lambda: print(text, file=sys.stderr, flush=True))
-    timer.daemon = True
-    timer.start()
-    try:
-        yield
-    finally:
-        timer.cancel()
+    @contextmanager
+    def _patience(self) -> Iterator[None]:
+        """Say on stderr what takes so long, should the first use of the solver take over two seconds."""
+        text = (
+            f"urdf-ik: compiling the solver for {self.structure.family!r} "
+            "(once on this machine, up to half a minute) ..."
+        )
+        timer = threading.Timer(2.0, lambda: print(text, file=sys.stderr, flush=True))
+        timer.daemon = True
+        timer.start()
+        try:
+            yield
+        finally:
+            timer.cancel()
+        self._kernel = self._solver
 
 
 def load(
@@ -271,6 +338,7 @@ def load(
     base: str | None = None,
     tip: str | None = None,
     *,
+    locked: Mapping[str, float] | None = None,
     mesh_roots: Sequence[str | os.PathLike[str]] = (),
 ) -> Arm:
     """Read a URDF and prepare its solver.
@@ -279,11 +347,14 @@ def load(
         source: a path, XML text, an open file, or a catalogue name such as 'zyyzyz_6r' or 'ur5'.
         base: base link; default: the root, where only one chain comes into question.
         tip: tip link; default: the end of the only movable chain.
+        locked: joints of the chain that are held at these values [rad or m]; the arm is that of the others. An arm
+            with more than seven joints needs it to be solved.
         mesh_roots: folders that meshes may be read from, besides the URDF's own.
 
     Raises:
         UrdfError: the URDF is broken; the error names line, element and mend.
-        ChainError: base or tip is unknown or ambiguous; the error lists the candidates.
+        ChainError: base, tip or a locked joint is unknown, or base or tip ambiguous; the error lists the candidates.
+        JointVectorError: a locked joint's value is no finite number.
         CatalogueError: a name that the catalogue does not hold.
         UnsupportedArm: a joint of the chain cannot be handled.
     """
@@ -294,7 +365,7 @@ def load(
         source, base, tip = entry.path, base or entry.base, tip or entry.tip
         mesh_roots = (*mesh_roots, *entry.package_dirs)
     model = urdf.read(source, mesh_roots=mesh_roots)
-    return Arm(model, Chain.from_urdf(model, base, tip))
+    return Arm(model, Chain.from_urdf(model, base, tip).lock(locked or {}))
 
 
 def _is_name(source: str) -> bool:

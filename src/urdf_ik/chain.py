@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik._kernels import screws
-from urdf_ik.errors import JointVectorError, UnsupportedArm
+from urdf_ik.errors import ChainError, JointVectorError, UnsupportedArm
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik.urdf import Joint, UrdfModel
@@ -51,6 +53,8 @@ class Chain:
         R_tip: (3, 3) rotation of the tip in the base at q = 0.
         limits: (n, 2) rad or m; a continuous joint has (-inf, inf).
         tree: every joint of the URDF, parents first, in the base link's frame.
+        root: the URDF's root link.
+        locked: (name, value [rad or m]) of the joints that ``lock`` has made part of the fixed geometry.
     """
 
     base: str
@@ -63,6 +67,7 @@ class Chain:
     limits: NDArray[np.float64]
     tree: tuple[TreeJoint, ...] = field(repr=False, default=())
     root: str = ""
+    locked: tuple[tuple[str, float], ...] = ()
 
     def __post_init__(self) -> None:
         for array in (self.H, self.P, self.R_tip, self.limits):
@@ -142,6 +147,41 @@ class Chain:
             P=np.diff(points, axis=0) @ back.T,
             R_tip=np.ascontiguousarray(back),
             limits=self.limits[::-1].copy(),
+        )
+
+    def lock(self, values: Mapping[str, float]) -> Chain:
+        """The chain of the other joints, with these held still: they become part of the fixed geometry.
+
+        Args:
+            values: joint name to the value [rad or m] that the joint is held at, inside its limits or not.
+
+        Raises:
+            ChainError: the chain has no such joint; the error lists those that it has.
+            JointVectorError: a value is no finite number.
+        """
+        held = {name: _held_at(name, value) for name, value in values.items()}
+        if unknown := [name for name in held if name not in self.joint_names]:
+            raise ChainError(
+                f"joint {unknown[0]!r} cannot be locked: it is not among the movable joints from "
+                f"{self.base!r} to {self.tip!r}",
+                self.joint_names,
+            )
+        if not held:
+            return self
+        axes, points, home = np.empty((self.n, 3)), np.empty((self.n, 3)), np.empty((4, 4))
+        q = np.array([held.get(name, 0.0) for name in self.joint_names])
+        screws.place_axes(self.H, self.P, self.R_tip, self.prismatic, q, home, axes, points)
+        free = [k for k, name in enumerate(self.joint_names) if name not in held]
+        return replace(
+            self,
+            joint_names=tuple(self.joint_names[k] for k in free),
+            joint_types=tuple(self.joint_types[k] for k in free),
+            H=axes[free],
+            P=np.diff(np.vstack([np.zeros(3), points[free], home[:3, 3]]), axis=0),
+            R_tip=home[:3, :3].copy(),
+            limits=self.limits[free],
+            tree=tuple(_locked(joint, free, q) for joint in self.tree),
+            locked=(*self.locked, *held.items()),
         )
 
     def fk(self, q: ArrayLike) -> NDArray[np.float64]:
@@ -232,6 +272,26 @@ class Chain:
                 f"is {Q[tuple(where)]}; a finite number is needed"
             )
         return Q
+
+
+def _held_at(name: str, value: float) -> float:
+    """``value`` as a float."""
+    try:
+        held = float(value)
+    except (TypeError, ValueError):
+        held = math.nan
+    if not math.isfinite(held):
+        raise JointVectorError(f"joint {name!r} cannot be locked at {value!r}; one finite number is needed, rad or m")
+    return held
+
+
+def _locked(joint: TreeJoint, free: list[int], q: NDArray[np.float64]) -> TreeJoint:
+    """``joint`` of the tree when only the columns ``free`` of the joint vector are left, the others held at ``q``."""
+    if joint.column is None:
+        return joint
+    if joint.column in free:
+        return replace(joint, column=free.index(joint.column))
+    return replace(joint, column=None, offset=joint.offset + joint.multiplier * float(q[joint.column]))
 
 
 def _steps(model: UrdfModel, base: str, tip: str) -> list[tuple[Joint, bool]]:

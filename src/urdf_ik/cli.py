@@ -93,12 +93,14 @@ def root(version: options.Version = False) -> None:
         "Show an arm: its joints, how neighbouring axes lie to each other, and how it is solved.",
         "urdf-ik info zyyzyz_6r",
         "urdf-ik info my_arm.urdf --base base_link --tip tool0 --format json",
+        "urdf-ik info panda --lock panda_joint3=30deg",
     )
 )
 def info(
     robot: options.Robot,
     base: options.Base = None,
     tip: options.Tip = None,
+    lock: options.Lock = None,
     mesh_root: options.MeshRoot = None,
     degrees: options.Degrees = False,
     format: options.TextFormat = ReportFormat.TABLE,
@@ -106,7 +108,7 @@ def info(
     """Print what is known of the arm."""
     from urdf_ik import _cli_info, _cli_io
 
-    arm = _arm(robot, base, tip, mesh_root)
+    arm = _arm(robot, base, tip, lock, mesh_root)
     write = _cli_info.as_json if format is ReportFormat.JSON else _cli_info.as_text
     _cli_io.write(write(arm, _angles(arm, degrees)), None)
 
@@ -125,6 +127,7 @@ def fk(
     file: options.VectorFile = None,
     base: options.Base = None,
     tip: options.Tip = None,
+    lock: options.Lock = None,
     mesh_root: options.MeshRoot = None,
     degrees: options.Degrees = False,
     format: options.DataFormat = None,
@@ -139,7 +142,7 @@ def fk(
     if bool(q) == (file is not None):
         raise _cli_io.usage("give joint vectors with --q or with --file, and not with both", "--q")
     _one_stdin(robot, file, "--file")
-    arm = _arm(robot, base, tip, mesh_root)
+    arm = _arm(robot, base, tip, lock, mesh_root)
     angles = _angles(arm, degrees)
     if file is not None:
         typed = _cli_io.read_joint_vectors(file, "--file", arm.joint_names)
@@ -164,6 +167,7 @@ def fk(
         "urdf-ik ik dh_6r --xyz 0.5,0.11,0.26 --quat-xyzw 0,0,0.8,0.6",
         "urdf-ik ik ur5 --q 0.1,-1,1,0.2,0.3,0 --within-limits --collision-free",
         "urdf-ik ik ur5 --random 1000 --format npz --output solutions.npz",
+        "urdf-ik ik panda --xyz 0.4,0,0.3 --rpy 3.14,0,0 --redundancy 0,0.4,0.8",
     )
 )
 def ik(
@@ -177,6 +181,7 @@ def ik(
     poses: options.PoseFile = None,
     random: options.Random = None,
     seed: options.Seed = 0,
+    redundancy: options.Redundancy = None,
     turns: options.Turns = False,
     within_limits: options.WithinLimits = False,
     collision_free: options.CollisionFree = False,
@@ -184,18 +189,19 @@ def ik(
     check: options.Checked = None,
     base: options.Base = None,
     tip: options.Tip = None,
+    lock: options.Lock = None,
     mesh_root: options.MeshRoot = None,
     degrees: options.Degrees = False,
     format: options.DataFormat = None,
     output: options.Output = None,
 ) -> None:
     """Print every solution."""
-    from urdf_ik import _cli_answer, _cli_io, _cli_targets, _cli_views
+    from urdf_ik import _cli_answer, _cli_io, _cli_redundancy, _cli_targets, _cli_views
     from urdf_ik._cli_progress import Progress
 
     chosen = options.format_for(format, output, terminal=options.is_terminal(sys.stdout))
     _one_stdin(robot, poses, "--poses")
-    arm = _arm(robot, base, tip, mesh_root)
+    arm = _arm(robot, base, tip, lock, mesh_root)
     angles = _angles(arm, degrees)
     orientations = {"--quat-xyzw": quat_xyzw, "--quat-wxyz": quat_wxyz, "--rpy": rpy, "--rotvec": rotvec}
     asked = _cli_targets.Asked(xyz, orientations, q or (), poses, random, seed)
@@ -209,12 +215,13 @@ def ik(
         return solutions if near is None else solutions.nearest(near)
 
     with Progress("checking solutions", "solving") as progress:
-        target = _cli_targets.target(arm, asked, angles)
+        target = _cli_redundancy.spread(arm, _cli_targets.target(arm, asked, angles), redundancy, angles)
         few = len(target.poses) <= _cli_views.SUMMARY_ABOVE
         answer = _cli_answer.solve(
             arm,
             target.poses,
             pick,
+            redundancy=target.redundancy,
             errors=check is not False,
             collisions=few if check is None else check,
             tick=progress.tick,
@@ -250,6 +257,7 @@ def check(
     collision: options.Collision = None,
     base: options.Base = None,
     tip: options.Tip = None,
+    lock: options.Lock = None,
     mesh_root: options.MeshRoot = None,
     format: options.TextFormat = ReportFormat.TABLE,
 ) -> None:
@@ -259,7 +267,7 @@ def check(
 
     if complete and collision is not None:
         raise _cli_io.usage("--complete compares solutions and nothing else", "--collision")
-    arm = _arm(robot, base, tip, mesh_root)
+    arm = _arm(robot, base, tip, lock, mesh_root)
     report: crosscheck.Report | completeness.Completeness
     if complete:
         with Progress("comparing poses", "solving in two ways") as progress:
@@ -294,7 +302,7 @@ def dh(
     """Print or write the table, or the URDF."""
     from urdf_ik import _cli_dh
 
-    _cli_dh.run(file, lambda: _arm(file, base, tip, None), (base, tip), convention, snap, degrees, format, output)
+    _cli_dh.run(file, lambda: _arm(file, base, tip, None, None), (base, tip), convention, snap, degrees, format, output)
 
 
 def main() -> None:
@@ -305,13 +313,17 @@ def main() -> None:
         sys.exit(130)
 
 
-def _arm(robot: str, base: str | None, tip: str | None, mesh_roots: list[Path] | None) -> Arm:
+def _arm(
+    robot: str, base: str | None, tip: str | None, lock: list[str] | None, mesh_roots: list[Path] | None
+) -> Arm:
     import urdf_ik
+    from urdf_ik import _cli_redundancy
 
     if robot == "-" and sys.stdin is None:
         raise typer.BadParameter("standard input is closed", param_hint="ROBOT")
+    locked = _cli_redundancy.locked(lock or ())
     source = sys.stdin.buffer if robot == "-" else robot
-    return urdf_ik.load(source, base=base, tip=tip, mesh_roots=mesh_roots or ())
+    return urdf_ik.load(source, base=base, tip=tip, locked=locked, mesh_roots=mesh_roots or ())
 
 
 def _angles(arm: Arm, degrees: bool) -> Angles:

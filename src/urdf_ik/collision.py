@@ -78,6 +78,7 @@ class CollisionModel:
         srdf: str | os.PathLike[str] | bytes | None = None,
         samples: int = SAMPLES,
         seed: int = SEED,
+        locked: Mapping[str, float] | None = None,
     ) -> None:
         """Read the collision shapes and decide which pairs to check.
 
@@ -88,13 +89,14 @@ class CollisionModel:
             srdf: path or text of an SRDF whose ``disable_collisions`` are allowed pairs.
             samples: random joint vectors by which pairs that always collide are found; 0: none are sought.
             seed: seed of these joint vectors.
+            locked: joints that are no part of a joint vector but stand at these values [rad or m].
 
         Raises:
             UrdfError: the SRDF is broken, or names a link that the URDF does not have.
             ChainError: base or tip is unknown, or the tip is ambiguous.
             UnsupportedArm: the chain has a joint that one number does not describe.
         """
-        self._reference = Reference(model, base, tip)
+        self._reference = Reference(model, base, tip, locked=locked)
         self.joint_names = self._reference.joint_names
         self._error: UrdfError | None = None
         self.allowed_pairs: Mapping[Pair, str] = MappingProxyType({})

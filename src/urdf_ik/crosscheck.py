@@ -64,7 +64,7 @@ def check(
     if n < 1:
         raise UrdfIkError(f"n = {n}: at least one pose must be checked")
     _require_seed(seed)
-    judge = Reference(arm.model, arm.base, arm.tip)
+    judge = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
     names = limits(arm, judge)
     tallies, skipped = [names], []
     if tuple(arm.joint_names) != judge.joint_names:
@@ -115,7 +115,7 @@ def replay(arm: Arm, seed: int, index: int) -> tuple[Array, Array]:
     _require_seed(seed)
     if index < 0:
         raise UrdfIkError(f"index = {index}: poses are counted from 0")
-    judge = Reference(arm.model, arm.base, arm.tip)
+    judge = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
     q = _draw(judge, seed, index)
     return q, judge.pose(q)
 
@@ -136,7 +136,7 @@ def _collision(arm: Arm, wanted: bool | None, most: int | None) -> tuple[Collisi
     """What compares collision, or None and the reason why nothing does."""
     if wanted is False:
         return None, "not asked for"
-    shapes = CollisionModel(arm.model, arm.base, arm.tip)
+    shapes = CollisionModel(arm.model, arm.base, arm.tip, locked=arm.locked)
     if not shapes.has_geometry:
         if wanted:
             raise UrdfError(shapes.missing, source=arm.model.source)

@@ -13,7 +13,7 @@ from urdf_ik.errors import JointVectorError, UnsupportedArm, UrdfError
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from numpy.typing import ArrayLike, NDArray
 
@@ -69,6 +69,8 @@ class Reference:
         source: urdf.UrdfModel | str | os.PathLike[str] | bytes,
         base: str | None = None,
         tip: str | None = None,
+        *,
+        locked: Mapping[str, float] | None = None,
     ) -> None:
         """Build Pinocchio's model.
 
@@ -76,6 +78,7 @@ class Reference:
             source: a model that was read, a path, or XML text.
             base: base link; the root where left out.
             tip: tip link, anywhere in the tree; the end of the only movable chain where left out.
+            locked: joints that are no part of a joint vector but stand at these values [rad or m].
 
         Raises:
             UrdfError: the URDF is broken, or Pinocchio refuses it.
@@ -91,7 +94,9 @@ class Reference:
         followed = {joint.name: _followed(model, joint) for joint in model.joints}
         path = self._path()
         drivers = dict.fromkeys(followed[name][0] for name in path)
-        self.joint_names = tuple(name for name in drivers if name in self.pin_model.names)  # a driver may be fixed
+        held = dict(locked or {})
+        names = self.pin_model.names  # without a driver that is fixed
+        self.joint_names = tuple(name for name in drivers if name in names and name not in held)
         for name in self.joint_names:
             joint = self._joint(name)
             if joint.nv != 1:
@@ -104,6 +109,7 @@ class Reference:
         for name in self.pin_model.names[1:]:
             joint = self._joint(name)
             driver, multiplier, offset = followed[name]
+            offset += multiplier * held.get(driver, 0.0)
             # A joint that Pinocchio itself makes follow another has no entry of its own.
             if joint.nq and joint.nv == 1 and (driver in column or offset):
                 self._drives.append(

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from urdf_ik.chain import Chain
     from urdf_ik.collision import CollisionModel
+    from urdf_ik.redundancy import Redundancy
 
     Array = NDArray[np.float64]
     Columns = NDArray[np.intp]
@@ -48,7 +49,11 @@ class SolvedArm(Protocol):
     def chain(self) -> Chain:
         """The joints and their types."""
 
-    def explain(self, T: Any) -> str:
+    @property
+    def redundancy(self) -> Redundancy | None:
+        """The parameter of an arm with seven joints."""
+
+    def explain(self, T: Any, redundancy: float | None = None) -> str:
         """Why a pose has no solution."""
 
 
@@ -108,7 +113,7 @@ class IKSolutions:
     """
 
     # Solving one pose takes a few microseconds: construction stores references, everything else is computed on demand.
-    __slots__ = ("_branches", "_info", "_origin", "_poses", "_q", "arm", "step")
+    __slots__ = ("_branches", "_info", "_origin", "_poses", "_q", "_redundancy", "arm", "step")
 
     def __init__(
         self,
@@ -119,6 +124,7 @@ class IKSolutions:
         branches: tuple[str, ...],
         origin: Columns | None = None,
         step: Step | None = None,
+        redundancy: Array | None = None,
     ) -> None:
         """Keep the arrays as they are, without a check or a copy.
 
@@ -130,6 +136,7 @@ class IKSolutions:
             branches: B names.
             origin: (B,) each column's branch of the family; default: its own index.
             step: how they were made from other solutions; None: solved.
+            redundancy: (...) rad or m, each pose's value of the redundancy parameter; None: its default.
         """
         self.arm = arm
         self._poses = T
@@ -138,6 +145,7 @@ class IKSolutions:
         self._branches = branches
         self._origin = origin
         self.step = step
+        self._redundancy = redundancy
 
     @property
     def q(self) -> Array:
@@ -165,6 +173,15 @@ class IKSolutions:
     def poses(self) -> Array:
         """(..., 4, 4) m, the poses that were solved, in the base link."""
         return _frozen(self._poses.view())
+
+    @property
+    def redundancy(self) -> Array | None:
+        """(...) rad or m, the redundancy parameter that each pose was solved at; None for an arm without one."""
+        parameter = self.arm.redundancy
+        if parameter is None:
+            return None
+        values = np.full(self.shape, parameter.default) if self._redundancy is None else self._redundancy.view()
+        return _frozen(values)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -245,8 +262,9 @@ class IKSolutions:
         if step is not None:
             columns = None if step.columns is None else step.columns[place]
             step = step._replace(parent=step.parent[place], columns=columns)
+        at = None if self._redundancy is None else np.asarray(self._redundancy[place])
         return IKSolutions(
-            self.arm, self._poses[place], self._q[place], self._info[place], self._branches, self._origin, step
+            self.arm, self._poses[place], self._q[place], self._info[place], self._branches, self._origin, step, at
         )
 
     def within_limits(self, tol: float = limits.LIMIT_TOLERANCE) -> IKSolutions:
@@ -397,7 +415,7 @@ class IKSolutions:
         return np.where(self.rotary, np.ceil((q - np.pi) / limits.TURN), 0.0)
 
     def _derived(self, q: Array, info: NDArray[np.uint8], branches: tuple[str, ...], step: Step) -> IKSolutions:
-        return IKSolutions(self.arm, self._poses, q, info, branches, None, step)
+        return IKSolutions(self.arm, self._poses, q, info, branches, None, step, self._redundancy)
 
     def _columns(self, what: str) -> Columns:
         """Columns of a single pose's valid solutions."""

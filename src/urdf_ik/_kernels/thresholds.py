@@ -47,3 +47,5 @@ CROWDED = 0.04
 LARGEST_NOISE = 1e-7
 # Below this smallest singular value of the Jacobian a second solution may be next door.
 NEAR_FOLD = 5e-3
+# Sine of the angle below which the wrist of an S-R-S arm counts as lying on axis 1.
+ON_AXIS = 1e-7

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 from urdf_ik.families import (
     general_6r,
     imperfect,
+    locked,
     parallel_shoulder,
     spherical_middle,
     spherical_wrist,
+    srs,
     three_parallel,
 )
 from urdf_ik.families.mirrored import mirrored
@@ -17,18 +19,24 @@ from urdf_ik.structure import analyse
 
 if TYPE_CHECKING:
     from urdf_ik.chain import Chain
-    from urdf_ik.families.plan import Plan
+    from urdf_ik.families.plan import Plan, RedundantPlan
     from urdf_ik.structure import Structure
 
 FAMILIES = (spherical_wrist, three_parallel, parallel_shoulder, spherical_middle)
 
 
-def choose(structure: Structure, chain: Chain) -> Plan | None:
+def choose(structure: Structure, chain: Chain) -> Plan | RedundantPlan | None:
     """The first family that takes the arm exactly, from either end; else the nearest, with elimination behind it.
 
     A quartic comes after all closed forms without one. Elimination alone where no family is near; None where no
-    solver takes the arm.
+    solver takes the arm. Of seven joints one is given.
     """
+    if chain.n == 7:
+        return srs.prepare(structure, chain) or locked.prepare(chain, (_of_a_family, _general))
+    return _of_a_family(structure, chain) or _general(structure, chain)
+
+
+def _of_a_family(structure: Structure, chain: Chain) -> Plan | None:
     back = chain.reversed()
     quartic: Plan | None = None
     near: list[tuple[Plan, Chain]] = []
@@ -43,10 +51,12 @@ def choose(structure: Structure, chain: Chain) -> Plan | None:
                 if not plan.by_quartic:
                     return plan
                 quartic = quartic or plan
-    if quartic:
+    if quartic or not near:
         return quartic
-    if near:
-        plan, seen = min(near, key=lambda entry: entry[0].error)
-        plan = imperfect.prepare(plan, seen)
-        return mirrored(plan) if seen is back else plan
+    plan, seen = min(near, key=lambda entry: entry[0].error)
+    plan = imperfect.prepare(plan, seen)
+    return mirrored(plan) if seen is back else plan
+
+
+def _general(structure: Structure, chain: Chain) -> Plan | None:
     return general_6r.prepare(chain) if general_6r.matches(structure) else None

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik._kernels import layout
+from urdf_ik._kernels.target import to_frame_1
 from urdf_ik.dh_frames import any_normal, denavit_hartenberg, frame
 from urdf_ik.tolerances import DEFAULT
 
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
     from urdf_ik.chain import Chain
     from urdf_ik.dh_frames import DHFrames
+    from urdf_ik.redundancy import Redundancy
     from urdf_ik.structure import Structure
 
     Array = NDArray[np.float64]
@@ -70,6 +72,40 @@ class Plan:
     def is_exact(self) -> bool:
         """Whether the arm as written is the ideal one, to rounding."""
         return self.error <= DEFAULT.exact_structure
+
+    def why(self, T: Array) -> str:
+        """Why the pose ``T`` (4, 4) has no solution."""
+        seen = np.empty(12)
+        to_frame_1(np.linalg.inv(T) if self.mirrored else T, self.arm, seen)
+        return self.explain(seen[:9].reshape(3, 3), seen[9:])
+
+
+@dataclass(frozen=True)
+class RedundantPlan:
+    """What solves an arm with seven joints, for given values of its redundancy parameter.
+
+    Attributes:
+        family: see ``Plan``, as method, branches, imperfection, error and arm.
+        parameter: what is given.
+        solve_at: (T (m, 4, 4), values (m,), arm, q_ref, Q (m, B, 7), flags) -> index of the first bad pose or -1.
+        value_of: joint vectors (m, 7) -> their values (m,).
+        explain_at: (T (4, 4), value) -> why there is no solution.
+    """
+
+    family: str
+    method: str
+    branches: tuple[str, ...]
+    imperfection: tuple[float, float]
+    error: float
+    arm: Array
+    parameter: Redundancy
+    solve_at: Callable[..., int]
+    value_of: Callable[[Array], Array]
+    explain_at: Callable[[Array, float], str]
+
+    def solve(self, T: Array, arm: Array, q_ref: Array, Q: Array, flags: NDArray[np.uint8]) -> int:
+        """``Plan.solve`` at the parameter's default."""
+        return self.solve_at(T, np.full(len(T), self.parameter.default), arm, q_ref, Q, flags)
 
 
 def cheapest(plans: Iterable[Plan]) -> Plan:

@@ -1,0 +1,199 @@
+#!/usr/bin/env python3
+"""Arms with seven joints: all solutions at sixteen values of the redundancy parameter, against ssik.
+
+    python benchmarks/seven_joints.py [--poses N] [--repeats R] [--seed S]
+
+Both solve the same poses of the same URDF text in the same process; repetitions alternate and the best one counts. ssik
+chooses the values of the parameter itself (sixteen swivel angles; for the Panda a number of its own in each interval),
+so that the number of solutions differs: the ratios are of the time a solution takes. ``built`` is the module that
+``ssik build`` generates. ssik has no call for many poses; urdf-ik's is given all of them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import gc
+import math
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from peers import Peer, Ssik, SsikBuilt, Unavailable
+from robots import ZERO, Robot, Z, serial
+
+VALUES = 16
+_RIGHT = math.pi / 2
+
+# Franka Emika: its published DH table in Craig's convention, with the flange.
+PANDA = Robot(
+    "Panda",
+    serial(
+        "panda",
+        [
+            ((0.0, 0.0, 0.333), ZERO),
+            (ZERO, (-_RIGHT, 0.0, 0.0)),
+            ((0.0, -0.316, 0.0), (_RIGHT, 0.0, 0.0)),
+            ((0.0825, 0.0, 0.0), (_RIGHT, 0.0, 0.0)),
+            ((-0.0825, 0.384, 0.0), (-_RIGHT, 0.0, 0.0)),
+            (ZERO, (_RIGHT, 0.0, 0.0)),
+            ((0.088, 0.0, 0.0), (_RIGHT, 0.0, 0.0)),
+            ((0.0, 0.0, 0.107), ZERO),
+        ],
+        [Z] * 7,
+    ),
+    "spherical shoulder",
+)
+
+# KUKA LBR iiwa 14: its published lengths.
+IIWA = Robot(
+    "LBR iiwa 14",
+    serial(
+        "iiwa14",
+        [
+            ((0.0, 0.0, 0.1575), ZERO),
+            ((0.0, 0.0, 0.2025), (_RIGHT, 0.0, math.pi)),
+            ((0.0, 0.2045, 0.0), (_RIGHT, 0.0, math.pi)),
+            ((0.0, 0.0, 0.2155), (_RIGHT, 0.0, 0.0)),
+            ((0.0, 0.1845, 0.0), (-_RIGHT, math.pi, 0.0)),
+            ((0.0, 0.0, 0.2155), (_RIGHT, 0.0, 0.0)),
+            ((0.0, 0.081, 0.0), (-_RIGHT, math.pi, 0.0)),
+            ((0.0, 0.0, 0.045), ZERO),
+        ],
+        [Z] * 7,
+    ),
+    "S-R-S",
+)
+
+ROBOTS = (PANDA, IIWA)
+
+
+@dataclass(frozen=True)
+class Row:
+    """What one solver did on one arm.
+
+    Attributes:
+        robot: the arm.
+        solver: the solver, and how it was called.
+        us: microseconds a pose, all values of the parameter.
+        solutions: solutions a pose, on average.
+        worst: the greatest error of all solutions [m or rad], as Pinocchio measures it.
+    """
+
+    robot: str
+    solver: str
+    us: float
+    solutions: float
+    worst: float
+
+    @property
+    def us_each(self) -> float:
+        """Microseconds a solution."""
+        return self.us / self.solutions
+
+
+class UrdfIkAtValues(Peer):
+    """This package at sixteen values spread over the parameter's range."""
+
+    name = "urdf-ik"
+    single_call = "arm.ik(T, redundancy=values).q"
+    batch_call = "arm.ik(T[:, None], redundancy=values, threads=threads).q"
+
+    def __init__(self, robot: Robot) -> None:
+        """Load the URDF text."""
+        import urdf_ik
+
+        self.arm = urdf_ik.load(robot.urdf, "base", "tool")
+        assert self.arm.redundancy is not None
+        self.values = np.linspace(*self.arm.redundancy.range, VALUES, endpoint=False)
+
+    def solve(self, prepared: Any) -> np.ndarray:
+        """One pose."""
+        found: np.ndarray = self.arm.ik(prepared, redundancy=self.values).q
+        return found
+
+    def solve_batch(self, prepared: Any, threads: int) -> np.ndarray:
+        """Many poses."""
+        found: np.ndarray = self.arm.ik(prepared[:, None], redundancy=self.values, threads=threads).q
+        return found
+
+
+def _seconds(work: Callable[[], Any]) -> float:
+    gc.collect()
+    gc.disable()
+    try:
+        start = time.perf_counter()
+        work()
+        return time.perf_counter() - start
+    finally:
+        gc.enable()
+
+
+def measure(robot: Robot, poses: int = 200, repeats: int = 7, seed: int = 0) -> list[Row]:
+    """All rows of one arm; ssik's are missing where it is."""
+    rng = np.random.default_rng(seed)
+    targets = np.array([robot.judge.pose(q) for q in rng.uniform(-2.0, 2.0, (poses, 7))])
+    ours = UrdfIkAtValues(robot)
+    ways: dict[str, Callable[[], Any]] = {
+        "urdf-ik, one pose a call": lambda: [ours.solve(target) for target in targets],
+        "urdf-ik, all poses in one call": lambda: ours.solve_batch(targets, 1),
+    }
+    for kind in (SsikBuilt, Ssik):
+        try:
+            peer = kind(robot)
+        except Unavailable as reason:
+            print(f"{kind.name}: {reason}", file=sys.stderr)
+            continue
+        few = targets if kind is SsikBuilt else targets[:20]
+        ways[peer.name] = lambda peer=peer, few=few: [peer.solve(target) for target in few]  # type: ignore[misc]
+    best = dict.fromkeys(ways, math.inf)
+    answers = {name: work() for name, work in ways.items()}  # warms up, too
+    for _ in range(repeats):
+        for name, work in ways.items():
+            best[name] = min(best[name], _seconds(work) / len(answers[name]))
+    found = {name: [_rows(answer) for answer in answers[name]] for name in ways}
+    counts = {name: float(np.mean([len(q) for q in found[name]])) for name in ways}
+    return [
+        Row(
+            robot.name,
+            name,
+            1e6 * best[name],
+            counts[name],
+            max(robot.judge.error(q, target) for qs, target in zip(found[name], targets, strict=False) for q in qs),
+        )
+        for name in ways
+    ]
+
+
+def _rows(q: np.ndarray) -> np.ndarray:
+    """Solutions (k, 7) without rows of NaN."""
+    flat = np.asarray(q).reshape(-1, 7)
+    return flat[~np.isnan(flat).any(axis=1)]
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the comparison and print it."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--poses", type=int, default=200, help="poses (default 200)")
+    parser.add_argument("--repeats", type=int, default=7, help="alternating repetitions (default 7)")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the poses (default 0)")
+    options = parser.parse_args(arguments)
+    if options.poses < 1 or options.repeats < 1:
+        parser.error("one pose and one repetition at least")
+    print("| arm | solver | us a pose | solutions a pose | us a solution | worst error | times as fast |")
+    print("|---|---|---:|---:|---:|---:|---:|")
+    for robot in ROBOTS:
+        rows = measure(robot, options.poses, options.repeats, options.seed)
+        slowest = max(row.us_each for row in rows)
+        for row in rows:
+            print(
+                f"| {row.robot} | {row.solver} | {row.us:.1f} | {row.solutions:.1f} | {row.us_each:.3f} "
+                f"| {row.worst:.1e} | {slowest / row.us_each:.1f} |"
+            )
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,127 @@
+"""Seven joints, of which the first or the last is the redundancy parameter and the six others have a solver.
+
+Holding an end joint at a value moves the target and leaves the six-joint arm as it is: T' = E1(v)^-1 T for the first
+one, and the tip moved back by the last one. One plan therefore serves every value. Holding a joint in the middle
+would make another arm of every value, for which everything that is prepared at load would have to be prepared anew.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik._kernels import general_6r, hidden_joint, layout, locked
+from urdf_ik.families.plan import RedundantPlan
+from urdf_ik.redundancy import locked_joint
+from urdf_ik.structure import analyse
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from urdf_ik.chain import Chain
+    from urdf_ik.families.plan import Plan
+    from urdf_ik.structure import Structure
+
+    Array = NDArray[np.float64]
+    Choose = Callable[[Structure, Chain], Plan | None]
+
+# Targets that are moved and solved at a time: their joint vectors stay in the cache.
+_CHUNK = 1024
+# Poses by which the eliminations of both ends are compared: some 10 ms for each end.
+_TRIED = 200
+
+
+def prepare(chain: Chain, choosers: Sequence[Choose]) -> RedundantPlan | None:
+    """The plan that holds the end joint whose six others have the cheaper solver; None where neither has one.
+
+    Args:
+        chain: seven joints.
+        choosers: find the plan of six joints, the cheaper plans first; what comes later is only asked for where
+            what comes before knows neither end.
+    """
+    ends = [(k, chain.lock({chain.joint_names[k]: 0.0})) for k in (6, 0)]
+    for choose in choosers:
+        plans = [(k, plan) for k, rest in ends if (plan := choose(analyse(rest), rest)) is not None]
+        if plans:
+            rests = dict(ends)
+            return _held(chain, *min(plans, key=lambda entry: _cost(entry[1], rests[entry[0]])))
+    return None
+
+
+def _cost(plan: Plan, chain: Chain) -> tuple[int, int]:
+    """Order of the solvers: exact closed form, exact quartic, near an ideal arm; of eliminations the surer one."""
+    if plan.solve is general_6r.solve:
+        return 3, _doubts(plan.arm, chain)
+    return int(plan.by_quartic) if plan.is_exact else 2, 0
+
+
+def _doubts(arm: Array, chain: Chain) -> int:
+    """Number of random poses at which the elimination's first variant gives cause for doubt.
+
+    The solver follows doubts up by its other variants; what it misses without one is rare, and goes along with them.
+    """
+    row = arm[layout.FIRST_VARIANT : layout.FIRST_VARIANT + hidden_joint.VARIANT]
+    targets = chain.fk(np.random.default_rng(0).uniform(-np.pi, np.pi, (_TRIED, 6)))
+    counts, doubts = np.empty(_TRIED, np.int64), np.empty(_TRIED, np.bool_)
+    general_6r.trial(arm, row, targets, counts, doubts)
+    return int(np.count_nonzero(doubts))
+
+
+def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
+    parameter = locked_joint(chain, k)
+    motion, turns, last = _motion_back(chain, k), not chain.prismatic[k], k > 0
+    others = np.array([i for i in range(8) if i != k])
+
+    def solve_at(T: Array, values: Array, arm: Array, q_ref: Array, Q: Array, flags: NDArray[np.uint8]) -> int:
+        reference = q_ref[others]
+        for start in range(0, len(T), _CHUNK):
+            part = slice(start, min(start + _CHUNK, len(T)))
+            moved, six = np.empty_like(T[part]), np.empty((*flags[part].shape, 6))
+            locked.move_targets(T[part], values[part], motion, turns, last, moved)
+            bad = plan.solve(moved, arm, reference, six, flags[part])
+            if bad >= 0:
+                return start + bad
+            locked.insert_column(six, values[part], flags[part], turns, last, Q[part])
+        return -1
+
+    def explain_at(T: Array, value: float) -> str:
+        moved = np.empty((1, 4, 4))
+        locked.move_targets(T[None], np.array([value]), motion, turns, last, moved)
+        return f"with {parameter.joint!r} at {value:.6g} {parameter.unit}: {plan.why(moved[0])}"
+
+    return RedundantPlan(
+        family=f"7R, joint {k + 1} given: {plan.family}" if turns else f"6R on a slide: {plan.family}",
+        method=f"Joint {k + 1} ({parameter.joint}) is given, the six others are solved. {plan.method}",
+        branches=plan.branches,
+        imperfection=plan.imperfection,
+        error=plan.error,
+        arm=plan.arm,
+        parameter=parameter,
+        solve_at=solve_at,
+        value_of=lambda Q: parameter.wrapped(Q[:, k]),
+        explain_at=explain_at,
+    )
+
+
+def _motion_back(chain: Chain, k: int) -> Array:
+    """(3, 3, 4) the inverse of the motion of joint ``k``, in the base's frame or, of the last joint, in the tip's."""
+    h, p = chain.H[k], chain.points[k]
+    if k:
+        h, p = chain.R_tip.T @ h, chain.R_tip.T @ (p - chain.P.sum(axis=0))
+    motion = np.zeros((3, 3, 4))
+    if chain.prismatic[k]:
+        motion[0, :, :3] = np.eye(3)
+        motion[1, :, 3] = -h
+        return motion
+    x, y, z = h
+    along = np.outer(h, h)
+    # Rodrigues' formula for the angle's negative.
+    across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    for part, R in zip(motion, (along, np.eye(3) - along, -across), strict=True):
+        part[:, :3] = R
+        part[:, 3] = -R @ p
+    motion[0, :, 3] += p
+    return motion
