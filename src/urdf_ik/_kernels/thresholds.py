@@ -28,3 +28,8 @@ CROWDED = 0.04
 LARGEST_NOISE = 1e-7
 # Below this smallest singular value of the Jacobian a second solution may be next door.
 NEAR_FOLD = 5e-3
+
+# Three joints that place a point: below this a coefficient of their equations is zero to rounding; below this squared
+# distance from an axis its joint may be free, or be badly determined; below this an equation that all but loses its
+# unknown is solved without it too.
+VANISHING, FREE, WEAK = 1e-12, 1e-10, 1e-3
