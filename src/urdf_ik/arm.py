@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
     from urdf_ik.collision import CollisionModel
     from urdf_ik.families.plan import Plan
+    from urdf_ik.plane import Plane
+    from urdf_ik.tasks import Control
     from urdf_ik.urdf import UrdfModel
 
 
@@ -47,6 +49,7 @@ class Arm:
         self.chain = chain
         self.structure: Structure = analyse(chain)
         self._no_reference = np.zeros(7)
+        self._task_arms: dict[str, Arm] = {}
         self._plan: Plan | None = families.choose(self.structure, chain)
         if self._plan is not None:
             plan = self._plan
@@ -57,8 +60,11 @@ class Arm:
                 branches=plan.branches,
                 imperfection=plan.imperfection,
             )
-            self._solver, self._kernel, self._numbers = plan.solve, self._first_solve, plan.arm
-            self._branches, self._shape = plan.branches, (1, len(plan.branches), chain.n)
+            self._adopt(plan)
+
+    def _adopt(self, plan: Plan) -> None:
+        self._solver, self._kernel, self._numbers = plan.solve, self._first_solve, plan.arm
+        self._branches, self._shape = plan.branches, (1, len(plan.branches), self.chain.n)
 
     def __repr__(self) -> str:
         return f"<Arm {self.name!r}: {self.base} to {self.tip}, {self.structure.family or f'{self.dof} joints'}>"
@@ -97,6 +103,38 @@ class Arm:
         return self.chain.limits
 
     @cached_property
+    def control(self) -> Control:
+        """What the arm can control of its tip: the task, the plane, the tip's axis that is aimed."""
+        from urdf_ik.tasks import control_of
+
+        return control_of(self.chain)
+
+    @property
+    def task(self) -> str:
+        """What the arm can control: 'pose', 'position', 'position and axis', 'planar position' or 'planar pose'."""
+        return self.control.task
+
+    @property
+    def plane(self) -> Plane | None:
+        """The plane in which a planar arm of two or three joints moves its tip, with its coordinates; else None."""
+        return self.control.plane
+
+    def for_task(self, task: str) -> Arm:
+        """This arm, its ``ik`` and ``explain`` taking targets of a task; see :meth:`ik`.
+
+        Raises:
+            TaskError: there is no such task, or the arm cannot control it.
+            UnsupportedArm: no solver takes this arm.
+        """
+        from urdf_ik.tasks import TaskArm
+
+        if task == "pose":
+            return self
+        if task not in self._task_arms:
+            self._task_arms[task] = TaskArm(self, task)
+        return self._task_arms[task]
+
+    @cached_property
     def collision_model(self) -> CollisionModel:
         """Self-collision of this URDF through Pinocchio and coal, built when first asked for."""
         from urdf_ik.collision import CollisionModel
@@ -115,7 +153,9 @@ class Arm:
         """Pose of every link in the base: (..., n) to (..., 4, 4) each; see :meth:`Chain.link_poses`."""
         return self.chain.link_poses(q)
 
-    def ik(self, T: Any, q_ref: ArrayLike | None = None, *, threads: int = 1) -> IKSolutions:
+    def ik(
+        self, T: Any, q_ref: ArrayLike | None = None, *, threads: int = 1, task: str | None = None
+    ) -> IKSolutions:
         """Every joint vector that brings the tip to ``T``.
 
         Each solution was verified against the URDF as written: position and rotation errors are below 1e-9 m
@@ -129,14 +169,22 @@ class Arm:
                 of poses by reference, for ``explain``; a single pose is copied.
             q_ref: (n,) rad, joint vector near which representatives of a continuum are chosen.
             threads: number of threads that share a batch.
+            task: what ``T`` is; default: a pose. An arm with few joints controls less, and takes that as target too,
+                see :attr:`task`: 'position' (..., 3) m in the base; 'position and axis' (..., 6), position and a
+                direction in the base for the tip's z axis (its x axis, else y, where the joints do not control z: see
+                ``arm.control.aimed``), or a pair of these; 'planar position' (..., 2) m and 'planar pose' (..., 3) m,
+                m, rad in the arm's plane, see :attr:`plane`.
 
         Returns:
             The solutions, (..., B, n), one column a branch.
 
         Raises:
-            PoseError: a target is no pose; the error holds its index in the batch.
+            PoseError: a target is no pose, or no target of the task; the error holds its index in the batch.
+            TaskError: there is no such task, or the arm cannot control it.
             UnsupportedArm: no solver takes this arm.
         """
+        if task is not None and task != "pose":
+            return self.for_task(task).ik(T, q_ref, threads=threads)
         if self._plan is None:
             raise UnsupportedArm(f"{self.name}: no solver for this arm yet. {self.structure}")
         if type(T) is np.ndarray and T.shape == (4, 4) and T.dtype == np.float64:

@@ -1,9 +1,9 @@
 """Arms with at most five joints, turning or sliding: a position step, the turns left over, verified as written.
 
 An arm of so few joints reaches a pose only where the six numbers of the pose agree, so its Jacobian is a tall matrix
-and Newton's method one of least squares. What is asked for is a ``KIND``: the pose, the tip's position, or the
-position and the direction of one axis of the tip. The target is a pose (4, 4) in each case; for a position its rotation
-has no meaning, for a direction its third column is the direction.
+and Newton's method one of least squares. What is asked for is a ``KIND``: the pose, the tip's position, position and
+the direction of one axis of the tip, position in a plane, or position in a plane and the direction there of one axis
+of the tip. The target is a pose (4, 4) in each case, of which only so much counts.
 """
 
 from __future__ import annotations
@@ -19,15 +19,16 @@ from urdf_ik._kernels.general_6r import sort_columns
 from urdf_ik._kernels.mirror import invert_poses
 from urdf_ik._kernels.refine import damped_step, keep, least_stretch, pose_error
 from urdf_ik._kernels.screws import jacobian_from_axes, place_axes
-from urdf_ik._kernels.slide_position import angle_about, solve_position, turned
+from urdf_ik._kernels.slide_position import angle_about, cross, dot, rotated, solve_position, turned
 from urdf_ik._kernels.target import check_target, project_rotation
 from urdf_ik._kernels.thresholds import AROUND, CONVERGED, FINISHED, NEAR_FOLD
 from urdf_ik._kernels.trig import wrap
 
-POSE, POSITION, AXIS = 0, 1, 2
+POSE, POSITION, AXIS, PLANAR_POSITION, PLANAR_POSE = range(5)
 
-# Behind an arm's common numbers: joints, kind, the tip's axis that is aimed, which joints slide, the variants' number.
-JOINTS, KIND, AIMED, SLIDING, VARIANTS, FIRST_VARIANT = layout.LENGTH, 149, 150, 153, 159, 160
+# Behind an arm's common numbers: joints, kind, the tip's axis that is aimed, the plane's normal, which joints slide,
+# the number of variants.
+JOINTS, KIND, AIMED, NORMAL, SLIDING, VARIANTS, FIRST_VARIANT = layout.LENGTH, 149, 150, 153, 156, 162, 163
 # A variant: a position step of three joints; whether it is the chain from tip to base; how many turns follow it, about
 # which axes; which joint of the arm each of the five is (-1: added to it, and to stay at zero); the tip's home
 # rotation; the point in the tip.
@@ -54,18 +55,30 @@ def task_error(arm, target, T, e):
     scale = 1.0 / arm[layout.SIZE]
     if arm[KIND] == POSE:
         return pose_error(target, T, scale, e)
-    worst = 0.0
     for i in range(3):
         e[i] = (target[i, 3] - T[i, 3]) * scale
         e[3 + i] = 0.0
+    normal = arm[NORMAL : NORMAL + 3]
+    if arm[KIND] >= PLANAR_POSITION:
+        e[:3] -= dot(normal, e[:3]) * normal
+    ahead = True
+    if arm[KIND] == AXIS or arm[KIND] == PLANAR_POSE:
+        now, wanted = aimed(arm, T), aimed(arm, target)
+        if arm[KIND] == PLANAR_POSE:
+            now -= dot(normal, now) * normal
+            wanted -= dot(normal, wanted) * normal
+        e[3:] = cross(now, wanted)
+        ahead = dot(now, wanted) > 0.0
+    worst = 0.0
+    for i in range(6):
         worst = max(worst, abs(e[i]))
-    if arm[KIND] == AXIS:
-        now = np.ascontiguousarray(T[:3, :3]) @ arm[AIMED : AIMED + 3]
-        e[3:] = step.cross(now, target[:3, 2])
-        for i in range(3):
-            worst = max(worst, abs(e[3 + i]))
-        worst = worst if step.dot(now, target[:3, 2]) > 0.0 else 2.0
-    return worst
+    return worst if ahead else 2.0
+
+
+@kernel
+def aimed(arm, T):
+    """Direction (3,) in the base of the tip's axis that is aimed, at the pose ``T``."""
+    return rotated(T, arm[AIMED : AIMED + 3])
 
 
 @kernel
@@ -73,15 +86,19 @@ def task_jacobian(arm, axes, points, T, J):
     """Jacobian (6, n) of what the kind asks for; lengths, those of slides too, as shares of the arm's size."""
     n = axes.shape[0]
     jacobian_from_axes(arm[SLIDING : SLIDING + n] != 0.0, axes, points, T[:3, 3], J)
-    aimed = np.ascontiguousarray(T[:3, :3]) @ arm[AIMED : AIMED + 3]
+    along, normal = aimed(arm, T), arm[NORMAL : NORMAL + 3]
     for j in range(n):
         if not arm[SLIDING + j]:
             for i in range(3):
                 J[i, j] /= arm[layout.SIZE]
-        if arm[KIND] == POSITION:
+        if arm[KIND] == POSITION or arm[KIND] == PLANAR_POSITION:
             J[3:, j] = 0.0
         elif arm[KIND] == AXIS:
-            J[3:, j] -= step.dot(aimed, J[3:, j]) * aimed
+            J[3:, j] -= dot(along, J[3:, j]) * along
+        elif arm[KIND] == PLANAR_POSE:
+            J[3:, j] = dot(normal, J[3:, j]) * normal
+        if arm[KIND] >= PLANAR_POSITION:
+            J[:3, j] -= dot(normal, J[:3, j]) * normal
 
 
 @kernel
@@ -187,12 +204,15 @@ def take(arm, target, q, hopeful, enough, Q, flags):
 
 @kernel
 def _last_turns(row, R, five):
-    """The turns behind the position step, for a tip of rotation ``R`` (3, 3): into ``five`` (5,)."""
+    """The turns behind the position step, for a tip of rotation ``R`` (3 or 4 rows): into ``five`` (5,)."""
     turns = int(row[TURNS])
     if turns == 0:
         return
     # The tip's rotation from home, and what is left of it when the first three joints are undone.
-    E = R @ row[HOME : HOME + 9].reshape(3, 3).T
+    home = row[HOME : HOME + 9].reshape(3, 3)
+    E = np.empty((3, 3))
+    for c in range(3):
+        E[:, c] = rotated(R, home[c])
     for k in range(3):
         if not row[step.SLIDES + k]:
             h = row[step.DIRECTIONS + 3 * k : step.DIRECTIONS + 3 * k + 3]
@@ -201,12 +221,13 @@ def _last_turns(row, R, five):
     for k in range(turns):
         h = row[AXES + 3 * k : AXES + 3 * k + 3]
         if k + 1 < turns:
-            mark = row[AXES + 3 * k + 3 : AXES + 3 * k + 6]
+            mark = row[AXES + 3 * k + 3 : AXES + 3 * k + 6].copy()
         else:
-            mark = np.array([h[1], h[2], -h[0]])
-            other = np.array([h[1], -h[0], 0.0])
-            mark = mark if abs(step.dot(mark, h)) < 0.7 else other
-        five[3 + k], _ = angle_about(h, np.ascontiguousarray(mark), np.ascontiguousarray(E @ mark))
+            # Any direction across: the greater one of two that are never both short.
+            mark = np.array([h[1], -h[0], 0.0])
+            if abs(h[2]) > 0.8:
+                mark = np.array([0.0, h[2], -h[1]])
+        five[3 + k], _ = angle_about(h, mark, rotated(E, mark))
         for c in range(3):
             E[:, c] = turned(E[:, c], h, -five[3 + k])
 
@@ -226,8 +247,7 @@ def _gather(row, size, R, five, q):
 def _by_variant(arm, row, target, seen, q_ref, Q, flags):
     """Solutions that one position step leads to; returns whether a joint was all but free in it."""
     n, size = Q.shape[1], arm[layout.SIZE]
-    R = np.ascontiguousarray(seen[:3, :3])
-    p = R @ row[IN_TIP : IN_TIP + 3] + seen[:3, 3] / size
+    p = rotated(seen, row[IN_TIP : IN_TIP + 3]) + seen[:3, 3] / size
     ref, out, five, q = np.zeros(3), np.empty((step.MOST, step.COLUMNS)), np.zeros(5), np.zeros(n)
     for k in range(3):
         i = int(row[INDEX + k])
@@ -237,7 +257,7 @@ def _by_variant(arm, row, target, seen, q_ref, Q, flags):
     for c in range(solve_position(row, p, ref, out)):
         free = int(out[c, step.FREE_JOINTS])
         five[:3] = out[c, :3]
-        _gather(row, size, R, five, q)
+        _gather(row, size, seen, five, q)
         sigma = take(arm, target, q, free > 0, arm[layout.REACH], Q, flags)
         if free == 0 or sigma <= arm[layout.SINGULAR]:
             continue
@@ -247,7 +267,7 @@ def _by_variant(arm, row, target, seen, q_ref, Q, flags):
                 for a in range(2 * AROUND):
                     five[:3] = out[c, :3]
                     five[k] = math.pi * a / AROUND
-                    _gather(row, size, R, five, q)
+                    _gather(row, size, seen, five, q)
                     take(arm, target, q, True, CONVERGED, Q, flags)
     return doubt
 

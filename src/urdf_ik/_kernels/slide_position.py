@@ -89,6 +89,12 @@ def cross(a, b):
 
 
 @kernel
+def rotated(R, v):
+    """The first three rows of ``R`` times ``v`` (3,)."""
+    return np.array([dot(R[0], v), dot(R[1], v), dot(R[2], v)])
+
+
+@kernel
 def turned(v, h, angle):
     """The vector ``v`` (3,) turned about unit ``h`` (3,)."""
     c, s = math.cos(angle), math.sin(angle)

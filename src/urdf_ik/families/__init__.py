@@ -1,10 +1,10 @@
-"""One file a family; the table below is the order in which they are tried, cheapest solver first."""
+"""One file a family; the tables below are the order in which they are tried, cheapest solver first."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from urdf_ik.families import general_6r, imperfect, spherical_wrist, three_parallel
+from urdf_ik.families import completed, few_joints, general_6r, imperfect, spherical_wrist, three_parallel
 from urdf_ik.families.mirrored import mirrored
 from urdf_ik.structure import analyse
 
@@ -21,6 +21,8 @@ def choose(structure: Structure, chain: Chain) -> Plan | None:
 
     Elimination alone where no family is near; None where no solver takes the arm.
     """
+    if chain.n < 6:
+        return few_joints.prepare(structure, chain) or completed.prepare(structure, chain, choose)
     back = chain.reversed()
     near: list[tuple[Plan, Chain]] = []
     for seen, relations in ((chain, structure), (back, analyse(back))):

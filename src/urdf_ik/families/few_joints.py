@@ -105,18 +105,58 @@ def prepare(structure: Structure, chain: Chain) -> Plan | None:
 
 def prepare_position(chain: Chain) -> Plan:
     """The plan of an arm with three joints for the tip's position."""
-    X = (chain.points[-1] + chain.P[-1]) / chain.size
-    way = _Way(chain, chain.size, False, _joints(chain, chain.size), X)
+    way = _Way(chain, chain.size, False, _joints(chain, chain.size), _tip(chain, chain.size))
+    return _task_plan(chain, kernels.POSITION, "position", [way], None, None)
+
+
+def prepare_planar(chain: Chain, normal: Array, heading: Array | None) -> Plan | None:
+    """The plan of an arm of two or three joints in a plane: the tip's position there, or with ``heading`` its pose.
+
+    A slide across the plane is added, which takes up what the arm is off the plane.
+
+    Args:
+        chain: the arm.
+        normal: (3,) of the plane, in the base.
+        heading: (3,) axis of the tip whose direction in the plane counts; None: the position alone.
+    """
+    if heading is None:
+        joints = [_Joint(normal, np.zeros(3), True, -1), *_joints(chain, chain.size)]
+        way = _Way(chain, chain.size, False, joints, _tip(chain, chain.size))
+        return _task_plan(chain, kernels.PLANAR_POSITION, "planar position", [way], normal, None)
+    for is_reversed in (False, True):
+        seen = chain.reversed() if is_reversed else chain
+        across = chain.R_tip.T @ normal if is_reversed else normal
+        full = [_Joint(across, np.zeros(3), True, -1), *_joints(seen, chain.size, is_reversed)]
+        if not full[-1].slides:
+            way = _Way(seen, chain.size, is_reversed, full, next(_points(full)))
+            return _task_plan(chain, kernels.PLANAR_POSE, "planar pose", [way], normal, heading)
+    return None
+
+
+def _task_plan(
+    chain: Chain, kind: int, task: str, ways: list[_Way], normal: Array | None, heading: Array | None
+) -> Plan:
+    arm = _pack(chain, kind, ways)
+    if normal is not None:
+        arm[kernels.NORMAL : kernels.NORMAL + 3] = normal
+    if heading is not None:
+        arm[kernels.AIMED : kernels.AIMED + 3] = heading
     return Plan(
-        family=f"{kinds_of(chain)} position",
-        method="Closed form: two equations without the first joint, one of them without the second",
-        branches=columns(4),
+        family=f"{kinds_of(chain)} {task}",
+        method="Closed form: two equations without the first joint, one of them without the second; verified and "
+        "polished on the URDF as written",
+        branches=columns(4 if kind == kernels.POSITION else 2),
         imperfection=(0.0, 0.0),
         error=0.0,
-        arm=_pack(chain, kernels.POSITION, [way]),
+        arm=arm,
         solve=kernels.solve,
-        explain=lambda rotation, point: off_by(chain, pack_chain(chain, kernels.POSITION), rotation, point),
+        explain=lambda rotation, point: off_by(chain, arm, rotation, point),
     )
+
+
+def _tip(chain: Chain, size: float) -> Array:
+    tip: Array = chain.P.sum(axis=0) / size
+    return tip
 
 
 def columns(count: int) -> tuple[str, ...]:
@@ -176,7 +216,7 @@ def _ways(chain: Chain) -> Iterator[tuple[float, _Way]]:
     for is_reversed in (False, True):
         seen = chain.reversed() if is_reversed else chain
         joints = _joints(seen, chain.size, is_reversed)
-        tip = seen.P.sum(axis=0) / chain.size
+        tip = _tip(seen, chain.size)
         for full in _filled_up(joints, tip, rng):
             if any(joint.slides for joint in full[3:]):
                 continue
@@ -265,8 +305,7 @@ def _row(way: _Way) -> Array:
         if k > 2:
             row[kernels.AXES + 3 * (k - 3) : kernels.AXES + 3 * (k - 3) + 3] = joint.h
     row[kernels.HOME : kernels.HOME + 9] = way.chain.R_tip.ravel()
-    tip = way.chain.P.sum(axis=0) / way.size
-    row[kernels.IN_TIP : kernels.IN_TIP + 3] = way.chain.R_tip.T @ (way.X - tip)
+    row[kernels.IN_TIP : kernels.IN_TIP + 3] = way.chain.R_tip.T @ (way.X - _tip(way.chain, way.size))
     return row
 
 

@@ -35,7 +35,7 @@ def off_by(chain: Chain, arm: Array, rotation: Array, point: Array) -> str:
     target[:3, :3], target[:3, 3] = rotation, point
     e = _least(chain, arm, target)
     parts = [_largest(e[:3] * chain.size, "m", "along")]
-    if arm[kernels.KIND] != kernels.POSITION:
+    if arm[kernels.KIND] not in (kernels.POSITION, kernels.PLANAR_POSITION):
         parts.append(_largest(e[3:], "rad", "about"))
     words = " and ".join(part for part in parts if part) or "by rounding only"
     joints = f"{chain.n} joint{'s' if chain.n > 1 else ''}"
