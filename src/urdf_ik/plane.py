@@ -66,7 +66,7 @@ def plane_of(chain: Chain) -> Plane | None:
     off = np.linalg.norm(np.cross(chain.H[turning], normal), axis=1).max(initial=0.0)
     if max(off, np.abs(slides @ normal).max(initial=0.0)) > DEFAULT.near_angle:
         return None
-    axes = _axes(normal)
+    axes = axes_across(normal)
     normal = np.cross(*axes)
     tip_axes = chain.R_tip
     across = np.linalg.norm(np.cross(tip_axes.T, normal), axis=1)
@@ -74,11 +74,11 @@ def plane_of(chain: Chain) -> Plane | None:
     return Plane(axes, normal, (chain.P.sum(axis=0) @ normal) * normal, heading)
 
 
-def _axes(normal: Array) -> Array:
-    """Directions (2, 3) to measure along in the plane across ``normal``."""
+def axes_across(normal: Array) -> Array:
+    """Directions (2, 3) to measure along in the plane across unit ``normal`` (3,); see :class:`Plane`."""
     base = np.eye(3)
     k = int(np.argmax(np.abs(normal)))
-    if abs(normal[k]) > 1.0 - _ALIGNED**2 and np.abs(np.delete(normal, k)).max() < _ALIGNED:
+    if np.abs(np.delete(normal, k)).max() < _ALIGNED:
         return np.delete(base, k, axis=0)
     for start in base[:2]:
         first = start - (start @ normal) * normal

@@ -13,10 +13,13 @@ import numpy as np
 
 from urdf_ik import families
 from urdf_ik.arm import Arm
+from urdf_ik._kernels.planar import solve_points
 from urdf_ik.errors import PoseError, TaskError, UnsupportedArm
-from urdf_ik.families import completed, few_joints
+from urdf_ik._kernels.target import to_frame_1
+from urdf_ik.families import completed, few_joints, planar
 from urdf_ik.plane import Plane, plane_of
 from urdf_ik.solutions import IKSolutions
+from urdf_ik.structure import analyse
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -107,6 +110,7 @@ class TaskArm(Arm):
             arm.structure, family=plan.family, method=plan.method, branches=plan.branches, imperfection=(0.0, 0.0)
         )
         self._plan = plan
+        self._takes_points = plan.solve is solve_points
         self._adopt(plan)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -120,7 +124,9 @@ class TaskArm(Arm):
             return self._arm.ik(T, q_ref, threads=threads, task=task)
         target = self._target(T)
         batch = target.shape[:-1]
-        stack = self._poses(target.reshape(-1, target.shape[-1]))
+        stack = target.reshape(-1, target.shape[-1])
+        if not self._takes_points:
+            stack = self._poses(stack)
         reference = self._no_reference if q_ref is None else self._reference(q_ref)
         q, flags = np.empty((len(stack), *self._shape[1:])), np.empty((len(stack), self._shape[1]), np.uint8)
         if self._solve_stack(stack, reference, q, flags, threads) >= 0:
@@ -136,7 +142,11 @@ class TaskArm(Arm):
             raise PoseError(f"an array of shape {target.shape} given; explain takes a single target")
         assert self._plan is not None
         pose = self._poses(target[None])[0]
-        return self._plan.explain(pose[:3, :3], pose[:3, 3])
+        if self._takes_points:
+            return self._plan.explain(pose[:3, :3], pose[:3, 3])
+        seen = np.empty(12)
+        to_frame_1(pose, self._plan.arm, seen)
+        return self._plan.explain(seen[:9].reshape(3, 3), seen[9:])
 
     def _target(self, T: Any) -> Array:
         """A target, or a stack of them, as (..., k) float64 that nobody else writes to."""
@@ -200,9 +210,12 @@ def _plan(chain: Chain, control: Control) -> Plan | None:
         return completed.prepare_aimed(chain, control.aimed, families.choose)
     if control.plane is None:
         return None
-    return few_joints.prepare_planar(
-        chain, control.plane.normal, control.plane.heading if control.task == "planar pose" else None
-    )
+    if control.task == "planar pose":
+        # In an arm that is planar exactly, the whole pose follows from the one in the plane.
+        exact = planar.prepare(analyse(chain), chain)
+        return exact or few_joints.prepare_planar(chain, control.plane.normal, control.plane.heading)
+    plan = few_joints.prepare_planar(chain, control.plane.normal, None)
+    return None if plan is None else planar.for_points(chain, plan)
 
 
 def _numbers(value: Any, task: str, words: str) -> Array:

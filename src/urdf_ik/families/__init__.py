@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from urdf_ik.families import completed, few_joints, general_6r, imperfect, spherical_wrist, three_parallel
+from urdf_ik.families import completed, few_joints, general_6r, imperfect, planar, spherical_wrist, three_parallel
 from urdf_ik.families.mirrored import mirrored
 from urdf_ik.structure import analyse
 
@@ -22,7 +22,8 @@ def choose(structure: Structure, chain: Chain) -> Plan | None:
     Elimination alone where no family is near; None where no solver takes the arm.
     """
     if chain.n < 6:
-        return few_joints.prepare(structure, chain) or completed.prepare(structure, chain, choose)
+        few = planar.prepare(structure, chain) or few_joints.prepare(structure, chain)
+        return few or completed.prepare(structure, chain, choose)
     back = chain.reversed()
     near: list[tuple[Plan, Chain]] = []
     for seen, relations in ((chain, structure), (back, analyse(back))):
