@@ -186,7 +186,7 @@ def take(arm, target, q, hopeful, enough, Q, flags):
             return math.inf
     if polish(arm, target, q, 30 if hopeful else 15) > enough:
         return math.inf
-    x, start = np.empty(n), np.empty(n)
+    x, unused, start = np.empty(n), np.empty(n), np.empty(n)
     sigma = stretch(arm, q, x)
     if not is_other(arm, target, Q, flags, q):
         return sigma
@@ -195,10 +195,13 @@ def take(arm, target, q, hopeful, enough, Q, flags):
         for k in range(16):
             start[:] = q
             advance(arm, start, x, (1.0 if k % 2 else -1.0) * 0.1 * 10.0 ** (-(k // 2)))
-            if polish(arm, target, start, 20) <= CONVERGED and is_other(arm, target, Q, flags, start):
-                s = stretch(arm, start, x)
-                keep(Q, flags, 0, start, layout.OTHER if s <= arm[layout.SINGULAR] else 0)
-                stretch(arm, q, x)
+            # What is singular again belongs to the same double root, or to the same continuum.
+            if (
+                polish(arm, target, start, 20) <= CONVERGED
+                and is_other(arm, target, Q, flags, start)
+                and stretch(arm, start, unused) > arm[layout.SINGULAR]
+            ):
+                keep(Q, flags, 0, start, 0)
     return sigma
 
 
