@@ -7,7 +7,7 @@ import re
 
 import numpy as np
 import pytest
-from arms import X, Y, Z, rotation
+from arms import X, Z, rotation
 from arms_few import BUILDS, TRAVEL, apart, axes_and_points, case_of, draw, few, few_urdf
 from cases import Case, rows, worst_error
 from numpy.typing import NDArray
@@ -210,10 +210,10 @@ def test_slides_have_no_turns() -> None:
     assert "'joint_3' at 1.0500 m, 0.05 m beyond its upper limit" in out.within_limits().explain()
 
 
-@pytest.mark.parametrize("name", ["1R", "2R planar", "RRP polar", "RRPR SCARA", "4R palletizer", "5R any", "PPP gantry"])
+@pytest.mark.parametrize("name", ["1R", "2R planar", "RRP polar", "RRPR SCARA", "4R palletizer", "5R any", "PPP"])
 def test_crosscheck_holds(name: str) -> None:
     """The package's own check against Pinocchio passes, the planted joint vector included."""
-    report = crosscheck.check(few(name, 9).arm, n=40)
+    report = crosscheck.check(few("PPP gantry" if name == "PPP" else name, 9).arm, n=40)
     assert report.passed, str(report)
     assert report.row("planted joint vector").checked == 40
 

@@ -60,6 +60,7 @@ def as_json(arm: Arm, angles: Angles) -> str:
             "solver": {
                 "supported": bool(structure.family),
                 "family": structure.family or None,
+                "task": arm.task,
                 "method": structure.method or None,
                 "max_solutions": structure.max_solutions,
                 "branches": structure.branches,
@@ -95,6 +96,7 @@ def as_text(arm: Arm, angles: Angles) -> str:
     solver = [("family", structure.family or _UNSOLVED)]
     if structure.family:
         angle, distance = structure.imperfection
+        solver += [("controls", arm.task)] if arm.task != "pose" else []
         solver += [
             ("solver", structure.method),
             ("imperfection", f"{angles.angle(angle):.1e} {unit}, {distance:.1e} m off the family, as written"),

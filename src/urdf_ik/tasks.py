@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik import families
-from urdf_ik.arm import Arm
 from urdf_ik._kernels.planar import solve_points
-from urdf_ik.errors import PoseError, TaskError, UnsupportedArm
 from urdf_ik._kernels.target import to_frame_1
+from urdf_ik.arm import Arm
+from urdf_ik.errors import PoseError, TaskError, UnsupportedArm
 from urdf_ik.families import completed, few_joints, planar
 from urdf_ik.plane import Plane, plane_of
 from urdf_ik.solutions import IKSolutions
@@ -195,11 +195,12 @@ class TaskArm(Arm):
             T[:, :3, :3] = _turn_to(control.aimed, target[:, 3:])
         elif control.plane is not None:
             plane = control.plane
-            T[:, :3, 3] = plane.origin + target[:, :2] @ plane.axes
+            # Number by number, not as a product of matrices: its digits depend on how many there are.
+            T[:, :3, 3] = plane.origin + target[:, :1] * plane.axes[0] + target[:, 1:2] * plane.axes[1]
             if self._task == "planar pose":
                 home = np.eye(4)
                 home[:3, :3] = self.chain.R_tip
-                T[:, :3, :3] = _about(plane.normal, target[:, 2] - plane.coordinates(home)[2]) @ home[:3, :3]
+                T[:, :3, :3] = _turned(home[:3, :3], plane.normal, target[:, 2] - plane.coordinates(home)[2])
         return T
 
 
@@ -229,25 +230,28 @@ def _numbers(value: Any, task: str, words: str) -> Array:
 
 
 def _turn_to(axis: Array, directions: Array) -> Array:
-    """Rotations (m, 3, 3), one each, that turn ``axis`` (3,) to ``directions`` (m, 3): half turns about their middle.
+    """Rotations (m, 3, 3), one each, that turn unit ``axis`` (3,) to unit ``directions`` (m, 3).
 
-    Where the two are opposite, about a direction across.
+    Half turns about the middle of the two; where they are nearly opposite, after half a turn about what lies across
+    the axis.
     """
-    middle = directions + axis
-    opposite = np.linalg.norm(middle, axis=1) < _HALF
-    across = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
-    # Opposite ones: first half a turn about what lies across the axis.
-    flip = 2.0 * np.outer(across, across) / (across @ across) - np.eye(3)
-    middle = np.where(opposite[:, None], directions - axis, middle)
+    opposite = np.linalg.norm(directions + axis, axis=1) < _HALF
+    middle = directions + np.where(opposite[:, None], -axis, axis)
     middle /= np.linalg.norm(middle, axis=1, keepdims=True)
     turn = 2.0 * middle[:, :, None] * middle[:, None, :] - np.eye(3)
-    out: Array = np.where(opposite[:, None, None], turn @ flip, turn)
+    across = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
+    across /= np.linalg.norm(across)
+    # (2 m m' - 1)(2 a a' - 1), number by number, so that a batch has the digits of its members.
+    shared = (middle * across).sum(axis=1)[:, None, None]
+    flipped = 4.0 * shared * middle[:, :, None] * across - turn - 2.0 * np.outer(across, across)
+    out: Array = np.where(opposite[:, None, None], flipped, turn)
     return out
 
 
-def _about(axis: Array, angles: Array) -> Array:
-    """Rotations (m, 3, 3) by angles (m,) about unit ``axis`` (3,)."""
-    K = np.array([[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]])
+def _turned(R: Array, axis: Array, angles: Array) -> Array:
+    """The rotation ``R`` (3, 3), turned by angles (m,) about unit ``axis`` (3,): (m, 3, 3)."""
+    along = np.outer(axis, axis) @ R
+    across = np.cross(axis, R, axisa=0, axisb=0, axisc=0)
     s, c = np.sin(angles)[:, None, None], np.cos(angles)[:, None, None]
-    out: Array = np.eye(3) + s * K + (1.0 - c) * (K @ K)
+    out: Array = along + c * (R - along) + s * across
     return out

@@ -151,10 +151,11 @@ def solve_points(points, arm, q_ref, Q, flags):
             W[0, i], W[1, i] = points[k, 0] - x0, points[k, 1] - y0
         lost = 0.0
         for i in range(BLOCK):
+            # A product with zero carries a NaN or an infinity on.
             lost += 0.0 * (W[0, i] + W[1, i])
-        if not lost == 0.0:
+        if lost != 0.0:
             for i in range(m):
-                if not 0.0 * (W[0, i] + W[1, i]) == 0.0:
+                if 0.0 * (W[0, i] + W[1, i]) != 0.0:
                     return start + i
         for i in range(BLOCK):
             _, _, state = _links(W[0, i], W[1, i], i, arm, out)

@@ -5,8 +5,8 @@ polynomial in phi = (q3, q3^2) where it slides. What joint 1 leaves unchanged of
 from it; or, of a slide, the projection along it) makes two equations:
 
 - joint 2 turns: they are linear in the turned point w, across axis 2, with constant rows that are orthogonal:
-  m1.w = b1(phi), m2.w = b2(phi), and |w| = |y(phi)|. With both rows it is one equation of degree two in the harmonics of
-  q3 (four in q3); where a row vanishes (axes 1 and 2 parallel or meeting) its b alone gives q3.
+  m1.w = b1(phi), m2.w = b2(phi), and |w| = |y(phi)|. With both rows it is one equation of degree two in the
+  harmonics of q3 (four in q3); where a row vanishes (axes 1 and 2 parallel or meeting) its b alone gives q3.
 - joint 2 slides: q2 follows from one of them, and the other one gives q3.
 
 A polynomial in q3 becomes a trigonometric one by q3 = tan(t / 2), so one root finder serves all; a root at infinity
@@ -66,7 +66,12 @@ def _roots(slide, f, ref, scale, values):
         found = trigonometric_roots(0.5 * (f[0] + f[2]), 0.5 * (f[0] - f[2]), 0.5 * f[1], 0.0, 0.0, circle)
     else:
         found = trigonometric_roots(
-            3.0 * (f[0] + f[4]) + f[2], 4.0 * (f[0] - f[4]), 2.0 * (f[1] + f[3]), f[0] - f[2] + f[4], f[1] - f[3], circle
+            3.0 * (f[0] + f[4]) + f[2],
+            4.0 * (f[0] - f[4]),
+            2.0 * (f[1] + f[3]),
+            f[0] - f[2] + f[4],
+            f[1] - f[3],
+            circle,
         )
     kept = 0
     for k in range(found):

@@ -180,8 +180,7 @@ def least_stretches(chain: Chain, J: Array) -> Array:
     scaled = J / chain.size
     scaled[:, 3:] = J[:, 3:]
     scaled[:, :, chain.prismatic] *= chain.size
-    out: Array = np.linalg.svd(scaled, compute_uv=False)[:, -1]
-    return out
+    return np.asarray(np.linalg.svd(scaled, compute_uv=False)[:, -1], dtype=np.float64)
 
 
 def pack_chain(chain: Chain, kind: int, aimed: Array | None = None) -> Array:

@@ -1,4 +1,4 @@
-"""Why an arm with few joints does not reach a target: how far the nearest pose found is off, coordinate by coordinate."""
+"""Why an arm with few joints does not reach a target: how far the nearest pose that a search finds is off."""
 
 from __future__ import annotations
 

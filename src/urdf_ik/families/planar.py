@@ -35,12 +35,15 @@ def prepare(structure: Structure, chain: Chain) -> Plan | None:
     plan = few_joints.prepare(structure, chain)
     if plan is None:
         return None
-    arm = _pack(chain, plan.arm)
+    packed = _pack(chain, plan.arm)
+    if packed is None:
+        return None
+    arm = packed
     slide = "height by the slide, " if chain.prismatic.any() else ""
     last = ", the last joint turns the tip" if np.count_nonzero(~chain.prismatic) == 3 else ""
-    return None if arm is None else replace(
+    return replace(
         plan,
-        family=f"{few_joints.kinds_of(chain)} planar" if not slide else f"{few_joints.kinds_of(chain)} SCARA",
+        family=f"{few_joints.kinds_of(chain)} {'SCARA' if slide else 'planar'}",
         method=f"Closed form: {slide}elbow by the law of cosines{last}",
         branches=_ELBOW,
         arm=arm,
@@ -53,8 +56,11 @@ def for_points(chain: Chain, plan: Plan) -> Plan:
     """The plan of two joints for points in the plane, faster where the arm is exactly planar."""
     if not _matches(chain) or chain.n != 2:
         return plan
-    arm = _pack(chain, plan.arm)
-    return plan if arm is None else replace(
+    packed = _pack(chain, plan.arm)
+    if packed is None:
+        return plan
+    arm = packed
+    return replace(
         plan,
         method="Closed form: elbow by the law of cosines",
         branches=_ELBOW,
@@ -104,7 +110,7 @@ def _pack(chain: Chain, given: Array) -> Array | None:
 
 def _in_frame(arm: Array, point: Array) -> Array:
     B = arm[layout.BASE_ROTATION : layout.BASE_ROTATION + 9].reshape(3, 3)
-    out: Array = B @ (point - arm[layout.BASE_ORIGIN : layout.BASE_ORIGIN + 3])
+    out: Array = B @ (point - _first_axis(arm))
     return out
 
 
@@ -122,16 +128,18 @@ def _explain(chain: Chain, arm: Array, rotation: Array | None, point: Array) -> 
         return f"{end} is {far:.6g} m from axis 1, reach {a + b:.6g} m"
     if far < abs(a - b):
         return f"{end} is {far:.6g} m from axis 1, closer than the folded arm's {abs(a - b):.6g} m"
+    # Two joints: whichever way the elbow bends, the tip is turned as they have it.
+    here = point[:2] + (arm[layout.BASE_ROTATION : layout.BASE_ROTATION + 6].reshape(2, 3) @ _first_axis(arm))
     Q, flags = np.empty((1, 2, chain.n)), np.empty((1, 2), np.uint8)
-    kernels.solve_points(point[None, :2] + _origin(arm), arm, np.zeros(chain.n + 1), Q, flags) if chain.n == 2 else None
-    turns = []
-    for q in Q[0] if rotation is not None and chain.n == 2 else ():
-        total = float(arm[kernels.SIGN : kernels.SIGN + 2] @ q)
-        turns.append(abs(math.remainder(math.atan2(rotation[1, 0], rotation[0, 0]) - total, 2.0 * math.pi)))
-    return f"two joints that bring the tip there leave its turn about axis 1 {min(turns, default=0.0):.3g} rad off"
+    kernels.solve_points(here[None], arm, np.zeros(chain.n + 1), Q, flags)
+    turn = 0.0 if rotation is None else math.atan2(rotation[1, 0], rotation[0, 0])
+    turning = [int(k) for k in arm[kernels.COLUMN : kernels.COLUMN + 2]]
+    off = [turn - float(arm[kernels.SIGN : kernels.SIGN + 2] @ q[turning]) for q in Q[0]]
+    least = min(abs(math.remainder(each, 2.0 * math.pi)) for each in off)
+    return f"with the tip there its turn about axis 1 is {least:.3g} rad off, and no joint is left to change that"
 
 
-def _origin(arm: Array) -> Array:
-    B = arm[layout.BASE_ROTATION : layout.BASE_ROTATION + 9].reshape(3, 3)
-    out: Array = (B @ arm[layout.BASE_ORIGIN : layout.BASE_ORIGIN + 3])[:2]
+def _first_axis(arm: Array) -> Array:
+    """A point (3,) m on axis 1, as high as the end of the links."""
+    out: Array = arm[layout.BASE_ORIGIN : layout.BASE_ORIGIN + 3]
     return out
