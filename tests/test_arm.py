@@ -140,7 +140,8 @@ def test_broken_urdf() -> None:
 def test_repr() -> None:
     """The name, the links and the family stand in the representation; the number of joints where there is none."""
     assert repr(urdf_ik.load(TEXT, "base", "tool")) == "<Arm 'ur_like': base to tool, 6R 2||3||4 and 5x6>"
-    assert repr(urdf_ik.load(TWO_HANDS, tip="left")) == "<Arm 'two': base to left, 2 joints>"
+    assert repr(urdf_ik.load(TWO_HANDS, tip="left")) == "<Arm 'two': base to left, 2R>"
+    assert repr(urdf_ik.load(_long(7), "base", "tool")) == "<Arm '7R': base to tool, 7 joints>"
 
 
 @pytest.mark.parametrize("attribute", ["name", "base", "tip", "joint_names", "dof", "limits"])

@@ -173,7 +173,7 @@ def test_rounded_decimals_are_exact_as_written() -> None:
     """Axes that are parallel, or meet, only to 1e-3 .. 1e-9 are solved as the URDF has them."""
     rng = np.random.default_rng(21)
     for name in ("2R planar", "3R planar", "RRPR SCARA", "4R palletizer", "4R 1x2+2||3+3x4", "5R 2||3||4+4x5"):
-        for off in (1e-3, 1e-5, 1e-7, 1e-9, 1e-11):
+        for off in (1e-3, 1e-6, 1e-9):
             build = BUILDS[name]
             axes, points, tool = axes_and_points(build, rng)
             axes = axes + off * rng.normal(size=axes.shape)
