@@ -50,14 +50,16 @@ def test_planted_joint_vector_is_found(name: str, seed: int) -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_answers_are_complete(name: str) -> None:
     """No solution that Newton's method finds from many random starts is missing."""
-    case, rng = few(name, 3), np.random.default_rng(7)
+    case, rng, arrived = few(name, 3), np.random.default_rng(7), 0
     for q in draw(case, rng, 4):
         T = case.oracle.pose(q)
         found = rows(case.arm.ik(T))
         for start in draw(case, rng, 40):
             other = case.oracle._newton(start, T)
             if other is not None and case.oracle.error(other, T) < 1e-10:
+                arrived += 1
                 assert apart(case, found, other).min() < 1e-5
+    assert arrived
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -167,6 +169,18 @@ def test_point_on_the_first_axis(name: str, distance: float) -> None:
         low, high = (middle, high) if lean(middle) * lean(low) > 0.0 else (low, middle)
     rest[1] = middle + distance
     assert_answers(case, rest, case.oracle.pose(rest), tol=1e-6 + 1e-11 / max(distance, 1e-4))
+
+
+def test_a_continuum_has_one_representative() -> None:
+    """Where axis 5 lies along axes 1, 2 and 3 the arm moves with its tip at rest: that is told once, and marked."""
+    case, rng = few("5R 1||2||3", 2), np.random.default_rng(8)
+    for _ in range(5):
+        q = draw(case, rng, 1)[0]
+        q[3] = rng.choice([-1.0, 1.0]) * math.pi / 2.0
+        T = case.oracle.pose(q)
+        solutions = case.arm.ik(T)
+        assert worst_error(case, rows(solutions), T) <= 1e-9
+        assert 1 <= np.count_nonzero(solutions.singular) <= 2
 
 
 def test_rounded_decimals_are_exact_as_written() -> None:

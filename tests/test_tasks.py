@@ -80,14 +80,16 @@ def test_planted_joint_vector_is_found(name: str, seed: int) -> None:
 @pytest.mark.parametrize("name", CONTROLLED)
 def test_answers_are_complete(name: str) -> None:
     """Nothing is missing that Newton's method, on numerical derivatives of the target, finds from random starts."""
-    case, rng = few(name, 3), np.random.default_rng(1)
+    case, rng, arrived = few(name, 3), np.random.default_rng(1), 0
     for q in draw(case, rng, 3):
         target = target_of(case, q)
         found = rows(case.arm.ik(target, task=case.arm.task))
         for start in draw(case, rng, 25):
             other = _search(case, start, target)
             if other is not None:
+                arrived += 1
                 assert apart(case, found, other).min() < 1e-4
+    assert arrived
 
 
 def _search(case: Case, q: Array, target: Array) -> Array | None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from urdf_ik._kernels import layout
 from urdf_ik._kernels.compile import kernel
-from urdf_ik._kernels.few_joints import KIND, POSE, SLIDING, take
+from urdf_ik._kernels.few_joints import COMPUTED, KIND, POSE, SEARCHED, SLIDING, take
 from urdf_ik._kernels.general_6r import sort_columns
 from urdf_ik._kernels.target import project_rotation
 from urdf_ik._kernels.thresholds import CONVERGED
@@ -35,7 +35,7 @@ def take_real(T, arm, whole, whole_flags, at, Q, flags):
                 continue
             free = free or whole_flags[i, b] != layout.VALID
             q[:] = whole[i, b, at : at + n]
-            take(arm, proper, q, False, arm[layout.REACH], Q[i], flags[i])
+            take(arm, proper, q, COMPUTED, arm[layout.REACH], Q[i], flags[i])
         if free and arm[KIND] == POSE:
             net(arm, proper, Q[i], flags[i])
         sort_columns(Q[i], flags[i])
@@ -50,4 +50,4 @@ def net(arm, target, Q, flags):
         for j in range(q.size):
             seed = (seed * 1103515245 + 12345) % 2147483648
             q[j] = 0.0 if arm[SLIDING + j] else math.pi * (seed / 1073741824.0 - 1.0)
-        take(arm, target, q, True, CONVERGED, Q, flags)
+        take(arm, target, q, SEARCHED, CONVERGED, Q, flags)

@@ -35,6 +35,8 @@ JOINTS, KIND, AIMED, NORMAL, SLIDING, VARIANTS, FIRST_VARIANT = layout.LENGTH, 1
 REVERSED, TURNS, AXES, INDEX, HOME, IN_TIP = step.LENGTH, 25, 26, 32, 37, 46
 VARIANT = 49
 
+# Where a candidate comes from: a closed form, one in which a joint was all but free, a search.
+COMPUTED, DOUBTFUL, SEARCHED = 0, 1, 2
 # An error [rad, share of size] from which no candidate of a closed form comes to be a solution.
 _HOPELESS = 0.05
 
@@ -172,22 +174,27 @@ def is_other(arm, target, Q, flags, q):
 
 
 @kernel
-def take(arm, target, q, hopeful, enough, Q, flags):
+def take(arm, target, q, origin, enough, Q, flags):
     """Polish the candidate ``q``, keep it if it is verified to ``enough`` and new, and look beside it near a fold.
 
-    A candidate far off is given up at once unless it is ``hopeful``. Returns the smallest singular value there, and
-    infinity where it is no solution.
+    Of ``origin`` COMPUTED it is given up at once where it is far off; SEARCHED, it is dropped where the arm is singular
+    and a singular solution is known already: it belongs to the same continuum. Returns the smallest singular value
+    there, and infinity where it is no solution.
     """
     n = q.size
     T, e, axes, points = np.empty((4, 4)), np.empty(6), np.empty((n, 3)), np.empty((n, 3))
-    if not hopeful:
+    if origin == COMPUTED:
         place_few(arm, q, T, axes, points)
         if task_error(arm, target, T, e) > _HOPELESS:
             return math.inf
-    if polish(arm, target, q, 30 if hopeful else 15) > enough:
+    if polish(arm, target, q, 15 if origin == COMPUTED else 30) > enough:
         return math.inf
     x, unused, start = np.empty(n), np.empty(n), np.empty(n)
     sigma = stretch(arm, q, x)
+    if origin == SEARCHED and sigma <= arm[layout.SINGULAR]:
+        for b in range(flags.size):
+            if flags[b] & layout.OTHER:
+                return sigma
     if not is_other(arm, target, Q, flags, q):
         return sigma
     keep(Q, flags, 0, q, layout.OTHER if sigma <= arm[layout.SINGULAR] else 0)
@@ -261,7 +268,7 @@ def _by_variant(arm, row, target, seen, q_ref, Q, flags):
         free = int(out[c, step.FREE_JOINTS])
         five[:3] = out[c, :3]
         _gather(row, size, seen, five, q)
-        sigma = take(arm, target, q, free > 0, arm[layout.REACH], Q, flags)
+        sigma = take(arm, target, q, DOUBTFUL if free else COMPUTED, arm[layout.REACH], Q, flags)
         if free == 0 or sigma <= arm[layout.SINGULAR]:
             continue
         doubt = True
@@ -271,7 +278,7 @@ def _by_variant(arm, row, target, seen, q_ref, Q, flags):
                     five[:3] = out[c, :3]
                     five[k] = math.pi * a / AROUND
                     _gather(row, size, seen, five, q)
-                    take(arm, target, q, True, CONVERGED, Q, flags)
+                    take(arm, target, q, SEARCHED, CONVERGED, Q, flags)
     return doubt
 
 
