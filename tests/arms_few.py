@@ -27,7 +27,7 @@ class Build:
         kinds: R or P, one a joint.
         axes: directions at q = 0.
         meet: pairs of joints, from 0, whose axes pass through one point.
-        plane: whether all points lie in the plane z = 0 too.
+        task: what such an arm controls.
     """
 
     kinds: str

@@ -98,8 +98,7 @@ class TaskArm(Arm):
         if task != arm.task or task == "pose":
             fitting = "the whole pose" if arm.task == "pose" else f"the whole pose, or the task {arm.task!r}"
             raise TaskError(
-                f"{arm.name}: its {arm.dof} joints do not control {task!r} and nothing else; "
-                f"give {fitting}"
+                f"{arm.name}: its {arm.dof} joints do not control {task!r} and nothing else; give {fitting}"
             )
         self.__dict__.update(arm.__dict__)
         self._arm, self._task = arm, task
@@ -116,9 +115,7 @@ class TaskArm(Arm):
     def __reduce__(self) -> tuple[Any, ...]:
         return TaskArm, (self._arm, self._task)
 
-    def ik(
-        self, T: Any, q_ref: ArrayLike | None = None, *, threads: int = 1, task: str | None = None
-    ) -> IKSolutions:
+    def ik(self, T: Any, q_ref: ArrayLike | None = None, *, threads: int = 1, task: str | None = None) -> IKSolutions:
         """Every joint vector that brings the tip to the target ``T``: see :meth:`Arm.ik`."""
         if task is not None and task != self._task:
             return self._arm.ik(T, q_ref, threads=threads, task=task)

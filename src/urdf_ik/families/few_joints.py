@@ -204,9 +204,7 @@ def pack_chain(chain: Chain, kind: int, aimed: Array | None = None) -> Array:
 def _joints(chain: Chain, size: float, is_reversed: bool = False) -> list[_Joint]:
     order = range(chain.n - 1, -1, -1) if is_reversed else range(chain.n)
     points = chain.points / size
-    return [
-        _Joint(h, p, bool(s), i) for h, p, s, i in zip(chain.H, points, chain.prismatic, order, strict=True)
-    ]
+    return [_Joint(h, p, bool(s), i) for h, p, s, i in zip(chain.H, points, chain.prismatic, order, strict=True)]
 
 
 def _ways(chain: Chain) -> Iterator[tuple[float, _Way]]:
