@@ -66,7 +66,9 @@ class Oracle:
         """Jacobian (6, n), rows linear then angular, at the tip, in the base's axes."""
         pin.computeJointJacobians(self.model, self.data, self._full(q))
         pin.updateFramePlacements(self.model, self.data)
-        world = pin.getFrameJacobian(self.model, self.data, self.tip, pin.LOCAL_WORLD_ALIGNED)[:, self.columns]
+        world = pin.getFrameJacobian(self.model, self.data, self.tip, pin.LOCAL_WORLD_ALIGNED)
+        # Of a single joint Pinocchio gives a vector.
+        world = world.reshape(6, -1)[:, self.columns]
         to_base = self.data.oMf[self.base].rotation.T
         return np.concatenate([to_base @ world[:3], to_base @ world[3:]])
 

@@ -140,7 +140,8 @@ def test_broken_urdf() -> None:
 def test_repr() -> None:
     """The name, the links and the family stand in the representation; the number of joints where there is none."""
     assert repr(urdf_ik.load(TEXT, "base", "tool")) == "<Arm 'ur_like': base to tool, 6R 2||3||4 and 5x6>"
-    assert repr(urdf_ik.load(TWO_HANDS, tip="left")) == "<Arm 'two': base to left, 2 joints>"
+    assert repr(urdf_ik.load(TWO_HANDS, tip="left")) == "<Arm 'two': base to left, 2R>"
+    assert repr(urdf_ik.load(_long(7), "base", "tool")) == "<Arm '7R': base to tool, 7 joints>"
 
 
 @pytest.mark.parametrize("attribute", ["name", "base", "tip", "joint_names", "dof", "limits"])
@@ -278,8 +279,8 @@ SLIDING = TEXT.replace('name="joint_3" type="revolute"', 'name="joint_3" type="p
 
 @pytest.mark.parametrize(
     ("text", "words"),
-    [(_long(5), "5 joints (RRRRR)"), (SLIDING, "6 joints (RRPRRR)")],
-    ids=["5R", "RRPRRR"],
+    [(_long(8), "8 joints (RRRRRRRR)"), (SLIDING, "6 joints (RRPRRR)")],
+    ids=["8R", "RRPRRR"],
 )
 def test_unsupported_arm(text: str, words: str) -> None:
     """An arm of no family loads, moves and tells its axes; only asking for solutions raises, with the structure."""

@@ -63,6 +63,7 @@ def as_json(arm: Arm, angles: Angles) -> str:
                 "supported": bool(structure.family),
                 "redundancy": None if arm.redundancy is None else asdict(arm.redundancy),
                 "family": structure.family or None,
+                "task": arm.task,
                 "method": structure.method or None,
                 "exact": structure.is_exact if structure.family else None,
                 "cuspidal": structure.cuspidal,
@@ -101,6 +102,7 @@ def as_text(arm: Arm, angles: Angles) -> str:
     solver = [("family", structure.family or _UNSOLVED)]
     branches = []
     if structure.family:
+        solver += [("controls", arm.task)] if arm.task != "pose" else []
         solver += [
             ("why", _structure_text.why(structure)),
             ("solver", structure.method),

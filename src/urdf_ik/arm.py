@@ -30,8 +30,10 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik.collision import CollisionModel
+    from urdf_ik.plane import Plane
     from urdf_ik.redundancy import Redundancy
     from urdf_ik.self_motion import Sweep
+    from urdf_ik.tasks import Control
     from urdf_ik.urdf import UrdfModel
 
 
@@ -49,6 +51,7 @@ class Arm:
         self.chain = chain
         self.structure: Structure = analyse(chain)
         self._no_reference = np.zeros(chain.n + 1)
+        self._task_arms: dict[str, Arm] = {}
         self._plan: Plan | RedundantPlan | None = families.choose(self.structure, chain)
         if self._plan is not None:
             plan = self._plan
@@ -61,8 +64,11 @@ class Arm:
                 error=plan.error,
                 find_cuspidal=partial(is_cuspidal, self),
             )
-            self._solver, self._kernel, self._numbers = plan.solve, self._first_solve, plan.arm
-            self._branches, self._shape = plan.branches, (1, len(plan.branches), chain.n)
+            self._adopt(plan)
+
+    def _adopt(self, plan: Plan | RedundantPlan) -> None:
+        self._solver, self._kernel, self._numbers = plan.solve, self._first_solve, plan.arm
+        self._branches, self._shape = plan.branches, (1, len(plan.branches), self.chain.n)
 
     def __repr__(self) -> str:
         return f"<Arm {self.name!r}: {self.base} to {self.tip}, {self.structure.family or f'{self.dof} joints'}>"
@@ -111,6 +117,38 @@ class Arm:
         return getattr(self._plan, "parameter", None)
 
     @cached_property
+    def control(self) -> Control:
+        """What the arm can control of its tip: the task, the plane, the tip's axis that is aimed."""
+        from urdf_ik.tasks import control_of
+
+        return control_of(self.chain)
+
+    @property
+    def task(self) -> str:
+        """What the arm can control: 'pose', 'position', 'position and axis', 'planar position' or 'planar pose'."""
+        return self.control.task
+
+    @property
+    def plane(self) -> Plane | None:
+        """The plane in which a planar arm of two or three joints moves its tip, with its coordinates; else None."""
+        return self.control.plane
+
+    def for_task(self, task: str) -> Arm:
+        """This arm, its ``ik`` and ``explain`` taking targets of a task; see :meth:`ik`.
+
+        Raises:
+            TaskError: there is no such task, or the arm cannot control it.
+            UnsupportedArm: no solver takes this arm.
+        """
+        from urdf_ik.tasks import TaskArm
+
+        if task == "pose":
+            return self
+        if task not in self._task_arms:
+            self._task_arms[task] = TaskArm(self, task)
+        return self._task_arms[task]
+
+    @cached_property
     def collision_model(self) -> CollisionModel:
         """Self-collision of this URDF through Pinocchio and coal, built when first asked for."""
         from urdf_ik.collision import CollisionModel
@@ -146,7 +184,13 @@ class Arm:
         return self.chain.link_poses(q)
 
     def ik(
-        self, T: Any, q_ref: ArrayLike | None = None, *, redundancy: ArrayLike | None = None, threads: int = 1
+        self,
+        T: Any,
+        q_ref: ArrayLike | None = None,
+        *,
+        redundancy: ArrayLike | None = None,
+        threads: int = 1,
+        task: str | None = None,
     ) -> IKSolutions:
         """Every joint vector that brings the tip to ``T``.
 
@@ -164,16 +208,24 @@ class Arm:
                 against the poses: ``ik(T[:, None], redundancy=values)`` solves every pose at every value. Default:
                 ``self.redundancy.default``.
             threads: number of threads that share a batch.
+            task: what ``T`` is; default: a pose. An arm with few joints controls less, and takes that as target too,
+                see :attr:`task`: 'position' (..., 3) m in the base; 'position and axis' (..., 6), position and a
+                direction in the base for the tip's z axis (its x axis, else y, where the joints do not control z: see
+                ``arm.control.aimed``), or a pair of these; 'planar position' (..., 2) m and 'planar pose' (..., 3) m,
+                m, rad in the arm's plane, see :attr:`plane`.
 
         Returns:
             The solutions, (..., B, n), one column a branch. Those of seven joints are all there are at the value that
             is given, and ``singular`` tells where the Jacobian drops rank while it is kept.
 
         Raises:
-            PoseError: a target is no pose; the error holds its index in the batch.
+            PoseError: a target is no pose, or no target of the task; the error holds its index in the batch.
             JointVectorError: ``q_ref`` or ``redundancy`` does not fit.
+            TaskError: there is no such task, or the arm cannot control it.
             UnsupportedArm: no solver takes this arm.
         """
+        if task is not None and task != "pose":
+            return self.for_task(task).ik(T, q_ref, threads=threads)
         if self._plan is None:
             raise self._unsupported()
         if type(T) is np.ndarray and T.shape == (4, 4) and T.dtype == np.float64:

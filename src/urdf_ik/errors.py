@@ -51,6 +51,10 @@ class PoseError(UrdfIkError, ValueError):
         super().__init__(problem if index is None else f"pose {list(index)}: {problem}")
 
 
+class TaskError(UrdfIkError, ValueError):
+    """A task that does not exist, or that the arm's joints do not control."""
+
+
 class JointVectorError(UrdfIkError, ValueError):
     """A joint vector of the wrong shape or with values that are not finite."""
 

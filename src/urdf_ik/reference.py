@@ -270,8 +270,9 @@ class Reference:
         pin.computeJointJacobians(model, data, self.configuration(q))
         pin.updateFramePlacements(model, data)
         base, tip = data.oMf[self._base], data.oMf[self._tip]
-        J = pin.getFrameJacobian(model, data, self._tip, pin.LOCAL_WORLD_ALIGNED) @ self._spread
-        J_base = pin.getFrameJacobian(model, data, self._base, pin.LOCAL_WORLD_ALIGNED) @ self._spread
+        # Pinocchio gives the Jacobian of a single joint as a vector.
+        J = pin.getFrameJacobian(model, data, self._tip, pin.LOCAL_WORLD_ALIGNED).reshape(6, -1) @ self._spread
+        J_base = pin.getFrameJacobian(model, data, self._base, pin.LOCAL_WORLD_ALIGNED).reshape(6, -1) @ self._spread
         # The base may move, too: it need not be the root. Subtract what the tip would do if it were fixed to it.
         J[:3] -= J_base[:3] + np.cross(J_base[3:], tip.translation - base.translation, axis=0)
         J[3:] -= J_base[3:]

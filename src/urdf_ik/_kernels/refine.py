@@ -137,12 +137,12 @@ def holds(arm, target, q):
 
 @kernel
 def least_stretch(J, x):
-    """Smallest singular value of ``J`` (6, 6) and its direction ``x`` (6,): inverse iteration on the QR factor."""
-    n = J.shape[0]
+    """Smallest singular value of ``J`` (6, n) and its direction ``x`` (n,): inverse iteration on the QR factor."""
+    rows, n = J.shape
     R = J.copy()
     for k in range(n):
         norm = 0.0
-        for i in range(k, n):
+        for i in range(k, rows):
             norm += R[i, k] * R[i, k]
         norm = math.sqrt(norm)
         alpha = -norm if R[k, k] > 0.0 else norm
@@ -151,11 +151,11 @@ def least_stretch(J, x):
         if square > 0.0:
             for j in range(k + 1, n):
                 dot = first * R[k, j]
-                for i in range(k + 1, n):
+                for i in range(k + 1, rows):
                     dot += R[i, k] * R[i, j]
                 dot *= 2.0 / square
                 R[k, j] -= dot * first
-                for i in range(k + 1, n):
+                for i in range(k + 1, rows):
                     R[i, j] -= dot * R[i, k]
         R[k, k] = alpha
         if abs(alpha) < 1e-30:

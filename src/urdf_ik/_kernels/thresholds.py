@@ -49,3 +49,8 @@ LARGEST_NOISE = 1e-7
 NEAR_FOLD = 5e-3
 # Sine of the angle below which the wrist of an S-R-S arm counts as lying on axis 1.
 ON_AXIS = 1e-7
+
+# Three joints that place a point: below this a coefficient of their equations is zero to rounding; below this squared
+# distance from an axis its joint may be free, or be badly determined; below this an equation that all but loses its
+# unknown is solved without it too.
+VANISHING, FREE, WEAK = 1e-12, 1e-10, 1e-3

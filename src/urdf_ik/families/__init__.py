@@ -1,14 +1,17 @@
-"""One file a family; the table below is the order in which they are tried, cheapest solver first."""
+"""One file a family; the tables below are the order in which they are tried, cheapest solver first."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from urdf_ik.families import (
+    completed,
+    few_joints,
     general_6r,
     imperfect,
     locked,
     parallel_shoulder,
+    planar,
     spherical_middle,
     spherical_wrist,
     srs,
@@ -31,8 +34,16 @@ def choose(structure: Structure, chain: Chain) -> Plan | RedundantPlan | None:
     A quartic comes after all closed forms without one. Elimination alone where no family is near; None where no
     solver takes the arm. Of seven joints one is given.
     """
+    if chain.n < 6:
+        few = planar.prepare(structure, chain) or few_joints.prepare(structure, chain)
+        return few or completed.prepare(structure, chain, of_six)
     if chain.n == 7:
         return srs.prepare(structure, chain) or locked.prepare(chain, (_of_a_family, _general))
+    return of_six(structure, chain)
+
+
+def of_six(structure: Structure, chain: Chain) -> Plan | None:
+    """What ``choose`` says of six joints."""
     return _of_a_family(structure, chain) or _general(structure, chain)
 
 

@@ -1,0 +1,113 @@
+"""Five revolute joints, completed to six: a sixth axis that stays at zero, or turns about the direction aimed.
+
+The arm of six has a family of its own, with closed form or elimination; its solutions are verified, and polished, on
+the five joints as written.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik._kernels import completed as kernels
+from urdf_ik._kernels import few_joints
+from urdf_ik.families.few_joints import columns, is_redundant, pack_chain
+from urdf_ik.families.nearest import off_by
+from urdf_ik.families.plan import Plan
+from urdf_ik.structure import analyse
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from urdf_ik.chain import Chain
+    from urdf_ik.structure import Structure
+
+    Array = NDArray[np.float64]
+    Choose = Callable[[Structure, Chain], Plan | None]
+
+# Where the added axis stands to axis 5 [rad]: never parallel to axis 4, where that is square to axis 5.
+_OBLIQUE = 1.05
+
+
+def prepare(structure: Structure, chain: Chain, choose: Choose) -> Plan | None:
+    """The plan for poses of five revolute joints, None for other arms."""
+    if chain.n != 5 or chain.prismatic.any() or is_redundant(chain):
+        return None
+    before = structure.triple(1, "parallel") is not None
+    crossing = structure.triple(2, "parallel") is not None
+    rng = np.random.default_rng(3)
+    side = np.cross(chain.H[0 if before else 4], rng.normal(size=3))
+    h = np.cos(_OBLIQUE) * chain.H[0 if before else 4] + np.sin(_OBLIQUE) * side / np.linalg.norm(side)
+    away = np.zeros(3) if crossing else 0.2 * chain.size * rng.normal(size=3)
+    if before:
+        whole, at = _with_axis_before(chain, h, chain.points[0] + away), 1
+    else:
+        whole, at = with_axis_behind(chain, h, chain.points[4] + away), 0
+    return _plan(chain, whole, at, few_joints.POSE, None, choose, "5R", "that must stay at zero")
+
+
+def prepare_aimed(chain: Chain, aimed: Array, choose: Choose) -> Plan | None:
+    """The plan for the tip's position and the direction of its axis ``aimed`` (3,)."""
+    whole = with_axis_behind(chain, chain.R_tip @ aimed, chain.points[-1] + chain.P[-1])
+    return _plan(chain, whole, 0, few_joints.AXIS, aimed, choose, "5R position and axis", "about the direction")
+
+
+def with_axis_behind(chain: Chain, h: Array, point: Array) -> Chain:
+    """The chain with one more revolute joint behind its last, along ``h`` (3,) through ``point`` (3,) at q = 0."""
+    tip = chain.P.sum(axis=0)
+    last = chain.points[-1]
+    return _extended(chain, np.vstack([chain.H, h]), np.vstack([chain.P[:-1], point - last, tip - point]), behind=True)
+
+
+def _with_axis_before(chain: Chain, h: Array, point: Array) -> Chain:
+    steps = np.vstack([point, chain.points[0] - point, chain.P[1:]])
+    return _extended(chain, np.vstack([h, chain.H]), steps, behind=False)
+
+
+def _extended(chain: Chain, H: Array, P: Array, *, behind: bool) -> Chain:
+    def grown(values: tuple[str, ...], value: str) -> tuple[str, ...]:
+        return (*values, value) if behind else (value, *values)
+
+    turn = np.array([[-np.inf, np.inf]])
+    return replace(
+        chain,
+        joint_names=grown(chain.joint_names, ""),
+        joint_types=grown(chain.joint_types, "continuous"),
+        H=H,
+        P=P,
+        limits=np.vstack([chain.limits, turn] if behind else [turn, chain.limits]),
+    )
+
+
+def _plan(
+    chain: Chain, whole: Chain, at: int, kind: int, aimed: Array | None, choose: Choose, family: str, role: str
+) -> Plan | None:
+    six = choose(analyse(whole), whole)
+    if six is None:
+        return None
+    count = len(six.branches)
+
+    def solve(T: Array, arm: Array, q_ref: Array, Q: Array, flags: NDArray[np.uint8]) -> int:
+        Q6, flags6 = np.empty((len(T), count, 6)), np.empty((len(T), count), np.uint8)
+        reference = np.zeros(7)
+        reference[at : at + 5], reference[-1] = q_ref[:5], q_ref[-1]
+        bad = six.solve(T, six.arm, reference, Q6, flags6)
+        if bad < 0:
+            kernels.take_real(T, arm, Q6, flags6, at, Q, flags)
+        return bad
+
+    numbers = pack_chain(chain, kind, aimed)
+    return Plan(
+        family=f"{family} ({six.family.removeprefix('6R ')} with an added axis)",
+        method=f"With a sixth axis {role}: {six.method[0].lower()}{six.method[1:]}; verified on the five joints",
+        branches=columns(8 if kind == few_joints.POSE else count),
+        imperfection=six.imperfection,
+        error=0.0,
+        arm=numbers,
+        solve=solve,
+        explain=lambda rotation, point: off_by(chain, numbers, rotation, point),
+    )

@@ -1,0 +1,145 @@
+"""Two or three parallel turning joints, exactly so, and at most one slide along them: 2R, 3R and SCARA."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik._kernels import layout
+from urdf_ik._kernels import planar as kernels
+from urdf_ik.families import few_joints
+from urdf_ik.plane import axes_across
+from urdf_ik.tolerances import DEFAULT
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.chain import Chain
+    from urdf_ik.families.plan import Plan
+    from urdf_ik.structure import Structure
+
+    Array = NDArray[np.float64]
+
+_ELBOW = ("elbow left", "elbow right")
+# Links shorter than this [share of size] are left to the general way.
+_SHORT = 1e-3
+
+
+def prepare(structure: Structure, chain: Chain) -> Plan | None:
+    """The plan for poses, None for arms of another build."""
+    if not _matches(chain):
+        return None
+    plan = few_joints.prepare(structure, chain)
+    if plan is None:
+        return None
+    packed = _pack(chain, plan.arm)
+    if packed is None:
+        return None
+    arm = packed
+    slide = "height by the slide, " if chain.prismatic.any() else ""
+    last = ", the last joint turns the tip" if np.count_nonzero(~chain.prismatic) == 3 else ""
+    return replace(
+        plan,
+        family=f"{few_joints.kinds_of(chain)} {'SCARA' if slide else 'planar'}",
+        method=f"Closed form: {slide}elbow by the law of cosines{last}",
+        branches=_ELBOW,
+        arm=arm,
+        solve=kernels.solve,
+        explain=lambda rotation, point: _explain(chain, arm, rotation, point),
+    )
+
+
+def for_points(chain: Chain, plan: Plan) -> Plan:
+    """The plan of two joints for points in the plane, faster where the arm is exactly planar."""
+    if not _matches(chain) or chain.n != 2:
+        return plan
+    packed = _pack(chain, plan.arm)
+    if packed is None:
+        return plan
+    arm = packed
+    return replace(
+        plan,
+        method="Closed form: elbow by the law of cosines",
+        branches=_ELBOW,
+        arm=arm,
+        solve=kernels.solve_points,
+        explain=lambda rotation, point: _explain(chain, arm, None, _in_frame(arm, point)),
+    )
+
+
+def _matches(chain: Chain) -> bool:
+    """Whether two or three joints turn about exactly parallel axes, and at most one slides along them."""
+    turning = ~chain.prismatic
+    if np.count_nonzero(turning) not in (2, 3) or np.count_nonzero(chain.prismatic) > 1:
+        return False
+    normal = np.cross(*axes_across(chain.H[np.argmax(turning)]))
+    return bool(np.linalg.norm(np.cross(chain.H, normal), axis=1).max() < DEFAULT.exact_structure)
+
+
+def _pack(chain: Chain, given: Array) -> Array | None:
+    """``given`` with the plane's frame and the links; None where a link is too short."""
+    turning = np.flatnonzero(~chain.prismatic)
+    axes = axes_across(chain.H[turning[0]])
+    B = np.array([*axes, np.cross(*axes)])
+    tip = chain.P.sum(axis=0)
+    joints = chain.points[turning]
+    end = joints[2] if len(turning) == 3 else tip
+    links = np.array([B @ (joints[1] - joints[0]), B @ (end - joints[1])])
+    lengths = np.hypot(links[:, 0], links[:, 1])
+    if lengths.min() < _SHORT * chain.size:
+        return None
+    angles = np.arctan2(links[:, 1], links[:, 0])
+    arm = given.copy()
+    arm[layout.BASE_ROTATION : layout.BASE_ROTATION + 9] = B.ravel()
+    # Heights are measured from where the end of the links is at q = 0.
+    arm[layout.BASE_ORIGIN : layout.BASE_ORIGIN + 3] = joints[0] + ((end - joints[0]) @ B[2]) * B[2]
+    arm[layout.TOOL_ROTATION : layout.TOOL_ROTATION + 9] = (chain.R_tip.T @ B.T).ravel()
+    arm[layout.TOOL_POINT : layout.TOOL_POINT + 3] = chain.R_tip.T @ (end - tip)
+    arm[kernels.LINK : kernels.LINK + 2], arm[kernels.ANGLE : kernels.ANGLE + 2] = lengths, angles
+    arm[kernels.BEND] = math.remainder(angles[1] - angles[0], 2.0 * math.pi)
+    arm[kernels.COLUMN : kernels.COLUMN + 4] = -1.0
+    slides = np.flatnonzero(chain.prismatic)
+    for k, joint in [*enumerate(turning), *((3, joint) for joint in slides)]:
+        arm[kernels.SIGN + k] = np.sign(chain.H[joint] @ B[2])
+        arm[kernels.COLUMN + k] = joint
+    return arm
+
+
+def _in_frame(arm: Array, point: Array) -> Array:
+    B = arm[layout.BASE_ROTATION : layout.BASE_ROTATION + 9].reshape(3, 3)
+    out: Array = B @ (point - _first_axis(arm))
+    return out
+
+
+def _explain(chain: Chain, arm: Array, rotation: Array | None, point: Array) -> str:
+    """What does not fit of a target in the plane's frame: tilt, height, distance, turn."""
+    tilt = 0.0 if rotation is None else math.atan2(math.hypot(rotation[0, 2], rotation[1, 2]), rotation[2, 2])
+    if tilt > DEFAULT.reach:
+        return f"the tip is tilted by {tilt:.3g} rad, and its joints turn it only about axis 1"
+    if rotation is not None and arm[kernels.COLUMN + 3] < 0.0 and abs(point[2]) > DEFAULT.reach * chain.size:
+        return f"the tip is {abs(point[2]):.6g} m {'above' if point[2] > 0.0 else 'below'} the plane that it moves in"
+    a, b = arm[kernels.LINK : kernels.LINK + 2]
+    far = math.hypot(point[0], point[1])
+    end = "axis 3" if arm[kernels.COLUMN + 2] >= 0.0 else "the tip"
+    if far > a + b:
+        return f"{end} is {far:.6g} m from axis 1, reach {a + b:.6g} m"
+    if far < abs(a - b):
+        return f"{end} is {far:.6g} m from axis 1, closer than the folded arm's {abs(a - b):.6g} m"
+    # Two joints: whichever way the elbow bends, the tip is turned as they have it.
+    here = point[:2] + (arm[layout.BASE_ROTATION : layout.BASE_ROTATION + 6].reshape(2, 3) @ _first_axis(arm))
+    Q, flags = np.empty((1, 2, chain.n)), np.empty((1, 2), np.uint8)
+    kernels.solve_points(here[None], arm, np.zeros(chain.n + 1), Q, flags)
+    turn = 0.0 if rotation is None else math.atan2(rotation[1, 0], rotation[0, 0])
+    turning = [int(k) for k in arm[kernels.COLUMN : kernels.COLUMN + 2]]
+    off = [turn - float(arm[kernels.SIGN : kernels.SIGN + 2] @ q[turning]) for q in Q[0]]
+    least = min(abs(math.remainder(each, 2.0 * math.pi)) for each in off)
+    return f"with the tip there its turn about axis 1 is {least:.3g} rad off, and no joint is left to change that"
+
+
+def _first_axis(arm: Array) -> Array:
+    """A point (3,) m on axis 1, as high as the end of the links."""
+    out: Array = arm[layout.BASE_ORIGIN : layout.BASE_ORIGIN + 3]
+    return out

@@ -1,0 +1,264 @@
+"""What an arm with few joints can control of its tip, and solving for just that.
+
+A task counts the numbers that a target fixes: 'pose' (a 4x4 matrix), 'position' (x, y, z), 'position and axis' (x, y,
+z and a direction), 'planar position' (x, y in the arm's plane), 'planar pose' (x, y, angle in the arm's plane).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik import families
+from urdf_ik._kernels.planar import solve_points
+from urdf_ik._shares import in_shares
+from urdf_ik.arm import Arm
+from urdf_ik.errors import PoseError, TaskError, UnsupportedArm
+from urdf_ik.families import completed, few_joints, planar
+from urdf_ik.families.plan import Plan
+from urdf_ik.plane import Plane, plane_of
+from urdf_ik.solutions import IKSolutions
+from urdf_ik.structure import analyse
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from urdf_ik.chain import Chain
+
+    Array = NDArray[np.float64]
+
+_WIDTH = {"position": 3, "position and axis": 6, "planar position": 2, "planar pose": 3}
+TASKS = ("pose", *_WIDTH)
+# Smallest singular value of a task's Jacobian, at the middle one of sampled joint vectors, that counts as control.
+_CONTROL = 1e-3
+_HALF = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Control:
+    """What an arm can control of its tip.
+
+    Attributes:
+        task: one of ``TASKS``.
+        plane: of a planar arm, else None.
+        aimed: (3,) the tip's axis whose direction is controlled, in the tip, for 'position and axis', else None.
+    """
+
+    task: str
+    plane: Plane | None = None
+    aimed: Array | None = None
+
+
+def control_of(chain: Chain) -> Control:
+    """What the arm can control: see ``Arm.task``."""
+    plane = plane_of(chain)
+    if chain.n > 5 or chain.n < 2:
+        return Control("pose", plane)
+    J = chain.jacobian(few_joints.sampled(chain))
+
+    def controls(rows: Array) -> bool:
+        return float(np.median(few_joints.least_stretches(chain, rows))) > _CONTROL
+
+    if plane is not None:
+        linear, turn = plane.axes @ J[:, :3], plane.normal @ J[:, 3:]
+        nothing = np.zeros_like(linear[:, :1])
+        if chain.n == 2 and controls(np.concatenate([linear, nothing], axis=1)):
+            return Control("planar position", plane)
+        if chain.n == 3 and controls(np.concatenate([linear, nothing, turn[:, None]], axis=1)):
+            return Control("planar pose", plane)
+    elif chain.n == 3 and controls(J[:, :3]):
+        return Control("position")
+    elif chain.n == 5 and not chain.prismatic.any():
+        R = chain.fk(few_joints.sampled(chain))[:, :3, :3]
+        for aimed in np.eye(3)[[2, 0, 1]]:
+            along = R @ aimed
+            across = J[:, 3:] - along[:, :, None] * np.einsum("ki,kij->kj", along, J[:, 3:])[:, None, :]
+            if controls(np.concatenate([J[:, :3], across], axis=1)):
+                return Control("position and axis", None, aimed)
+    return Control("pose", plane)
+
+
+class TaskArm(Arm):
+    """An arm that is asked for its task instead of for a pose; ``arm.ik(target, task=...)`` makes one.
+
+    Its solutions hold the targets as ``poses``, in the task's own numbers.
+    """
+
+    def __init__(self, arm: Arm, task: str) -> None:
+        """Prepare the solver of a task.
+
+        Raises:
+            TaskError: there is no such task, or the arm cannot control it.
+            UnsupportedArm: no solver takes this arm.
+        """
+        if task not in TASKS:
+            raise TaskError(f"no task is called {task!r}; tasks: {', '.join(map(repr, TASKS))}")
+        if task != arm.task or task == "pose":
+            fitting = "the whole pose" if arm.task == "pose" else f"the whole pose, or the task {arm.task!r}"
+            raise TaskError(
+                f"{arm.name}: its {arm.dof} joints do not control {task!r} and nothing else; give {fitting}"
+            )
+        self.__dict__.update(arm.__dict__)
+        self._arm, self._task = arm, task
+        plan = _plan(arm.chain, arm.control)
+        if plan is None:
+            raise UnsupportedArm(f"{arm.name}: no solver for the task {task!r} of this arm. {arm.structure}")
+        self.structure = replace(
+            arm.structure, family=plan.family, method=plan.method, branches=plan.branches, imperfection=(0.0, 0.0)
+        )
+        self._plan = plan
+        self._takes_points = plan.solve is solve_points
+        self._adopt(plan)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return TaskArm, (self._arm, self._task)
+
+    def ik(
+        self,
+        T: Any,
+        q_ref: ArrayLike | None = None,
+        *,
+        redundancy: ArrayLike | None = None,
+        threads: int = 1,
+        task: str | None = None,
+    ) -> IKSolutions:
+        """Every joint vector that brings the tip to the target ``T``: see :meth:`Arm.ik`."""
+        if (task is not None and task != self._task) or redundancy is not None:
+            return self._arm.ik(T, q_ref, redundancy=redundancy, threads=threads, task=task)
+        target = self._target(T)
+        batch = target.shape[:-1]
+        stack = target.reshape(-1, target.shape[-1])
+        if not self._takes_points:
+            stack = self._poses(stack)
+        reference = self._no_reference if q_ref is None else self._reference(q_ref)
+        q, flags = np.empty((len(stack), *self._shape[1:])), np.empty((len(stack), self._shape[1]), np.uint8)
+
+        def solve(part: slice) -> int:
+            return self._kernel(stack[part], self._numbers, reference, q[part], flags[part])
+
+        if in_shares(solve, len(stack), threads) >= 0:
+            raise PoseError(f"a target for the task {self._task!r} that is not finite, or points nowhere")
+        return IKSolutions(
+            self, target, q.reshape(*batch, *q.shape[1:]), flags.reshape(*batch, flags.shape[1]), self._branches
+        )
+
+    def explain(self, T: Any, redundancy: float | None = None) -> str:
+        """Why the single target ``T`` has no solution: see :meth:`Arm.explain`."""
+        target = self._target(T)
+        if target.ndim != 1:
+            raise PoseError(f"an array of shape {target.shape} given; explain takes a single target")
+        assert isinstance(self._plan, Plan)
+        pose = self._poses(target[None])[0]
+        if self._takes_points:
+            return self._plan.explain(pose[:3, :3], pose[:3, 3])
+        return self._plan.why(pose)
+
+    def _target(self, T: Any) -> Array:
+        """A target, or a stack of them, as (..., k) float64 that nobody else writes to."""
+        width = _WIDTH[self._task]
+        if self._task == "position and axis" and isinstance(T, tuple | list) and len(T) == 2:
+            point, direction = (_numbers(part, self._task, "") for part in T)
+            if point.shape[-1:] == direction.shape[-1:] == (3,):
+                shape = np.broadcast_shapes(point.shape[:-1], direction.shape[:-1])
+                T = np.concatenate([np.broadcast_to(a, (*shape, 3)) for a in (point, direction)], axis=-1)
+        words = {
+            "position": "x, y, z [m] in the base",
+            "position and axis": "x, y, z [m] and a direction, or a pair (position, direction)",
+            "planar position": "x, y [m] in the arm's plane, see Arm.plane",
+            "planar pose": "x, y [m] and angle [rad] in the arm's plane, see Arm.plane",
+        }[self._task]
+        target = _numbers(T, self._task, words)
+        if target.ndim == 0 or target.shape[-1] != width:
+            raise PoseError(
+                f"a target of shape {target.shape} given; the task {self._task!r} takes (..., {width}): {words}"
+            )
+        if self._task == "position and axis":
+            target = target.copy()
+            length = np.linalg.norm(target[..., 3:], axis=-1, keepdims=True)
+            with np.errstate(invalid="ignore", divide="ignore"):
+                target[..., 3:] /= length
+        else:
+            target = target.copy() if target is T else target
+        if not np.isfinite(target).all():
+            place = tuple(np.argwhere(~np.isfinite(target))[0][:-1].tolist())
+            raise PoseError(
+                f"the target {target[place].tolist()} for the task {self._task!r} is not finite, or its direction has "
+                "no length",
+                place or None,
+            )
+        return target
+
+    def _poses(self, target: Array) -> Array:
+        """The target (m, k) as poses (m, 4, 4), of which the solver heeds what the task fixes."""
+        control = self.control
+        T = np.zeros((len(target), 4, 4))
+        T[:, range(4), range(4)] = 1.0
+        if self._task == "position":
+            T[:, :3, 3] = target
+        elif control.aimed is not None:
+            T[:, :3, 3] = target[:, :3]
+            T[:, :3, :3] = _turn_to(control.aimed, target[:, 3:])
+        elif control.plane is not None:
+            plane = control.plane
+            # Number by number, not as a product of matrices: its digits depend on how many there are.
+            T[:, :3, 3] = plane.origin + target[:, :1] * plane.axes[0] + target[:, 1:2] * plane.axes[1]
+            if self._task == "planar pose":
+                home = np.eye(4)
+                home[:3, :3] = self.chain.R_tip
+                T[:, :3, :3] = _turned(home[:3, :3], plane.normal, target[:, 2] - plane.coordinates(home)[2])
+        return T
+
+
+def _plan(chain: Chain, control: Control) -> Plan | None:
+    if control.task == "position":
+        return few_joints.prepare_position(chain)
+    if control.aimed is not None:
+        return completed.prepare_aimed(chain, control.aimed, families.of_six)
+    if control.plane is None:
+        return None
+    if control.task == "planar pose":
+        # In an arm that is planar exactly, the whole pose follows from the one in the plane.
+        exact = planar.prepare(analyse(chain), chain)
+        return exact or few_joints.prepare_planar(chain, control.plane.normal, control.plane.heading)
+    plan = few_joints.prepare_planar(chain, control.plane.normal, None)
+    return None if plan is None else planar.for_points(chain, plan)
+
+
+def _numbers(value: Any, task: str, words: str) -> Array:
+    try:
+        given = np.asarray(value)
+        if given.dtype.kind in "cSUb":
+            raise TypeError(f"its elements are of type {given.dtype}")
+        return np.ascontiguousarray(given, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise PoseError(f"a target for the task {task!r} must be an array of numbers, {words}: {error}") from None
+
+
+def _turn_to(axis: Array, directions: Array) -> Array:
+    """Rotations (m, 3, 3), one each, that turn unit ``axis`` (3,) to unit ``directions`` (m, 3).
+
+    Half turns about the middle of the two; where they are nearly opposite, after half a turn about what lies across
+    the axis.
+    """
+    opposite = np.linalg.norm(directions + axis, axis=1) < _HALF
+    middle = directions + np.where(opposite[:, None], -axis, axis)
+    middle /= np.linalg.norm(middle, axis=1, keepdims=True)
+    turn = 2.0 * middle[:, :, None] * middle[:, None, :] - np.eye(3)
+    across = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
+    across /= np.linalg.norm(across)
+    # (2 m m' - 1)(2 a a' - 1), number by number, so that a batch has the digits of its members.
+    shared = (middle * across).sum(axis=1)[:, None, None]
+    flipped = 4.0 * shared * middle[:, :, None] * across - turn - 2.0 * np.outer(across, across)
+    out: Array = np.where(opposite[:, None, None], flipped, turn)
+    return out
+
+
+def _turned(R: Array, axis: Array, angles: Array) -> Array:
+    """The rotation ``R`` (3, 3), turned by angles (m,) about unit ``axis`` (3,): (m, 3, 3)."""
+    along = np.outer(axis, axis) @ R
+    across = np.cross(axis, R, axisa=0, axisb=0, axisc=0)
+    s, c = np.sin(angles)[:, None, None], np.cos(angles)[:, None, None]
+    out: Array = along + c * (R - along) + s * across
+    return out
