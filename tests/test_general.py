@@ -18,6 +18,7 @@ from urdf_ik._kernels import general_6r as kernels
 from urdf_ik._kernels import hidden_joint as hidden
 from urdf_ik._kernels import layout
 from urdf_ik._kernels.lines import LINE, line_motion, line_vector
+from urdf_ik._kernels.polynomials import self_inversive_roots
 
 Array = NDArray[np.float64]
 
@@ -290,57 +291,67 @@ def test_the_planted_angle_is_a_root(name: str) -> None:
             continue
         _, coefficients, _ = eliminated(case, row, case.oracle.pose(q))
         z = np.empty(16, np.complex128)
-        hidden.complex_roots(coefficients, z)
+        self_inversive_roots(coefficients, z)
         assert np.abs(z - np.exp(1j * q[joint])).min() < 1e-5, q
 
 
-def test_complex_roots_are_the_planted_ones() -> None:
-    """Sixteen planted roots, on, inside and outside the unit circle, come back from their polynomial's coefficients."""
+@pytest.mark.parametrize("degree", [4, 16])
+def test_self_inversive_roots_are_the_planted_ones(degree: int) -> None:
+    """Planted roots, on the unit circle or in pairs mirrored at it, come back from their polynomial's coefficients."""
     rng = np.random.default_rng(15)
-    for on_circle in range(0, 17, 2):
+    for on_circle in range(0, degree + 1, 2):
+        pairs = (degree - on_circle) // 2
         # Well apart in angle: clustered roots are ill-conditioned, whatever the method.
-        angles = 2.0 * np.pi * (np.arange(16) + rng.uniform(-0.2, 0.2, 16)) / 16
-        sizes = np.exp(rng.uniform(-0.4, 0.4, 16))
-        sizes[rng.permutation(16)[:on_circle]] = 1.0
-        planted = sizes * np.exp(1j * angles)
-        coefficients = np.ascontiguousarray(np.poly(planted)[::-1]) * (0.3 - 2.0j)
-        z = np.empty(16, np.complex128)
-        hidden.complex_roots(coefficients, z)
+        angles = 2.0 * np.pi * (np.arange(on_circle + pairs) + rng.uniform(-0.2, 0.2)) / (on_circle + pairs)
+        angles = rng.permutation(angles)
+        inside = np.exp(-rng.uniform(0.1, 0.5, pairs)) * np.exp(1j * angles[on_circle:])
+        planted = np.concatenate([np.exp(1j * angles[:on_circle]), inside, 1.0 / np.conj(inside)])
+        coefficients = np.poly(planted)[::-1]
+        coefficients *= np.exp(0.5j * np.angle(np.conj(coefficients[0]) / coefficients[-1]))
+        np.testing.assert_allclose(coefficients, np.conj(coefficients[::-1]), atol=1e-10 * abs(coefficients).max())
+        z = np.empty(degree, np.complex128)
+        self_inversive_roots(np.ascontiguousarray(coefficients), z)
         distance = np.abs(planted[:, None] - z[None, :])
-        assert sorted(distance.argmin(axis=1)) == list(range(16))
+        assert sorted(distance.argmin(axis=1)) == list(range(degree))
         assert distance.min(axis=1).max() < 1e-9
 
 
-def test_complex_roots_are_numpys() -> None:
-    """For random coefficients, of very different sizes too, the roots are those of NumPy's eigenvalues."""
+def test_self_inversive_roots_are_numpys() -> None:
+    """For random harmonics, of very different sizes too, the roots are those of NumPy's eigenvalues."""
     rng = np.random.default_rng(16)
     for scale in (1.0, 1e-3, 1e-6):
-        coefficients = rng.normal(size=17) + 1j * rng.normal(size=17)
-        coefficients[:4] *= scale  # some roots near zero
+        half = rng.normal(size=9) + 1j * rng.normal(size=9)
+        half[:3] *= scale  # some roots near zero, and as many far out
+        half[8] = half[8].real
+        coefficients = np.concatenate([half, np.conj(half[7::-1])])
         z = np.empty(16, np.complex128)
-        hidden.complex_roots(coefficients, z)
+        self_inversive_roots(coefficients, z)
         expected = np.roots(coefficients[::-1])
-        distance = np.abs(expected[:, None] - z[None, :])
+        distance = np.abs(expected[:, None] - z[None, :]) / np.abs(expected)[:, None]
         assert sorted(distance.argmin(axis=1)) == list(range(16))
-        assert distance.min(axis=1).max() < 1e-8
+        assert distance.min(axis=1).max() < 1e-7
 
 
-def test_null_vector() -> None:
-    """At the planted hidden angle the matrix of the elimination takes the null vector to zero."""
+def test_null_vectors_hold_the_planted_angles() -> None:
+    """At the planted hidden angle the null vector is the product of the other two angles' terms."""
     case = named("random-0")
     row = variants(case)[0]
-    joint = (int(row[hidden.FIRST]) + 5) % 6
-    joint = 5 - joint if row[hidden.REVERSED] else joint
+    joints = [(int(row[hidden.FIRST]) + k) % 6 for k in (3, 4, 5)]
+    kept, kept_too, last = (5 - j for j in joints) if row[hidden.REVERSED] else joints
     for q in case.oracle.draw(np.random.default_rng(17), 10):
-        G, A = np.empty((4, 4)), np.empty((3, 6, 9))
+        if case.oracle.sigma_min(q) < 1e-2:
+            continue
+        G, A, X = np.empty((4, 4)), np.empty((3, 6, 9)), np.empty((12, 16))
         kernels.loop_motion(case.arm._plan.arm, case.oracle.pose(q), row[hidden.REVERSED] != 0.0, G)
         hidden.equations(row, G, A)
-        c, s = math.cos(q[joint]), math.sin(q[joint])
-        M, x = np.empty((12, 12)), np.empty(12)
-        hidden.matrix_at(A, c, s, M)
-        hidden.null_vector(A, c, s, x)
-        assert abs(np.linalg.norm(x) - 1.0) < 1e-12
-        assert np.linalg.norm(M @ x) < 1e-9 * np.linalg.norm(M)
+        hidden.null_vectors(A, np.tile([math.cos(q[last]), math.sin(q[last])], (16, 1)), X)
+        t, half = q[kept], 0.5 * q[kept_too]
+        halves = [math.cos(half), math.sin(half), math.cos(3.0 * half), math.sin(3.0 * half)]
+        expected = np.outer([1.0, math.cos(t), math.sin(t)], halves).ravel()
+        expected /= np.linalg.norm(expected)
+        for x in X.T:
+            assert abs(np.linalg.norm(x) - 1.0) < 1e-12
+            assert min(np.linalg.norm(x - expected), np.linalg.norm(x + expected)) < 1e-6
 
 
 def test_pinocchio_agrees_on_the_standard_table() -> None:
