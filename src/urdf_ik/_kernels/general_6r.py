@@ -24,6 +24,7 @@ from urdf_ik._kernels.thresholds import (
     NEAR_CIRCLE,
     NEAR_FOLD,
     ON_CIRCLE,
+    PATIENCE,
 )
 from urdf_ik._kernels.trig import wrap
 
@@ -178,10 +179,10 @@ def gather(arm, variant, circle, target, Q, flags, spare, stuck):
     for k in range(many):
         q, error = found[k], errors[k]
         if error > CONVERGED and error < CLOSE:
-            error = refine(arm, target, q, 40, FINISHED)
+            error = refine(arm, target, q, 40, FINISHED, PATIENCE)
         if error > CONVERGED and on_circle[k]:
             q[:] = starts[k]
-            error = refine(arm, target, q, 40, FINISHED)
+            error = refine(arm, target, q, 40, FINISHED, PATIENCE)
         if error < spare[6]:
             spare[:6] = q
             spare[6] = error

@@ -37,7 +37,17 @@ from urdf_ik._kernels.newton import (
     newton_columns,
 )
 from urdf_ik._kernels.target import check_target, project_rotation, to_frame_1
-from urdf_ik._kernels.thresholds import ALMOST_FREE, AROUND, CLOSE_BY, CONVERGED, CORRECTIONS, FAR_OFF, KANTOROVICH
+from urdf_ik._kernels.thresholds import (
+    ALMOST_FREE,
+    AROUND,
+    CLOSE_BY,
+    CONVERGED,
+    CORRECTIONS,
+    FAR_OFF,
+    KANTOROVICH,
+    SHORT_ARM,
+    SHORT_BY_DRIFT,
+)
 from urdf_ik._kernels.trig import wrap
 
 _WRIST, _PARALLEL, _SHOULDER, _MIDDLE = 0, 1, 2, 3
@@ -123,7 +133,9 @@ def _decide(family, N, out, past, arm, answer):
         for i in range(LANES):
             N[ANGLES + j, i] = out[j, i]
     newton_columns(arm, layout.INNER_FRAMES, N, 5)
-    error, steep = arm[layout.IMPERFECTION], _steepness(family, arm)
+    drift, steep = arm[layout.DRIFT], _steepness(family, arm)
+    # Where an angle is fixed by an arm this short, the arm as written may have more solutions than the ideal one.
+    short = min(SHORT_BY_DRIFT * drift, SHORT_ARM)
     open_columns = 0
     for i in range(LANES):
         if answer[6, i] != 2.0:
@@ -133,10 +145,11 @@ def _decide(family, N, out, past, arm, answer):
             last = max(last, abs(wrap(out[j, i] - past[j, i])))
             moved = max(moved, abs(wrap(N[ANGLES + j, i] - out[j, i])))
             answer[j, i] = N[ANGLES + j, i]
-        # A solution lies as far from the answer as an arm of this length lets the imperfection turn it, and at x
-        # beside a fold its margin, x^2, is less than it would be here by steep x: at most steep^2 / 4.
-        away = min(last + 0.25 * steep + error / math.sqrt(out[15, i] + 1e-300), 1.0)
-        if N[ERROR, i] <= CONVERGED and moved <= KANTOROVICH * N[LEAST, i] and out[14, i] > 0.0:
+        # A solution lies as far from the answer as an arm of this length lets the correction turn it, and at x beside
+        # a fold its margin, x^2, is less than it would be here by steep x: at most steep^2 / 4.
+        away = min(last + 0.25 * steep + 2.0 * drift / math.sqrt(out[15, i] + 1e-300), math.pi)
+        regular = N[ERROR, i] <= CONVERGED and moved <= KANTOROVICH * N[LEAST, i] and out[15, i] >= short * short
+        if regular and out[14, i] > 0.0:
             answer[6, i] = 1.0
         elif out[14, i] < -steep * away - 1e-12:
             answer[6, i] = 0.0

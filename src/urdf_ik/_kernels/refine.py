@@ -10,7 +10,7 @@ from urdf_ik._kernels import layout
 from urdf_ik._kernels.compile import kernel
 from urdf_ik._kernels.newton import newton
 from urdf_ik._kernels.screws import jacobian_from_axes, place_axes
-from urdf_ik._kernels.thresholds import CONVERGED, DOUBTFUL, FINISHED, PATIENCE
+from urdf_ik._kernels.thresholds import CONVERGED, DOUBTFUL, FINISHED, LONG_PATIENCE
 from urdf_ik._kernels.trig import wrap
 
 STARTS = 13
@@ -86,11 +86,12 @@ def place(arm, prismatic, q, T, axes, points):
 
 
 @kernel
-def refine(arm, target, q, rounds, enough):
+def refine(arm, target, q, rounds, enough, patience):
     """Newton's method, damped, on the arm as written; ``q`` (6,) is replaced by the best vector met.
 
-    It stops below ``enough`` and returns the error left (see ``pose_error``). The damping falls with the error, so
-    that convergence is quadratic at regular solutions and steps stay bounded at singular ones.
+    It stops below ``enough``, or after ``patience`` rounds without the gain of a third, and returns the error left
+    (see ``pose_error``). The damping falls with the error, so that convergence is quadratic at regular solutions and
+    steps stay bounded at singular ones.
     """
     scale = 1.0 / arm[layout.SIZE]
     prismatic = np.zeros(6, np.bool_)
@@ -109,7 +110,7 @@ def refine(arm, target, q, rounds, enough):
         since += 1
         if error < 0.7 * mark:
             mark, since = error, 0
-        if error < enough or k == rounds or since > PATIENCE:
+        if error < enough or k == rounds or since > patience:
             break
         jacobian_from_axes(prismatic, axes, points, T[:3, 3], J)
         for j in range(6):
@@ -132,7 +133,7 @@ def holds(arm, target, q):
 
     That is for a margin below zero by what rounding may have done to it; ``q`` is replaced.
     """
-    return refine(arm, target, q, 60, CONVERGED) <= DOUBTFUL
+    return refine(arm, target, q, 60, CONVERGED, LONG_PATIENCE) <= DOUBTFUL
 
 
 @kernel
@@ -266,7 +267,7 @@ def accept(arm, target, q, b, marks, near, beside, Q, flags):
         error = math.inf if exact else newton(arm, target, q, 8)
         if error > CONVERGED:
             q[:] = start
-            error = refine(arm, target, q, 15 if exact else 60, enough)
+            error = refine(arm, target, q, 15 if exact else 60, enough, LONG_PATIENCE)
         if error <= (arm[layout.REACH] if exact else CONVERGED) and is_new(arm, target, Q, flags, q):
             keep(Q, flags, b, q, singular_marks(arm, q, marks) if near else 0)
         return
@@ -274,7 +275,7 @@ def accept(arm, target, q, b, marks, near, beside, Q, flags):
     least, converged = math.inf, False
     for k in range(STARTS):
         start_beside(start, k, q)
-        error = refine(arm, target, q, 40, FINISHED)
+        error = refine(arm, target, q, 40, FINISHED, LONG_PATIENCE)
         if error < least:
             least = error
             best[:] = q

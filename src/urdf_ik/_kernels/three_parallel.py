@@ -113,7 +113,7 @@ def branches(W, out, m, arm):
         out[11, i], out[12, i], out[13, i] = q5, q6, state
         out[14, i], out[15, i] = (
             min(min(m1, m3), m2 if (fixed > edge) | (m2 > 0.0) else 0.0),
-            min(fixed, min(arm1, arm2)),
+            min(min(fixed, min(arm1, arm2)), min(abs(m1), abs(m3))),
         )
 
 

@@ -15,8 +15,9 @@ ROOTS_CROWDED = 1e-4
 ROUGH_BY_MARGIN = 1e-13
 # Newton's method is done when an error falls to what forward kinematics of six joints rounds to.
 FINISHED, CONVERGED = 1.8e-15, 2e-14
-# A damped iteration that has not gained a third in this many rounds has come to rest.
-PATIENCE = 7
+# A damped iteration that has not gained a third in this many rounds has come to rest, from a start that may be no
+# solution's; from one that should be, it may be in a long valley.
+PATIENCE, LONG_PATIENCE = 7, 60
 # Error to which a candidate must fall that lies a little beyond its family's edge.
 DOUBTFUL = 1e-12
 
@@ -28,6 +29,9 @@ ALMOST_FREE = 5.0
 # Newton's method, moved by less than this share of the Jacobian's smallest singular value, has found the one solution
 # there: with J's Lipschitz constant at most 1, Kantorovich's theorem asks for a half.
 KANTOROVICH = 0.5
+# An arm (a sine, or a share of the size) this short is not trusted to fix an angle of an imperfect arm: a multiple of
+# what the correction changes by per rad, up to a bound.
+SHORT_BY_DRIFT, SHORT_ARM = 300.0, 0.1
 # How often an imperfect arm's target is corrected before the elimination is asked.
 CORRECTIONS = 4
 # Places on the circle from which an almost free joint is tried.
