@@ -27,7 +27,6 @@ from urdf_ik._kernels.thresholds import CONVERGED, FINISHED, NEAR_FOLD
 # middle and half the width of where it is looked for; then H, P, which axes slide, the gain of
 # the axes by the joints, the greatest rates at which the joints turn what is behind each axis.
 AXES, JOINTS, UNIT, PERIOD, MIDDLE, HALF, DATA = layout.FRAMES, 149, 150, 156, 162, 168, 174
-MOST = 6
 # Boxes of one level at most; starts taken from them if they are more; the reach of the last ones [rad].
 _ROOM, _STARTS, _SMALLEST = 60000, 400, 2e-4
 # Two solutions beside a fold are two as long as their singular values are above this share of a singular one's; on a
@@ -257,7 +256,7 @@ def _judge(arm, chain, target, c, w, rho, start):
 
 @kernel
 def _widest(arm, chain, w, shares):
-    """The joint that the bound gains most by if it is halved, as far as it is wider than the others' least."""
+    """The joint whose halving lowers the bound most."""
     best, least = 0, math.inf
     for j in range(w.size):
         shares[:] = w
