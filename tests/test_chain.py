@@ -325,13 +325,10 @@ def test_mimics_of_mimics_and_of_continuous_joints(driver: str, factor: float, s
         ("base", "cart", "floating", "loose"),
         ("cart", "base", "floating", "loose"),
         ("tool", "rug", "planar", "flat"),
-        ("base", "right", "mimics 'a'", "right"),
-        ("left", "tool", "mimics 'a'", "left"),
-        ("base", "shutter", "mimics 'free'", "lid"),
     ],
 )
 def test_joints_that_cannot_be_solved(base: str, tip: str, kind: str, name: str) -> None:
-    """Floating, planar and mimic joints in the chain are refused, by name and with the reason."""
+    """Floating and planar joints in the chain are refused, by name and with the reason."""
     with pytest.raises(UnsupportedArm, match=f"'{name}'.*{kind}"):
         Chain.from_urdf(urdf.read(HAND.format(RIGHT)), base, tip)
 

@@ -20,7 +20,17 @@ from urdf_ik.solutions import IKSolutions, Singular, Solution
 Array = NDArray[np.float64]
 PI = np.pi
 
-Chain = namedtuple("Chain", "joint_types")
+
+
+class Chain(namedtuple("Chain", "joint_types")):
+    """What solutions ask of a chain."""
+
+    @property
+    def image_turns(self):
+        """(n,) turns after which a joint is in the same posture."""
+        return np.array([float(kind != "prismatic") for kind in self.joint_types])
+
+
 FakeArm = namedtuple("FakeArm", "name joint_names limits dof chain explain collision_model redundancy")
 
 

@@ -32,9 +32,10 @@ def as_json(arm: Arm, angles: Angles) -> str:
             "joints": [
                 {"name": name, "type": kind, "axis": axis, "lower": lower, "upper": upper}
                 for name, kind, axis, (lower, upper) in zip(
-                    arm.joint_names, arm.chain.joint_types, arm.chain.H, limits, strict=True
+                    arm.joint_names, arm.chain.joint_types, arm.chain.directions, limits, strict=True
                 )
             ],
+            "mimics": [follower._asdict() for follower in arm.chain.followers],
             "structure": {
                 "pairs": [
                     {
@@ -83,7 +84,13 @@ def as_text(arm: Arm, angles: Angles) -> str:
         [
             [i + 1, name, kind, _vector(axis), *(_limit(x) for x in limits), "m" if kind == "prismatic" else unit]
             for i, (name, kind, axis, limits) in enumerate(
-                zip(arm.joint_names, arm.chain.joint_types, arm.chain.H, angles.shown(arm.limits.T).T, strict=True)
+                zip(
+                    arm.joint_names,
+                    arm.chain.joint_types,
+                    arm.chain.directions,
+                    angles.shown(arm.limits.T).T,
+                    strict=True,
+                )
             )
         ],
         left=["joint", "type", "axis in base at q = 0", "unit"],
@@ -97,6 +104,7 @@ def as_text(arm: Arm, angles: Angles) -> str:
         ("robot", arm.name),
         ("source", arm.model.source),
         ("chain", f"{arm.base} to {arm.tip}, {arm.dof} joints"),
+        *[("mimics", str(follower)) for follower in arm.chain.followers],
         *[("locked", f"{name} at {_held(arm, name, value, angles)}") for name, value in arm.locked.items()],
     ]
     solver = [("family", structure.family or _UNSOLVED)]

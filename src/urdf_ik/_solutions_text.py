@@ -106,7 +106,7 @@ def _image(joint: int, rank: int, least: float, most: float) -> str:
 def _out_of_limits(solutions: IKSolutions, tol: float) -> str:
     """The solution that is least far outside the limits, and its joints that are."""
     arm = solutions.arm
-    turning = solutions.rotary & ("turns" not in solutions.filters)
+    turning = arm.chain.image_turns * ("turns" not in solutions.filters)
     image, out = limits.excess(solutions.to_array(), arm.limits, turning, tol)
     best = int(np.argmin(np.abs(out).max(axis=-1)))
     parts = []

@@ -19,6 +19,7 @@ from urdf_ik.chain import Chain
 from urdf_ik.cuspidality import is_cuspidal
 from urdf_ik.errors import JointVectorError, PoseError, UnsupportedArm
 from urdf_ik.families.plan import Plan, RedundantPlan
+from urdf_ik.mimic import CoupledChain
 from urdf_ik.poses import as_pose_array, check_poses
 from urdf_ik.solutions import IKSolutions
 from urdf_ik.structure import Structure, analyse
@@ -340,6 +341,11 @@ class Arm:
 
     def _unsupported(self) -> UnsupportedArm:
         """The error for an arm without a solver."""
+        if isinstance(self.chain, CoupledChain):
+            return UnsupportedArm(
+                f"{self.name}: {families.coupled.why_not(self.chain)}; joints that mimic others: "
+                f"{', '.join(map(str, self.chain.followers))}; independent: {', '.join(self.joint_names)}"
+            )
         if self.dof <= 7:
             return UnsupportedArm(f"{self.name}: no solver for this arm yet. {self.structure}")
         held = ", ".join(f"{name!r}: 0.0" for name in self.joint_names[: self.dof - 7])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -38,10 +38,32 @@ class TreeJoint:
     multiplier: float
     offset: float
 
+    def held(self, free: list[int], q: NDArray[np.float64]) -> TreeJoint:
+        """This joint when only the columns ``free`` of the joint vector are left, the others held at ``q``."""
+        if self.column is None:
+            return self
+        if self.column in free:
+            return replace(self, column=free.index(self.column))
+        return replace(self, column=None, offset=self.offset + self.multiplier * float(q[self.column]))
+
+
+class Follower(NamedTuple):
+    """A joint of the chain that mimics another: value = multiplier * q[driver] + offset."""
+
+    name: str
+    driver: str
+    multiplier: float
+    offset: float
+
+    def __str__(self) -> str:
+        return f"{self.name} = {self.multiplier:g} {self.driver}{f' {self.offset:+g}' if self.offset else ''}"
+
 
 @dataclass(frozen=True)
 class Chain:
     """The joints between ``base`` and ``tip`` as a product of exponentials.
+
+    Where joints mimic others, a :class:`urdf_ik.mimic.CoupledChain`.
 
     Attributes:
         base: base link; every pose is expressed in it.
@@ -51,10 +73,11 @@ class Chain:
         H: (n, 3) unit directions of the joint axes at q = 0, in base axes.
         P: (n + 1, 3) m, steps from the base origin to axis 1, from axis to axis, from axis n to the tip.
         R_tip: (3, 3) rotation of the tip in the base at q = 0.
-        limits: (n, 2) rad or m; a continuous joint has (-inf, inf).
+        limits: (n, 2) rad or m; a continuous joint has (-inf, inf). What mimics it narrows a joint's limits.
         tree: every joint of the URDF, parents first, in the base link's frame.
         root: the URDF's root link.
         locked: (name, value [rad or m]) of the joints that ``lock`` has made part of the fixed geometry.
+        followers: the joints from base to tip that mimic others.
     """
 
     base: str
@@ -68,6 +91,7 @@ class Chain:
     tree: tuple[TreeJoint, ...] = field(repr=False, default=())
     root: str = ""
     locked: tuple[tuple[str, float], ...] = ()
+    followers: tuple[Follower, ...] = ()
 
     def __post_init__(self) -> None:
         for array in (self.H, self.P, self.R_tip, self.limits):
@@ -82,6 +106,21 @@ class Chain:
     def prismatic(self) -> NDArray[np.bool_]:
         """(n,) true for prismatic joints."""
         return np.array([kind == "prismatic" for kind in self.joint_types], dtype=np.bool_)
+
+    @property
+    def axes(self) -> Chain:
+        """The chain of the moving axes: this one, but where joints mimic others."""
+        return self
+
+    @property
+    def directions(self) -> NDArray[np.float64]:
+        """(n, 3) unit direction of each joint's axis at q = 0, of the first axis that it moves."""
+        return self.H
+
+    @property
+    def image_turns(self) -> NDArray[np.float64]:
+        """(n,) turns after which a joint is in the same posture: 1, or 0 for one that slides."""
+        return np.where(self.prismatic, 0.0, 1.0)
 
     @property
     def points(self) -> NDArray[np.float64]:
@@ -99,7 +138,7 @@ class Chain:
 
         Raises:
             ChainError: base or tip is unknown, ambiguous, or not on one chain.
-            UnsupportedArm: a joint of the chain is of a type, or a mimic, that cannot be solved.
+            UnsupportedArm: a joint of the chain is of a type that cannot be solved.
         """
         base, tip = model.resolve_chain(base, tip)
         movable: list[Joint] = []
@@ -118,12 +157,12 @@ class Chain:
             if upwards:
                 frame = frame @ np.linalg.inv(joint.origin)
         points.append(frame[:3, 3].copy())
-        names = tuple(joint.name for joint in movable)
+        names = tuple(dict.fromkeys(followed(model, joint)[0].name for joint in movable))
         limits = [(-np.inf, np.inf) if joint.type == "continuous" else (joint.lower, joint.upper) for joint in movable]
-        return cls(
+        chain = cls(
             base=base,
             tip=tip,
-            joint_names=names,
+            joint_names=tuple(joint.name for joint in movable),
             joint_types=tuple(joint.type for joint in movable),
             H=np.array(H, dtype=np.float64).reshape(-1, 3),
             P=np.diff(np.array(points), axis=0),
@@ -131,7 +170,13 @@ class Chain:
             limits=np.array(limits, dtype=np.float64).reshape(-1, 2),
             tree=_tree(model, names),
             root=model.root,
+            followers=tuple(_follower(model, joint) for joint in movable if joint.mimic is not None),
         )
+        if not chain.followers:
+            return chain
+        from urdf_ik.mimic import coupled
+
+        return coupled(model, chain, movable)
 
     def reversed(self) -> Chain:
         """The same joints from tip to base: its poses are the inverses, its joint vectors run backwards."""
@@ -159,13 +204,7 @@ class Chain:
             ChainError: the chain has no such joint; the error lists those that it has.
             JointVectorError: a value is no finite number.
         """
-        held = {name: _held_at(name, value) for name, value in values.items()}
-        if unknown := [name for name in held if name not in self.joint_names]:
-            raise ChainError(
-                f"joint {unknown[0]!r} cannot be locked: it is not among the movable joints from "
-                f"{self.base!r} to {self.tip!r}",
-                self.joint_names,
-            )
+        held = held_values(self, values)
         if not held:
             return self
         axes, points, home = np.empty((self.n, 3)), np.empty((self.n, 3)), np.empty((4, 4))
@@ -180,8 +219,9 @@ class Chain:
             P=np.diff(np.vstack([np.zeros(3), points[free], home[:3, 3]]), axis=0),
             R_tip=home[:3, :3].copy(),
             limits=self.limits[free],
-            tree=tuple(_locked(joint, free, q) for joint in self.tree),
+            tree=tuple(joint.held(free, q) for joint in self.tree),
             locked=(*self.locked, *held.items()),
+            followers=tuple(each for each in self.followers if each.driver not in held),
         )
 
     def fk(self, q: ArrayLike) -> NDArray[np.float64]:
@@ -274,6 +314,18 @@ class Chain:
         return Q
 
 
+def held_values(chain: Chain, values: Mapping[str, float]) -> dict[str, float]:
+    """Names and values of joints to hold, as :meth:`Chain.lock` takes and refuses them."""
+    held = {name: _held_at(name, value) for name, value in values.items()}
+    if unknown := [name for name in held if name not in chain.joint_names]:
+        raise ChainError(
+            f"joint {unknown[0]!r} cannot be locked: it is not among the movable joints from "
+            f"{chain.base!r} to {chain.tip!r}",
+            chain.joint_names,
+        )
+    return held
+
+
 def _held_at(name: str, value: float) -> float:
     """``value`` as a float."""
     try:
@@ -283,15 +335,6 @@ def _held_at(name: str, value: float) -> float:
     if not math.isfinite(held):
         raise JointVectorError(f"joint {name!r} cannot be locked at {value!r}; one finite number is needed, rad or m")
     return held
-
-
-def _locked(joint: TreeJoint, free: list[int], q: NDArray[np.float64]) -> TreeJoint:
-    """``joint`` of the tree when only the columns ``free`` of the joint vector are left, the others held at ``q``."""
-    if joint.column is None:
-        return joint
-    if joint.column in free:
-        return replace(joint, column=free.index(joint.column))
-    return replace(joint, column=None, offset=joint.offset + joint.multiplier * float(q[joint.column]))
 
 
 def _steps(model: UrdfModel, base: str, tip: str) -> list[tuple[Joint, bool]]:
@@ -317,11 +360,6 @@ def _require_supported(model: UrdfModel, joint: Joint) -> None:
             f"{model.source}: joint {joint.name!r} of the chain is {joint.type}; "
             f"only fixed, {', '.join(MOVABLE)} joints can be solved"
         )
-    if joint.mimic is not None:
-        raise UnsupportedArm(
-            f"{model.source}: joint {joint.name!r} of the chain mimics {joint.mimic[0]!r}; a chain whose joints "
-            f"move together cannot be solved yet: choose a base and tip with independent joints"
-        )
 
 
 def _motion(joint: TreeJoint, value: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -339,19 +377,30 @@ def _motion(joint: TreeJoint, value: NDArray[np.float64]) -> NDArray[np.float64]
     return T.reshape(*value.shape, 4, 4)
 
 
+def followed(model: UrdfModel, joint: Joint) -> tuple[Joint, float, float]:
+    """The joint at the end of a row of mimics, itself for one that is free, with multiplier and offset."""
+    by_name = {each.name: each for each in model.joints} if joint.mimic else {}
+    multiplier, offset = 1.0, 0.0
+    while joint.mimic is not None and joint.mimic[0] in by_name:
+        name, factor, shift = joint.mimic
+        offset += multiplier * shift
+        multiplier *= factor
+        joint = by_name[name]
+    return joint, multiplier, offset
+
+
+def _follower(model: UrdfModel, joint: Joint) -> Follower:
+    driver, multiplier, offset = followed(model, joint)
+    return Follower(joint.name, driver.name, multiplier, offset)
+
+
 def _tree(model: UrdfModel, names: tuple[str, ...]) -> tuple[TreeJoint, ...]:
     """Every joint of the URDF, parents before children."""
-    by_name = {joint.name: joint for joint in model.joints}
     out: list[TreeJoint] = []
     waiting = [model.root]
     while waiting:
         for joint in model.children(waiting.pop()):
-            multiplier, offset, driver = 1.0, 0.0, joint
-            while driver.mimic is not None and driver.mimic[0] in by_name:
-                driven_by, factor, shift = driver.mimic
-                offset += multiplier * shift
-                multiplier *= factor
-                driver = by_name[driven_by]
+            driver, multiplier, offset = followed(model, joint)
             moves = joint.type in MOVABLE
             column = names.index(driver.name) if moves and driver.name in names else None
             out.append(

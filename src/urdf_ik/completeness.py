@@ -64,7 +64,7 @@ def compare(
         raise UrdfIkError(f"n = {n}: at least one pose must be compared")
     if seed < 0:
         raise UrdfIkError(f"seed = {seed}: a seed is zero or more")
-    if not general_6r.matches(arm.structure):
+    if arm.dof != 6 or not general_6r.matches(arm.structure):
         kinds = ", ".join(arm.chain.joint_types)
         raise UnsupportedArm(f"{arm.name}: completeness is compared for six turning joints, and this arm has {kinds}")
     judge = Judge(arm.chain, Reference(arm.model, arm.base, arm.tip))

@@ -54,7 +54,7 @@ _DISTINCT = 1e-3  # rad
 def is_cuspidal(arm: Arm) -> bool | None:
     """Whether an arm can change solutions without crossing a singularity; None where that is not known."""
     structure = arm.structure
-    if len(structure.joint_types) != 6 or "prismatic" in structure.joint_types:
+    if arm.dof != 6 or "prismatic" in structure.joint_types:
         return None
     if structure.is_exact and structure.family.removesuffix(", reversed") in _BY_QUADRATICS:
         return False

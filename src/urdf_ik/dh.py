@@ -165,6 +165,8 @@ class DHTable:
         check_convention(convention)
         if chain.n == 0:
             raise DHError(f"no movable joint between {chain.base!r} and {chain.tip!r}, so there is no table")
+        if chain.axes is not chain:
+            raise DHError(f"joints between {chain.base!r} and {chain.tip!r} mimic others, which a table cannot say")
         table = cls(
             convention=convention,
             joint_types=chain.joint_types,

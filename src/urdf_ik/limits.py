@@ -42,7 +42,7 @@ class Turned(NamedTuple):
     ranks: NDArray[np.intp]
 
 
-def image_range(q: Array, limits: Array, turning: Mask, tol: float = LIMIT_TOLERANCE) -> tuple[Array, Array]:
+def image_range(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TOLERANCE) -> tuple[Array, Array]:
     """First and last k for which ``q + 2 pi k`` is inside the limits, exactly as floating point adds them.
 
     A joint that does not turn (prismatic), or without a limit on a side (continuous), has at most one
@@ -51,7 +51,7 @@ def image_range(q: Array, limits: Array, turning: Mask, tol: float = LIMIT_TOLER
     Args:
         q: (..., n) rad or m.
         limits: (n, 2) lower and upper, rad or m.
-        turning: (n,) whether 2 pi more is the same posture.
+        turning: (n,) whether 2 pi more is the same posture; a number: so many turns more, where joints mimic others.
         tol: rad or m by which a limit may be exceeded; negative: the margin to keep from it.
 
     Returns:
@@ -63,13 +63,14 @@ def image_range(q: Array, limits: Array, turning: Mask, tol: float = LIMIT_TOLER
     if not np.isfinite(tol):
         raise UrdfIkError(f"a limit tolerance of {tol} given; it must be a finite number of rad or m")
     lower, upper = limits[:, 0] - tol, limits[:, 1] + tol
+    turning, turn = _turns(turning)
     with np.errstate(invalid="ignore", over="ignore"):  # NaN rows, and limits like 1e308 for "none"
-        first, last = np.ceil((lower - q) / TURN), np.floor((upper - q) / TURN)
+        first, last = np.ceil((lower - q) / turn), np.floor((upper - q) / turn)
         # The quotient is rounded; the sum that is returned later decides.
-        first = np.where(q + (first - 1.0) * TURN >= lower, first - 1.0, first)
-        first = np.where(q + first * TURN < lower, first + 1.0, first)
-        last = np.where(q + (last + 1.0) * TURN <= upper, last + 1.0, last)
-        last = np.where(q + last * TURN > upper, last - 1.0, last)
+        first = np.where(q + (first - 1.0) * turn >= lower, first - 1.0, first)
+        first = np.where(q + first * turn < lower, first + 1.0, first)
+        last = np.where(q + (last + 1.0) * turn <= upper, last + 1.0, last)
+        last = np.where(q + last * turn > upper, last - 1.0, last)
         single = ~(np.isfinite(lower) & np.isfinite(upper))
         near = np.minimum(np.maximum(0.0, first), last)
         first, last = np.where(single & (first <= last), near, first), np.where(single & (first <= last), near, last)
@@ -80,13 +81,13 @@ def image_range(q: Array, limits: Array, turning: Mask, tol: float = LIMIT_TOLER
     return np.where(nothing, 0.0, first), np.where(nothing, -1.0, last)
 
 
-def nearest_image(q: Array, limits: Array, turning: Mask, tol: float = LIMIT_TOLERANCE) -> tuple[Array, Mask]:
+def nearest_image(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TOLERANCE) -> tuple[Array, Mask]:
     """The image inside the limits that is fewest turns from each value: the value itself where it is inside.
 
     Args:
         q: (..., B, n) rad or m.
         limits: (n, 2) rad or m.
-        turning: (n,) whether 2 pi more is the same posture.
+        turning: (n,) whether 2 pi more is the same posture; a number: so many turns more, where joints mimic others.
         tol: see :func:`image_range`.
 
     Returns:
@@ -94,12 +95,12 @@ def nearest_image(q: Array, limits: Array, turning: Mask, tol: float = LIMIT_TOL
     """
     first, last = image_range(q, limits, turning, tol)
     inside = np.asarray((first <= last).all(axis=-1))
-    image = q + _fewest(first, last) * TURN
+    image = q + _fewest(first, last) * _turns(turning)[1]
     image[~inside] = np.nan
     return image, inside
 
 
-def turns(q: Array, limits: Array, turning: Mask, tol: float = LIMIT_TOLERANCE) -> Turned:
+def turns(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TOLERANCE) -> Turned:
     """Every combination of images inside the limits; arguments as :func:`nearest_image`.
 
     Every branch gets the same number M of columns, the product of the greatest number of images that each
@@ -128,23 +129,24 @@ def turns(q: Array, limits: Array, turning: Mask, tol: float = LIMIT_TOLERANCE) 
         steps.append(np.take_along_axis(k, order, axis=-1))
     ranks = np.indices(per_joint.astype(np.intp)).reshape(q.shape[-1], int(np.prod(per_joint))).T
     out = np.empty((*q.shape[:-1], len(ranks), q.shape[-1]))
+    turn = _turns(turning)[1]
     for i, k in enumerate(steps):
-        out[..., i] = (q[..., i, None] + k * TURN)[..., ranks[:, i]]
+        out[..., i] = (q[..., i, None] + k * turn[i])[..., ranks[:, i]]
     out = out.reshape(*q.shape[:-2], q.shape[-2] * len(ranks), q.shape[-1])
     valid = np.asarray(~np.isnan(out).any(axis=-1))
     out[~valid] = np.nan
     return Turned(out, valid, tuple(steps), ranks)
 
 
-def iter_turns(q: Array, limits: Array, turning: Mask, tol: float = LIMIT_TOLERANCE) -> Iterator[Array]:
+def iter_turns(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TOLERANCE) -> Iterator[Array]:
     """The images (n,) of one joint vector (n,) inside the limits, one by one, in the order of :func:`turns`."""
     first, last = image_range(q, limits, turning, tol)
     if (first <= last).all():
         for k in _combinations(q, first, last):
-            yield q + np.array(k) * TURN
+            yield q + np.array(k) * _turns(turning)[1]
 
 
-def excess(q: Array, limits: Array, turning: Mask, tol: float = LIMIT_TOLERANCE) -> tuple[Array, Array]:
+def excess(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TOLERANCE) -> tuple[Array, Array]:
     """How far each joint is from its limits in the image that is least far out; arguments as :func:`nearest_image`.
 
     Returns:
@@ -154,13 +156,19 @@ def excess(q: Array, limits: Array, turning: Mask, tol: float = LIMIT_TOLERANCE)
     first, last = image_range(q, limits, turning, tol)
     inside = first <= last
     # Where none is inside, last is the image below the limits and the next one lies above them.
-    low = q + np.where(turning, last, 0.0) * TURN
-    high = low + np.where(turning, TURN, 0.0)
+    turning, turn = _turns(turning)
+    low = q + np.where(turning, last, 0.0) * turn
+    high = low + np.where(turning, turn, 0.0)
     below, above = limits[:, 0] - tol - low, high - limits[:, 1] - tol
     upwards = np.where(turning, above < below, above > 0.0)
-    image = np.where(inside, q + _fewest(first, last) * TURN, np.where(upwards, high, low))
+    image = np.where(inside, q + _fewest(first, last) * turn, np.where(upwards, high, low))
     signed = np.where(inside, 0.0, np.where(upwards, above, -below))
     return np.where(np.isnan(q), np.nan, image), np.where(np.isnan(q), np.nan, signed)
+
+
+def _turns(turning: Mask | Array) -> tuple[Mask, Array]:
+    """Which joints have images, and how far [rad] these are apart."""
+    return np.asarray(turning, dtype=np.bool_), TURN * np.where(turning, turning, 1.0)
 
 
 def _fewest(first: Array, last: Array) -> Array:

@@ -59,7 +59,8 @@ class Reference:
             it, the latter's name.
         prismatic: (n,) true for joints that slide.
         ranges: (n, 2) rad or m, the joint limits, with a turn [-pi, pi] or [-1, 1] m in place of missing ones.
-        limits: (n, 2) rad or m, infinite where there are none.
+        limits: (n, 2) rad or m, infinite where there are none; those of mimicking joints of the chain count, unless
+            they leave nothing.
         size: length that rounding errors are relative to [m]: the sum of all steps between the model's joints.
         pin_model: the ``pinocchio.Model``.
     """
@@ -123,6 +124,9 @@ class Reference:
         kinds = [self._joint(name).shortname() for name in self.joint_names]
         self.prismatic = np.array([kind.startswith("JointModelP") for kind in kinds], dtype=np.bool_)
         self.limits = self._limits()
+        for row, name in zip(self.limits, self.joint_names, strict=True):
+            _tighten(row, [(each, *followed[each.name][1:]) for each in model.joints
+                           if each.name in path and each.name != name and followed[each.name][0] == name])  # fmt: skip
         self.ranges = self._ranges()
         self.size = self._size()
         for array in (self._spread, self.prismatic, self.limits, self.ranges):
@@ -366,6 +370,17 @@ def _build(model: urdf.UrdfModel) -> Any:
         return pin.buildModelFromXML(text)
     except ValueError as error:
         raise UrdfError(f"Pinocchio refuses it: {error}", source=model.source) from None
+
+
+def _tighten(limits: Array, followers: list[tuple[urdf.Joint, float, float]]) -> None:
+    """Narrow a driver's limits (2,) to what the limits of joints that follow it, times and plus these, leave."""
+    lowest, highest = limits
+    for joint, multiplier, offset in followers:
+        if multiplier and joint.type != "continuous" and joint.lower < joint.upper:
+            one, other = (joint.lower - offset) / multiplier, (joint.upper - offset) / multiplier
+            lowest, highest = max(lowest, min(one, other)), min(highest, max(one, other))
+    if lowest <= highest:
+        limits[:] = lowest, highest
 
 
 def _followed(model: urdf.UrdfModel, joint: urdf.Joint) -> tuple[str, float, float]:

@@ -300,11 +300,12 @@ class IKSolutions:
         """
         if "turns" in self.filters:
             return self
-        turned = limits.turns(self._q, self.arm.limits, self.rotary, tol)
+        turned = limits.turns(self._q, self.arm.limits, self.arm.chain.image_turns, tol)
         columns = np.repeat(np.arange(self._q.shape[-2]), len(turned.ranks))
         info = np.where(turned.valid, self._info[..., columns], np.uint8(0))
         before = self._turns_of(self._q)
-        total = [k + before[..., i, None] for i, k in enumerate(turned.steps)]
+        apart = self.arm.chain.image_turns
+        total = [k * apart[i] + before[..., i, None] for i, k in enumerate(turned.steps)]
         branches = text.turned_branches(self._branches, total, turned.ranks)
         step = Step("turns", self, np.broadcast_to(columns, info.shape), tol)
         return self._derived(turned.q, info, branches, step)
@@ -349,7 +350,8 @@ class IKSolutions:
             ) from None
         if not 1 <= n <= self._q.shape[-2]:
             raise UrdfIkError(f"the {n} nearest of {self._q.shape[-2]} columns asked for")
-        on_circle = self._turning | (self.rotary & np.isinf(self.arm.limits).any(axis=1))
+        round_for_ever = np.isinf(self.arm.limits).any(axis=1)
+        on_circle = np.where(round_for_ever, self.arm.chain.image_turns, self._turning)
         far = select.distance(self._q, reference, on_circle, factors)
         columns = select.nearest_columns(far, n)
         q = np.take_along_axis(self._q, columns[..., None], axis=-2)
@@ -406,13 +408,15 @@ class IKSolutions:
         return f"<IKSolutions of {self.arm.name}: {self.count} in {self._info.shape[-1]} columns{filters}>"
 
     @property
-    def _turning(self) -> NDArray[np.bool_]:
-        """(n,) joints whose 2 pi images are the same solution: none where images stand in columns of their own."""
-        return self.rotary & ("turns" not in self.filters)
+    def _turning(self) -> Array:
+        """(n,) turns between images that are the same solution: 0 for all where images stand in their own columns."""
+        turns: Array = self.arm.chain.image_turns * ("turns" not in self.filters)
+        return turns
 
     def _turns_of(self, q: Array) -> Array:
-        """Turns (..., n) that joint vectors are away from (-pi, pi]."""
-        return np.where(self.rotary, np.ceil((q - np.pi) / limits.TURN), 0.0)
+        """Turns (..., n) that joint vectors are away from where the solver gives them, (-pi, pi]."""
+        apart = self.arm.chain.image_turns
+        return apart * np.ceil((q - np.pi * apart) / (limits.TURN * np.where(apart, apart, 1.0)))
 
     def _derived(self, q: Array, info: NDArray[np.uint8], branches: tuple[str, ...], step: Step) -> IKSolutions:
         return IKSolutions(self.arm, self._poses, q, info, branches, None, step, self._redundancy)

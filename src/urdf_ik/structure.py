@@ -145,7 +145,8 @@ class Structure:
 
 
 def analyse(chain: Chain) -> Structure:
-    """Relations between the axes of ``chain``; the family is left open."""
+    """Relations between the axes of ``chain``, mimicking ones too; the family is left open."""
+    chain = chain.axes
     size = chain.size
     n = chain.n
     return Structure(

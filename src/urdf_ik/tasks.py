@@ -53,6 +53,8 @@ class Control:
 
 def control_of(chain: Chain) -> Control:
     """What the arm can control: see ``Arm.task``."""
+    if chain.axes is not chain:
+        return Control("pose")
     plane = plane_of(chain)
     if chain.n > 5 or chain.n < 2:
         return Control("pose", plane)

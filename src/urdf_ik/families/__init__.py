@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from urdf_ik.families import (
     completed,
+    coupled,
     few_joints,
     general_6r,
     imperfect,
@@ -34,6 +35,8 @@ def choose(structure: Structure, chain: Chain) -> Plan | RedundantPlan | None:
     A quartic comes after all closed forms without one. Elimination alone where no family is near; None where no
     solver takes the arm. Of seven joints one is given.
     """
+    if chain.axes is not chain:
+        return coupled.prepare(chain)
     if chain.n < 6:
         few = planar.prepare(structure, chain) or few_joints.prepare(structure, chain)
         return few or completed.prepare(structure, chain, of_six)

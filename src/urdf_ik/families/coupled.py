@@ -1,0 +1,127 @@
+"""Arms in which joints mimic others, with up to four independent ones: the joint space searched by proven bounds."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik._kernels import coupled as kernels
+from urdf_ik._kernels import layout
+from urdf_ik.families.few_joints import columns, is_redundant
+from urdf_ik.families.plan import Plan
+from urdf_ik.mimic import MOST_TURNS, CoupledChain
+from urdf_ik.tolerances import DEFAULT
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.chain import Chain
+
+    Array = NDArray[np.float64]
+
+MOST_JOINTS = 4
+# Axes this close to parallel [rad] count as parallel where turns are added up: far below the bounds' own slack.
+_PARALLEL = 1e-10
+# Columns of a pose; a range [rad, shares of the size] that is too wide to be searched.
+_COLUMNS, _MOST_COLUMNS, _TOO_WIDE = 16, 96, 1e3
+
+
+def prepare(chain: Chain) -> Plan | None:
+    """The plan for poses of a chain whose joints mimic others; None where ``why_not`` has a reason."""
+    if not isinstance(chain, CoupledChain) or why_not(chain):
+        return None
+    kinds = "".join("P" if slides else "R" for slides in chain.axes.prismatic)
+    kinds = kinds if "P" in kinds else f"{len(kinds)}R"
+    turns = int(np.prod(np.maximum(chain.image_turns, 1.0)))
+    return Plan(
+        family=f"{kinds} driven by {chain.n} joint{'s' * (chain.n > 1)}",
+        method="Bisection of the joint space with proven bounds: every part is shown to hold no solution, or one, "
+        "which Newton's method finds on the URDF as written" + _searched_within_limits(chain),
+        branches=columns(min(_MOST_COLUMNS, _COLUMNS * turns)),
+        imperfection=(0.0, 0.0),
+        error=0.0,
+        arm=_pack(chain),
+        solve=kernels.solve,
+        explain=lambda rotation, point: _out_of_reach(chain, point),
+    )
+
+
+def why_not(chain: CoupledChain) -> str:
+    """Why the chain cannot be solved; '' where it can."""
+    if chain.n > MOST_JOINTS:
+        return (
+            f"with joints that mimic others at most {MOST_JOINTS} independent ones are solved, and these are {chain.n}"
+        )
+    for j, name in enumerate(chain.joint_names):
+        lower, upper = chain.limits[j]
+        if not chain.image_turns[j] and not upper - lower <= _TOO_WIDE * _unit(chain, j):
+            factors = ", ".join(f"{factor:g}" for factor in chain.gain[:, j] if factor)
+            return (
+                f"joint {name!r}, with the multipliers {factors}, does not repeat within {MOST_TURNS} turns and has "
+                f"the limits {lower:g} to {upper:g}, between which no search ends: give it limits"
+            )
+    if is_redundant(chain):
+        return "the joints cannot be told from the pose: its Jacobian loses rank everywhere"
+    return ""
+
+
+def _searched_within_limits(chain: CoupledChain) -> str:
+    names = [repr(name) for name, turns in zip(chain.joint_names, chain.image_turns, strict=True) if not turns]
+    return f"; {', '.join(names)} within the limits" if names else ""
+
+
+def _unit(chain: CoupledChain, joint: int) -> float:
+    """What a joint's value is measured in: rad, or the arm's size where it slides [m]."""
+    return chain.size if chain.joint_types[joint] == "prismatic" else 1.0
+
+
+def _pack(chain: CoupledChain) -> Array:
+    axes, n = chain.axes, chain.n
+    arm = np.zeros(kernels.DATA)
+    # The target as it stands: this kernel needs no frames of its own.
+    arm[layout.BASE_ROTATION : layout.BASE_ROTATION + 9 : 4] = 1.0
+    arm[layout.TOOL_ROTATION : layout.TOOL_ROTATION + 9 : 4] = 1.0
+    arm[layout.SIZE] = chain.size
+    arm[layout.REACH : layout.REACH + 9] = DEFAULT.for_kernels()
+    arm[layout.R_TIP : layout.R_TIP + 9] = chain.R_tip.ravel()
+    arm[kernels.AXES], arm[kernels.JOINTS] = axes.n, n
+    units = np.array([_unit(chain, j) for j in range(n)])
+    turns = chain.image_turns
+    lower, upper = chain.limits.T / units
+    arm[kernels.UNIT : kernels.UNIT + n] = units
+    arm[kernels.PERIOD : kernels.PERIOD + n] = 2.0 * math.pi * turns
+    with np.errstate(invalid="ignore"):
+        arm[kernels.MIDDLE : kernels.MIDDLE + n] = np.where(turns > 0.0, 0.0, 0.5 * (lower + upper))
+    # A value at the very end of its range lies inside the box.
+    arm[kernels.HALF : kernels.HALF + n] = np.where(turns > 0.0, math.pi * turns, 0.5 * (upper - lower) + 1e-6)
+    gain = chain.gain * units
+    parts = (axes.H, axes.P, axes.prismatic, gain, _rates(axes, gain))
+    return np.concatenate([arm, *(np.ravel(part) for part in parts)])
+
+
+def _rates(axes: Chain, gain: Array) -> Array:
+    """(m, n) greatest rates [rad] at which the joints turn what is behind each axis.
+
+    About parallel axes in a row, slides between them or not, turns add up with their signs.
+    """
+    done, run = np.zeros(gain.shape[1]), np.zeros(gain.shape[1])
+    along = np.zeros(3)
+    rates = np.empty_like(gain)
+    for k, (h, slides) in enumerate(zip(axes.H, axes.prismatic, strict=True)):
+        if not slides:
+            if np.linalg.norm(np.cross(h, along)) > _PARALLEL or not along.any():
+                done, run, along = done + np.abs(run), np.zeros(gain.shape[1]), h
+            run = run + math.copysign(1.0, float(h @ along)) * gain[k]
+        rates[k] = done + np.abs(run)
+    return rates
+
+
+def _out_of_reach(chain: CoupledChain, point: Array) -> str:
+    """Why a target at ``point`` (3,) [m] has no solution."""
+    far = float(np.linalg.norm(point - chain.points[0]))
+    if far > chain.size and not chain.axes.prismatic.any():
+        return f"the tip is {far:.6g} m from axis 1, and all links together measure {chain.size:.6g} m"
+    joints = f"{chain.n} independent joint{'s' if chain.n > 1 else ''}"
+    return f"{joints} ({', '.join(chain.joint_names)}) cannot bring the tip there{_searched_within_limits(chain)}"
