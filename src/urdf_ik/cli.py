@@ -283,8 +283,8 @@ def check(
 @app.command(
     help=_help(
         "Compare two arms, or two URDFs of one arm (another tool, a calibrated copy): structure, frames, limits, "
-        "reach, number of solutions for the same poses, joint values branch by branch, and how far B's tool is off when it "
-        "is given A's joint vectors.",
+        "reach, number of solutions for the same poses, joint values branch by branch, and how far B's tool is off "
+        "when it is given A's joint vectors.",
         "urdf-ik compare zyyzyz_6r puma_560",
         "urdf-ik compare zyyzyz_6r my_arm.urdf --tip-b tool0 -n 100",
         "urdf-ik compare planar_2r planar_2r_unit -f json",
