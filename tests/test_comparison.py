@@ -188,8 +188,25 @@ def test_arms_of_other_families_are_matched_by_the_nearest_solution() -> None:
     for branch in found.branches:
         assert branch.matched == ("name" if branch.branch in b.structure.branches else "nearest")
         assert branch.poses == 0 or max(branch.worst) <= math.pi
-    general = urdf_ik.compare(a, a, n=10)
-    assert all(set(branch.worst) == {0.0} for branch in general.branches)
+
+
+@pytest.mark.parametrize(
+    ("task", "rows"),
+    [
+        ("planar position", [[0, 0.4, 0, 0], [0, 0.3, 0, 0]]),
+        ("planar pose", [[0, 0.4, 0, 0], [0, 0.3, 0, 0], [0, 0.2, 0, 0]]),
+        ("position", [[90, 0, 0.3, 0], [0, 0.4, 0, 0], [0, 0.3, 0, 0]]),
+        ("position and axis", [[90, 0, 0.3, 0], [0, 0.4, 0, 0], [0, 0.3, 0, 0], [90, 0, 0, 90], [0, 0, 0.1, 0]]),
+        ("pose", [[90, 0, 0.3, 0], [0, 0.4, 0, 0], [90, 0, 0, 90], [-90, 0, 0.3, 0], [90, 0, 0, 0], [0, 0, 0.1, 0]]),
+    ],
+)
+def test_what_an_arm_controls_of_a_pose_is_a_target_for_it(task: str, rows: list[list[float]]) -> None:
+    """The joint vector that made a pose is found again from what its task takes of the pose."""
+    arm = urdf_ik.load(DHTable.from_array(rows, "standard", degrees=True).to_urdf())
+    assert arm.task == task
+    Q = np.random.default_rng(5).uniform(-2.0, 2.0, (20, arm.dof))
+    found = arm.ik(arm.control.target_of(arm.fk(Q)), task=task)
+    assert np.abs(found.nearest(Q).q[:, 0] - Q).max() < 1e-6
 
 
 def test_what_cannot_be_compared_is_said() -> None:
