@@ -14,7 +14,7 @@ INSTALL = $(BIN)/python -m pip install --quiet --disable-pip-version-check --edi
 
 help:
 	@echo "make run      all solutions of the bundled arm, each with its branch, limits, collisions and Pinocchio's error"
-	@echo "make test     the tests and the notebook; ARGS='-k name' narrows them down"
+	@echo "make test     the tests and the notebooks; ARGS='-k name' narrows them down"
 	@echo "make lint     ruff, mypy, and notebooks without outputs"
 	@echo "make bench    the benchmark against other solvers; ARGS='--help' tells more"
 	@echo "make million  a million random poses an arm: what is lost, doubled or off; ARGS='--help' tells more"

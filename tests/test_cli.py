@@ -36,7 +36,7 @@ Array = NDArray[np.float64]
 ARM = "zyyzyz_6r"
 Q = (0.3, -0.5, 0.8, 0.4, 0.7, -0.2)
 TYPED = ",".join(map(str, Q))
-COMMANDS = ("info", "fk", "ik", "check", "dh")
+COMMANDS = ("info", "fk", "ik", "check", "compare", "dh")
 # Two joints about one axis: no solver takes what is redundant everywhere.
 TWO_JOINTS = """<robot name="planar"><link name="a"/><link name="b"/><link name="c"/>
 <joint name="one" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>
@@ -138,6 +138,7 @@ def comma(values: Sequence[float] | Array) -> str:
         (("info", "no/such.urdf"), None, 3, ("no/such.urdf",)),
         (("info", "-"), "<robot name='x'><link", 3, (":1:", "XML")),
         (("info", ARM, "--tip", "hand"), None, 3, ("hand", "tool0")),
+        (("compare", "-", "-"), TWO_JOINTS, 2, ("standard input already",)),
         (("ik", "-"), TWO_JOINTS, 4, ("planar",)),
     ],
 )

@@ -81,7 +81,7 @@ def test_wheel_holds_the_package_and_the_bundled_urdfs(installed: Installed) -> 
             assert archive.read(f"urdf_ik/urdf/{name}.urdf") == (ROOT / "urdf" / f"{name}.urdf").read_bytes()
     modules = {path.relative_to(ROOT / "src").as_posix() for path in (ROOT / "src" / "urdf_ik").rglob("*.py")}
     assert modules | {"urdf_ik/py.typed"} <= names
-    assert {name.split("/")[0].split("-")[0] for name in names} == {"urdf_ik"}
+    assert {name.split("/")[0].split("-")[0] for name in names} == {"urdf_ik", "urdf_ik_pytest.py"}
 
 
 def test_wheel_says_what_it_is(installed: Installed) -> None:

@@ -8,6 +8,7 @@
 
 from urdf_ik.arm import Arm, load
 from urdf_ik.chain import Chain
+from urdf_ik.comparison import Comparison, compare
 from urdf_ik.dh import DHTable
 from urdf_ik.errors import (
     CatalogueError,
@@ -42,6 +43,7 @@ __all__ = [
     "CatalogueError",
     "Chain",
     "ChainError",
+    "Comparison",
     "DHError",
     "DHTable",
     "IKSolutions",
@@ -58,6 +60,7 @@ __all__ = [
     "UrdfError",
     "UrdfIkError",
     "VelocityError",
+    "compare",
     "load",
     "pose",
     "to_euler_zyx",

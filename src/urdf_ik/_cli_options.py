@@ -121,6 +121,18 @@ Collision = Annotated[
 ]
 
 
+# The two arms of compare.
+RobotA = Annotated[str, Argument(metavar="A", help="URDF file, a catalogue name, or - for stdin: the arm before.")]
+RobotB = Annotated[str, Argument(metavar="B", help="The same for the other arm, the one after.")]
+BaseA = Annotated[str | None, Option("--base-a", metavar="LINK", help="Base link of A.")]
+TipA = Annotated[str | None, Option("--tip-a", metavar="LINK", help="Tip link of A.")]
+LockA = Annotated[list[str] | None, Option("--lock-a", metavar="NAME=VALUE", help="Hold a joint of A; repeatable.")]
+BaseB = Annotated[str | None, Option("--base-b", metavar="LINK", help="Base link of B.")]
+TipB = Annotated[str | None, Option("--tip-b", metavar="LINK", help="Tip link of B.")]
+LockB = Annotated[list[str] | None, Option("--lock-b", metavar="NAME=VALUE", help="Hold a joint of B; repeatable.")]
+Each = Annotated[int, Option("-n", "--poses", min=1, help="Number of random poses that each arm makes.")]
+
+
 # Tables.
 TableOrRobot = Annotated[
     str, Argument(metavar="FILE", help="URDF file, a catalogue name, - for a URDF on stdin, or a table: .csv or .json.")

@@ -1,4 +1,4 @@
-"""The ``urdf-ik`` command: info, fk, ik, check and dh.
+"""The ``urdf-ik`` command: info, fk, ik, check, compare and dh.
 
 Exit status: 0 done; 1 a pose has no solution, or a check failed; 2 usage, which includes poses and joint vectors
 that are none; 3 a URDF or a chain that is wrong; 4 an arm that no solver takes; 130 interrupted.
@@ -282,6 +282,40 @@ def check(
 
 @app.command(
     help=_help(
+        "Compare two arms, or two URDFs of one arm (another tool, a calibrated copy): structure, frames, limits, "
+        "reach, number of solutions for the same poses, joint values branch by branch, and how far B's tool is off "
+        "when it is given A's joint vectors.",
+        "urdf-ik compare zyyzyz_6r puma_560",
+        "urdf-ik compare zyyzyz_6r my_arm.urdf --tip-b tool0 -n 100",
+        "urdf-ik compare planar_2r planar_2r_unit -f json",
+    )
+)
+def compare(
+    a: options.RobotA,
+    b: options.RobotB,
+    base_a: options.BaseA = None,
+    tip_a: options.TipA = None,
+    lock_a: options.LockA = None,
+    base_b: options.BaseB = None,
+    tip_b: options.TipB = None,
+    lock_b: options.LockB = None,
+    n: options.Each = 200,
+    seed: options.Seed = 0,
+    format: options.TextFormat = ReportFormat.TABLE,
+) -> None:
+    """Print the comparison."""
+    from urdf_ik import _cli_compare, _cli_io, comparison
+    from urdf_ik._cli_progress import Progress
+
+    _one_stdin(a, b, "B")
+    arms = _arm(a, base_a, tip_a, lock_a, None), _arm(b, base_b, tip_b, lock_b, None)
+    with Progress("comparing", "solving") as progress:
+        found = comparison.compare(*arms, n=n, seed=seed, progress=progress.tick)
+    _cli_io.write(found.to_json() if format is ReportFormat.JSON else _cli_compare.as_text(found), None)
+
+
+@app.command(
+    help=_help(
         "Denavit-Hartenberg table of an arm, or an arm from a table (CSV or JSON).",
         "urdf-ik dh dh_6r --convention modified",
         "urdf-ik dh ur5 --degrees -o ur5.csv",
@@ -313,9 +347,7 @@ def main() -> None:
         sys.exit(130)
 
 
-def _arm(
-    robot: str, base: str | None, tip: str | None, lock: list[str] | None, mesh_roots: list[Path] | None
-) -> Arm:
+def _arm(robot: str, base: str | None, tip: str | None, lock: list[str] | None, mesh_roots: list[Path] | None) -> Arm:
     import urdf_ik
     from urdf_ik import _cli_redundancy
 
@@ -336,7 +368,7 @@ def _angles(arm: Arm, degrees: bool) -> Angles:
 
 def _one_stdin(robot: str, source: str | None, option: str) -> None:
     if robot == "-" and source == "-":
-        raise typer.BadParameter("ROBOT is read from standard input already", param_hint=option)
+        raise typer.BadParameter("the robot is read from standard input already", param_hint=option)
 
 
 if __name__ == "__main__":

@@ -22,7 +22,25 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-__all__ = ["COLLISION_POSES", "Report", "Row", "check", "replay"]
+__all__ = ["COLLISION_POSES", "PROPERTIES", "Report", "Row", "check", "replay"]
+
+PROPERTIES = (
+    "joints and limits",
+    "forward kinematics, position",
+    "forward kinematics, rotation",
+    "Jacobian",
+    "links, position",
+    "links, rotation",
+    "batch = single, kinematics",
+    "solutions, position",
+    "solutions, rotation",
+    "planted joint vector",
+    "batch = single, solutions",
+    "duplicates",
+    "collision, verdict",
+    "collision, distance",
+)
+"""The rows of a report, in its order; one that cannot be checked is left out, and ``Report.skipped`` says why."""
 
 COLLISION_POSES = 2000
 """Joint vectors whose collision is compared: a distance between meshes takes a millisecond."""

@@ -50,6 +50,17 @@ class Control:
     plane: Plane | None = None
     aimed: Array | None = None
 
+    def target_of(self, T: Array) -> Array:
+        """What the task fixes of poses ``T`` (..., 4, 4) of the tip [m]: a target for it."""
+        if self.task == "pose":
+            return T
+        if self.task == "position":
+            return np.ascontiguousarray(T[..., :3, 3])
+        if self.aimed is not None:
+            return np.concatenate([T[..., :3, 3], T[..., :3, :3] @ self.aimed], axis=-1)
+        assert self.plane is not None
+        return np.ascontiguousarray(self.plane.coordinates(T)[..., : _WIDTH[self.task]])
+
 
 def control_of(chain: Chain) -> Control:
     """What the arm can control: see ``Arm.task``."""
