@@ -9,11 +9,11 @@ from arms import (
     DescribedArm,
     Screws,
     Z,
-    _apart,
+    apart,
     _describe,
-    _leaning,
-    _length,
-    _sign,
+    leaning,
+    length,
+    sign,
     _turn,
     serial_urdf,
 )
@@ -23,24 +23,24 @@ def _triple(h: Array, rng: np.random.Generator, *, orthogonal: bool) -> Array:
     """Three directions (3, 3), the first leaning away from h."""
     out = []
     for _ in range(3):
-        h = _leaning(h, rng, orthogonal=orthogonal)
+        h = leaning(h, rng, orthogonal=orthogonal)
         out.append(h)
     return np.array(out)
 
 
 def _srs(rng: np.random.Generator, orthogonal: bool, *, offset: bool) -> Screws:
     """Axes 1 to 3 through one point, 5 to 7 through another; axis 4 passes their line at a distance, or crosses it."""
-    start = _sign(rng) * Z if orthogonal else _turn(rng) @ Z
+    start = sign(rng) * Z if orthogonal else _turn(rng) @ Z
     shoulder = _triple(start, rng, orthogonal=orthogonal)
-    elbow = _leaning(shoulder[2], rng, orthogonal=orthogonal)
+    elbow = leaning(shoulder[2], rng, orthogonal=orthogonal)
     wrist = _triple(elbow, rng, orthogonal=orthogonal)
     if offset:
-        at_elbow, at_wrist = _apart(rng), _apart(rng)
+        at_elbow, at_wrist = apart(rng), apart(rng)
     else:
         # At q = 0 the arm is stretched, and axis 4 is at right angles to it.
-        away = _leaning(elbow, rng, orthogonal=True) if orthogonal else np.cross(elbow, _turn(rng) @ Z)
+        away = leaning(elbow, rng, orthogonal=True) if orthogonal else np.cross(elbow, _turn(rng) @ Z)
         away /= np.linalg.norm(away)
-        at_elbow, at_wrist = abs(_length(rng)) * away, abs(_length(rng)) * away
+        at_elbow, at_wrist = abs(length(rng)) * away, abs(length(rng)) * away
     points = np.concatenate([np.zeros((3, 3)), [at_elbow], np.tile(at_elbow + at_wrist, (3, 1))])
     return np.concatenate([shoulder, [elbow], wrist]), points
 
@@ -48,8 +48,8 @@ def _srs(rng: np.random.Generator, orthogonal: bool, *, offset: bool) -> Screws:
 def _before(kind: str, rng: np.random.Generator, orthogonal: bool) -> Screws:
     """One more axis in front of a six-joint member of ``kind``."""
     axes, points = KINDS[kind](rng, orthogonal)
-    h = _leaning(axes[0], rng, orthogonal=orthogonal)
-    return np.vstack([h, axes]), np.vstack([points[0] + _apart(rng), points])
+    h = leaning(axes[0], rng, orthogonal=orthogonal)
+    return np.vstack([h, axes]), np.vstack([points[0] + apart(rng), points])
 
 
 def _behind(kind: str, rng: np.random.Generator, orthogonal: bool) -> Screws:
@@ -74,7 +74,7 @@ def random_seven(kind: str, seed: int, *, orthogonal: bool = False, aligned: boo
     """A random member of a kind of ``SEVEN``; arguments as those of ``arms.random_arm``."""
     rng = np.random.default_rng([seed, *kind.encode()])
     axes, points = SEVEN[kind](rng, orthogonal)
-    tool = points[-1] + _apart(rng) * 0.5, _turn(rng)
+    tool = points[-1] + apart(rng) * 0.5, _turn(rng)
     words = ["orthogonal"] * orthogonal + ["aligned"] * aligned
     name = "-".join([kind.replace(", ", "+").replace("||", "p").replace(" ", "_"), *words, str(seed)])
     return DescribedArm(name, kind, _describe(axes, points, tool, rng, name=name, aligned=aligned), axes, points)

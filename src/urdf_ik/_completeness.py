@@ -21,6 +21,7 @@ import numpy as np
 
 from urdf_ik._crosscheck import EXACT
 from urdf_ik._kernels.refine import pose_error, refine
+from urdf_ik._kernels.thresholds import LONG_PATIENCE
 from urdf_ik.families.plan import pack_as_written
 from urdf_ik.tolerances import DEFAULT
 
@@ -189,7 +190,7 @@ class Judge:
 
     def _polished(self, T: Array, q: Array) -> Array:
         out = np.array(q)
-        refine(self._numbers, T, out, 20, 0.0)
+        refine(self._numbers, T, out, 20, 0.0, LONG_PATIENCE)
         return out
 
     def _error(self, T: Array, q: Array) -> float:

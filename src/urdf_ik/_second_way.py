@@ -10,7 +10,7 @@ import numpy as np
 
 from urdf_ik._kernels import hidden_joint, layout
 from urdf_ik._kernels.refine import is_new, keep, refine
-from urdf_ik._kernels.thresholds import CONVERGED, FINISHED
+from urdf_ik._kernels.thresholds import CONVERGED, FINISHED, LONG_PATIENCE
 from urdf_ik.families import general_6r
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ class SecondWay:
         Q, flags = np.empty((1, 16, 6)), np.zeros((1, 16), np.uint8)
         self.plan.solve(T[None], self.plan.arm, _NO_REFERENCE, Q, flags)
         for q in rng.uniform(-math.pi, math.pi, (self.starts, 6)):
-            converged = refine(self.plan.arm, T, q, _ROUNDS, FINISHED) <= CONVERGED
+            converged = refine(self.plan.arm, T, q, _ROUNDS, FINISHED, LONG_PATIENCE) <= CONVERGED
             if converged and is_new(self.plan.arm, T, Q[0], flags[0], q):
                 keep(Q[0], flags[0], 0, q, 0)
         return np.asarray(Q[0, (flags[0] & layout.VALID) > 0])
