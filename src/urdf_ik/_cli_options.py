@@ -148,6 +148,24 @@ TableFormat = Annotated[
     DHFormat | None, Option("--format", "-f", help="Default: by the name of --output, else table.", show_default=False)
 ]
 
+# Workspaces.
+Voxel = Annotated[
+    float | None, Option("--voxel", metavar="M", help="Edge of a voxel [m]. Default: 0.1.", show_default=False)
+]
+Orientations = Annotated[
+    int | None,
+    Option("--orientations", metavar="N", min=1, help="Of them at each voxel. Default: 200.", show_default=False),
+]
+Bounds = Annotated[
+    str | None,
+    Option("--bounds", metavar="X0,Y0,Z0,X1,Y1,Z1", help="Box to look at [m]. Default: all that the links reach."),
+]
+MapFree = Annotated[bool, Option("--collision-free", help="Count those free of self-collision, too; slow.")]
+Manipulability = Annotated[bool, Option("--manipulability", help="Keep each pose's greatest manipulability.")]
+Margin = Annotated[bool, Option("--margin", help="Keep each pose's greatest limit margin.")]
+Threads = Annotated[int, Option("--threads", min=1, help="Threads that solve.")]
+MapFile = Annotated[Path | None, Option("--output", "-o", metavar="FILE", help="Write the map here, as .npz.")]
+
 
 def print_version(wanted: bool) -> None:
     """Print the version and leave, where that is wanted."""

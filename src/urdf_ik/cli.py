@@ -1,4 +1,4 @@
-"""The ``urdf-ik`` command: info, fk, ik, check and dh.
+"""The ``urdf-ik`` command: info, fk, ik, check, dh, workspace and plot.
 
 Exit status: 0 done; 1 a pose has no solution, or a check failed; 2 usage, which includes poses and joint vectors
 that are none; 3 a URDF or a chain that is wrong; 4 an arm that no solver takes; 130 interrupted.
@@ -303,6 +303,43 @@ def dh(
     from urdf_ik import _cli_dh
 
     _cli_dh.run(file, lambda: _arm(file, base, tip, None, None), (base, tip), convention, snap, degrees, format, output)
+
+
+@app.command(
+    help=_help(
+        "Where the tip can be. Two turning joints in a plane: the exact regions of both elbows, bounded by arcs. Any "
+        "other arm: a map of voxels x orientations, with the number of solutions, how many are within limits, and the "
+        "share that each branch covers. `urdf-ik plot --map` draws it.",
+        "urdf-ik workspace planar_2r --degrees",
+        "urdf-ik workspace zyyzyz_6r --voxel 0.2 --orientations 50 -o map.npz",
+    )
+)
+def workspace(
+    robot: options.Robot,
+    voxel: options.Voxel = None,
+    orientations: options.Orientations = None,
+    bounds: options.Bounds = None,
+    collision_free: options.MapFree = False,
+    manipulability: options.Manipulability = False,
+    margin: options.Margin = False,
+    threads: options.Threads = 1,
+    base: options.Base = None,
+    tip: options.Tip = None,
+    lock: options.Lock = None,
+    mesh_root: options.MeshRoot = None,
+    degrees: options.Degrees = False,
+    format: options.TextFormat = ReportFormat.TABLE,
+    output: options.MapFile = None,
+) -> None:
+    """Print the region, or the map's sums, and save the map."""
+    from urdf_ik import _cli_io, _cli_workspace
+
+    arm = _arm(robot, base, tip, lock, mesh_root)
+    corners = ("x0", "y0", "z0", "x1", "y1", "z1")
+    box = None if bounds is None else _cli_io.numbers(bounds, "--bounds", corners).reshape(2, 3).tolist()
+    given = {"voxel": voxel, "orientations": orientations, "bounds": box, "collision_free": collision_free}
+    given |= {"manipulability": manipulability, "margin": margin, "threads": None if threads == 1 else threads}
+    _cli_workspace.run(arm, _angles(arm, degrees), output, format is ReportFormat.JSON, given)
 
 
 def main() -> None:

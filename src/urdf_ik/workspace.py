@@ -224,8 +224,13 @@ class _Counting:
     def keep_within_limits(self) -> None:
         """Drop solutions without an image inside the limits."""
         some = self._limited
-        first, last = joint_limits.image_range(self.vectors[:, some], self._arm.limits[some], self._turning[some])
-        self._keep((first <= last).all(axis=-1))
+        q, (lower, upper) = self.vectors[:, some], self._arm.limits[some].T
+        # Most are inside as they are; their images are looked for only where they are not.
+        inside = ((q >= lower) & (q <= upper)).all(axis=-1)
+        out = np.flatnonzero(~inside)
+        first, last = joint_limits.image_range(q[out], self._arm.limits[some], self._turning[some])
+        inside[out] = (first <= last).all(axis=-1)
+        self._keep(inside)
 
     def keep_free(self) -> None:
         """Drop solutions in which links collide."""
