@@ -96,6 +96,8 @@ def _built(header: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Workspace
         shape = array.shape if name == "samples" else (*voxels.shape, last)
         kind = _TYPES.get(name, np.uint8)
         if array.shape != shape or array.dtype != kind:
-            raise ValueError(f"{name} is of shape {array.shape} and type {array.dtype}, not {shape} and {kind.__name__}")
+            raise ValueError(
+                f"{name} is of shape {array.shape} and type {array.dtype}, not {shape} and {kind.__name__}"
+            )
         array.setflags(write=False)
     return WorkspaceMap(About(**fields), voxels, **arrays)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
 import shutil
@@ -147,10 +148,8 @@ def available_memory() -> int:
         if len(pages) == 2:
             found.append(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
     group = Path("/sys/fs/cgroup")
-    try:  # a container's own limit
+    with contextlib.suppress(OSError, ValueError):  # a container's own limit, where there is one
         found.append(int((group / "memory.max").read_text()) - int((group / "memory.current").read_text()))
-    except (OSError, ValueError):
-        pass
     return max(0, min(found))
 
 

@@ -202,7 +202,9 @@ class WorkspaceMap:
         ray, start = np.asarray(direction, np.float64), np.asarray(origin, np.float64)
         length = float(np.linalg.norm(ray)) if ray.shape == (3,) else 0.0
         if start.shape != (3,) or not np.isfinite(start).all() or not (np.isfinite(length) and length > 0.0):
-            raise WorkspaceError(f"direction {direction!r} from {origin!r}: three numbers each, not all zero, are needed")
+            raise WorkspaceError(
+                f"direction {direction!r} from {origin!r}: three numbers each, not all zero, are needed"
+            )
         ray = ray / length
         edges = [self.grid.lower[i] + self.grid.voxel * np.arange(self.grid.shape[i] + 1) for i in range(3)]
         crossings = [(edges[i] - start[i]) / ray[i] for i in range(3) if ray[i] != 0.0]

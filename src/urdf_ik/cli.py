@@ -19,7 +19,7 @@ from typer.core import TyperGroup
 
 from urdf_ik import _cli_options as options
 from urdf_ik import errors
-from urdf_ik._cli_options import Format, ReportFormat
+from urdf_ik._cli_options import Format, Picture, ReportFormat, Value
 
 if TYPE_CHECKING:
     from urdf_ik._cli_io import Angles
@@ -342,6 +342,48 @@ def workspace(
     _cli_workspace.run(arm, _angles(arm, degrees), output, format is ReportFormat.JSON, given)
 
 
+@app.command(
+    help=_help(
+        "Draw an arm, all branches of a pose side by side or overlaid, joint limits with all turns of the solutions, "
+        "the workspace, or the arm with sliders for its joints. Without --output it opens a window.\n\n"
+        "Branches are those of a typed pose, of the tip at a joint vector (--q), or of the arm's example. The "
+        "workspace of two turning joints is exact; any other is one layer of a map.",
+        "urdf-ik plot zyyzyz_6r branches -o all_branches.png",
+        "urdf-ik plot planar_2r workspace --q 0.5,-1 -o two_link_workspace.png",
+        "urdf-ik plot dh_6r limits -o limits.svg",
+        "urdf-ik plot planar_2r sliders",
+    )
+)
+def plot(
+    robot: options.Robot,
+    what: options.What = Picture.ARM,
+    q: options.At = None,
+    xyz: options.Position = None,
+    quat_xyzw: options.QuatXyzw = None,
+    rpy: options.Rpy = None,
+    seed: options.Seed = 0,
+    shapes: options.Shapes = False,
+    map: options.Map = None,
+    axis: options.Across = "z",
+    at: options.Layer = 0.0,
+    show: options.Shown = Value.REACH,
+    base: options.Base = None,
+    tip: options.Tip = None,
+    lock: options.Lock = None,
+    mesh_root: options.MeshRoot = None,
+    degrees: options.Degrees = False,
+    output: options.PictureFile = None,
+) -> None:
+    """Write a picture, or open a window."""
+    from urdf_ik import _cli_plot, _cli_targets
+
+    arm = _arm(robot, base, tip, lock, mesh_root)
+    oriented = {"--quat-xyzw": quat_xyzw, "--rpy": rpy}
+    target = _cli_targets.Asked(xyz, oriented, () if q is None else (q,), None, None, seed)
+    asked = _cli_plot.Asked(target, shapes, map, axis, at, show.value)
+    _cli_plot.run(arm, _angles(arm, degrees), what, asked, output)
+
+
 def main() -> None:
     """Entry point of the ``urdf-ik`` command."""
     try:
@@ -350,9 +392,7 @@ def main() -> None:
         sys.exit(130)
 
 
-def _arm(
-    robot: str, base: str | None, tip: str | None, lock: list[str] | None, mesh_roots: list[Path] | None
-) -> Arm:
+def _arm(robot: str, base: str | None, tip: str | None, lock: list[str] | None, mesh_roots: list[Path] | None) -> Arm:
     import urdf_ik
     from urdf_ik import _cli_redundancy
 
