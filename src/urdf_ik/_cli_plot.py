@@ -91,7 +91,13 @@ def _workspace(arm: Arm, q: NDArray[np.float64] | None, asked: Asked) -> Figure:
         )
     bounds = np.array([grid.lower, grid.upper])
     bounds[:, k] = asked.at - 0.5 * grid.voxel, asked.at + 0.5 * grid.voxel
-    more = {asked.value: True} if asked.value in ("manipulability", "margin") else {}
     with Progress("solving poses", "solving") as progress:
-        found = rooms.compute(arm, grid.voxel, bounds=bounds, progress=progress.tick, **more)
+        found = rooms.compute(
+            arm,
+            grid.voxel,
+            bounds=bounds,
+            manipulability=asked.value == "manipulability",
+            margin=asked.value == "margin",
+            progress=progress.tick,
+        )
     return plot.workspace_slice(found, asked.axis, asked.at, asked.value)

@@ -111,12 +111,12 @@ def show(figure: Figure) -> None:
     require_display()
     import matplotlib
     from matplotlib import pyplot
-    from matplotlib.backends import backend_registry
+    from matplotlib.backends.registry import backend_registry
 
     if figure.canvas.manager is not None:
         pyplot.show()
         return
-    canvas = backend_registry.load_backend_module(matplotlib.get_backend()).FigureCanvas
+    canvas = backend_registry.load_backend_module(matplotlib.get_backend()).FigureCanvas  # type: ignore[no-untyped-call]
     manager = canvas.new_manager(figure, 1)
     manager.show()
     manager.start_main_loop()
@@ -168,12 +168,12 @@ def require_display() -> None:
         PlotError: there is no display, or matplotlib was told to draw without one.
     """
     import matplotlib
-    from matplotlib.backends import BackendFilter, backend_registry
+    from matplotlib.backends.registry import BackendFilter, backend_registry
 
     if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         raise PlotError("there is no display to open a window on; write a file instead, with --output or plot.save")
     backend = matplotlib.get_backend().lower()
-    if backend not in backend_registry.list_builtin(BackendFilter.INTERACTIVE):
+    if backend not in backend_registry.list_builtin(BackendFilter.INTERACTIVE):  # type: ignore[no-untyped-call]
         raise PlotError(
             f"matplotlib draws with {backend!r}, which opens no windows; install a toolkit such as PyQt6, or write a "
             "file instead, with --output or plot.save"

@@ -60,8 +60,8 @@ def read(path: str | os.PathLike[str]) -> WorkspaceMap:
         WorkspaceError: the file cannot be read, or is no such map; the message says why.
     """
     try:
-        with np.load(path, allow_pickle=False) as file:
-            if not isinstance(file, np.lib.npyio.NpzFile) or "header" not in file.files:
+        with Path(path).open("rb") as raw, np.lib.npyio.NpzFile(raw, allow_pickle=False) as file:
+            if "header" not in file.files:
                 raise WorkspaceError(f"{path} is no workspace map: it has no header")
             header = json.loads(str(file["header"][()]))
             if not isinstance(header, dict) or header.get("format") != FORMAT:

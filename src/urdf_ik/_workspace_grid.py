@@ -43,7 +43,7 @@ class Grid:
     @property
     def upper(self) -> Array:
         """(3,) m, corner of the last voxel."""
-        return self.lower + self.voxel * np.array(self.shape)
+        return np.asarray(self.lower + self.voxel * np.array(self.shape))
 
     @property
     def count(self) -> int:
@@ -52,12 +52,12 @@ class Grid:
 
     def coordinates(self, axis: int) -> Array:
         """Centres (shape[axis],) m along an axis."""
-        return self.lower[axis] + self.voxel * (np.arange(self.shape[axis]) + 0.5)
+        return np.asarray(self.lower[axis] + self.voxel * (np.arange(self.shape[axis]) + 0.5))
 
     def centres(self, part: slice) -> Array:
         """(k, 3) m, centres of the voxels ``part`` counts, the last axis first."""
         places = np.unravel_index(np.arange(part.start, part.stop), self.shape)
-        return self.lower + self.voxel * (np.stack(places, axis=-1) + 0.5)
+        return np.asarray(self.lower + self.voxel * (np.stack(places, axis=-1) + 0.5))
 
 
 def grid_of(arm: Arm, voxel: float, bounds: ArrayLike | None) -> Grid:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -60,17 +61,17 @@ class PlanarWorkspace:
     def reaches(self, points: ArrayLike, elbow: str | None = None) -> Mask:
         """Whether points (..., 2) m are reached within the limits, with that elbow or with either."""
         names = ELBOWS if elbow is None else (elbow,)
-        return np.any([~np.isnan(self.joints(points, name)[..., 0]) for name in names], axis=0)
+        return np.asarray(np.any([~np.isnan(self.joints(points, name)[..., 0]) for name in names], axis=0))
 
     def elbow(self, q: ArrayLike) -> Array:
         """Position (..., 2) m of the second axis at joint vectors (..., 2) rad."""
         turned = self.angles[0] + self.signs[0] * np.asarray(q, np.float64)[..., 0]
-        return self.centre + self.lengths[0] * _unit(turned)
+        return np.asarray(self.centre + self.lengths[0] * _unit(turned))
 
     def tip(self, q: ArrayLike) -> Array:
         """Position (..., 2) m of the tip at joint vectors (..., 2) rad."""
         turned = (self.angles + self.signs * np.asarray(q, np.float64)).sum(axis=-1)
-        return self.elbow(q) + self.lengths[1] * _unit(turned)
+        return np.asarray(self.elbow(q) + self.lengths[1] * _unit(turned))
 
 
 def planar(arm: Arm) -> PlanarWorkspace:
@@ -105,8 +106,8 @@ def planar(arm: Arm) -> PlanarWorkspace:
     signs = np.sign(chain.H @ plane.normal)
     centre, bounds = points[0], chain.limits
 
-    def reaches(where: Array, names: tuple[str, ...]) -> list[Mask]:
-        return [~np.isnan(_joints(centre, lengths, angles, signs, bounds, where, name)[..., 0]) for name in names]
+    def reaches(where: Array, name: str) -> Mask:
+        return ~np.isnan(_joints(centre, lengths, angles, signs, bounds, where, name)[..., 0])
 
     circles = list(_circles(arm.joint_names, centre, lengths, angles, signs, bounds))
     size = float(lengths.sum())
@@ -118,9 +119,9 @@ def planar(arm: Arm) -> PlanarWorkspace:
         angles=angles,
         signs=signs,
         limits=bounds,
-        regions={name: region(lambda at, n=name: reaches(at, (n,))[0], circles, size) for name in ELBOWS},
-        boundary=region(lambda at: np.any(reaches(at, ELBOWS), axis=0), circles, size),
-        overlap=region(lambda at: np.all(reaches(at, ELBOWS), axis=0), circles, size),
+        regions={name: region(partial(reaches, name=name), circles, size) for name in ELBOWS},
+        boundary=region(lambda at: reaches(at, ELBOWS[0]) | reaches(at, ELBOWS[1]), circles, size),
+        overlap=region(lambda at: reaches(at, ELBOWS[0]) & reaches(at, ELBOWS[1]), circles, size),
     )
 
 

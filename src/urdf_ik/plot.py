@@ -139,6 +139,7 @@ def limits(solutions: IKSolutions, *, degrees: bool = True) -> Figure:
         axes.plot(values[~inside], heights[~inside], "x", color=colour, markersize=5)
     axes.set_yticks(range(owner.dof), owner.joint_names)
     axes.invert_yaxis()
+    axes.use_sticky_edges = False
     axes.set_xlabel(f"joint value [{'deg' if degrees else 'rad'}{', m' if owner.chain.prismatic.any() else ''}]")
     axes.set_title(f"{owner.name}: limits, and the solutions with all their turns (x: none inside)", fontsize=9)
     figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=7)

@@ -144,10 +144,8 @@ def compute(
         branch_poses[part] = _sum_over_samples(counting.kept, count)
         if progress is not None:
             progress(part.stop * count, poses)
-    shaped: dict[str, Any] = {
-        name: array.reshape(*grid.shape, array.shape[1])
-        for name, array in (*counts.items(), *best.items(), ("branch_poses", branch_poses))
-    }
+    arrays: dict[str, NDArray[Any]] = {**counts, **best, "branch_poses": branch_poses}
+    shaped: dict[str, Any] = {name: array.reshape(*grid.shape, -1) for name, array in arrays.items()}
     for array in (*shaped.values(), chosen):
         array.setflags(write=False)
     found_map = WorkspaceMap(_about(arm, branches, list(counts)[-1], redundancy), grid, chosen, **shaped)
