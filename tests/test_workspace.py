@@ -336,11 +336,12 @@ def test_memory_stays_within_the_answers_and_a_chunk() -> None:
         found = workspace.compute(arm, 0.4, orientations)
         most = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
-        return most, found.solutions.nbytes + found.within.nbytes + found.branch_poses.nbytes
+        return most - found.solutions.nbytes - found.within.nbytes - found.branch_poses.nbytes, found.solutions.size
 
-    (small, kept), (great, more) = peak(10), peak(100)
-    assert great - small < more - kept + 2**20
-    assert great < more + 30 * 2**20
+    (small, _), (great, poses) = peak(10), peak(100)
+    chunk = workspace.CHUNK * 8 * 6 * 8
+    assert great < small + 2 * chunk
+    assert great < 10 * chunk < poses * 8 * 6 * 8
 
 
 def test_a_map_that_does_not_fit_is_refused_before_any_work(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
