@@ -51,7 +51,8 @@ def test_the_stick_runs_through_the_links_frames(arm: urdf_ik.Arm) -> None:
 
 def test_polygons_lie_on_the_shapes() -> None:
     """Box corners at half the edges, cylinder and sphere points at the radius, wherever the link is."""
-    shape = '<visual><origin xyz="0.1 0 0" rpy="0 0 1"/><geometry>{}</geometry></visual>'  # one link each, all carried by the only joint
+    # A link each, all carried by the only joint.
+    shape = '<visual><origin xyz="0.1 0 0" rpy="0 0 1"/><geometry>{}</geometry></visual>'
     text = "".join(
         f'<link name="{name}">{shape.format(inside)}</link>'
         for name, inside in (
@@ -61,7 +62,8 @@ def test_polygons_lie_on_the_shapes() -> None:
         )
     )
     joints = (
-        '<joint name="a" type="revolute"><parent link="base"/><child link="mid"/><origin xyz="0 0 1"/><axis xyz="0 1 0"/>'
+        '<joint name="a" type="revolute"><parent link="base"/><child link="mid"/><origin xyz="0 0 1"/>'
+        '<axis xyz="0 1 0"/>'
         '<limit lower="-3" upper="3" effort="1" velocity="1"/></joint>'
         '<joint name="b" type="fixed"><parent link="mid"/><child link="tip"/><origin xyz="0 0 0.5"/></joint>'
     )

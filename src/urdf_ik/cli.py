@@ -351,7 +351,7 @@ def workspace(
         "urdf-ik plot zyyzyz_6r branches -o all_branches.png",
         "urdf-ik plot planar_2r workspace --q 0.5,-1 -o two_link_workspace.png",
         "urdf-ik plot dh_6r limits -o limits.svg",
-        "urdf-ik plot planar_2r sliders",
+        "urdf-ik plot planar_2r sliders -o sliders.png",
     )
 )
 def plot(
