@@ -55,9 +55,9 @@ __all__ = [
 
 CHUNK = 4096
 """Poses that are solved at a time: their answers stay in the processor's cache."""
-_WORD = 8
 MAX_SAMPLES = 2**16 - 1
 """Orientations at a position: their number is kept in 16 bits."""
+_WORD = 8  # as many branches, a byte each, are one machine word
 
 
 def compute(
