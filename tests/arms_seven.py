@@ -9,13 +9,13 @@ from arms import (
     DescribedArm,
     Screws,
     Z,
-    apart,
     _describe,
+    _turn,
+    apart,
     leaning,
     length,
-    sign,
-    _turn,
     serial_urdf,
+    sign,
 )
 
 

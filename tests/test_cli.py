@@ -36,7 +36,7 @@ Array = NDArray[np.float64]
 ARM = "zyyzyz_6r"
 Q = (0.3, -0.5, 0.8, 0.4, 0.7, -0.2)
 TYPED = ",".join(map(str, Q))
-COMMANDS = ("info", "fk", "ik", "check", "compare", "dh")
+COMMANDS = ("info", "fk", "ik", "check", "compare", "dh", "workspace", "plot")
 # Two joints about one axis: no solver takes what is redundant everywhere.
 TWO_JOINTS = """<robot name="planar"><link name="a"/><link name="b"/><link name="c"/>
 <joint name="one" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>

@@ -26,6 +26,26 @@ class ReportFormat(StrEnum):
     JSON = "json"
 
 
+class Picture(StrEnum):
+    """What is drawn."""
+
+    ARM = "arm"
+    BRANCHES = "branches"
+    OVERLAY = "overlay"
+    LIMITS = "limits"
+    WORKSPACE = "workspace"
+    SLIDERS = "sliders"
+
+
+class Value(StrEnum):
+    """What a layer of a workspace map shows."""
+
+    REACH = "reach"
+    SOLUTIONS = "solutions"
+    MANIPULABILITY = "manipulability"
+    MARGIN = "margin"
+
+
 class DHFormat(StrEnum):
     """Output of Denavit-Hartenberg tables."""
 
@@ -158,6 +178,41 @@ Snap = Annotated[
 ]
 TableFormat = Annotated[
     DHFormat | None, Option("--format", "-f", help="Default: by the name of --output, else table.", show_default=False)
+]
+
+# Workspaces.
+Voxel = Annotated[
+    float | None, Option("--voxel", metavar="M", help="Edge of a voxel [m]. Default: 0.1.", show_default=False)
+]
+Orientations = Annotated[
+    int | None,
+    Option("--orientations", metavar="N", min=1, help="Of them at each voxel. Default: 200.", show_default=False),
+]
+Bounds = Annotated[
+    str | None,
+    Option("--bounds", metavar="X0,Y0,Z0,X1,Y1,Z1", help="Box to look at [m]. Default: all that the links reach."),
+]
+MapFree = Annotated[bool, Option("--collision-free", help="Count those free of self-collision, too; slow.")]
+Manipulability = Annotated[bool, Option("--manipulability", help="Keep each pose's greatest manipulability.")]
+Margin = Annotated[bool, Option("--margin", help="Keep each pose's greatest limit margin.")]
+Threads = Annotated[int, Option("--threads", min=1, help="Threads that solve.")]
+MapFile = Annotated[Path | None, Option("--output", "-o", metavar="FILE", help="Write the map here, as .npz.")]
+
+# Pictures.
+What = Annotated[Picture, Argument(metavar="[WHAT]", help="arm, branches, overlay, limits, workspace or sliders.")]
+At = Annotated[
+    str | None, Option("--q", metavar="Q1,Q2,...", help="Joint vector: the posture, or the tip's pose to solve.")
+]
+Shapes = Annotated[bool, Option("--shapes/--no-shapes", help="Boxes, cylinders and spheres of the links, too.")]
+Map = Annotated[
+    Path | None, Option("--map", metavar="FILE", help="Map that `urdf-ik workspace -o` wrote, to cut a layer from.")
+]
+Across = Annotated[str, Option("--axis", metavar="x|y|z", help="Axis that the layer of the workspace lies across.")]
+Layer = Annotated[float, Option("--at", metavar="M", help="Where on that axis [m].")]
+Shown = Annotated[Value, Option("--show", help="Value of a layer's voxels.")]
+PictureFile = Annotated[
+    Path | None,
+    Option("--output", "-o", metavar="FILE", help="PNG, SVG or PDF. Default: a window.", show_default=False),
 ]
 
 

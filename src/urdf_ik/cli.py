@@ -1,4 +1,4 @@
-"""The ``urdf-ik`` command: info, fk, ik, check, compare and dh.
+"""The ``urdf-ik`` command: info, fk, ik, check, compare, dh, workspace and plot.
 
 Exit status: 0 done; 1 a pose has no solution, or a check failed; 2 usage, which includes poses and joint vectors
 that are none; 3 a URDF or a chain that is wrong; 4 an arm that no solver takes; 130 interrupted.
@@ -19,7 +19,7 @@ from typer.core import TyperGroup
 
 from urdf_ik import _cli_options as options
 from urdf_ik import errors
-from urdf_ik._cli_options import Format, ReportFormat
+from urdf_ik._cli_options import Format, Picture, ReportFormat, Value
 
 if TYPE_CHECKING:
     from urdf_ik._cli_io import Angles
@@ -337,6 +337,85 @@ def dh(
     from urdf_ik import _cli_dh
 
     _cli_dh.run(file, lambda: _arm(file, base, tip, None, None), (base, tip), convention, snap, degrees, format, output)
+
+
+@app.command(
+    help=_help(
+        "Where the tip can be. Two turning joints in a plane: the exact regions of both elbows, bounded by arcs. Any "
+        "other arm: a map of voxels x orientations, with the number of solutions, how many are within limits, and the "
+        "share that each branch covers. `urdf-ik plot --map` draws it.",
+        "urdf-ik workspace planar_2r --degrees",
+        "urdf-ik workspace zyyzyz_6r --voxel 0.2 --orientations 50 -o map.npz",
+    )
+)
+def workspace(
+    robot: options.Robot,
+    voxel: options.Voxel = None,
+    orientations: options.Orientations = None,
+    bounds: options.Bounds = None,
+    collision_free: options.MapFree = False,
+    manipulability: options.Manipulability = False,
+    margin: options.Margin = False,
+    threads: options.Threads = 1,
+    base: options.Base = None,
+    tip: options.Tip = None,
+    lock: options.Lock = None,
+    mesh_root: options.MeshRoot = None,
+    degrees: options.Degrees = False,
+    format: options.TextFormat = ReportFormat.TABLE,
+    output: options.MapFile = None,
+) -> None:
+    """Print the region, or the map's sums, and save the map."""
+    from urdf_ik import _cli_io, _cli_workspace
+
+    arm = _arm(robot, base, tip, lock, mesh_root)
+    corners = ("x0", "y0", "z0", "x1", "y1", "z1")
+    box = None if bounds is None else _cli_io.numbers(bounds, "--bounds", corners).reshape(2, 3).tolist()
+    given = {"voxel": voxel, "orientations": orientations, "bounds": box, "collision_free": collision_free}
+    given |= {"manipulability": manipulability, "margin": margin, "threads": None if threads == 1 else threads}
+    _cli_workspace.run(arm, _angles(arm, degrees), output, format is ReportFormat.JSON, given)
+
+
+@app.command(
+    help=_help(
+        "Draw an arm, all branches of a pose side by side or overlaid, joint limits with all turns of the solutions, "
+        "the workspace, or the arm with sliders for its joints. Without --output it opens a window.\n\n"
+        "Branches are those of a typed pose, of the tip at a joint vector (--q), or of the arm's example. The "
+        "workspace of two turning joints is exact; any other is one layer of a map.",
+        "urdf-ik plot zyyzyz_6r branches -o all_branches.png",
+        "urdf-ik plot planar_2r workspace --q 0.5,-1 -o two_link_workspace.png",
+        "urdf-ik plot dh_6r limits -o limits.svg",
+        "urdf-ik plot planar_2r sliders -o sliders.png",
+    )
+)
+def plot(
+    robot: options.Robot,
+    what: options.What = Picture.ARM,
+    q: options.At = None,
+    xyz: options.Position = None,
+    quat_xyzw: options.QuatXyzw = None,
+    rpy: options.Rpy = None,
+    seed: options.Seed = 0,
+    shapes: options.Shapes = False,
+    map: options.Map = None,
+    axis: options.Across = "z",
+    at: options.Layer = 0.0,
+    show: options.Shown = Value.REACH,
+    base: options.Base = None,
+    tip: options.Tip = None,
+    lock: options.Lock = None,
+    mesh_root: options.MeshRoot = None,
+    degrees: options.Degrees = False,
+    output: options.PictureFile = None,
+) -> None:
+    """Write a picture, or open a window."""
+    from urdf_ik import _cli_plot, _cli_targets
+
+    arm = _arm(robot, base, tip, lock, mesh_root)
+    oriented = {"--quat-xyzw": quat_xyzw, "--rpy": rpy}
+    target = _cli_targets.Asked(xyz, oriented, () if q is None else (q,), None, None, seed)
+    asked = _cli_plot.Asked(target, shapes, map, axis, at, show.value)
+    _cli_plot.run(arm, _angles(arm, degrees), what, asked, output)
 
 
 def main() -> None:

@@ -72,6 +72,14 @@ class VelocityError(UrdfIkError, ValueError):
     """A twist, damping, weight, velocity limit or length that is none."""
 
 
+class WorkspaceError(UrdfIkError, ValueError):
+    """A grid, a question about a workspace, or a file of a map that makes no sense or does not fit."""
+
+
+class PlotError(UrdfIkError):
+    """A picture that cannot be drawn, written or shown; the message says what would be valid."""
+
+
 class UnsupportedArm(UrdfIkError):
     """The arm was read, but no solver of this package can solve it completely."""
 

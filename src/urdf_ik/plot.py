@@ -1,0 +1,211 @@
+"""Pictures of an arm, its branches, limits and workspace; matplotlib is imported here and in ``_plot_*`` alone.
+
+>>> import urdf_ik
+>>> from urdf_ik import plot
+>>> arm = urdf_ik.load("zyyzyz_6r")
+>>> figure = plot.branches(arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])))
+>>> plot.save(figure, "all_branches.png")
+
+Every function returns a ``matplotlib.figure.Figure`` that no window knows of: it is drawn without a display, and a
+notebook shows it. ``sliders`` opens a window; see :mod:`urdf_ik._plot_sliders`.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik import limits as joint_limits
+from urdf_ik.errors import MissingPackage, PlotError
+
+try:
+    from matplotlib.figure import Figure
+except ImportError:
+    raise MissingPackage("pictures need matplotlib: pip install 'urdf-ik[plot]'") from None
+
+from urdf_ik import _plot_axes as draw
+from urdf_ik._plot_sliders import Sliders, interact, show, sliders
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from urdf_ik.arm import Arm
+    from urdf_ik.solutions import IKSolutions
+    from urdf_ik.workspace import PlanarWorkspace, WorkspaceMap
+
+__all__ = [
+    "Sliders",
+    "arm",
+    "branches",
+    "interact",
+    "limits",
+    "planar_workspace",
+    "save",
+    "show",
+    "sliders",
+    "workspace_slice",
+]
+
+SUFFIXES = (".png", ".svg", ".pdf")
+_COLUMNS = 4
+_DPI = 110
+MAX_TURNS = 100
+"""Turns of one joint that the picture of the limits marks at most: a winch has any number."""
+
+
+def arm(arm: Arm, q: ArrayLike | None = None, *, shapes: bool = True) -> Figure:
+    """The arm at ``q`` (n,) rad or m, as a stick figure and with the boxes, cylinders and spheres of its links.
+
+    Default: zero, or the nearest to it within the limits.
+
+    Raises:
+        JointVectorError: ``q`` is no joint vector.
+    """
+    at = draw.posture(arm, q)
+    figure = Figure(figsize=(5.0, 5.0), layout="constrained")
+    axes = draw.space(figure.add_subplot(projection="3d"), draw.box(arm, [at]))
+    if shapes:
+        draw.shapes(axes, arm, at)
+    draw.stick(axes, arm, at, "0.15")
+    draw.frame(axes, arm.fk(at), 0.12 * arm.chain.size)
+    axes.set_title(arm.name)
+    return figure
+
+
+def branches(solutions: IKSolutions, *, overlaid: bool = False, shapes: bool = False) -> Figure:
+    """All solutions of a single pose, side by side or overlaid, each in the colour of its branch, with its name.
+
+    Raises:
+        PlotError: there is no solution.
+        TypeError: the solutions are those of a batch.
+    """
+    found = list(solutions)
+    if not found:
+        raise PlotError(f"no solution to draw: {solutions.explain()}")
+    owner = _owner(solutions)
+    around = draw.box(owner, [one.q for one in found])
+    colours = draw.colours(solutions.branches)
+    columns = 1 if overlaid else min(_COLUMNS, len(found))
+    rows = 1 if overlaid else math.ceil(len(found) / columns)
+    size = (7.0, 5.0) if overlaid else (2.4 * columns, 2.6 * rows + 0.4)
+    figure = Figure(figsize=size, layout="constrained")
+    axes: Any = None
+    for k, one in enumerate(found):
+        if axes is None or not overlaid:
+            axes = draw.space(figure.add_subplot(rows, columns, k + 1, projection="3d"), around, small=not overlaid)
+            draw.frame(axes, solutions.poses, 0.12 * owner.chain.size)
+        colour = colours[solutions.branches[one.index]]
+        if shapes:
+            draw.shapes(axes, owner, one.q, colour=colour)
+        draw.stick(axes, owner, one.q, colour, label=one.branch)
+        if not overlaid:
+            axes.set_title(one.branch.replace(", ", "\n"), fontsize=8, color=colour)
+    if overlaid:
+        figure.legend(*axes.get_legend_handles_labels(), loc="outside right center", fontsize=7)
+    figure.suptitle(f"{owner.name}: {len(found)} solution{'' if len(found) == 1 else 's'} of one pose", fontsize=10)
+    return figure
+
+
+def limits(solutions: IKSolutions, *, degrees: bool = True) -> Figure:
+    """The joints' limits as bars, with all turns of all solutions of a single pose; a cross where no turn is inside.
+
+    Raises:
+        PlotError: there is no solution.
+        UrdfIkError: the turns are too many for one array.
+    """
+    owner, found = _owner(solutions), list(solutions)
+    if not found:
+        raise PlotError(f"no solution to draw: {solutions.explain()}")
+    colours = draw.colours(solutions.branches)
+    scale = np.where(owner.chain.prismatic | (not degrees), 1.0, 180.0 / np.pi)
+    figure = Figure(figsize=(8.0, 0.8 * owner.dof + 1.6), layout="constrained")
+    axes = figure.add_subplot()
+    for row, (lower, upper) in enumerate(owner.limits):
+        if np.isfinite(lower) and np.isfinite(upper):
+            axes.barh(row, scale[row] * (upper - lower), left=scale[row] * lower, height=0.8, color="0.9")
+        else:
+            axes.axhspan(row - 0.4, row + 0.4, color="0.95")
+    shift = np.linspace(-0.32, 0.32, len(found)) if len(found) > 1 else np.zeros(1)
+    for k, one in enumerate(found):
+        images, inside = _images(owner, one.q)
+        colour = colours[solutions.branches[one.index]]
+        rows = images[:, 0].astype(int)
+        values, heights = scale[rows] * images[:, 1], rows + shift[k]
+        axes.plot(values[inside], heights[inside], "o", color=colour, markersize=4, label=one.branch)
+        axes.plot(values[~inside], heights[~inside], "x", color=colour, markersize=5)
+    axes.set_yticks(range(owner.dof), owner.joint_names)
+    axes.invert_yaxis()
+    axes.use_sticky_edges = False
+    axes.set_xlabel(f"joint value [{'deg' if degrees else 'rad'}{', m' if owner.chain.prismatic.any() else ''}]")
+    axes.set_title(f"{owner.name}: limits, and the solutions with all their turns (x: none inside)", fontsize=9)
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=7)
+    return figure
+
+
+def workspace_slice(found: WorkspaceMap, axis: str = "z", at: float = 0.0, what: str = "reach") -> Figure:
+    """One layer of a workspace map; see :meth:`urdf_ik.workspace.WorkspaceMap.slice`.
+
+    Raises:
+        WorkspaceError: there is no such layer or value.
+    """
+    from urdf_ik.workspace import VALUES
+
+    layer = found.slice(axis, at, what)
+    figure = Figure(figsize=(5.6, 4.6), layout="constrained")
+    axes = figure.add_subplot()
+    image = axes.imshow(layer.values.T, origin="lower", extent=layer.extent, cmap="viridis", vmin=0.0)
+    figure.colorbar(image, ax=axes, label=VALUES[what])
+    axes.set_xlabel(f"{layer.axes[0]} [m]")
+    axes.set_ylabel(f"{layer.axes[1]} [m]")
+    axes.set_title(f"{found.about.robot}: {axis} = {layer.at:.3g} m")
+    return figure
+
+
+def planar_workspace(region: PlanarWorkspace, q: ArrayLike | None = None) -> Figure:
+    """The regions of both elbows and their overlap, with their boundary, and the arm at ``q`` (2,) rad."""
+    figure = Figure(figsize=(6.4, 5.0), layout="constrained")
+    axes = figure.add_subplot()
+    draw.regions(axes, region)
+    if q is not None:
+        draw.two_links(axes, region, np.asarray(q, dtype=np.float64))
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=8)
+    axes.set_title(f"{region.name}: where the tip can be")
+    return figure
+
+
+def save(figure: Figure, path: str | os.PathLike[str], dpi: float = _DPI) -> None:
+    """Write a PNG, SVG or PDF file, by the path's ending.
+
+    Raises:
+        PlotError: the ending is another one, or the file cannot be written.
+    """
+    target = Path(path)
+    if target.suffix.lower() not in SUFFIXES:
+        raise PlotError(f"{target}: pictures are written as {', '.join(SUFFIXES)}; name the file so")
+    try:
+        figure.savefig(target, dpi=dpi)
+    except OSError as error:
+        raise PlotError(f"cannot write {target}: {error.strerror}") from None
+
+
+def _owner(solutions: IKSolutions) -> Arm:
+    """The arm that was solved: that of a task's solver, too, has all that is drawn."""
+    return solutions.arm  # type: ignore[return-value]
+
+
+def _images(owner: Arm, q: Any) -> tuple[Any, Any]:
+    """(k, 2) joint and value of every turn inside the limits, or of the value itself; (k,) whether inside."""
+    turning = ~owner.chain.prismatic
+    first, last = joint_limits.image_range(q, owner.limits, turning)
+    places, inside = [], []
+    for i, value in enumerate(q):
+        within = bool(first[i] <= last[i])
+        count = min(last[i] - first[i] + 1.0, MAX_TURNS) if within else 1.0
+        for k in (first[i] if within else 0.0) + np.arange(count):
+            places.append((float(i), float(value + k * joint_limits.TURN)))
+            inside.append(within)
+    return np.array(places), np.array(inside)

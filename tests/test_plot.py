@@ -1,0 +1,274 @@
+"""Pictures: what is drawn and how it is called, valid files, no display; never how it looks."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+import pytest
+from test_cli import call, succeed
+
+import urdf_ik
+from urdf_ik import _plot_axes, _plot_shapes, plot, workspace
+
+Q = (0.3, -0.5, 0.8, 0.4, 0.7, -0.2)
+
+
+@pytest.fixture(autouse=True)
+def _no_display(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+
+
+@pytest.fixture(name="arm")
+def _arm() -> urdf_ik.Arm:
+    return urdf_ik.load("zyyzyz_6r")
+
+
+def stick_lines(axes: object) -> list[object]:
+    """Lines with joints marked: the stick figures, and not the frames."""
+    return [line for line in axes.lines if line.get_marker() == "o"]
+
+
+def test_the_stick_runs_through_the_links_frames(arm: urdf_ik.Arm) -> None:
+    """From the base's origin to the tip's position, one point a link; the shapes are those of the URDF."""
+    figure = plot.arm(arm, Q)
+    (axes,) = figure.axes
+    (line,) = stick_lines(axes)
+    points = np.array(line.get_data_3d()).T
+    links = _plot_shapes.chain_links(arm)
+    assert (links[0], links[-1]) == (arm.base, arm.tip) and len(points) == len(links)
+    np.testing.assert_allclose(points, [arm.link_poses(Q)[link][:3, 3] for link in links])
+    shapes = sum(len(arm.model.robot.link_map[link].visuals) for link in arm.model.links)
+    assert len(axes.collections) == shapes > 5
+    assert len(plot.arm(arm, Q, shapes=False).axes[0].collections) == 0
+    assert axes.get_title() == arm.name
+
+
+def test_polygons_lie_on_the_shapes() -> None:
+    """Box corners at half the edges, cylinder and sphere points at the radius, wherever the link is."""
+    # A link each, all carried by the only joint.
+    shape = '<visual><origin xyz="0.1 0 0" rpy="0 0 1"/><geometry>{}</geometry></visual>'
+    text = "".join(
+        f'<link name="{name}">{shape.format(inside)}</link>'
+        for name, inside in (
+            ("base", '<box size="1 2 3"/>'),
+            ("mid", '<cylinder radius="0.2" length="0.6"/>'),
+            ("tip", '<sphere radius="0.3"/>'),
+        )
+    )
+    joints = (
+        '<joint name="a" type="revolute"><parent link="base"/><child link="mid"/><origin xyz="0 0 1"/>'
+        '<axis xyz="0 1 0"/>'
+        '<limit lower="-3" upper="3" effort="1" velocity="1"/></joint>'
+        '<joint name="b" type="fixed"><parent link="mid"/><child link="tip"/><origin xyz="0 0 0.5"/></joint>'
+    )
+    arm = urdf_ik.load(f'<robot name="shapes">{text}{joints}</robot>', "base", "tip")
+    q = np.array([0.7])
+    poses = arm.link_poses(q)
+    found = {}
+    for link, polygons in _plot_shapes.faces(arm, q):
+        T = poses[link] @ arm.model.robot.link_map[link].visuals[0].origin
+        found[link] = (np.concatenate(polygons) - T[:3, 3]) @ T[:3, :3]
+    np.testing.assert_allclose(np.abs(found["base"]), np.broadcast_to([0.5, 1.0, 1.5], found["base"].shape))
+    np.testing.assert_allclose(np.linalg.norm(found["tip"], axis=1), 0.3)
+    radii = np.hypot(*found["mid"][:, :2].T)
+    assert np.all(np.isclose(radii, 0.2) | np.isclose(radii, 0.0)) and np.isclose(radii, 0.2).any()
+    np.testing.assert_allclose(np.abs(found["mid"][:, 2]), 0.3)
+
+
+def test_every_branch_is_drawn_in_its_colour_with_its_name(arm: urdf_ik.Arm) -> None:
+    """Side by side: one picture a solution, titled; overlaid: one line each, all in the legend; colours by branch."""
+    solutions = arm.ik(arm.fk(Q))
+    colours = _plot_axes.colours(arm.structure.branches)
+    assert len(set(colours.values())) == 8
+    apart, together = plot.branches(solutions), plot.branches(solutions, overlaid=True)
+    assert [axes.get_title().replace("\n", ", ") for axes in apart.axes] == [one.branch for one in solutions]
+    (overlaid,) = together.axes
+    lines = stick_lines(overlaid)
+    assert [line.get_label() for line in lines] == [one.branch for one in solutions]
+    assert [text.get_text() for text in together.legends[0].get_texts()] == [one.branch for one in solutions]
+    for axes, one, line in zip(apart.axes, solutions, lines, strict=True):
+        (single,) = stick_lines(axes)
+        assert single.get_color() == line.get_color() == colours[one.branch]
+        np.testing.assert_allclose(np.array(single.get_data_3d())[:, -1], solutions.poses[:3, 3], atol=1e-9)
+    # The same branch has the same colour when others are missing.
+    few = solutions.within_limits(tol=-1.0)
+    for axes, one in zip(plot.branches(few).axes, few, strict=True):
+        assert stick_lines(axes)[0].get_color() == colours[one.branch]
+
+
+def test_out_of_reach_there_is_nothing_to_draw(arm: urdf_ik.Arm) -> None:
+    """The error tells why."""
+    nothing = arm.ik(urdf_ik.pose([0.0, 0.0, 9.0]))
+    for draw in (plot.branches, plot.limits):
+        with pytest.raises(urdf_ik.PlotError, match="wrist centre"):
+            draw(nothing)
+
+
+def test_all_turns_of_all_solutions_are_marked() -> None:
+    """Marks of a joint = its different values among the solutions with all their turns; bars = the limits."""
+    arm = urdf_ik.load("dh_6r")
+    solutions = arm.ik(urdf_ik.pose([0.5, 0.11, 0.26], quat_xyzw=[0, 0, 0.8, 0.6]))
+    (axes,) = plot.limits(solutions, degrees=False).axes
+    marked = np.concatenate([np.stack(line.get_data(), axis=-1) for line in axes.lines if line.get_marker() == "o"])
+    turned = solutions.turns().to_array()
+    for i in range(arm.dof):
+        mine = np.unique(marked[np.rint(marked[:, 1]) == i, 0].round(9))
+        np.testing.assert_allclose(mine, np.unique(turned[:, i].round(9)), atol=1e-8)
+    bars = [(bar.get_x(), bar.get_x() + bar.get_width()) for bar in axes.patches]
+    np.testing.assert_allclose(bars, arm.limits)
+    assert [text.get_text() for text in axes.get_yticklabels()] == list(arm.joint_names)
+
+
+def test_values_without_a_turn_inside_are_crossed(arm: urdf_ik.Arm) -> None:
+    """A solution out of limits has a cross at each joint that has no image inside."""
+    T = arm.fk([0.1, 0.2, 0.3, 0.4, 2.15, 0.3])
+    solutions = arm.ik(T)
+    out = sum(int((np.abs(one.q) > arm.limits[:, 1] + 1e-9).sum()) for one in solutions)
+    assert out > 0
+    (axes,) = plot.limits(solutions).axes
+    assert sum(len(line.get_xdata()) for line in axes.lines if line.get_marker() == "x") == out
+
+
+def test_the_planar_workspace_has_both_regions_and_their_overlap() -> None:
+    """Four labelled patches whose outlines are the regions' arcs, and the arm from axis to tip."""
+    region = workspace.planar(urdf_ik.load("planar_2r"))
+    q = [0.5, -1.0]
+    (axes,) = plot.planar_workspace(region, q).axes
+    assert [patch.get_label() for patch in axes.patches] == ["elbow left", "elbow right", "both elbows", "boundary"]
+    corners = axes.patches[-1].get_path().vertices
+    for arc in region.boundary.arcs:
+        gaps = np.linalg.norm(corners - arc.points(2)[:1], axis=1)
+        assert gaps.min() < 1e-12
+    (line,) = axes.lines
+    np.testing.assert_allclose(np.array(line.get_data()).T[-1], region.tip(q))
+    assert axes.get_xlabel() == "x [m]"
+
+
+def test_a_layer_shows_the_maps_numbers(arm: urdf_ik.Arm) -> None:
+    """The image holds the slice, at its place, with the value's name beside the colours."""
+    found = workspace.compute(arm, 0.5, 8)
+    figure = plot.workspace_slice(found, "y", 0.0, "solutions")
+    axes, bar = figure.axes
+    (image,) = axes.images
+    layer = found.slice("y", 0.0, "solutions")
+    np.testing.assert_array_equal(np.ma.filled(image.get_array(), np.nan), layer.values.T)
+    assert tuple(image.get_extent()) == layer.extent
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("x [m]", "z [m]")
+    assert bar.get_ylabel() == "mean number of solutions"
+
+
+@pytest.mark.parametrize("name", ["planar_2r", "zyyzyz_6r", "scara_rrpr"])
+def test_sliders_move_the_arm(name: str) -> None:
+    """One slider a joint over its limits; moving one moves the tip to where forward kinematics has it."""
+    arm = urdf_ik.load(name)
+    held = plot.sliders(arm, window=False)
+    assert [slider.label.get_text() for slider in held.sliders] == list(arm.joint_names)
+    scale = np.where(arm.chain.prismatic, 1.0, 180.0 / np.pi)
+    np.testing.assert_allclose([(s.valmin, s.valmax) for s in held.sliders], scale[:, None] * arm.limits)
+    target = arm.limits[:, 0] + 0.3 * np.ptp(arm.limits, axis=1)
+    for slider, value in zip(held.sliders, scale * target, strict=True):
+        slider.set_val(value)
+    np.testing.assert_allclose(held.q, target)
+    (line,) = stick_lines(held.figure.axes[0])
+    if name == "planar_2r":
+        np.testing.assert_allclose(np.array(line.get_data())[:, -1], arm.plane.coordinates(arm.fk(target))[:2])
+        assert len(held.figure.axes[0].patches) == 4
+    else:
+        np.testing.assert_allclose(np.array(line.get_data_3d())[:, -1], arm.fk(target)[:3, 3], atol=1e-12)
+
+
+def test_in_a_notebook_there_is_a_control_for_each_joint() -> None:
+    """Where ipywidgets is installed: sliders over the limits, which start within them."""
+    ipywidgets = pytest.importorskip("ipywidgets")
+    arm = urdf_ik.load("planar_2r")
+    shown = plot.interact(arm, [0.2, -0.4])
+    controls = [child for child in shown.children if isinstance(child, ipywidgets.FloatSlider)]
+    assert [control.description for control in controls] == list(arm.joint_names)
+    np.testing.assert_allclose([(control.min, control.max) for control in controls], arm.limits)
+    assert [control.value for control in controls] == [0.2, -0.4]
+
+
+def test_a_window_without_a_display_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The error says so, and what to do; with a display but no toolkit, too."""
+    arm = urdf_ik.load("planar_2r")
+    with pytest.raises(urdf_ik.PlotError, match="no display.*--output"):
+        plot.sliders(arm)
+    with pytest.raises(urdf_ik.PlotError, match="no display"):
+        plot.show(plot.arm(arm))
+    monkeypatch.setenv("DISPLAY", ":99")
+    with matplotlib.rc_context({"backend": "agg"}), pytest.raises(urdf_ik.PlotError, match="'agg'.*no windows"):
+        plot.sliders(arm)
+    monkeypatch.delenv("DISPLAY")
+    result = call("plot", "planar_2r", "sliders")
+    assert result.exit_code == 2 and "no display" in result.stderr
+
+
+def test_pictures_are_written_as_their_names_say(tmp_path: Path, arm: urdf_ik.Arm) -> None:
+    """PNG, SVG and PDF are what they claim to be; another ending, or a folder that is not there, is an error."""
+    figure = plot.arm(arm, shapes=False)
+    for suffix, check in (
+        (".png", is_png),
+        (".svg", is_svg),
+        (".pdf", lambda data: data.startswith(b"%PDF-") and b"%%EOF" in data[-20:]),
+    ):
+        path = tmp_path / f"picture{suffix}"
+        plot.save(figure, path)
+        assert check(path.read_bytes())
+    with pytest.raises(urdf_ik.PlotError, match=r"picture\.bmp.*\.png, \.svg, \.pdf"):
+        plot.save(figure, tmp_path / "picture.bmp")
+    with pytest.raises(urdf_ik.PlotError, match="cannot write"):
+        plot.save(figure, tmp_path / "nowhere" / "picture.png")
+
+
+def is_png(data: bytes) -> bool:
+    """Whether it is a PNG, from its signature to its last chunk."""
+    return data.startswith(b"\x89PNG\r\n\x1a\n") and data[-8:-4] == b"IEND"
+
+
+def is_svg(data: bytes) -> bool:
+    """Whether it is XML with <svg> at its root."""
+    return ElementTree.fromstring(data).tag == "{http://www.w3.org/2000/svg}svg"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("zyyzyz_6r",),
+        ("zyyzyz_6r", "branches"),
+        ("zyyzyz_6r", "overlay", "--shapes", "--q", ",".join(map(str, Q))),
+        ("dh_6r", "limits", "--xyz", "0.5,0.11,0.26", "--quat-xyzw", "0,0,0.8,0.6"),
+        ("planar_2r", "workspace", "--q", "30,-40", "--degrees"),
+        ("positioning_3r", "workspace", "--axis", "y", "--show", "manipulability"),
+        ("planar_2r", "sliders"),
+    ],
+)
+def test_the_command_writes_every_picture(arguments: tuple[str, ...], tmp_path: Path) -> None:
+    """A PNG file, and not a word."""
+    path = tmp_path / "picture.png"
+    assert succeed("plot", *arguments, "-o", str(path)) == ""
+    assert is_png(path.read_bytes())
+
+
+def test_the_command_cuts_a_saved_map(tmp_path: Path) -> None:
+    """`workspace -o` and `plot --map` go together; a layer outside the map is an error."""
+    path, picture = str(tmp_path / "map.npz"), str(tmp_path / "picture.svg")
+    succeed("workspace", "zyyzyz_6r", "--voxel", "0.6", "--orientations", "5", "-o", path)
+    succeed("plot", "zyyzyz_6r", "workspace", "--map", path, "--at", "1", "-o", picture)
+    assert is_svg(Path(picture).read_bytes())
+    result = call("plot", "zyyzyz_6r", "workspace", "--map", path, "--at", "50", "-o", picture)
+    assert result.exit_code == 2 and "outside the map" in result.stderr
+
+
+def test_nothing_else_brings_matplotlib() -> None:
+    """The rooms of the workspace, and the other commands, load without it."""
+    code = (
+        "import sys, urdf_ik, urdf_ik.workspace, urdf_ik.cli, urdf_ik._cli_workspace; "
+        "sys.exit(any(name.split('.')[0] == 'matplotlib' for name in sys.modules))"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
