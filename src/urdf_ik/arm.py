@@ -18,6 +18,7 @@ from urdf_ik._shares import in_shares
 from urdf_ik.chain import Chain
 from urdf_ik.cuspidality import is_cuspidal
 from urdf_ik.errors import JointVectorError, PoseError, UnsupportedArm
+from urdf_ik.families.few_joints import is_redundant, kinds_of
 from urdf_ik.families.plan import Plan, RedundantPlan
 from urdf_ik.poses import as_pose_array, check_poses
 from urdf_ik.solutions import IKSolutions
@@ -340,6 +341,11 @@ class Arm:
 
     def _unsupported(self) -> UnsupportedArm:
         """The error for an arm without a solver."""
+        if is_redundant(self.chain) and self.dof <= 6:
+            return UnsupportedArm(
+                f"{self.name}: joints repeat one another at every joint vector, so that a pose has a continuum of "
+                f"solutions or none: joints {', '.join(self.joint_names)} are {kinds_of(self.chain)}. {self.structure}"
+            )
         if self.dof <= 7:
             return UnsupportedArm(f"{self.name}: no solver for this arm yet. {self.structure}")
         held = ", ".join(f"{name!r}: 0.0" for name in self.joint_names[: self.dof - 7])

@@ -12,6 +12,7 @@ from urdf_ik.families import (
     locked,
     parallel_shoulder,
     planar,
+    slides,
     spherical_middle,
     spherical_wrist,
     srs,
@@ -44,7 +45,19 @@ def choose(structure: Structure, chain: Chain) -> Plan | RedundantPlan | None:
 
 def of_six(structure: Structure, chain: Chain) -> Plan | None:
     """What ``choose`` says of six joints."""
+    if chain.prismatic.any():
+        return _with_slides(structure, chain)
     return _of_a_family(structure, chain) or _general(structure, chain)
+
+
+def _with_slides(structure: Structure, chain: Chain) -> Plan | None:
+    back = chain.reversed()
+    plans: list[Plan] = []
+    for seen, relations in ((chain, structure), (back, analyse(back))):
+        plan = slides.prepare(relations, seen) if slides.matches(relations) else None
+        if plan is not None:
+            plans.append(mirrored(plan) if seen is back else plan)
+    return min(plans, key=lambda plan: plan.error, default=None)
 
 
 def _of_a_family(structure: Structure, chain: Chain) -> Plan | None:
