@@ -162,12 +162,24 @@ SLIDES = {
     "RRRRPR wrist at the base": Build("RRRRPR", "zyx?y?", wrist=0),
     "RRRPRP wrist at the base": Build("RRRPRP", "??????", wrist=0),
 }
-BUILDS_OF_ALL = BUILDS | SLIDES
+# The same without a wrist: by elimination.
+WRISTLESS = {
+    "PRRRRR": Build("PRRRRR", "??????"),
+    "RPRRRR": Build("RPRRRR", "??????"),
+    "RRPRRR": Build("RRPRRR", "??????"),
+    "RRRPRR": Build("RRRPRR", "??????"),
+    "RRRRRP": Build("RRRRRP", "??????"),
+    "PRRRRR on a rail": Build("PRRRRR", "xzyyyz"),
+    "PPRRRR": Build("PPRRRR", "??????"),
+    "RPRPRR": Build("RPRPRR", "??????"),
+    "PRRRRP": Build("PRRRRP", "??????"),
+}
+BUILDS_OF_ALL = BUILDS | SLIDES | WRISTLESS
 
 
 @lru_cache
 def few(name: str, seed: int = 0, aligned: bool = False) -> Case:
-    """A random member of one of ``BUILDS`` or ``SLIDES``, loaded, and its judge."""
+    """A random member of one of ``BUILDS_OF_ALL``, loaded, and its judge."""
     build = BUILDS_OF_ALL[name]
     rng = np.random.default_rng([seed, *map(ord, name)])
     return case_of(few_urdf(build.kinds, *axes_and_points(build, rng), rng, aligned=aligned), name)

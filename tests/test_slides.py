@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pytest
 from arms import X, Y, Z
-from arms_few import SLIDES, TRAVEL, apart, axes_and_points, case_of, draw, few, few_urdf
+from arms_few import SLIDES, TRAVEL, WRISTLESS, Build, apart, axes_and_points, case_of, draw, few, few_urdf
 from cases import Case, from_catalogue, rows, worst_error
 from numpy.typing import NDArray
 from oracle import Oracle
@@ -19,7 +19,7 @@ from urdf_ik.errors import PoseError, UnsupportedArm
 from urdf_ik.solutions import Singular
 
 Array = NDArray[np.float64]
-NAMES = tuple(SLIDES)
+NAMES = tuple(SLIDES | WRISTLESS)
 DISTANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 
 
@@ -208,6 +208,15 @@ def test_redundant_arms_are_refused() -> None:
         arm = urdf_ik.load(few_urdf(kinds, directions, points, points[-1] + 0.2, rng), "base", "tool")
         with pytest.raises(UnsupportedArm, match="repeat one another"):
             arm.ik(np.eye(4))
+
+
+def test_opposite_slides_without_a_wrist_are_refused() -> None:
+    """Two slides three joints apart are taken only with a wrist, and the error says so."""
+    rng = np.random.default_rng(2)
+    build = Build("RPRRPR", "??????")
+    arm = urdf_ik.load(few_urdf(build.kinds, *axes_and_points(build, rng), rng), "base", "tool")
+    with pytest.raises(UnsupportedArm, match=r"two slides three joints apart \(RPRRPR\)"):
+        arm.ik(np.eye(4))
 
 
 def test_far_slides_keep_their_digits() -> None:

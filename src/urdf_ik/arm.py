@@ -346,6 +346,12 @@ class Arm:
                 f"{self.name}: joints repeat one another at every joint vector, so that a pose has a continuum of "
                 f"solutions or none: joints {', '.join(self.joint_names)} are {kinds_of(self.chain)}. {self.structure}"
             )
+        if self.dof == 6:
+            return UnsupportedArm(
+                f"{self.name}: no solver for two slides three joints apart ({kinds_of(self.chain)}) without a spherical "
+                f"wrist at either end; held at a value, as in urdf_ik.load(..., locked={{name: 0.0}}), one of them "
+                f"leaves five joints that are solved. {self.structure}"
+            )
         if self.dof <= 7:
             return UnsupportedArm(f"{self.name}: no solver for this arm yet. {self.structure}")
         held = ", ".join(f"{name!r}: 0.0" for name in self.joint_names[: self.dof - 7])

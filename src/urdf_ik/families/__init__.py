@@ -8,6 +8,7 @@ from urdf_ik.families import (
     completed,
     few_joints,
     general_6r,
+    general_slides,
     imperfect,
     locked,
     parallel_shoulder,
@@ -56,8 +57,11 @@ def _with_slides(structure: Structure, chain: Chain) -> Plan | None:
     for seen, relations in ((chain, structure), (back, analyse(back))):
         plan = slides.prepare(relations, seen) if slides.matches(relations) else None
         if plan is not None:
+            plan = plan if plan.is_exact else general_slides.behind(plan, seen)
             plans.append(mirrored(plan) if seen is back else plan)
-    return min(plans, key=lambda plan: plan.error, default=None)
+    if plans:
+        return min(plans, key=lambda plan: plan.error)
+    return general_slides.prepare(chain) if general_slides.matches(structure) else None
 
 
 def _of_a_family(structure: Structure, chain: Chain) -> Plan | None:
