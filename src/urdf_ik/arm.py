@@ -348,9 +348,9 @@ class Arm:
             )
         if self.dof == 6:
             return UnsupportedArm(
-                f"{self.name}: no solver for two slides three joints apart ({kinds_of(self.chain)}) without a spherical "
-                f"wrist at either end; held at a value, as in urdf_ik.load(..., locked={{name: 0.0}}), one of them "
-                f"leaves five joints that are solved. {self.structure}"
+                f"{self.name}: no solver for two slides three joints apart ({kinds_of(self.chain)}) without a "
+                "spherical wrist at either end; one of them held at a value, as in "
+                f"urdf_ik.load(..., locked={{name: 0.0}}), leaves five joints that are solved. {self.structure}"
             )
         if self.dof <= 7:
             return UnsupportedArm(f"{self.name}: no solver for this arm yet. {self.structure}")

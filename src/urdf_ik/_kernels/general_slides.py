@@ -22,6 +22,8 @@ from urdf_ik._kernels.thresholds import CONVERGED, LARGEST_NOISE, NEAR_CIRCLE, O
 
 # A hidden slide's cosine below which it stands for a length beyond all reach: 20 times the mean distance of the axes.
 _FARTHEST = -0.995
+# Starts for poses at which every variant of the elimination leaves doubt and an odd number of solutions, or none.
+_STARTS = 160
 
 
 @kernel
@@ -63,6 +65,20 @@ def gather(arm, variant, circle, target, enough, Q, flags):
 
 
 @kernel
+def _search(arm, target, enough, Q, flags):
+    """Solutions from fixed starts all over the joints' values, until they come in pairs."""
+    q, seed = np.empty(6), 12345
+    for k in range(_STARTS):
+        for j in range(6):
+            seed = (seed * 1103515245 + 12345) % 2147483648
+            share = seed / 1073741824.0 - 1.0
+            q[j] = share * (arm[layout.SIZE] if arm[few.SLIDING + j] else math.pi)
+        few.take(arm, target, q, few.SEARCHED, enough, Q, flags)
+        if k >= _STARTS // 4 and count(flags) > 0 and count(flags) % 2 == 0:
+            break
+
+
+@kernel
 def complete(arm, target, Q, flags):
     """Add what is missing to the solutions of one pose that ``Q`` and ``flags`` hold already."""
     circle, doubt = sample_circle(), True
@@ -75,6 +91,8 @@ def complete(arm, target, Q, flags):
         doubt = gather(arm, arm[start : start + hidden.VARIANT], circle, target, enough, Q, flags)
         # Solutions come in pairs.
         doubt = doubt or count(flags) % 2 == 1
+    if doubt and (count(flags) == 0 or count(flags) % 2 == 1):
+        _search(arm, target, enough, Q, flags)
     if count(flags) == 0:
         first = arm[layout.FIRST_VARIANT : layout.FIRST_VARIANT + hidden.VARIANT]
         gather(arm, first, circle, target, arm[layout.REACH], Q, flags)
