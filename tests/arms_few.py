@@ -28,12 +28,14 @@ class Build:
         axes: directions at q = 0.
         meet: pairs of joints, from 0, whose axes pass through one point.
         task: what such an arm controls.
+        wrist: the first of three joints whose axes meet in a point.
     """
 
     kinds: str
     axes: str
     meet: tuple[tuple[int, int], ...] = ()
     task: str = "pose"
+    wrist: int | None = None
 
 
 BUILDS = {
@@ -132,6 +134,10 @@ def axes_and_points(build: Build, rng: np.random.Generator) -> tuple[Array, Arra
     for first, second in build.meet:
         # Somewhere along the axis before, and the frame itself somewhere else along its own.
         points[second] = points[first] + rng.uniform(0.1, 0.4) * axes[first]
+    if build.wrist is not None:
+        centre, three = points[build.wrist + 1].copy(), slice(build.wrist, build.wrist + 3)
+        # Each frame somewhere along its own axis.
+        points[three] = centre + rng.uniform(-0.2, 0.2, (3, 1)) * axes[three]
     return axes, points, tool
 
 
@@ -139,10 +145,42 @@ def _unit(v: Array) -> Array:
     return v / np.linalg.norm(v)
 
 
+# Six joints with slides.
+SLIDES = {
+    "RRPRRR Stanford": Build("RRPRRR", "zyxxyx", ((0, 1),), wrist=3),
+    "RRPRRR any": Build("RRPRRR", "??????", wrist=3),
+    "RPRRRR any": Build("RPRRRR", "??????", wrist=3),
+    "PRRRRR any": Build("PRRRRR", "??????", wrist=3),
+    "PRRRRR parallel": Build("PRRRRR", "zzyzyz", wrist=3),
+    "PRPRRR any": Build("PRPRRR", "??????", wrist=3),
+    "PPRRRR any": Build("PPRRRR", "??????", wrist=3),
+    "RPPRRR cylindrical": Build("RPPRRR", "zzxzyx", wrist=3),
+    "PPPRRR gantry": Build("PPPRRR", "xyzzyz", wrist=3),
+    "PPPRRR no wrist": Build("PPPRRR", "xyzzyx"),
+    "RPRPRP any": Build("RPRPRP", "??????"),
+    "RRRPPP any": Build("RRRPPP", "??????"),
+    "RRRRPR wrist at the base": Build("RRRRPR", "zyx?y?", wrist=0),
+    "RRRPRP wrist at the base": Build("RRRPRP", "??????", wrist=0),
+}
+# The same without a wrist: by elimination.
+WRISTLESS = {
+    "PRRRRR": Build("PRRRRR", "??????"),
+    "RPRRRR": Build("RPRRRR", "??????"),
+    "RRPRRR": Build("RRPRRR", "??????"),
+    "RRRPRR": Build("RRRPRR", "??????"),
+    "RRRRRP": Build("RRRRRP", "??????"),
+    "PRRRRR on a rail": Build("PRRRRR", "xzyyyz"),
+    "PPRRRR": Build("PPRRRR", "??????"),
+    "RPRPRR": Build("RPRPRR", "??????"),
+    "PRRRRP": Build("PRRRRP", "??????"),
+}
+BUILDS_OF_ALL = BUILDS | SLIDES | WRISTLESS
+
+
 @lru_cache
 def few(name: str, seed: int = 0, aligned: bool = False) -> Case:
-    """A random member of one of ``BUILDS``, loaded, and its judge."""
-    build = BUILDS[name]
+    """A random member of one of ``BUILDS_OF_ALL``, loaded, and its judge."""
+    build = BUILDS_OF_ALL[name]
     rng = np.random.default_rng([seed, *map(ord, name)])
     return case_of(few_urdf(build.kinds, *axes_and_points(build, rng), rng, aligned=aligned), name)
 

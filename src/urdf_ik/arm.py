@@ -18,6 +18,7 @@ from urdf_ik._shares import in_shares
 from urdf_ik.chain import Chain
 from urdf_ik.cuspidality import is_cuspidal
 from urdf_ik.errors import JointVectorError, PoseError, UnsupportedArm
+from urdf_ik.families.few_joints import is_redundant, kinds_of
 from urdf_ik.families.plan import Plan, RedundantPlan
 from urdf_ik.mimic import CoupledChain
 from urdf_ik.poses import as_pose_array, check_poses
@@ -345,6 +346,17 @@ class Arm:
             return UnsupportedArm(
                 f"{self.name}: {families.coupled.why_not(self.chain)}; joints that mimic others: "
                 f"{', '.join(map(str, self.chain.followers))}; independent: {', '.join(self.joint_names)}"
+            )
+        if is_redundant(self.chain) and self.dof <= 6:
+            return UnsupportedArm(
+                f"{self.name}: joints repeat one another at every joint vector, so that a pose has a continuum of "
+                f"solutions or none: joints {', '.join(self.joint_names)} are {kinds_of(self.chain)}. {self.structure}"
+            )
+        if self.dof == 6:
+            return UnsupportedArm(
+                f"{self.name}: no solver for two slides three joints apart ({kinds_of(self.chain)}) without a "
+                "spherical wrist at either end; one of them held at a value, as in "
+                f"urdf_ik.load(..., locked={{name: 0.0}}), leaves five joints that are solved. {self.structure}"
             )
         if self.dof <= 7:
             return UnsupportedArm(f"{self.name}: no solver for this arm yet. {self.structure}")

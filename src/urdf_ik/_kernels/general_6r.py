@@ -41,6 +41,16 @@ def turned(h, p, angle, v):
 
 
 @kernel
+def moved(slides, h, p, value, v):
+    """Move the point ``v`` (3,) in place by a joint that turns by ``value``, or slides by it."""
+    if slides:
+        for i in range(3):
+            v[i] += value * h[i]
+    else:
+        turned(h, p, value, v)
+
+
+@kernel
 def carried(G, v):
     """Move the point ``v`` (3,) in place by ``G`` (4, 4)."""
     x, y, z = v[0], v[1], v[2]
@@ -52,19 +62,24 @@ def carried(G, v):
 def other_side(variant, G, H, P, angles, v):
     """Move ``v`` in place through joints a + 3, a + 4, a + 5 backwards, and ``G`` where it stands among them."""
     first, before = int(variant[hidden.FIRST]), int(variant[hidden.BEFORE])
+    slides = variant[hidden.SLIDES : hidden.SLIDES + 6]
     for k in range(3):
         if k == before:
             carried(G, v)
         j = (first + 3 + k) % 6
-        turned(H[j], P[j], -angles[j], v)
+        moved(slides[j] != 0.0, H[j], P[j], -angles[j], v)
     if before == 3:
         carried(G, v)
 
 
 @kernel
 def remaining_angles(variant, G, x, c, s, angles):
-    """The other five angles for the hidden one (c, s), to ``angles`` (6,), from the null vector ``x`` of its matrix."""
+    """The other five angles for the hidden one (c, s), to ``angles`` (6,), from the null vector ``x`` of its matrix.
+
+    Of joints that slide the lengths, in the scaled frame.
+    """
     first = int(variant[hidden.FIRST])
+    slides = variant[hidden.SLIDES : hidden.SLIDES + 6]
     H = variant[hidden.AXES : hidden.AXES + 18].reshape(6, 3)
     P = variant[hidden.POINTS : hidden.POINTS + 18].reshape(6, 3)
     inverse = variant[hidden.LEFT_INVERSE : hidden.LEFT_INVERSE + 135].reshape(9, LINE)
@@ -82,6 +97,9 @@ def remaining_angles(variant, G, x, c, s, angles):
     angles[(first + 3) % 6] = math.atan2(sign * d2, sign * d1)
     angles[(first + 4) % 6] = 2.0 * math.atan2(x[4 * best + 1], x[4 * best])
     angles[(first + 5) % 6] = math.atan2(s, c)
+    for j in range(first + 3, first + 6):
+        if slides[j % 6]:
+            angles[j % 6] = math.tan(0.5 * angles[j % 6])
     k = first + 2
     point, end = P[k].copy(), P[k] + H[k]
     other_side(variant, G, H, P, angles, point)
@@ -93,7 +111,8 @@ def remaining_angles(variant, G, x, c, s, angles):
         for j in range(LINE):
             total += inverse[i, j] * w[j]
         products[i] = total
-    angles[first], angles[first + 1] = math.atan2(products[6], products[3]), math.atan2(products[2], products[1])
+    angles[first] = products[3] if slides[first] else math.atan2(products[6], products[3])
+    angles[first + 1] = products[1] if slides[first + 1] else math.atan2(products[2], products[1])
     # The last one turns any vector across axis a + 2 to where the other side has it.
     least = 0
     for i in range(1, 3):
@@ -104,8 +123,8 @@ def remaining_angles(variant, G, x, c, s, angles):
     u /= math.sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2])
     v = P[k] + u
     other_side(variant, G, H, P, angles, v)
-    turned(H[first], P[first], -angles[first], v)
-    turned(H[first + 1], P[first + 1], -angles[first + 1], v)
+    moved(slides[first] != 0.0, H[first], P[first], -angles[first], v)
+    moved(slides[first + 1] != 0.0, H[first + 1], P[first + 1], -angles[first + 1], v)
     v -= P[k]
     across = H[k, 0] * (u[1] * v[2] - u[2] * v[1]) + H[k, 1] * (u[2] * v[0] - u[0] * v[2])
     across += H[k, 2] * (u[0] * v[1] - u[1] * v[0])

@@ -8,6 +8,9 @@ six equations left by cos and sin of half of joint a + 4's angle makes them squa
 trigonometric polynomial of degree eight in the hidden joint a + 5, so it is sampled and its 16 roots are found in
 the complex plane. Sources: Raghavan and Roth 1990; Manocha and Canny 1994; for the half angles, the samples and
 the numerical construction see the notes in families/general_6r.py.
+
+A joint that slides by d takes part as an angle t with d = tan(t / 2): what it does to lines is of degree two in d, so
+it is of the form 1, cos t, sin t but for the factor cos^2(t / 2), which the homogeneous equations do not see.
 """
 
 from __future__ import annotations
@@ -28,8 +31,8 @@ _TINY = 1e-300
 FIRST, REVERSED, BEFORE = 0, 1, 2
 KEPT, KEPT_TOO, HIDDEN = 4, 679, 1354
 LINE_0, NULL, NULL_HIDDEN, LEFT_INVERSE = 2029, 2044, 2134, 2404
-AXES, POINTS = 2539, 2557
-VARIANT = 2576
+AXES, POINTS, SLIDES = 2539, 2557, 2575
+VARIANT = 2584
 
 
 @kernel

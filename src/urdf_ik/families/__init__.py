@@ -9,10 +9,12 @@ from urdf_ik.families import (
     coupled,
     few_joints,
     general_6r,
+    general_slides,
     imperfect,
     locked,
     parallel_shoulder,
     planar,
+    slides,
     spherical_middle,
     spherical_wrist,
     srs,
@@ -47,7 +49,22 @@ def choose(structure: Structure, chain: Chain) -> Plan | RedundantPlan | None:
 
 def of_six(structure: Structure, chain: Chain) -> Plan | None:
     """What ``choose`` says of six joints."""
+    if chain.prismatic.any():
+        return _with_slides(structure, chain)
     return _of_a_family(structure, chain) or _general(structure, chain)
+
+
+def _with_slides(structure: Structure, chain: Chain) -> Plan | None:
+    back = chain.reversed()
+    plans: list[Plan] = []
+    for seen, relations in ((chain, structure), (back, analyse(back))):
+        plan = slides.prepare(relations, seen) if slides.matches(relations) else None
+        if plan is not None:
+            plan = plan if plan.is_exact else general_slides.behind(plan, seen)
+            plans.append(mirrored(plan) if seen is back else plan)
+    if plans:
+        return min(plans, key=lambda plan: plan.error)
+    return general_slides.prepare(chain) if general_slides.matches(structure) else None
 
 
 def _of_a_family(structure: Structure, chain: Chain) -> Plan | None:

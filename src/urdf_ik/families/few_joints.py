@@ -289,7 +289,7 @@ def _row(way: _Way) -> Array:
     first, second = way.joints[0], way.joints[1]
     points = [joint.point for joint in way.joints[:3]]
     if not first.slides and not second.slides:
-        points[:2] = _feet(first, second)
+        points[:2] = feet(first.h, first.point, second.h, second.point)
     for k, joint in enumerate(way.joints[:3]):
         row[step.SLIDES + k] = joint.slides
         row[step.DIRECTIONS + 3 * k : step.DIRECTIONS + 3 * k + 3] = joint.h
@@ -306,12 +306,12 @@ def _row(way: _Way) -> Array:
     return row
 
 
-def _feet(first: _Joint, second: _Joint) -> tuple[Array, Array]:
-    """Feet of the common normal of two axes; where they are parallel, of one through the first one's point."""
-    if np.linalg.norm(np.cross(first.h, second.h)) < 1e-6:
-        gap = second.point - first.point
-        return first.point, first.point + gap - (gap @ first.h) * first.h
-    return closest_points(first.point, first.h, second.point, second.h)
+def feet(h: Array, p: Array, k: Array, q: Array) -> tuple[Array, Array]:
+    """Feet of the common normal of axes along ``h``, ``k`` through ``p``, ``q``; if parallel, of one through ``p``."""
+    if np.linalg.norm(np.cross(h, k)) < 1e-6:
+        gap = q - p
+        return p, p + gap - (gap @ h) * h
+    return closest_points(p, h, q, k)
 
 
 def _direction(rng: np.random.Generator) -> Array:

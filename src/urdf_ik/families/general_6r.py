@@ -20,6 +20,8 @@ from urdf_ik._kernels.lines import LINE, line_motion, line_vector
 from urdf_ik.families.plan import Plan, pack_as_written
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from urdf_ik.chain import Chain
@@ -31,6 +33,8 @@ _NAMES = tuple(f"solution {k}" for k in range(1, 17))
 _SHIFTS = (0.0, 1e-6, 1e-5)
 _KEPT = 5
 _PLANTED = 24
+# From parts of 1, cos t, sin t to parts of 1, d, d^2, for d = tan(t / 2): both sides times cos^2(t / 2).
+_POWERS = np.array([[1.0, 1.0, 0.0], [0.0, 0.0, 2.0], [1.0, -1.0, 0.0]])
 
 
 def matches(structure: Structure) -> bool:
@@ -52,13 +56,13 @@ def prepare(chain: Chain) -> Plan:
     )
 
 
-def with_elimination(arm: Array, chain: Chain) -> Array:
-    """``arm`` with the elimination's numbers behind its own."""
+def with_elimination(arm: Array, chain: Chain, trial: Callable[..., None] = kernels.trial) -> Array:
+    """``arm`` with the elimination's numbers behind its own; ``trial`` counts what a variant finds."""
     H, points, centre, scale = _scaled(chain)
     home = np.eye(4)
     home[:3, :3], home[:3, 3] = chain.R_tip, chain.P.sum(axis=0)
     inverse = np.asarray(np.linalg.inv(home)[:3], dtype=np.float64)
-    return _best(arm, chain, H, points, centre, scale, inverse)
+    return _best(arm, chain, H, points, centre, scale, inverse, trial)
 
 
 def _explain(chain: Chain, point: Array) -> str:
@@ -78,7 +82,16 @@ def _scaled(chain: Chain) -> tuple[Array, Array, Array, float]:
     return chain.H, points * scale, centre, scale
 
 
-def _best(arm: Array, chain: Chain, H: Array, points: Array, centre: Array, scale: float, home_inverse: Array) -> Array:
+def _best(
+    arm: Array,
+    chain: Chain,
+    H: Array,
+    points: Array,
+    centre: Array,
+    scale: float,
+    home_inverse: Array,
+    trial: Callable[..., None],
+) -> Array:
     """``arm`` with a few variants behind it, in the order in which they are to be tried.
 
     Each is tried on planted poses. What counts most is that a variant does not miss a solution without giving
@@ -97,10 +110,14 @@ def _best(arm: Array, chain: Chain, H: Array, points: Array, centre: Array, scal
         moved /= np.linalg.norm(moved, axis=1, keepdims=True)
         at = points + shift * rng.standard_normal((6, 3))
         for reverse in (False, True):
+            slides = chain.prismatic[::-1] if reverse else chain.prismatic
             for first in range(4):
-                row = _variant(moved, at, first, reverse)
+                # A slide moves the points of its own axis.
+                if slides[first + 2]:
+                    continue
+                row = _variant(moved, at, slides, first, reverse)
                 count, doubt = np.empty(len(targets), np.int64), np.empty(len(targets), np.bool_)
-                kernels.trial(arm, row, targets, count, doubt)
+                trial(arm, row, targets, count, doubt)
                 rows.append(row)
                 counts.append(count)
                 doubts.append(doubt)
@@ -121,10 +138,12 @@ def _best(arm: Array, chain: Chain, H: Array, points: Array, centre: Array, scal
 
 
 def _planted(chain: Chain, rng: np.random.Generator) -> Array:
-    """(_PLANTED, 6) rad: half at random, half 1e-2 to 1e-7 rad from a singularity found along one joint."""
+    """(_PLANTED, 6) rad or m: half at random, half 1e-2 to 1e-7 from a singularity found along one turning joint."""
     Q = rng.uniform(-math.pi, math.pi, (_PLANTED, 6))
+    Q[:, chain.prismatic] *= chain.size / (2.0 * math.pi)
     half = _PLANTED // 2
-    joints = np.arange(half) % 4 + 1
+    inner = np.flatnonzero(~chain.prismatic[1:5]) + 1
+    joints = inner[np.arange(half) % len(inner)]
     rows = np.arange(half)
 
     def determinant(values: Array) -> Array:
@@ -150,16 +169,21 @@ def _planted(chain: Chain, rng: np.random.Generator) -> Array:
     return Q
 
 
-def _variant(H: Array, points: Array, first: int, reverse: bool) -> Array:
-    """One row of numbers, as _kernels/hidden_joint.py reads it, for a loop cut before joint ``first`` + 3."""
+def _variant(H: Array, points: Array, slides: NDArray[np.bool_], first: int, reverse: bool) -> Array:
+    """One row of numbers, as _kernels/hidden_joint.py reads it, for a loop cut before joint ``first`` + 3.
+
+    ``slides`` (6,) tells which joints slide, in the order of the loop, reversed or not.
+    """
     if reverse:
         H, points = -H[::-1], points[::-1]
-    joints = [_joint_motion(H[i], points[i]) for i in range(6)]
+    joints = [_slide_motion(H[i]) if slides[i] else _joint_motion(H[i], points[i]) for i in range(6)]
     back = [motion * np.array([1.0, 1.0, -1.0])[:, None, None] for motion in joints]
     line = np.empty(LINE)
     (px, py, pz), (lx, ly, lz) = points[first + 2], H[first + 2]
     line_vector(px, py, pz, lx, ly, lz, line)
-    left = np.stack([joints[first][i] @ joints[first + 1][j] @ line for i in range(3) for j in range(3)], axis=1)
+    before, behind = (_POWERS @ joints[k].reshape(3, -1) if slides[k] else joints[k] for k in (first, first + 1))
+    before, behind = before.reshape(3, LINE, LINE), behind.reshape(3, LINE, LINE)
+    left = np.stack([before[i] @ behind[j] @ line for i in range(3) for j in range(3)], axis=1)
     full, _, _ = np.linalg.svd(left)
     null = full[:, 9:].T
     kept, kept_too, hidden = ((first + k) % 6 for k in (3, 4, 5))
@@ -175,6 +199,7 @@ def _variant(H: Array, points: Array, first: int, reverse: bool) -> Array:
         (hidden_joint.LEFT_INVERSE, np.linalg.pinv(left, rcond=1e-10)),
         (hidden_joint.AXES, H),
         (hidden_joint.POINTS, points),
+        (hidden_joint.SLIDES, slides),
     ):
         row[start : start + values.size] = values.ravel()
     return row
@@ -194,3 +219,17 @@ def _joint_motion(h: Array, p: Array) -> Array:
     zero, half, quarter = at
     constant = 0.5 * (zero + half)
     return np.stack([constant, 0.5 * (zero - half), quarter - constant])
+
+
+def _slide_motion(h: Array) -> Array:
+    """(3, 15, 15): the motion of lines by d = tan(t / 2) along ``h``, times cos^2(t / 2), for 1, cos t, sin t."""
+    at = []
+    for d in (0.0, 1.0, -1.0):
+        G = np.eye(4)
+        G[:3, 3] = d * h
+        U = np.empty((LINE, LINE))
+        line_motion(G, U)
+        at.append(U)
+    zero, ahead, back = at
+    linear, square = 0.5 * (ahead - back), 0.5 * (ahead + back) - zero
+    return 0.5 * np.stack([zero + square, zero - square, linear])
