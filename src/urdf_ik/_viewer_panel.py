@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +16,7 @@ if TYPE_CHECKING:
     from urdf_ik._viewer_state import State
     from urdf_ik.arm import Arm
 
-_STEP = 0.001
+_STEP, _DIGITS = 0.001, 3
 
 
 class Panel:
@@ -45,7 +47,7 @@ class Panel:
                 for name, colour in zip(arm.structure.branches, colours(len(arm.structure.branches)), strict=True)
             ]
         for column, button in enumerate(self.branches):
-            button.on_click(_calling(on_branch, column))
+            button.on_click(_calling(partial(on_branch, column)))
         self.redundancy = None
         if arm.redundancy is not None:
             low, high = arm.redundancy.range
@@ -61,7 +63,7 @@ class Panel:
                 for name, limits, slides in zip(arm.joint_names, arm.limits, arm.chain.prismatic, strict=True)
             ]
         for index, slider in enumerate(self.sliders):
-            _on_change(slider, lambda value, index=index: on_joint(index, value))
+            _on_change(slider, partial(on_joint, index))
 
     def show(self, state: State, *, keep: object = None) -> None:
         """Set every widget to what ``state`` says, except for ``keep``, which is being moved."""
@@ -112,25 +114,29 @@ def _ends(limits: Any, slides: bool) -> tuple[float, float]:
 
 
 def _slider(gui: Any, name: str, low: float, high: float) -> Any:
-    # viser wants at least one step, and a first value between the ends.
-    return gui.add_slider(name, low, max(high, low + _STEP), _STEP, low)
+    # Whole steps, since the page writes as many digits as the ends have; at least one, or there is no slider.
+    low, high = math.ceil(low / _STEP) * _STEP, math.floor(high / _STEP) * _STEP
+    low, high = round(low, _DIGITS), round(max(high, low + _STEP), _DIGITS)
+    return gui.add_slider(name, low, high, _STEP, low)
 
 
 def _set(slider: Any, value: float) -> None:
     """Move a slider; one end gives way to a value beyond it, as a solution outside the limits has."""
-    if value < slider.min:
-        slider.min = value
-    if value > slider.max:
-        slider.max = value
-    slider.value = value
+    shown = round(value, _DIGITS)
+    if shown < slider.min:
+        slider.min = shown
+    if shown > slider.max:
+        slider.max = shown
+    slider.value = shown
 
 
 def _on_change(slider: Any, call: Callable[[float], None]) -> None:
-    @slider.on_update
-    def _(event: Any) -> None:
+    def changed(event: Any) -> None:
         if event.client_id is not None:  # not what this program set itself
             call(float(slider.value))
 
+    slider.on_update(changed)
 
-def _calling(call: Callable[[int], None], value: int) -> Callable[[Any], None]:
-    return lambda _: call(value)
+
+def _calling(call: Callable[[], None]) -> Callable[[Any], None]:
+    return lambda _: call()

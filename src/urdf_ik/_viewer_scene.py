@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-_OPACITY = 0.22
+_OPACITY = 0.3
 # Faces above which a ghost's link is drawn as its convex hull: there may be sixteen of them.
 _MOST_FACES = 4000
 
@@ -56,7 +56,8 @@ class Drawing:
         ]
         for k, body in enumerate(shapes.bodies):
             self._bodies.append((body.link, scene.add_mesh_trimesh(f"/robot/body_{k}", body.mesh)))
-        for link in dict.fromkeys(body.link for body in shapes.bodies):
+        moving = self._moving()
+        for link in dict.fromkeys(body.link for body in shapes.bodies if body.link in moving):
             self._ghosts.append((link, self._add_ghosts([b.mesh for b in shapes.bodies if b.link == link])))
         self._axes = None
         if not self.has_shapes:
@@ -92,10 +93,15 @@ class Drawing:
         self._root.remove()
         self.target.remove()
 
+    def _moving(self) -> set[str]:
+        """Links that the joints move: the others stand where the arm's own do."""
+        poses = self._arm.link_poses(np.stack([np.zeros(self._arm.dof), np.ones(self._arm.dof)]))
+        return {link for link, (first, second) in poses.items() if not np.array_equal(first, second)}
+
     def _add_ghosts(self, meshes: list[trimesh.Trimesh]) -> Any:
-        one = trimesh.util.concatenate([trimesh.Trimesh(m.vertices, m.faces, process=False) for m in meshes])
+        one = _joined(meshes)
         if len(one.faces) > _MOST_FACES:
-            one = trimesh.util.concatenate([_hull(mesh) for mesh in meshes])
+            one = _joined([_hull(mesh) for mesh in meshes])
         return self._scene.add_batched_meshes_simple(
             f"/robot/ghosts_{len(self._ghosts)}",
             one.vertices,
@@ -158,8 +164,19 @@ def _place(handle: Any, T: Array) -> None:
     handle.position, handle.wxyz = T[:3, 3], to_quat_wxyz(T)
 
 
+def _joined(meshes: list[trimesh.Trimesh]) -> trimesh.Trimesh:
+    """One mesh without colours."""
+    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
+    return trimesh.Trimesh(
+        np.concatenate([mesh.vertices for mesh in meshes]),
+        np.concatenate([mesh.faces + start for mesh, start in zip(meshes, starts, strict=True)]),
+        process=False,
+    )
+
+
 def _hull(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
     try:
-        return mesh.convex_hull
+        hull: trimesh.Trimesh = mesh.convex_hull
     except Exception:  # a flat mesh has none, and Qhull says so in a dozen ways
-        return trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
+        return mesh
+    return hull

@@ -153,9 +153,9 @@ def _solved(state: State) -> State:
     inside = kept.valid[valid]
     q = np.where(inside[:, None], kept.q[valid], found.q[valid])
     model = arm.collision_model
-    hits = model.in_collision(q) if model.has_geometry and len(q) else [None] * len(q)
+    hits = np.atleast_1d(model.in_collision(q)) if model.has_geometry and len(q) else None
     ghosts = tuple(
-        Ghost(q[k], found.branches[column], int(column), not inside[k], None if hits[k] is None else bool(hits[k]),
+        Ghost(q[k], found.branches[column], int(column), not inside[k], None if hits is None else bool(hits[k]),
               Singular(int(found.singular[column])))
         for k, column in enumerate(valid)
     )  # fmt: skip

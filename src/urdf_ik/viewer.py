@@ -188,7 +188,7 @@ class Viewer:
             self._say("\n".join(["Not shown:", *self.drawing.missing]))
         self.drawing.target.on_update(self._dragged)
         size = arm.chain.size
-        self.server.initial_camera.position = (0.9 * size, -0.9 * size, 0.75 * size)
+        self.server.initial_camera.position = (0.6 * size, -0.75 * size, 0.55 * size)
         self.server.initial_camera.look_at = (0.0, 0.0, 0.25 * size)
         self._show(state)
 
