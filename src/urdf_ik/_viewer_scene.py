@@ -34,6 +34,7 @@ class Drawing:
     """An arm in the scene of a viser server.
 
     Attributes:
+        root: the frame that holds arm and ghosts.
         target: the handles that are dragged.
         missing: a sentence for each shape that could not be read.
         has_shapes: whether the links have shapes; else they are frames and lines.
@@ -46,7 +47,7 @@ class Drawing:
         self._colours = np.array(colours(self._capacity), dtype=np.uint8)
         shapes = _viewer_shapes.read(arm.model)
         self.missing, self.has_shapes = shapes.missing, bool(shapes.bodies)
-        self._root = scene.add_frame("/robot", show_axes=False)
+        self.root = scene.add_frame("/robot", show_axes=False)
         self._size = arm.chain.size
         self._lines: list[Any] = []
         self._bodies: list[tuple[str, Any]] = []
@@ -90,7 +91,7 @@ class Drawing:
 
     def remove(self) -> None:
         """Take everything out of the scene again."""
-        self._root.remove()
+        self.root.remove()
         self.target.remove()
 
     def _moving(self) -> set[str]:
