@@ -252,7 +252,9 @@ class Viewer:
         @save.on_click
         def _(event: Any) -> None:
             if event.client is not None:
-                event.client.send_file_download(f"{Path(self.state.arm.name).name}.html", self.html().encode())
+                event.client.send_file_download(
+                    f"{Path(self.state.arm.name).name}.html", self.html().encode(), save_immediately=True
+                )
 
 
 @contextmanager
