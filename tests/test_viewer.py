@@ -148,7 +148,7 @@ def test_every_bundled_arm_stands_at_a_solution(name: str) -> None:
     """Arms with any number of joints start at a solution of their own target; one that no solver takes says so."""
     arm = urdf_ik.load(name)
     state = _viewer_state.start(arm)
-    if arm.structure.family is None:
+    if not arm.structure.family:
         assert "no solver" in state.reason
     else:
         assert state.chosen is not None and not state.reason
@@ -204,7 +204,11 @@ def test_the_scene_follows_the_state(viewer: Viewer) -> None:
                 expected = state.arm.link_poses(ghost.q)[link][:3, 3]
                 assert np.allclose(handle.batched_positions[ghost.column], expected, atol=1e-6)
     assert viewer.panel.branches[0].label.startswith("● ")
-    assert [slider.value for slider in viewer.panel.sliders] == pytest.approx(state.q, abs=6e-4)
+    assert np.allclose(drawing.target.position, state.target[:3, 3])
+    viewer.move_joint(0, state.q[0] + 0.2)
+    assert viewer.settle(PATIENCE)
+    assert [slider.value for slider in viewer.panel.sliders] == pytest.approx(viewer.state.q, abs=6e-4)
+    assert np.allclose(drawing.target.position, viewer.state.target[:3, 3])
 
 
 def test_another_arm_takes_the_place(viewer: Viewer) -> None:

@@ -128,6 +128,13 @@ def with_joints(state: State, q: Array) -> State:
     return _solved(replace(state, q=q, target=arm.fk(q), redundancy=value))
 
 
+def with_joint(state: State, index: int, value: float) -> State:
+    """One joint set to ``value`` [rad or m], and the target moved with the arm."""
+    q = state.q.copy()
+    q[index] = value
+    return with_joints(state, q)
+
+
 def with_branch(state: State, column: int) -> State:
     """The arm moved to the solution of that branch; where the target has none, nothing changes."""
     found = [ghost for ghost in state.ghosts if ghost.column == column]

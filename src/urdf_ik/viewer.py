@@ -11,8 +11,9 @@ from __future__ import annotations
 
 import io
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -141,13 +142,7 @@ class Viewer:
 
     def move_joint(self, index: int, value: float) -> None:
         """Set one joint [rad or m], and the target with the arm."""
-
-        def step(state: State) -> State:
-            q = state.q.copy()
-            q[index] = value
-            return _viewer_state.with_joints(state, q)
-
-        self._update(("joint", index), step)
+        self._update(("joint", index), lambda state: _viewer_state.with_joint(state, index, value))
 
     def choose(self, column: int) -> None:
         """Move the arm to the solution of that branch."""
@@ -183,7 +178,7 @@ class Viewer:
         self.state, arm = state, state.arm
         self._say("")
         self.drawing = drawing(self.server.scene, arm)
-        self.panel = panel(self.server.gui, arm, self.choose, self.move_joint, self.set_redundancy)
+        self.panel = panel(self.server.gui, arm, self.choose, self._slid, self._turned)
         if self.drawing.missing:
             self._say("\n".join(["Not shown:", *self.drawing.missing]))
         self.drawing.target.on_update(self._dragged)
@@ -192,33 +187,35 @@ class Viewer:
         self.server.initial_camera.look_at = (0.0, 0.0, 0.25 * size)
         self._show(state)
 
-    def _show(self, state: State, source: object = None) -> None:
+    def _show(self, state: State, held: object = None) -> None:
+        """Show ``state`` in everything but ``held``, which the reader is moving and which may be further on."""
         self.state = state
         with self.server.atomic():
-            self.drawing.show(state, keep_target=source == "target")
-            self.panel.show(state, keep=self._moved(source))
+            self.drawing.show(state, keep_target=held is self.drawing.target)
+            self.panel.show(state, keep=held)
         self.server.flush()
 
-    def _moved(self, source: object) -> object:
-        """The slider that a request came from."""
-        if source == "redundancy":
-            return self.panel.redundancy
-        return self.panel.sliders[source[1]] if isinstance(source, tuple) else None
-
-    def _update(self, source: object, step: Callable[[State], State]) -> None:
+    def _update(self, key: Hashable, step: Callable[[State], State], held: object = None) -> None:
         arm = self.state.arm
 
         def do() -> None:
             if self.state.arm is arm:  # else the page has gone on to another one
-                self._show(step(self.state), source)
+                self._show(step(self.state), held)
 
-        self._latest.put(source, do)
+        self._latest.put(key, do)
 
     def _dragged(self, _: Any) -> None:
         handle = self.drawing.target
         T = pose(np.array(handle.position), quat_wxyz=np.array(handle.wxyz))
-        if not np.allclose(T, self.state.target, rtol=0.0, atol=1e-9):
-            self.move_target(T)
+        if not np.allclose(T, self.state.target, rtol=0.0, atol=1e-9):  # a click moves nothing
+            self._update("target", lambda state: _viewer_state.with_target(state, T), handle)
+
+    def _slid(self, index: int, value: float) -> None:
+        step = partial(_viewer_state.with_joint, index=index, value=value)
+        self._update(("joint", index), step, self.panel.sliders[index])
+
+    def _turned(self, value: float) -> None:
+        self._update("redundancy", partial(_viewer_state.with_redundancy, value=value), self.panel.redundancy)
 
     def _add_sources(self) -> None:
         """The widgets that stay: another arm, and the scene as a file."""
