@@ -177,6 +177,7 @@ def test_a_slider_moves_the_arm_and_the_target(seen: Seen) -> None:
     thumb.focus()
     thumb.press("End")
     seen.wait(lambda: abs(seen.viewer.state.q[0] - seen.viewer.panel.sliders[0].max) < 1e-9, "the slider moves")
+    assert seen.viewer.settle(PATIENCE)
     after = seen.viewer.state
     assert np.array_equal(after.q[1:], before.q[1:])
     assert np.abs(after.arm.fk(after.q) - after.target).max() < 1e-12
