@@ -25,6 +25,8 @@ INSTALL = "the page is not tested: apt-get install chromium, and pip install pla
 playwright = pytest.importorskip("playwright.sync_api", reason=INSTALL)
 pytest.importorskip("viser", reason=INSTALL)
 
+from PIL import Image  # noqa: E402  it comes with viser
+
 from urdf_ik.viewer import Viewer  # noqa: E402
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -53,8 +55,6 @@ class Seen:
 
     def pixels(self) -> NDArray[np.int_]:
         """The scene (h, w, 3) as drawn when nothing moves any more, without the panel."""
-        from PIL import Image
-
         self.viewer.settle(PATIENCE)
         area = {"x": 0, "y": 0, "width": WIDTH - PANEL, "height": HEIGHT}
         last: NDArray[np.int_] | None = None
@@ -127,7 +127,7 @@ def test_the_arm_and_its_ghosts_appear(seen: Seen) -> None:
         seen.page.get_by_role("button", name=ghost.branch).wait_for()
     whole = seen.pixels()
     if picture := os.environ.get("URDF_IK_SCREENSHOT"):
-        seen.page.screenshot(path=picture)
+        Image.open(io.BytesIO(seen.page.screenshot())).quantize(160).save(picture, optimize=True)
     far = seen.viewer.state.target.copy()
     far[0, 3] = 50.0
     seen.viewer.move_target(far)
