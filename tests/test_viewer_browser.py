@@ -78,6 +78,9 @@ class Seen:
 
     def restart(self, home: NDArray[np.float64]) -> None:
         """Put the arm where it was at first, and wait until the page shows that."""
+        if self.viewer.state.arm.name != ARM:
+            self.viewer.open(ARM)
+            assert self.viewer.settle(PATIENCE)
         for index, value in enumerate(home):
             self.viewer.move_joint(index, value)
         assert self.viewer.settle(PATIENCE)
@@ -206,7 +209,7 @@ def test_another_urdf_loads_from_a_file_and_by_name(seen: Seen) -> None:
     seen.wait(lambda: seen.viewer.state.arm.name == "puma_560", "the file is shown")
     page.get_by_text("puma_560").first.wait_for()
     assert changed(first, seen.pixels()) > 1000
-    field = page.locator(".mantine-TextInput-input").first
+    field = page.locator(".mantine-TextInput-input:visible").first
     for name, answer in (("pumaa", "nearest: puma_560"), (ARM, "8 solutions")):
         field.fill(name)
         page.wait_for_timeout(300)
