@@ -229,6 +229,18 @@ Version = Annotated[
     bool, Option("--version", callback=print_version, is_eager=True, help="Print the version and leave.")
 ]
 
+# Where the viewer listens.
+Host = Annotated[
+    str, Option("--host", metavar="ADDRESS", help="Listen there; 0.0.0.0 lets everybody in the network in.")
+]
+Port = Annotated[
+    int | None,
+    Option("--port", metavar="PORT", help="Default: 8080, or the first free one after it.", show_default=False),
+]
+Page = Annotated[
+    Path | None, Option("--output", "-o", metavar="FILE", help="Write the scene there as one HTML page, and leave.")
+]
+
 
 def is_terminal(stream: IO[str] | None) -> bool:
     """Whether a person reads there; a stream that was closed before the program began is None."""

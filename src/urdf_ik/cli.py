@@ -1,4 +1,4 @@
-"""The ``urdf-ik`` command: info, fk, ik, check, compare, dh, workspace and plot.
+"""The ``urdf-ik`` command, see ``app`` for its parts.
 
 Exit status: 0 done; 1 a pose has no solution, or a check failed; 2 usage, which includes poses and joint vectors
 that are none; 3 a URDF or a chain that is wrong; 4 an arm that no solver takes; 130 interrupted.
@@ -416,6 +416,30 @@ def plot(
     target = _cli_targets.Asked(xyz, oriented, () if q is None else (q,), None, None, seed)
     asked = _cli_plot.Asked(target, shapes, map, axis, at, show.value)
     _cli_plot.run(arm, _angles(arm, degrees), what, asked, output)
+
+
+@app.command(
+    help=_help(
+        "Show an arm in the browser: every solution of a target to drag, sliders for the joints. Ctrl-C ends it.",
+        "urdf-ik view ur5",
+        "urdf-ik view my_arm.urdf --tip tool0 --mesh-root meshes --port 9000",
+        "urdf-ik view panda -o panda.html",
+    )
+)
+def view(
+    robot: options.Robot,
+    base: options.Base = None,
+    tip: options.Tip = None,
+    lock: options.Lock = None,
+    mesh_root: options.MeshRoot = None,
+    host: options.Host = "127.0.0.1",
+    port: options.Port = None,
+    output: options.Page = None,
+) -> None:
+    """Serve the page."""
+    from urdf_ik import _cli_view
+
+    _cli_view.run(_arm(robot, base, tip, lock, mesh_root), host, port, mesh_root, output)
 
 
 def main() -> None:

@@ -147,7 +147,7 @@ def _decide(family, N, out, past, arm, answer):
             answer[j, i] = N[ANGLES + j, i]
         # A solution lies as far from the answer as an arm of this length lets the correction turn it, and at x beside
         # a fold its margin, x^2, is less than it would be here by steep x: at most steep^2 / 4.
-        away = min(last + 0.25 * steep + 2.0 * drift / math.sqrt(out[15, i] + 1e-300), math.pi)
+        away = min(last + 0.25 * steep + 4.0 * drift / math.sqrt(out[15, i] + 1e-300), math.pi)
         regular = N[ERROR, i] <= CONVERGED and moved <= KANTOROVICH * N[LEAST, i] and out[15, i] >= short * short
         if regular and out[14, i] > 0.0:
             answer[6, i] = 1.0

@@ -1,0 +1,54 @@
+"""One thread that does what was asked last: a newer request takes the place of an older one of the same kind."""
+
+from __future__ import annotations
+
+import threading
+import traceback
+from collections.abc import Callable, Hashable
+
+
+class Latest:
+    """Requests of many threads, done one after the other.
+
+    Somebody who drags asks faster than a page is drawn; only where the pointer is now matters.
+    """
+
+    def __init__(self) -> None:
+        self._waiting: dict[Hashable, Callable[[], None]] = {}
+        self._changed = threading.Condition()
+        self._busy = self._ended = False
+        self._thread = threading.Thread(target=self._run, name="urdf-ik viewer", daemon=True)
+        self._thread.start()
+
+    def put(self, key: Hashable, do: Callable[[], None]) -> None:
+        """Have ``do()`` called, instead of what was put under ``key`` and has not begun."""
+        with self._changed:
+            self._waiting[key] = do
+            self._changed.notify_all()
+
+    def settle(self, timeout: float | None = None) -> bool:
+        """Wait until nothing is left to do; false if that takes longer than ``timeout`` [s]."""
+        with self._changed:
+            return self._changed.wait_for(lambda: self._ended or not (self._waiting or self._busy), timeout)
+
+    def close(self) -> None:
+        """Drop what waits and end the thread."""
+        with self._changed:
+            self._ended = True
+            self._changed.notify_all()
+        self._thread.join(timeout=5.0)
+
+    def _run(self) -> None:
+        while True:
+            with self._changed:
+                self._busy = False
+                self._changed.notify_all()
+                self._changed.wait_for(lambda: self._ended or self._waiting)
+                if self._ended:
+                    return
+                do = self._waiting.pop(next(iter(self._waiting)))
+                self._busy = True
+            try:
+                do()
+            except Exception:  # a defect in one answer must not end the viewer
+                traceback.print_exc()

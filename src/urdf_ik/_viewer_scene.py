@@ -1,0 +1,183 @@
+"""The arm, its ghosts and the target in viser's scene; :class:`Drawing` mirrors a State and decides nothing."""
+
+from __future__ import annotations
+
+import colorsys
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import trimesh
+
+from urdf_ik import _viewer_shapes
+from urdf_ik.poses import to_quat_wxyz
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik._viewer_state import State
+    from urdf_ik.arm import Arm
+
+    Array = NDArray[np.float64]
+
+_OPACITY = 0.3
+# Faces above which a ghost's link is drawn as its convex hull: there may be sixteen of them.
+_MOST_FACES = 4000
+
+
+def colours(count: int) -> tuple[tuple[int, int, int], ...]:
+    """``count`` colours, red, green, blue from 0 to 255, spread over the circle of hues."""
+    each = (colorsys.hls_to_rgb(k / max(count, 1), 0.5, 0.75) for k in range(count))
+    return tuple((round(255 * r), round(255 * g), round(255 * b)) for r, g, b in each)
+
+
+class Drawing:
+    """An arm in the scene of a viser server.
+
+    Attributes:
+        root: the frame that holds arm and ghosts.
+        target: the handles that are dragged.
+        missing: a sentence for each shape that could not be read.
+        has_shapes: whether the links have shapes; else they are frames and lines.
+    """
+
+    def __init__(self, scene: Any, arm: Arm) -> None:
+        """Add everything, at the arm's zero configuration."""
+        self._arm, self._scene, count = arm, scene, len(arm.structure.branches)
+        self._capacity = max(count, 1)
+        self._colours = np.array(colours(self._capacity), dtype=np.uint8)
+        shapes = _viewer_shapes.read(arm.model)
+        self.missing, self.has_shapes = shapes.missing, bool(shapes.bodies)
+        self.root = scene.add_frame("/robot", show_axes=False)
+        self._size = arm.chain.size
+        self._lines: list[Any] = []
+        self._bodies: list[tuple[str, Any]] = []
+        self._ghosts: list[tuple[str, Any]] = []
+        self._edges = [
+            (joint.parent, joint.child) for joint in arm.model.joints if np.linalg.norm(joint.origin[:3, 3]) > 0.0
+        ]
+        for k, body in enumerate(shapes.bodies):
+            self._bodies.append((body.link, scene.add_mesh_trimesh(f"/robot/body_{k}", body.mesh)))
+        moving = self._moving()
+        for link in dict.fromkeys(body.link for body in shapes.bodies if body.link in moving):
+            self._ghosts.append((link, self._add_ghosts([b.mesh for b in shapes.bodies if b.link == link])))
+        self._axes = None
+        if not self.has_shapes:
+            self._add_lines()
+        scene.add_frame("/robot/base", axes_length=0.15 * self._size, axes_radius=0.004 * self._size)
+        self._tip = scene.add_frame("/robot/tip", axes_length=0.12 * self._size, axes_radius=0.004 * self._size)
+        self.target = scene.add_transform_controls("/target", scale=0.3 * self._size, depth_test=False)
+
+    def show(self, state: State, *, keep_target: bool = False) -> None:
+        """Move everything to where ``state`` says.
+
+        Args:
+            state: what to show.
+            keep_target: leave the handles alone, as they are being dragged.
+        """
+        chosen = state.chosen
+        drawn = [ghost for k, ghost in enumerate(state.ghosts) if k != chosen]
+        vectors = np.stack([state.q, *(ghost.q for ghost in drawn)])
+        poses = self._arm.link_poses(vectors)
+        for link, handle in self._bodies:
+            _place(handle, poses[link][0])
+        _place(self._tip, poses[self._arm.tip][0])
+        columns = [ghost.column for ghost in drawn]
+        for link, handle in self._ghosts:
+            self._place_ghosts(handle, columns, poses[link][1:])
+        if self._lines:
+            self._place_lines(columns, poses)
+        if not keep_target:
+            _place(self.target, state.target)
+
+    def remove(self) -> None:
+        """Take everything out of the scene again."""
+        self.root.remove()
+        self.target.remove()
+
+    def _moving(self) -> set[str]:
+        """Links that the joints move: the others stand where the arm's own do."""
+        poses = self._arm.link_poses(np.stack([np.zeros(self._arm.dof), np.ones(self._arm.dof)]))
+        return {link for link, (first, second) in poses.items() if not np.array_equal(first, second)}
+
+    def _add_ghosts(self, meshes: list[trimesh.Trimesh]) -> Any:
+        one = _joined(meshes)
+        if len(one.faces) > _MOST_FACES:
+            one = _joined([_hull(mesh) for mesh in meshes])
+        return self._scene.add_batched_meshes_simple(
+            f"/robot/ghosts_{len(self._ghosts)}",
+            one.vertices,
+            one.faces,
+            np.tile([1.0, 0.0, 0.0, 0.0], (self._capacity, 1)),
+            np.zeros((self._capacity, 3)),
+            batched_scales=np.zeros(self._capacity),
+            batched_colors=self._colours,
+            opacity=_OPACITY,
+            lod="off",
+            cast_shadow=False,
+            receive_shadow=False,
+        )
+
+    def _place_ghosts(self, handle: Any, columns: list[int], poses: Array) -> None:
+        # Columns without a ghost are scaled to nothing: another number of instances would build them all anew.
+        places, turns = np.zeros((self._capacity, 3)), np.tile([1.0, 0.0, 0.0, 0.0], (self._capacity, 1))
+        sizes = np.zeros(self._capacity)
+        if columns:
+            places[columns], turns[columns], sizes[columns] = poses[:, :3, 3], to_quat_wxyz(poses), 1.0
+        handle.batched_positions, handle.batched_wxyzs, handle.batched_scales = (
+            places.astype(np.float32), turns.astype(np.float32), sizes.astype(np.float32)
+        )  # fmt: skip
+
+    def _add_lines(self) -> None:
+        shape = (max(len(self._edges), 1), 2, 3)
+        for k, colour in enumerate([np.array([40, 40, 40], dtype=np.uint8), *self._colours]):
+            self._lines.append(
+                self._scene.add_line_segments(
+                    f"/robot/line_{k}",
+                    np.zeros(shape),
+                    np.broadcast_to(colour, shape),
+                    thickness=6.0 if k == 0 else 3.0,
+                    thickness_units="screen",
+                )
+            )
+        count = len(self._arm.model.links)
+        self._axes = self._scene.add_batched_axes(
+            "/robot/axes",
+            np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)),
+            np.zeros((count, 3)),
+            axes_length=0.08 * self._size,
+            axes_radius=0.003 * self._size,
+        )
+
+    def _place_lines(self, columns: list[int], poses: dict[str, Array]) -> None:
+        points = np.zeros((len(self._lines), max(len(self._edges), 1), 2, 3), dtype=np.float32)
+        for k, ends in enumerate(self._edges):
+            for end, link in enumerate(ends):
+                points[[0, *(1 + column for column in columns)], k, end] = poses[link][:, :3, 3]
+        for handle, each in zip(self._lines, points, strict=True):
+            handle.points = each
+        here = np.stack([poses[link][0] for link in self._arm.model.links])
+        if self._axes is not None:
+            self._axes.batched_positions = here[:, :3, 3].astype(np.float32)
+            self._axes.batched_wxyzs = to_quat_wxyz(here).astype(np.float32)
+
+
+def _place(handle: Any, T: Array) -> None:
+    handle.position, handle.wxyz = T[:3, 3], to_quat_wxyz(T)
+
+
+def _joined(meshes: list[trimesh.Trimesh]) -> trimesh.Trimesh:
+    """One mesh without colours."""
+    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
+    return trimesh.Trimesh(
+        np.concatenate([mesh.vertices for mesh in meshes]),
+        np.concatenate([mesh.faces + start for mesh, start in zip(meshes, starts, strict=True)]),
+        process=False,
+    )
+
+
+def _hull(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
+    try:
+        hull: trimesh.Trimesh = mesh.convex_hull
+    except Exception:  # a flat mesh has none, and Qhull says so in a dozen ways
+        return mesh
+    return hull
