@@ -309,6 +309,7 @@ def test_ctrl_c_ends_it_cleanly() -> None:
 
 def test_the_command_writes_the_scene_as_one_page(tmp_path: Path) -> None:
     """-o writes HTML that holds the scene, and ends; an address or a name that is wrong ends with status 2."""
+    assert "urdf-ik view ur5" in CliRunner().invoke(app, ["view", "--help"]).output
     file = tmp_path / "arm.html"
     done = CliRunner().invoke(app, ["view", "zyyzyz_6r", "-o", str(file)], catch_exceptions=False)
     assert done.exit_code == 0, done.output

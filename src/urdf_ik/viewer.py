@@ -77,9 +77,10 @@ class Viewer:
 
         _viewer_address.check(host, port)
         self._parts = _viewer_panel.Panel, _viewer_scene.Drawing
-        self._host, self._mesh_roots, self._latest = host, tuple(mesh_roots), Latest()
+        self._host, self._mesh_roots = host, tuple(mesh_roots)
         self.message = ""
         self.state = _viewer_state.start(arm)
+        self._latest = Latest()
         first = _viewer_address.DEFAULT_PORT if port is None else port
         with _quiet():
             self.server = viser.ViserServer(host=host, port=first, label="urdf-ik", verbose=False)
