@@ -95,7 +95,7 @@ def changed(first: NDArray[np.int_], second: NDArray[np.int_]) -> int:
 
 
 @pytest.fixture(scope="module")
-def session() -> Iterator[Seen]:
+def opened() -> Iterator[Seen]:
     """One browser and one viewer for all tests."""
     with Viewer(urdf_ik.load(ARM), port=0) as viewer, playwright.sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=CHROMIUM, args=list(SOFTWARE))
@@ -111,16 +111,16 @@ def session() -> Iterator[Seen]:
 
 
 @pytest.fixture(scope="module")
-def home(session: Seen) -> NDArray[np.float64]:
+def home(opened: Seen) -> NDArray[np.float64]:
     """Where the arm stands at first."""
-    return session.viewer.state.q
+    return opened.viewer.state.q
 
 
 @pytest.fixture
-def seen(session: Seen, home: NDArray[np.float64]) -> Seen:
+def seen(opened: Seen, home: NDArray[np.float64]) -> Seen:
     """The page, showing the arm as it is at first."""
-    session.restart(home)
-    return session
+    opened.restart(home)
+    return opened
 
 
 def test_the_arm_and_its_ghosts_appear(seen: Seen) -> None:
