@@ -16,7 +16,7 @@ help:
 	@echo "make run      all solutions of the bundled arm, each with its branch, limits, collisions and Pinocchio's error"
 	@echo "make test     the tests and the notebooks; ARGS='-k name' narrows them down"
 	@echo "make lint     ruff, mypy, and notebooks without outputs"
-	@echo "make bench    the benchmark against other solvers; ARGS='--help' tells more"
+	@echo "make bench    the benchmarks against other solvers; ARGS='--help' tells more"
 	@echo "make million  a million random poses an arm: what is lost, doubled or off; ARGS='--help' tells more"
 	@echo "make clean    remove .venv and what tools left behind"
 
@@ -33,6 +33,8 @@ lint: $(VENV)/.dev-installed
 
 bench: $(VENV)/.bench-installed
 	@$(BIN)/python benchmarks/bench.py $(ARGS)
+	@$(BIN)/python benchmarks/few_joints.py
+	@$(BIN)/python benchmarks/seven_joints.py
 
 million: $(VENV)/.bench-installed
 	@$(BIN)/python benchmarks/million.py $(ARGS)
