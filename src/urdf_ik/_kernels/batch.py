@@ -53,8 +53,8 @@ def store(out, pair, apart, start, columns, single, care, Q, flags):
     """Copy the angles of a block to the answer, NaN where there is no solution, and mark poses in doubt.
 
     Rows 0-5 of ``out`` are the first branch's angles, row 6 its state (0 none, 1 valid, 2 in doubt), rows 7-13 the
-    second one's; rows 14 and 15, for imperfect arms, the least of their margins, and of the squared arms that fix an
-    angle, a margin of the shoulder or the wrist being one.
+    second one's; rows 14 to 16, for imperfect arms, the least of their margins, of the squared arms that fix an
+    angle, and of the sizes of the shoulder's and the wrist's margin.
     """
     for i in range(columns):
         pose, k = (start, 0) if single else (start + i, i)

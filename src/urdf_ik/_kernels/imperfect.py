@@ -145,9 +145,10 @@ def _decide(family, N, out, past, arm, answer):
             last = max(last, abs(wrap(out[j, i] - past[j, i])))
             moved = max(moved, abs(wrap(N[ANGLES + j, i] - out[j, i])))
             answer[j, i] = N[ANGLES + j, i]
-        # A solution lies as far from the answer as an arm of this length lets the correction turn it, and at x beside
-        # a fold its margin, x^2, is less than it would be here by steep x: at most steep^2 / 4.
-        away = min(last + 0.25 * steep + 4.0 * drift / math.sqrt(out[15, i] + 1e-300), math.pi)
+        # A solution lies as far from the answer as the weakest of the arms and roots that fix an angle lets the
+        # correction turn it, and at x beside a fold its margin, x^2, is less than here by steep x: at most steep^2 / 4.
+        weakest = math.sqrt(min(out[15, i], out[16, i]) + 1e-300)
+        away = min(last + 0.25 * steep + 4.0 * drift / weakest, math.pi)
         regular = N[ERROR, i] <= CONVERGED and moved <= KANTOROVICH * N[LEAST, i] and out[15, i] >= short * short
         if regular and out[14, i] > 0.0:
             answer[6, i] = 1.0
@@ -164,7 +165,7 @@ def solve(family, kind, T, arm, q_ref, Q, flags):
 
     Arguments and result as those of ``spherical_wrist.solve``.
     """
-    W, out, N = np.empty((layout.ROWS, LANES)), np.empty((16, LANES)), np.empty((COLUMN_ROWS, LANES))
+    W, out, N = np.empty((layout.ROWS, LANES)), np.empty((17, LANES)), np.empty((COLUMN_ROWS, LANES))
     past, answer, X, proper = np.empty((6, LANES)), np.empty((7, LANES)), np.empty(12), np.empty((_POSES, 4, 4))
     for start in range(0, T.shape[0], _POSES):
         for k in range(_POSES):

@@ -31,7 +31,7 @@ ALMOST_FREE = 5.0
 KANTOROVICH = 0.5
 # An arm (a sine, or a share of the size) this short is not trusted to fix an angle of an imperfect arm: a multiple of
 # what the correction changes by per rad, up to a bound.
-SHORT_BY_DRIFT, SHORT_ARM = 300.0, 0.1
+SHORT_BY_DRIFT, SHORT_ARM = 300.0, 0.04
 # How often an imperfect arm's target is corrected before the elimination is asked.
 CORRECTIONS = 4
 # Places on the circle from which an almost free joint is tried.
