@@ -109,7 +109,7 @@ class Property(pytest.Item):
 
     def reportinfo(self) -> tuple[Path, None, str]:
         """Where it comes from, and its heading."""
-        return self.path, None, self.nodeid
+        return self.path, None, self.name
 
 
 class _Disagrees(AssertionError):

@@ -141,7 +141,7 @@ def test_repr() -> None:
     """The name, the links and the family stand in the representation; the number of joints where there is none."""
     assert repr(urdf_ik.load(TEXT, "base", "tool")) == "<Arm 'ur_like': base to tool, 6R 2||3||4 and 5x6>"
     assert repr(urdf_ik.load(TWO_HANDS, tip="left")) == "<Arm 'two': base to left, 2R>"
-    assert repr(urdf_ik.load(_long(7), "base", "tool")) == "<Arm '7R': base to tool, 7 joints>"
+    assert repr(urdf_ik.load(_long(8), "base", "tool")) == "<Arm '8R': base to tool, 8 joints>"
 
 
 @pytest.mark.parametrize("attribute", ["name", "base", "tip", "joint_names", "dof", "limits"])
@@ -281,11 +281,11 @@ for _joint in ("joint_2", "joint_5"):
 
 @pytest.mark.parametrize(
     ("text", "words"),
-    [(_long(8), "8 joints (RRRRRRRR)"), (SLIDING, "6 joints (RPRRPR)")],
+    [(_long(8), "8 joints from 'base' to 'tool'"), (SLIDING, "6 joints (RPRRPR)")],
     ids=["8R", "RPRRPR"],
 )
 def test_unsupported_arm(text: str, words: str) -> None:
-    """An arm of no family loads, moves and tells its axes; only asking for solutions raises, with the structure."""
+    """An arm of no family loads, moves and tells its axes; only asking for solutions raises, with a way out."""
     arm = urdf_ik.load(text, "base", "tool")
     names = tuple(f"joint_{i}" for i in range(1, arm.dof + 1))
     oracle = Oracle(text)
@@ -298,7 +298,7 @@ def test_unsupported_arm(text: str, words: str) -> None:
         with pytest.raises(UnsupportedArm) as error:
             ask(np.eye(4))
         assert words in str(error.value)
-        assert str(arm.structure) in str(error.value)
+        assert "locked={" in str(error.value) or str(arm.structure) in str(error.value)
         assert arm.name in str(error.value)
 
 

@@ -461,7 +461,7 @@ def test_convergence_is_quadratic(name: str, method: str) -> None:
 
     def left_after(rounds: int, distance: float) -> float:
         start = start_near(q, distance)
-        steps = (rounds, 0.0) if method == "refine" else (rounds,)
+        steps = (rounds, 0.0, 60) if method == "refine" else (rounds,)
         return float(getattr(refine, method)(arm, T, start, *steps))
 
     errors = [left_after(1, distance) for distance in (1e-2, 1e-3, 1e-4, 1e-5)]
@@ -485,7 +485,7 @@ def test_refine_never_ends_worse_than_it_began(name: str) -> None:
     for start in (*rng.uniform(-PI, PI, (6, 6)), np.zeros(6), np.full(6, PI / 2.0)):
         for T in (chain.fk(rng.uniform(-PI, PI, 6)), chain.fk(start), far):
             q = start.copy()
-            left = refine.refine(arm, T, q, 15, 1e-15)
+            left = refine.refine(arm, T, q, 15, 1e-15, 60)
             assert np.isfinite(q).all()
             assert (np.abs(q) <= PI).all()
             assert left == refine.pose_error(T, chain.fk(q), 1.0 / chain.size, twist)
@@ -636,7 +636,7 @@ CALLS: list[tuple[Kernel, tuple[Any, ...]]] = [
     (refine.pose_error, (POSE, CHAIN.fk(Q_SAMPLE + 0.1), 0.5, np.zeros(6))),
     (refine.damped_step, (CHAIN.jacobian(Q_SAMPLE), np.arange(6.0), 1e-3, np.zeros(6))),
     (refine.least_stretch, (CHAIN.jacobian(Q_SAMPLE), np.zeros(6))),
-    (refine.refine, (numbers_of(ARMS["oblique"])[0], POSE, Q_SAMPLE + 0.05, 2, 0.0)),
+    (refine.refine, (numbers_of(ARMS["oblique"])[0], POSE, Q_SAMPLE + 0.05, 2, 0.0, 60)),
     (refine.newton, (numbers_of(ARMS["oblique"])[0], POSE, Q_SAMPLE + 0.05, 2)),
     (lines.line_vector, (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, np.zeros(lines.LINE))),
     (lines.line_motion, (POSE, np.zeros((lines.LINE, lines.LINE)))),

@@ -38,7 +38,10 @@ def compiled_kernels(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def run(pytester: pytest.Pytester, *args: str) -> pytest.RunResult:
     """Run pytest in a process of its own, with the plugin; as if the package had been installed."""
-    return pytester.runpytest_subprocess("-p", "urdf_ik_pytest", "-p", "no:cacheprovider", *args)
+    # A configuration and a root of its own: pytest looks for them beside every file that it is given.
+    pytester.makeini("[pytest]")
+    root = f"--rootdir={pytester.path}", "-c", str(pytester.path / "tox.ini")
+    return pytester.runpytest_subprocess("-p", "urdf_ik_pytest", "-p", "no:cacheprovider", *root, *args)
 
 
 def test_properties_are_the_rows_of_a_report() -> None:

@@ -289,7 +289,13 @@ def test_ctrl_c_ends_it_cleanly() -> None:
     """The command prints its true address, serves the page, and ends with status 0 and nothing on stderr."""
     command = [sys.executable, "-m", "urdf_ik.cli", "view", "zyyzyz_6r", "--port", "0"]
     with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=os.environ | {"PYTHONUNBUFFERED": "1"}
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONUNBUFFERED": "1"},
+        # Tests that run in the background of a script are told to ignore Ctrl-C, and so are their children.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     ) as running:
         assert running.stdout is not None and running.stderr is not None
         try:
