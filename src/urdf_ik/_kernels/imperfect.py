@@ -152,7 +152,7 @@ def _decide(family, N, out, past, arm, answer):
         regular = N[ERROR, i] <= CONVERGED and moved <= KANTOROVICH * N[LEAST, i] and out[15, i] >= short * short
         if regular and out[14, i] > 0.0:
             answer[6, i] = 1.0
-        elif out[14, i] < -steep * away - 1e-12:
+        elif out[14, i] < -steep * away - 1e-12 and weakest >= short:
             answer[6, i] = 0.0
         else:
             open_columns += 1
