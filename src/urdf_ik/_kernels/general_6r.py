@@ -16,15 +16,18 @@ from urdf_ik._kernels.refine import STARTS, is_new, keep, least_stretch, place, 
 from urdf_ik._kernels.screws import jacobian_from_axes
 from urdf_ik._kernels.target import check_target, project_rotation
 from urdf_ik._kernels.thresholds import (
+    ALONG_FOLD,
     CLOSE,
     CONVERGED,
     CROWDED,
     FINISHED,
+    FOLD_WIDTH,
     LARGEST_NOISE,
     NEAR_CIRCLE,
     NEAR_FOLD,
     ON_CIRCLE,
     PATIENCE,
+    WIDE_FOLD,
 )
 from urdf_ik._kernels.trig import wrap
 
@@ -247,11 +250,52 @@ def follow(arm, target, starts, many, Q, flags):
 
 
 @kernel
-def search_beside(arm, target, Q, flags):
-    """Find the partners of solutions that lie next to a fold; flag the singular ones. Returns whether there were any.
+def fold_width(J, x):
+    """How far along ``x`` (6,), which ``J`` (6, 6) all but loses, a fold has its other solution [rad].
+
+    To second order the pose moves by s J x + s^2 / 2 c along it. Derivative of the geometric Jacobian: Hourtash 2005.
+    """
+    c, w = np.zeros(6), np.zeros(6)
+    for k in range(6):
+        for i in range(k + 1):
+            # w_i x v_k and w_i x w_k, for the angular parts w and the linear parts v of the columns.
+            both = x[i] * x[k] * (1.0 if i == k else 2.0)
+            for r in range(3):
+                m, n = (r + 1) % 3, (r + 2) % 3
+                c[r] += both * (J[3 + m, i] * J[n, k] - J[3 + n, i] * J[m, k])
+                if i < k:
+                    c[3 + r] += x[i] * x[k] * (J[3 + m, i] * J[3 + n, k] - J[3 + n, i] * J[3 + m, k])
+        for r in range(6):
+            w[r] += J[r, k] * x[k]
+    square, along = 0.0, 0.0
+    for r in range(6):
+        square += w[r] * w[r]
+        along += w[r] * c[r]
+    return 2.0 * square / (abs(along) + 1e-300)
+
+
+@kernel
+def has_partner(Q, flags, b, x):
+    """Whether another solution lies beside column ``b`` along the unit vector ``x`` (6,), as at a simple fold."""
+    for k in range(Q.shape[0]):
+        if k != b and flags[k] & layout.VALID:
+            along, square = 0.0, 0.0
+            for j in range(6):
+                apart = wrap(Q[k, j] - Q[b, j])
+                along += apart * x[j]
+                square += apart * apart
+            if square < FOLD_WIDTH * FOLD_WIDTH and along * along > ALONG_FOLD * square:
+                return True
+    return False
+
+
+@kernel
+def search_beside(arm, target, Q, flags, simple):
+    """Find the partners of solutions that lie next to a fold; flag the singular ones. Returns whether it looked.
 
     Along the direction that the Jacobian all but loses, Newton's method starts at distances from 0.3 to 1e-8 rad
-    on both sides.
+    on both sides. Roots that lie further apart need no help. Where folds are ``simple`` a solution whose partner is
+    known is passed over; arms whose folds come in clusters have more solutions there than the two.
     """
     prismatic = np.zeros(6, np.bool_)
     T, J = np.empty((4, 4)), np.empty((6, 6))
@@ -274,7 +318,7 @@ def search_beside(arm, target, Q, flags):
         sigma = least_stretch(J, x)
         if sigma <= arm[layout.SINGULAR]:
             flags[b] |= layout.OTHER
-        if sigma > NEAR_FOLD:
+        if sigma > NEAR_FOLD or fold_width(J, x) > WIDE_FOLD or (simple and has_partner(Q, flags, b, x)):
             continue
         beside = True
         for side in range(2):
@@ -317,7 +361,7 @@ def trial(arm, variant, targets, counts, doubts):
         spare[:] = math.inf
         doubts[i] = gather(arm, variant, circle, targets[i], Q, flags, spare, stuck)
         doubts[i] = doubts[i] or count(flags) % 2 == 1
-        search_beside(arm, targets[i], Q, flags)
+        search_beside(arm, targets[i], Q, flags, False)
         counts[i] = count(flags)
 
 
@@ -332,28 +376,50 @@ def sample_circle():
 
 
 @kernel
-def complete(arm, target, Q, flags):
-    """Add what is missing to the solutions of one pose that ``Q`` and ``flags`` hold already."""
+def complete(arm, target, Q, flags, known):
+    """Add what is missing to the solutions of one pose that ``Q`` and ``flags`` hold already.
+
+    Where these are ``known`` from a closed form, of an arm whose folds are simple, they test the elimination: a first
+    look that misses none of them is believed.
+    """
     circle = sample_circle()
     variants = int(arm[layout.VARIANTS])
     spare, stuck, starts = np.full(7, math.inf), np.empty((17, 6)), np.empty((LANES, 6))
-    doubt = True
+    sure, beside = False, False
     for v in range(variants):
-        if v > 0 and not doubt:
-            break
         start = layout.FIRST_VARIANT + v * hidden.VARIANT
-        doubt = gather(arm, arm[start : start + hidden.VARIANT], circle, target, Q, flags, spare, stuck)
-        # Solutions come in pairs.
-        doubt = doubt or count(flags) % 2 == 1
-        if v == 0 or v == variants - 1:
-            doubt = search_beside(arm, target, Q, flags) or doubt
-        if doubt and v == variants - 1:
+        variant = arm[start : start + hidden.VARIANT]
+        if known and v == 0:
+            doubt = gather_anew(arm, variant, circle, target, Q, flags, spare, stuck)
+        else:
+            doubt = gather(arm, variant, circle, target, Q, flags, spare, stuck)
+        sure = sure or not doubt
+        last = v == variants - 1
+        if v == 0 or last:
+            beside = search_beside(arm, target, Q, flags, known)
+        # Solutions come in pairs; next to a fold one opinion is not enough.
+        if sure and count(flags) % 2 == 0 and (v > 0 or not beside):
+            break
+        if last:
             for i in range(int(stuck[16, 0])):
                 for k in range(1, STARTS):
                     start_beside(stuck[i], k, starts[k - 1])
                 follow(arm, target, starts, STARTS - 1, Q, flags)
     if spare[6] <= arm[layout.REACH] and count(flags) == 0:
         keep(Q, flags, 0, spare[:6], layout.OTHER)
+
+
+@kernel
+def gather_anew(arm, variant, circle, target, Q, flags, spare, stuck):
+    """``gather`` without help from the solutions in ``Q``; missing one of them is cause for doubt too."""
+    found, marks = np.full(Q.shape, math.nan), np.zeros(flags.size, np.uint8)
+    doubt = gather(arm, variant, circle, target, found, marks, spare, stuck)
+    for b in range(flags.size):
+        doubt = doubt or (flags[b] & layout.VALID and is_new(arm, target, found, marks, Q[b]))
+    for b in range(flags.size):
+        if marks[b] & layout.VALID and is_new(arm, target, Q, flags, found[b]):
+            keep(Q, flags, 0, found[b], marks[b])
+    return doubt
 
 
 @kernel
@@ -369,6 +435,6 @@ def solve(T, arm, q_ref, Q, flags):
         project_rotation(T[i], proper)
         Q[i, :, :] = math.nan
         flags[i, :] = 0
-        complete(arm, proper, Q[i], flags[i])
+        complete(arm, proper, Q[i], flags[i], False)
         sort_columns(Q[i], flags[i])
     return -1

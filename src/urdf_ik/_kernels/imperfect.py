@@ -31,6 +31,7 @@ from urdf_ik._kernels.newton import (
     ERROR,
     LANES,
     LEAST,
+    MOVES,
     POINT,
     ROTATION,
     forward,
@@ -45,7 +46,7 @@ from urdf_ik._kernels.thresholds import (
     CORRECTIONS,
     FAR_OFF,
     KANTOROVICH,
-    SHORT_ARM,
+    SETTLED,
     SHORT_BY_DRIFT,
 )
 from urdf_ik._kernels.trig import wrap
@@ -125,37 +126,41 @@ def _steepness(family, arm):
 
 @inlined
 def _decide(family, N, out, past, arm, answer):
-    """Polish what is in doubt, and tell what can be told of it; returns how many columns stay in doubt.
+    """Polish what is in doubt, and tell what can be told of it.
+
+    Returns how many columns stay in doubt that another correction may tell more of.
 
     ``answer`` (7, LANES): joint vector, and 0 where there is no solution, 1 where there is one, 2 in doubt.
     """
-    for j in range(6):
-        for i in range(LANES):
-            N[ANGLES + j, i] = out[j, i]
-    newton_columns(arm, layout.INNER_FRAMES, N, 5)
     drift, steep = arm[layout.DRIFT], _steepness(family, arm)
     # Where an angle is fixed by an arm this short, the arm as written may have more solutions than the ideal one.
-    short = min(SHORT_BY_DRIFT * drift, SHORT_ARM)
-    open_columns = 0
+    short = SHORT_BY_DRIFT * drift
     for i in range(LANES):
-        if answer[6, i] != 2.0:
-            continue
-        last, moved = 0.0, 0.0
+        last = 0.0
         for j in range(6):
             last = max(last, abs(wrap(out[j, i] - past[j, i])))
-            moved = max(moved, abs(wrap(N[ANGLES + j, i] - out[j, i])))
-            answer[j, i] = N[ANGLES + j, i]
+            N[ANGLES + j, i] = out[j, i]
         # A solution lies as far from the answer as the weakest of the arms and roots that fix an angle lets the
         # correction turn it, and at x beside a fold its margin, x^2, is less than here by steep x: at most steep^2 / 4.
         weakest = math.sqrt(min(out[15, i], out[16, i]) + 1e-300)
         away = min(last + 0.25 * steep + 4.0 * drift / weakest, math.pi)
-        regular = N[ERROR, i] <= CONVERGED and moved <= KANTOROVICH * N[LEAST, i] and out[15, i] >= short * short
-        if regular and out[14, i] > 0.0:
-            answer[6, i] = 1.0
-        elif out[14, i] < -steep * away - 1e-12 and weakest >= short:
+        if answer[6, i] == 2.0 and out[14, i] < -steep * away - 1e-12 and weakest >= short:
             answer[6, i] = 0.0
-        else:
-            open_columns += 1
+        N[MOVES, i] = 1.0 if answer[6, i] == 2.0 else 0.0
+        past[0, i] = last
+    newton_columns(arm, layout.INNER_FRAMES, N, 5)
+    open_columns = 0
+    for i in range(LANES):
+        if answer[6, i] == 2.0:
+            moved = 0.0
+            for j in range(6):
+                moved = max(moved, abs(wrap(N[ANGLES + j, i] - out[j, i])))
+                answer[j, i] = N[ANGLES + j, i]
+            regular = N[ERROR, i] <= CONVERGED and moved <= KANTOROVICH * N[LEAST, i] and out[15, i] >= short * short
+            if regular and out[14, i] > 0.0:
+                answer[6, i] = 1.0
+            else:
+                open_columns += past[0, i] > SETTLED
     return open_columns
 
 
@@ -225,7 +230,7 @@ def _look_closely(family, kind, plain, target, arm, q_ref, Q, flags):
     # Far enough from the ideal arm the elimination is in its element; close to it, starts beside the candidates are.
     beside = arm[layout.IMPERFECTION] < CLOSE_BY
     if plain and arm[layout.IMPERFECTION] > FAR_OFF:
-        complete(arm, target, Q, flags)
+        complete(arm, target, Q, flags, True)
         return
     Q[:, :] = math.nan
     flags[:] = 0
@@ -238,7 +243,7 @@ def _look_closely(family, kind, plain, target, arm, q_ref, Q, flags):
             _closed_form(family, kind, target, arm, around, Q, flags, almost_free, False)
     found = count(flags)
     if near > 0 or found == 0 or found % 2 == 1 or not plain:
-        complete(arm, target, Q, flags)
+        complete(arm, target, Q, flags, False)
 
 
 @kernel

@@ -185,8 +185,9 @@ def newton(arm, target, q, rounds):
     return math.inf
 
 
-# Rows of ``newton_columns``: joint vector, rotation and point of the target, error and least stretch.
-ANGLES, ROTATION, POINT, ERROR, LEAST, _NEXT, COLUMN_ROWS = 0, 6, 15, 18, 19, 20, 28
+# Rows of ``newton_columns``: joint vector, rotation and point of the target, error and least stretch, and whether the
+# column is to move (1.0) or has come to rest (0.0).
+ANGLES, ROTATION, POINT, ERROR, LEAST, MOVES, _NEXT, COLUMN_ROWS = 0, 6, 15, 18, 19, 20, 21, 29
 
 
 @inlined
@@ -217,16 +218,15 @@ def newton_columns(arm, frames, W, rounds):
         moving = 0.0
         for i in range(LANES):
             error, previous = W[_NEXT + 6, i], W[ERROR, i]
-            moves = 1.0 if (error >= FINISHED) & ((error >= CONVERGED) | (error <= 0.1 * previous)) else 0.0
-            moving = max(moving, moves)
             # A column at rest stays where it is: near a singularity further steps would only carry rounding about.
-            W[_NEXT + 6, i] = moves
+            W[MOVES, i] *= 1.0 if (error >= FINISHED) & ((error >= CONVERGED) | (error <= 0.1 * previous)) else 0.0
+            moving = max(moving, W[MOVES, i])
             W[ERROR, i], W[LEAST, i] = error, W[_NEXT + 7, i]
         if k == rounds or moving == 0.0:
             break
         for j in range(6):
             for i in range(LANES):
-                W[j, i] = W[_NEXT + j, i] if W[_NEXT + 6, i] == 1.0 else W[j, i]
+                W[j, i] = W[_NEXT + j, i] if W[MOVES, i] == 1.0 else W[j, i]
 
 
 @kernel
@@ -244,6 +244,7 @@ def newton_on_starts(arm, target, starts, many, rounds, found, errors, stretches
             for c in range(3):
                 W[ROTATION + 3 * r + c, i] = target[r, c]
             W[POINT + r, i] = target[r, 3]
+        W[MOVES, i] = 1.0
     newton_columns(arm, layout.FRAMES, W, rounds)
     for i in range(many):
         for j in range(6):

@@ -30,10 +30,11 @@ ALMOST_FREE = 5.0
 # there: with J's Lipschitz constant at most 1, Kantorovich's theorem asks for a half.
 KANTOROVICH = 0.5
 # An arm (a sine, or a share of the size) this short is not trusted to fix an angle of an imperfect arm: a multiple of
-# what the correction changes by per rad, up to a bound.
-SHORT_BY_DRIFT, SHORT_ARM = 300.0, 0.04
-# How often an imperfect arm's target is corrected before the elimination is asked.
-CORRECTIONS = 4
+# what the correction changes by per rad.
+SHORT_BY_DRIFT = 4.0
+# How often an imperfect arm's target is corrected before the elimination is asked, and the last change of a joint
+# [rad] after which another correction tells no more.
+CORRECTIONS, SETTLED = 4, 1e-5
 # Places on the circle from which an almost free joint is tried.
 AROUND = 12
 # Imperfection up to which starts beside candidates help, because the elimination has not come into its element yet,
@@ -51,6 +52,11 @@ CROWDED = 0.04
 LARGEST_NOISE = 1e-7
 # Below this smallest singular value of the Jacobian a second solution may be next door.
 NEAR_FOLD = 5e-3
+# Above this distance [rad] the two solutions of a fold do not hide each other.
+WIDE_FOLD = 0.3
+# The two solutions of a simple fold are less than this far apart, and this is the least squared cosine of the angle
+# between their difference and the direction that the Jacobian all but loses.
+FOLD_WIDTH, ALONG_FOLD = 0.5, 0.9
 # Sine of the angle below which the wrist of an S-R-S arm counts as lying on axis 1.
 ON_AXIS = 1e-7
 
