@@ -37,6 +37,7 @@ from urdf_ik._kernels.newton import (
     forward,
     newton_columns,
 )
+from urdf_ik._kernels.refine import is_new, keep, singular_marks
 from urdf_ik._kernels.target import check_target, project_rotation, to_frame_1
 from urdf_ik._kernels.thresholds import (
     ALMOST_FREE,
@@ -130,7 +131,7 @@ def _decide(family, N, out, past, arm, answer):
 
     Returns how many columns stay in doubt that another correction may tell more of.
 
-    ``answer`` (7, LANES): joint vector, and 0 where there is no solution, 1 where there is one, 2 in doubt.
+    ``answer`` (8, LANES): joint vector; 0 where there is no solution, 1 where there is one, 2 in doubt; pose error.
     """
     drift, steep = arm[layout.DRIFT], _steepness(family, arm)
     # Where an angle is fixed by an arm this short, the arm as written may have more solutions than the ideal one.
@@ -156,6 +157,7 @@ def _decide(family, N, out, past, arm, answer):
             for j in range(6):
                 moved = max(moved, abs(wrap(N[ANGLES + j, i] - out[j, i])))
                 answer[j, i] = N[ANGLES + j, i]
+            answer[7, i] = N[ERROR, i]
             regular = N[ERROR, i] <= CONVERGED and moved <= KANTOROVICH * N[LEAST, i] and out[15, i] >= short * short
             if regular and out[14, i] > 0.0:
                 answer[6, i] = 1.0
@@ -171,7 +173,7 @@ def solve(family, kind, T, arm, q_ref, Q, flags):
     Arguments and result as those of ``spherical_wrist.solve``.
     """
     W, out, N = np.empty((layout.ROWS, LANES)), np.empty((17, LANES)), np.empty((COLUMN_ROWS, LANES))
-    past, answer, X, proper = np.empty((6, LANES)), np.empty((7, LANES)), np.empty(12), np.empty((_POSES, 4, 4))
+    past, answer, X, proper = np.empty((6, LANES)), np.empty((8, LANES)), np.empty(12), np.empty((_POSES, 4, 4))
     for start in range(0, T.shape[0], _POSES):
         for k in range(_POSES):
             i = min(start + k, T.shape[0] - 1)
@@ -206,6 +208,11 @@ def solve(family, kind, T, arm, q_ref, Q, flags):
                 for j in range(6):
                     Q[i, b, j] = math.nan
             if not decided or found % 2 == 1:
+                for b in range(_BRANCHES):
+                    if answer[6, first + b] == 2.0 and answer[7, first + b] <= CONVERGED:
+                        q = answer[:6, first + b].copy()
+                        if is_new(arm, proper[k], Q[i], flags[i], q):
+                            keep(Q[i], flags[i], b, q, singular_marks(arm, q, 0))
                 _look_closely(family, kind, True, proper[k], arm, q_ref, Q[i], flags[i])
     return -1
 
@@ -232,8 +239,6 @@ def _look_closely(family, kind, plain, target, arm, q_ref, Q, flags):
     if plain and arm[layout.IMPERFECTION] > FAR_OFF:
         complete(arm, target, Q, flags, True)
         return
-    Q[:, :] = math.nan
-    flags[:] = 0
     near = _closed_form(family, kind, target, arm, q_ref, Q, flags, arm[layout.CONTINUUM], beside)
     if near == 2:
         # The ideal arm's free joint is not free: its few true values lie anywhere on the circle.
