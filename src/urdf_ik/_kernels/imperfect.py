@@ -23,6 +23,7 @@ from urdf_ik._kernels import (
     three_parallel,
     wrist_position,
 )
+from urdf_ik._kernels.batch import OUT_ROWS
 from urdf_ik._kernels.compile import inlined, kernel, step
 from urdf_ik._kernels.general_6r import complete, count
 from urdf_ik._kernels.newton import (
@@ -114,15 +115,33 @@ def _fill(W, N, X, arm, first):
 
 @inlined
 def _steepness(family, arm):
-    """How fast a margin changes with the joint vector that the correction is taken at, per rad.
+    """How fast the margins of shoulder, elbow and wrist change with the joint vector of the correction, per rad.
 
-    A squared sine changes by up to four times what the pose changes by, a wrist's by that over the square of the
-    sine of its last twist; an elbow's by the law of cosines.
+    A shoulder's squared length changes by up to four times what the pose changes by, an elbow's by the law of cosines,
+    a wrist's by four times that over the square of the sine of its last twist.
     """
     upper, lower = arm[layout.A + 1], arm[layout.RHO] if family == _WRIST else arm[layout.A + 2]
     elbow = 4.0 * (upper + lower) * arm[layout.SIZE] / (upper * lower)
     wrist = 4.0 / (arm[layout.SIN_ALPHA + 4] * arm[layout.SIN_ALPHA + 4])
-    return arm[layout.DRIFT] * max(elbow, wrist)
+    return 4.0 * arm[layout.DRIFT], elbow * arm[layout.DRIFT], wrist * arm[layout.DRIFT]
+
+
+@step
+def _weakest(arms, one, other):
+    """The shortest arm, from the least squared one and two margins."""
+    return math.sqrt(min(arms, min(abs(one), abs(other))) + 1e-300)
+
+
+@step
+def _is_beyond(margin, steep, square, weakest, last, drift, short):
+    """Whether a margin is so far below zero that no correction lifts it there.
+
+    A solution lies as far from the answer, whose last correction moved it by ``last``, as the weakest of the squares
+    of what else fixes an angle lets the correction turn it; and at x beside a fold its margin, ``square`` x^2, is less
+    than here by steep x: at most steep^2 / 4 of that square.
+    """
+    away = min(last + 0.25 * steep / square + 4.0 * drift / weakest, math.pi)
+    return (margin < -steep * away - 1e-12) & (weakest >= short)
 
 
 @inlined
@@ -133,7 +152,8 @@ def _decide(family, N, out, past, arm, answer):
 
     ``answer`` (8, LANES): joint vector; 0 where there is no solution, 1 where there is one, 2 in doubt; pose error.
     """
-    drift, steep = arm[layout.DRIFT], _steepness(family, arm)
+    drift = arm[layout.DRIFT]
+    shoulder, elbow, wrist = _steepness(family, arm)
     # Where an angle is fixed by an arm this short, the arm as written may have more solutions than the ideal one.
     short = SHORT_BY_DRIFT * drift
     for i in range(LANES):
@@ -141,13 +161,15 @@ def _decide(family, N, out, past, arm, answer):
         for j in range(6):
             last = max(last, abs(wrap(out[j, i] - past[j, i])))
             N[ANGLES + j, i] = out[j, i]
-        # A solution lies as far from the answer as the weakest of the arms and roots that fix an angle lets the
-        # correction turn it, and at x beside a fold its margin, x^2, is less than here by steep x: at most steep^2 / 4.
-        weakest = math.sqrt(min(out[15, i], out[16, i]) + 1e-300)
-        away = min(last + 0.25 * steep + 4.0 * drift / weakest, math.pi)
-        if answer[6, i] == 2.0 and out[14, i] < -steep * away - 1e-12 and weakest >= short:
-            answer[6, i] = 0.0
-        N[MOVES, i] = 1.0 if answer[6, i] == 2.0 else 0.0
+        m1, m2, m3, arms = out[14, i], out[15, i], out[16, i], out[17, i]
+        w1, w2, w3 = _weakest(arms, m2, m3), _weakest(arms, m1, m3), _weakest(arms, m1, m2)
+        # What the pose changes by turns a later angle by that over the weakest of the earlier ones.
+        none = _is_beyond(m1, shoulder, arms, w1, last, drift, short)
+        none |= _is_beyond(m2, elbow if family == _WRIST else elbow / w2, 1.0, w2, last, drift, short)
+        none |= _is_beyond(m3, wrist / w3, 1.0, w3, last, drift, short)
+        still_open = answer[6, i] == 2.0
+        answer[6, i] = 0.0 if still_open & none else answer[6, i]
+        N[MOVES, i] = 1.0 if still_open & (not none) else 0.0
         past[0, i] = last
     newton_columns(arm, layout.INNER_FRAMES, N, 5)
     open_columns = 0
@@ -158,8 +180,8 @@ def _decide(family, N, out, past, arm, answer):
                 moved = max(moved, abs(wrap(N[ANGLES + j, i] - out[j, i])))
                 answer[j, i] = N[ANGLES + j, i]
             answer[7, i] = N[ERROR, i]
-            regular = N[ERROR, i] <= CONVERGED and moved <= KANTOROVICH * N[LEAST, i] and out[15, i] >= short * short
-            if regular and out[14, i] > 0.0:
+            regular = N[ERROR, i] <= CONVERGED and moved <= KANTOROVICH * N[LEAST, i] and out[17, i] >= short * short
+            if regular and min(out[14, i], min(out[15, i], out[16, i])) > 0.0:
                 answer[6, i] = 1.0
             else:
                 open_columns += past[0, i] > SETTLED
@@ -172,7 +194,7 @@ def solve(family, kind, T, arm, q_ref, Q, flags):
 
     Arguments and result as those of ``spherical_wrist.solve``.
     """
-    W, out, N = np.empty((layout.ROWS, LANES)), np.empty((17, LANES)), np.empty((COLUMN_ROWS, LANES))
+    W, out, N = np.empty((layout.ROWS, LANES)), np.empty((OUT_ROWS, LANES)), np.empty((COLUMN_ROWS, LANES))
     past, answer, X, proper = np.empty((6, LANES)), np.empty((8, LANES)), np.empty(12), np.empty((_POSES, 4, 4))
     for start in range(0, T.shape[0], _POSES):
         for k in range(_POSES):

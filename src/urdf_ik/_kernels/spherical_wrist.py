@@ -8,7 +8,7 @@ import numpy as np
 
 from urdf_ik._kernels import layout
 from urdf_ik._kernels import wrist_position as shoulder
-from urdf_ik._kernels.batch import PAIRS, spread, store
+from urdf_ik._kernels.batch import OUT_ROWS, PAIRS, spread, store
 from urdf_ik._kernels.compile import inlined, kernel, step
 from urdf_ik._kernels.layout import BLOCK, COS_ALPHA, OFFSET, ROWS, SIN_ALPHA
 from urdf_ik._kernels.polynomials import root_gap
@@ -66,7 +66,7 @@ def branches(kind, W, out, m, arm):
         out[11, i] = wrap(-bend - arm[OFFSET + 4])
         out[12, i] = wrap(atan2(s6f, c6f) - arm[OFFSET + 5])
         out[13, i] = state
-        out[14, i], out[15, i], out[16, i] = min(min(m1, m2), m3), min(fixed, min(arm1, arm2)), min(abs(m1), abs(m3))
+        out[14, i], out[15, i], out[16, i], out[17, i] = m1, m2, m3, min(fixed, min(arm1, arm2))
 
 
 @kernel
@@ -184,7 +184,7 @@ def solve(kind, T, arm, q_ref, Q, flags):
     ``q_ref`` (7,): the joint vector that representatives are taken near, and 1 where it was given, 0 where it
     stands for zeros. Returns the index of the first target that is no pose, -1 where all are.
     """
-    W, out = np.empty((ROWS, BLOCK)), np.empty((17, BLOCK))
+    W, out = np.empty((ROWS, BLOCK)), np.empty((OUT_ROWS, BLOCK))
     proper = np.empty((4, 4))
     care = np.empty(BLOCK, np.bool_)
     single = T.shape[0] == 1

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from urdf_ik._kernels import layout
-from urdf_ik._kernels.batch import PAIRS, spread, store
+from urdf_ik._kernels.batch import OUT_ROWS, PAIRS, spread, store
 from urdf_ik._kernels.compile import inlined, kernel, step
 from urdf_ik._kernels.layout import (
     ALONG,
@@ -111,8 +111,8 @@ def branches(W, out, m, arm):
         out[9, i] = wrap(-t3 - arm[OFFSET + 2])
         out[10, i] = wrap(wrap(arm[TURN_4] * (phi - t2d + side * t3) - arm[OFFSET + 3]))
         out[11, i], out[12, i], out[13, i] = q5, q6, state
-        out[14, i] = min(min(m1, m3), m2 if (fixed > edge) | (m2 > 0.0) else 0.0)
-        out[15, i], out[16, i] = min(fixed, min(arm1, arm2)), min(abs(m1), abs(m3))
+        out[14, i], out[15, i], out[16, i] = m1, m2 if (fixed > edge) | (m2 > 0.0) else 0.0, m3
+        out[17, i] = min(fixed, min(arm1, arm2))
 
 
 @kernel
@@ -318,7 +318,7 @@ def solve(kind, T, arm, q_ref, Q, flags):
     ``q_ref`` (7,): the joint vector that representatives are taken near, and 1 where it was given, 0 where it
     stands for zeros. Returns the index of the first target that is no pose, -1 where all are.
     """
-    W, out = np.empty((ROWS, BLOCK)), np.empty((17, BLOCK))
+    W, out = np.empty((ROWS, BLOCK)), np.empty((OUT_ROWS, BLOCK))
     proper = np.empty((4, 4))
     care = np.empty(BLOCK, np.bool_)
     single = T.shape[0] == 1
