@@ -14,7 +14,7 @@ from urdf_ik._kernels.layout import BLOCK
 
 PAIRS = 4
 # Rows of a block's answer; see ``store``.
-OUT_ROWS = 18
+OUT_ROWS = 20
 
 
 @step
@@ -55,8 +55,8 @@ def store(out, pair, apart, start, columns, single, care, Q, flags):
     """Copy the angles of a block to the answer, NaN where there is no solution, and mark poses in doubt.
 
     Rows 0-5 of ``out`` are the first branch's angles, row 6 its state (0 none, 1 valid, 2 in doubt), rows 7-13 the
-    second one's; rows 14 to 17, for imperfect arms, the margins of shoulder, elbow and wrist and the least of the
-    squared arms that fix an angle.
+    second one's; rows 14 to 19, for imperfect arms, the margins of shoulder, elbow and wrist, and the squared
+    arms that fix the wrist's turns, the shoulder's and the elbow's.
     """
     for i in range(columns):
         pose, k = (start, 0) if single else (start + i, i)

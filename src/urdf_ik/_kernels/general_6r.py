@@ -21,7 +21,6 @@ from urdf_ik._kernels.thresholds import (
     CONVERGED,
     CROWDED,
     FINISHED,
-    FOLD_WIDTH,
     LARGEST_NOISE,
     NEAR_CIRCLE,
     NEAR_FOLD,
@@ -275,8 +274,8 @@ def fold_width(J, x):
 
 
 @kernel
-def has_partner(Q, flags, b, x):
-    """Whether another solution lies beside column ``b`` along the unit vector ``x`` (6,), as at a simple fold."""
+def has_partner(Q, flags, b, x, width):
+    """Whether another solution lies beside column ``b`` along the unit vector ``x`` (6,), some ``width`` [rad] away."""
     for k in range(Q.shape[0]):
         if k != b and flags[k] & layout.VALID:
             along, square = 0.0, 0.0
@@ -284,7 +283,7 @@ def has_partner(Q, flags, b, x):
                 apart = wrap(Q[k, j] - Q[b, j])
                 along += apart * x[j]
                 square += apart * apart
-            if square < FOLD_WIDTH * FOLD_WIDTH and along * along > ALONG_FOLD * square:
+            if square < 9.0 * width * width and along * along > ALONG_FOLD * square:
                 return True
     return False
 
@@ -318,7 +317,8 @@ def search_beside(arm, target, Q, flags, simple):
         sigma = least_stretch(J, x)
         if sigma <= arm[layout.SINGULAR]:
             flags[b] |= layout.OTHER
-        if sigma > NEAR_FOLD or fold_width(J, x) > WIDE_FOLD or (simple and has_partner(Q, flags, b, x)):
+        width = fold_width(J, x)
+        if sigma > NEAR_FOLD or width > WIDE_FOLD or (simple and has_partner(Q, flags, b, x, width)):
             continue
         beside = True
         for side in range(2):

@@ -38,16 +38,20 @@ from urdf_ik._kernels.newton import (
     forward,
     newton_columns,
 )
-from urdf_ik._kernels.refine import is_new, keep, singular_marks
+from urdf_ik._kernels.refine import is_new, keep, refine, singular_marks
 from urdf_ik._kernels.target import check_target, project_rotation, to_frame_1
 from urdf_ik._kernels.thresholds import (
     ALMOST_FREE,
     AROUND,
+    CLOSE,
     CLOSE_BY,
     CONVERGED,
     CORRECTIONS,
     FAR_OFF,
+    FINISHED,
     KANTOROVICH,
+    LEVER,
+    PATIENCE,
     SETTLED,
     SHORT_BY_DRIFT,
 )
@@ -117,13 +121,15 @@ def _fill(W, N, X, arm, first):
 def _steepness(family, arm):
     """How fast the margins of shoulder, elbow and wrist change with the joint vector of the correction, per rad.
 
-    A shoulder's squared length changes by up to four times what the pose changes by, an elbow's by the law of cosines,
-    a wrist's by four times that over the square of the sine of its last twist.
+    A shoulder's squared length changes by up to four times what the pose changes by; a wrist's by that over the square
+    of the sine of its last twist; an elbow's, by the law of cosines, by that times the distance between its ends, of
+    which the least is the last number.
     """
     upper, lower = arm[layout.A + 1], arm[layout.RHO] if family == _WRIST else arm[layout.A + 2]
-    elbow = 4.0 * (upper + lower) * arm[layout.SIZE] / (upper * lower)
-    wrist = 4.0 / (arm[layout.SIN_ALPHA + 4] * arm[layout.SIN_ALPHA + 4])
-    return 4.0 * arm[layout.DRIFT], elbow * arm[layout.DRIFT], wrist * arm[layout.DRIFT]
+    steep = 4.0 * arm[layout.DRIFT]
+    elbow = steep * arm[layout.SIZE] * arm[layout.SIZE] / (upper * lower)
+    wrist = steep / (arm[layout.SIN_ALPHA + 4] * arm[layout.SIN_ALPHA + 4])
+    return steep, elbow, wrist, abs(upper - lower) / arm[layout.SIZE]
 
 
 @step
@@ -133,15 +139,14 @@ def _weakest(arms, one, other):
 
 
 @step
-def _is_beyond(margin, steep, square, weakest, last, drift, short):
+def _is_beyond(margin, steep, swing, swung):
     """Whether a margin is so far below zero that no correction lifts it there.
 
-    A solution lies as far from the answer, whose last correction moved it by ``last``, as the weakest of the squares
-    of what else fixes an angle lets the correction turn it; and at x beside a fold its margin, ``square`` x^2, is less
-    than here by steep x: at most steep^2 / 4 of that square.
+    A solution may lie as far from the answer as the last correction moved it, and as far as folds swing it (``swung``);
+    the rest of the arm follows by ``swing``, below 1, of what it moves itself.
     """
-    away = min(last + 0.25 * steep / square + 4.0 * drift / weakest, math.pi)
-    return (margin < -steep * away - 1e-12) & (weakest >= short)
+    free = 1.0 / (1.0 - min(swing, 0.999))
+    return (margin < -steep * free * free * swung - 1e-12) & (swing < 1.0)
 
 
 @inlined
@@ -153,7 +158,7 @@ def _decide(family, N, out, past, arm, answer):
     ``answer`` (8, LANES): joint vector; 0 where there is no solution, 1 where there is one, 2 in doubt; pose error.
     """
     drift = arm[layout.DRIFT]
-    shoulder, elbow, wrist = _steepness(family, arm)
+    shoulder, elbow, wrist, folded = _steepness(family, arm)
     # Where an angle is fixed by an arm this short, the arm as written may have more solutions than the ideal one.
     short = SHORT_BY_DRIFT * drift
     for i in range(LANES):
@@ -161,12 +166,21 @@ def _decide(family, N, out, past, arm, answer):
         for j in range(6):
             last = max(last, abs(wrap(out[j, i] - past[j, i])))
             N[ANGLES + j, i] = out[j, i]
-        m1, m2, m3, arms = out[14, i], out[15, i], out[16, i], out[17, i]
+        m1, m2, m3 = out[14, i], out[15, i], out[16, i]
+        turned, arm1, arm2 = out[17, i], out[18, i], out[19, i]
+        ends, arms = max(math.sqrt(arm2), folded), min(turned, min(arm1, arm2))
         w1, w2, w3 = _weakest(arms, m2, m3), _weakest(arms, m1, m3), _weakest(arms, m1, m2)
-        # What the pose changes by turns a later angle by that over the weakest of the earlier ones.
-        none = _is_beyond(m1, shoulder, arms, w1, last, drift, short)
-        none |= _is_beyond(m2, elbow if family == _WRIST else elbow / w2, 1.0, w2, last, drift, short)
-        none |= _is_beyond(m3, wrist / w3, 1.0, w3, last, drift, short)
+        # What the pose changes by turns a later angle by that over the lengths of what the earlier ones hang on.
+        lever = math.sqrt(min(LEVER * abs(m1), 1.0))
+        if family == _WRIST:
+            lever2, lever3 = lever, lever * _weakest(arm2, m2, 1.0)
+        else:
+            lever2, lever3 = lever * _weakest(turned, m3, 1.0), lever
+        steep2, steep3 = elbow * ends / lever2, wrist / lever3
+        swung = last + 0.25 * (shoulder / arms + steep2 + steep3)
+        none = _is_beyond(m1, shoulder, short / w1, swung)
+        none |= _is_beyond(m2, steep2, short / min(w2, lever2), swung)
+        none |= _is_beyond(m3, steep3, short / min(w3, lever3), swung)
         still_open = answer[6, i] == 2.0
         answer[6, i] = 0.0 if still_open & none else answer[6, i]
         N[MOVES, i] = 1.0 if still_open & (not none) else 0.0
@@ -180,7 +194,9 @@ def _decide(family, N, out, past, arm, answer):
                 moved = max(moved, abs(wrap(N[ANGLES + j, i] - out[j, i])))
                 answer[j, i] = N[ANGLES + j, i]
             answer[7, i] = N[ERROR, i]
-            regular = N[ERROR, i] <= CONVERGED and moved <= KANTOROVICH * N[LEAST, i] and out[17, i] >= short * short
+            regular = N[ERROR, i] <= CONVERGED and moved <= KANTOROVICH * N[LEAST, i]
+            turned, arms = out[17, i], min(out[18, i], out[19, i])
+            regular = regular and min(turned * min(LEVER * abs(out[14, i]), 1.0), arms) >= short * short
             if regular and min(out[14, i], min(out[15, i], out[16, i])) > 0.0:
                 answer[6, i] = 1.0
             else:
@@ -231,9 +247,11 @@ def solve(family, kind, T, arm, q_ref, Q, flags):
                     Q[i, b, j] = math.nan
             if not decided or found % 2 == 1:
                 for b in range(_BRANCHES):
-                    if answer[6, first + b] == 2.0 and answer[7, first + b] <= CONVERGED:
-                        q = answer[:6, first + b].copy()
-                        if is_new(arm, proper[k], Q[i], flags[i], q):
+                    if answer[6, first + b] == 2.0 and answer[7, first + b] < CLOSE:
+                        q, error = answer[:6, first + b].copy(), answer[7, first + b]
+                        if error > CONVERGED:
+                            error = refine(arm, proper[k], q, 40, FINISHED, PATIENCE)
+                        if error <= CONVERGED and is_new(arm, proper[k], Q[i], flags[i], q):
                             keep(Q[i], flags[i], b, q, singular_marks(arm, q, 0))
                 _look_closely(family, kind, True, proper[k], arm, q_ref, Q[i], flags[i])
     return -1

@@ -66,7 +66,8 @@ def branches(kind, W, out, m, arm):
         out[11, i] = wrap(-bend - arm[OFFSET + 4])
         out[12, i] = wrap(atan2(s6f, c6f) - arm[OFFSET + 5])
         out[13, i] = state
-        out[14, i], out[15, i], out[16, i], out[17, i] = m1, m2, m3, min(fixed, min(arm1, arm2))
+        out[14, i], out[15, i], out[16, i] = m1, m2, m3
+        out[17, i], out[18, i], out[19, i] = fixed, arm1, arm2
 
 
 @kernel

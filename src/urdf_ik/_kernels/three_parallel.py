@@ -112,7 +112,7 @@ def branches(W, out, m, arm):
         out[10, i] = wrap(wrap(arm[TURN_4] * (phi - t2d + side * t3) - arm[OFFSET + 3]))
         out[11, i], out[12, i], out[13, i] = q5, q6, state
         out[14, i], out[15, i], out[16, i] = m1, m2 if (fixed > edge) | (m2 > 0.0) else 0.0, m3
-        out[17, i] = min(fixed, min(arm1, arm2))
+        out[17, i], out[18, i], out[19, i] = fixed, arm1, arm2
 
 
 @kernel

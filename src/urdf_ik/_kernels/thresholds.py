@@ -32,6 +32,8 @@ KANTOROVICH = 0.5
 # An arm (a sine, or a share of the size) this short is not trusted to fix an angle of an imperfect arm: a multiple of
 # what the correction changes by per rad.
 SHORT_BY_DRIFT = 4.0
+# A shoulder's squared margin times this, up to 1, is what a small turn of the later joints hangs on.
+LEVER = 10.0
 # How often an imperfect arm's target is corrected before the elimination is asked, and the last change of a joint
 # [rad] after which another correction tells no more.
 CORRECTIONS, SETTLED = 4, 1e-5
@@ -54,9 +56,9 @@ LARGEST_NOISE = 1e-7
 NEAR_FOLD = 5e-3
 # Above this distance [rad] the two solutions of a fold do not hide each other.
 WIDE_FOLD = 0.3
-# The two solutions of a simple fold are less than this far apart, and this is the least squared cosine of the angle
-# between their difference and the direction that the Jacobian all but loses.
-FOLD_WIDTH, ALONG_FOLD = 0.5, 0.9
+# Least squared cosine of the angle between the difference of the two solutions of a simple fold and the direction that
+# the Jacobian all but loses.
+ALONG_FOLD = 0.9
 # Sine of the angle below which the wrist of an S-R-S arm counts as lying on axis 1.
 ON_AXIS = 1e-7
 
