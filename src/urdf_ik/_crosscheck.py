@@ -257,7 +257,6 @@ class Inverse:
         out[known] = np.linalg.svd(J[known], compute_uv=False)[..., -1]
         return out
 
-
     def _gradient(self, Q: Array) -> Array:
         """Central differences (k, n) of the redundancy parameter at Q (k, n)."""
         step = 1e-6 * np.eye(Q.shape[-1])
