@@ -17,6 +17,7 @@ from oracle import Oracle, angle_distance
 
 import urdf_ik
 from urdf_ik import arm as arm_module
+from urdf_ik._plot_shapes import stick
 from urdf_ik.errors import PoseError, UnsupportedArm
 
 Array = NDArray[np.float64]
@@ -272,3 +273,14 @@ def test_solutions_belong_to_their_arm() -> None:
     for case in (short, tall, short):
         assert_exact(case, case.arm.ik(target), target)
         assert case.arm.ik(target).arm is case.arm
+
+
+def test_the_stick_of_an_arm_runs_either_way() -> None:
+    """Between any two links the drawn stick is the same bones: from the tool it runs backwards, and turned."""
+    text = industrial().urdf
+    forward, back = urdf_ik.load(text, "base", "tool"), urdf_ik.load(text, "tool", "base")
+    bones = stick(forward, Q)
+    seen_from_tip = np.linalg.inv(Oracle(text).pose(Q))
+    np.testing.assert_allclose(
+        stick(back, Q[::-1])[::-1], bones @ seen_from_tip[:3, :3].T + seen_from_tip[:3, 3], atol=1e-13
+    )
