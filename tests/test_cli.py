@@ -62,7 +62,18 @@ COMMANDS = ("info", "fk", "ik", "check", "compare", "dh", "workspace", "plot")
         (("info", "no/such.urdf"), None, 3, ("no/such.urdf",)),
         (("info", "-"), "<robot name='x'><link", 3, (":1:", "XML")),
         (("info", ARM, "--tip", "hand"), None, 3, ("hand", "tool0")),
+        (("info", ARM, "--base", ""), None, 3, ("no base link ''", "base_link")),
+        (("info", ARM, "--base", "bse_link"), None, 3, ("'bse_link'", "did you mean 'base_link'")),
+        (("info", str(Path(__file__).parent)), None, 3, ("a directory, not a file",)),
+        (("info", ARM, "--lock", "joint_1"), None, 2, ("--lock", "'joint_1'", "NAME=VALUE")),
+        (("info", ARM, "--mesh-root", "no/such"), None, 2, ("--mesh-root", "no/such", "does not exist")),
+        (("ik", ARM, "--base", "tool0", "--tip", "tool0"), None, 4, ("no joint moves between 'tool0' and 'tool0'",)),
         (("compare", "-", "-"), TWO_JOINTS, 2, ("standard input already",)),
+        (("compare", ARM, ARM, "--lock-b", "joint_1"), None, 2, ("--lock-b", "'joint_1'")),
+        (("dh", "no/such.csv"), None, 2, ("no/such.csv: cannot be read", "No such file")),
+        (("workspace", ARM, "--voxel", "0"), None, 2, ("voxel of 0", "positive")),
+        (("workspace", "planar_2r", "-o", "/dev/null"), None, 2, ("/dev/null", "no regular file")),
+        (("workspace", "planar_2r", "-o", ""), None, 2, ("--output", "no regular file")),
         (("ik", "-"), TWO_JOINTS, 4, ("planar",)),
     ],
 )
@@ -75,6 +86,24 @@ def test_errors_have_a_status_and_one_readable_message(
     assert all(word in result.stderr for word in words), result.stderr
     assert sum(line.startswith("Error:") for line in result.stderr.splitlines()) == (status != 1)
     assert result.stdout.count("\n") <= (status == 1)
+
+
+NEEDED = {"fk": ("--q", TYPED), "compare": (ARM,), "plot": ("-o", "no/such.png"), "view": ("-o", "no/such.html")}
+
+
+@pytest.mark.parametrize("command", [*COMMANDS, "view"])
+def test_what_is_no_urdf_is_refused_by_every_command(command: str, tmp_path: Path) -> None:
+    """A file that is missing, a folder, empty, binary or cut short is named in one message, and the status is 3."""
+    (tmp_path / "empty.urdf").touch()
+    (tmp_path / "binary.urdf").write_bytes(bytes(range(256)))
+    (tmp_path / "cut.urdf").write_text(catalogue.resolve(ARM).path.read_text()[:700])
+    for name in ("missing.urdf", "", "empty.urdf", "binary.urdf", "cut.urdf"):
+        source = str(tmp_path / name)
+        result = call(command, source, *NEEDED.get(command, ()))
+        assert result.exit_code == 3, result.output
+        assert result.stderr.startswith(f"Error: {source}:")
+        assert result.stderr.count("\n") == 1
+        assert not result.stdout
 
 
 def test_without_a_solution_the_table_says_why() -> None:

@@ -30,6 +30,7 @@ class ChosenArm:
     tip: str | None = None
     lock: list[str] | None = None
     mesh_root: list[Path] | None = None
+    lock_option: str = "--lock"
 
     def load(self) -> Arm:
         """The arm.
@@ -43,7 +44,7 @@ class ChosenArm:
 
         if self.robot == "-" and sys.stdin is None:
             raise typer.BadParameter("standard input is closed", param_hint="ROBOT")
-        locked = _cli_redundancy.locked(self.lock or ())
+        locked = _cli_redundancy.locked(self.lock or (), self.lock_option)
         source = sys.stdin.buffer if self.robot == "-" else self.robot
         return urdf_ik.load(source, base=self.base, tip=self.tip, locked=locked, mesh_roots=self.mesh_root or ())
 

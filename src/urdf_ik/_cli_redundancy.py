@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from urdf_ik.arm import Arm
 
 
-def locked(typed: Sequence[str]) -> dict[str, float]:
+def locked(typed: Sequence[str], option: str) -> dict[str, float]:
     """Joint names and values [rad or m] of ``NAME=VALUE``; a value with ``deg`` behind it is in degrees.
 
     Raises:
@@ -34,7 +34,7 @@ def locked(typed: Sequence[str]) -> dict[str, float]:
         except ValueError:
             name = ""
         if not name:
-            raise _cli_io.usage(f"{text!r} is no NAME=VALUE, such as joint_7=0.5 or joint_7=30deg", "--lock")
+            raise _cli_io.usage(f"{text!r} is no NAME=VALUE, such as joint_7=0.5 or joint_7=30deg", option)
     return out
 
 

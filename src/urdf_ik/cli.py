@@ -205,9 +205,10 @@ def compare(
     from urdf_ik import _cli_compare, _cli_io, comparison
     from urdf_ik._cli_progress import Progress
 
-    chosen = ChosenArm(a, base_a, tip_a, lock_a), ChosenArm(b, base_b, tip_b, lock_b)
-    chosen[0].without_stdin(b, "B")
-    arms = chosen[0].load(), chosen[1].load()
+    first = ChosenArm(a, base_a, tip_a, lock_a, lock_option="--lock-a")
+    second = ChosenArm(b, base_b, tip_b, lock_b, lock_option="--lock-b")
+    first.without_stdin(b, "B")
+    arms = first.load(), second.load()
     with Progress("comparing", "solving") as progress:
         found = comparison.compare(*arms, n=n, seed=seed, progress=progress.tick)
     _cli_io.write(found.to_json() if format is ReportFormat.JSON else _cli_compare.as_text(found), None)
