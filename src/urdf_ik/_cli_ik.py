@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from urdf_ik import _cli_answer, _cli_io, _cli_redundancy, _cli_targets, _cli_views
+from urdf_ik import _cli_answer, _cli_io, _cli_targets, _cli_views
 from urdf_ik._cli_errors import Status
 from urdf_ik._cli_options import Format
 from urdf_ik._cli_progress import Progress
@@ -49,7 +49,7 @@ def run(arm: Arm, angles: Angles, asked: Asked, format: Format, output: Path | N
         return solutions if near is None else solutions.nearest(near)
 
     with Progress("checking solutions", "solving") as progress:
-        target = _cli_redundancy.spread(arm, _cli_targets.target(arm, asked.target, angles), asked.redundancy, angles)
+        target = _cli_targets.spread(arm, _cli_targets.target(arm, asked.target, angles), asked.redundancy, angles)
         few = len(target.poses) <= _cli_views.SUMMARY_ABOVE
         answer = _cli_answer.solve(
             arm,

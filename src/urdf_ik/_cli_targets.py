@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -78,6 +78,25 @@ def target(arm: Arm, asked: Asked, angles: Angles) -> Target:
         note = f"poses: {asked.random} of random joint vectors inside the limits, seed {asked.seed}"
         return _of_vectors(arm, _draws(arm, asked.random, asked.seed), note)
     return _typed(asked, oriented, angles)
+
+
+def spread(arm: Arm, target: Target, typed: str | None, angles: Angles) -> Target:
+    """``target`` with the values of the redundancy parameter: each pose at every value typed, else as it is.
+
+    Raises:
+        typer.BadParameter: values that are none, or an arm without such a parameter.
+    """
+    if typed is None:
+        return target
+    parameter = arm.redundancy
+    if parameter is None:
+        raise _cli_io.usage(f"this arm's {arm.dof} joints leave nothing free in a pose", "--redundancy")
+    values = _cli_io.numbers(typed, "--redundancy", ["value"] * len(typed.replace(",", " ").split()))
+    if not len(values):
+        raise _cli_io.usage(f"a value is needed, of the {parameter}", "--redundancy")
+    values = np.deg2rad(values) if angles.degrees and parameter.unit == "rad" else values
+    poses = np.repeat(target.poses, len(values), axis=0)
+    return replace(target, poses=poses, redundancy=np.tile(values, len(target.poses)))
 
 
 def _typed(asked: Asked, oriented: Sequence[str], angles: Angles) -> Target:
