@@ -71,6 +71,18 @@ COMMANDS = ("info", "fk", "ik", "check", "compare", "dh", "workspace", "plot")
         (("compare", "-", "-"), TWO_JOINTS, 2, ("standard input already",)),
         (("compare", ARM, ARM, "--lock-b", "joint_1"), None, 2, ("--lock-b", "'joint_1'")),
         (("dh", "no/such.csv"), None, 2, ("no/such.csv: cannot be read", "No such file")),
+        (
+            ("plot", ARM, "branches", "--xyz", "1,2,3", "-o", "x.png"),
+            None,
+            2,
+            ("--quat-wxyz", "--rotvec", "none given"),
+        ),
+        (
+            ("plot", ARM, "branches", "--xyz", "9,0,0", "--rotvec", "0,0,0", "-o", "x.png"),
+            None,
+            2,
+            ("no solution to draw", "reach 2.1 m"),
+        ),
         (("workspace", ARM, "--voxel", "0"), None, 2, ("voxel of 0", "positive")),
         (("workspace", "planar_2r", "-o", "/dev/null"), None, 2, ("/dev/null", "no regular file")),
         (("workspace", "planar_2r", "-o", ""), None, 2, ("--output", "no regular file")),

@@ -13,7 +13,7 @@ import sys
 import typer
 
 from urdf_ik import _cli_options as options
-from urdf_ik._cli_arm import ChosenArm, angles_of, on_an_arm
+from urdf_ik._cli_arm import ChosenArm, TypedPose, angles_of, on_an_arm
 from urdf_ik._cli_errors import Commands, Status
 from urdf_ik._cli_options import Picture, ReportFormat, Value
 
@@ -104,11 +104,7 @@ def fk(
 @on_an_arm
 def ik(
     *,
-    xyz: options.Position = None,
-    quat_xyzw: options.QuatXyzw = None,
-    quat_wxyz: options.QuatWxyz = None,
-    rpy: options.Rpy = None,
-    rotvec: options.Rotvec = None,
+    typed: TypedPose,
     q: options.Planted = None,
     poses: options.PoseFile = None,
     random: options.Random = None,
@@ -129,8 +125,7 @@ def ik(
 
     written = options.format_for(format, output, terminal=options.is_terminal(sys.stdout))
     chosen.without_stdin(poses, "--poses")
-    orientations = {"--quat-xyzw": quat_xyzw, "--quat-wxyz": quat_wxyz, "--rpy": rpy, "--rotvec": rotvec}
-    target = _cli_targets.Asked(xyz, orientations, q or (), poses, random, seed)
+    target = _cli_targets.Asked(typed, q or (), poses, random, seed)
     asked = _cli_ik.Asked(target, redundancy, within_limits, collision_free, turns, nearest, check)
     arm = chosen.load()
     _cli_ik.run(arm, angles_of(arm, degrees), asked, written, output)
@@ -291,9 +286,7 @@ def plot(
     *,
     what: options.What = Picture.ARM,
     q: options.At = None,
-    xyz: options.Position = None,
-    quat_xyzw: options.QuatXyzw = None,
-    rpy: options.Rpy = None,
+    typed: TypedPose,
     seed: options.Seed = 0,
     shapes: options.Shapes = False,
     map: options.Map = None,
@@ -308,8 +301,7 @@ def plot(
     from urdf_ik import _cli_plot, _cli_targets
 
     arm = chosen.load()
-    oriented = {"--quat-xyzw": quat_xyzw, "--rpy": rpy}
-    target = _cli_targets.Asked(xyz, oriented, () if q is None else (q,), None, None, seed)
+    target = _cli_targets.Asked(typed, () if q is None else (q,), None, None, seed)
     asked = _cli_plot.Asked(target, shapes, map, axis, at, show.value)
     _cli_plot.run(arm, angles_of(arm, degrees), what, asked, output)
 
