@@ -14,7 +14,6 @@ machine is quiet and other work only ever adds time.
 from __future__ import annotations
 
 import argparse
-import gc
 import os
 import platform
 import sys
@@ -27,6 +26,7 @@ from typing import Any
 
 import complete
 import numpy as np
+import timing
 from peers import PEERS, Eaik, Peer, Ssik, Unavailable, UrdfIk
 from rich.console import Console
 from rich.table import Table
@@ -37,18 +37,6 @@ SLOW_CALLS = 20  # a repetition, for solvers of half a millisecond and more
 BATCH = 10_000  # poses in a batch
 CALIBRATED_BATCH = 2_000  # the same where an arm is compared as designed and as calibrated
 GENERAL_CALLS, GENERAL_BATCH = 50, 400  # the same for general arms, on which this package is slow, too
-
-
-def _timed(work: Callable[[], Any]) -> float:
-    """Seconds that the work takes, without a collection in between."""
-    gc.collect()
-    gc.disable()
-    try:
-        start = time.perf_counter()
-        work()
-        return time.perf_counter() - start
-    finally:
-        gc.enable()
 
 
 def _speed(peers: list[Peer], targets: np.ndarray, repeats: int, *, general: bool) -> dict[str, dict[str, float]]:
@@ -68,10 +56,10 @@ def _speed(peers: list[Peer], targets: np.ndarray, repeats: int, *, general: boo
     for repetition in range(repeats + 1):  # the first one warms up and is thrown away
         for peer in peers if repetition % 2 else peers[::-1]:
             row = samples[peer.name]
-            row["us"].append(1e6 * _timed(partial(one_by_one, peer)) / calls[peer.name])
+            row["us"].append(1e6 * timing.seconds(partial(one_by_one, peer)) / calls[peer.name])
             if peer.batch_call:
                 for threads in (1, 2):
-                    seconds = _timed(partial(peer.solve_batch, batches[peer.name], threads))
+                    seconds = timing.seconds(partial(peer.solve_batch, batches[peer.name], threads))
                     row[f"batch {threads}"].append(1e-3 * len(batch) / seconds)
     return {name: {k: (min if k == "us" else max)(v[1:]) for k, v in row.items() if v} for name, row in samples.items()}
 
@@ -163,7 +151,7 @@ def calibration(repeats: int, seed: int) -> list[list[str]]:
     for repetition in range(repeats + 1):  # the first one warms up and is thrown away
         for name in list(arms)[:: 1 if repetition % 2 else -1]:
             solver, poses = arms[name][0], batches[name]
-            seconds = _timed(partial(solver.solve_batch, poses, 1))
+            seconds = timing.seconds(partial(solver.solve_batch, poses, 1))
             single = np.array([_timed_call(solver.solve, T) for T in poses[:SINGLE_CALLS]])
             if repetition:
                 best[name], calls[name] = min(best[name], seconds), np.minimum(calls[name], single)

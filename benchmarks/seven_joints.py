@@ -12,15 +12,14 @@ so that the number of solutions differs: the ratios are of the time a solution t
 from __future__ import annotations
 
 import argparse
-import gc
 import math
 import sys
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import timing
 from peers import Peer, Ssik, SsikBuilt, Unavailable
 from robots import ZERO, Robot, Z, serial
 
@@ -120,17 +119,6 @@ class UrdfIkAtValues(Peer):
         return found
 
 
-def _seconds(work: Callable[[], Any]) -> float:
-    gc.collect()
-    gc.disable()
-    try:
-        start = time.perf_counter()
-        work()
-        return time.perf_counter() - start
-    finally:
-        gc.enable()
-
-
 def measure(robot: Robot, poses: int = 200, repeats: int = 7, seed: int = 0) -> list[Row]:
     """All rows of one arm; ssik's are missing where it is."""
     rng = np.random.default_rng(seed)
@@ -152,7 +140,7 @@ def measure(robot: Robot, poses: int = 200, repeats: int = 7, seed: int = 0) -> 
     answers = {name: work() for name, work in ways.items()}  # warms up, too
     for _ in range(repeats):
         for name, work in ways.items():
-            best[name] = min(best[name], _seconds(work) / len(answers[name]))
+            best[name] = min(best[name], timing.seconds(work) / len(answers[name]))
     found = {name: [_rows(answer) for answer in answers[name]] for name in ways}
     counts = {name: float(np.mean([len(q) for q in found[name]])) for name in ways}
     return [

@@ -53,6 +53,7 @@ class CheckedArm(pytest.Collector):
     def __init__(self, *, source: str, base: str | None, tip: str | None, **node: Any) -> None:
         super().__init__(**node)
         self._given = source, base, tip
+        self._told_by = ""
         self.add_marker(MARK)
 
     def collect(self) -> Iterator[Property]:
@@ -78,6 +79,18 @@ class CheckedArm(pytest.Collector):
         except urdf_ik.UrdfIkError as error:
             return error
 
+    def refuse(self, error: Exception, name: str) -> None:
+        """Fail the first of the tests that runs with why there is no report, and skip the others: it is one fault.
+
+        The test for reading the file may not be among those that were chosen, so any of them can be the first.
+        """
+        if self._told_by in ("", name):
+            self._told_by = name
+            raise _Disagrees(str(error))
+        pytest.skip(
+            f"not run: {self._given[0]} cannot be read or checked; the test {self._told_by!r} failed and says why"
+        )
+
 
 class Property(pytest.Item):
     """One property of one arm."""
@@ -88,12 +101,11 @@ class Property(pytest.Item):
 
         assert isinstance(self.parent, CheckedArm)
         report = self.parent.report
-        if self.name == READABLE:
-            if isinstance(report, Exception):
-                raise _Disagrees(str(report))
-            return
         if isinstance(report, Exception):
-            pytest.skip("the arm cannot be read")
+            self.parent.refuse(report, self.name)
+            return
+        if self.name == READABLE:
+            return
         holds, words = verdict(report, self.name)
         if holds is None:
             pytest.skip(words)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from arms import X, Y, Z, rotation, serial_urdf
-from cases import Case
+from cases import Case, rows, worst_error
 from numpy.typing import NDArray
 from oracle import Oracle
 
@@ -202,3 +202,36 @@ def apart(case: Case, a: Array, b: Array) -> Array:
     step = np.asarray(a - b)
     turned = (step + math.pi) % (2.0 * math.pi) - math.pi
     return np.abs(np.where(case.arm.chain.prismatic, step, turned)).max(axis=-1)
+
+
+def assert_answers(case: Case, q: Array, T: Array, *, tol: float | None = None, wrapped: bool = True) -> Array:
+    """The planted q is found, every solution is exact and different. Returns them.
+
+    ``wrapped``: angles lie in (-pi, pi].
+    """
+    solutions = case.arm.ik(T)
+    found = rows(solutions)
+    assert np.isnan(solutions.q[~solutions.valid]).all()
+    turning = ~case.arm.chain.prismatic
+    assert (found[:, turning] > -math.pi).all() or not wrapped
+    assert (found[:, turning] <= math.pi).all() or not wrapped
+    assert len(found), f"nothing found at {q}"
+    assert worst_error(case, found, T) <= 1e-9
+    assert apart(case, found, q).min() <= (case.oracle.tolerance(q) if tol is None else tol), (q, found)
+    for i, one in enumerate(found[:-1]):
+        assert (apart(case, found[i + 1 :], one) > 1e-8).all()
+    return found
+
+
+def assert_complete(case: Case) -> int:
+    """No solution that Newton's method finds from many random starts is missing. Returns how many starts arrived."""
+    rng, arrived = np.random.default_rng(7), 0
+    for q in draw(case, rng, 4):
+        T = case.oracle.pose(q)
+        found = rows(case.arm.ik(T))
+        for start in draw(case, rng, 40):
+            other = case.oracle._newton(start, T)
+            if other is not None and case.oracle.error(other, T) < 1e-10:
+                arrived += 1
+                assert apart(case, found, other).min() < 1e-5
+    return arrived

@@ -45,16 +45,6 @@ def by_elimination(case: Case, target: Array) -> Array:
     return Q[valid & layout.VALID != 0]
 
 
-def holds(case: Case, poses: int, seed: int) -> None:
-    """On random poses the planted one is found, all are exact, none comes twice, and their number is even."""
-    for q in case.oracle.draw(np.random.default_rng(seed), poses):
-        target = case.oracle.pose(q)
-        found = assert_exact(case, case.arm.ik(target), target)
-        assert nearest(found, q) <= case.oracle.tolerance(q), (case.name, q)
-        assert closest_pair(found) > 1e-7, (case.name, q)
-        assert len(found) % 2 == 0 or min(case.oracle.sigma_min(x) for x in found) < 1e-6, (case.name, q)
-
-
 def holds_near_singularities(case: Case, singularities: int, seed: int) -> None:
     """At 1e-1 to 1e-8 rad from any singularity the planted one is found, all are exact, none comes twice."""
     rng = np.random.default_rng(seed)
@@ -101,28 +91,6 @@ def agrees_with_elimination(case: Case, poses: int, seed: int) -> None:
         assert len(found) >= len(others), (case.name, q)
         assert all(nearest(found, x) < 1e-6 for x in others), (case.name, q)
     assert compared > 0
-
-
-def is_complete(case: Case, poses: int, seed: int) -> None:
-    """The solutions are those of a multi-start Newton search on Pinocchio's model, or more."""
-    rng = np.random.default_rng(seed)
-    for q in case.oracle.draw(rng, poses):
-        target = case.oracle.pose(q)
-        found, searched = rows(case.arm.ik(target)), case.oracle.solutions(target, rng)
-        assert len(found) >= len(searched) > 0, (case.name, q)
-        assert all(nearest(found, x) <= 1e-5 for x in searched), (case.name, q)
-
-
-def batch_equals_single(case: Case) -> None:
-    """A stack of poses gives what each pose gives, column by column, with any number of threads."""
-    targets = case.oracle.poses(case.oracle.draw(np.random.default_rng(4), 80))
-    targets[7, :3, 3] += 100.0
-    batch = case.arm.ik(targets)
-    singles = [case.arm.ik(target) for target in targets]
-    np.testing.assert_array_equal(batch.q, [s.q for s in singles])
-    np.testing.assert_array_equal(batch.singular, [s.singular for s in singles])
-    np.testing.assert_array_equal(case.arm.ik(targets, threads=2).q, batch.q)
-    assert not batch.valid[7].any()
 
 
 def at_quarter_turns(case: Case, poses: int, seed: int) -> None:

@@ -1,68 +1,21 @@
-"""Chains between any two links of a tree: forward kinematics, Jacobian and link poses are Pinocchio's."""
+"""Chains against Pinocchio: kinematics of any base and tip, joints beside the chain, limits."""
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-import pinocchio as pin
 import pytest
+from chains import HAND, RIGHT, Judge, joint, random_tree, robot, serial
 from numpy.typing import NDArray
 
 from urdf_ik import urdf
 from urdf_ik.chain import Chain
-from urdf_ik.errors import ChainError, JointVectorError, UnsupportedArm
+from urdf_ik.errors import ChainError, UnsupportedArm
 
 Array = NDArray[np.float64]
-LIMIT = '<limit lower="-3" upper="3" effort="1" velocity="1"/>'
-
-
-class Judge:
-    """Pinocchio's model of a tree, asked by joint names; a joint that is not named stays at zero."""
-
-    def __init__(self, xml: str) -> None:
-        """Read URDF text; joints that mimic follow their drivers."""
-        self.model = pin.buildModelFromXML(xml, mimic=True)
-        self.data = self.model.createData()
-
-    def place(self, values: Mapping[str, float]) -> None:
-        """Move the joints."""
-        full = pin.neutral(self.model)
-        for name, value in values.items():
-            entry = self.model.joints[self.model.getJointId(name)]
-            # A continuous joint is a cosine and a sine.
-            numbers = (math.cos(value), math.sin(value)) if entry.nq == 2 else (value,)
-            full[entry.idx_q : entry.idx_q + entry.nq] = numbers
-        pin.computeJointJacobians(self.model, self.data, full)
-        pin.updateFramePlacements(self.model, self.data)
-
-    def _frame(self, link: str) -> int:
-        index = self.model.getFrameId(link, pin.FrameType.BODY)
-        assert index < self.model.nframes, link
-        return int(index)
-
-    def pose(self, base: str, link: str) -> Array:
-        """Pose (4, 4) of a link in another one."""
-        frames = self.data.oMf
-        return frames[self._frame(base)].actInv(frames[self._frame(link)]).homogeneous
-
-    def jacobian(self, base: str, tip: str, names: tuple[str, ...]) -> Array:
-        """Jacobian (6, n) of the tip against the base, which moves too where joints lead up from it."""
-        b, t = self._frame(base), self._frame(tip)
-        of_base, of_tip = (
-            # A model of one joint gets a flat array from Pinocchio.
-            np.reshape(pin.getFrameJacobian(self.model, self.data, i, pin.LOCAL_WORLD_ALIGNED), (6, -1))
-            for i in (b, t)
-        )
-        arm = self.data.oMf[t].translation - self.data.oMf[b].translation
-        linear = of_tip[:3] - of_base[:3] - np.cross(of_base[3:], arm, axis=0)
-        to_base = self.data.oMf[b].rotation.T
-        relative = np.concatenate([to_base @ linear, to_base @ (of_tip[3:] - of_base[3:])])
-        columns = [self.model.joints[self.model.getJointId(name)].idx_v for name in names]
-        return relative[:, columns]
 
 
 def by_differences(chain: Chain, q: Array) -> Array:
@@ -75,66 +28,6 @@ def by_differences(chain: Chain, q: Array) -> Array:
         spin = rate[:3, :3] @ chain.fk(q)[:3, :3].T
         columns.append([*rate[:3, 3], spin[2, 1], spin[0, 2], spin[1, 0]])
     return np.array(columns).reshape(-1, 6).T
-
-
-def joint(
-    name: str,
-    kind: str,
-    parent: str,
-    child: str,
-    xyz: str = "0 0 0",
-    rpy: str = "0 0 0",
-    axis: str = "",
-    more: str = "",
-) -> str:
-    """A joint element; limits come with every type that needs them."""
-    axis = f'<axis xyz="{axis}"/>' if axis else ""
-    limit = LIMIT if kind in ("revolute", "prismatic") and "<limit" not in more else ""
-    return (
-        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
-        f'<origin xyz="{xyz}" rpy="{rpy}"/>{axis}{limit}{more}</joint>'
-    )
-
-
-def robot(*joints: str) -> str:
-    """URDF text with the links that the joints name."""
-    text = "".join(joints)
-    links = dict.fromkeys(part.split('"')[0] for part in text.split(' link="')[1:])
-    return f'<robot name="r">{"".join(f"""<link name="{link}"/>""" for link in links)}{text}</robot>'
-
-
-def random_tree(seed: int, joints: int = 12) -> str:
-    """A tree with every type of joint, axes of any length and direction, and fixed joints anywhere."""
-    rng = np.random.default_rng(seed)
-
-    def numbers(low: float, high: float) -> str:
-        return " ".join(repr(float(x)) for x in rng.uniform(low, high, 3))
-
-    parts = []
-    for i in range(joints):
-        kind = str(rng.choice(["revolute", "continuous", "prismatic", "fixed"], p=[0.35, 0.2, 0.25, 0.2]))
-        # Mostly deep, with side branches.
-        parent = max(0, i - int(rng.choice([0, 0, 0, 1, 3])))
-        axis = "" if kind == "fixed" else numbers(-4.0, 4.0)
-        parts.append(joint(f"j{i}", kind, f"l{parent}", f"l{i + 1}", numbers(-1, 1), numbers(-3, 3), axis))
-    # The file's order is not the tree's.
-    return robot(*[parts[i] for i in rng.permutation(joints)])
-
-
-def serial(kinds: str, seed: int = 0) -> str:
-    """A chain of joints, R, C (continuous), P or F (fixed), from link l0 on, in random frames."""
-    rng = np.random.default_rng([seed, *kinds.encode()])
-
-    def numbers() -> str:
-        return " ".join(repr(float(x)) for x in rng.uniform(-1.5, 1.5, 3))
-
-    names = {"R": "revolute", "C": "continuous", "P": "prismatic", "F": "fixed"}
-    return robot(
-        *(
-            joint(f"j{i}", names[k], f"l{i}", f"l{i + 1}", numbers(), numbers(), "" if k == "F" else numbers())
-            for i, k in enumerate(kinds)
-        )
-    )
 
 
 def assert_agrees(chain: Chain, judge: Judge, q: Array) -> None:
@@ -271,25 +164,6 @@ def test_base_and_tip_without_a_joint_between_them() -> None:
         assert chain.fk(np.empty((3, 0))).shape == (3, 4, 4)
 
 
-# ---------------------------------------------------------------- joints outside the chain
-
-HAND = robot(
-    joint("a", "revolute", "base", "arm", "0 0 0.3", axis="0 1 0"),
-    joint("b", "continuous", "arm", "wrist", "0 0 0.5", "0.2 0 0", axis="1 0 0"),
-    joint("f", "fixed", "wrist", "tool", "0 0 0.1"),
-    # Fingers that follow the arm, each in its own way.
-    joint("left", "prismatic", "wrist", "left", "0 0.1 0.1", axis="0 2 0", more='<mimic joint="a" multiplier="0.1"/>'),
-    joint("right", "revolute", "wrist", "right", "0 -0.1 0.1", axis="0 0 1", more=f"{LIMIT}{{}}"),
-    # Nobody moves these.
-    joint("free", "revolute", "wrist", "camera", "0.1 0 0", axis="0 0 1"),
-    joint("lid", "revolute", "camera", "shutter", "0.1 0 0", axis="0 1 0", more='<mimic joint="free" offset="0.7"/>'),
-    joint("door", "prismatic", "base", "drawer", "-1 0 0", axis="1 0 0"),
-    joint("loose", "floating", "base", "cart", "2 0 0", "0 0 1"),
-    joint("flat", "planar", "base", "rug", "0 3 0", axis="0 0 1"),
-)
-RIGHT = '<mimic joint="a" multiplier="-0.5" offset="0.25"/>'
-
-
 @pytest.mark.parametrize(("base", "tip"), [("base", "tool"), ("tool", "base"), ("drawer", "tool"), ("camera", "base")])
 def test_links_beside_the_chain(base: str, tip: str) -> None:
     """Joints outside the chain stay at zero, floating ones too; those that mimic one of its joints follow it."""
@@ -358,93 +232,6 @@ def test_limits() -> None:
     )
     # Walked upwards a joint's value means the same, and so do its limits.
     np.testing.assert_array_equal(Chain.from_urdf(model, "l3", "l1").limits, [[0.0, 0.2], [-0.5, 1.5]])
-
-
-# ---------------------------------------------------------------- joint vectors
-
-
-@pytest.mark.parametrize("shape", [(), (5,), (2, 3), (1,), (0,), (2, 0, 3), (2, 1, 2, 2)])
-def test_batches_of_any_shape(shape: tuple[int, ...]) -> None:
-    """A batch gives, in its own shape, what each of its joint vectors gives, bit for bit."""
-    chain = Chain.from_urdf(urdf.read(HAND.format(RIGHT)), "drawer", "tool")
-    q = np.random.default_rng(6).uniform(-2.0, 2.0, (*shape, chain.n))
-    poses, jacobians, links = chain.fk(q), chain.jacobian(q), chain.link_poses(q)
-    assert poses.shape == (*shape, 4, 4)
-    assert jacobians.shape == (*shape, 6, chain.n)
-    assert {pose.shape for pose in links.values()} == {(*shape, 4, 4)}
-    for index in np.ndindex(*shape):
-        np.testing.assert_array_equal(poses[index], chain.fk(q[index]))
-        np.testing.assert_array_equal(jacobians[index], chain.jacobian(q[index]))
-        alone = chain.link_poses(q[index])
-        for link, pose in links.items():
-            np.testing.assert_allclose(pose[index], alone[link], atol=1e-15)
-
-
-def test_joint_vectors_of_any_number_type() -> None:
-    """Lists, tuples, integers, single precision and strided arrays mean the numbers that they hold."""
-    chain = Chain.from_urdf(urdf.read(serial("RPR")))
-    expected = chain.fk(np.array([1.0, -2.0, 0.5])), chain.jacobian(np.array([1.0, -2.0, 0.5]))
-    strided = np.array([[1.0, 9.0, -2.0], [9.0, 9.0, 9.0], [0.5, 9.0, 9.0]])
-    for q in (
-        [1, -2, 0.5],
-        (1.0, -2.0, 0.5),
-        np.array([1, -2, 0.5], dtype=np.float32),
-        np.array([1, -2, 0.5], dtype=np.float16),
-        np.array([0.5, -2.0, 1.0])[::-1],
-        strided.ravel()[::2][[0, 1, 3]],
-    ):
-        np.testing.assert_array_equal(chain.fk(q), expected[0])
-        np.testing.assert_array_equal(chain.jacobian(q), expected[1])
-    whole = np.array([[1, -2, 3], [0, 0, 0]])
-    for kind in (np.int8, np.int64, np.float32, bool):
-        np.testing.assert_array_equal(chain.fk(whole.astype(kind)), chain.fk(whole.astype(kind).astype(float)))
-    np.testing.assert_array_equal(chain.fk(np.asfortranarray(whole)), chain.fk(whole.astype(float)))
-
-
-def test_joint_vectors_are_not_modified() -> None:
-    """What was handed in is still the same afterwards, and what comes out belongs to the caller."""
-    chain = Chain.from_urdf(urdf.read(HAND.format(RIGHT)), "base", "tool")
-    q = np.array([[0.3, 7.0], [-0.2, -8.0]])
-    before = q.copy()
-    first = chain.fk(q), chain.jacobian(q), chain.link_poses(q)["tool"]
-    np.testing.assert_array_equal(q, before)
-    kept = [array.copy() for array in first]
-    for array in first:
-        array[...] = 0.0
-    for again, expected in zip((chain.fk(q), chain.jacobian(q), chain.link_poses(q)["tool"]), kept, strict=True):
-        np.testing.assert_array_equal(again, expected)
-
-
-@pytest.mark.parametrize(
-    ("q", "words"),
-    [
-        ([0.0, 0.0], r"\(2,\).*3 joints \(j0, j1, j2\)"),
-        ([[0.0] * 4] * 3, r"\(3, 4\)"),
-        (1.0, "last dimension must be 3"),
-        ([], r"\(0,\)"),
-        ([0.0, np.nan, 0.0], "'j1' is nan"),
-        ([0.0, 0.0, -np.inf], "'j2' is -inf"),
-        (
-            [[[0.0] * 3] * 2, [[0.0] * 3, [np.inf, 0.0, np.nan]]],
-            r"\[1, 1\].*'j0' is inf",
-        ),
-        (
-            np.array([1j, 0.0, 0.0]),
-            "array of numbers",
-        ),
-        (["a", "b", "c"], "array of numbers"),
-        ([[0.0, 0.0, 0.0], [0.0, 0.0]], "array of numbers"),
-        (None, "3 joints"),
-        ({"j0": 1.0}, "array of numbers"),
-        ([1j, 0.0, 0.0], "array of numbers"),
-    ],
-)
-def test_what_is_no_joint_vector(q: object, words: str) -> None:
-    """A wrong shape, or what is not a finite number, raises JointVectorError, which names joint and place."""
-    chain = Chain.from_urdf(urdf.read(serial("RPR")))
-    for ask in (chain.fk, chain.jacobian, chain.link_poses):
-        with pytest.raises(JointVectorError, match=words):
-            ask(q)  # type: ignore[arg-type]
 
 
 def test_size_is_the_length_of_the_links() -> None:

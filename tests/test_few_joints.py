@@ -5,10 +5,22 @@ from __future__ import annotations
 import math
 import re
 
+import contract
 import numpy as np
 import pytest
 from arms import X, Z, rotation
-from arms_few import BUILDS, TRAVEL, apart, axes_and_points, case_of, draw, few, few_urdf
+from arms_few import (
+    BUILDS,
+    TRAVEL,
+    apart,
+    assert_answers,
+    assert_complete,
+    axes_and_points,
+    case_of,
+    draw,
+    few,
+    few_urdf,
+)
 from cases import Case, rows, worst_error
 from numpy.typing import NDArray
 
@@ -20,22 +32,6 @@ from urdf_ik.solutions import Singular
 Array = NDArray[np.float64]
 NAMES = tuple(BUILDS)
 PLANAR = ("2R planar", "3R planar", "RRPR SCARA", "RRRP SCARA", "PRRR SCARA", "RPRR SCARA", "RRP SCARA")
-
-
-def assert_answers(case: Case, q: Array, T: Array, *, tol: float | None = None) -> Array:
-    """The planted q is found, every solution is exact and different, angles lie in (-pi, pi]. Returns them."""
-    solutions = case.arm.ik(T)
-    found = rows(solutions)
-    assert np.isnan(solutions.q[~solutions.valid]).all()
-    turning = ~case.arm.chain.prismatic
-    assert (found[:, turning] > -math.pi).all()
-    assert (found[:, turning] <= math.pi).all()
-    assert len(found), f"nothing found at {q}"
-    assert worst_error(case, found, T) <= 1e-9
-    assert apart(case, found, q).min() <= (case.oracle.tolerance(q) if tol is None else tol), (q, found)
-    for i, one in enumerate(found[:-1]):
-        assert (apart(case, found[i + 1 :], one) > 1e-8).all()
-    return found
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
@@ -50,16 +46,7 @@ def test_planted_joint_vector_is_found(name: str, seed: int) -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_answers_are_complete(name: str) -> None:
     """No solution that Newton's method finds from many random starts is missing."""
-    case, rng, arrived = few(name, 3), np.random.default_rng(7), 0
-    for q in draw(case, rng, 4):
-        T = case.oracle.pose(q)
-        found = rows(case.arm.ik(T))
-        for start in draw(case, rng, 40):
-            other = case.oracle._newton(start, T)
-            if other is not None and case.oracle.error(other, T) < 1e-10:
-                arrived += 1
-                assert apart(case, found, other).min() < 1e-5
-    assert arrived
+    assert assert_complete(few(name, 3))
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -68,13 +55,7 @@ def test_batch_is_single(name: str) -> None:
     case = few(name, 4)
     T = case.oracle.poses(draw(case, np.random.default_rng(2), 150))
     T[::7, :3, 3] += 0.3
-    batch, threads = case.arm.ik(T), case.arm.ik(T, threads=2)
-    np.testing.assert_array_equal(batch.q, threads.q)
-    np.testing.assert_array_equal(batch.valid, threads.valid)
-    for i in range(0, 150, 5):
-        one = case.arm.ik(T[i])
-        np.testing.assert_array_equal(batch.valid[i], one.valid)
-        np.testing.assert_array_equal(batch.q[i], one.q)
+    contract.batch_equals_single(case, T)
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -8,11 +8,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import lru_cache
 
+import contract
 import numpy as np
 import pytest
 from arms import KINDS, DescribedArm, industrial, random_arm, ur_like
 from arms_general import calibrated_ur, near_member, rounded_industrial, rounded_ur, tilted
-from cases import Case, assert_exact, closest_pair, described, nearest, rows
+from cases import Case, described, nearest, rows
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -59,63 +60,23 @@ def ideal(kind: str) -> Case:
     return described(random_arm(kind, 0))
 
 
-def holds(case: Case, poses: int, seed: int) -> None:
-    """The contract on so many poses: the planted one found, all exact, none twice, and an even number of them."""
-    for q in case.oracle.draw(np.random.default_rng(seed), poses):
-        target = case.oracle.pose(q)
-        found = assert_exact(case, case.arm.ik(target), target)
-        assert nearest(found, q) <= case.oracle.tolerance(q), q
-        assert closest_pair(found) > 1e-7, q
-        assert len(found) % 2 == 0 or min(case.oracle.sigma_min(x) for x in found) < 1e-6, q
-
-
-def is_complete(case: Case, seed: int) -> None:
-    """On two poses the number of solutions is that of a multi-start Newton search on Pinocchio's model, or higher."""
-    rng = np.random.default_rng(seed)
-    for q in case.oracle.draw(rng, 2):
-        target = case.oracle.pose(q)
-        found = rows(case.arm.ik(target))
-        searched = case.oracle.solutions(target, rng)
-        assert len(found) >= len(searched) > 0, (q, len(found), len(searched))
-        for other in searched:
-            assert nearest(found, other) <= 1e-5, (q, other)
-
-
-def holds_near_singularities(case: Case, singularities: int, seed: int) -> None:
-    """At 1e-1 to 1e-7 rad from singularities of the arm as written at least 99 % of the planted ones are found."""
-    rng = np.random.default_rng(seed)
-    lost, planted = [], 0
-    for _ in range(singularities):
-        q0, joint = case.oracle.singular(rng)
-        for k in range(1, 8):
-            q = q0.copy()
-            q[joint] += 10.0**-k * rng.choice([-1.0, 1.0])
-            target = case.oracle.pose(q)
-            found = assert_exact(case, case.arm.ik(target), target)
-            assert closest_pair(found) > 1e-8, q
-            planted += 1
-            if nearest(found, q) > case.oracle.tolerance(q):
-                lost.append((k, q.tolist()))
-    assert len(lost) <= 0.01 * planted, lost
-
-
 @pytest.mark.parametrize(("kind", "eps"), [(kind, eps) for kind, eps in ALL_MEMBERS if eps <= AT_RANDOM[kind]])
 def test_contract_whatever_the_imperfection(kind: str, eps: float) -> None:
     """A family's member that is off by 1e-12 to 1e-2 rad and length: planted found, all exact, none twice."""
-    holds(near(kind, eps), 40, 1)
+    contract.holds(near(kind, eps), 40, 1)
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_many_members(kind: str) -> None:
     """Other members of the family, each off by a size of its own from 1e-13 to 1e-6, keep the contract."""
     for seed, eps in enumerate(10.0 ** np.linspace(-13.0, -6.0, 8), start=1):
-        holds(near(kind, float(eps), seed), 10, seed)
+        contract.holds(near(kind, float(eps), seed), 10, seed)
 
 
 @pytest.mark.parametrize("name", MADE)
 def test_contract_of_rounded_and_calibrated_arms(name: str) -> None:
     """Quarter turns written as 1.5708 and calibrations: planted found, all exact, none twice."""
-    holds(made(name), 60, 2)
+    contract.holds(made(name), 60, 2)
 
 
 @pytest.mark.parametrize(("kind", "eps"), [(kind, eps) for kind, eps in ALL_MEMBERS if eps <= 1e-4])
@@ -135,13 +96,13 @@ def test_the_report(kind: str, eps: float) -> None:
 @pytest.mark.parametrize("eps", [1e-10, 1e-6, 1e-3])
 def test_no_solution_is_missing(kind: str, eps: float) -> None:
     """The solutions are as many as a multi-start Newton search on Pinocchio's model finds."""
-    is_complete(near(kind, eps), 3)
+    contract.is_complete(near(kind, eps), 2, 3)
 
 
 @pytest.mark.parametrize("name", MADE)
 def test_no_solution_of_rounded_and_calibrated_arms_is_missing(name: str) -> None:
     """The solutions are as many as a multi-start Newton search on Pinocchio's model finds."""
-    is_complete(made(name), 4)
+    contract.is_complete(made(name), 2, 4)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -180,24 +141,16 @@ def test_the_ideal_arms_columns(kind: str) -> None:
 @pytest.mark.parametrize(("kind", "eps"), [(kind, eps) for kind, eps in EVERY_OTHER if eps <= NEAR[kind]])
 def test_planted_near_singularities(kind: str, eps: float) -> None:
     """At 1e-1 to 1e-7 rad from any singularity at least 99 % of the planted ones are found, all are exact."""
-    holds_near_singularities(near(kind, eps), 15, 6)
+    contract.holds_near_most_singularities(near(kind, eps), 15, 6)
 
 
 @pytest.mark.parametrize("name", MADE)
 def test_planted_near_singularities_of_rounded_and_calibrated_arms(name: str) -> None:
     """At 1e-1 to 1e-7 rad from any singularity at least 99 % of the planted ones are found, all are exact."""
-    holds_near_singularities(made(name), 15, 7)
+    contract.holds_near_most_singularities(made(name), 15, 7)
 
 
 @pytest.mark.parametrize("name", MADE)
 def test_batch_equals_single(name: str) -> None:
     """A stack of poses gives what each pose gives, column by column, with any number of threads."""
-    case = made(name)
-    targets = case.oracle.poses(case.oracle.draw(np.random.default_rng(8), 80))
-    targets[7, :3, 3] += 100.0
-    batch = case.arm.ik(targets)
-    singles = [case.arm.ik(target) for target in targets]
-    np.testing.assert_array_equal(batch.q, [s.q for s in singles])
-    np.testing.assert_array_equal(batch.valid, [s.valid for s in singles])
-    np.testing.assert_array_equal(case.arm.ik(targets, threads=2).q, batch.q)
-    assert not batch.valid[7].any()
+    contract.batch_equals_single_but_for_one(made(name), 8)

@@ -72,9 +72,7 @@ def test_turns_are_all_images_once(case: list[tuple[float, tuple[float, float], 
 
 
 @given(joints, tolerances)
-def test_excess_is_the_least_over_all_images(
-    case: list[tuple[float, tuple[float, float], bool]], tol: float
-) -> None:
+def test_excess_is_the_least_over_all_images(case: list[tuple[float, tuple[float, float], bool]], tol: float) -> None:
     """The distance from the limits is that of the image that is least far out, with its side as the sign."""
     q = np.array([value for value, _, _ in case])
     bound, turning = np.array([b for _, b, _ in case]), np.array([t for _, _, t in case])

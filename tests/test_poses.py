@@ -71,9 +71,7 @@ def test_rpy_is_urdf_roll_pitch_yaw(rpy: tuple[float, float, float]) -> None:
     T = pose([1, 2, 3], rpy=rpy)
     np.testing.assert_allclose(T[:3, :3], pin.rpy.rpyToMatrix(*rpy), rtol=0, atol=EXACT)
     np.testing.assert_array_equal(pose([1, 2, 3], euler_zyx=rpy[::-1]), T)
-    np.testing.assert_allclose(
-        T[:3, :3], Rotation.from_euler("ZYX", rpy[::-1]).as_matrix(), rtol=0, atol=EXACT
-    )
+    np.testing.assert_allclose(T[:3, :3], Rotation.from_euler("ZYX", rpy[::-1]).as_matrix(), rtol=0, atol=EXACT)
     np.testing.assert_array_equal(T[:3, 3], [1, 2, 3])
     np.testing.assert_array_equal(T[3], [0, 0, 0, 1])
 
@@ -144,9 +142,7 @@ def test_quaternion_sign_is_fixed() -> None:
             T = pose(np.zeros(3), rotvec=angle * axis)
             np.testing.assert_allclose(to_quat_xyzw(T)[:3], expected, rtol=0, atol=EXACT)
             np.testing.assert_allclose(to_rotvec(T), np.pi * expected, rtol=0, atol=4 * EXACT)
-    np.testing.assert_allclose(
-        to_rotvec(pose(np.zeros(3), rotvec=[0, -np.pi, 0])), [0, np.pi, 0], rtol=0, atol=EXACT
-    )
+    np.testing.assert_allclose(to_rotvec(pose(np.zeros(3), rotvec=[0, -np.pi, 0])), [0, np.pi, 0], rtol=0, atol=EXACT)
 
 
 @given(directions, st.sampled_from([0.0, 1e-300, 1e-170, 1e-20, 1e-12, 1e-9, 1e-8, 1e-4]))

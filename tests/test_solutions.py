@@ -21,7 +21,6 @@ Array = NDArray[np.float64]
 PI = np.pi
 
 
-
 class Chain(namedtuple("Chain", "joint_types")):
     """What solutions ask of a chain."""
 

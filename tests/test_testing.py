@@ -107,9 +107,13 @@ def test_plugin_stands_beside_the_users_tests(pytester: pytest.Pytester) -> None
 def test_plugin_says_what_is_wrong_with_the_urdf(pytester: pytest.Pytester) -> None:
     """A file that is none fails one test, with the reader's message; an unsolved arm fails what it lacks."""
     pytester.path.joinpath("broken.urdf").write_text("<robot name='x'><link")
-    done = run(pytester, "--urdf", "broken.urdf")
+    done = run(pytester, "--urdf", "broken.urdf", "-rs")
     done.assert_outcomes(failed=1, skipped=len(PROPERTIES))
-    done.stdout.fnmatch_lines(["*broken.urdf:1*"])
+    done.stdout.fnmatch_lines(["*broken.urdf:1*", "*not run: broken.urdf cannot be read*'can be read' failed*"])
+    # Whatever is chosen, an arm that cannot be read is a failure.
+    chosen = run(pytester, "--urdf", "broken.urdf", "-k", "Jacobian or duplicates")
+    chosen.assert_outcomes(failed=1, skipped=1, deselected=len(PROPERTIES) - 1)
+    assert chosen.ret == pytest.ExitCode.TESTS_FAILED
     pytester.path.joinpath("unsolved.urdf").write_text(UNSOLVED)
     run(pytester, "--urdf", "unsolved.urdf", "--urdf-poses", "2").assert_outcomes(passed=8, failed=5, skipped=2)
     wrong = run(pytester, *["--urdf", "planar_2r"] * 3, *["--tip", "tool0"] * 2)

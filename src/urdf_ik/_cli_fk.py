@@ -2,21 +2,50 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdf_ik import _cli_io, _cli_views
+from urdf_ik._cli_arm import angles_of
+from urdf_ik._cli_options import Format
 from urdf_ik.poses import to_quat_xyzw, to_rpy
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from urdf_ik._cli_arm import ChosenArm
     from urdf_ik._cli_io import Angles
     from urdf_ik.arm import Arm
 
     Array = NDArray[np.float64]
+
+
+def run(
+    chosen: ChosenArm, typed: Sequence[str], file: str | None, degrees: bool, format: Format, output: Path | None
+) -> None:
+    """Write the poses for the joint vectors that were typed or that ``file`` holds.
+
+    Raises:
+        typer.BadParameter: there are none, or they do not fit the arm.
+        UrdfIkError: there is no such arm.
+    """
+    if bool(typed) == (file is not None):
+        raise _cli_io.usage("give joint vectors with --q or with --file, and not with both", "--q")
+    chosen.without_stdin(file, "--file")
+    arm = chosen.load()
+    angles = angles_of(arm, degrees)
+    if file is not None:
+        q = _cli_io.read_joint_vectors(file, "--file", arm.joint_names)
+    else:
+        q = np.array([_cli_io.numbers(text, "--q", arm.joint_names) for text in typed])
+    q = angles.typed(q)
+    if format is Format.TABLE:
+        _cli_io.write(as_text(arm, q, angles, to_file=output is not None), output)
+    else:
+        _cli_io.write(DATA[format](arm, q, angles), output)
 
 
 def as_json(arm: Arm, q: Array, angles: Angles) -> str:

@@ -62,7 +62,14 @@ Robot = Annotated[
 Base = Annotated[str | None, Option("--base", metavar="LINK", help="Base link; poses are given in its frame.")]
 Tip = Annotated[str | None, Option("--tip", metavar="LINK", help="Tip link, whose pose is meant.")]
 MeshRoot = Annotated[
-    list[Path] | None, Option("--mesh-root", metavar="DIR", help="Where meshes may be read from; repeatable.")
+    list[Path] | None,
+    Option(
+        "--mesh-root",
+        metavar="DIR",
+        exists=True,
+        file_okay=False,
+        help="Where meshes may be read from; repeatable.",
+    ),
 ]
 Degrees = Annotated[bool, Option("--degrees", help="Angles in degrees, in and out, instead of rad.")]
 Lock = Annotated[

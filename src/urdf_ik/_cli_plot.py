@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik import _cli_io, _cli_redundancy, _cli_targets, plot
+from urdf_ik import _cli_io, _cli_targets, plot
 from urdf_ik import workspace as rooms
 from urdf_ik._cli_options import Picture
 from urdf_ik._cli_progress import Progress
@@ -71,7 +71,7 @@ def run(arm: Arm, angles: Angles, what: Picture, asked: Asked, output: Path | No
 
 
 def _solutions(arm: Arm, angles: Angles, asked: Asked) -> IKSolutions:
-    target = _cli_redundancy.spread(arm, _cli_targets.target(arm, asked.target, angles), None, angles)
+    target = _cli_targets.target(arm, asked.target, angles)
     at = None if target.redundancy is None else float(target.redundancy[0])
     return arm.ik(target.poses[0], redundancy=at)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,11 +14,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik._cli_io import Angles
-    from urdf_ik._cli_targets import Target
     from urdf_ik.arm import Arm
 
 
-def locked(typed: Sequence[str]) -> dict[str, float]:
+def locked(typed: Sequence[str], option: str) -> dict[str, float]:
     """Joint names and values [rad or m] of ``NAME=VALUE``; a value with ``deg`` behind it is in degrees.
 
     Raises:
@@ -34,27 +32,8 @@ def locked(typed: Sequence[str]) -> dict[str, float]:
         except ValueError:
             name = ""
         if not name:
-            raise _cli_io.usage(f"{text!r} is no NAME=VALUE, such as joint_7=0.5 or joint_7=30deg", "--lock")
+            raise _cli_io.usage(f"{text!r} is no NAME=VALUE, such as joint_7=0.5 or joint_7=30deg", option)
     return out
-
-
-def spread(arm: Arm, target: Target, typed: str | None, angles: Angles) -> Target:
-    """``target`` with the values of the redundancy parameter: each pose at every value typed, else as it is.
-
-    Raises:
-        typer.BadParameter: values that are none, or an arm without such a parameter.
-    """
-    if typed is None:
-        return target
-    parameter = arm.redundancy
-    if parameter is None:
-        raise _cli_io.usage(f"this arm's {arm.dof} joints leave nothing free in a pose", "--redundancy")
-    values = _cli_io.numbers(typed, "--redundancy", ["value"] * len(typed.replace(",", " ").split()))
-    if not len(values):
-        raise _cli_io.usage(f"a value is needed, of the {parameter}", "--redundancy")
-    values = np.deg2rad(values) if angles.degrees and parameter.unit == "rad" else values
-    poses = np.repeat(target.poses, len(values), axis=0)
-    return replace(target, poses=poses, redundancy=np.tile(values, len(target.poses)))
 
 
 def own_values(arm: Arm, q: NDArray[np.float64]) -> NDArray[np.float64] | None:

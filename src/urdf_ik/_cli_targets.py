@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +13,7 @@ from urdf_ik import _cli_io, _cli_redundancy
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from urdf_ik._cli_arm import TypedPose
     from urdf_ik._cli_io import Angles
     from urdf_ik.arm import Arm
 
@@ -43,8 +44,7 @@ class Target:
 class Asked:
     """The target options as typed; None where one was not given."""
 
-    xyz: str | None
-    orientations: Mapping[str, str | None]
+    typed: TypedPose
     q: Sequence[str]
     poses: str | None
     random: int | None
@@ -57,9 +57,9 @@ def target(arm: Arm, asked: Asked, angles: Angles) -> Target:
     Raises:
         typer.BadParameter: options that exclude each other, or values that are no pose.
     """
-    oriented = [option for option, text in asked.orientations.items() if text is not None]
+    oriented = [option for option, text in asked.typed.orientations.items() if text is not None]
     given = {
-        "--xyz": asked.xyz is not None or bool(oriented),
+        "--xyz": asked.typed.xyz is not None or bool(oriented),
         "--q": bool(asked.q),
         "--poses": asked.poses is not None,
         "--random": asked.random is not None,
@@ -77,13 +77,32 @@ def target(arm: Arm, asked: Asked, angles: Angles) -> Target:
     if asked.random is not None:
         note = f"poses: {asked.random} of random joint vectors inside the limits, seed {asked.seed}"
         return _of_vectors(arm, _draws(arm, asked.random, asked.seed), note)
-    return _typed(asked, oriented, angles)
+    return _typed(asked.typed, oriented, angles)
 
 
-def _typed(asked: Asked, oriented: Sequence[str], angles: Angles) -> Target:
+def spread(arm: Arm, target: Target, typed: str | None, angles: Angles) -> Target:
+    """``target`` with the values of the redundancy parameter: each pose at every value typed, else as it is.
+
+    Raises:
+        typer.BadParameter: values that are none, or an arm without such a parameter.
+    """
+    if typed is None:
+        return target
+    parameter = arm.redundancy
+    if parameter is None:
+        raise _cli_io.usage(f"this arm's {arm.dof} joints leave nothing free in a pose", "--redundancy")
+    values = _cli_io.numbers(typed, "--redundancy", ["value"] * len(typed.replace(",", " ").split()))
+    if not len(values):
+        raise _cli_io.usage(f"a value is needed, of the {parameter}", "--redundancy")
+    values = np.deg2rad(values) if angles.degrees and parameter.unit == "rad" else values
+    poses = np.repeat(target.poses, len(values), axis=0)
+    return replace(target, poses=poses, redundancy=np.tile(values, len(target.poses)))
+
+
+def _typed(typed: TypedPose, oriented: Sequence[str], angles: Angles) -> Target:
     from urdf_ik.poses import pose
 
-    if asked.xyz is None:
+    if typed.xyz is None:
         raise _cli_io.usage(f"{oriented[0]} needs a position with it: --xyz x,y,z", "--xyz")
     if len(oriented) != 1:
         raise _cli_io.usage(
@@ -92,8 +111,8 @@ def _typed(asked: Asked, oriented: Sequence[str], angles: Angles) -> Target:
             "--xyz",
         )
     option = oriented[0]
-    position = _cli_io.numbers(asked.xyz, "--xyz", ("x", "y", "z"))
-    values = _cli_io.numbers(str(asked.orientations[option]), option, ORIENTATIONS[option])
+    position = _cli_io.numbers(typed.xyz, "--xyz", ("x", "y", "z"))
+    values = _cli_io.numbers(str(typed.orientations[option]), option, ORIENTATIONS[option])
     if angles.degrees and not option.startswith("--quat"):
         values = np.deg2rad(values)
     T = pose(position, **{option.removeprefix("--").replace("-", "_"): values})

@@ -21,8 +21,15 @@ def run(arm: Arm, angles: Angles, output: Path | None, as_json: bool, options: d
 
     A map is made of any other arm, and wherever one of the ``options`` of ``workspace.compute``, or a file, asks for
     it; None stands for an option that was not given.
+
+    Raises:
+        typer.BadParameter: ``output`` is a folder, a device or a pipe.
+        WorkspaceError: options of which no map can be made, or a file that cannot be written.
     """
-    given = {name: value for name, value in options.items() if value not in (None, False)}
+    given = {name: value for name, value in options.items() if value is not None and value is not False}
+    if output is not None and output.exists() and not output.is_file():
+        # The map is written beside it and put in its place, which a device or a pipe would not survive.
+        raise _cli_io.usage(f"cannot write {output}: it is no regular file", "--output")
     if arm.dof == 2 and arm.plane is not None and not arm.chain.prismatic.any() and output is None and not given:
         region = rooms.planar(arm)
         _cli_io.write(_region_json(region) if as_json else _region_text(region, angles), None)

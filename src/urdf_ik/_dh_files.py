@@ -43,19 +43,19 @@ def read(path: str | os.PathLike[str], convention: str | None, degrees: bool) ->
     try:
         text = Path(path).read_text("utf-8-sig")
     except OSError as error:
-        raise DHError(f"cannot read {path}: {error.strerror}") from None
+        raise DHError(f"cannot be read: {error.strerror}") from None
     except UnicodeDecodeError:
-        raise DHError(f"{path} is no text; a table is CSV or JSON") from None
+        raise DHError("is no text; a table is CSV or JSON") from None
     parse = _from_json if text.lstrip().startswith(("{", "[")) else _from_csv
     whole, joints = parse(text)
     if unknown := [key for key in whole if key not in KEYS]:
-        raise DHError(f"{path}: unknown key {unknown[0]!r}; there are {', '.join(KEYS)}")
+        raise DHError(f"unknown key {unknown[0]!r}; there are {', '.join(KEYS)}")
     chosen = whole.get("convention") or convention
     if chosen is None:
-        raise DHError(f"{path} does not say its convention; add 'convention: standard' or 'modified', or name it")
+        raise DHError("the convention is not said; add 'convention: standard' or 'modified', or name it")
     unit = whole.get("angles", "deg" if degrees else "rad")
     if unit not in _UNITS:
-        raise DHError(f"{path}: angles in {unit!r}; there are rad and deg")
+        raise DHError(f"angles in {unit!r}; there are rad and deg")
     return {
         **_columns(joints),
         "convention": chosen,

@@ -347,6 +347,8 @@ class Arm:
                 f"{self.name}: {families.coupled.why_not(self.chain)}; joints that mimic others: "
                 f"{', '.join(map(str, self.chain.followers))}; independent: {', '.join(self.joint_names)}"
             )
+        if self.dof == 0:
+            return UnsupportedArm(f"{self.name}: no joint moves between {self.base!r} and {self.tip!r}")
         if is_redundant(self.chain) and self.dof <= 6:
             return UnsupportedArm(
                 f"{self.name}: joints repeat one another at every joint vector, so that a pose has a continuum of "
@@ -432,7 +434,8 @@ def load(
 
     if isinstance(source, str) and _is_name(source):
         entry = catalogue.resolve(source)
-        source, base, tip = entry.path, base or entry.base, tip or entry.tip
+        source = entry.path
+        base, tip = entry.base if base is None else base, entry.tip if tip is None else tip
         mesh_roots = (*mesh_roots, *entry.package_dirs)
     model = urdf.read(source, mesh_roots=mesh_roots)
     return Arm(model, Chain.from_urdf(model, base, tip).lock(locked or {}))

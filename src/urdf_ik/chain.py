@@ -144,8 +144,10 @@ class Chain:
         movable: list[Joint] = []
         H: list[NDArray[np.float64]] = []
         points: list[NDArray[np.float64]] = [np.zeros(3)]
-        frame = np.eye(4)
-        for joint, upwards in _steps(model, base, tip):
+        frame, link = np.eye(4), base
+        for joint in model.path_between(base, tip):
+            upwards = joint.child == link
+            link = joint.parent if upwards else joint.child
             if not upwards:
                 frame = frame @ joint.origin
             if joint.type != "fixed":
@@ -335,23 +337,6 @@ def _held_at(name: str, value: float) -> float:
     if not math.isfinite(held):
         raise JointVectorError(f"joint {name!r} cannot be locked at {value!r}; one finite number is needed, rad or m")
     return held
-
-
-def _steps(model: UrdfModel, base: str, tip: str) -> list[tuple[Joint, bool]]:
-    """Joints from ``base`` up to the common ancestor (marked True) and from there down to ``tip``."""
-    up, down = _to_root(model, base), _to_root(model, tip)
-    while up and down and up[-1].name == down[-1].name:
-        up.pop()
-        down.pop()
-    return [(joint, True) for joint in up] + [(joint, False) for joint in reversed(down)]
-
-
-def _to_root(model: UrdfModel, link: str) -> list[Joint]:
-    out = []
-    while (joint := model.parent_joint(link)) is not None:
-        out.append(joint)
-        link = joint.parent
-    return out
 
 
 def _require_supported(model: UrdfModel, joint: Joint) -> None:

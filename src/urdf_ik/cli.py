@@ -8,68 +8,18 @@ Everything heavy is imported inside the commands, so that ``--help`` and a misty
 
 from __future__ import annotations
 
-import os
 import sys
-from enum import IntEnum
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import typer
-from typer.core import TyperGroup
 
 from urdf_ik import _cli_options as options
-from urdf_ik import errors
-from urdf_ik._cli_options import Format, Picture, ReportFormat, Value
-
-if TYPE_CHECKING:
-    from urdf_ik._cli_io import Angles
-    from urdf_ik.arm import Arm
-    from urdf_ik.solutions import IKSolutions
-
-
-class Status(IntEnum):
-    """Exit status."""
-
-    DONE = 0
-    FAILED = 1
-    USAGE = 2
-    URDF = 3
-    UNSUPPORTED = 4
-    READER_GONE = 141  # as the shell reports a program that SIGPIPE ended
-
-
-def status_of(error: errors.UrdfIkError) -> Status:
-    """Exit status for an error of this package."""
-    if isinstance(error, errors.UrdfError | errors.ChainError):
-        return Status.URDF
-    return Status.UNSUPPORTED if isinstance(error, errors.UnsupportedArm) else Status.USAGE
-
-
-class _Commands(TyperGroup):
-    """Turns this package's errors into one message on stderr and an exit status."""
-
-    def invoke(self, ctx: Any) -> Any:
-        """Run the command."""
-        try:
-            return super().invoke(ctx)
-        except errors.UrdfIkError as error:
-            typer.echo(f"Error: {error}", err=True)
-            raise typer.Exit(status_of(error)) from None
-        except MemoryError:
-            typer.echo("Error: not enough memory for that many poses; give fewer at a time", err=True)
-            raise typer.Exit(Status.USAGE) from None
-        except OSError as error:
-            # Standard output cannot be written. Python would try again at exit and complain: let that go nowhere.
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-            if isinstance(error, BrokenPipeError):
-                raise typer.Exit(Status.READER_GONE) from None
-            typer.echo(f"Error: {error}", err=True)
-            raise typer.Exit(Status.USAGE) from None
-
+from urdf_ik._cli_arm import ChosenArm, TypedPose, angles_of, on_an_arm
+from urdf_ik._cli_errors import Commands, Status
+from urdf_ik._cli_options import Picture, ReportFormat, Value
 
 app = typer.Typer(
     name="urdf-ik",
-    cls=_Commands,
+    cls=Commands,
     help="Every inverse-kinematics solution of an arm given as URDF, each one checked against Pinocchio.",
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -96,21 +46,19 @@ def root(version: options.Version = False) -> None:
         "urdf-ik info panda --lock panda_joint3=30deg",
     )
 )
+@on_an_arm
 def info(
-    robot: options.Robot,
-    base: options.Base = None,
-    tip: options.Tip = None,
-    lock: options.Lock = None,
-    mesh_root: options.MeshRoot = None,
+    *,
+    chosen: ChosenArm,
     degrees: options.Degrees = False,
     format: options.TextFormat = ReportFormat.TABLE,
 ) -> None:
     """Print what is known of the arm."""
     from urdf_ik import _cli_info, _cli_io
 
-    arm = _arm(robot, base, tip, lock, mesh_root)
+    arm = chosen.load()
     write = _cli_info.as_json if format is ReportFormat.JSON else _cli_info.as_text
-    _cli_io.write(write(arm, _angles(arm, degrees)), None)
+    _cli_io.write(write(arm, angles_of(arm, degrees)), None)
 
 
 @app.command(
@@ -121,38 +69,21 @@ def info(
         "urdf-ik fk ur5 --q 0,-1,1,0,1,0 -f json | urdf-ik ik ur5 --poses -",
     )
 )
+@on_an_arm
 def fk(
-    robot: options.Robot,
+    *,
     q: options.Vectors = None,
     file: options.VectorFile = None,
-    base: options.Base = None,
-    tip: options.Tip = None,
-    lock: options.Lock = None,
-    mesh_root: options.MeshRoot = None,
+    chosen: ChosenArm,
     degrees: options.Degrees = False,
     format: options.DataFormat = None,
     output: options.Output = None,
 ) -> None:
     """Print the tip's pose."""
-    import numpy as np
+    from urdf_ik import _cli_fk
 
-    from urdf_ik import _cli_fk, _cli_io
-
-    chosen = options.format_for(format, output, terminal=options.is_terminal(sys.stdout))
-    if bool(q) == (file is not None):
-        raise _cli_io.usage("give joint vectors with --q or with --file, and not with both", "--q")
-    _one_stdin(robot, file, "--file")
-    arm = _arm(robot, base, tip, lock, mesh_root)
-    angles = _angles(arm, degrees)
-    if file is not None:
-        typed = _cli_io.read_joint_vectors(file, "--file", arm.joint_names)
-    else:
-        typed = np.array([_cli_io.numbers(text, "--q", arm.joint_names) for text in q or ()])
-    vectors = angles.typed(typed)
-    if chosen is Format.TABLE:
-        _cli_io.write(_cli_fk.as_text(arm, vectors, angles, to_file=output is not None), output)
-    else:
-        _cli_io.write(_cli_fk.DATA[chosen](arm, vectors, angles), output)
+    written = options.format_for(format, output, terminal=options.is_terminal(sys.stdout))
+    _cli_fk.run(chosen, q or (), file, degrees, written, output)
 
 
 @app.command(
@@ -170,13 +101,10 @@ def fk(
         "urdf-ik ik panda --xyz 0.4,0,0.3 --rpy 3.14,0,0 --redundancy 0,0.4,0.8",
     )
 )
+@on_an_arm
 def ik(
-    robot: options.Robot,
-    xyz: options.Position = None,
-    quat_xyzw: options.QuatXyzw = None,
-    quat_wxyz: options.QuatWxyz = None,
-    rpy: options.Rpy = None,
-    rotvec: options.Rotvec = None,
+    *,
+    typed: TypedPose,
     q: options.Planted = None,
     poses: options.PoseFile = None,
     random: options.Random = None,
@@ -187,53 +115,20 @@ def ik(
     collision_free: options.CollisionFree = False,
     nearest: options.Nearest = None,
     check: options.Checked = None,
-    base: options.Base = None,
-    tip: options.Tip = None,
-    lock: options.Lock = None,
-    mesh_root: options.MeshRoot = None,
+    chosen: ChosenArm,
     degrees: options.Degrees = False,
     format: options.DataFormat = None,
     output: options.Output = None,
 ) -> None:
     """Print every solution."""
-    from urdf_ik import _cli_answer, _cli_io, _cli_redundancy, _cli_targets, _cli_views
-    from urdf_ik._cli_progress import Progress
+    from urdf_ik import _cli_ik, _cli_targets
 
-    chosen = options.format_for(format, output, terminal=options.is_terminal(sys.stdout))
-    _one_stdin(robot, poses, "--poses")
-    arm = _arm(robot, base, tip, lock, mesh_root)
-    angles = _angles(arm, degrees)
-    orientations = {"--quat-xyzw": quat_xyzw, "--quat-wxyz": quat_wxyz, "--rpy": rpy, "--rotvec": rotvec}
-    asked = _cli_targets.Asked(xyz, orientations, q or (), poses, random, seed)
-    near = None if nearest is None else angles.typed(_cli_io.numbers(nearest, "--nearest", arm.joint_names))
-
-    def pick(solutions: IKSolutions) -> IKSolutions:
-        # In this order, since images of a solution neither change its collisions nor leave the limits.
-        solutions = solutions.within_limits() if within_limits else solutions
-        solutions = solutions.collision_free() if collision_free else solutions
-        solutions = solutions.turns() if turns else solutions
-        return solutions if near is None else solutions.nearest(near)
-
-    with Progress("checking solutions", "solving") as progress:
-        target = _cli_redundancy.spread(arm, _cli_targets.target(arm, asked, angles), redundancy, angles)
-        few = len(target.poses) <= _cli_views.SUMMARY_ABOVE
-        answer = _cli_answer.solve(
-            arm,
-            target.poses,
-            pick,
-            redundancy=target.redundancy,
-            errors=check is not False,
-            collisions=few if check is None else check,
-            tick=progress.tick,
-        )
-    if chosen is Format.TABLE:
-        _cli_io.write(_cli_views.answer_text(answer, angles, target.note, to_file=output is not None), output)
-    else:
-        _cli_io.write(_cli_answer.DATA[chosen](answer, angles), output)
-    if unsolved := int((answer.counts == 0).sum()):
-        if chosen is not Format.TABLE:
-            typer.echo(f"{unsolved} of {len(answer.counts)} poses have no solution", err=True)
-        raise typer.Exit(Status.FAILED)
+    written = options.format_for(format, output, terminal=options.is_terminal(sys.stdout))
+    chosen.without_stdin(poses, "--poses")
+    target = _cli_targets.Asked(typed, q or (), poses, random, seed)
+    asked = _cli_ik.Asked(target, redundancy, within_limits, collision_free, turns, nearest, check)
+    arm = chosen.load()
+    _cli_ik.run(arm, angles_of(arm, degrees), asked, written, output)
 
 
 @app.command(
@@ -249,16 +144,14 @@ def ik(
         "urdf-ik check my_arm.urdf --tip tool0 --no-collision --format json",
     )
 )
+@on_an_arm
 def check(
-    robot: options.Robot,
+    *,
     n: options.Count = 200,
     seed: options.Seed = 0,
     complete: options.Complete = False,
     collision: options.Collision = None,
-    base: options.Base = None,
-    tip: options.Tip = None,
-    lock: options.Lock = None,
-    mesh_root: options.MeshRoot = None,
+    chosen: ChosenArm,
     format: options.TextFormat = ReportFormat.TABLE,
 ) -> None:
     """Print the report of the cross-check, or of the comparison of two ways to all solutions."""
@@ -267,7 +160,7 @@ def check(
 
     if complete and collision is not None:
         raise _cli_io.usage("--complete compares solutions and nothing else", "--collision")
-    arm = _arm(robot, base, tip, lock, mesh_root)
+    arm = chosen.load()
     report: crosscheck.Report | completeness.Completeness
     if complete:
         with Progress("comparing poses", "solving in two ways") as progress:
@@ -307,8 +200,10 @@ def compare(
     from urdf_ik import _cli_compare, _cli_io, comparison
     from urdf_ik._cli_progress import Progress
 
-    _one_stdin(a, b, "B")
-    arms = _arm(a, base_a, tip_a, lock_a, None), _arm(b, base_b, tip_b, lock_b, None)
+    first = ChosenArm(a, base_a, tip_a, lock_a, lock_option="--lock-a")
+    second = ChosenArm(b, base_b, tip_b, lock_b, lock_option="--lock-b")
+    first.without_stdin(b, "B")
+    arms = first.load(), second.load()
     with Progress("comparing", "solving") as progress:
         found = comparison.compare(*arms, n=n, seed=seed, progress=progress.tick)
     _cli_io.write(found.to_json() if format is ReportFormat.JSON else _cli_compare.as_text(found), None)
@@ -336,7 +231,7 @@ def dh(
     """Print or write the table, or the URDF."""
     from urdf_ik import _cli_dh
 
-    _cli_dh.run(file, lambda: _arm(file, base, tip, None, None), (base, tip), convention, snap, degrees, format, output)
+    _cli_dh.run(ChosenArm(file, base, tip), convention, snap, degrees, format, output)
 
 
 @app.command(
@@ -348,8 +243,9 @@ def dh(
         "urdf-ik workspace zyyzyz_6r --voxel 0.2 --orientations 50 -o map.npz",
     )
 )
+@on_an_arm
 def workspace(
-    robot: options.Robot,
+    *,
     voxel: options.Voxel = None,
     orientations: options.Orientations = None,
     bounds: options.Bounds = None,
@@ -357,10 +253,7 @@ def workspace(
     manipulability: options.Manipulability = False,
     margin: options.Margin = False,
     threads: options.Threads = 1,
-    base: options.Base = None,
-    tip: options.Tip = None,
-    lock: options.Lock = None,
-    mesh_root: options.MeshRoot = None,
+    chosen: ChosenArm,
     degrees: options.Degrees = False,
     format: options.TextFormat = ReportFormat.TABLE,
     output: options.MapFile = None,
@@ -368,12 +261,12 @@ def workspace(
     """Print the region, or the map's sums, and save the map."""
     from urdf_ik import _cli_io, _cli_workspace
 
-    arm = _arm(robot, base, tip, lock, mesh_root)
+    arm = chosen.load()
     corners = ("x0", "y0", "z0", "x1", "y1", "z1")
     box = None if bounds is None else _cli_io.numbers(bounds, "--bounds", corners).reshape(2, 3).tolist()
     given = {"voxel": voxel, "orientations": orientations, "bounds": box, "collision_free": collision_free}
     given |= {"manipulability": manipulability, "margin": margin, "threads": None if threads == 1 else threads}
-    _cli_workspace.run(arm, _angles(arm, degrees), output, format is ReportFormat.JSON, given)
+    _cli_workspace.run(arm, angles_of(arm, degrees), output, format is ReportFormat.JSON, given)
 
 
 @app.command(
@@ -388,34 +281,29 @@ def workspace(
         "urdf-ik plot planar_2r sliders -o sliders.png",
     )
 )
+@on_an_arm
 def plot(
-    robot: options.Robot,
+    *,
     what: options.What = Picture.ARM,
     q: options.At = None,
-    xyz: options.Position = None,
-    quat_xyzw: options.QuatXyzw = None,
-    rpy: options.Rpy = None,
+    typed: TypedPose,
     seed: options.Seed = 0,
     shapes: options.Shapes = False,
     map: options.Map = None,
     axis: options.Across = "z",
     at: options.Layer = 0.0,
     show: options.Shown = Value.REACH,
-    base: options.Base = None,
-    tip: options.Tip = None,
-    lock: options.Lock = None,
-    mesh_root: options.MeshRoot = None,
+    chosen: ChosenArm,
     degrees: options.Degrees = False,
     output: options.PictureFile = None,
 ) -> None:
     """Write a picture, or open a window."""
     from urdf_ik import _cli_plot, _cli_targets
 
-    arm = _arm(robot, base, tip, lock, mesh_root)
-    oriented = {"--quat-xyzw": quat_xyzw, "--rpy": rpy}
-    target = _cli_targets.Asked(xyz, oriented, () if q is None else (q,), None, None, seed)
+    arm = chosen.load()
+    target = _cli_targets.Asked(typed, () if q is None else (q,), None, None, seed)
     asked = _cli_plot.Asked(target, shapes, map, axis, at, show.value)
-    _cli_plot.run(arm, _angles(arm, degrees), what, asked, output)
+    _cli_plot.run(arm, angles_of(arm, degrees), what, asked, output)
 
 
 @app.command(
@@ -426,12 +314,10 @@ def plot(
         "urdf-ik view panda -o panda.html",
     )
 )
+@on_an_arm
 def view(
-    robot: options.Robot,
-    base: options.Base = None,
-    tip: options.Tip = None,
-    lock: options.Lock = None,
-    mesh_root: options.MeshRoot = None,
+    *,
+    chosen: ChosenArm,
     host: options.Host = "127.0.0.1",
     port: options.Port = None,
     output: options.Page = None,
@@ -439,7 +325,7 @@ def view(
     """Serve the page."""
     from urdf_ik import _cli_view
 
-    _cli_view.run(_arm(robot, base, tip, lock, mesh_root), host, port, mesh_root, output)
+    _cli_view.run(chosen.load(), host, port, chosen.mesh_root, output)
 
 
 def main() -> None:
@@ -447,31 +333,7 @@ def main() -> None:
     try:
         app()
     except KeyboardInterrupt:
-        sys.exit(130)
-
-
-def _arm(robot: str, base: str | None, tip: str | None, lock: list[str] | None, mesh_roots: list[Path] | None) -> Arm:
-    import urdf_ik
-    from urdf_ik import _cli_redundancy
-
-    if robot == "-" and sys.stdin is None:
-        raise typer.BadParameter("standard input is closed", param_hint="ROBOT")
-    locked = _cli_redundancy.locked(lock or ())
-    source = sys.stdin.buffer if robot == "-" else robot
-    return urdf_ik.load(source, base=base, tip=tip, locked=locked, mesh_roots=mesh_roots or ())
-
-
-def _angles(arm: Arm, degrees: bool) -> Angles:
-    import numpy as np
-
-    from urdf_ik._cli_io import Angles
-
-    return Angles(degrees, np.array([kind != "prismatic" for kind in arm.chain.joint_types]))
-
-
-def _one_stdin(robot: str, source: str | None, option: str) -> None:
-    if robot == "-" and source == "-":
-        raise typer.BadParameter("the robot is read from standard input already", param_hint=option)
+        sys.exit(Status.INTERRUPTED)
 
 
 if __name__ == "__main__":

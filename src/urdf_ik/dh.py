@@ -141,9 +141,12 @@ class DHTable:
             degrees: whether the angles of a file that does not say its unit are in degrees instead of rad.
 
         Raises:
-            DHError: the file cannot be read or holds no table; the error names row, column and value.
+            DHError: the file cannot be read or holds no table; the error names file, row, column and value.
         """
-        return cls.from_array(**_dh_files.read(path, convention, degrees))
+        try:
+            return cls.from_array(**_dh_files.read(path, convention, degrees))
+        except DHError as error:
+            raise DHError(error.problem, row=error.row, column=error.column, source=str(path)) from None
 
     @classmethod
     def from_chain(

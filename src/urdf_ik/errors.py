@@ -60,12 +60,17 @@ class JointVectorError(UrdfIkError, ValueError):
 
 
 class DHError(UrdfIkError, ValueError):
-    """A Denavit-Hartenberg table that is none; ``row`` counts from 1, ``column`` is its name, where there is one."""
+    """A Denavit-Hartenberg table that is none; ``row`` counts from 1, ``column`` is its name, where there is one.
 
-    def __init__(self, problem: str, *, row: int | None = None, column: str | None = None) -> None:
-        self.row, self.column = row, column
+    ``source`` is the file that it was read from; None for a table that came from no file.
+    """
+
+    def __init__(
+        self, problem: str, *, row: int | None = None, column: str | None = None, source: str | None = None
+    ) -> None:
+        self.problem, self.row, self.column, self.source = problem, row, column, source
         where = ", ".join([f"row {row}"] * (row is not None) + [f"column {column!r}"] * (column is not None))
-        super().__init__(f"{where}: {problem}" if where else problem)
+        super().__init__(": ".join(part for part in (source, where, problem) if part))
 
 
 class VelocityError(UrdfIkError, ValueError):

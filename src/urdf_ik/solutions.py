@@ -5,56 +5,24 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import IntFlag
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from urdf_ik import _solutions_text as text
 from urdf_ik import limits, select
-from urdf_ik.errors import JointVectorError, UrdfIkError
+from urdf_ik.errors import UrdfIkError
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from urdf_ik.chain import Chain
+    from urdf_ik._solved_arm import SolvedArm
     from urdf_ik.collision import CollisionModel
-    from urdf_ik.redundancy import Redundancy
 
     Array = NDArray[np.float64]
     Columns = NDArray[np.intp]
 
 _Number = TypeVar("_Number", bound=np.generic)
-
-
-class SolvedArm(Protocol):
-    """What solutions ask of the arm that they belong to."""
-
-    @property
-    def name(self) -> str:
-        """The robot's name."""
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        """Movable joints, base to tip."""
-
-    @property
-    def limits(self) -> Array:
-        """(n, 2) rad or m."""
-
-    @property
-    def collision_model(self) -> CollisionModel:
-        """What ``collision_free`` asks."""
-
-    @property
-    def chain(self) -> Chain:
-        """The joints and their types."""
-
-    @property
-    def redundancy(self) -> Redundancy | None:
-        """The parameter of an arm with seven joints."""
-
-    def explain(self, T: Any, redundancy: float | None = None) -> str:
-        """Why a pose has no solution."""
 
 
 class Singular(IntFlag):
@@ -338,16 +306,8 @@ class IKSolutions:
         Raises:
             JointVectorError: ``q_ref`` or ``weights`` do not fit the arm, or are not finite.
         """
-        reference = _joint_vector(q_ref, "q_ref", self.arm.joint_names)
-        factors = None if weights is None else _joint_vector(weights, "weights", self.arm.joint_names)
-        if factors is not None and (factors.ndim != 1 or (factors < 0.0).any()):
-            raise JointVectorError(f"weights are {weights!r}; one number a joint is needed, zero or positive")
-        try:
-            np.broadcast_to(reference, (*self.shape, reference.shape[-1]))
-        except ValueError:
-            raise JointVectorError(
-                f"q_ref has the shape {reference.shape} and the poses {self.shape}: one joint vector, or one a pose"
-            ) from None
+        reference = select.reference(q_ref, self.arm.joint_names, self.shape)
+        factors = None if weights is None else select.factors(weights, self.arm.joint_names)
         if not 1 <= n <= self._q.shape[-2]:
             raise UrdfIkError(f"the {n} nearest of {self._q.shape[-2]} columns asked for")
         round_for_ever = np.isinf(self.arm.limits).any(axis=1)
@@ -437,19 +397,4 @@ class IKSolutions:
 def _frozen(array: NDArray[_Number]) -> NDArray[_Number]:
     """``array``, read-only: a view or a fresh array, never one that somebody else writes to."""
     array.setflags(write=False)
-    return array
-
-
-def _joint_vector(value: ArrayLike, what: str, names: tuple[str, ...]) -> Array:
-    """``value`` as (..., n) finite float64."""
-    try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise JointVectorError(f"{what} must be an array of numbers (..., {len(names)}): {error}") from None
-    if array.shape[-1:] != (len(names),):
-        raise JointVectorError(
-            f"{what} has the shape {array.shape}; the arm has {len(names)} joints: {', '.join(names)}"
-        )
-    if not np.isfinite(array).all():
-        raise JointVectorError(f"{what} is {value!r}; finite numbers are needed")
     return array

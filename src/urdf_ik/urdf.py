@@ -114,22 +114,17 @@ class UrdfModel:
         return self._hanging.get(link, ())
 
     def path_between(self, base: str, tip: str) -> tuple[Joint, ...]:
-        """The joints from ``base`` down to ``tip``, which must lie below it.
+        """The joints from ``base`` to ``tip``: up to the link that both hang below, and down from there.
 
         Raises:
-            ChainError: there is no such link, or ``tip`` does not lie below ``base``.
+            ChainError: there is no such link.
         """
-        self._require(base, "base")
-        joints: list[Joint] = []
-        link = tip
-        while link != base:
-            joint = self.parent_joint(link)
-            if joint is None:
-                below = [each for each in self._below(base) if each != base]
-                raise ChainError(f"{self.source}: link {tip!r} does not lie below {base!r}", below)
-            joints.append(joint)
-            link = joint.parent
-        return tuple(reversed(joints))
+        up = self._up_from(self._require(base, "base"))
+        down = self._up_from(self._require(tip, "tip"))
+        while up and down and up[-1] is down[-1]:
+            up.pop()
+            down.pop()
+        return (*up, *reversed(down))
 
     def default_chain(self) -> tuple[str, str]:
         """Base and tip of the only movable chain: from the root to the leaf that its last joint carries.
@@ -169,6 +164,14 @@ class UrdfModel:
         hint = f"; did you mean {' or '.join(map(repr, close))}?" if close else ""
         what = "link" if role == "link" else f"{role} link"
         raise ChainError(f"{self.source}: there is no {what} {link!r}{hint}", dict.fromkeys([*close, *self.links]))
+
+    def _up_from(self, link: str) -> list[Joint]:
+        """The joints from ``link`` to the root."""
+        joints = []
+        while (joint := self._carrier.get(link)) is not None:
+            joints.append(joint)
+            link = joint.parent
+        return joints
 
     def _below(self, base: str) -> dict[str, int]:
         """``base`` and the links below it, with the number of joints down to each."""

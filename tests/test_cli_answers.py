@@ -1,0 +1,173 @@
+"""What urdf-ik ik answers: the same solutions in every format and notation, and what filters keep."""
+
+from __future__ import annotations
+
+import csv
+import io
+import subprocess
+import sys
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from arms import industrial
+from command import ARM, TYPED, Q, call, comma, oracle, strict_json, succeed, target, vectors
+from oracle import angle_distance
+
+from urdf_ik import catalogue
+
+
+def test_the_example_shows_all_eight_solutions() -> None:
+    """``urdf-ik ik zyyzyz_6r``, the job of ``make run``: eight named branches with limits, collision and error."""
+    text = succeed("ik", ARM)
+    assert "8 solutions" in text
+    for word in ("front", "back", "up", "down", "noflip", "flip", "in limits", "collision", "singular", "error [m]"):
+        assert word in text
+    data = strict_json(succeed("ik", ARM, "-f", "json"))["poses"][0]
+    assert len({one["branch"] for one in data["solutions"]}) == 8
+    assert all(one["within_limits"] in (True, False) for one in data["solutions"])
+
+
+def test_solutions_and_errors_are_pinocchios() -> None:
+    """Every solution in the data reaches the pose under Pinocchio, and the error printed is the one it measures."""
+    pose = strict_json(succeed("ik", ARM, "--q", TYPED, "-f", "json"))["poses"][0]
+    assert np.abs(np.array(pose["pose"]) - target()).max() < 1e-12
+    for one in pose["solutions"]:
+        error = oracle().error(np.array(one["q"]), target())
+        assert error < 1e-9
+        assert abs(max(one["error"]["position"], one["error"]["rotation"]) - error) < 1e-14
+    assert angle_distance(np.array([one["q"] for one in pose["solutions"]]), np.array(Q)).min() < 1e-9
+
+
+def test_formats_hold_the_same_solutions() -> None:
+    """JSON, CSV and npz of the same poses hold the same joint vectors, branches, flags and errors, to the last bit."""
+    args = ("ik", ARM, "--random", "5", "--check")
+    data = strict_json(succeed(*args, "-f", "json"))
+    flat = [(i, one) for i, pose in enumerate(data["poses"]) for one in pose["solutions"]]
+    rows = list(csv.DictReader(io.StringIO(succeed(*args, "-f", "csv"))))
+    raw = call(*args, "-f", "npz").stdout_bytes
+    with np.load(io.BytesIO(raw), allow_pickle=False) as arrays:
+        valid = arrays["valid"]
+        assert arrays["poses"].tolist() == [pose["pose"] for pose in data["poses"]]
+        assert arrays["q"][valid].tolist() == [one["q"] for _, one in flat]
+        assert arrays["branches"][valid].tolist() == [one["branch"] for _, one in flat]
+        assert arrays["within_limits"][valid].tolist() == [one["within_limits"] for _, one in flat]
+        assert arrays["collision_free"][valid].tolist() == [one["collision_free"] for _, one in flat]
+        assert arrays["position_error"][valid].tolist() == [one["error"]["position"] for _, one in flat]
+        assert np.isnan(arrays["q"][~valid]).all()
+    assert len(rows) == len(flat)
+    for row, (i, one) in zip(rows, flat, strict=True):
+        assert (int(row["pose"]), row["branch"]) == (i, one["branch"])
+        assert [float(row[name]) for name in data["joints"]] == one["q"]
+        assert bool(int(row["within_limits"])) == one["within_limits"]
+        assert bool(int(row["collision_free"])) == one["collision_free"]
+        assert float(row["rotation_error"]) == one["error"]["rotation"]
+
+
+def test_numpy_reads_the_csv() -> None:
+    """The numbers come first in the CSV, so that NumPy reads them without knowing of the quoted branch names."""
+    text = succeed("ik", ARM, "--q", TYPED, "-f", "csv")
+    numbers = np.loadtxt(io.StringIO(text), delimiter=",", skiprows=1, usecols=range(1, 7), quotechar='"')
+    assert numbers.tolist() == vectors(succeed("ik", ARM, "--q", TYPED, "-f", "json")).tolist()
+
+
+def test_orientations_in_any_notation_are_the_same_pose() -> None:
+    """A pose typed with either quaternion, roll-pitch-yaw or a rotation vector, in rad or degrees, is the same pose."""
+    T = target()
+    quat = pin.Quaternion(T[:3, :3]).coeffs()
+    notations = {
+        "--quat-xyzw": quat,
+        "--quat-wxyz": quat[[3, 0, 1, 2]],
+        "--rpy": pin.rpy.matrixToRpy(T[:3, :3]),
+        "--rotvec": pin.log3(T[:3, :3]),
+    }
+    for option, values in notations.items():
+        for degrees in (False, True):
+            shown = np.rad2deg(values) if degrees and len(values) == 3 else values
+            more = ("--degrees",) if degrees else ()
+            text = succeed("ik", ARM, "--xyz", comma(T[:3, 3]), option, comma(shown), "-f", "json", *more)
+            assert np.abs(np.array(strict_json(text)["poses"][0]["pose"]) - T).max() < 1e-12, option
+
+
+def test_degrees_are_the_same_answers() -> None:
+    """--degrees turns every angle, in and out, and changes nothing else."""
+    radians = strict_json(succeed("ik", ARM, "--q", TYPED, "-f", "json"))
+    degrees = strict_json(succeed("ik", ARM, "--q", comma(np.rad2deg(Q)), "--degrees", "-f", "json"))
+    assert (radians["units"]["angle"], degrees["units"]["angle"]) == ("rad", "deg")
+    for one, other in zip(radians["poses"][0]["solutions"], degrees["poses"][0]["solutions"], strict=True):
+        assert one["branch"] == other["branch"]
+        assert np.abs(np.deg2rad(other["q"]) - one["q"]).max() < 1e-12
+    nearest = succeed("ik", ARM, "--q", TYPED, "--nearest", TYPED, "-f", "csv")
+    again = succeed("ik", ARM, "--q", comma(np.rad2deg(Q)), "--nearest", comma(np.rad2deg(Q)), "--degrees", "-f", "csv")
+    assert nearest.rpartition(",,")[2] == again.rpartition(",,")[2]
+    fk = [succeed("fk", ARM, "--q", TYPED), succeed("fk", ARM, "--q", comma(np.rad2deg(Q)), "--degrees")]
+    assert fk[0].splitlines()[:-1] == fk[1].splitlines()[:-1]
+    limits = [strict_json(succeed("info", ARM, "-f", "json", *more))["joints"] for more in ((), ("--degrees",))]
+    for one, other in zip(*limits, strict=True):
+        assert other["upper"] == pytest.approx(np.rad2deg(one["upper"]))
+
+
+def test_filters_keep_what_they_say() -> None:
+    """The limits, collision and nearest filters keep exactly the solutions that the unfiltered data say they should."""
+    args = ("ik", ARM, "--random", "20", "--seed", "3", "-f", "json")
+
+    def kept(*more: str) -> list[list[Any]]:
+        return [pose["solutions"] for pose in strict_json(call(*args, *more).stdout)["poses"]]
+
+    everything = kept()
+    free = kept("--collision-free")
+    assert free == [[one for one in pose if one["collision_free"]] for pose in everything]
+    assert free != everything
+    inside = kept("--within-limits")
+    assert inside == [[one for one in pose if one["within_limits"]] for pose in everything]
+    assert inside != everything
+    nearest = kept("--nearest", TYPED)
+    for pose, chosen in zip(everything, nearest, strict=True):
+        distance = [np.linalg.norm((np.array(one["q"]) - Q + np.pi) % (2 * np.pi) - np.pi) for one in pose]
+        assert chosen == [pose[int(np.argmin(distance))]]
+
+
+def test_turns_add_images_inside_the_limits() -> None:
+    """--turns gives every image inside the limits, of which a UR's joints have two each: as many as counted by hand."""
+    args = ("ik", "ur5", "--q", "0.1,-1,1,0.2,0.3,0.4", "--no-check", "-f", "json")
+    plain, turned = vectors(succeed(*args)), vectors(succeed(*args, "--turns"))
+    limits = strict_json(succeed("info", "ur5", "-f", "json"))["joints"]
+    images = plain[..., None] + 2.0 * np.pi * np.arange(-2, 3)
+    inside = [(images[:, i] >= one["lower"]) & (images[:, i] <= one["upper"]) for i, one in enumerate(limits)]
+    assert len(turned) == np.prod(np.sum(inside, axis=-1), axis=0).sum() > 8 * len(plain)
+    assert len(np.unique(turned.round(6), axis=0)) == len(turned)
+    assert all(angle_distance(plain, q).min() < 1e-9 for q in turned)
+
+
+def test_random_poses_follow_the_seed() -> None:
+    """The same seed gives the same output, another seed another."""
+    outputs = [succeed("ik", ARM, "--random", "3", "--seed", seed, "-f", "csv") for seed in ("1", "1", "2")]
+    assert outputs[0] == outputs[1] != outputs[2]
+
+
+def test_no_check_leaves_pinocchio_out() -> None:
+    """With --no-check neither Pinocchio nor coal is brought in, and neither errors nor collisions are claimed."""
+    code = "import sys; from urdf_ik.cli import app; app(sys.argv[1:], standalone_mode=False); print(*sys.modules)"
+    command = [sys.executable, "-c", code, "ik", ARM, "--no-check", "-f", "csv"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+    header, *_, modules = done.stdout.splitlines()
+    assert not {"pinocchio", "coal"} & set(modules.split())
+    assert "error" not in header
+    assert "collision" not in header
+
+
+def test_urdf_from_standard_input() -> None:
+    """``-`` reads the URDF from stdin, with the same result as its file."""
+    path = catalogue.resolve(ARM).path
+    piped = strict_json(succeed("info", "-", "-f", "json", given=path.read_bytes()))
+    named = strict_json(succeed("info", str(path), "-f", "json"))
+    assert {**piped, "source": ""} == {**named, "source": ""}
+
+
+def test_arm_without_collision_shapes_is_solved_and_says_so() -> None:
+    """Where there is nothing to check for collision, solutions come all the same, and none is called free."""
+    text = succeed("ik", "-", "--base", "base", "--tip", "tool", given=industrial().urdf)
+    assert "self-collision was not checked" in text
+    assert "free" not in text
+    assert "error [m]" in text

@@ -1,0 +1,101 @@
+"""Files that the urdf-ik command reads: poses and joint vectors in every documented form."""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from command import ARM, TYPED, Q, call, comma, oracle, strict_json, succeed
+from numpy.typing import NDArray
+from oracle import angle_distance
+
+Array = NDArray[np.float64]
+
+
+@pytest.mark.parametrize("format", ["json", "csv", "npz"])
+def test_fk_feeds_ik(format: str) -> None:
+    """The output of fk in every data format is input for ``ik --poses -``, which finds the joint vector again."""
+    poses = call("fk", ARM, "--q", TYPED, "--q", comma(np.array(Q) / 2), "-f", format).stdout_bytes
+    answer = strict_json(succeed("ik", ARM, "--poses", "-", "-f", "json", given=poses))["poses"]
+    for k, pose in enumerate(answer):
+        found = np.array([one["q"] for one in pose["solutions"]])
+        assert angle_distance(found, np.array(Q) / (k + 1)).min() < 1e-9
+
+
+def _text(rows: Array, separator: str = ",") -> bytes:
+    return "\n".join(separator.join(map(repr, row)) for row in rows.tolist()).encode() + b"\n"
+
+
+def _npy(array: Array) -> bytes:
+    out = io.BytesIO()
+    np.save(out, array)
+    return out.getvalue()
+
+
+def _npz(**arrays: Array) -> bytes:
+    out = io.BytesIO()
+    np.savez(out, **arrays)
+    return out.getvalue()
+
+
+POSE_FILES: dict[str, Callable[[Array, Array], bytes]] = {
+    "npy (4, 4)": lambda T, _: _npy(T[0]),
+    "npy (N, 4, 4)": lambda T, _: _npy(T),
+    "npy (N, 16)": lambda T, _: _npy(T.reshape(-1, 16)),
+    "npy (N, 7)": lambda _, p: _npy(p),
+    "npz poses": lambda T, p: _npz(poses=T, other=p[0]),
+    "npz T": lambda T, p: _npz(T=T, other=p[0]),
+    "npz the only one": lambda _, p: _npz(anything=p),
+    "json (4, 4)": lambda T, _: json.dumps(T[0].tolist()).encode(),
+    "json (N, 7)": lambda _, p: json.dumps(p.tolist()).encode(),
+    "json object": lambda T, _: json.dumps({"poses": T.tolist()}).encode(),
+    "json objects": lambda T, _: json.dumps([{"pose": x} for x in T.tolist()]).encode(),
+    "csv 16": lambda T, _: _text(T.reshape(-1, 16)),
+    "csv 7": lambda _, p: _text(p),
+    "csv 7, header in another order": lambda _, p: (
+        b"# made by hand\nqw,qx,qy,qz,x,y,z,name\n"
+        + b"\n".join(row + b",tool" for row in _text(p[:, [6, 3, 4, 5, 0, 1, 2]]).split())
+    ),
+    "semicolons, byte order mark": lambda _, p: b"\xef\xbb\xbf" + _text(p, ";"),
+    "blanks": lambda T, _: _text(T.reshape(-1, 16), "  "),
+}
+
+
+@pytest.mark.parametrize("kind", POSE_FILES)
+@pytest.mark.parametrize("stdin", [True, False])
+def test_poses_are_read_in_every_documented_form(kind: str, stdin: bool, tmp_path: Path) -> None:
+    """The same poses, as matrices or with quaternions, in any format, from a file or stdin, are read as the same."""
+    poses = oracle().poses(np.array([Q, np.array(Q) / 2, np.zeros(6)]))
+    single = "(4, 4)" in kind and "N" not in kind
+    quats = np.array([pin.SE3ToXYZQUAT(pin.SE3(pose)) for pose in poses])
+    content = POSE_FILES[kind](poses, quats)
+    file = tmp_path / "poses.data"
+    file.write_bytes(content)
+    source = ("-", content) if stdin else (str(file), None)
+    text = succeed("ik", ARM, "--no-check", "--poses", source[0], "-f", "json", given=source[1])
+    got = np.array([pose["pose"] for pose in strict_json(text)["poses"]])
+    assert np.abs(got - (poses[:1] if single else poses)).max() < 1e-12
+
+
+def test_joint_vectors_are_read_in_every_documented_form(tmp_path: Path) -> None:
+    """npy, npz, JSON and CSV, with and without a header, give Pinocchio's poses."""
+    q = np.random.default_rng(1).uniform(-1.0, 1.0, (3, 6))
+    names = [f"joint_{i}" for i in range(6, 0, -1)]
+    contents = [
+        _npy(q),
+        _npz(q=q, other=q[0]),
+        json.dumps(q.tolist()).encode(),
+        json.dumps({"q": q.tolist()}).encode(),
+        _text(q),
+        ",".join(names).encode() + b"\n" + _text(q[:, ::-1]),
+    ]
+    for content in contents:
+        file = tmp_path / "vectors"
+        file.write_bytes(content)
+        poses = strict_json(succeed("fk", ARM, "--file", str(file), "-f", "json"))["poses"]
+        assert np.abs(np.array([pose["pose"] for pose in poses]) - oracle().poses(q)).max() < 1e-12

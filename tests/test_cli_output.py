@@ -1,0 +1,167 @@
+"""Where the urdf-ik command writes, and how it looks there: tables, files, terminals, pipes, a full disk."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import typer
+from command import ARM, TWO_JOINTS, TYPED, start, strict_json, succeed
+
+from urdf_ik._cli_options import Format, format_for
+
+
+def test_many_poses_are_summed_up_from_the_data() -> None:
+    """Over 20 poses the table is a summary, whose counts are those of the data."""
+    text = succeed("ik", ARM, "--random", "30")
+    poses = strict_json(succeed("ik", ARM, "--random", "30", "-f", "json"))["poses"]
+    assert f"30 poses, 30 solved, 0 without a solution, {sum(pose['count'] for pose in poses)} solutions" in text
+    histogram = [line.split()[:2] for line in text.splitlines() if line.endswith("#")]
+    counts = [pose["count"] for pose in poses]
+    assert histogram == [[str(c), str(counts.count(c))] for c in sorted(set(counts))]
+    worst = max(one["error"]["position"] for pose in poses for one in pose["solutions"])
+    assert f"{worst:.1e} m" in text
+
+
+@pytest.mark.parametrize("width", [80, 120])
+@pytest.mark.parametrize(
+    "args", [("info", ARM), ("info", "ur5"), ("ik", ARM), ("ik", "ur5"), ("fk", ARM, "--q", TYPED)]
+)
+def test_tables_fit_the_width_in_plain_text(width: int, args: tuple[str, ...]) -> None:
+    """Where nobody watches, tables are ASCII without colour, and fit the width without cutting anything off."""
+    text = succeed(*args, COLUMNS=str(width))
+    assert text.isascii()
+    assert "\x1b" not in text
+    paths = [line for line in text.splitlines() if os.sep in line]
+    assert all(len(line) <= width for line in text.splitlines() if line not in paths)
+    assert text.endswith("\n")
+
+
+def test_info_tells_the_structure() -> None:
+    """The bundled arm's axes z y y z y z, its parallel pair, its wrist and its eight branches, in table and JSON."""
+    data = strict_json(succeed("info", ARM, "-f", "json"))
+    assert [np.round(joint["axis"]).astype(int).tolist().index(1) for joint in data["joints"]] == [2, 1, 1, 2, 1, 2]
+    assert [pair["relation"] for pair in data["structure"]["pairs"]].count("parallel") == 1
+    assert {"axes": [4, 5, 6], "relation": "meet"}.items() <= data["structure"]["triples"][0].items()
+    assert data["solver"]["max_solutions"] == len(data["solver"]["branches"]) == 8
+    text = succeed("info", ARM)
+    for word in (*(joint["name"] for joint in data["joints"]), data["solver"]["family"], *data["solver"]["branches"]):
+        assert word in text
+
+
+def test_info_tells_what_is_known_of_an_arm_that_cannot_be_solved() -> None:
+    """Status 0 for any arm that can be read; it says that no solver takes it, and writes a missing limit as null."""
+    data = strict_json(succeed("info", "-", "-f", "json", given=TWO_JOINTS))
+    assert data["solver"]["supported"] is False
+    assert data["joints"][0]["upper"] is None
+    assert "no solver" in succeed("info", "-", given=TWO_JOINTS)
+
+
+def test_output_goes_to_the_file(tmp_path: Path) -> None:
+    """--output writes what stdout would have got, leaves stdout empty, and its ending chooses the format."""
+    for suffix in ("json", "csv", "npz", "txt"):
+        file = tmp_path / f"out.{suffix}"
+        format = "table" if suffix == "txt" else suffix
+        assert succeed("ik", ARM, "--q", TYPED, "-o", str(file)) == ""
+        if suffix == "npz":
+            with np.load(file, allow_pickle=False) as arrays:
+                assert arrays["q"].shape == (1, 8, 6)
+        else:
+            assert file.read_text() == succeed("ik", ARM, "--q", TYPED, "-f", format)
+
+
+def test_binary_data_do_not_go_to_a_terminal() -> None:
+    """An npz needs --output or a redirection; a format that was asked for wins over the file's ending."""
+    with pytest.raises(typer.BadParameter, match="--output"):
+        format_for(Format.NPZ, None, terminal=True)
+    assert format_for(Format.NPZ, None, terminal=False) is Format.NPZ
+    assert format_for(Format.JSON, Path("x.csv"), terminal=True) is Format.JSON
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a pseudo-terminal is a thing of POSIX")
+def test_colour_only_on_a_terminal_that_wants_it() -> None:
+    """On a terminal the table has colour; NO_COLOR takes it away."""
+    import pty
+
+    shown = {}
+    for no_colour in ("", "1"):
+        theirs, ours = pty.openpty()
+        env = {key: value for key, value in os.environ.items() if key not in ("NO_COLOR", "FORCE_COLOR")}
+        env |= {"TERM": "xterm", **({"NO_COLOR": "1"} if no_colour else {})}
+        command = [sys.executable, "-c", "from urdf_ik.cli import main; main()", "ik", ARM, "--no-check"]
+        child = subprocess.Popen(command, stdout=ours, stderr=subprocess.DEVNULL, env=env)
+        os.close(ours)
+        parts = []
+        while True:
+            try:
+                part = os.read(theirs, 65536)
+            except OSError:  # Linux's word for the end of a terminal
+                part = b""
+            if not part:
+                break
+            parts.append(part)
+        os.close(theirs)
+        assert child.wait(timeout=60) == 0
+        shown[no_colour] = b"".join(parts)
+    assert b"\x1b[" in shown[""]
+    assert b"\x1b[" not in shown["1"]
+    assert b"8 solutions" in shown["1"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals and pipes of POSIX")
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_reader_that_leaves_ends_it_quietly(unbuffered: str) -> None:
+    """``| head -1``: no complaint on stderr, and the status that a shell gives to SIGPIPE."""
+    env = os.environ | {"PYTHONUNBUFFERED": unbuffered}
+    child = start("ik", ARM, "--random", "500", "--no-check", "-f", "json", env=env)
+    assert child.stdout is not None
+    assert child.stderr is not None
+    assert child.stdout.readline() == b"{\n"
+    child.stdout.close()
+    complaint = child.stderr.read()
+    assert b"rror" not in complaint
+    assert b"Exception" not in complaint
+    child.stderr.close()
+    assert child.wait(timeout=60) == 141
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals and pipes of POSIX")
+def test_a_full_disk_is_one_message() -> None:
+    """Standard output that cannot be written: status 2 and one line, no second complaint at exit."""
+    if not os.path.exists("/dev/full"):
+        pytest.skip("this system has no /dev/full")
+    command = [sys.executable, "-c", "from urdf_ik.cli import main; main()", "info", ARM]
+    with open("/dev/full", "wb") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=60, check=False)
+    assert done.returncode == 2
+    assert len([line for line in done.stderr.splitlines() if "rror" in line or "xception" in line]) == 1
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals and pipes of POSIX")
+def test_ctrl_c_ends_it_with_130() -> None:
+    """An interrupt in the midst of work: status 130 and no traceback."""
+    # Tests that run in the background of a script are told to ignore Ctrl-C, and so are their children.
+    child = start(
+        *("ik", ARM, "--random", "20000", "--check", "-f", "csv"),
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    time.sleep(0.1)
+    while child.poll() is None and not _loaded(child.pid):
+        time.sleep(0.05)
+    time.sleep(0.5)
+    child.send_signal(signal.SIGINT)
+    _, complaint = child.communicate(timeout=60)
+    assert child.returncode == 130
+    assert b"Traceback" not in complaint
+
+
+def _loaded(pid: int) -> bool:
+    """Whether the program has come as far as Pinocchio, where its long work begins."""
+    maps = Path(f"/proc/{pid}/maps")
+    return not maps.exists() or "pinocchio" in maps.read_text()

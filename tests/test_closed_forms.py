@@ -1,0 +1,75 @@
+"""Three parallel axes at one end, three axes through one point in the middle: what holds of both, from either end."""
+
+from __future__ import annotations
+
+import closed_forms
+import contract
+import pytest
+from arms_closed_forms import KINDS, PARALLEL_SHOULDER, SPHERICAL_MIDDLE
+from closed_forms import member, members, near_member
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_random_poses(kind: str) -> None:
+    """Planted joint vectors come back, all are exact, none comes twice."""
+    for case in members(kind):
+        contract.holds(case, 40, 1)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_many_members(kind: str) -> None:
+    """Over many arms, with all signs and proportions, the same holds."""
+    for seed in range(10, 22):
+        contract.holds(member(kind, seed, bool(seed % 2), bool(seed // 2 % 2)), 6, seed)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_near_singularities(kind: str) -> None:
+    """At 1e-1 to 1e-8 rad from any singularity every planted one is found."""
+    for case in members(kind):
+        closed_forms.holds_near_singularities(case, 10, 2)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_on_singularities(kind: str) -> None:
+    """Exactly singular poses have marked solutions, and the planted one where it is the reference."""
+    for case in members(kind):
+        closed_forms.holds_on_singularities(case, 8, 3)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_quarter_turns(kind: str) -> None:
+    """Where several joints are free at once there is still an exact solution."""
+    for case in members(kind)[1:]:
+        closed_forms.at_quarter_turns(case, 30, 4)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_agrees_with_the_elimination(kind: str) -> None:
+    """The general elimination finds the same solutions."""
+    closed_forms.agrees_with_elimination(member(kind), 10, 5)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_no_solution_is_missing(kind: str) -> None:
+    """A multi-start Newton search on Pinocchio's model finds no further solution."""
+    contract.is_complete(member(kind), 2, 6)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_batch_equals_single(kind: str) -> None:
+    """A stack of poses gives what each pose gives."""
+    contract.batch_equals_single_but_for_one(member(kind), 4)
+
+
+@pytest.mark.parametrize("kind", [*PARALLEL_SHOULDER, *SPHERICAL_MIDDLE])
+def test_edge(kind: str) -> None:
+    """Across the edge of what the arm can do, two solutions vanish together."""
+    closed_forms.has_a_clean_edge(member(kind), 7)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("eps", [1e-12, 1e-6, 1e-3])
+def test_imperfect_members(kind: str, eps: float) -> None:
+    """Off by 1e-12 to 1e-3 the contract holds, with the method of the nearest family or with elimination."""
+    contract.holds(near_member(kind, eps), 15, 8)

@@ -1,0 +1,149 @@
+"""explain: why a pose has no solution, with the number that is out of range."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from arms import industrial, random_arm
+from cases import described, from_catalogue
+from numpy.typing import NDArray
+from oracle import Oracle
+
+from urdf_ik.arm import Arm
+from urdf_ik.errors import PoseError
+
+Array = NDArray[np.float64]
+Q = np.array([0.3, 0.5, 0.9, 0.4, 0.8, -0.2])
+
+
+def numbers_in(text: str) -> list[float]:
+    """The numbers that stand before 'm', a length."""
+    return [float(number) for number in re.findall(r"(\d[\d.e+-]*) m\b", text)]
+
+
+def origin_of(oracle: Oracle, joint: int, q: Array) -> Array:
+    """Place (3,) [m] of a joint's frame in the base, by Pinocchio; joints count from 1."""
+    oracle.pose(q)
+    base = oracle.data.oMf[oracle.base]
+    return base.actInv(oracle.data.oMi[oracle.joints[joint - 1]]).translation
+
+
+def placed(arm: Arm, centre: Array, wrist: Array, turn: Array) -> Array:
+    """The target (4, 4) with a rotation that brings the point ``centre`` of the tip's frame to ``wrist``."""
+    target = np.eye(4)
+    target[:3, :3] = turn
+    target[:3, 3] = wrist - turn @ centre
+    assert arm.ik(target).count == 0
+    return target
+
+
+def turns(m: int) -> Array:
+    """Random rotation matrices (m, 3, 3)."""
+    rng = np.random.default_rng(12)
+    return np.array([pin.exp3(rng.uniform(-2.0, 2.0, 3)) for _ in range(m)])
+
+
+def test_explain_the_article_arm_out_of_reach() -> None:
+    """The text tells the wrist centre's true distance from the shoulder, and the reach: 1 m and 1.1 m in line."""
+    case = from_catalogue("zyyzyz_6r")
+    shoulder, centre = origin_of(case.oracle, 2, np.zeros(6)), origin_of(case.oracle, 5, np.zeros(6))
+    np.testing.assert_allclose([shoulder, centre], [[0.0, 0.0, 1.0], [0.0, 0.0, 3.1]], atol=1e-15)
+    in_tip = (np.linalg.inv(case.oracle.pose(np.zeros(6))) @ [*centre, 1.0])[:3]
+    for distance, turn in zip((2.1001, 2.5, 3.0, 12.0), turns(4), strict=True):
+        direction = turn[0]
+        target = placed(case.arm, in_tip, shoulder + distance * direction, turn)
+        for text in (case.arm.explain(target), case.arm.ik(target).explain()):
+            assert numbers_in(text) == pytest.approx([distance, 2.1], rel=1e-5)
+            assert "shoulder" in text and "reach" in text
+
+
+def test_explain_the_article_arm_folded() -> None:
+    """Closer to the shoulder than the folded arm, the text tells that distance and the folded length of 0.1 m."""
+    case = from_catalogue("zyyzyz_6r")
+    in_tip = (np.linalg.inv(case.oracle.pose(np.zeros(6))) @ [0.0, 0.0, 3.1, 1.0])[:3]
+    for distance, turn in zip((0.0999, 0.05, 0.001), turns(3), strict=True):
+        target = placed(case.arm, in_tip, [0.0, 0.0, 1.0] + distance * turn[1], turn)
+        text = case.arm.explain(target)
+        assert numbers_in(text) == pytest.approx([distance, 0.1], rel=1e-5)
+        assert "folded" in text
+
+
+def test_explain_with_a_shoulder_offset() -> None:
+    """The distance is the nearer of both ways to turn the shoulder, the reach that of the elbow's own lengths."""
+    case = described(industrial())
+    upper, lower = 0.6, math.hypot(0.35 + 0.35, 0.12)  # axis 2 to 3; axis 3 to the centre at (0.85, 1.22)
+    in_tip = (np.linalg.inv(case.oracle.pose(np.zeros(6))) @ [0.85, 0.0, 1.22, 1.0])[:3]
+    for turn in turns(3):
+        wrist = np.array([1.2, 1.3, 0.9])
+        target = placed(case.arm, in_tip, wrist, turn)
+        distance = math.hypot(math.hypot(1.2, 1.3) - 0.15, 0.9 - 0.5)
+        assert numbers_in(case.arm.explain(target)) == pytest.approx([distance, upper + lower], rel=1e-5)
+
+
+def test_explain_with_a_lateral_offset() -> None:
+    """Closer to axis 1 than the lateral offset, the text tells the distance from the axis and the offset."""
+    case = described(industrial(b=0.1))
+    in_tip = (np.linalg.inv(case.oracle.pose(np.zeros(6))) @ [0.85, 0.1, 1.22, 1.0])[:3]
+    for turn in turns(3):
+        target = placed(case.arm, in_tip, np.array([0.03, 0.04, 1.0]), turn)
+        text = case.arm.explain(target)
+        assert numbers_in(text) == pytest.approx([0.05, 0.1], rel=1e-5)
+        assert "axis 1" in text
+
+
+def test_explain_a_ur_beside_its_first_axis() -> None:
+    """Where the wrist would be closer to axis 1 than the sideways offset, the text tells both, as the URDF has them."""
+    case = from_catalogue("ur5")
+    wrist = origin_of(case.oracle, 6, np.zeros(6))
+    # Axes 5 and 6 meet in the point of axis 6 at the height of axis 5; axis 1 is z, axes 2 to 4 are y.
+    meeting = np.array([wrist[0], origin_of(case.oracle, 5, np.zeros(6))[1], wrist[2]])
+    in_tip = (np.linalg.inv(case.oracle.pose(np.zeros(6))) @ [*meeting, 1.0])[:3]
+    for turn in turns(3):
+        target = placed(case.arm, in_tip, np.array([0.06, -0.02, 0.4]), turn)
+        text = case.arm.ik(target).explain()
+        assert numbers_in(text) == pytest.approx([math.hypot(0.06, 0.02), abs(meeting[1])], rel=1e-5)
+        assert "axis 1" in text and "axes 5 and 6" in text
+
+
+def test_explain_a_ur_out_of_reach() -> None:
+    """The text tells how far apart the pose wants axes 2 and 4, and the reach of the two links between them."""
+    case = from_catalogue("ur5")
+    places = [origin_of(case.oracle, joint, np.zeros(6)) for joint in (2, 3, 4)]
+    across = [np.array([p[0], p[2]]) for p in places]  # seen along y, the direction of axes 2 to 4
+    links = math.dist(across[0], across[1]) + math.dist(across[1], across[2])
+    for turn in turns(3):
+        target = np.eye(4)
+        target[:3, :3] = turn
+        for place in ([0.0, 5.0, 0.0], [0.9, 0.9, 0.1]):
+            target[:3, 3] = place
+            wanted, reach = numbers_in(case.arm.explain(target))
+            assert reach == pytest.approx(links, rel=1e-5)
+            # Axis 2 is 0.09 m above the base's origin, axis 4 within 0.21 m of the tip, 0.11 m beside axis 2.
+            assert links < wanted < math.hypot(*place) + 0.3
+            assert wanted > math.hypot(*place) - 0.45
+
+
+@pytest.mark.parametrize("kind", ["wrist, 1x2", "wrist, 1||2", "wrist, general", "2||3||4"])
+def test_explain_every_family(kind: str) -> None:
+    """Whatever the family, a pose far away is explained by a length in metres, and a reachable one by nothing."""
+    case = described(random_arm(kind, 1))
+    far = np.eye(4)
+    far[:3, 3] = [40.0, 30.0, 20.0]
+    assert max(numbers_in(case.arm.ik(far).explain())) > 10.0
+    assert case.arm.ik(case.oracle.pose(Q)).explain() == ""
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [np.full((4, 4), np.nan), np.eye(3), np.zeros((2, 4, 4)), "pose"],
+    ids=["NaN", "3 by 3", "a batch", "text"],
+)
+def test_explain_wants_one_pose(bad: Any) -> None:
+    """What is no single pose is refused by explain as by ik, instead of being read beyond its end."""
+    with pytest.raises(PoseError):
+        from_catalogue("zyyzyz_6r").arm.explain(bad)
