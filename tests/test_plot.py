@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import os
+import shutil
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import matplotlib
 import numpy as np
 import pytest
+import trimesh
+from matplotlib import pyplot
 from test_cli import call, succeed
 
 import urdf_ik
-from urdf_ik import _plot_axes, _plot_shapes, plot, workspace
+from urdf_ik import _link_shapes, _plot_axes, _plot_shapes, _plot_sliders, plot, workspace
 
 Q = (0.3, -0.5, 0.8, 0.4, 0.7, -0.2)
 
@@ -49,7 +55,7 @@ def test_the_stick_runs_through_the_links_frames(arm: urdf_ik.Arm) -> None:
     assert axes.get_title() == arm.name
 
 
-def test_polygons_lie_on_the_shapes() -> None:
+def test_triangles_lie_on_the_shapes() -> None:
     """Box corners at half the edges, cylinder and sphere points at the radius, wherever the link is."""
     # A link each, all carried by the only joint.
     shape = '<visual><origin xyz="0.1 0 0" rpy="0 0 1"/><geometry>{}</geometry></visual>'
@@ -71,14 +77,52 @@ def test_polygons_lie_on_the_shapes() -> None:
     q = np.array([0.7])
     poses = arm.link_poses(q)
     found = {}
-    for link, polygons in _plot_shapes.faces(arm, q):
-        T = poses[link] @ arm.model.robot.link_map[link].visuals[0].origin
-        found[link] = (np.concatenate(polygons) - T[:3, 3]) @ T[:3, :3]
+    bodies = _plot_shapes.bodies(arm)
+    for body, triangles in zip(bodies.shapes, _plot_shapes.placed(arm, bodies, q), strict=True):
+        T = poses[body.link] @ arm.model.robot.link_map[body.link].visuals[0].origin
+        found[body.link] = (triangles.reshape(-1, 3) - T[:3, 3]) @ T[:3, :3]
     np.testing.assert_allclose(np.abs(found["base"]), np.broadcast_to([0.5, 1.0, 1.5], found["base"].shape))
     np.testing.assert_allclose(np.linalg.norm(found["tip"], axis=1), 0.3)
     radii = np.hypot(*found["mid"][:, :2].T)
     assert np.all(np.isclose(radii, 0.2) | np.isclose(radii, 0.0)) and np.isclose(radii, 0.2).any()
     np.testing.assert_allclose(np.abs(found["mid"][:, 2]), 0.3)
+
+
+MESHES = """<robot name="meshes"><link name="base">
+<visual><geometry><mesh filename="ball.stl" scale="2 2 2"/></geometry>
+</visual><visual><geometry><mesh filename="nowhere.stl"/></geometry></visual></link><link name="tip"/>
+<joint name="a" type="revolute"><parent link="base"/><child link="tip"/><origin xyz="0 0 1"/><axis xyz="0 1 0"/>
+<limit lower="-3" upper="3" effort="1" velocity="1"/></joint></robot>"""
+
+
+def test_meshes_are_drawn_with_few_faces_and_missing_ones_named(tmp_path: Path) -> None:
+    """A ball of 20480 faces is drawn with a few hundred, all near its surface; a mesh that is not there is told."""
+    trimesh.creation.icosphere(subdivisions=5, radius=0.2).export(tmp_path / "ball.stl")
+    (tmp_path / "meshes.urdf").write_text(MESHES)
+    arm = urdf_ik.load(tmp_path / "meshes.urdf")
+    (ball,), missing = _plot_shapes.bodies(arm)
+    assert 100 < len(ball.triangles) <= _link_shapes.COARSE
+    radii = np.linalg.norm(ball.triangles.reshape(-1, 3), axis=1)
+    assert np.abs(radii - 0.4).max() < 0.05
+    assert len(missing) == 1 and "nowhere.stl" in missing[0]
+    figure = plot.arm(arm)
+    assert len(figure.axes[0].collections) == 1
+    assert figure.get_supxlabel().startswith("1 shape not drawn; ") and "nowhere.stl" in figure.get_supxlabel()
+
+
+def test_a_mesh_is_simplified_whatever_it_is_like() -> None:
+    """A point, a flat one, loose triangles: never more faces than asked for, none outside; a small one stays."""
+    rng = np.random.default_rng(0)
+    loose = rng.normal(size=(3000, 3))
+    flat = loose * [1.0, 1.0, 0.0]
+    for vertices in (loose, flat, 0.0 * loose, loose + 1e6):
+        mesh = trimesh.Trimesh(vertices, np.arange(3000).reshape(-1, 3), process=False)
+        small = _link_shapes.simplified(mesh, 100)
+        assert len(small.faces) <= 100
+        if len(small.faces):
+            assert (small.bounds[0] >= mesh.bounds[0] - 1e-6).all() and (small.bounds[1] <= mesh.bounds[1] + 1e-6).all()
+    cube = trimesh.creation.box([1, 1, 1])
+    assert _link_shapes.simplified(cube, 12) is cube
 
 
 def test_every_branch_is_drawn_in_its_colour_with_its_name(arm: urdf_ik.Arm) -> None:
@@ -183,15 +227,109 @@ def test_sliders_move_the_arm(name: str) -> None:
         np.testing.assert_allclose(np.array(line.get_data_3d())[:, -1], arm.fk(target)[:3, 3], atol=1e-12)
 
 
+def test_sliders_of_joints_without_limits_or_range() -> None:
+    """Half a turn or a metre where there is no limit, also where the other one is beyond it; never an empty range."""
+    arm = SimpleNamespace(
+        limits=np.array([[-np.inf, np.inf], [-np.inf, -5.0], [7.0, np.inf], [-np.inf, np.inf], [0.5, 0.5]]),
+        chain=SimpleNamespace(prismatic=np.array([False, False, False, True, True])),
+    )
+    expected = [(-180.0, 180.0), (np.degrees(-5.0) - 180.0, np.degrees(-5.0))]
+    expected += [(np.degrees(7.0), np.degrees(7.0) + 180.0), (-1.0, 1.0), (0.5, 0.501)]
+    np.testing.assert_allclose(_plot_sliders.ranges(arm), expected)
+
+
 def test_in_a_notebook_there_is_a_control_for_each_joint() -> None:
-    """Where ipywidgets is installed: sliders over the limits, which start within them."""
+    """Where ipywidgets is installed: sliders over the limits, which start within them and move the arm."""
     ipywidgets = pytest.importorskip("ipywidgets")
     arm = urdf_ik.load("planar_2r")
     shown = plot.interact(arm, [0.2, -0.4])
     controls = [child for child in shown.children if isinstance(child, ipywidgets.FloatSlider)]
-    assert [control.description for control in controls] == list(arm.joint_names)
-    np.testing.assert_allclose([(control.min, control.max) for control in controls], arm.limits)
-    assert [control.value for control in controls] == [0.2, -0.4]
+    assert [control.description for control in controls] == [f"{name} [°]" for name in arm.joint_names]
+    np.testing.assert_allclose([(control.min, control.max) for control in controls], np.degrees(arm.limits))
+    np.testing.assert_allclose([control.value for control in controls], np.degrees([0.2, -0.4]))
+    controls[1].value = -90.0
+    figure = shown.f(**{control.description.split(" ")[0]: control.value for control in controls})
+    (line,) = stick_lines(figure.axes[0])
+    tip = arm.plane.coordinates(arm.fk([np.radians(controls[0].value), -0.5 * np.pi]))[:2]
+    np.testing.assert_allclose(np.array(line.get_data())[:, -1], tip, atol=1e-12)
+
+
+def test_a_notebook_shows_the_pictures(arm: urdf_ik.Arm) -> None:
+    """Without pyplot: they give their own PNG."""
+    assert is_png(plot.arm(arm, shapes=False)._repr_png_())
+    assert is_png(plot.sliders(arm, window=False).figure._repr_png_())
+
+
+def test_windows_are_known_to_what_waits_for_them(arm: urdf_ik.Arm, monkeypatch: pytest.MonkeyPatch) -> None:
+    """When pyplot is told to wait, it knows the figure's window: a toolkit's main loop ends at once without one."""
+    monkeypatch.setattr(_plot_sliders, "require_display", lambda: None)
+    waited: list[tuple[object, bool]] = []
+    with matplotlib.rc_context({"backend": "agg"}):
+        monkeypatch.setattr(pyplot, "show", lambda *, block: waited.append((pyplot.gcf(), block)))
+        for figure in (plot.arm(arm, shapes=False), plot.sliders(arm).figure):
+            plot.show(figure)
+            assert waited.pop() == (figure, True) and not waited
+            pyplot.close(figure)
+        assert not pyplot.get_fignums()
+
+
+WINDOWS = """
+import sys
+import numpy as np
+import matplotlib
+matplotlib.use("tkagg")
+import urdf_ik
+from urdf_ik import plot
+arm = urdf_ik.load(sys.argv[1])
+held = plot.sliders(arm)
+window, canvas = held.figure.canvas.manager.window, held.figure.canvas
+done = []
+def pull():
+    window.update()
+    row = held.sliders[0].ax.get_window_extent()
+    y = canvas.figure.bbox.height - 0.5 * (row.y0 + row.y1)
+    for event, share in (("<Button-1>", 0.5), ("<B1-Motion>", 0.6), ("<ButtonRelease-1>", 0.6)):
+        canvas.get_tk_widget().event_generate(event, x=int(row.x0 + share * row.width), y=int(y))
+    window.update()
+    done.extend([window.winfo_viewable(), window.wm_title(), *np.degrees(held.q).round(1)])
+    canvas.manager.destroy()
+timer = canvas.new_timer(500)
+timer.single_shot = True
+timer.add_callback(pull)
+timer.start()
+plot.show(held.figure)
+print(*done, sep=";")
+"""
+
+
+@pytest.mark.parametrize("name", ["planar_2r", "zyyzyz_6r"])
+def test_a_slider_is_pulled_in_a_real_window(name: str, display: str) -> None:
+    """On a display: the window opens, the mouse moves the first joint by a tenth of its range, closing it goes on."""
+    environment = os.environ | {"DISPLAY": display}
+    command = [sys.executable, "-c", WINDOWS, name]
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=120.0, check=False)
+    assert done.returncode == 0, done.stderr
+    visible, title, *degrees = done.stdout.strip().split(";")
+    lower, upper = np.degrees(urdf_ik.load(name).limits[0])
+    assert visible == "1" and title == f"urdf-ik: {name}"
+    assert float(degrees[0]) == pytest.approx(lower + 0.6 * (upper - lower), abs=0.01 * (upper - lower))
+    assert all(float(value) == 0.0 for value in degrees[1:])
+
+
+@pytest.fixture(scope="module")
+def display() -> Iterator[str]:
+    """A display that nobody sees."""
+    pytest.importorskip("tkinter", reason="windows are not tested: apt-get install python3-tk")
+    server = shutil.which("Xvfb")
+    if server is None:
+        pytest.skip("windows are not tested: apt-get install xvfb")
+    reader, writer = os.pipe()
+    with subprocess.Popen([server, "-displayfd", str(writer), "-screen", "0", "1200x1000x24"], pass_fds=[writer],
+                          stderr=subprocess.DEVNULL) as running:  # fmt: skip
+        os.close(writer)
+        with os.fdopen(reader) as numbers:
+            yield f":{numbers.readline().strip()}"
+        running.terminate()
 
 
 def test_a_window_without_a_display_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

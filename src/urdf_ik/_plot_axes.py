@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import io
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib import colormaps
+from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
@@ -26,6 +28,15 @@ _FRAME = ("tab:red", "tab:green", "tab:blue")
 REGION_COLOURS = {"elbow left": "tab:blue", "elbow right": "tab:orange"}
 
 
+class Picture(Figure):
+    """A figure that a notebook shows by itself, whether or not anything there has imported pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        buffer = io.BytesIO()
+        self.savefig(buffer, format="png")
+        return buffer.getvalue()
+
+
 def posture(arm: Arm, q: ArrayLike | None) -> Array:
     """``q`` as a joint vector (n,); where it is None, the one nearest to zero within the limits."""
     if q is not None:
@@ -40,38 +51,38 @@ def colours(branches: Sequence[str]) -> dict[str, Any]:
     return {name: palette(k % palette.N) for k, name in enumerate(branches)}
 
 
-def box(arm: Arm, vectors: Iterable[Array]) -> tuple[Array, float]:
-    """Middle (3,) and half the edge [m] of a cube that holds the arm's stick figures, and the base."""
-    points = np.concatenate([_plot_shapes.stick(arm, q) for q in vectors])
-    low, high = points.min(axis=0), points.max(axis=0)
-    return 0.5 * (low + high), 0.55 * float((high - low).max()) or arm.chain.size
+def box(points: Array) -> tuple[Array, float]:
+    """Middle (3,) and half the edge [m] of a cube that holds points (..., 3) m."""
+    flat = points.reshape(-1, 3)
+    low, high = flat.min(axis=0), flat.max(axis=0)
+    return 0.5 * (low + high), 0.55 * float((high - low).max()) or 1.0
 
 
 def space(axes: Any, around: tuple[Array, float], *, small: bool = False) -> Any:
     """Axes in space over a cube, all three to the same scale."""
     middle, half = around
     axes.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half))
-    axes.set(zlim=(middle[2] - half, middle[2] + half), box_aspect=(1, 1, 1))
+    axes.set(zlim=(middle[2] - half, middle[2] + half))
+    # Constrained layout leaves no room for what stands beside the cube.
+    axes.set_box_aspect((1, 1, 1), zoom=1.0 if small else 0.88)
     axes.locator_params(nbins=3 if small else 5)
-    axes.tick_params(labelsize=5 if small else 7, pad=-2 if small else 1)
-    if not small:
-        axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
+    axes.tick_params(labelsize=6 if small else 7, pad=-3 if small else 0)
+    for name in "xyz":
+        getattr(axes, f"set_{name}label")(f"{name} [m]", fontsize=6 if small else 9, labelpad=-9 if small else 2)
     return axes
 
 
-def stick(axes: Any, arm: Arm, q: Array, colour: Any, label: str | None = None) -> Any:
+def stick(axes: Any, arm: Arm, q: Array, colour: Any, label: str | None = None, width: float = 2.0) -> Any:
     """The links of the chain as lines from frame to frame; gives the line."""
-    (line,) = axes.plot(*_plot_shapes.stick(arm, q).T, "-o", color=colour, linewidth=2, markersize=3, label=label)
+    points = _plot_shapes.stick(arm, q).T
+    (line,) = axes.plot(*points, "-o", color=colour, linewidth=width, markersize=1.5 + width, label=label)
     return line
 
 
-def shapes(axes: Any, arm: Arm, q: Array, colour: Any = "tab:gray") -> list[Any]:
-    """The boxes, cylinders and spheres of the links; gives the collections, one a shape."""
-    drawn = []
-    for _, polygons in _plot_shapes.faces(arm, q):
-        drawn.append(Poly3DCollection(polygons, facecolors=colour, alpha=0.35, shade=True))
-        axes.add_collection3d(drawn[-1])
-    return drawn
+def shapes(axes: Any, triangles: Iterable[Array], colour: Any = "tab:gray", alpha: float = 0.35) -> None:
+    """The bodies of the links, by their triangles (k, 3, 3) m."""
+    for body in triangles:
+        axes.add_collection3d(Poly3DCollection(body, facecolors=colour, alpha=alpha, shade=True))
 
 
 def frame(axes: Any, T: Array, size: float) -> None:
@@ -91,6 +102,7 @@ def regions(axes: Any, region: PlanarWorkspace) -> None:
     axes.set(xlim=(x - reach, x + reach), ylim=(y - reach, y + reach), aspect="equal")
     names = ["xyz"[int(np.argmax(np.abs(axis)))] for axis in region.plane.axes]
     axes.set(xlabel=f"{names[0]} [m]", ylabel=f"{names[1]} [m]")
+    axes.locator_params(nbins=6)
 
 
 def two_links(axes: Any, region: PlanarWorkspace, q: Array) -> Any:

@@ -7,20 +7,55 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from urdf_ik import _plot_axes as draw
-from urdf_ik import _plot_shapes
+from urdf_ik import _plot_shapes, limits
 from urdf_ik.errors import MissingPackage, PlotError
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
     from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik.arm import Arm
 
     Array = NDArray[np.float64]
 
-_HALF_TURN = np.pi
+# Inches: the picture, a slider, and what is left around them.
+_WIDE, _HIGH, _ROW, _EDGE = 6.4, 5.6, 0.34, 0.3
+_LEAST = 1e-3
+"""Range [deg or m] of a slider whose joint has none."""
+
+
+class Stage:
+    """The arm in a figure, to be moved; two turning joints in a plane stand in their workspace.
+
+    Attributes:
+        axes: what it is drawn in.
+    """
+
+    def __init__(self, arm: Arm, figure: Figure, place: tuple[float, float, float, float], q: Array) -> None:
+        """Draw the arm at ``q`` (n,) rad or m, in the part ``place`` of the figure."""
+        from urdf_ik import workspace
+
+        self._arm = arm
+        self._region = workspace.planar(arm) if is_two_links(arm) else None
+        if self._region is not None:
+            self.axes = figure.add_axes(place)
+            draw.regions(self.axes, self._region)
+            self._line = draw.two_links(self.axes, self._region, q)
+            self.axes.legend(loc="upper left", fontsize=7)
+        else:
+            around = draw.box(_plot_shapes.surroundings(arm, limits.drawn(arm.limits, ~arm.chain.prismatic)))
+            self.axes = draw.space(figure.add_axes(place, projection="3d"), around)
+            self._line = draw.stick(self.axes, arm, q, "tab:blue")
+        self.axes.set_title(arm.name)
+
+    def move(self, q: Array) -> None:
+        """Move the arm to ``q`` (n,) rad or m."""
+        if self._region is not None:
+            self._line.set_data(*draw.links(self._region, q))
+        else:
+            self._line.set_data_3d(*_plot_shapes.stick(self._arm, q).T)
 
 
 class Sliders:
@@ -29,57 +64,35 @@ class Sliders:
     Attributes:
         figure: the picture; on a window's canvas where one was asked for.
         sliders: one a joint, in degrees for joints that turn, else in m. Keep this object as long as they are used.
+        q: (n,) rad or m, where they stand.
     """
 
     def __init__(self, arm: Arm, figure: Figure, q: ArrayLike | None = None) -> None:
         """Draw the arm and its sliders into ``figure``."""
         from matplotlib.widgets import Slider
 
-        self._arm, self.figure = arm, figure
+        self.figure = figure
         self.q: Array = draw.posture(arm, q).copy()
-        self._scale = np.where(arm.chain.prismatic, 1.0, 180.0 / np.pi)
-        share = min(0.6, 0.06 * arm.dof + 0.06)
-        self._draw(figure, (0.1, share + 0.08, 0.86, 0.84 - share))
+        self._scale = scales(arm)
+        width, height = size(arm)
+        figure.set_size_inches(width, height)
+        below = (_ROW * arm.dof + _EDGE) / height
+        room = (0.62, 0.6) if is_two_links(arm) else (0.1, 0.4)  # inches that the axes' numbers take
+        place = (room[0] / width, below + room[1] / height)
+        self.stage = Stage(arm, figure, (*place, 0.96 - place[0], 1.0 - 0.3 / height - place[1]), self.q)
         self.sliders = []
-        for i, name in enumerate(arm.joint_names):
-            lower, upper = slider_range(arm, i)
-            place = figure.add_axes((0.2, share - 0.06 * i - 0.05, 0.62, 0.035))
-            unit = "m" if arm.chain.prismatic[i] else "°"
+        for i, (name, (lower, upper)) in enumerate(zip(arm.joint_names, ranges(arm), strict=True)):
+            row = figure.add_axes((0.28, below - _ROW * (i + 0.8) / height, 0.56, 0.5 * _ROW / height))
             slider = Slider(
-                place, name, self._scale[i] * lower, self._scale[i] * upper, valinit=self._scale[i] * self.q[i],
-                valfmt=f"%.3g {unit}",
+                row, name, lower, upper, valinit=self._scale[i] * self.q[i], valfmt=f"%.3g {unit(arm, i)}"
             )  # fmt: skip
             slider.on_changed(self._changed)
             self.sliders.append(slider)
 
-    def _draw(self, figure: Figure, place: tuple[float, float, float, float]) -> None:
-        from urdf_ik import workspace
-
-        arm = self._arm
-        if is_two_links(arm):
-            self._region = workspace.planar(arm)
-            axes = figure.add_axes(place)
-            draw.regions(axes, self._region)
-            self._line = draw.two_links(axes, self._region, self.q)
-            axes.legend(loc="upper left", fontsize=7)
-            self._set = self._set_planar
-        else:
-            middle, half = arm.chain.points[0], arm.chain.size
-            axes = draw.space(figure.add_axes(place, projection="3d"), (middle, half))
-            self._line = draw.stick(axes, arm, self.q, "tab:blue")
-            self._set = self._set_spatial
-        axes.set_title(arm.name)
-
     def _changed(self, _: float) -> None:
         self.q = np.array([slider.val for slider in self.sliders]) / self._scale
-        self._set()
+        self.stage.move(self.q)
         self.figure.canvas.draw_idle()
-
-    def _set_planar(self) -> None:
-        self._line.set_data(*draw.links(self._region, self.q))
-
-    def _set_spatial(self) -> None:
-        self._line.set_data_3d(*_plot_shapes.stick(self._arm, self.q).T)
 
 
 def sliders(arm: Arm, q: ArrayLike | None = None, *, window: bool = True) -> Sliders:
@@ -93,13 +106,11 @@ def sliders(arm: Arm, q: ArrayLike | None = None, *, window: bool = True) -> Sli
     Raises:
         PlotError: there is no display to open a window on.
     """
-    size = (6.4, 6.0 + 0.25 * arm.dof)
-    if not window:
-        return Sliders(arm, Figure(figsize=size), q)
-    require_display()
-    from matplotlib import pyplot
-
-    return Sliders(arm, pyplot.figure(figsize=size), q)
+    figure = draw.Picture(figsize=size(arm))
+    held = Sliders(arm, figure, q)
+    if window:
+        _open(figure)
+    return held
 
 
 def show(figure: Figure) -> None:
@@ -108,18 +119,27 @@ def show(figure: Figure) -> None:
     Raises:
         PlotError: there is no display.
     """
+    if figure.canvas.manager is None:
+        _open(figure)
+    from matplotlib import pyplot
+
+    pyplot.show(block=True)
+
+
+def _open(figure: Figure) -> None:
+    """Put a figure into a window that ``pyplot.show`` shows."""
     require_display()
     import matplotlib
     from matplotlib import pyplot
+    from matplotlib._pylab_helpers import Gcf
     from matplotlib.backends.registry import backend_registry
 
-    if figure.canvas.manager is not None:
-        pyplot.show()
-        return
-    canvas = backend_registry.load_backend_module(matplotlib.get_backend()).FigureCanvas  # type: ignore[no-untyped-call]
-    manager = canvas.new_manager(figure, 1)
-    manager.show()
-    manager.start_main_loop()
+    module = backend_registry.load_backend_module(matplotlib.get_backend())  # type: ignore[no-untyped-call]
+    manager = module.FigureCanvas.new_manager(figure, max(pyplot.get_fignums(), default=0) + 1)
+    title = next((axes.get_title() for axes in figure.axes if axes.get_title()), "")
+    manager.set_window_title(f"urdf-ik: {title}" if title else "urdf-ik")
+    # A toolkit's main loop ends at once where pyplot knows of no window.
+    Gcf.set_active(manager)
 
 
 def interact(arm: Arm, q: ArrayLike | None = None) -> Any:
@@ -132,28 +152,47 @@ def interact(arm: Arm, q: ArrayLike | None = None) -> Any:
         import ipywidgets
     except ImportError:
         raise MissingPackage("sliders in a notebook need ipywidgets: pip install ipywidgets") from None
-    from urdf_ik import plot, workspace
-
-    start = draw.posture(arm, q)
-    region = workspace.planar(arm) if is_two_links(arm) else None
+    start, scale = draw.posture(arm, q), scales(arm)
+    figure = draw.Picture(figsize=(_WIDE, _HIGH))
+    stage = Stage(arm, figure, (0.12, 0.1, 0.84, 0.84), start)
 
     def picture(**values: float) -> Figure:
-        at = np.array(list(values.values()))
-        return plot.arm(arm, at, shapes=False) if region is None else plot.planar_workspace(region, at)
+        stage.move(np.array(list(values.values())) / scale)
+        return figure
 
-    ranges = [slider_range(arm, i) for i in range(arm.dof)]
     controls = {
-        name: ipywidgets.FloatSlider(value=start[i], min=ranges[i][0], max=ranges[i][1], step=0.01, description=name)
-        for i, name in enumerate(arm.joint_names)
+        name: ipywidgets.FloatSlider(
+            value=scale[i] * start[i],
+            min=lower,
+            max=upper,
+            step=0.001 if arm.chain.prismatic[i] else 0.5,
+            description=f"{name} [{unit(arm, i)}]",
+            style={"description_width": "initial"},
+        )
+        for i, (name, (lower, upper)) in enumerate(zip(arm.joint_names, ranges(arm), strict=True))
     }
     return ipywidgets.interactive(picture, **controls)
 
 
-def slider_range(arm: Arm, joint: int) -> tuple[float, float]:
-    """Limits of a joint, half a turn or a metre where there is none."""
-    far = 1.0 if arm.chain.prismatic[joint] else _HALF_TURN
-    lower, upper = arm.limits[joint]
-    return (float(lower) if np.isfinite(lower) else -far), (float(upper) if np.isfinite(upper) else far)
+def size(arm: Arm) -> tuple[float, float]:
+    """Width and height [inches] of the picture with its sliders."""
+    return _WIDE, _HIGH + _ROW * arm.dof
+
+
+def scales(arm: Arm) -> Array:
+    """(n,) what joint values in rad or m are multiplied by to be shown: degrees and m."""
+    return np.where(arm.chain.prismatic, 1.0, 180.0 / np.pi)
+
+
+def unit(arm: Arm, joint: int) -> str:
+    """Unit in which a joint is shown."""
+    return "m" if arm.chain.prismatic[joint] else "°"
+
+
+def ranges(arm: Arm) -> list[tuple[float, float]]:
+    """The ends of each joint's slider, degrees or m."""
+    ends = scales(arm)[:, None] * limits.drawn(arm.limits, ~arm.chain.prismatic)
+    return [(float(lower), float(max(upper, lower + _LEAST))) for lower, upper in ends]
 
 
 def is_two_links(arm: Arm) -> bool:

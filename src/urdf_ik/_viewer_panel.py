@@ -6,8 +6,7 @@ import math
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
+from urdf_ik import limits
 from urdf_ik._viewer_scene import colours
 
 if TYPE_CHECKING:
@@ -59,8 +58,10 @@ class Panel:
         self._folders.append(gui.add_folder("Joints"))
         with self._folders[-1]:
             self.sliders = [
-                _slider(gui, f"{name} [{'m' if slides else 'rad'}]", *_ends(limits, bool(slides)))
-                for name, limits, slides in zip(arm.joint_names, arm.limits, arm.chain.prismatic, strict=True)
+                _slider(gui, f"{name} [{'m' if slides else 'rad'}]", float(low), float(high))
+                for name, (low, high), slides in zip(
+                    arm.joint_names, limits.drawn(arm.limits, ~arm.chain.prismatic), arm.chain.prismatic, strict=True
+                )
             ]
         for index, slider in enumerate(self.sliders):
             _on_change(slider, partial(on_joint, index))
@@ -103,14 +104,6 @@ def _status(state: State) -> str:
 def _plain(text: str) -> str:
     """``text`` without meaning to Markdown: names come from files of unknown origin."""
     return "".join(f"\\{c}" if c in "\\`*_{}[]<>#|!~$&" else c for c in text)
-
-
-def _ends(limits: Any, slides: bool) -> tuple[float, float]:
-    reach = 1.0 if slides else np.pi
-    low, high = (float(x) for x in limits)
-    return (low if np.isfinite(low) else min(-reach, high - reach)), (
-        high if np.isfinite(high) else max(reach, low + reach)
-    )
 
 
 def _slider(gui: Any, name: str, low: float, high: float) -> Any:

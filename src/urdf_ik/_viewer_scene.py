@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import trimesh
 
-from urdf_ik import _viewer_shapes
+from urdf_ik import _link_shapes
 from urdf_ik.poses import to_quat_wxyz
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 _OPACITY = 0.3
-# Faces above which a ghost's link is drawn as its convex hull: there may be sixteen of them.
+# Faces that a ghost's link has at most: there may be sixteen of them.
 _MOST_FACES = 4000
 
 
@@ -45,7 +45,7 @@ class Drawing:
         self._arm, self._scene, count = arm, scene, len(arm.structure.branches)
         self._capacity = max(count, 1)
         self._colours = np.array(colours(self._capacity), dtype=np.uint8)
-        shapes = _viewer_shapes.read(arm.model)
+        shapes = _link_shapes.read(arm.model)
         self.missing, self.has_shapes = shapes.missing, bool(shapes.bodies)
         self.root = scene.add_frame("/robot", show_axes=False)
         self._size = arm.chain.size
@@ -100,9 +100,7 @@ class Drawing:
         return {link for link, (first, second) in poses.items() if not np.array_equal(first, second)}
 
     def _add_ghosts(self, meshes: list[trimesh.Trimesh]) -> Any:
-        one = _joined(meshes)
-        if len(one.faces) > _MOST_FACES:
-            one = _joined([_hull(mesh) for mesh in meshes])
+        one = _link_shapes.simplified(_link_shapes.joined(meshes), _MOST_FACES)
         return self._scene.add_batched_meshes_simple(
             f"/robot/ghosts_{len(self._ghosts)}",
             one.vertices,
@@ -163,21 +161,3 @@ class Drawing:
 
 def _place(handle: Any, T: Array) -> None:
     handle.position, handle.wxyz = T[:3, 3], to_quat_wxyz(T)
-
-
-def _joined(meshes: list[trimesh.Trimesh]) -> trimesh.Trimesh:
-    """One mesh without colours."""
-    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
-    return trimesh.Trimesh(
-        np.concatenate([mesh.vertices for mesh in meshes]),
-        np.concatenate([mesh.faces + start for mesh, start in zip(meshes, starts, strict=True)]),
-        process=False,
-    )
-
-
-def _hull(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
-    try:
-        hull: trimesh.Trimesh = mesh.convex_hull
-    except Exception:  # a flat mesh has none, and Qhull says so in a dozen ways
-        return mesh
-    return hull

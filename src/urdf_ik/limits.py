@@ -42,6 +42,19 @@ class Turned(NamedTuple):
     ranks: NDArray[np.intp]
 
 
+def drawn(limits: Array, turning: Mask) -> Array:
+    """(n, 2) rad or m, the limits; where there is none, half a turn or a metre from zero or from the other one.
+
+    Args:
+        limits: (n, 2) lower and upper, rad or m.
+        turning: (n,) whether a joint turns; others slide.
+    """
+    far, (lower, upper) = np.where(turning, 0.5 * TURN, 1.0), limits.T
+    low = np.where(np.isfinite(lower), lower, np.minimum(-far, upper - far))
+    high = np.where(np.isfinite(upper), upper, np.maximum(far, lower + far))
+    return np.stack([low, high], axis=-1)
+
+
 def image_range(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TOLERANCE) -> tuple[Array, Array]:
     """First and last k for which ``q + 2 pi k`` is inside the limits, exactly as floating point adds them.
 

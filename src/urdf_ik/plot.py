@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 import os
+import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,14 +24,15 @@ from urdf_ik import limits as joint_limits
 from urdf_ik.errors import MissingPackage, PlotError
 
 try:
-    from matplotlib.figure import Figure
+    from urdf_ik import _plot_axes as draw
 except ImportError:
     raise MissingPackage("pictures need matplotlib: pip install 'urdf-ik[plot]'") from None
 
-from urdf_ik import _plot_axes as draw
+from urdf_ik import _plot_shapes
 from urdf_ik._plot_sliders import Sliders, interact, show, sliders
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
 
     from urdf_ik.arm import Arm
@@ -58,7 +60,7 @@ MAX_TURNS = 100
 
 
 def arm(arm: Arm, q: ArrayLike | None = None, *, shapes: bool = True) -> Figure:
-    """The arm at ``q`` (n,) rad or m, as a stick figure and with the boxes, cylinders and spheres of its links.
+    """The arm at ``q`` (n,) rad or m, as a stick figure and with the shapes of its links, meshes among them.
 
     Default: zero, or the nearest to it within the limits.
 
@@ -66,10 +68,12 @@ def arm(arm: Arm, q: ArrayLike | None = None, *, shapes: bool = True) -> Figure:
         JointVectorError: ``q`` is no joint vector.
     """
     at = draw.posture(arm, q)
-    figure = Figure(figsize=(5.0, 5.0), layout="constrained")
-    axes = draw.space(figure.add_subplot(projection="3d"), draw.box(arm, [at]))
-    if shapes:
-        draw.shapes(axes, arm, at)
+    figure = draw.Picture(figsize=(5.0, 5.0), layout="constrained")
+    bodies = _bodies(figure, arm, shapes)
+    triangles = _plot_shapes.placed(arm, bodies, at)
+    points = np.concatenate([_plot_shapes.stick(arm, at), *(body.reshape(-1, 3) for body in triangles)])
+    axes = draw.space(figure.add_subplot(projection="3d"), draw.box(points))
+    draw.shapes(axes, triangles)
     draw.stick(axes, arm, at, "0.15")
     draw.frame(axes, arm.fk(at), 0.12 * arm.chain.size)
     axes.set_title(arm.name)
@@ -79,6 +83,8 @@ def arm(arm: Arm, q: ArrayLike | None = None, *, shapes: bool = True) -> Figure:
 def branches(solutions: IKSolutions, *, overlaid: bool = False, shapes: bool = False) -> Figure:
     """All solutions of a single pose, side by side or overlaid, each in the colour of its branch, with its name.
 
+    Overlaid, later ones are drawn thinner, so that one that lies on another hides nothing.
+
     Raises:
         PlotError: there is no solution.
         TypeError: the solutions are those of a batch.
@@ -87,25 +93,26 @@ def branches(solutions: IKSolutions, *, overlaid: bool = False, shapes: bool = F
     if not found:
         raise PlotError(f"no solution to draw: {solutions.explain()}")
     owner = _owner(solutions)
-    around = draw.box(owner, [one.q for one in found])
+    around = draw.box(_plot_shapes.stick(owner, np.stack([one.q for one in found])))
     colours = draw.colours(solutions.branches)
     columns = 1 if overlaid else min(_COLUMNS, len(found))
     rows = 1 if overlaid else math.ceil(len(found) / columns)
-    size = (7.0, 5.0) if overlaid else (2.4 * columns, 2.6 * rows + 0.4)
-    figure = Figure(figsize=size, layout="constrained")
+    size = (8.0, 5.0) if overlaid else (2.7 * columns, 2.9 * rows + 0.4)
+    figure = draw.Picture(figsize=size, layout="constrained")
+    bodies = _bodies(figure, owner, shapes)
+    widths = np.linspace(min(2.0 + len(found), 10.0), 1.5, len(found)) if overlaid else np.full(len(found), 2.0)
     axes: Any = None
     for k, one in enumerate(found):
         if axes is None or not overlaid:
             axes = draw.space(figure.add_subplot(rows, columns, k + 1, projection="3d"), around, small=not overlaid)
             draw.frame(axes, solutions.poses, 0.12 * owner.chain.size)
         colour = colours[solutions.branches[one.index]]
-        if shapes:
-            draw.shapes(axes, owner, one.q, colour=colour)
-        draw.stick(axes, owner, one.q, colour, label=one.branch)
+        draw.shapes(axes, _plot_shapes.placed(owner, bodies, one.q), colour, 0.35 if not overlaid else 0.15)
+        draw.stick(axes, owner, one.q, colour, label=one.branch, width=widths[k])
         if not overlaid:
             axes.set_title(one.branch.replace(", ", "\n"), fontsize=8, color=colour)
     if overlaid:
-        figure.legend(*axes.get_legend_handles_labels(), loc="outside right center", fontsize=7)
+        figure.legend(*axes.get_legend_handles_labels(), loc="outside right center", fontsize=8)
     figure.suptitle(f"{owner.name}: {len(found)} solution{'' if len(found) == 1 else 's'} of one pose", fontsize=10)
     return figure
 
@@ -122,7 +129,7 @@ def limits(solutions: IKSolutions, *, degrees: bool = True) -> Figure:
         raise PlotError(f"no solution to draw: {solutions.explain()}")
     colours = draw.colours(solutions.branches)
     scale = np.where(owner.chain.prismatic | (not degrees), 1.0, 180.0 / np.pi)
-    figure = Figure(figsize=(8.0, 0.8 * owner.dof + 1.6), layout="constrained")
+    figure = draw.Picture(figsize=(8.0, 0.8 * owner.dof + 1.6), layout="constrained")
     axes = figure.add_subplot()
     for row, (lower, upper) in enumerate(owner.limits):
         if np.isfinite(lower) and np.isfinite(upper):
@@ -140,6 +147,7 @@ def limits(solutions: IKSolutions, *, degrees: bool = True) -> Figure:
     axes.set_yticks(range(owner.dof), owner.joint_names)
     axes.invert_yaxis()
     axes.use_sticky_edges = False
+    axes.margins(x=0.04)
     axes.set_xlabel(f"joint value [{'deg' if degrees else 'rad'}{', m' if owner.chain.prismatic.any() else ''}]")
     axes.set_title(f"{owner.name}: limits, and the solutions with all their turns (x: none inside)", fontsize=9)
     figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=7)
@@ -155,7 +163,7 @@ def workspace_slice(found: WorkspaceMap, axis: str = "z", at: float = 0.0, what:
     from urdf_ik.workspace import VALUES
 
     layer = found.slice(axis, at, what)
-    figure = Figure(figsize=(5.6, 4.6), layout="constrained")
+    figure = draw.Picture(figsize=(5.6, 4.6), layout="constrained")
     axes = figure.add_subplot()
     image = axes.imshow(layer.values.T, origin="lower", extent=layer.extent, cmap="viridis", vmin=0.0)
     figure.colorbar(image, ax=axes, label=VALUES[what])
@@ -167,7 +175,7 @@ def workspace_slice(found: WorkspaceMap, axis: str = "z", at: float = 0.0, what:
 
 def planar_workspace(region: PlanarWorkspace, q: ArrayLike | None = None) -> Figure:
     """The regions of both elbows and their overlap, with their boundary, and the arm at ``q`` (2,) rad."""
-    figure = Figure(figsize=(6.4, 5.0), layout="constrained")
+    figure = draw.Picture(figsize=(6.4, 5.0), layout="constrained")
     axes = figure.add_subplot()
     draw.regions(axes, region)
     if q is not None:
@@ -190,6 +198,18 @@ def save(figure: Figure, path: str | os.PathLike[str], dpi: float = _DPI) -> Non
         figure.savefig(target, dpi=dpi)
     except OSError as error:
         raise PlotError(f"cannot write {target}: {error.strerror}") from None
+
+
+def _bodies(figure: Figure, owner: Arm, wanted: bool) -> _plot_shapes.Bodies:
+    """What the links look like, if that is wanted; the picture says how many shapes it lacks, and why the first one."""
+    if not wanted:
+        return _plot_shapes.Bodies((), ())
+    found = _plot_shapes.bodies(owner)
+    if found.missing:
+        count = len(found.missing)
+        words = f"{count} shape{'' if count == 1 else 's'} not drawn; {found.missing[0]}"
+        figure.supxlabel(textwrap.shorten(words, 150), fontsize=6, color="tab:red", wrap=True)
+    return found
 
 
 def _owner(solutions: IKSolutions) -> Arm:
