@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
+import signal
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
@@ -16,6 +18,7 @@ import numpy as np
 import pytest
 import trimesh
 from matplotlib import pyplot
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from test_cli import call, succeed
 
 import urdf_ik
@@ -262,7 +265,7 @@ def test_a_notebook_shows_the_pictures(arm: urdf_ik.Arm) -> None:
 
 def test_windows_are_known_to_what_waits_for_them(arm: urdf_ik.Arm, monkeypatch: pytest.MonkeyPatch) -> None:
     """When pyplot is told to wait, it knows the figure's window: a toolkit's main loop ends at once without one."""
-    monkeypatch.setattr(_plot_sliders, "require_display", lambda: None)
+    monkeypatch.setattr(_plot_sliders, "require_display", lambda: FigureCanvasAgg)
     waited: list[tuple[object, bool]] = []
     with matplotlib.rc_context({"backend": "agg"}):
         monkeypatch.setattr(pyplot, "show", lambda *, block: waited.append((pyplot.gcf(), block)))
@@ -270,6 +273,14 @@ def test_windows_are_known_to_what_waits_for_them(arm: urdf_ik.Arm, monkeypatch:
             plot.show(figure)
             assert waited.pop() == (figure, True) and not waited
             pyplot.close(figure)
+        monkeypatch.setattr(pyplot, "show", lambda **_: signal.raise_signal(signal.SIGINT))
+        before = signal.signal(signal.SIGINT, signal.default_int_handler)
+        try:
+            with pytest.raises(KeyboardInterrupt):  # raised when the window is gone
+                plot.show(plot.arm(arm, shapes=False))
+            assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+        finally:
+            signal.signal(signal.SIGINT, before)
         assert not pyplot.get_fignums()
 
 
@@ -314,6 +325,43 @@ def test_a_slider_is_pulled_in_a_real_window(name: str, display: str) -> None:
     assert visible == "1" and title == f"urdf-ik: {name}"
     assert float(degrees[0]) == pytest.approx(lower + 0.6 * (upper - lower), abs=0.01 * (upper - lower))
     assert all(float(value) == 0.0 for value in degrees[1:])
+
+
+def test_ctrl_c_closes_a_window(display: str) -> None:
+    """The command ends with the status of an interrupt, without a word, though nobody touches the window."""
+    command = [sys.executable, "-c", INTERRUPTED, "plot", "planar_2r", "arm"]
+    environment = os.environ | {"DISPLAY": display, "MPLBACKEND": "tkagg"}
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=120.0, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
+
+
+INTERRUPTED = """
+import os, signal, threading
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from matplotlib import pyplot
+from urdf_ik.cli import main
+def interrupt():
+    while not pyplot.get_fignums():
+        threading.Event().wait(0.1)
+    threading.Event().wait(1.0)
+    os.kill(os.getpid(), signal.SIGINT)
+threading.Thread(target=interrupt, daemon=True).start()
+main()
+"""
+
+
+def test_a_display_that_does_not_answer_is_named() -> None:
+    """A toolkit that is missing, a display that is none, a backend that there is not: an error in words."""
+    for backend, display, words in (
+        ("tkagg", ":9999", "no window can be opened|cannot open windows"),
+        ("gtk3agg", ":9999", "no window can be opened|cannot open windows"),
+        ("nonsense", ":9999", "'nonsense' is not a valid value"),
+    ):
+        environment = os.environ | {"DISPLAY": display, "MPLBACKEND": backend}
+        command = [sys.executable, "-m", "urdf_ik.cli", "plot", "planar_2r", "arm"]
+        done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=120.0, check=False)
+        assert done.returncode == 2 and done.stderr.startswith("Error: "), done.stderr
+        assert re.search(words, done.stderr) and "Traceback" not in done.stderr
 
 
 @pytest.fixture(scope="module")

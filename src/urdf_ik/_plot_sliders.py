@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
+import threading
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
 
 # Inches: the picture, a slider, and what is left around them.
 _WIDE, _HIGH, _ROW, _EDGE = 6.4, 5.6, 0.34, 0.3
+_INSTEAD = "write a file instead, with --output or plot.save"
 _LEAST = 1e-3
 """Range [deg or m] of a slider whose joint has none."""
 
@@ -123,21 +126,41 @@ def show(figure: Figure) -> None:
         _open(figure)
     from matplotlib import pyplot
 
-    pyplot.show(block=True)
+    interrupted = []
+
+    def interrupt(*_: object) -> None:
+        interrupted.append(True)
+        pyplot.close(figure)
+
+    # Tk hears of Ctrl-C when its window is touched, and prints what is raised there: the timer wakes it, and the
+    # interrupt is raised when the window is gone.
+    timer = figure.canvas.new_timer(interval=200)
+    timer.add_callback(lambda: None)
+    timer.start()
+    here = threading.current_thread() is threading.main_thread()
+    before = signal.signal(signal.SIGINT, interrupt) if here else None
+    try:
+        pyplot.show(block=True)
+    finally:
+        timer.stop()
+        if here:
+            signal.signal(signal.SIGINT, before)
+    if interrupted:
+        raise KeyboardInterrupt
 
 
 def _open(figure: Figure) -> None:
     """Put a figure into a window that ``pyplot.show`` shows."""
-    require_display()
-    import matplotlib
+    canvas = require_display()
     from matplotlib import pyplot
     from matplotlib._pylab_helpers import Gcf
-    from matplotlib.backends.registry import backend_registry
 
-    module = backend_registry.load_backend_module(matplotlib.get_backend())  # type: ignore[no-untyped-call]
-    manager = module.FigureCanvas.new_manager(figure, max(pyplot.get_fignums(), default=0) + 1)
-    title = next((axes.get_title() for axes in figure.axes if axes.get_title()), "")
-    manager.set_window_title(f"urdf-ik: {title}" if title else "urdf-ik")
+    try:
+        manager = canvas.new_manager(figure, max(pyplot.get_fignums(), default=0) + 1)
+    except Exception as error:  # each toolkit has its own way of saying that the display does not answer
+        raise PlotError(f"no window can be opened: {error}; {_INSTEAD}") from None
+    titles = [figure.get_suptitle(), *(axes.get_title() for axes in figure.axes)]
+    manager.set_window_title(": ".join(["urdf-ik", *[title for title in titles if title][:1]]))
     # A toolkit's main loop ends at once where pyplot knows of no window.
     Gcf.set_active(manager)
 
@@ -200,20 +223,25 @@ def is_two_links(arm: Arm) -> bool:
     return arm.plane is not None and arm.dof == 2 and not arm.chain.prismatic.any()
 
 
-def require_display() -> None:
-    """Refuse a window where none can be opened.
+def require_display() -> Any:
+    """The class of the canvas that a window has.
 
     Raises:
-        PlotError: there is no display, or matplotlib was told to draw without one.
+        PlotError: there is no display, or matplotlib was told to draw without one, or it lacks its toolkit.
     """
     import matplotlib
     from matplotlib.backends.registry import BackendFilter, backend_registry
 
-    if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        raise PlotError("there is no display to open a window on; write a file instead, with --output or plot.save")
+    display = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    if sys.platform.startswith("linux") and not display:
+        raise PlotError(f"there is no display to open a window on; {_INSTEAD}")
     backend = matplotlib.get_backend().lower()
     if backend not in backend_registry.list_builtin(BackendFilter.INTERACTIVE):  # type: ignore[no-untyped-call]
         raise PlotError(
-            f"matplotlib draws with {backend!r}, which opens no windows; install a toolkit such as PyQt6, or write a "
-            "file instead, with --output or plot.save"
+            f"matplotlib draws with {backend!r}, which opens no windows: it was told so, no toolkit such as PyQt6 is "
+            f"installed, or the display {display or ''} does not answer; {_INSTEAD}"
         )
+    try:
+        return backend_registry.load_backend_module(backend).FigureCanvas  # type: ignore[no-untyped-call]
+    except ImportError as error:
+        raise PlotError(f"matplotlib cannot open windows with {backend!r}: {error}; {_INSTEAD}") from None

@@ -27,6 +27,8 @@ try:
     from urdf_ik import _plot_axes as draw
 except ImportError:
     raise MissingPackage("pictures need matplotlib: pip install 'urdf-ik[plot]'") from None
+except ValueError as error:  # the environment names a backend that there is not
+    raise PlotError(f"matplotlib does not start: {error}") from None
 
 from urdf_ik import _plot_shapes
 from urdf_ik._plot_sliders import Sliders, interact, show, sliders
