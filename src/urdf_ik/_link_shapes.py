@@ -86,7 +86,7 @@ def simplified(mesh: trimesh.Trimesh, most: int) -> trimesh.Trimesh:
         small = trimesh.Trimesh(mesh.vertices / cell, mesh.faces, process=False)
         small.merge_vertices(merge_tex=True, merge_norm=True, digits_vertex=0)
         small.update_faces(small.nondegenerate_faces() & small.unique_faces())
-        small.apply_scale(cell)
+        small.vertices *= cell
         cell *= _COARSER
     return small
 

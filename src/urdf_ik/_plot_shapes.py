@@ -74,5 +74,5 @@ def placed(arm: Arm, found: Bodies, q: Array) -> list[Array]:
 
 def surroundings(arm: Arm, ranges: Array) -> Array:
     """(k, 3) m, where the frames of the chain's links are at seeded joint vectors within ``ranges`` (n, 2)."""
-    draws = np.random.default_rng(_SEED).uniform(*ranges.T, (_DRAWS, arm.dof))
+    draws = np.random.default_rng(_SEED).uniform(ranges[:, 0], ranges[:, 1], (_DRAWS, arm.dof))
     return stick(arm, draws).reshape(-1, 3)

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from urdf_ik.arm import Arm
 
 _STEP, _DIGITS = 0.001, 3
+_LETTERS = 54
+"""As many fit on a button."""
 
 
 class Panel:
@@ -75,8 +77,7 @@ class Panel:
             button.visible = k is not None
             if k is not None:
                 ghost = state.ghosts[k]
-                marks = f" ({'; '.join(ghost.marks)})" if ghost.marks else ""
-                button.label = f"{'● ' if k == chosen else ''}{ghost.branch}{marks}"
+                button.label = _label(ghost.branch, ghost.marks, k == chosen)
         for slider, value in zip(self.sliders, state.q, strict=True):
             if slider is not keep:
                 _set(slider, float(value))
@@ -88,6 +89,16 @@ class Panel:
         self.status.remove()
         for folder in self._folders:
             folder.remove()
+
+
+def _label(branch: str, marks: tuple[str, ...], chosen: bool) -> str:
+    """A branch and its marks on one button; where that is too long, 'shoulder front, elbow up' becomes 'front, up'."""
+    dot, tail = "● " * chosen, f" ({'; '.join(marks)})" if marks else ""
+    for name in (branch, ", ".join(part.split(" ")[-1] for part in branch.split(", "))):
+        text = dot + name + tail
+        if len(text) <= _LETTERS:
+            break
+    return text
 
 
 def _status(state: State) -> str:

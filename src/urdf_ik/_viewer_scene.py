@@ -19,7 +19,12 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-_OPACITY = 0.3
+_OPACITY = 0.4
+# rad, and share of the arm's size, by which links of two solutions differ that are not in the same place.
+_SAME = 1e-6
+# Where the camera stands, as seen from the arm; how far the arm is left of the middle, where the panel is not; and what
+# is around the frames of the links [share of the arm's size], which is the links themselves.
+_FROM, _ASIDE, _AROUND = np.array([0.6, -0.75, 0.35]), 0.22, 0.12
 # Faces that a ghost's link has at most: there may be sixteen of them.
 _MOST_FACES = 4000
 
@@ -83,11 +88,25 @@ class Drawing:
         _place(self._tip, poses[self._arm.tip][0])
         columns = [ghost.column for ghost in drawn]
         for link, handle in self._ghosts:
-            self._place_ghosts(handle, columns, poses[link][1:])
+            # Two bodies in the same place would flicker: the arm goes before its ghosts, and the first of them.
+            new = np.flatnonzero(_first_of_their_kind(poses[link], _SAME * self._size)[1:])
+            self._place_ghosts(handle, [columns[k] for k in new], poses[link][1 + new])
         if self._lines:
             self._place_lines(columns, poses)
         if not keep_target:
             _place(self.target, state.target)
+
+    def camera(self, state: State, fov: float) -> tuple[Array, Array]:
+        """Where a camera with that angle of view [rad] stands, and what it looks at, to see the arm and its ghosts."""
+        poses = self._arm.link_poses(np.stack([state.q, *(ghost.q for ghost in state.ghosts)]))
+        points = np.concatenate([poses[link].reshape(-1, 4, 4)[:, :3, 3] for link in self._arm.model.links])
+        middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+        radius = float(np.linalg.norm(points - middle, axis=1).max()) + _AROUND * self._size
+        towards = -_FROM / np.linalg.norm(_FROM)
+        distance = radius / np.sin(0.5 * fov)
+        aside = np.cross(towards, [0.0, 0.0, 1.0])
+        middle = middle + _ASIDE * distance * aside / np.linalg.norm(aside)
+        return middle - distance * towards, middle
 
     def remove(self) -> None:
         """Take everything out of the scene again."""
@@ -157,6 +176,13 @@ class Drawing:
         if self._axes is not None:
             self._axes.batched_positions = here[:, :3, 3].astype(np.float32)
             self._axes.batched_wxyzs = to_quat_wxyz(here).astype(np.float32)
+
+
+def _first_of_their_kind(poses: Array, distance: float) -> NDArray[np.bool_]:
+    """(k,) whether no earlier one of the poses (k, 4, 4) is the same."""
+    gaps = np.abs(poses[:, None] - poses[None])
+    same = (gaps[..., :3, :3].max(axis=(-1, -2)) < _SAME) & (gaps[..., :3, 3].max(axis=-1) < distance)
+    return np.asarray(~np.tril(same, -1).any(axis=1))
 
 
 def _place(handle: Any, T: Array) -> None:

@@ -5,6 +5,8 @@
 >>> with Viewer(urdf_ik.load("zyyzyz_6r"), port=0) as viewer:
 ...     print(len(viewer.state.ghosts))
 8
+
+In a notebook, a cell that ends with the viewer shows its page.
 """
 
 from __future__ import annotations
@@ -115,6 +117,23 @@ class Viewer:
         with _quiet():
             self.server.stop()
 
+    def show(self, height: int = 640) -> Any:
+        """The page inside a notebook, ``height`` pixels high; a viewer that ends a cell shows itself so, too.
+
+        The browser must reach the address of the page: where the notebook runs on another machine, forward its port.
+
+        Raises:
+            MissingPackage: there is no notebook, as IPython is not installed.
+        """
+        try:
+            from IPython.display import IFrame
+        except ImportError:
+            raise MissingPackage("a page in a notebook needs IPython: pip install 'urdf-ik[notebooks]'") from None
+        return IFrame(self.url, "100%", height)
+
+    def _repr_html_(self) -> str:
+        return str(self.show()._repr_html_())
+
     def wait(self) -> None:
         """Wait until the program is interrupted (Ctrl-C), then stop the server."""
         try:
@@ -183,9 +202,10 @@ class Viewer:
         if self.drawing.missing:
             self._say("\n".join(["Not shown:", *self.drawing.missing]))
         self.drawing.target.on_update(self._dragged)
-        size = arm.chain.size
-        self.server.initial_camera.position = (0.6 * size, -0.75 * size, 0.55 * size)
-        self.server.initial_camera.look_at = (0.0, 0.0, 0.25 * size)
+        cameras: list[Any] = [self.server.initial_camera]
+        cameras += [client.camera for client in self.server.get_clients().values()]
+        for camera in cameras:
+            camera.position, camera.look_at = self.drawing.camera(state, camera.fov)
         self._show(state)
 
     def _show(self, state: State, held: object = None) -> None:
