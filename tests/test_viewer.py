@@ -283,7 +283,7 @@ def test_what_is_wrong_with_an_arm_is_said_and_the_old_one_stays(viewer: Viewer,
 def test_shapes_that_cannot_be_read_are_named() -> None:
     """An arm without shapes is drawn as lines; one whose mesh is missing is drawn without it, and says so."""
     with Viewer(urdf_ik.load(BARE), port=0) as viewer:
-        assert not viewer.drawing.has_shapes and not viewer.message
+        assert not viewer.drawing.has_shapes and "drawn as frames and lines" in viewer.message
         assert "no link has a collision shape" in viewer.state.note
         viewer.move_joint(0, 0.4)
         assert viewer.settle(PATIENCE)
@@ -292,6 +292,11 @@ def test_shapes_that_cannot_be_read_are_named() -> None:
         viewer.open(LOST_MESH.encode())
         assert viewer.settle(PATIENCE)
         assert viewer.drawing.has_shapes and "package://nowhere/b.stl" in viewer.message
+        assert "frames and lines" not in viewer.message
+        mesh = '<visual><geometry><mesh filename="package://nowhere/b.stl"/></geometry></visual>'
+        viewer.open(LOST_MESH.replace(mesh, 9 * mesh).encode())
+        assert viewer.settle(PATIENCE)
+        assert len(viewer.message.splitlines()) < 8 and viewer.message.endswith("and 5 more")
 
 
 def test_a_port_in_use_is_refused_and_a_free_one_found(arm: Arm, monkeypatch: pytest.MonkeyPatch) -> None:

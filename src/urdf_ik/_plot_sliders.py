@@ -174,7 +174,7 @@ def interact(arm: Arm, q: ArrayLike | None = None) -> Any:
     try:
         import ipywidgets
     except ImportError:
-        raise MissingPackage("sliders in a notebook need ipywidgets: pip install ipywidgets") from None
+        raise MissingPackage("sliders in a notebook need ipywidgets: pip install 'urdf-ik[notebooks]'") from None
     start, scale = draw.posture(arm, q), scales(arm)
     figure = draw.Picture(figsize=(_WIDE, _HIGH))
     stage = Stage(arm, figure, (0.12, 0.1, 0.84, 0.84), start)

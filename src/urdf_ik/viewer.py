@@ -38,6 +38,8 @@ if TYPE_CHECKING:
 INSTALL = "pip install 'urdf-ik[viewer]'"
 
 _NO_CHOICE = "catalogue ..."
+_NAMED = 4
+"""Shapes that could not be read of which the page tells one by one."""
 
 
 class Viewer:
@@ -183,6 +185,9 @@ class Viewer:
             state = _viewer_state.start(load(given, base, tip, mesh_roots=self._mesh_roots))
         except (UrdfIkError, OSError) as error:
             return self._say(str(error))
+        except Exception as error:
+            self._say(f"a defect of this program; the terminal tells more: {error!r}")
+            raise
         self.drawing.remove()
         self.panel.remove()
         self._show_arm(state)
@@ -196,11 +201,9 @@ class Viewer:
         """Build scene and panel of another arm."""
         panel, drawing = self._parts
         self.state, arm = state, state.arm
-        self._say("")
         self.drawing = drawing(self.server.scene, arm)
         self.panel = panel(self.server.gui, arm, self.choose, self._slid, self._turned)
-        if self.drawing.missing:
-            self._say("\n".join(["Not shown:", *self.drawing.missing]))
+        self._say("\n".join(_unseen(self.drawing.missing, self.drawing.has_shapes)))
         self.drawing.target.on_update(self._dragged)
         cameras: list[Any] = [self.server.initial_camera]
         cameras += [client.camera for client in self.server.get_clients().values()]
@@ -273,6 +276,14 @@ class Viewer:
                 event.client.send_file_download(
                     f"{Path(self.state.arm.name).name}.html", self.html().encode(), save_immediately=True
                 )
+
+
+def _unseen(missing: tuple[str, ...], has_shapes: bool) -> list[str]:
+    """Lines: that there are no shapes, and which could not be read; of many the first ones."""
+    lines = [] if has_shapes else ["No link has a shape that can be shown: the arm is drawn as frames and lines."]
+    if missing:
+        lines += ["Not shown:", *missing[:_NAMED]]
+    return [*lines, f"and {len(missing) - _NAMED} more"] if len(missing) > _NAMED else lines
 
 
 @contextmanager
