@@ -106,13 +106,13 @@ def _status(state: State) -> str:
     arm, count = state.arm, len(state.ghosts)
     inside = sum(not ghost.outside for ghost in state.ghosts)
     solutions = f"{count} solution{'s' if count != 1 else ''}, {inside} inside the limits"
-    lines = [f"**{_plain(arm.name)}**, {_plain(arm.structure.family or f'{arm.dof} joints')}"]
-    lines.append(f"**No solution{' inside the limits' if count else ''}:** {_plain(state.reason)}" if state.reason
+    lines = [f"**{plain(arm.name)}**, {plain(arm.structure.family or f'{arm.dof} joints')}"]
+    lines.append(f"**No solution{' inside the limits' if count else ''}:** {plain(state.reason)}" if state.reason
                  else solutions)  # fmt: skip
-    return "\n\n".join([*lines, *[_plain(state.note)] * bool(state.note)])
+    return "\n\n".join([*lines, *[plain(state.note)] * bool(state.note)])
 
 
-def _plain(text: str) -> str:
+def plain(text: str) -> str:
     """``text`` without meaning to Markdown: names come from files of unknown origin."""
     return "".join(f"\\{c}" if c in "\\`*_{}[]<>#|!~$&" else c for c in text)
 

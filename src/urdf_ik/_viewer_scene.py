@@ -42,7 +42,7 @@ class Drawing:
         root: the frame that holds arm and ghosts.
         target: the handles that are dragged.
         missing: a sentence for each shape that could not be read.
-        has_shapes: whether the links have shapes; else they are frames and lines.
+        has_shapes: whether any link has a shape; where it has not, or lacks some, there are frames and lines.
     """
 
     def __init__(self, scene: Any, arm: Arm) -> None:
@@ -66,7 +66,7 @@ class Drawing:
         for link in dict.fromkeys(body.link for body in shapes.bodies if body.link in moving):
             self._ghosts.append((link, self._add_ghosts([b.mesh for b in shapes.bodies if b.link == link])))
         self._axes = None
-        if not self.has_shapes:
+        if self.missing or not self.has_shapes:
             self._add_lines()
         scene.add_frame("/robot/base", axes_length=0.15 * self._size, axes_radius=0.004 * self._size)
         self._tip = scene.add_frame("/robot/tip", axes_length=0.12 * self._size, axes_radius=0.004 * self._size)

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from urdf_ik._viewer_scene import Drawing
     from urdf_ik._viewer_state import State
     from urdf_ik.arm import Arm
 
@@ -80,7 +81,7 @@ class Viewer:
         from urdf_ik import _viewer_panel, _viewer_scene
 
         _viewer_address.check(host, port)
-        self._parts = _viewer_panel.Panel, _viewer_scene.Drawing
+        self._parts, self._plain = (_viewer_panel.Panel, _viewer_scene.Drawing), _viewer_panel.plain
         self._host, self._mesh_roots = host, tuple(mesh_roots)
         self.message = ""
         self.state = _viewer_state.start(arm)
@@ -195,7 +196,7 @@ class Viewer:
 
     def _say(self, text: str) -> None:
         self.message = text
-        self._message.content = f"```\n{text.replace('```', '')}\n```" if text else ""
+        self._message.content = "\n\n".join(self._plain(line) for line in text.splitlines())
 
     def _show_arm(self, state: State) -> None:
         """Build scene and panel of another arm."""
@@ -203,7 +204,7 @@ class Viewer:
         self.state, arm = state, state.arm
         self.drawing = drawing(self.server.scene, arm)
         self.panel = panel(self.server.gui, arm, self.choose, self._slid, self._turned)
-        self._say("\n".join(_unseen(self.drawing.missing, self.drawing.has_shapes)))
+        self._say("\n".join(_unseen(self.drawing)))
         self.drawing.target.on_update(self._dragged)
         cameras: list[Any] = [self.server.initial_camera]
         cameras += [client.camera for client in self.server.get_clients().values()]
@@ -278,11 +279,14 @@ class Viewer:
                 )
 
 
-def _unseen(missing: tuple[str, ...], has_shapes: bool) -> list[str]:
-    """Lines: that there are no shapes, and which could not be read; of many the first ones."""
-    lines = [] if has_shapes else ["No link has a shape that can be shown: the arm is drawn as frames and lines."]
-    if missing:
-        lines += ["Not shown:", *missing[:_NAMED]]
+def _unseen(drawing: Drawing) -> list[str]:
+    """That there are frames and lines for want of shapes, and why some cannot be read; of many the first ones."""
+    lines, missing = [], drawing.missing
+    if not drawing.has_shapes:
+        lines.append("No link has a shape that can be shown: the arm is drawn as frames and lines.")
+    elif missing:
+        lines.append("Not all shapes can be shown: frames and lines are drawn, too.")
+    lines += missing[:_NAMED]
     return [*lines, f"and {len(missing) - _NAMED} more"] if len(missing) > _NAMED else lines
 
 
