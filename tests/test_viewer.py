@@ -296,7 +296,7 @@ def test_shapes_that_cannot_be_read_are_named() -> None:
         mesh = '<visual><geometry><mesh filename="package://nowhere/b.stl"/></geometry></visual>'
         viewer.open(LOST_MESH.replace(mesh, 9 * mesh).encode())
         assert viewer.settle(PATIENCE)
-        assert len(viewer.message.splitlines()) < 8 and viewer.message.endswith("and 5 more")
+        assert len(viewer.message.splitlines()) < 8 and viewer.message.endswith("and 7 more")
 
 
 def test_a_port_in_use_is_refused_and_a_free_one_found(arm: Arm, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 INSTALL = "pip install 'urdf-ik[viewer]'"
 
 _NO_CHOICE = "catalogue ..."
-_NAMED = 4
+_NAMED = 2
 """Shapes that could not be read of which the page tells one by one."""
 
 
