@@ -182,6 +182,32 @@ def test_values_without_a_turn_inside_are_crossed(arm: urdf_ik.Arm) -> None:
     assert sum(len(line.get_xdata()) for line in axes.lines if line.get_marker() == "x") == out
 
 
+def test_joints_that_slide_have_a_scale_of_their_own() -> None:
+    """Turning joints in degrees above, sliding ones in m below; each mark is a solution, each bar the limits."""
+    arm = urdf_ik.load("stanford_rrprrr")
+    solutions = arm.ik(arm.fk([0.3, 0.8, 0.4, 0.5, 0.6, 0.7]))
+    turning, sliding = plot.limits(solutions).axes
+    assert (turning.get_xlabel(), sliding.get_xlabel()) == ("joint value [deg]", "joint value [m]")
+    (k,) = np.flatnonzero(arm.chain.prismatic)
+    assert [text.get_text() for text in sliding.get_yticklabels()] == [arm.joint_names[k]]
+    (bar,) = sliding.patches
+    np.testing.assert_allclose([bar.get_x(), bar.get_x() + bar.get_width()], arm.limits[k])
+    marks = np.sort(np.concatenate([line.get_xdata() for line in sliding.lines]))
+    np.testing.assert_allclose(marks, np.sort(solutions.to_array()[:, k]))
+    assert len(turning.patches) == arm.dof - 1
+
+
+def test_any_number_of_branches_has_colours_of_its_own() -> None:
+    """All different, none as light as the paper, and the same for the same names."""
+    for count in (1, 8, 10, 11, 16, 96):
+        names = [f"solution {k}" for k in range(count)]
+        colours = _plot_axes.colours(names)
+        assert len({tuple(colour) for colour in colours.values()}) == count
+        lightness = [0.5 * (max(colour[:3]) + min(colour[:3])) for colour in colours.values()]
+        assert max(lightness) < 0.75
+        assert colours == _plot_axes.colours(names)
+
+
 def test_the_planar_workspace_has_both_regions_and_their_overlap() -> None:
     """Four labelled patches whose outlines are the regions' arcs, and the arm from axis to tip."""
     region = workspace.planar(urdf_ik.load("planar_2r"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import colorsys
 import io
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
+_TAB10 = colormaps["tab10"]
 _FRAME = ("tab:red", "tab:green", "tab:blue")
 REGION_COLOURS = {"elbow left": "tab:blue", "elbow right": "tab:orange"}
 
@@ -47,8 +49,12 @@ def posture(arm: Arm, q: ArrayLike | None) -> Array:
 
 def colours(branches: Sequence[str]) -> dict[str, Any]:
     """A colour for each branch, the same one in every picture."""
-    palette = colormaps["tab10" if len(branches) <= 10 else "tab20"]
-    return {name: palette(k % palette.N) for k, name in enumerate(branches)}
+    count = len(branches)
+    if count <= _TAB10.N:
+        return {name: _TAB10(k) for k, name in enumerate(branches)}
+    # Round the circle of hues; neighbours differ in lightness, and all are dark enough for letters.
+    lights = [0.3, 0.5]
+    return {name: colorsys.hls_to_rgb(k / count, lights[k % 2], 0.8) for k, name in enumerate(branches)}
 
 
 def box(points: Array) -> tuple[Array, float]:

@@ -122,6 +122,8 @@ def branches(solutions: IKSolutions, *, overlaid: bool = False, shapes: bool = F
 def limits(solutions: IKSolutions, *, degrees: bool = True) -> Figure:
     """The joints' limits as bars, with all turns of all solutions of a single pose; a cross where no turn is inside.
 
+    Joints that slide are drawn in m, below those that turn.
+
     Raises:
         PlotError: there is no solution.
         UrdfIkError: the turns are too many for one array.
@@ -130,29 +132,34 @@ def limits(solutions: IKSolutions, *, degrees: bool = True) -> Figure:
     if not found:
         raise PlotError(f"no solution to draw: {solutions.explain()}")
     colours = draw.colours(solutions.branches)
-    scale = np.where(owner.chain.prismatic | (not degrees), 1.0, 180.0 / np.pi)
-    figure = draw.Picture(figsize=(8.0, 0.8 * owner.dof + 1.6), layout="constrained")
-    axes = figure.add_subplot()
-    for row, (lower, upper) in enumerate(owner.limits):
-        if np.isfinite(lower) and np.isfinite(upper):
-            axes.barh(row, scale[row] * (upper - lower), left=scale[row] * lower, height=0.8, color="0.9")
-        else:
-            axes.axhspan(row - 0.4, row + 0.4, color="0.95")
+    prismatic = owner.chain.prismatic
+    # Angles and lengths have no scale in common: joints that slide stand in axes of their own.
+    kinds = [(np.flatnonzero(~prismatic), "deg" if degrees else "rad"), (np.flatnonzero(prismatic), "m")]
+    kinds = [(joints, unit) for joints, unit in kinds if len(joints)]
+    size = (8.0, 0.8 * owner.dof + 0.6 * len(kinds) + 0.27 * math.ceil(len(found) / 2))
+    figure = draw.Picture(figsize=size, layout="constrained")
+    ratios = [len(joints) for joints, _ in kinds]
+    parts = figure.subplots(len(kinds), 1, squeeze=False, height_ratios=ratios)[:, 0]
     shift = np.linspace(-0.32, 0.32, len(found)) if len(found) > 1 else np.zeros(1)
-    for k, one in enumerate(found):
-        images, inside = _images(owner, one.q)
-        colour = colours[solutions.branches[one.index]]
-        rows = images[:, 0].astype(int)
-        values, heights = scale[rows] * images[:, 1], rows + shift[k]
-        axes.plot(values[inside], heights[inside], "o", color=colour, markersize=4, label=one.branch)
-        axes.plot(values[~inside], heights[~inside], "x", color=colour, markersize=5)
-    axes.set_yticks(range(owner.dof), owner.joint_names)
-    axes.invert_yaxis()
-    axes.use_sticky_edges = False
-    axes.margins(x=0.04)
-    axes.set_xlabel(f"joint value [{'deg' if degrees else 'rad'}{', m' if owner.chain.prismatic.any() else ''}]")
-    axes.set_title(f"{owner.name}: limits, and the solutions with all their turns (x: none inside)", fontsize=9)
-    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=7)
+    for axes, (joints, unit) in zip(parts, kinds, strict=True):
+        scale = 180.0 / np.pi if unit == "deg" else 1.0
+        for row, (lower, upper) in enumerate(owner.limits[joints]):
+            if np.isfinite(lower) and np.isfinite(upper):
+                axes.barh(row, scale * (upper - lower), left=scale * lower, height=0.8, color="0.9")
+            else:
+                axes.axhspan(row - 0.4, row + 0.4, color="0.95")
+        for k, one in enumerate(found):
+            rows, values, inside = _images(owner, one.q, joints)
+            colour, heights = colours[solutions.branches[one.index]], rows + shift[k]
+            axes.plot(scale * values[inside], heights[inside], "o", color=colour, markersize=4, label=one.branch)
+            axes.plot(scale * values[~inside], heights[~inside], "x", color=colour, markersize=5)
+        axes.set_yticks(range(len(joints)), [owner.joint_names[i] for i in joints])
+        axes.invert_yaxis()
+        axes.use_sticky_edges = False
+        axes.margins(x=0.04)
+        axes.set_xlabel(f"joint value [{unit}]")
+    parts[0].set_title(f"{owner.name}: limits, and the solutions with all their turns (x: none inside)", fontsize=9)
+    figure.legend(*parts[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=7)
     return figure
 
 
@@ -171,6 +178,7 @@ def workspace_slice(found: WorkspaceMap, axis: str = "z", at: float = 0.0, what:
     figure.colorbar(image, ax=axes, label=VALUES[what])
     axes.set_xlabel(f"{layer.axes[0]} [m]")
     axes.set_ylabel(f"{layer.axes[1]} [m]")
+    axes.locator_params(nbins=6)
     axes.set_title(f"{found.about.robot}: {axis} = {layer.at:.3g} m")
     return figure
 
@@ -219,15 +227,14 @@ def _owner(solutions: IKSolutions) -> Arm:
     return solutions.arm  # type: ignore[return-value]
 
 
-def _images(owner: Arm, q: Any) -> tuple[Any, Any]:
-    """(k, 2) joint and value of every turn inside the limits, or of the value itself; (k,) whether inside."""
-    turning = ~owner.chain.prismatic
-    first, last = joint_limits.image_range(q, owner.limits, turning)
-    places, inside = [], []
-    for i, value in enumerate(q):
+def _images(owner: Arm, q: Any, joints: Any) -> tuple[Any, Any, Any]:
+    """Row, value and whether it is inside, (k,) each: every turn inside the limits, or the value itself."""
+    first, last = joint_limits.image_range(q, owner.limits, ~owner.chain.prismatic)
+    rows, values, inside = [], [], []
+    for row, i in enumerate(joints):
         within = bool(first[i] <= last[i])
-        count = min(last[i] - first[i] + 1.0, MAX_TURNS) if within else 1.0
-        for k in (first[i] if within else 0.0) + np.arange(count):
-            places.append((float(i), float(value + k * joint_limits.TURN)))
-            inside.append(within)
-    return np.array(places), np.array(inside)
+        turns = (first[i] if within else 0.0) + np.arange(min(last[i] - first[i] + 1.0, MAX_TURNS) if within else 1.0)
+        values += list(q[i] + turns * joint_limits.TURN)
+        rows += [float(row)] * len(turns)
+        inside += [within] * len(turns)
+    return np.array(rows), np.array(values), np.array(inside)
