@@ -22,7 +22,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from test_cli import call, succeed
 
 import urdf_ik
-from urdf_ik import _link_shapes, _plot_axes, _plot_shapes, _plot_sliders, plot, workspace
+from urdf_ik import _link_shapes, _plot_axes, _plot_shapes, _plot_sliders, catalogue, plot, workspace
 
 Q = (0.3, -0.5, 0.8, 0.4, 0.7, -0.2)
 
@@ -197,6 +197,17 @@ def test_joints_that_slide_have_a_scale_of_their_own() -> None:
     assert len(turning.patches) == arm.dof - 1
 
 
+def test_a_limit_beyond_all_measure_is_none() -> None:
+    """Joints limited to +-1e9 are marked once a solution, where the solution is, on a bar across the picture."""
+    text = catalogue.resolve("planar_2r").path.read_text()
+    arm = urdf_ik.load(re.sub('lower="[^"]*" upper="[^"]*"', 'lower="-1e9" upper="1e9"', text))
+    solutions = arm.ik([0.1, 0.1], task="planar position")
+    (axes,) = plot.limits(solutions, degrees=False).axes
+    marks = np.concatenate([line.get_xdata() for line in axes.lines])
+    np.testing.assert_allclose(np.sort(marks), np.sort(solutions.to_array().ravel()))
+    assert np.abs(axes.get_xlim()).max() < 10.0
+
+
 def test_any_number_of_branches_has_colours_of_its_own() -> None:
     """All different, none as light as the paper, and the same for the same names."""
     for count in (1, 8, 10, 11, 16, 96):
@@ -259,7 +270,7 @@ def test_sliders_move_the_arm(name: str) -> None:
 def test_sliders_of_joints_without_limits_or_range() -> None:
     """Half a turn or a metre where there is no limit, also where the other one is beyond it; never an empty range."""
     arm = SimpleNamespace(
-        limits=np.array([[-np.inf, np.inf], [-np.inf, -5.0], [7.0, np.inf], [-np.inf, np.inf], [0.5, 0.5]]),
+        limits=np.array([[-1e16, np.inf], [-np.inf, -5.0], [7.0, np.inf], [-np.inf, np.inf], [0.5, 0.5]]),
         chain=SimpleNamespace(prismatic=np.array([False, False, False, True, True])),
     )
     expected = [(-180.0, 180.0), (np.degrees(-5.0) - 180.0, np.degrees(-5.0))]

@@ -57,8 +57,6 @@ __all__ = [
 SUFFIXES = (".png", ".svg", ".pdf")
 _COLUMNS = 4
 _DPI = 110
-MAX_TURNS = 100
-"""Turns of one joint that the picture of the limits marks at most: a winch has any number."""
 
 
 def arm(arm: Arm, q: ArrayLike | None = None, *, shapes: bool = True) -> Figure:
@@ -143,7 +141,7 @@ def limits(solutions: IKSolutions, *, degrees: bool = True) -> Figure:
     shift = np.linspace(-0.32, 0.32, len(found)) if len(found) > 1 else np.zeros(1)
     for axes, (joints, unit) in zip(parts, kinds, strict=True):
         scale = 180.0 / np.pi if unit == "deg" else 1.0
-        for row, (lower, upper) in enumerate(owner.limits[joints]):
+        for row, (lower, upper) in enumerate(joint_limits.bounded(owner.limits[joints])):
             if np.isfinite(lower) and np.isfinite(upper):
                 axes.barh(row, scale * (upper - lower), left=scale * lower, height=0.8, color="0.9")
             else:
@@ -229,11 +227,12 @@ def _owner(solutions: IKSolutions) -> Arm:
 
 def _images(owner: Arm, q: Any, joints: Any) -> tuple[Any, Any, Any]:
     """Row, value and whether it is inside, (k,) each: every turn inside the limits, or the value itself."""
-    first, last = joint_limits.image_range(q, owner.limits, ~owner.chain.prismatic)
+    bounds = joint_limits.bounded(owner.limits)
+    first, last = joint_limits.image_range(q, bounds, ~owner.chain.prismatic)
     rows, values, inside = [], [], []
     for row, i in enumerate(joints):
         within = bool(first[i] <= last[i])
-        turns = (first[i] if within else 0.0) + np.arange(min(last[i] - first[i] + 1.0, MAX_TURNS) if within else 1.0)
+        turns = (first[i] if within else 0.0) + np.arange(last[i] - first[i] + 1.0 if within else 1.0)
         values += list(q[i] + turns * joint_limits.TURN)
         rows += [float(row)] * len(turns)
         inside += [within] * len(turns)
