@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 _TAB10 = colormaps["tab10"]
 _FRAME = ("tab:red", "tab:green", "tab:blue")
-REGION_COLOURS = {"elbow left": "tab:blue", "elbow right": "tab:orange"}
+REGION_COLOURS, OVERLAP_COLOUR = {"elbow left": "tab:blue", "elbow right": "tab:orange"}, "tab:green"
 
 
 class Picture(Figure):
@@ -98,10 +98,10 @@ def frame(axes: Any, T: Array, size: float) -> None:
 
 
 def regions(axes: Any, region: PlanarWorkspace) -> None:
-    """Both elbows' regions, their overlap hatched, and the outer boundary."""
+    """Both elbows' regions, their overlap, and the outer boundary."""
     for name, part in region.regions.items():
-        _fill(axes, part, facecolor=REGION_COLOURS[name], alpha=0.35, edgecolor="none", label=name)
-    _fill(axes, region.overlap, facecolor="none", edgecolor="0.3", hatch="////", linewidth=0.0, label="both elbows")
+        _fill(axes, part, facecolor=REGION_COLOURS[name], alpha=0.4, edgecolor="none", label=name)
+    _fill(axes, region.overlap, facecolor=OVERLAP_COLOUR, edgecolor="none", label="both elbows")
     _fill(axes, region.boundary, facecolor="none", edgecolor="0.1", linewidth=1.2, label="boundary")
     reach = 1.08 * float(region.lengths.sum())
     x, y = region.centre

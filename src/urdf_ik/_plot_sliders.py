@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 # Inches: the picture, a slider, and what is left around them.
 _WIDE, _HIGH, _ROW, _EDGE = 6.4, 5.6, 0.34, 0.3
+_LETTERS = 20
+"""Of a joint's name that have room beside a slider; longer ones are written smaller."""
 _INSTEAD = "write a file instead, with --output or plot.save"
 _LEAST = 1e-3
 """Range [deg or m] of a slider whose joint has none."""
@@ -89,6 +91,7 @@ class Sliders:
             slider = Slider(
                 row, name, lower, upper, valinit=self._scale[i] * self.q[i], valfmt=f"%.3g {unit(arm, i)}"
             )  # fmt: skip
+            slider.label.set_fontsize(min(10.0, 10.0 * _LETTERS / max(len(name), 1)))
             slider.on_changed(self._changed)
             self.sliders.append(slider)
 
