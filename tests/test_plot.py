@@ -141,6 +141,21 @@ def test_every_branch_is_drawn_in_its_colour_with_its_name(arm: urdf_ik.Arm) -> 
         assert stick_lines(axes)[0].get_color() == colours[one.branch]
 
 
+def test_solutions_of_a_position_are_drawn_with_their_own_frames() -> None:
+    """Of an arm that controls a position: every stick ends there, and the frame at its tip is that of the solution."""
+    arm, point = urdf_ik.load("positioning_3r"), np.array([0.3, 0.2, 0.4])
+    solutions = arm.ik(point, task="position")
+    apart, together = plot.branches(solutions), plot.branches(solutions, overlaid=True)
+    assert "4 solutions of one target" in apart.get_suptitle()
+    for axes, one in zip(apart.axes, solutions, strict=True):
+        (stick,) = stick_lines(axes)
+        np.testing.assert_allclose(np.array(stick.get_data_3d())[:, -1], point, atol=1e-9)
+        frame = [np.array(line.get_data_3d()).T for line in axes.lines if line is not stick]
+        directions = np.array([(end - start) / np.linalg.norm(end - start) for start, end in frame])
+        np.testing.assert_allclose(directions.T, arm.fk(one.q)[:3, :3], atol=1e-9)
+    assert len(stick_lines(together.axes[0])) == len(solutions) == 4
+
+
 def test_out_of_reach_there_is_nothing_to_draw(arm: urdf_ik.Arm) -> None:
     """The error tells why."""
     nothing = arm.ik(urdf_ik.pose([0.0, 0.0, 9.0]))
@@ -187,6 +202,18 @@ def test_joints_that_slide_have_a_scale_of_their_own() -> None:
     marks = np.sort(np.concatenate([line.get_xdata() for line in sliding.lines]))
     np.testing.assert_allclose(marks, np.sort(solutions.to_array()[:, k]))
     assert len(turning.patches) == arm.dof - 1
+
+
+def test_names_are_no_formulas(tmp_path: Path) -> None:
+    """Dollar signs in a robot's and its joints' names, and in a lost mesh's, are drawn and not read."""
+    text = catalogue.resolve("planar_2r").path.read_text().replace("joint_1", "$x^$").replace("joint_2", "$y_$")
+    mesh = '<visual><geometry><mesh filename="a$b^$.stl"/></geometry></visual><visual>'
+    text = re.sub('<robot name="[^"]*"', r'<robot name="$\\frac$"', text.replace("<visual>", mesh, 1))
+    arm = urdf_ik.load(text)
+    solutions = arm.ik([0.1, 0.1], task="planar position")
+    figures = [plot.arm(arm), plot.branches(solutions), plot.limits(solutions), plot.sliders(arm, window=False).figure]
+    for figure in [*figures, plot.planar_workspace(workspace.planar(arm))]:
+        plot.save(figure, tmp_path / "picture.png")
 
 
 def test_a_limit_beyond_all_measure_is_none() -> None:

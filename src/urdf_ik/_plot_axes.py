@@ -39,6 +39,11 @@ class Picture(Figure):
         return buffer.getvalue()
 
 
+def words(text: str) -> str:
+    """``text`` as it is: a dollar sign, which names in files of unknown origin may hold, would begin a formula."""
+    return text.replace("$", r"\$")
+
+
 def posture(arm: Arm, q: ArrayLike | None) -> Array:
     """``q`` as a joint vector (n,); where it is None, the one nearest to zero within the limits."""
     if q is not None:

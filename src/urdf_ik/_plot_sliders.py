@@ -53,7 +53,7 @@ class Stage:
             around = draw.box(_plot_shapes.surroundings(arm, limits.drawn(arm.limits, ~arm.chain.prismatic)))
             self.axes = draw.space(figure.add_axes(place, projection="3d"), around)
             self._line = draw.stick(self.axes, arm, q, "tab:blue")
-        self.axes.set_title(arm.name)
+        self.axes.set_title(draw.words(arm.name))
 
     def move(self, q: Array) -> None:
         """Move the arm to ``q`` (n,) rad or m."""
@@ -88,9 +88,8 @@ class Sliders:
         self.sliders = []
         for i, (name, (lower, upper)) in enumerate(zip(arm.joint_names, ranges(arm), strict=True)):
             row = figure.add_axes((0.28, below - _ROW * (i + 0.8) / height, 0.56, 0.5 * _ROW / height))
-            slider = Slider(
-                row, name, lower, upper, valinit=self._scale[i] * self.q[i], valfmt=f"%.3g {unit(arm, i)}"
-            )  # fmt: skip
+            shown, at = f"%.3g {unit(arm, i)}", self._scale[i] * self.q[i]
+            slider = Slider(row, draw.words(name), lower, upper, valinit=at, valfmt=shown)
             slider.label.set_fontsize(min(10.0, 10.0 * _LETTERS / max(len(name), 1)))
             slider.on_changed(self._changed)
             self.sliders.append(slider)
@@ -163,7 +162,7 @@ def _open(figure: Figure) -> None:
     except Exception as error:  # each toolkit has its own way of saying that the display does not answer
         raise PlotError(f"no window can be opened: {error}; {_INSTEAD}") from None
     titles = [figure.get_suptitle(), *(axes.get_title() for axes in figure.axes)]
-    manager.set_window_title(": ".join(["urdf-ik", *[title for title in titles if title][:1]]))
+    manager.set_window_title(": ".join(["urdf-ik", *[title for title in titles if title][:1]]).replace(r"\$", "$"))
     # A toolkit's main loop ends at once where pyplot knows of no window.
     Gcf.set_active(manager)
 

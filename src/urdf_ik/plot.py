@@ -76,7 +76,7 @@ def arm(arm: Arm, q: ArrayLike | None = None, *, shapes: bool = True) -> Figure:
     draw.shapes(axes, triangles)
     draw.stick(axes, arm, at, "0.15")
     draw.frame(axes, arm.fk(at), 0.12 * arm.chain.size)
-    axes.set_title(arm.name)
+    axes.set_title(draw.words(arm.name))
     return figure
 
 
@@ -105,7 +105,8 @@ def branches(solutions: IKSolutions, *, overlaid: bool = False, shapes: bool = F
     for k, one in enumerate(found):
         if axes is None or not overlaid:
             axes = draw.space(figure.add_subplot(rows, columns, k + 1, projection="3d"), around, small=not overlaid)
-            draw.frame(axes, solutions.poses, 0.12 * owner.chain.size)
+        # Each has its own: what is asked of an arm with few joints may be less than a pose.
+        draw.frame(axes, owner.link_poses(one.q)[owner.tip], 0.12 * owner.chain.size)
         colour = colours[solutions.branches[one.index]]
         draw.shapes(axes, _plot_shapes.placed(owner, bodies, one.q), colour, 0.35 if not overlaid else 0.15)
         draw.stick(axes, owner, one.q, colour, label=one.branch, width=widths[k])
@@ -113,7 +114,9 @@ def branches(solutions: IKSolutions, *, overlaid: bool = False, shapes: bool = F
             axes.set_title(one.branch.replace(", ", "\n"), fontsize=8, color=colour)
     if overlaid:
         figure.legend(*axes.get_legend_handles_labels(), loc="outside right center", fontsize=8)
-    figure.suptitle(f"{owner.name}: {len(found)} solution{'' if len(found) == 1 else 's'} of one pose", fontsize=10)
+    figure.suptitle(
+        f"{draw.words(owner.name)}: {len(found)} solution{'' if len(found) == 1 else 's'} of one pose", fontsize=10
+    )
     return figure
 
 
@@ -151,12 +154,13 @@ def limits(solutions: IKSolutions, *, degrees: bool = True) -> Figure:
             colour, heights = colours[solutions.branches[one.index]], rows + shift[k]
             axes.plot(scale * values[inside], heights[inside], "o", color=colour, markersize=4, label=one.branch)
             axes.plot(scale * values[~inside], heights[~inside], "x", color=colour, markersize=5)
-        axes.set_yticks(range(len(joints)), [owner.joint_names[i] for i in joints])
+        axes.set_yticks(range(len(joints)), [draw.words(owner.joint_names[i]) for i in joints])
         axes.invert_yaxis()
         axes.use_sticky_edges = False
         axes.margins(x=0.04)
         axes.set_xlabel(f"joint value [{unit}]")
-    parts[0].set_title(f"{owner.name}: limits, and the solutions with all their turns (x: none inside)", fontsize=9)
+    title = "limits, and the solutions with all their turns (x: none inside)"
+    parts[0].set_title(f"{draw.words(owner.name)}: {title}", fontsize=9)
     figure.legend(*parts[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=7)
     return figure
 
@@ -177,7 +181,7 @@ def workspace_slice(found: WorkspaceMap, axis: str = "z", at: float = 0.0, what:
     axes.set_xlabel(f"{layer.axes[0]} [m]")
     axes.set_ylabel(f"{layer.axes[1]} [m]")
     axes.locator_params(nbins=6)
-    axes.set_title(f"{found.about.robot}: {axis} = {layer.at:.3g} m")
+    axes.set_title(f"{draw.words(found.about.robot)}: {axis} = {layer.at:.3g} m")
     return figure
 
 
@@ -189,7 +193,7 @@ def planar_workspace(region: PlanarWorkspace, q: ArrayLike | None = None) -> Fig
     if q is not None:
         draw.two_links(axes, region, np.asarray(q, dtype=np.float64))
     figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=8)
-    axes.set_title(f"{region.name}: where the tip can be")
+    axes.set_title(f"{draw.words(region.name)}: where the tip can be")
     return figure
 
 
@@ -216,7 +220,7 @@ def _bodies(figure: Figure, owner: Arm, wanted: bool) -> _plot_shapes.Bodies:
     if found.missing:
         count = len(found.missing)
         words = f"{count} shape{'' if count == 1 else 's'} not drawn; {found.missing[0]}"
-        figure.supxlabel(textwrap.shorten(words, 150), fontsize=6, color="tab:red", wrap=True)
+        figure.supxlabel(draw.words(textwrap.shorten(words, 150)), fontsize=6, color="tab:red", wrap=True)
     return found
 
 
