@@ -146,7 +146,7 @@ def test_solutions_of_a_position_are_drawn_with_their_own_frames() -> None:
     arm, point = urdf_ik.load("positioning_3r"), np.array([0.3, 0.2, 0.4])
     solutions = arm.ik(point, task="position")
     apart, together = plot.branches(solutions), plot.branches(solutions, overlaid=True)
-    assert "4 solutions of one target" in apart.get_suptitle()
+    assert "4 solutions of one position" in apart.get_suptitle()
     for axes, one in zip(apart.axes, solutions, strict=True):
         (stick,) = stick_lines(axes)
         np.testing.assert_allclose(np.array(stick.get_data_3d())[:, -1], point, atol=1e-9)
