@@ -114,9 +114,10 @@ def branches(solutions: IKSolutions, *, overlaid: bool = False, shapes: bool = F
             axes.set_title(one.branch.replace(", ", "\n"), fontsize=8, color=colour)
     if overlaid:
         figure.legend(*axes.get_legend_handles_labels(), loc="outside right center", fontsize=8)
-    figure.suptitle(
-        f"{draw.words(owner.name)}: {len(found)} solution{'' if len(found) == 1 else 's'} of one pose", fontsize=10
-    )
+    tips = owner.link_poses(np.stack([one.q for one in found]))[owner.tip]
+    target = "pose" if np.allclose(tips, tips[0], rtol=0.0, atol=1e-6) else "position"
+    title = f"{draw.words(owner.name)}: {len(found)} solution{'' if len(found) == 1 else 's'} of one {target}"
+    figure.suptitle(title, fontsize=10)
     return figure
 
 
