@@ -112,10 +112,9 @@ def sliders(arm: Arm, q: ArrayLike | None = None, *, window: bool = True) -> Sli
         PlotError: there is no display to open a window on.
     """
     figure = draw.Picture(figsize=size(arm))
-    held = Sliders(arm, figure, q)
-    if window:
-        _open(figure)
-    return held
+    if window:  # before the sliders, which listen to the canvas that they find
+        _open(figure, arm.name)
+    return Sliders(arm, figure, q)
 
 
 def show(figure: Figure) -> None:
@@ -125,7 +124,8 @@ def show(figure: Figure) -> None:
         PlotError: there is no display.
     """
     if figure.canvas.manager is None:
-        _open(figure)
+        titles = [figure.get_suptitle(), *(axes.get_title() for axes in figure.axes)]
+        _open(figure, next(filter(None, titles), "").replace(r"\$", "$"))
     from matplotlib import pyplot
 
     interrupted = []
@@ -151,7 +151,7 @@ def show(figure: Figure) -> None:
         raise KeyboardInterrupt
 
 
-def _open(figure: Figure) -> None:
+def _open(figure: Figure, title: str) -> None:
     """Put a figure into a window that ``pyplot.show`` shows."""
     canvas = require_display()
     from matplotlib import pyplot
@@ -161,8 +161,7 @@ def _open(figure: Figure) -> None:
         manager = canvas.new_manager(figure, max(pyplot.get_fignums(), default=0) + 1)
     except Exception as error:  # each toolkit has its own way of saying that the display does not answer
         raise PlotError(f"no window can be opened: {error}; {_INSTEAD}") from None
-    titles = [figure.get_suptitle(), *(axes.get_title() for axes in figure.axes)]
-    manager.set_window_title(": ".join(["urdf-ik", *[title for title in titles if title][:1]]).replace(r"\$", "$"))
+    manager.set_window_title(f"urdf-ik: {title}")
     # A toolkit's main loop ends at once where pyplot knows of no window.
     Gcf.set_active(manager)
 
