@@ -1,19 +1,20 @@
-"""Pictures: what is drawn and how it is called, valid files, no display; never how it looks."""
+"""Pictures: what is drawn and how it is called, valid files; never how it looks."""
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
-import matplotlib
 import numpy as np
 import pytest
+import trimesh
 from test_cli import call, succeed
 
 import urdf_ik
-from urdf_ik import _plot_axes, _plot_shapes, plot, workspace
+from urdf_ik import _link_shapes, _plot_axes, _plot_shapes, catalogue, plot, workspace
 
 Q = (0.3, -0.5, 0.8, 0.4, 0.7, -0.2)
 
@@ -49,7 +50,7 @@ def test_the_stick_runs_through_the_links_frames(arm: urdf_ik.Arm) -> None:
     assert axes.get_title() == arm.name
 
 
-def test_polygons_lie_on_the_shapes() -> None:
+def test_triangles_lie_on_the_shapes() -> None:
     """Box corners at half the edges, cylinder and sphere points at the radius, wherever the link is."""
     # A link each, all carried by the only joint.
     shape = '<visual><origin xyz="0.1 0 0" rpy="0 0 1"/><geometry>{}</geometry></visual>'
@@ -71,14 +72,52 @@ def test_polygons_lie_on_the_shapes() -> None:
     q = np.array([0.7])
     poses = arm.link_poses(q)
     found = {}
-    for link, polygons in _plot_shapes.faces(arm, q):
-        T = poses[link] @ arm.model.robot.link_map[link].visuals[0].origin
-        found[link] = (np.concatenate(polygons) - T[:3, 3]) @ T[:3, :3]
+    bodies = _plot_shapes.bodies(arm)
+    for body, triangles in zip(bodies.shapes, _plot_shapes.placed(arm, bodies, q), strict=True):
+        T = poses[body.link] @ arm.model.robot.link_map[body.link].visuals[0].origin
+        found[body.link] = (triangles.reshape(-1, 3) - T[:3, 3]) @ T[:3, :3]
     np.testing.assert_allclose(np.abs(found["base"]), np.broadcast_to([0.5, 1.0, 1.5], found["base"].shape))
     np.testing.assert_allclose(np.linalg.norm(found["tip"], axis=1), 0.3)
     radii = np.hypot(*found["mid"][:, :2].T)
     assert np.all(np.isclose(radii, 0.2) | np.isclose(radii, 0.0)) and np.isclose(radii, 0.2).any()
     np.testing.assert_allclose(np.abs(found["mid"][:, 2]), 0.3)
+
+
+MESHES = """<robot name="meshes"><link name="base">
+<visual><geometry><mesh filename="ball.stl" scale="2 2 2"/></geometry>
+</visual><visual><geometry><mesh filename="nowhere.stl"/></geometry></visual></link><link name="tip"/>
+<joint name="a" type="revolute"><parent link="base"/><child link="tip"/><origin xyz="0 0 1"/><axis xyz="0 1 0"/>
+<limit lower="-3" upper="3" effort="1" velocity="1"/></joint></robot>"""
+
+
+def test_meshes_are_drawn_with_few_faces_and_missing_ones_named(tmp_path: Path) -> None:
+    """A ball of 20480 faces is drawn with a few hundred, all near its surface; a mesh that is not there is told."""
+    trimesh.creation.icosphere(subdivisions=5, radius=0.2).export(tmp_path / "ball.stl")
+    (tmp_path / "meshes.urdf").write_text(MESHES)
+    arm = urdf_ik.load(tmp_path / "meshes.urdf")
+    (ball,), missing = _plot_shapes.bodies(arm)
+    assert 100 < len(ball.triangles) <= _link_shapes.COARSE
+    radii = np.linalg.norm(ball.triangles.reshape(-1, 3), axis=1)
+    assert np.abs(radii - 0.4).max() < 0.05
+    assert len(missing) == 1 and "nowhere.stl" in missing[0]
+    figure = plot.arm(arm)
+    assert len(figure.axes[0].collections) == 1
+    assert figure.get_supxlabel().startswith("1 shape not drawn; ") and "nowhere.stl" in figure.get_supxlabel()
+
+
+def test_a_mesh_is_simplified_whatever_it_is_like() -> None:
+    """A point, a flat one, loose triangles: never more faces than asked for, none outside; a small one stays."""
+    rng = np.random.default_rng(0)
+    loose = rng.normal(size=(3000, 3))
+    flat = loose * [1.0, 1.0, 0.0]
+    for vertices in (loose, flat, 0.0 * loose, loose + 1e6):
+        mesh = trimesh.Trimesh(vertices, np.arange(3000).reshape(-1, 3), process=False)
+        small = _link_shapes.simplified(mesh, 100)
+        assert len(small.faces) <= 100
+        if len(small.faces):
+            assert (small.bounds[0] >= mesh.bounds[0] - 1e-6).all() and (small.bounds[1] <= mesh.bounds[1] + 1e-6).all()
+    cube = trimesh.creation.box([1, 1, 1])
+    assert _link_shapes.simplified(cube, 12) is cube
 
 
 def test_every_branch_is_drawn_in_its_colour_with_its_name(arm: urdf_ik.Arm) -> None:
@@ -100,6 +139,21 @@ def test_every_branch_is_drawn_in_its_colour_with_its_name(arm: urdf_ik.Arm) -> 
     few = solutions.within_limits(tol=-1.0)
     for axes, one in zip(plot.branches(few).axes, few, strict=True):
         assert stick_lines(axes)[0].get_color() == colours[one.branch]
+
+
+def test_solutions_of_a_position_are_drawn_with_their_own_frames() -> None:
+    """Of an arm that controls a position: every stick ends there, and the frame at its tip is that of the solution."""
+    arm, point = urdf_ik.load("positioning_3r"), np.array([0.3, 0.2, 0.4])
+    solutions = arm.ik(point, task="position")
+    apart, together = plot.branches(solutions), plot.branches(solutions, overlaid=True)
+    assert "4 solutions of one position" in apart.get_suptitle()
+    for axes, one in zip(apart.axes, solutions, strict=True):
+        (stick,) = stick_lines(axes)
+        np.testing.assert_allclose(np.array(stick.get_data_3d())[:, -1], point, atol=1e-9)
+        frame = [np.array(line.get_data_3d()).T for line in axes.lines if line is not stick]
+        directions = np.array([(end - start) / np.linalg.norm(end - start) for start, end in frame])
+        np.testing.assert_allclose(directions.T, arm.fk(one.q)[:3, :3], atol=1e-9)
+    assert len(stick_lines(together.axes[0])) == len(solutions) == 4
 
 
 def test_out_of_reach_there_is_nothing_to_draw(arm: urdf_ik.Arm) -> None:
@@ -135,6 +189,55 @@ def test_values_without_a_turn_inside_are_crossed(arm: urdf_ik.Arm) -> None:
     assert sum(len(line.get_xdata()) for line in axes.lines if line.get_marker() == "x") == out
 
 
+def test_joints_that_slide_have_a_scale_of_their_own() -> None:
+    """Turning joints in degrees above, sliding ones in m below; each mark is a solution, each bar the limits."""
+    arm = urdf_ik.load("stanford_rrprrr")
+    solutions = arm.ik(arm.fk([0.3, 0.8, 0.4, 0.5, 0.6, 0.7]))
+    turning, sliding = plot.limits(solutions).axes
+    assert (turning.get_xlabel(), sliding.get_xlabel()) == ("joint value [deg]", "joint value [m]")
+    (k,) = np.flatnonzero(arm.chain.prismatic)
+    assert [text.get_text() for text in sliding.get_yticklabels()] == [arm.joint_names[k]]
+    (bar,) = sliding.patches
+    np.testing.assert_allclose([bar.get_x(), bar.get_x() + bar.get_width()], arm.limits[k])
+    marks = np.sort(np.concatenate([line.get_xdata() for line in sliding.lines]))
+    np.testing.assert_allclose(marks, np.sort(solutions.to_array()[:, k]))
+    assert len(turning.patches) == arm.dof - 1
+
+
+def test_names_are_no_formulas(tmp_path: Path) -> None:
+    """Dollar signs in a robot's and its joints' names, and in a lost mesh's, are drawn and not read."""
+    text = catalogue.resolve("planar_2r").path.read_text().replace("joint_1", "$x^$").replace("joint_2", "$y_$")
+    mesh = '<visual><geometry><mesh filename="a$b^$.stl"/></geometry></visual><visual>'
+    text = re.sub('<robot name="[^"]*"', r'<robot name="$\\frac$"', text.replace("<visual>", mesh, 1))
+    arm = urdf_ik.load(text)
+    solutions = arm.ik([0.1, 0.1], task="planar position")
+    figures = [plot.arm(arm), plot.branches(solutions), plot.limits(solutions), plot.sliders(arm, window=False).figure]
+    for figure in [*figures, plot.planar_workspace(workspace.planar(arm))]:
+        plot.save(figure, tmp_path / "picture.png")
+
+
+def test_a_limit_beyond_all_measure_is_none() -> None:
+    """Joints limited to +-1e9 are marked once a solution, where the solution is, on a bar across the picture."""
+    text = catalogue.resolve("planar_2r").path.read_text()
+    arm = urdf_ik.load(re.sub('lower="[^"]*" upper="[^"]*"', 'lower="-1e9" upper="1e9"', text))
+    solutions = arm.ik([0.1, 0.1], task="planar position")
+    (axes,) = plot.limits(solutions, degrees=False).axes
+    marks = np.concatenate([line.get_xdata() for line in axes.lines])
+    np.testing.assert_allclose(np.sort(marks), np.sort(solutions.to_array().ravel()))
+    assert np.abs(axes.get_xlim()).max() < 10.0
+
+
+def test_any_number_of_branches_has_colours_of_its_own() -> None:
+    """All different, none as light as the paper, and the same for the same names."""
+    for count in (1, 8, 10, 11, 16, 96):
+        names = [f"solution {k}" for k in range(count)]
+        colours = _plot_axes.colours(names)
+        assert len({tuple(colour) for colour in colours.values()}) == count
+        lightness = [0.5 * (max(colour[:3]) + min(colour[:3])) for colour in colours.values()]
+        assert max(lightness) < 0.75
+        assert colours == _plot_axes.colours(names)
+
+
 def test_the_planar_workspace_has_both_regions_and_their_overlap() -> None:
     """Four labelled patches whose outlines are the regions' arcs, and the arm from axis to tip."""
     region = workspace.planar(urdf_ik.load("planar_2r"))
@@ -161,52 +264,6 @@ def test_a_layer_shows_the_maps_numbers(arm: urdf_ik.Arm) -> None:
     assert tuple(image.get_extent()) == layer.extent
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("x [m]", "z [m]")
     assert bar.get_ylabel() == "mean number of solutions"
-
-
-@pytest.mark.parametrize("name", ["planar_2r", "zyyzyz_6r", "scara_rrpr"])
-def test_sliders_move_the_arm(name: str) -> None:
-    """One slider a joint over its limits; moving one moves the tip to where forward kinematics has it."""
-    arm = urdf_ik.load(name)
-    held = plot.sliders(arm, window=False)
-    assert [slider.label.get_text() for slider in held.sliders] == list(arm.joint_names)
-    scale = np.where(arm.chain.prismatic, 1.0, 180.0 / np.pi)
-    np.testing.assert_allclose([(s.valmin, s.valmax) for s in held.sliders], scale[:, None] * arm.limits)
-    target = arm.limits[:, 0] + 0.3 * np.ptp(arm.limits, axis=1)
-    for slider, value in zip(held.sliders, scale * target, strict=True):
-        slider.set_val(value)
-    np.testing.assert_allclose(held.q, target)
-    (line,) = stick_lines(held.figure.axes[0])
-    if name == "planar_2r":
-        np.testing.assert_allclose(np.array(line.get_data())[:, -1], arm.plane.coordinates(arm.fk(target))[:2])
-        assert len(held.figure.axes[0].patches) == 4
-    else:
-        np.testing.assert_allclose(np.array(line.get_data_3d())[:, -1], arm.fk(target)[:3, 3], atol=1e-12)
-
-
-def test_in_a_notebook_there_is_a_control_for_each_joint() -> None:
-    """Where ipywidgets is installed: sliders over the limits, which start within them."""
-    ipywidgets = pytest.importorskip("ipywidgets")
-    arm = urdf_ik.load("planar_2r")
-    shown = plot.interact(arm, [0.2, -0.4])
-    controls = [child for child in shown.children if isinstance(child, ipywidgets.FloatSlider)]
-    assert [control.description for control in controls] == list(arm.joint_names)
-    np.testing.assert_allclose([(control.min, control.max) for control in controls], arm.limits)
-    assert [control.value for control in controls] == [0.2, -0.4]
-
-
-def test_a_window_without_a_display_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The error says so, and what to do; with a display but no toolkit, too."""
-    arm = urdf_ik.load("planar_2r")
-    with pytest.raises(urdf_ik.PlotError, match="no display.*--output"):
-        plot.sliders(arm)
-    with pytest.raises(urdf_ik.PlotError, match="no display"):
-        plot.show(plot.arm(arm))
-    monkeypatch.setenv("DISPLAY", ":99")
-    with matplotlib.rc_context({"backend": "agg"}), pytest.raises(urdf_ik.PlotError, match="'agg'.*no windows"):
-        plot.sliders(arm)
-    monkeypatch.delenv("DISPLAY")
-    result = call("plot", "planar_2r", "sliders")
-    assert result.exit_code == 2 and "no display" in result.stderr
 
 
 def test_pictures_are_written_as_their_names_say(tmp_path: Path, arm: urdf_ik.Arm) -> None:

@@ -19,7 +19,7 @@ import pytest
 from typer.testing import CliRunner
 
 import urdf_ik
-from urdf_ik import Arm, Singular, UrdfIkError, _viewer_address, _viewer_state, catalogue
+from urdf_ik import Arm, Singular, UrdfIkError, _viewer_address, _viewer_panel, _viewer_state, catalogue
 from urdf_ik._viewer_latest import Latest
 from urdf_ik.cli import app
 
@@ -196,19 +196,59 @@ def test_the_scene_follows_the_state(viewer: Viewer) -> None:
     poses = state.arm.link_poses(state.q)
     for link, handle in drawing._bodies:
         assert np.allclose(handle.position, poses[link][:3, 3])
-    shown = [ghost.column for k, ghost in enumerate(state.ghosts) if k != state.chosen]
     for link, handle in drawing._ghosts:
+        places, shown = [poses[link]], []  # a link that is where another one is drawn is left out
+        for k, ghost in enumerate(state.ghosts):
+            there = state.arm.link_poses(ghost.q)[link]
+            if k != state.chosen and not any(np.allclose(there, place, rtol=0.0, atol=1e-6) for place in places):
+                places.append(there)
+                shown.append(ghost.column)
+                assert np.allclose(handle.batched_positions[ghost.column], there[:3, 3], atol=1e-6)
         assert np.flatnonzero(handle.batched_scales).tolist() == shown
-        for ghost in state.ghosts:
-            if ghost.column in shown:
-                expected = state.arm.link_poses(ghost.q)[link][:3, 3]
-                assert np.allclose(handle.batched_positions[ghost.column], expected, atol=1e-6)
+    counts = [np.count_nonzero(handle.batched_scales) for _, handle in drawing._ghosts]
+    assert (min(counts), max(counts)) == (0, 3)  # the tool is where it must be; two elbows, the wrist up or down
     assert viewer.panel.branches[0].label.startswith("● ")
     assert np.allclose(drawing.target.position, state.target[:3, 3])
     viewer.move_joint(0, state.q[0] + 0.2)
     assert viewer.settle(PATIENCE)
     assert [slider.value for slider in viewer.panel.sliders] == pytest.approx(viewer.state.q, abs=6e-4)
     assert np.allclose(drawing.target.position, viewer.state.target[:3, 3])
+
+
+@pytest.mark.parametrize("name", ["zyyzyz_6r", "planar_2r", "srs_7r"])
+def test_the_camera_sees_the_arm_left_of_the_panel(name: str) -> None:
+    """All frames of the arm and its ghosts are in front of the camera, in the view, and left of the panel."""
+    arm = urdf_ik.load(name)
+    with Viewer(arm, port=0) as viewer:
+        camera, state = viewer.server.initial_camera, viewer.state
+        ahead = (camera.look_at - camera.position) / np.linalg.norm(camera.look_at - camera.position)
+        right = np.cross(ahead, [0.0, 0.0, 1.0])
+        right /= np.linalg.norm(right)
+        poses = arm.link_poses(np.stack([state.q, *(ghost.q for ghost in state.ghosts)]))
+        points = np.concatenate([pose[:, :3, 3] for pose in poses.values()]) - camera.position
+        depth = points @ ahead
+        half = np.tan(0.5 * camera.fov)
+        assert (depth > 0.0).all()
+        assert (np.abs(points @ np.cross(right, ahead)) < 0.95 * half * depth).all()
+        across = points @ right / (half * depth)  # -1.6 to 0.45 is what a usual window shows beside the panel
+        assert across.min() > -1.5 and across.max() < 0.5
+
+
+def test_buttons_hold_names_and_marks() -> None:
+    """The whole name where it fits, with the dot of the one chosen; else its last words, and always all marks."""
+    branch = "shoulder front, elbow down, wrist noflip"
+    assert _viewer_panel._label(branch, (), True) == f"● {branch}"
+    assert _viewer_panel._label(branch, ("limits",), False) == f"{branch} (limits)"
+    crowded = _viewer_panel._label(branch, ("limits", "collision", "singular: wrist"), True)
+    assert crowded == "● front, down, noflip (limits; collision; singular: wrist)"
+    assert _viewer_panel._label("solution 16", ("limits",), False) == "solution 16 (limits)"
+
+
+def test_a_notebook_shows_the_page(viewer: Viewer) -> None:
+    """As a frame with the page's true address, of the height that was asked for."""
+    pytest.importorskip("IPython")
+    assert f'src="{viewer.url}"' in viewer._repr_html_()
+    assert 'height="300"' in viewer.show(300)._repr_html_()
 
 
 def test_another_arm_takes_the_place(viewer: Viewer) -> None:
@@ -243,7 +283,7 @@ def test_what_is_wrong_with_an_arm_is_said_and_the_old_one_stays(viewer: Viewer,
 def test_shapes_that_cannot_be_read_are_named() -> None:
     """An arm without shapes is drawn as lines; one whose mesh is missing is drawn without it, and says so."""
     with Viewer(urdf_ik.load(BARE), port=0) as viewer:
-        assert not viewer.drawing.has_shapes and not viewer.message
+        assert not viewer.drawing.has_shapes and "drawn as frames and lines" in viewer.message
         assert "no link has a collision shape" in viewer.state.note
         viewer.move_joint(0, 0.4)
         assert viewer.settle(PATIENCE)
@@ -252,6 +292,11 @@ def test_shapes_that_cannot_be_read_are_named() -> None:
         viewer.open(LOST_MESH.encode())
         assert viewer.settle(PATIENCE)
         assert viewer.drawing.has_shapes and "package://nowhere/b.stl" in viewer.message
+        assert "frames and lines are drawn, too" in viewer.message and viewer.drawing._lines
+        mesh = '<visual><geometry><mesh filename="package://nowhere/b.stl"/></geometry></visual>'
+        viewer.open(LOST_MESH.replace(mesh, 9 * mesh).encode())
+        assert viewer.settle(PATIENCE)
+        assert len(viewer.message.splitlines()) < 8 and viewer.message.endswith("and 7 more")
 
 
 def test_a_port_in_use_is_refused_and_a_free_one_found(arm: Arm, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -33,7 +33,7 @@ CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason=INSTALL)
 
 SOFTWARE = ("--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
-WIDTH, HEIGHT, PANEL = 1120, 700, 420
+WIDTH, HEIGHT, PANEL = 1120, 740, 420
 PATIENCE = 240.0  # [s] an arm that comes for the first time is compiled
 ARM = "zyyzyz_6r"
 
@@ -218,6 +218,53 @@ def test_another_urdf_loads_from_a_file_and_by_name(seen: Seen) -> None:
         page.get_by_text(answer).first.wait_for()
     # The arm before had eight solutions, too.
     seen.wait(lambda: seen.viewer.state.arm.name == ARM, "the arm of that name is shown")
+
+
+def test_the_catalogue_brings_seven_joints_and_their_slider(seen: Seen) -> None:
+    """A name chosen from the list replaces the arm; the redundancy slider turns the elbow and leaves the tip."""
+    page = seen.page
+    chosen = page.locator(".mantine-Select-input:visible")
+    if not chosen.count():
+        page.get_by_text("Another arm").click()
+    chosen.click()
+    page.get_by_role("option", name="srs_7r", exact=True).click()
+    seen.wait(lambda: seen.viewer.state.arm.name == "srs_7r", "the arm of the catalogue is shown")
+    page.get_by_text("srs_7r").first.wait_for()
+    first, before = seen.pixels(), seen.viewer.state
+    assert before.redundancy is not None
+    thumb = page.get_by_role("slider").first
+    seen.wait(lambda: thumb.get_attribute("aria-valuenow") == f"{round(before.redundancy, 3):g}", "the slider is there")
+    thumb.focus()
+    for _ in range(150):
+        thumb.press("ArrowRight")
+    wanted = before.redundancy + 0.15
+    seen.wait(lambda: abs(seen.viewer.state.redundancy - wanted) < 1e-3, "the redundancy parameter follows")
+    assert seen.viewer.settle(PATIENCE)
+    after = seen.viewer.state
+    assert np.array_equal(after.target, before.target) and np.abs(after.q - before.q).max() > 0.01
+    assert np.abs(after.arm.fk(after.q) - after.target).max() < 1e-8
+    assert changed(first, seen.pixels()) > 200
+
+
+def test_the_camera_follows_another_arm(seen: Seen) -> None:
+    """After an arm of 3 m one of 0.2 m fills the page, too."""
+    seen.viewer.open("planar_2r")
+    seen.wait(lambda: seen.viewer.state.arm.name == "planar_2r", "the small arm is shown")
+    seen.wait(lambda: abs(seen.project(seen.viewer.state.target[:3, 3])[0]) < WIDTH, "the camera has moved")
+    points = [seen.project(pose[:3, 3]) for pose in seen.viewer.state.arm.link_poses(seen.viewer.state.q).values()]
+    spread = np.ptp(np.array(points), axis=0).max()
+    assert 0.1 * HEIGHT < spread < HEIGHT
+
+
+def test_a_notebook_holds_the_page(seen: Seen) -> None:
+    """The frame that a notebook is given draws the arm and its panel within another page."""
+    page = seen.page.context.browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
+    page.set_content(f"<html><body>{seen.viewer._repr_html_()}</body></html>")
+    page.frame_locator("iframe").get_by_text("8 solutions").wait_for(timeout=1000.0 * PATIENCE)
+    inside = Seen(seen.viewer, page)
+    drawn = inside.pixels()
+    page.close()
+    assert changed(drawn, np.broadcast_to(drawn[0, -1], drawn.shape)) > 5000
 
 
 def test_a_target_out_of_reach_says_why(seen: Seen) -> None:

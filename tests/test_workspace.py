@@ -149,6 +149,28 @@ def test_the_bundled_two_link_arm_has_the_published_region() -> None:
     assert np.linalg.norm(points[twice], axis=1).min() > 0.1916
 
 
+def test_the_bundled_two_link_arm_by_brute_force() -> None:
+    """A fine grid of joint vectors through forward kinematics: no tip outside the regions, no part without a tip."""
+    arm = urdf_ik.load("planar_2r")
+    region = workspace.planar(arm)
+    lines = [np.linspace(*limits, 700) for limits in arm.limits]
+    q = np.stack(np.meshgrid(*lines), axis=-1).reshape(-1, 2)
+    tips, left = arm.plane.coordinates(arm.fk(q))[:, :2], side_of_elbow(arm, q) > 0.0
+    cell, count = 0.004, 100  # a grid of squares of 4 mm over 400 mm; tips are at most 1.1 mm apart
+    corners = cell * (np.arange(count + 1) - count / 2)
+    lattice = np.stack(np.meshgrid(corners, corners, indexing="ij"), axis=-1)
+    for name, mine in (("elbow left", left), ("elbow right", ~left), (None, np.ones(len(q), dtype=bool))):
+        points = tips[mine]
+        off_edge = np.abs(np.linalg.norm(points - region.centre, axis=1) - region.lengths.sum()) > 1e-9
+        assert region.reaches(points[off_edge], name).all()
+        hit = np.zeros((count, count), dtype=bool)
+        hit[tuple(np.floor(points / cell + count / 2).astype(int).T)] = True
+        reached = region.reaches(lattice, name)
+        whole = reached[1:, 1:] & reached[1:, :-1] & reached[:-1, 1:] & reached[:-1, :-1]
+        assert hit[whole].all()
+    assert whole.sum() > 2500
+
+
 def test_without_limits_the_region_is_a_ring() -> None:
     """Joints that turn all the way round reach the ring between the links' difference and sum, in two ways."""
     text = TWO_LINKS.format(

@@ -210,7 +210,7 @@ What = Annotated[Picture, Argument(metavar="[WHAT]", help="arm, branches, overla
 At = Annotated[
     str | None, Option("--q", metavar="Q1,Q2,...", help="Joint vector: the posture, or the tip's pose to solve.")
 ]
-Shapes = Annotated[bool, Option("--shapes/--no-shapes", help="Boxes, cylinders and spheres of the links, too.")]
+Shapes = Annotated[bool, Option("--shapes/--no-shapes", help="The shapes of the links, too, meshes among them.")]
 Map = Annotated[
     Path | None, Option("--map", metavar="FILE", help="Map that `urdf-ik workspace -o` wrote, to cut a layer from.")
 ]

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import colorsys
+import io
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib import colormaps
+from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
@@ -22,8 +25,23 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
+_TAB10 = colormaps["tab10"]
 _FRAME = ("tab:red", "tab:green", "tab:blue")
-REGION_COLOURS = {"elbow left": "tab:blue", "elbow right": "tab:orange"}
+REGION_COLOURS, OVERLAP_COLOUR = {"elbow left": "tab:blue", "elbow right": "tab:orange"}, "tab:green"
+
+
+class Picture(Figure):
+    """A figure that a notebook shows by itself, whether or not anything there has imported pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        buffer = io.BytesIO()
+        self.savefig(buffer, format="png")
+        return buffer.getvalue()
+
+
+def words(text: str) -> str:
+    """``text`` as it is: a dollar sign, which names in files of unknown origin may hold, would begin a formula."""
+    return text.replace("$", r"\$")
 
 
 def posture(arm: Arm, q: ArrayLike | None) -> Array:
@@ -36,42 +54,46 @@ def posture(arm: Arm, q: ArrayLike | None) -> Array:
 
 def colours(branches: Sequence[str]) -> dict[str, Any]:
     """A colour for each branch, the same one in every picture."""
-    palette = colormaps["tab10" if len(branches) <= 10 else "tab20"]
-    return {name: palette(k % palette.N) for k, name in enumerate(branches)}
+    count = len(branches)
+    if count <= _TAB10.N:
+        return {name: _TAB10(k) for k, name in enumerate(branches)}
+    # Round the circle of hues; neighbours differ in lightness, and all are dark enough for letters.
+    lights = [0.3, 0.5]
+    return {name: colorsys.hls_to_rgb(k / count, lights[k % 2], 0.8) for k, name in enumerate(branches)}
 
 
-def box(arm: Arm, vectors: Iterable[Array]) -> tuple[Array, float]:
-    """Middle (3,) and half the edge [m] of a cube that holds the arm's stick figures, and the base."""
-    points = np.concatenate([_plot_shapes.stick(arm, q) for q in vectors])
-    low, high = points.min(axis=0), points.max(axis=0)
-    return 0.5 * (low + high), 0.55 * float((high - low).max()) or arm.chain.size
+def box(points: Array) -> tuple[Array, float]:
+    """Middle (3,) and half the edge [m] of a cube that holds points (..., 3) m."""
+    flat = points.reshape(-1, 3)
+    low, high = flat.min(axis=0), flat.max(axis=0)
+    return 0.5 * (low + high), 0.55 * float((high - low).max()) or 1.0
 
 
 def space(axes: Any, around: tuple[Array, float], *, small: bool = False) -> Any:
     """Axes in space over a cube, all three to the same scale."""
     middle, half = around
     axes.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half))
-    axes.set(zlim=(middle[2] - half, middle[2] + half), box_aspect=(1, 1, 1))
+    axes.set(zlim=(middle[2] - half, middle[2] + half))
+    # Constrained layout leaves no room for what stands beside the cube.
+    axes.set_box_aspect((1, 1, 1), zoom=1.0 if small else 0.88)
     axes.locator_params(nbins=3 if small else 5)
-    axes.tick_params(labelsize=5 if small else 7, pad=-2 if small else 1)
-    if not small:
-        axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
+    axes.tick_params(labelsize=6 if small else 7, pad=-3 if small else 0)
+    for name in "xyz":
+        getattr(axes, f"set_{name}label")(f"{name} [m]", fontsize=6 if small else 9, labelpad=-9 if small else 2)
     return axes
 
 
-def stick(axes: Any, arm: Arm, q: Array, colour: Any, label: str | None = None) -> Any:
+def stick(axes: Any, arm: Arm, q: Array, colour: Any, label: str | None = None, width: float = 2.0) -> Any:
     """The links of the chain as lines from frame to frame; gives the line."""
-    (line,) = axes.plot(*_plot_shapes.stick(arm, q).T, "-o", color=colour, linewidth=2, markersize=3, label=label)
+    points = _plot_shapes.stick(arm, q).T
+    (line,) = axes.plot(*points, "-o", color=colour, linewidth=width, markersize=1.5 + width, label=label)
     return line
 
 
-def shapes(axes: Any, arm: Arm, q: Array, colour: Any = "tab:gray") -> list[Any]:
-    """The boxes, cylinders and spheres of the links; gives the collections, one a shape."""
-    drawn = []
-    for _, polygons in _plot_shapes.faces(arm, q):
-        drawn.append(Poly3DCollection(polygons, facecolors=colour, alpha=0.35, shade=True))
-        axes.add_collection3d(drawn[-1])
-    return drawn
+def shapes(axes: Any, triangles: Iterable[Array], colour: Any = "tab:gray", alpha: float = 0.35) -> None:
+    """The bodies of the links, by their triangles (k, 3, 3) m."""
+    for body in triangles:
+        axes.add_collection3d(Poly3DCollection(body, facecolors=colour, alpha=alpha, shade=True))
 
 
 def frame(axes: Any, T: Array, size: float) -> None:
@@ -81,16 +103,17 @@ def frame(axes: Any, T: Array, size: float) -> None:
 
 
 def regions(axes: Any, region: PlanarWorkspace) -> None:
-    """Both elbows' regions, their overlap hatched, and the outer boundary."""
+    """Both elbows' regions, their overlap, and the outer boundary."""
     for name, part in region.regions.items():
-        _fill(axes, part, facecolor=REGION_COLOURS[name], alpha=0.35, edgecolor="none", label=name)
-    _fill(axes, region.overlap, facecolor="none", edgecolor="0.3", hatch="////", linewidth=0.0, label="both elbows")
+        _fill(axes, part, facecolor=REGION_COLOURS[name], alpha=0.4, edgecolor="none", label=name)
+    _fill(axes, region.overlap, facecolor=OVERLAP_COLOUR, edgecolor="none", label="both elbows")
     _fill(axes, region.boundary, facecolor="none", edgecolor="0.1", linewidth=1.2, label="boundary")
     reach = 1.08 * float(region.lengths.sum())
     x, y = region.centre
     axes.set(xlim=(x - reach, x + reach), ylim=(y - reach, y + reach), aspect="equal")
     names = ["xyz"[int(np.argmax(np.abs(axis)))] for axis in region.plane.axes]
     axes.set(xlabel=f"{names[0]} [m]", ylabel=f"{names[1]} [m]")
+    axes.locator_params(nbins=6)
 
 
 def two_links(axes: Any, region: PlanarWorkspace, q: Array) -> Any:

@@ -1,24 +1,45 @@
-"""Stick figures and the primitive shapes of links, as arrays that any drawing can use."""
+"""Stick figures and the shapes of links, as arrays that any drawing can use."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
+from urdf_ik import _link_shapes
 
+if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
 
     Array = NDArray[np.float64]
 
-_AROUND = 17
-_POINT = 1e-12
-_CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
-_FACES = ((0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5))
+_DRAWS, _SEED = 200, 0
+
+
+class Body(NamedTuple):
+    """One shape of a link.
+
+    Attributes:
+        link: the link.
+        triangles: (k, 3, 3) m, corners in the link's frame.
+    """
+
+    link: str
+    triangles: Array
+
+
+class Bodies(NamedTuple):
+    """What the links of an arm look like.
+
+    Attributes:
+        shapes: one a box, cylinder, sphere or mesh.
+        missing: why the others are not there.
+    """
+
+    shapes: tuple[Body, ...]
+    missing: tuple[str, ...]
 
 
 def chain_links(arm: Arm) -> tuple[str, ...]:
@@ -31,50 +52,27 @@ def chain_links(arm: Arm) -> tuple[str, ...]:
 
 
 def stick(arm: Arm, q: Array) -> Array:
-    """(k, 3) m, the frames' origins of the chain's links at ``q`` (n,), base to tip."""
+    """(..., k, 3) m, the frames' origins of the chain's links at ``q`` (..., n), base to tip."""
     poses = arm.link_poses(q)
-    return np.array([poses[link][:3, 3] for link in chain_links(arm)])
+    return np.stack([poses[link][..., :3, 3] for link in chain_links(arm)], axis=-2)
 
 
-def faces(arm: Arm, q: Array) -> Iterator[tuple[str, list[Array]]]:
-    """Link and polygons (k, 3) m, in the base, of each box, cylinder and sphere that the links show; no meshes."""
+def bodies(arm: Arm) -> Bodies:
+    """The shapes of all links, coarsely, read from the URDF and its meshes."""
+    found = _link_shapes.read(arm.model, coarse=True)
+    # A triangle without an area has no normal, and so no shade.
+    solid = [(body.link, body.mesh.triangles[body.mesh.nondegenerate_faces()]) for body in found.bodies]
+    shapes = tuple(Body(link, np.asarray(triangles, dtype=np.float64)) for link, triangles in solid if len(triangles))
+    return Bodies(shapes, found.missing)
+
+
+def placed(arm: Arm, found: Bodies, q: Array) -> list[Array]:
+    """Triangles (k, 3, 3) m of each body in the base, at ``q`` (n,)."""
     poses = arm.link_poses(q)
-    for link in arm.model.links:
-        description = arm.model.robot.link_map[link]
-        for part in description.visuals or description.collisions:
-            polygons = _polygons(part.geometry)
-            if polygons:
-                T = poses[link] if part.origin is None else poses[link] @ part.origin
-                yield link, [polygon @ T[:3, :3].T + T[:3, 3] for polygon in polygons]
+    return [body.triangles @ poses[body.link][:3, :3].T + poses[body.link][:3, 3] for body in found.shapes]
 
 
-def _polygons(geometry: Any) -> list[Array]:
-    if geometry is None:
-        return []
-    if geometry.box is not None:
-        corners = _CORNERS * np.asarray(geometry.box.size, dtype=np.float64)
-        return [corners[list(face)] for face in _FACES]
-    if geometry.cylinder is not None:
-        half = 0.5 * geometry.cylinder.length
-        return _turned(geometry.cylinder.radius * np.array([0.0, 1.0, 1.0, 0.0]), half * np.array([-1, -1, 1, 1]))
-    if geometry.sphere is not None:
-        angles = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 9)
-        return _turned(geometry.sphere.radius * np.abs(np.cos(angles)), geometry.sphere.radius * np.sin(angles))
-    return []
-
-
-def _turned(radii: Array, heights: Array) -> list[Array]:
-    """Polygons of an outline (radius, height) turned about z."""
-    angles = np.linspace(0.0, 2.0 * np.pi, _AROUND)
-    ring = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
-    points = [np.column_stack([r * ring, np.full(_AROUND, z)]) for r, z in zip(radii, heights, strict=True)]
-    return [
-        # A quadrilateral with two corners on the axis is a triangle; its normal would be none.
-        np.array([low[i], low[i + 1], high[i + 1], high[i]])[_corners(bottom, top)]
-        for low, high, bottom, top in zip(points[:-1], points[1:], radii[:-1], radii[1:], strict=True)
-        for i in range(_AROUND - 1)
-    ]
-
-
-def _corners(bottom: float, top: float) -> list[int]:
-    return [0, 2, 3] if bottom < _POINT else [0, 1, 2] if top < _POINT else [0, 1, 2, 3]
+def surroundings(arm: Arm, ranges: Array) -> Array:
+    """(k, 3) m, where the frames of the chain's links are at seeded joint vectors within ``ranges`` (n, 2)."""
+    draws = np.random.default_rng(_SEED).uniform(ranges[:, 0], ranges[:, 1], (_DRAWS, arm.dof))
+    return stick(arm, draws).reshape(-1, 3)

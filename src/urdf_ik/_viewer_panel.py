@@ -6,8 +6,7 @@ import math
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
+from urdf_ik import limits
 from urdf_ik._viewer_scene import colours
 
 if TYPE_CHECKING:
@@ -17,6 +16,8 @@ if TYPE_CHECKING:
     from urdf_ik.arm import Arm
 
 _STEP, _DIGITS = 0.001, 3
+_LETTERS = 54
+"""As many fit on a button."""
 
 
 class Panel:
@@ -59,8 +60,10 @@ class Panel:
         self._folders.append(gui.add_folder("Joints"))
         with self._folders[-1]:
             self.sliders = [
-                _slider(gui, f"{name} [{'m' if slides else 'rad'}]", *_ends(limits, bool(slides)))
-                for name, limits, slides in zip(arm.joint_names, arm.limits, arm.chain.prismatic, strict=True)
+                _slider(gui, f"{name} [{'m' if slides else 'rad'}]", float(low), float(high))
+                for name, (low, high), slides in zip(
+                    arm.joint_names, limits.drawn(arm.limits, ~arm.chain.prismatic), arm.chain.prismatic, strict=True
+                )
             ]
         for index, slider in enumerate(self.sliders):
             _on_change(slider, partial(on_joint, index))
@@ -74,8 +77,7 @@ class Panel:
             button.visible = k is not None
             if k is not None:
                 ghost = state.ghosts[k]
-                marks = f" ({'; '.join(ghost.marks)})" if ghost.marks else ""
-                button.label = f"{'● ' if k == chosen else ''}{ghost.branch}{marks}"
+                button.label = _label(ghost.branch, ghost.marks, k == chosen)
         for slider, value in zip(self.sliders, state.q, strict=True):
             if slider is not keep:
                 _set(slider, float(value))
@@ -89,28 +91,30 @@ class Panel:
             folder.remove()
 
 
+def _label(branch: str, marks: tuple[str, ...], chosen: bool) -> str:
+    """A branch and its marks on one button; where that is too long, 'shoulder front, elbow up' becomes 'front, up'."""
+    dot, tail = "● " * chosen, f" ({'; '.join(marks)})" if marks else ""
+    for name in (branch, ", ".join(part.split(" ")[-1] for part in branch.split(", "))):
+        text = dot + name + tail
+        if len(text) <= _LETTERS:
+            break
+    return text
+
+
 def _status(state: State) -> str:
     """Markdown: the arm, how many solutions, why there are none."""
     arm, count = state.arm, len(state.ghosts)
     inside = sum(not ghost.outside for ghost in state.ghosts)
     solutions = f"{count} solution{'s' if count != 1 else ''}, {inside} inside the limits"
-    lines = [f"**{_plain(arm.name)}**, {_plain(arm.structure.family or f'{arm.dof} joints')}"]
-    lines.append(f"**No solution{' inside the limits' if count else ''}:** {_plain(state.reason)}" if state.reason
+    lines = [f"**{plain(arm.name)}**, {plain(arm.structure.family or f'{arm.dof} joints')}"]
+    lines.append(f"**No solution{' inside the limits' if count else ''}:** {plain(state.reason)}" if state.reason
                  else solutions)  # fmt: skip
-    return "\n\n".join([*lines, *[_plain(state.note)] * bool(state.note)])
+    return "\n\n".join([*lines, *[plain(state.note)] * bool(state.note)])
 
 
-def _plain(text: str) -> str:
+def plain(text: str) -> str:
     """``text`` without meaning to Markdown: names come from files of unknown origin."""
     return "".join(f"\\{c}" if c in "\\`*_{}[]<>#|!~$&" else c for c in text)
-
-
-def _ends(limits: Any, slides: bool) -> tuple[float, float]:
-    reach = 1.0 if slides else np.pi
-    low, high = (float(x) for x in limits)
-    return (low if np.isfinite(low) else min(-reach, high - reach)), (
-        high if np.isfinite(high) else max(reach, low + reach)
-    )
 
 
 def _slider(gui: Any, name: str, low: float, high: float) -> Any:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import trimesh
 
-from urdf_ik import _viewer_shapes
+from urdf_ik import _link_shapes
 from urdf_ik.poses import to_quat_wxyz
 
 if TYPE_CHECKING:
@@ -19,8 +19,13 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-_OPACITY = 0.3
-# Faces above which a ghost's link is drawn as its convex hull: there may be sixteen of them.
+_OPACITY = 0.4
+# rad, and share of the arm's size, by which links of two solutions differ that are not in the same place.
+_SAME = 1e-6
+# Where the camera stands, as seen from the arm; how far the arm is left of the middle, where the panel is not; and what
+# is around the frames of the links [share of the arm's size], which is the links themselves.
+_FROM, _ASIDE, _AROUND = np.array([0.6, -0.75, 0.35]), 0.22, 0.12
+# Faces that a ghost's link has at most: there may be sixteen of them.
 _MOST_FACES = 4000
 
 
@@ -37,7 +42,7 @@ class Drawing:
         root: the frame that holds arm and ghosts.
         target: the handles that are dragged.
         missing: a sentence for each shape that could not be read.
-        has_shapes: whether the links have shapes; else they are frames and lines.
+        has_shapes: whether any link has a shape; where it has not, or lacks some, there are frames and lines.
     """
 
     def __init__(self, scene: Any, arm: Arm) -> None:
@@ -45,7 +50,7 @@ class Drawing:
         self._arm, self._scene, count = arm, scene, len(arm.structure.branches)
         self._capacity = max(count, 1)
         self._colours = np.array(colours(self._capacity), dtype=np.uint8)
-        shapes = _viewer_shapes.read(arm.model)
+        shapes = _link_shapes.read(arm.model)
         self.missing, self.has_shapes = shapes.missing, bool(shapes.bodies)
         self.root = scene.add_frame("/robot", show_axes=False)
         self._size = arm.chain.size
@@ -61,7 +66,7 @@ class Drawing:
         for link in dict.fromkeys(body.link for body in shapes.bodies if body.link in moving):
             self._ghosts.append((link, self._add_ghosts([b.mesh for b in shapes.bodies if b.link == link])))
         self._axes = None
-        if not self.has_shapes:
+        if self.missing or not self.has_shapes:
             self._add_lines()
         scene.add_frame("/robot/base", axes_length=0.15 * self._size, axes_radius=0.004 * self._size)
         self._tip = scene.add_frame("/robot/tip", axes_length=0.12 * self._size, axes_radius=0.004 * self._size)
@@ -83,11 +88,25 @@ class Drawing:
         _place(self._tip, poses[self._arm.tip][0])
         columns = [ghost.column for ghost in drawn]
         for link, handle in self._ghosts:
-            self._place_ghosts(handle, columns, poses[link][1:])
+            # Two bodies in the same place would flicker: the arm goes before its ghosts, and the first of them.
+            new = np.flatnonzero(_first_of_their_kind(poses[link], _SAME * self._size)[1:])
+            self._place_ghosts(handle, [columns[k] for k in new], poses[link][1 + new])
         if self._lines:
             self._place_lines(columns, poses)
         if not keep_target:
             _place(self.target, state.target)
+
+    def camera(self, state: State, fov: float) -> tuple[Array, Array]:
+        """Where a camera with that angle of view [rad] stands, and what it looks at, to see the arm and its ghosts."""
+        poses = self._arm.link_poses(np.stack([state.q, *(ghost.q for ghost in state.ghosts)]))
+        points = np.concatenate([poses[link].reshape(-1, 4, 4)[:, :3, 3] for link in self._arm.model.links])
+        middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+        radius = float(np.linalg.norm(points - middle, axis=1).max()) + _AROUND * self._size
+        towards = -_FROM / np.linalg.norm(_FROM)
+        distance = radius / np.sin(0.5 * fov)
+        aside = np.cross(towards, [0.0, 0.0, 1.0])
+        middle = middle + _ASIDE * distance * aside / np.linalg.norm(aside)
+        return middle - distance * towards, middle
 
     def remove(self) -> None:
         """Take everything out of the scene again."""
@@ -100,9 +119,7 @@ class Drawing:
         return {link for link, (first, second) in poses.items() if not np.array_equal(first, second)}
 
     def _add_ghosts(self, meshes: list[trimesh.Trimesh]) -> Any:
-        one = _joined(meshes)
-        if len(one.faces) > _MOST_FACES:
-            one = _joined([_hull(mesh) for mesh in meshes])
+        one = _link_shapes.simplified(_link_shapes.joined(meshes), _MOST_FACES)
         return self._scene.add_batched_meshes_simple(
             f"/robot/ghosts_{len(self._ghosts)}",
             one.vertices,
@@ -161,23 +178,12 @@ class Drawing:
             self._axes.batched_wxyzs = to_quat_wxyz(here).astype(np.float32)
 
 
+def _first_of_their_kind(poses: Array, distance: float) -> NDArray[np.bool_]:
+    """(k,) whether no earlier one of the poses (k, 4, 4) is the same."""
+    gaps = np.abs(poses[:, None] - poses[None])
+    same = (gaps[..., :3, :3].max(axis=(-1, -2)) < _SAME) & (gaps[..., :3, 3].max(axis=-1) < distance)
+    return np.asarray(~np.tril(same, -1).any(axis=1))
+
+
 def _place(handle: Any, T: Array) -> None:
     handle.position, handle.wxyz = T[:3, 3], to_quat_wxyz(T)
-
-
-def _joined(meshes: list[trimesh.Trimesh]) -> trimesh.Trimesh:
-    """One mesh without colours."""
-    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
-    return trimesh.Trimesh(
-        np.concatenate([mesh.vertices for mesh in meshes]),
-        np.concatenate([mesh.faces + start for mesh, start in zip(meshes, starts, strict=True)]),
-        process=False,
-    )
-
-
-def _hull(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
-    try:
-        hull: trimesh.Trimesh = mesh.convex_hull
-    except Exception:  # a flat mesh has none, and Qhull says so in a dozen ways
-        return mesh
-    return hull

@@ -20,6 +20,8 @@ Mask = NDArray[np.bool_]
 TURN = 2.0 * np.pi
 LIMIT_TOLERANCE = 1e-9
 """How far [rad or m] a value may lie beyond a limit: the error that the contract grants to a solution."""
+FAR = 50.0 * TURN
+"""rad or m: a limit that is further off is drawn as none."""
 MAX_ENTRIES = 2**27
 """Greatest number of joint values that :func:`turns` puts into one array: one gigabyte."""
 
@@ -40,6 +42,24 @@ class Turned(NamedTuple):
     valid: Mask
     steps: tuple[Array, ...]
     ranks: NDArray[np.intp]
+
+
+def bounded(limits: Array) -> Array:
+    """(n, 2) rad or m, the limits; infinite where they are so far off that they only say that there is none."""
+    return np.where(np.abs(limits) > FAR, np.copysign(np.inf, limits), limits)
+
+
+def drawn(limits: Array, turning: Mask) -> Array:
+    """(n, 2) rad or m, the limits; where there is none, half a turn or a metre from zero or from the other one.
+
+    Args:
+        limits: (n, 2) lower and upper, rad or m.
+        turning: (n,) whether a joint turns; others slide.
+    """
+    far, (lower, upper) = np.where(turning, 0.5 * TURN, 1.0), bounded(limits).T
+    low = np.where(np.isfinite(lower), lower, np.minimum(-far, upper - far))
+    high = np.where(np.isfinite(upper), upper, np.maximum(far, lower + far))
+    return np.stack([low, high], axis=-1)
 
 
 def image_range(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TOLERANCE) -> tuple[Array, Array]:

@@ -5,6 +5,8 @@
 >>> with Viewer(urdf_ik.load("zyyzyz_6r"), port=0) as viewer:
 ...     print(len(viewer.state.ghosts))
 8
+
+In a notebook, a cell that ends with the viewer shows its page.
 """
 
 from __future__ import annotations
@@ -30,12 +32,15 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from urdf_ik._viewer_scene import Drawing
     from urdf_ik._viewer_state import State
     from urdf_ik.arm import Arm
 
 INSTALL = "pip install 'urdf-ik[viewer]'"
 
 _NO_CHOICE = "catalogue ..."
+_NAMED = 2
+"""Shapes that could not be read of which the page tells one by one."""
 
 
 class Viewer:
@@ -76,7 +81,7 @@ class Viewer:
         from urdf_ik import _viewer_panel, _viewer_scene
 
         _viewer_address.check(host, port)
-        self._parts = _viewer_panel.Panel, _viewer_scene.Drawing
+        self._parts, self._plain = (_viewer_panel.Panel, _viewer_scene.Drawing), _viewer_panel.plain
         self._host, self._mesh_roots = host, tuple(mesh_roots)
         self.message = ""
         self.state = _viewer_state.start(arm)
@@ -114,6 +119,23 @@ class Viewer:
         self._latest.close()
         with _quiet():
             self.server.stop()
+
+    def show(self, height: int = 640) -> Any:
+        """The page inside a notebook, ``height`` pixels high; a viewer that ends a cell shows itself so, too.
+
+        The browser must reach the address of the page: where the notebook runs on another machine, forward its port.
+
+        Raises:
+            MissingPackage: there is no notebook, as IPython is not installed.
+        """
+        try:
+            from IPython.display import IFrame
+        except ImportError:
+            raise MissingPackage("a page in a notebook needs IPython: pip install 'urdf-ik[notebooks]'") from None
+        return IFrame(self.url, "100%", height)
+
+    def _repr_html_(self) -> str:
+        return str(self.show()._repr_html_())
 
     def wait(self) -> None:
         """Wait until the program is interrupted (Ctrl-C), then stop the server."""
@@ -164,6 +186,9 @@ class Viewer:
             state = _viewer_state.start(load(given, base, tip, mesh_roots=self._mesh_roots))
         except (UrdfIkError, OSError) as error:
             return self._say(str(error))
+        except Exception as error:
+            self._say(f"a defect of this program; the terminal tells more: {error!r}")
+            raise
         self.drawing.remove()
         self.panel.remove()
         self._show_arm(state)
@@ -171,21 +196,20 @@ class Viewer:
 
     def _say(self, text: str) -> None:
         self.message = text
-        self._message.content = f"```\n{text.replace('```', '')}\n```" if text else ""
+        self._message.content = "\n\n".join(self._plain(line) for line in text.splitlines())
 
     def _show_arm(self, state: State) -> None:
         """Build scene and panel of another arm."""
         panel, drawing = self._parts
         self.state, arm = state, state.arm
-        self._say("")
         self.drawing = drawing(self.server.scene, arm)
         self.panel = panel(self.server.gui, arm, self.choose, self._slid, self._turned)
-        if self.drawing.missing:
-            self._say("\n".join(["Not shown:", *self.drawing.missing]))
+        self._say("\n".join(_unseen(self.drawing)))
         self.drawing.target.on_update(self._dragged)
-        size = arm.chain.size
-        self.server.initial_camera.position = (0.6 * size, -0.75 * size, 0.55 * size)
-        self.server.initial_camera.look_at = (0.0, 0.0, 0.25 * size)
+        cameras: list[Any] = [self.server.initial_camera]
+        cameras += [client.camera for client in self.server.get_clients().values()]
+        for camera in cameras:
+            camera.position, camera.look_at = self.drawing.camera(state, camera.fov)
         self._show(state)
 
     def _show(self, state: State, held: object = None) -> None:
@@ -253,6 +277,17 @@ class Viewer:
                 event.client.send_file_download(
                     f"{Path(self.state.arm.name).name}.html", self.html().encode(), save_immediately=True
                 )
+
+
+def _unseen(drawing: Drawing) -> list[str]:
+    """That there are frames and lines for want of shapes, and why some cannot be read; of many the first ones."""
+    lines, missing = [], drawing.missing
+    if not drawing.has_shapes:
+        lines.append("No link has a shape that can be shown: the arm is drawn as frames and lines.")
+    elif missing:
+        lines.append("Not all shapes can be shown: frames and lines are drawn, too.")
+    lines += missing[:_NAMED]
+    return [*lines, f"and {len(missing) - _NAMED} more"] if len(missing) > _NAMED else lines
 
 
 @contextmanager
