@@ -204,17 +204,14 @@ def apart(case: Case, a: Array, b: Array) -> Array:
     return np.abs(np.where(case.arm.chain.prismatic, step, turned)).max(axis=-1)
 
 
-def assert_answers(case: Case, q: Array, T: Array, *, tol: float | None = None, wrapped: bool = True) -> Array:
-    """The planted q is found, every solution is exact and different. Returns them.
-
-    ``wrapped``: angles lie in (-pi, pi].
-    """
+def assert_answers(case: Case, q: Array, T: Array, *, tol: float | None = None) -> Array:
+    """The planted q is found, every solution is exact and different. Returns them."""
     solutions = case.arm.ik(T)
     found = rows(solutions)
     assert np.isnan(solutions.q[~solutions.valid]).all()
     turning = ~case.arm.chain.prismatic
-    assert (found[:, turning] > -math.pi).all() or not wrapped
-    assert (found[:, turning] <= math.pi).all() or not wrapped
+    assert (found[:, turning] > -math.pi).all()
+    assert (found[:, turning] <= math.pi).all()
     assert len(found), f"nothing found at {q}"
     assert worst_error(case, found, T) <= 1e-9
     assert apart(case, found, q).min() <= (case.oracle.tolerance(q) if tol is None else tol), (q, found)

@@ -19,6 +19,7 @@ from urdf_ik._kernels.polynomials import LANES, self_inversive_roots
 from urdf_ik._kernels.slide_position import dot
 from urdf_ik._kernels.target import check_target, project_rotation
 from urdf_ik._kernels.thresholds import CONVERGED, LARGEST_NOISE, NEAR_CIRCLE, ON_CIRCLE
+from urdf_ik._kernels.trig import wrap
 
 # A hidden slide's cosine below which it stands for a length beyond all reach: 20 times the mean distance of the axes.
 _FARTHEST = -0.995
@@ -59,7 +60,7 @@ def gather(arm, variant, circle, target, enough, Q, flags):
         remaining_angles(variant, G, X[:, k], at[k, 0], at[k, 1], values)
         for j in range(6):
             value = values[5 - j] if reverse else values[j]
-            q[j] = value / arm[layout.SCALE] if arm[few.SLIDING + j] else value
+            q[j] = value / arm[layout.SCALE] if arm[few.SLIDING + j] else wrap(value)
         few.take(arm, target, q, few.DOUBTFUL, enough, Q, flags)
     return doubt or count(flags) < expected or crowded(z)
 
