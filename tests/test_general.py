@@ -42,6 +42,11 @@ def named(name: str) -> Case:
     return described(MAKERS[name]())
 
 
+def angle_distance_of_joints(found: Array, q: Array) -> Array:
+    """Differences (k, 6) [rad] of joint vectors, each by the shorter way round."""
+    return (found - q + np.pi) % (2.0 * np.pi) - np.pi
+
+
 def motion(h: Array, p: Array, angle: float) -> Array:
     """The rigid motion (4, 4) of a turn about the axis through p along h."""
     G = np.eye(4)
@@ -196,6 +201,25 @@ def test_on_a_singularity(name: str) -> None:
 
 
 # ---------------------------------------------------------------- the elimination's parts
+
+
+@pytest.mark.parametrize("name", ["random-0", "random-1", "crx"])
+def test_fold_width_is_where_the_other_solution_lies(name: str) -> None:
+    """Close to where Pinocchio's Jacobian is singular the next solution is as far away as the fold's bend says."""
+    case, rng = named(name), np.random.default_rng(21)
+    compared = 0
+    for _ in range(20):
+        q, _ = case.oracle.singular(rng)
+        q += 2e-3 * rng.normal(size=6)
+        found = rows(case.arm.ik(case.oracle.pose(q)))
+        others = np.sort(np.linalg.norm(angle_distance_of_joints(found, q), axis=1))[1:]
+        J = case.oracle.jacobian(q)
+        J[:3] /= case.arm.chain.size
+        width = kernels.fold_width(J, np.linalg.svd(J)[2][-1])
+        if width < 0.05:
+            compared += 1
+            assert others.min() == pytest.approx(width, rel=0.2), q
+    assert compared > 5
 
 
 def test_line_motion_moves_lines() -> None:

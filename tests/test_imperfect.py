@@ -15,6 +15,7 @@ from arms import KINDS, DescribedArm, industrial, random_arm, ur_like
 from arms_general import calibrated_ur, near_member, rounded_industrial, rounded_ur, tilted
 from cases import Case, described, nearest, rows
 from numpy.typing import NDArray
+from oracle import angle_distance
 
 Array = NDArray[np.float64]
 
@@ -64,6 +65,21 @@ def ideal(kind: str) -> Case:
 def test_contract_whatever_the_imperfection(kind: str, eps: float) -> None:
     """A family's member that is off by 1e-12 to 1e-2 rad and length: planted found, all exact, none twice."""
     contract.holds(near(kind, eps), 40, 1)
+
+
+@pytest.mark.parametrize("kind", ["wrist, 2||3", "wrist, 2||3, 1x2", "2||3||4, 5x6", "2||3||4, 1x2, 5x6"])
+@pytest.mark.parametrize("eps", [1e-5, 1e-4, 3e-4])
+def test_none_of_many_is_lost(kind: str, eps: float) -> None:
+    """Of 20,000 random joint vectors every one is among its pose's solutions.
+
+    Also where branches of the ideal arm end, a weak angle carries a small difference far, or two kinds of fold meet.
+    """
+    case = near(kind, eps, 1)
+    q = case.oracle.draw(np.random.default_rng(8), 20_000)
+    solutions = case.arm.ik(case.oracle.poses(q))
+    apart = angle_distance(solutions.q, q[:, None])
+    lost = ~(np.where(solutions.valid, apart, np.inf).min(axis=1) < 1e-7)
+    assert not lost.any(), q[lost]
 
 
 @pytest.mark.parametrize("kind", KINDS)
