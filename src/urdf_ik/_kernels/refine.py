@@ -10,7 +10,15 @@ from urdf_ik._kernels import layout
 from urdf_ik._kernels.compile import kernel
 from urdf_ik._kernels.newton import newton
 from urdf_ik._kernels.screws import jacobian_from_axes, place_axes
-from urdf_ik._kernels.thresholds import CONVERGED, DOUBTFUL, FINISHED, LONG_PATIENCE
+from urdf_ik._kernels.thresholds import (
+    CONVERGED,
+    DOUBTFUL,
+    FINISHED,
+    HELD,
+    LEAST_DAMPING,
+    LONG_PATIENCE,
+    NEARLY,
+)
 from urdf_ik._kernels.trig import wrap
 
 STARTS = 13
@@ -91,8 +99,18 @@ def refine(arm, target, q, rounds, enough, patience):
 
     It stops below ``enough``, or after ``patience`` rounds without the gain of a third, and returns the error left
     (see ``pose_error``). The damping falls with the error, so that convergence is quadratic at regular solutions and
-    steps stay bounded at singular ones.
+    steps stay bounded at singular ones. On the flat bottom of a double root rounding alone still carries the arm along
+    what is singular, further than the rest can follow: there that direction is held.
     """
+    error = _descend(arm, target, q, rounds, enough, patience, LEAST_DAMPING)
+    if CONVERGED < error < NEARLY:
+        error = _descend(arm, target, q, 8, enough, patience, HELD)
+    return error
+
+
+@kernel
+def _descend(arm, target, q, rounds, enough, patience, least_damping):
+    """``refine`` with a given least damping."""
     scale = 1.0 / arm[layout.SIZE]
     prismatic = np.zeros(6, np.bool_)
     T, J = np.empty((4, 4)), np.empty((6, 6))
@@ -116,7 +134,7 @@ def refine(arm, target, q, rounds, enough, patience):
         for j in range(6):
             for i in range(3):
                 J[i, j] *= scale
-        damped_step(J, e, min(1e-2 * error, 1e-2) + 1e-12, step)
+        damped_step(J, e, min(1e-2 * error, 1e-2) + least_damping, step)
         longest = 0.0
         for j in range(6):
             longest = max(longest, abs(step[j]))

@@ -18,6 +18,9 @@ FINISHED, CONVERGED = 1.8e-15, 2e-14
 # A damped iteration that has not gained a third in this many rounds has come to rest, from a start that may be no
 # solution's; from one that should be, it may be in a long valley.
 PATIENCE, LONG_PATIENCE = 7, 60
+# Damping of the last steps; error below which a root that does not converge may be a double one, and the damping that
+# holds the direction in which it is singular.
+LEAST_DAMPING, NEARLY, HELD = 1e-12, 1e-7, 1e-6
 # Error to which a candidate must fall that lies a little beyond its family's edge.
 DOUBTFUL = 1e-12
 
