@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from test_cli import call, succeed
+from command import call, succeed
 
 import urdf_ik
 from urdf_ik import _link_shapes, _plot_axes, _plot_shapes, catalogue, plot, workspace

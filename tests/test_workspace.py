@@ -9,10 +9,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from command import call, succeed
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from test_cli import call, succeed
 
 import urdf_ik
 from urdf_ik import _workspace_grid, workspace

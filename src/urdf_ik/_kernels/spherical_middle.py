@@ -271,7 +271,7 @@ def solve_with_care(kind, target, arm, q_ref, Q, flags, continuum, beside):
             accept(arm, target, q, b, marks, near, beside, Q, flags)
     # Two roots of the quartic are so close that both may have led to the same solution.
     if crowded and not free and arm[layout.IMPERFECTION] <= arm[layout.EXACT_STRUCTURE]:
-        search_beside(arm, target, Q, flags)
+        search_beside(arm, target, Q, flags, False)
     return 2 if loose else (1 if close else 0)
 
 
