@@ -139,6 +139,12 @@ def _weakest(arms, one, other):
 
 
 @step
+def _fold(margin, steep, square):
+    """How far a fold may swing a joint: at x beside it the margin, ``square`` x^2, is less than here by steep x."""
+    return 0.25 * steep / square if abs(margin) * square < steep * steep else 0.0
+
+
+@step
 def _is_beyond(margin, steep, swing, swung):
     """Whether a margin is so far below zero that no correction lifts it there.
 
@@ -177,10 +183,10 @@ def _decide(family, N, out, past, arm, answer):
         else:
             lever2, lever3 = lever * _weakest(turned, m3, 1.0), lever
         steep2, steep3 = elbow * ends / lever2, wrist / lever3
-        swung = last + 0.25 * (shoulder / arms + steep2 + steep3)
-        none = _is_beyond(m1, shoulder, short / w1, swung)
-        none |= _is_beyond(m2, steep2, short / min(w2, lever2), swung)
-        none |= _is_beyond(m3, steep3, short / min(w3, lever3), swung)
+        x1, x2, x3 = _fold(m1, shoulder, arm1), _fold(m2, steep2, 1.0), _fold(m3, steep3, 1.0)
+        none = _is_beyond(m1, shoulder, short / w1, last + 0.25 * shoulder / arm1 + x2 + x3)
+        none |= _is_beyond(m2, steep2, short / min(w2, lever2), last + x1 + 0.25 * steep2 + x3)
+        none |= _is_beyond(m3, steep3, short / min(w3, lever3), last + x1 + x2 + 0.25 * steep3)
         still_open = answer[6, i] == 2.0
         answer[6, i] = 0.0 if still_open & none else answer[6, i]
         N[MOVES, i] = 1.0 if still_open & (not none) else 0.0
