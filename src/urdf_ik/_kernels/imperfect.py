@@ -157,11 +157,10 @@ def _is_beyond(margin, steep, swing, swung):
 
 @inlined
 def _decide(family, N, out, past, arm, answer):
-    """Polish what is in doubt, and tell what can be told of it.
+    """Polish what is in doubt, and tell what can be told of it; returns how many columns another correction may help.
 
-    Returns how many columns stay in doubt that another correction may tell more of.
-
-    ``answer`` (8, LANES): joint vector; 0 where there is no solution, 1 where there is one, 2 in doubt; pose error.
+    ``answer`` (8, LANES): joint vector; 0 where there is no solution, 1 where there is one, 2 in doubt, 3 where the
+    doubt stays, whatever becomes of the other columns; pose error.
     """
     drift = arm[layout.DRIFT]
     shoulder, elbow, wrist, folded = _steepness(family, arm)
@@ -205,8 +204,10 @@ def _decide(family, N, out, past, arm, answer):
             regular = regular and min(turned * min(LEVER * abs(out[14, i]), 1.0), arms) >= short * short
             if regular and min(out[14, i], min(out[15, i], out[16, i])) > 0.0:
                 answer[6, i] = 1.0
+            elif past[0, i] > SETTLED:
+                open_columns += 1
             else:
-                open_columns += past[0, i] > SETTLED
+                answer[6, i] = 3.0
     return open_columns
 
 
@@ -243,7 +244,7 @@ def solve(family, kind, T, arm, q_ref, Q, flags):
             for b in range(_BRANCHES):
                 state = answer[6, first + b]
                 found += state == 1.0
-                decided = decided and state != 2.0
+                decided = decided and state < 2.0
                 flags[i, b] = layout.VALID if state == 1.0 else 0
                 for j in range(6):
                     Q[i, b, j] = answer[j, first + b] if state == 1.0 else math.nan
@@ -253,7 +254,7 @@ def solve(family, kind, T, arm, q_ref, Q, flags):
                     Q[i, b, j] = math.nan
             if not decided or found % 2 == 1:
                 for b in range(_BRANCHES):
-                    if answer[6, first + b] == 2.0 and answer[7, first + b] < CLOSE:
+                    if answer[6, first + b] >= 2.0 and answer[7, first + b] < CLOSE:
                         q, error = answer[:6, first + b].copy(), answer[7, first + b]
                         if error > CONVERGED:
                             error = refine(arm, proper[k], q, 40, FINISHED, PATIENCE)

@@ -100,11 +100,11 @@ def refine(arm, target, q, rounds, enough, patience):
     It stops below ``enough``, or after ``patience`` rounds without the gain of a third, and returns the error left
     (see ``pose_error``). The damping falls with the error, so that convergence is quadratic at regular solutions and
     steps stay bounded at singular ones. On the flat bottom of a double root rounding alone still carries the arm along
-    what is singular, further than the rest can follow: there that direction is held.
+    what is singular, further than the rest can follow: there that direction is held, for up to eight rounds more.
     """
     error = _descend(arm, target, q, rounds, enough, patience, LEAST_DAMPING)
     if CONVERGED < error < NEARLY:
-        error = _descend(arm, target, q, 8, enough, patience, HELD)
+        error = _descend(arm, target, q, min(8, rounds // 2), enough, patience, HELD)
     return error
 
 
