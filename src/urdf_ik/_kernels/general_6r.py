@@ -12,7 +12,7 @@ from urdf_ik._kernels.compile import kernel
 from urdf_ik._kernels.lines import LINE, line_vector
 from urdf_ik._kernels.newton import newton_on_starts
 from urdf_ik._kernels.polynomials import LANES, self_inversive_roots
-from urdf_ik._kernels.refine import STARTS, is_new, keep, least_stretch, place, refine, start_beside
+from urdf_ik._kernels.refine import STARTS, is_new, keep, least_stretch, place, refine, refine_held, start_beside
 from urdf_ik._kernels.screws import jacobian_from_axes
 from urdf_ik._kernels.target import check_target, project_rotation
 from urdf_ik._kernels.thresholds import (
@@ -24,6 +24,7 @@ from urdf_ik._kernels.thresholds import (
     LARGEST_NOISE,
     NEAR_CIRCLE,
     NEAR_FOLD,
+    NEARLY,
     ON_CIRCLE,
     PATIENCE,
     WIDE_FOLD,
@@ -293,8 +294,8 @@ def search_beside(arm, target, Q, flags, simple):
     """Find the partners of solutions that lie next to a fold; flag the singular ones. Returns whether it looked.
 
     Along the direction that the Jacobian all but loses, Newton's method starts at distances from 0.3 to 1e-8 rad
-    on both sides. Roots that lie further apart need no help. Where folds are ``simple`` a solution whose partner is
-    known is passed over; arms whose folds come in clusters have more solutions there than the two.
+    on both sides. Where folds are ``simple`` a solution whose partner is known, or too far off to hide, is passed over;
+    arms whose folds come in clusters have more solutions there than the two.
     """
     prismatic = np.zeros(6, np.bool_)
     T, J = np.empty((4, 4)), np.empty((6, 6))
@@ -317,9 +318,12 @@ def search_beside(arm, target, Q, flags, simple):
         sigma = least_stretch(J, x)
         if sigma <= arm[layout.SINGULAR]:
             flags[b] |= layout.OTHER
-        width = fold_width(J, x)
-        if sigma > NEAR_FOLD or width > WIDE_FOLD or (simple and has_partner(Q, flags, b, x, width)):
+        if sigma > NEAR_FOLD:
             continue
+        if simple:
+            width = fold_width(J, x)
+            if width > WIDE_FOLD or has_partner(Q, flags, b, x, width):
+                continue
         beside = True
         for side in range(2):
             for k in range(LANES):
@@ -393,7 +397,7 @@ def complete(arm, target, Q, flags, known):
             doubt = gather_anew(arm, variant, circle, target, Q, flags, spare, stuck)
         else:
             doubt = gather(arm, variant, circle, target, Q, flags, spare, stuck)
-        sure = sure or not doubt
+        sure = not doubt or (known and sure)
         last = v == variants - 1
         if v == 0 or last:
             beside = search_beside(arm, target, Q, flags, known)
@@ -405,8 +409,10 @@ def complete(arm, target, Q, flags, known):
                 for k in range(1, STARTS):
                     start_beside(stuck[i], k, starts[k - 1])
                 follow(arm, target, starts, STARTS - 1, Q, flags)
-    if spare[6] <= arm[layout.REACH] and count(flags) == 0:
-        keep(Q, flags, 0, spare[:6], layout.OTHER)
+    if count(flags) == 0 and spare[6] < NEARLY:
+        best = spare[:6].copy()
+        if refine_held(arm, target, best) <= arm[layout.REACH]:
+            keep(Q, flags, 0, best, layout.OTHER)
 
 
 @kernel

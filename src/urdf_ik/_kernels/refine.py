@@ -99,13 +99,18 @@ def refine(arm, target, q, rounds, enough, patience):
 
     It stops below ``enough``, or after ``patience`` rounds without the gain of a third, and returns the error left
     (see ``pose_error``). The damping falls with the error, so that convergence is quadratic at regular solutions and
-    steps stay bounded at singular ones. On the flat bottom of a double root rounding alone still carries the arm along
-    what is singular, further than the rest can follow: there that direction is held, for up to eight rounds more.
+    steps stay bounded at singular ones.
     """
-    error = _descend(arm, target, q, rounds, enough, patience, LEAST_DAMPING)
-    if CONVERGED < error < NEARLY:
-        error = _descend(arm, target, q, min(8, rounds // 2), enough, patience, HELD)
-    return error
+    return _descend(arm, target, q, rounds, enough, patience, LEAST_DAMPING)
+
+
+@kernel
+def refine_held(arm, target, q):
+    """``refine`` for the flat bottom of a double root, with the direction held in which the arm is singular.
+
+    There rounding alone carries the arm along it further than the rest can follow. Returns the error left.
+    """
+    return _descend(arm, target, q, 8, FINISHED, LONG_PATIENCE, HELD)
 
 
 @kernel
@@ -286,6 +291,8 @@ def accept(arm, target, q, b, marks, near, beside, Q, flags):
         if error > CONVERGED:
             q[:] = start
             error = refine(arm, target, q, 15 if exact else 60, enough, LONG_PATIENCE)
+            if not exact and CONVERGED < error < NEARLY and not flags.any():
+                error = refine_held(arm, target, q)
         if error <= (arm[layout.REACH] if exact else CONVERGED) and is_new(arm, target, Q, flags, q):
             keep(Q, flags, b, q, singular_marks(arm, q, marks) if near else 0)
         return
