@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from urdf_ik._core import Solver
     from urdf_ik.chain import Chain
     from urdf_ik.dh_frames import DHFrames
     from urdf_ik.redundancy import Redundancy
@@ -35,6 +36,9 @@ NAMES = tuple(
     for flip in ("noflip", "flip")
 )
 
+_TOLERANCES = (
+    "reach", "edge", "fold", "continuum", "singular", "duplicate", "rotation", "exact_rotation", "exact_structure"
+)  # fmt: skip
 # Below this a cosine or sine of a twist is rounding of zero: eight units in the last place of 1.
 _ROUNDING = 2e-15
 
@@ -55,6 +59,7 @@ class Plan:
         explain: (target in frame 1 as rotation (3, 3) and point (3,)) -> why there is no solution.
         mirrored: whether the numbers are those of the chain from tip to base.
         by_quartic: whether its branches are the roots of a quartic.
+        solver: the compiled solver; None: ``solve`` and ``arm`` are used.
     """
 
     family: str
@@ -67,6 +72,7 @@ class Plan:
     explain: Callable[[Array, Array], str]
     mirrored: bool = False
     by_quartic: bool = False
+    solver: Solver | None = None
 
     @property
     def is_exact(self) -> bool:
@@ -102,6 +108,7 @@ class RedundantPlan:
     solve_at: Callable[..., int]
     value_of: Callable[[Array], Array]
     explain_at: Callable[[Array, float], str]
+    solver: Solver | None = None
 
     def solve(self, T: Array, arm: Array, q_ref: Array, Q: Array, flags: NDArray[np.uint8]) -> int:
         """``Plan.solve`` at the parameter's default."""
@@ -181,6 +188,39 @@ def pack_as_written(chain: Chain) -> Array:
     arm[layout.INVERSE_SIZE] = 1.0 / chain.size
     arm[layout.FRAMES : layout.FRAMES + 84] = _frames(chain, np.eye(4), np.eye(4))
     return arm
+
+
+def written_values(chain: Chain) -> dict[str, Any]:
+    """The arm as the URDF has it, as the compiled solvers take it: the steps between frames on the joint axes."""
+    steps = _frames(chain, np.eye(4), np.eye(4)).reshape(chain.n + 1, 12)
+    motions = np.concatenate([steps[:, :9].reshape(-1, 3, 3), steps[:, 9:, None]], axis=2)
+    return {
+        "steps": np.ascontiguousarray(motions),
+        "slides": chain.prismatic.astype(np.float64),
+        "size": chain.size,
+        "tolerances": dict(zip(_TOLERANCES, DEFAULT.for_kernels().tolist(), strict=True)),
+    }
+
+
+def ideal_values(frames: DHFrames, error: float, signs: Array, size: float) -> dict[str, Any]:
+    """The ideal arm, as the compiled solvers of closed forms take it."""
+    base, tool = frames.base, frames.tool
+    exact = error <= DEFAULT.exact_structure
+    return {
+        "base_rotation": np.ascontiguousarray(base[:3, :3].T),
+        "base_origin": base[:3, 3].copy(),
+        "tool_rotation": np.ascontiguousarray(tool[:3, :3].T),
+        "tool_point": -tool[:3, :3].T @ tool[:3, 3],
+        "cos_alpha": snapped(np.cos(frames.alpha)),
+        "sin_alpha": snapped(np.sin(frames.alpha)),
+        "a": np.array(frames.a, dtype=np.float64),
+        "d": np.array(frames.d[:4], dtype=np.float64),
+        "offset": np.array(frames.offset, dtype=np.float64),
+        "size": size,
+        "clamp": 100.0 * DEFAULT.fold if exact else 100.0 * DEFAULT.fold + 50.0 * error,
+        "imperfection": 0.0 if exact else error,
+        "signs": signs,
+    }
 
 
 def _drift(chain: Chain, frames: DHFrames) -> float:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik._core import Solver
 from urdf_ik._kernels import layout
 from urdf_ik._kernels import spherical_wrist as kernels
 from urdf_ik.families.plan import (
@@ -15,10 +16,12 @@ from urdf_ik.families.plan import (
     Plan,
     cheapest,
     ideal_frames,
+    ideal_values,
     imperfection,
     mean_direction,
     method_in_words,
     pack,
+    written_values,
 )
 
 if TYPE_CHECKING:
@@ -94,7 +97,28 @@ def _with_shoulder(structure: Structure, chain: Chain, shoulder: str) -> Plan:
         solve=solve,
         explain=lambda rotation, point: _explain(arm, shoulder, rotation, point),
         by_quartic=not shoulder,
+        solver=_solver(chain, frames, error, arm, shoulder),
     )
+
+
+def _solver(chain: Chain, frames: DHFrames, error: float, arm: Array, shoulder: str) -> Solver:
+    signs = arm[layout.SIGNS : layout.SIGNS + 24].reshape(8, 3).copy()
+    values = {
+        "ideal": ideal_values(frames, error, signs, chain.size),
+        "written": written_values(chain),
+        "centre": arm[layout.CENTRE : layout.CENTRE + 3].copy(),
+        "rho": float(arm[layout.RHO]),
+        "cos_phi": float(arm[layout.COS_PHI]),
+        "sin_phi": float(arm[layout.SIN_PHI]),
+        "height": float(arm[layout.HEIGHT]) if shoulder == "2||3" else 0.0,
+        "bend_offset": 0.0,
+        "swing": arm[layout.SWING : layout.SWING + 2].copy(),
+        "square_wrist": bool((arm[layout.COS_ALPHA + 3 : layout.COS_ALPHA + 5] == 0.0).all()),
+    }
+    if shoulder == "2||3":
+        turn = math.atan2(arm[layout.SIN_PHI], arm[layout.COS_PHI]) + frames.offset[2]
+        values["bend_offset"] = math.remainder(turn, 2.0 * math.pi)
+    return Solver(f"spherical wrist, {shoulder or 'general shoulder'}", values)
 
 
 def _shoulders(structure: Structure, chain: Chain) -> list[str]:

@@ -1,0 +1,126 @@
+// The solutions of one pose: whether a candidate is new, where it is kept, in what order they stand.
+#pragma once
+
+#include "polish.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// The columns of one pose in the caller's memory: q (many, N), flags (many).
+template <int N> struct Columns {
+    double* q;
+    std::uint8_t* flags;
+    int many;
+
+    STEP double* row(int b) const { return q + N * b; }
+    STEP bool valid(int b) const { return flags[b] & VALID; }
+    STEP int count() const {
+        int n = 0;
+        for (int b = 0; b < many; ++b) n += valid(b);
+        return n;
+    }
+    STEP void clear(int b) const {
+        for (int j = 0; j < N; ++j) row(b)[j] = __builtin_nan("");
+        flags[b] = 0;
+    }
+    STEP void clear() const {
+        for (int b = 0; b < many; ++b) clear(b);
+    }
+};
+
+// The joint vector near which a joint that a pose leaves free is put: the caller's, or zeros.
+template <int N> struct Reference {
+    double q[N];
+    double given;  // 1, or 0 where it stands for zeros
+};
+template <int N> STEP Reference<N> reference_of(const double* q_ref) {
+    Reference<N> r;
+    for (int j = 0; j < N; ++j) r.q[j] = q_ref ? q_ref[j] : 0.0;
+    r.given = q_ref ? 1.0 : 0.0;
+    return r;
+}
+
+// Whether q differs from every solution that the columns hold. Two vectors half way between which the arm is still in
+// the pose, to rounding, are one double root.
+template <class Model>
+PART bool is_new(const Model& arm, const Goal<double>& goal, const Columns<Model::joints>& columns, const double (&q)[Model::joints]) {
+    constexpr int N = Model::joints;
+    for (int b = 0; b < columns.many; ++b) {
+        if (!columns.valid(b)) continue;
+        const double* other = columns.row(b);
+        double apart = 0.0, middle[N];
+        for (int j = 0; j < N; ++j) {
+            const double step = gap(arm, j, q[j], other[j]);
+            middle[j] = advanced(arm, j, other[j], 0.5 * step);
+            apart = max(apart, abs(step));
+        }
+        if (apart <= arm.tolerances.duplicate) return false;
+        if (apart < BESIDE && error_at(arm, goal, middle).size <= arm.tolerances.fold) return false;
+    }
+    return true;
+}
+
+// Store q in column b, or in the first free one if that is taken; a full table drops it.
+template <int N> STEP void keep(const Columns<N>& columns, int b, const double (&q)[N], int marks) {
+    if (columns.valid(b)) {
+        for (b = 0; b < columns.many && columns.valid(b); ++b) {}
+        if (b == columns.many) return;
+    }
+    for (int j = 0; j < N; ++j) columns.row(b)[j] = q[j];
+    columns.flags[b] = VALID | marks;
+}
+
+// Joint values nearer than this [rad, m] count as the same in the order of the columns, so that rounding does not
+// decide it.
+inline constexpr double SAME_VALUE = 1e-6;
+
+// Order the solutions by their joint values, the first joint first, those that are none behind: columns of an arm whose
+// branches have no names stand in the same order for every way of finding them.
+template <int N> PART void sort(const Columns<N>& columns) {
+    const auto before = [&](int a, int b) {
+        if (columns.valid(a) != columns.valid(b)) return columns.valid(a);
+        if (!columns.valid(a)) return false;
+        for (int j = 0; j < N; ++j) {
+            if (abs(columns.row(a)[j] - columns.row(b)[j]) > SAME_VALUE) return columns.row(a)[j] < columns.row(b)[j];
+        }
+        return false;
+    };
+    for (int i = 1; i < columns.many; ++i) {
+        for (int k = i; k > 0 && before(k, k - 1); --k) {
+            for (int j = 0; j < N; ++j) {
+                const double x = columns.row(k)[j];
+                columns.row(k)[j] = columns.row(k - 1)[j], columns.row(k - 1)[j] = x;
+            }
+            const std::uint8_t f = columns.flags[k];
+            columns.flags[k] = columns.flags[k - 1], columns.flags[k - 1] = f;
+        }
+    }
+}
+
+// The smallest singular value of the Jacobian at q, and its direction.
+template <class Model>
+PART Weakest<Model::joints> weakest_at(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints]) {
+    Six<double> J[Model::joints];
+    error_and_jacobian(arm, goal, q, J);
+    return weakest(J);
+}
+
+// marks if the Jacobian at q is singular (OTHER where they name no kind), else none.
+template <class Model>
+STEP int singular_marks(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints], int marks) {
+    if (weakest_at(arm, goal, q).value > arm.tolerances.singular) return 0;
+    return marks ? marks : OTHER;
+}
+
+// Polish the closed form's candidate q of column b on the arm as written, and keep it if it is verified and new.
+// near: whether it is near a singularity, so that it is asked for its marks.
+template <class Model>
+PART void accept(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints], int b, int marks, bool near,
+                 const Columns<Model::joints>& columns) {
+    // A closed form is not improved by a step along a singular direction that only rounding asks for.
+    const double error = polish_one<true>(arm, goal, q, {15, CONVERGED, LONG_PATIENCE}).error;
+    if (error <= arm.tolerances.reach && is_new(arm, goal, columns, q)) {
+        keep(columns, b, q, near ? singular_marks(arm, goal, q, marks) : 0);
+    }
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

@@ -1,0 +1,60 @@
+// What the solvers know of an arm: plain numbers with names, the same for every instruction set. No functions here.
+// Python prepares them once an arm; the solvers never change them.
+#pragma once
+
+#include <cstdint>
+
+namespace urdf_ik {
+
+// See tolerances.py for what each of them means.
+struct Tolerances {
+    double reach, edge, fold, continuum, singular, duplicate, rotation, exact_rotation, exact_structure;
+};
+
+// A rigid motion: rotation by rows, translation [m].
+struct Motion {
+    double R[3][3], t[3];
+};
+
+// What of the tip's pose the joints are to control; arms of six joints and more control all of it.
+enum class Task : std::uint8_t { pose, position, position_and_axis, planar_position, planar_pose };
+
+// The arm as the URDF has it, of N joints: step[0], joint 1, step[1], joint 2, ... joint N, step[N], from the base to
+// the tip. Each joint turns about its frame's z axis or slides along it (product of exponentials in the frames' own
+// axes; Lynch and Park, Modern Robotics, chapter 4, body form joint by joint).
+template <int N> struct Written {
+    static constexpr int joints = N;
+    Motion step[N + 1];
+    bool slides[N];
+    double size;  // length that tolerances are relative to [m]
+    Tolerances tolerances;
+    Task task;
+    double aimed[3];   // the tip's axis that is aimed, in the tip (Task::position_and_axis, planar_pose)
+    double normal[3];  // of the plane, in the base (Task::planar_position, planar_pose)
+};
+
+// The arm in Craig's Denavit-Hartenberg order, as its family wants it to be:
+// T = base Rz(t1) Tx(a1) Rx(alpha1) Tz(d2) Rz(t2) ... Rz(t6) tool, with t = q + offset.
+struct IdealFrames {
+    double base_rotation[3][3], base_origin[3];  // rotation transposed; origin of frame 1 in the base
+    double tool_rotation[3][3], tool_point[3];   // rotation transposed; the point that is solved for, in the tip
+    double cos_alpha[5], sin_alpha[5], a[5], d[4], offset[6], size;
+    double clamp;         // how far below zero a margin may fall before its branch is given up
+    double imperfection;  // how far its poses are from those of the arm as written [rad, share of size]; 0: exact
+    double signs[8][3];   // of the branches: shoulder, elbow, wrist
+};
+
+// One call's poses and answers. q: (m, columns, joints), flags: (m, columns).
+struct Batch {
+    const double* T;       // (m, 4, 4) row by row
+    long m;
+    const double* q_ref;   // (joints) near which a continuum is represented; null: zeros
+    const double* values;  // (m) the redundancy parameter, for seven joints; null: the default
+    double* q;
+    std::uint8_t* flags;
+};
+
+// Bits of a solution's flags.
+enum Flag : std::uint8_t { VALID = 1, SHOULDER = 2, ELBOW = 4, WRIST = 8, OTHER = 16 };
+
+}  // namespace urdf_ik

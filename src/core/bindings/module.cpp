@@ -1,0 +1,98 @@
+// urdf_ik._core: the compiled solvers as Python sees them.
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/vector.h>
+
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "solver.hpp"
+
+namespace urdf_ik {
+
+// A batch is shared among threads in whole multiples of this many poses, so that every pose is solved by the same
+// instructions however many threads there are.
+constexpr long SHARE = 32;
+
+static const Makers& makers() {
+    static const Makers all = [] {
+        Makers m;
+        add_spherical_wrist(m);
+        return m;
+    }();
+    return all;
+}
+
+// The solver and what it was made from.
+struct PySolver {
+    std::string kind;
+    nb::dict values;
+    std::shared_ptr<const Solver> solver;
+
+    PySolver(std::string kind_, nb::dict values_) : kind(std::move(kind_)), values(std::move(values_)) {
+        const auto found = makers().find(kind);
+        if (found == makers().end()) throw nb::value_error(("no solver is called '" + kind + "'").c_str());
+        solver = found->second(Values(values, kind));
+    }
+};
+
+static long solve_shared(const Solver& solver, const Batch& batch, int threads) {
+    if (threads <= 1 || batch.m < 2 * SHARE * threads) return solver.solve(batch);
+    std::vector<long> bad(threads, -1);
+    const auto edge = [&](int k) { return k == threads ? batch.m : SHARE * (k * (batch.m / SHARE) / threads); };
+    const auto share = [&](int k) {
+        Batch part = batch;
+        const long from = edge(k);
+        part.m = edge(k + 1) - from;
+        part.T += 16 * from, part.flags += solver.branches * from, part.q += long(solver.branches) * solver.joints * from;
+        if (part.values) part.values += from;
+        const long found = solver.solve(part);
+        bad[k] = found < 0 ? -1 : from + found;
+    };
+    std::vector<std::thread> helpers;
+    for (int k = 1; k < threads; ++k) helpers.emplace_back(share, k);
+    share(0);
+    for (auto& each : helpers) each.join();
+    for (const long each : bad) {
+        if (each >= 0) return each;
+    }
+    return -1;
+}
+
+using Numbers = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Poses = nb::ndarray<const double, nb::shape<-1, 4, 4>, nb::c_contig, nb::device::cpu>;
+using Answers = nb::ndarray<double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
+using Flags = nb::ndarray<std::uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
+static long solve(const PySolver& self, const Poses& T, const std::optional<Numbers>& q_ref, const Answers& q, const Flags& flags,
+                  const std::optional<Numbers>& values, int threads) {
+    const Solver& solver = *self.solver;
+    const std::size_t m = T.shape(0), branches = solver.branches, joints = solver.joints;
+    if (q.shape(0) != m || q.shape(1) != branches || q.shape(2) != joints || flags.shape(0) != m || flags.shape(1) != branches ||
+        (q_ref && q_ref->shape(0) != joints) || (values && values->shape(0) != m)) {
+        throw nb::value_error("arrays of poses and answers do not fit each other");
+    }
+    const Batch batch = {T.data(), long(m), q_ref ? q_ref->data() : nullptr, values ? values->data() : nullptr, q.data(), flags.data()};
+    nb::gil_scoped_release release;
+    return solve_shared(solver, batch, threads);
+}
+
+}  // namespace urdf_ik
+
+NB_MODULE(_core, m) {
+    using namespace urdf_ik;
+    m.doc() = "The compiled solvers.";
+    m.def("isa", [] { return std::string(level().name); }, "The instruction set in use.");
+    m.def("levels", &levels_built, "The instruction sets that were built and that this processor runs.");
+    nb::class_<PySolver>(m, "Solver", "An arm, ready to be solved; immutable.")
+        .def(nb::init<std::string, nb::dict>(), nb::arg("kind"), nb::arg("values"))
+        .def_ro("kind", &PySolver::kind)
+        .def_prop_ro("joints", [](const PySolver& s) { return s.solver->joints; })
+        .def_prop_ro("branches", [](const PySolver& s) { return s.solver->branches; })
+        .def("__reduce__", [](nb::handle self) {
+            const auto& s = nb::cast<const PySolver&>(self);
+            return nb::make_tuple(nb::type<PySolver>(), nb::make_tuple(s.kind, s.values));
+        })
+        .def("solve", &solve, nb::arg("T").noconvert(), nb::arg("q_ref").noconvert().none(), nb::arg("q").noconvert(),
+             nb::arg("flags").noconvert(), nb::arg("values").noconvert().none() = nb::none(), nb::arg("threads") = 1);
+}

@@ -1,0 +1,182 @@
+// The one driver of the closed forms: a block of poses is checked, transformed, solved and stored; poses in doubt (near
+// a singularity, at the edge of reach, with a rotation that is off by rounding) are then looked at one by one.
+//
+// A Family is a struct with
+//   Arm        what it knows of an arm; Arm::ideal is IdealFrames, Arm::written is Written<6>
+//   branches   how many columns it has
+//   fast       fast(arm, seen, found): all branches of a block of poses
+//   closely    closely(arm, goal, seen, reference, columns, wanted): the branches of one pose whose bit is set in
+//              `wanted`, added to the columns
+#pragma once
+
+#include "answer.hpp"
+#include "target.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// A block's answers: angles of each branch; the lanes in which it is a solution, and those in which that is in doubt.
+template <int B> struct Found {
+    Block q[B][6];
+    unsigned valid[B], doubt[B];
+
+    // Angles where the branch is neither lost nor in doubt, NaN elsewhere.
+    STEP void set(int b, const Block (&angles)[6], const MaskOf<Block>& lost, const MaskOf<Block>& in_doubt) {
+        const auto good = !(lost | in_doubt);
+        for (int j = 0; j < 6; ++j) q[b][j] = select(good, angles[j], __builtin_nan(""));
+        valid[b] = bits(good), doubt[b] = bits(in_doubt & !lost);
+    }
+    // Every branch of every pose is in doubt.
+    STEP void leave_open() {
+        for (int b = 0; b < B; ++b) {
+            for (int j = 0; j < 6; ++j) q[b][j] = __builtin_nan("");
+            valid[b] = 0, doubt[b] = (1u << BLOCK) - 1;
+        }
+    }
+};
+
+// Poses as many as the block has lanes to their sixteen numbers.
+template <int L, int K> STEP void load_poses(const double* T, Pack<L, K> (&t)[16]) {
+    for (int k = 0; k < K; ++k) {
+        for (int c = 0; c < 16; c += L) {
+            typename Register<L>::type r[L];
+            for (int l = 0; l < L; ++l) r[l] = *(const typename Register<L>::unaligned*)(T + 16 * (L * k + l) + c);
+            transpose<L>(r);
+            for (int l = 0; l < L; ++l) t[c + l].r[k] = r[l];
+        }
+    }
+}
+
+// Streaming stores pass the cache by: they gain where the answer is larger than it, and lose where it is read at once.
+enum class Write { plain, streaming };
+inline constexpr long STREAMED_FROM = 10000;  // poses
+
+template <Write how, int L> STEP void put(double* to, const typename Register<L>::type& x) {
+#if defined(__x86_64__)
+    if constexpr (how == Write::streaming) {
+#if defined(__AVX512F__)
+        if constexpr (L == 8) return _mm512_stream_pd(to, (__m512d)x);
+#endif
+#if defined(__AVX__)
+        if constexpr (L == 4) return _mm256_stream_pd(to, (__m256d)x);
+#endif
+        if constexpr (L == 2) return _mm_stream_pd(to, (__m128d)x);
+    }
+#endif
+    *(typename Register<L>::unaligned*)to = x;
+}
+
+// Rows of numbers, one a lane, to COUNT numbers a pose.
+template <Write how, int COUNT, int L, int K> STEP void store_rows(const Pack<L, K>* rows, double* to) {
+    static_assert(COUNT % L == 0);
+    for (int k = 0; k < K; ++k) {
+#pragma GCC unroll 8
+        for (int c = 0; c < COUNT; c += L) {
+            typename Register<L>::type r[L];
+            for (int l = 0; l < L; ++l) r[l] = rows[c + l].r[k];
+            transpose<L>(r);
+            for (int l = 0; l < L; ++l) put<how, L>(to + COUNT * (L * k + l) + c, r[l]);
+        }
+    }
+}
+
+// Eight bits to eight bytes of 0 or 1.
+STEP std::uint64_t bytes_of(unsigned eight) {
+    const std::uint64_t each = (eight * 0x0101010101010101ULL) & 0x8040201008040201ULL;
+    return ((each + 0x7f7f7f7f7f7f7f7fULL) >> 7) & 0x0101010101010101ULL;
+}
+
+// Bit `lane` of each of the branches' masks, branch 0 lowest.
+template <int B> STEP unsigned of_lane(const unsigned (&masks)[B], int lane) {
+    unsigned r = 0;
+    for (int b = 0; b < B; ++b) r |= (masks[b] >> lane & 1u) << b;
+    return r;
+}
+
+template <int B> STEP void store_flags(const unsigned (&valid)[B], int many, std::uint8_t* flags) {
+    for (int i = 0; i < many; ++i) {
+        const unsigned all = of_lane(valid, i);
+        for (int b = 0; b < B; b += 8) {
+            const std::uint64_t bytes = bytes_of(all >> b & 255u);
+            __builtin_memcpy(flags + B * i + b, &bytes, 8);
+        }
+    }
+}
+
+// Look closely at one pose's branches in doubt.
+template <class Family>
+PART void solve_in_doubt(const typename Family::Arm& arm, const double* T, double defect, const double* q_ref, unsigned wanted,
+                         double* q, std::uint8_t* flags) {
+    const Columns<6> columns = {q, flags, Family::branches};
+    double proper[16];
+    for (int i = 0; i < 16; ++i) proper[i] = T[i];
+    if (defect > arm.written.tolerances.exact_rotation) {
+        project_rotation(T, proper);
+        columns.clear();
+        wanted = ~0u;
+    }
+    Family::closely(arm, goal_of(proper), to_frame_1<double>(proper, arm.ideal), reference_of<6>(q_ref), columns, wanted);
+}
+
+// One block of `many` poses. Returns the index of the first that is no pose, -1 where all are.
+template <class Family, Write how>
+STEP int solve_block(const typename Family::Arm& arm, const double* T, int many, const double* q_ref, double* q, std::uint8_t* flags) {
+    constexpr int B = Family::branches;
+    Block t[16];
+    load_poses(T, t);
+    const Block defect = pose_defect(t);
+    const unsigned improper = bits(!(defect <= Block(arm.written.tolerances.rotation)));
+    if (improper) {
+        for (int i = 0; i < many; ++i) {
+            if (improper >> i & 1) return i;
+        }
+    }
+    Found<B> found;
+    Family::fast(arm, to_frame_1(t, arm.ideal), found);
+    store_rows<how, 6 * B>(&found.q[0][0], q);
+    store_flags(found.valid, many, flags);
+    unsigned care = bits(defect > Block(arm.written.tolerances.exact_rotation));
+    for (int b = 0; b < B; ++b) care |= found.doubt[b];
+    if (care) [[unlikely]] {
+        for (int i = 0; i < many; ++i) {
+            if (care >> i & 1) {
+                solve_in_doubt<Family>(arm, T + 16 * i, defect[i], q_ref, of_lane(found.doubt, i), q + 6 * B * i, flags + B * i);
+            }
+        }
+    }
+    return -1;
+}
+
+template <class Family, Write how> PART long solve_blocks(const typename Family::Arm& arm, const Batch& batch) {
+    constexpr int B = Family::branches;
+    long start = 0;
+    for (; start + BLOCK <= batch.m; start += BLOCK) {
+        const int bad = solve_block<Family, how>(arm, batch.T + 16 * start, BLOCK, batch.q_ref, batch.q + 6 * B * start,
+                                                 batch.flags + B * start);
+        if (bad >= 0) return start + bad;
+    }
+    if (start == batch.m) return -1;
+    // The rest, filled up with its last pose: the same instructions then handle every pose, whatever its place in a batch.
+    const int many = int(batch.m - start);
+    double T[16 * BLOCK], q[6 * B * BLOCK];
+    for (int i = 0; i < BLOCK; ++i) {
+        const double* from = batch.T + 16 * (start + (i < many ? i : many - 1));
+        __builtin_memcpy(T + 16 * i, from, 16 * sizeof(double));
+    }
+    const int bad = solve_block<Family, Write::plain>(arm, T, many, batch.q_ref, q, batch.flags + B * start);
+    if (bad >= 0) return start + bad;
+    __builtin_memcpy(batch.q + 6 * B * start, q, sizeof(double) * 6 * B * many);
+    return -1;
+}
+
+// All solutions of a batch. Returns the index of the first that is no pose, -1 where all are.
+template <class Family> long solve_closed_form(const typename Family::Arm& arm, const Batch& batch) {
+    const bool aligned = reinterpret_cast<std::uintptr_t>(batch.q) % sizeof(typename Register<8>::type) == 0;
+    if (batch.m < STREAMED_FROM || !aligned) return solve_blocks<Family, Write::plain>(arm, batch);
+    const long bad = solve_blocks<Family, Write::streaming>(arm, batch);
+#if defined(__x86_64__)
+    _mm_sfence();
+#endif
+    return bad;
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

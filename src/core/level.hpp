@@ -1,0 +1,13 @@
+// The instruction set that a text is compiled for. Whatever computes is compiled once for each, always in a namespace
+// of its own (urdf_ik::v2, ::v3, ::v4, ::arm64): no symbol may be shared between two builds, or the linker could keep
+// the one that a processor cannot run. That rules out functions of the standard library that are not inlined.
+#pragma once
+
+#ifndef URDF_IK_LEVEL
+#error "URDF_IK_LEVEL names the instruction set of this build: v2, v3, v4 or arm64"
+#endif
+
+// A step of a solver: always compiled into its caller, so that a block's numbers stay in registers.
+#define STEP inline __attribute__((always_inline))
+// A part that is called: too large to repeat, or rarely needed.
+#define PART inline __attribute__((noinline))

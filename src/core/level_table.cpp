@@ -1,0 +1,19 @@
+// The table of one instruction set; see level_table.hpp.
+#include "level_table.hpp"
+
+#include "level.hpp"
+
+#define URDF_IK_TEXT_OF(x) #x
+#define URDF_IK_TEXT(x) URDF_IK_TEXT_OF(x)
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+extern const SphericalWristSolvers spherical_wrist_solvers;
+
+extern const LevelTable table;
+const LevelTable table = {
+    URDF_IK_TEXT(URDF_IK_LEVEL),
+    &spherical_wrist_solvers,
+};
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

@@ -1,0 +1,13 @@
+// What a build for one instruction set offers: the solvers of each unit, by pointer. Plain data.
+#pragma once
+
+#include "families/spherical_wrist_arm.hpp"
+
+namespace urdf_ik {
+
+struct LevelTable {
+    const char* name;
+    const SphericalWristSolvers* spherical_wrist;
+};
+
+}  // namespace urdf_ik

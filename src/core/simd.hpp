@@ -1,0 +1,285 @@
+// Numbers side by side. Pack<L, K> is K registers of L doubles each. The steps of the solvers are templates over a
+// number type V, which is a Pack (one pose, or one candidate, a lane) or a plain double: both share one text.
+#pragma once
+
+#include <cstdint>
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
+#include "level.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+template <int L> struct Register {
+    typedef double type __attribute__((vector_size(8 * L)));
+    typedef double unaligned __attribute__((vector_size(8 * L), aligned(8), may_alias));
+    typedef long long bits __attribute__((vector_size(8 * L)));
+};
+
+// ---- masks: which lanes a comparison holds in --------------------------------------------------------------------
+
+template <int L, int K> struct Mask {
+#if defined(__AVX512F__)
+    std::uint8_t m[K];  // GCC would carry a vector comparison's result about as a vector
+    static constexpr std::uint8_t all_lanes = (1u << L) - 1;
+#else
+    typename Register<L>::bits m[K];
+#endif
+    friend STEP Mask operator&(Mask a, const Mask& b) {
+        for (int k = 0; k < K; ++k) a.m[k] &= b.m[k];
+        return a;
+    }
+    friend STEP Mask operator|(Mask a, const Mask& b) {
+        for (int k = 0; k < K; ++k) a.m[k] |= b.m[k];
+        return a;
+    }
+    friend STEP Mask operator!(Mask a) {
+#if defined(__AVX512F__)
+        for (int k = 0; k < K; ++k) a.m[k] = ~a.m[k] & all_lanes;
+#else
+        for (int k = 0; k < K; ++k) a.m[k] = ~a.m[k];
+#endif
+        return a;
+    }
+};
+
+// One bit a lane.
+template <int L, int K> STEP unsigned bits(const Mask<L, K>& a) {
+    unsigned r = 0;
+    for (int k = 0; k < K; ++k) {
+#if defined(__AVX512F__)
+        r |= unsigned(a.m[k]) << (L * k);
+#elif defined(__AVX__)
+        static_assert(L == 4);
+        r |= unsigned(_mm256_movemask_pd((__m256d)a.m[k])) << (L * k);
+#elif defined(__SSE2__)
+        static_assert(L == 2);
+        r |= unsigned(_mm_movemask_pd((__m128d)a.m[k])) << (L * k);
+#else
+        for (int l = 0; l < L; ++l) r |= unsigned(a.m[k][l] & 1) << (L * k + l);
+#endif
+    }
+    return r;
+}
+STEP unsigned bits(bool a) { return a; }
+template <class M> STEP bool any(const M& a) { return bits(a) != 0; }
+
+// ---- packs -------------------------------------------------------------------------------------------------------
+
+template <int L> STEP typename Register<L>::type filled(double x) { return x - typename Register<L>::type{}; }
+
+template <int L, int K> struct Pack {
+    static constexpr int lanes = L * K;
+    typename Register<L>::type r[K];
+
+    Pack() = default;
+    STEP Pack(double x) {
+        for (int k = 0; k < K; ++k) r[k] = filled<L>(x);
+    }
+    STEP double operator[](int lane) const { return r[lane / L][lane % L]; }
+    STEP void set(int lane, double x) { r[lane / L][lane % L] = x; }
+
+#define URDF_IK_ARITHMETIC(op)                                     \
+    friend STEP Pack operator op(Pack a, const Pack& b) {          \
+        for (int k = 0; k < K; ++k) a.r[k] = a.r[k] op b.r[k];     \
+        return a;                                                  \
+    }                                                              \
+    friend STEP Pack operator op(double a, const Pack& b) { return Pack(a) op b; } \
+    friend STEP Pack operator op(const Pack& a, double b) { return a op Pack(b); } \
+    STEP Pack& operator op##=(const Pack& b) { return *this = *this op b; }
+    URDF_IK_ARITHMETIC(+)
+    URDF_IK_ARITHMETIC(-)
+    URDF_IK_ARITHMETIC(*)
+    URDF_IK_ARITHMETIC(/)
+#undef URDF_IK_ARITHMETIC
+    friend STEP Pack operator-(Pack a) {
+        for (int k = 0; k < K; ++k) a.r[k] = -a.r[k];
+        return a;
+    }
+
+#if defined(__AVX512F__)
+#define URDF_IK_COMPARISON(op, code)                                                                       \
+    friend STEP Mask<L, K> operator op(const Pack& a, const Pack& b) {                                     \
+        Mask<L, K> c;                                                                                      \
+        for (int k = 0; k < K; ++k) {                                                                      \
+            if constexpr (L == 8) c.m[k] = _mm512_cmp_pd_mask((__m512d)a.r[k], (__m512d)b.r[k], code);     \
+            else if constexpr (L == 4) c.m[k] = _mm256_cmp_pd_mask((__m256d)a.r[k], (__m256d)b.r[k], code); \
+            else c.m[k] = _mm_cmp_pd_mask((__m128d)a.r[k], (__m128d)b.r[k], code);                         \
+        }                                                                                                  \
+        return c;                                                                                          \
+    }
+#else
+#define URDF_IK_COMPARISON(op, code)                                   \
+    friend STEP Mask<L, K> operator op(const Pack& a, const Pack& b) { \
+        Mask<L, K> c;                                                  \
+        for (int k = 0; k < K; ++k) c.m[k] = a.r[k] op b.r[k];         \
+        return c;                                                      \
+    }
+#endif
+    URDF_IK_COMPARISON(<, _CMP_LT_OQ)
+    URDF_IK_COMPARISON(<=, _CMP_LE_OQ)
+    URDF_IK_COMPARISON(>, _CMP_GT_OQ)
+    URDF_IK_COMPARISON(>=, _CMP_GE_OQ)
+#undef URDF_IK_COMPARISON
+};
+
+// What a comparison of two V gives; how many numbers a V holds.
+template <class V> using MaskOf = decltype(V() < V());
+template <class V> inline constexpr int lanes_of = 1;
+template <int L, int K> inline constexpr int lanes_of<Pack<L, K>> = L * K;
+
+// a where the mask holds, else b.
+template <int L, int K> STEP Pack<L, K> select(const Mask<L, K>& m, Pack<L, K> a, const Pack<L, K>& b) {
+    for (int k = 0; k < K; ++k) {
+#if defined(__AVX512F__)
+        using R = typename Register<L>::type;
+        if constexpr (L == 8) a.r[k] = (R)_mm512_mask_blend_pd(m.m[k], (__m512d)b.r[k], (__m512d)a.r[k]);
+        else if constexpr (L == 4) a.r[k] = (R)_mm256_mask_blend_pd(m.m[k], (__m256d)b.r[k], (__m256d)a.r[k]);
+        else a.r[k] = (R)_mm_mask_blend_pd(m.m[k], (__m128d)b.r[k], (__m128d)a.r[k]);
+#else
+        a.r[k] = m.m[k] ? a.r[k] : b.r[k];
+#endif
+    }
+    return a;
+}
+template <int L, int K> STEP Pack<L, K> select(const Mask<L, K>& m, const Pack<L, K>& a, double b) {
+    return select(m, a, Pack<L, K>(b));
+}
+template <int L, int K> STEP Pack<L, K> select(const Mask<L, K>& m, double a, const Pack<L, K>& b) {
+    return select(m, Pack<L, K>(a), b);
+}
+
+// The smaller and the greater of two numbers; the second where one is NaN.
+template <int L, int K> STEP Pack<L, K> min(Pack<L, K> a, const Pack<L, K>& b) {
+    for (int k = 0; k < K; ++k) {
+        using R = typename Register<L>::type;
+#if defined(__AVX512F__)
+        if constexpr (L == 8) a.r[k] = (R)_mm512_min_pd((__m512d)a.r[k], (__m512d)b.r[k]);
+#endif
+#if defined(__AVX__)
+        if constexpr (L == 4) a.r[k] = (R)_mm256_min_pd((__m256d)a.r[k], (__m256d)b.r[k]);
+#endif
+#if defined(__SSE2__)
+        if constexpr (L == 2) a.r[k] = (R)_mm_min_pd((__m128d)a.r[k], (__m128d)b.r[k]);
+#else
+        a.r[k] = a.r[k] < b.r[k] ? a.r[k] : b.r[k];
+#endif
+    }
+    return a;
+}
+template <int L, int K> STEP Pack<L, K> max(Pack<L, K> a, const Pack<L, K>& b) {
+    for (int k = 0; k < K; ++k) {
+        using R = typename Register<L>::type;
+#if defined(__AVX512F__)
+        if constexpr (L == 8) a.r[k] = (R)_mm512_max_pd((__m512d)a.r[k], (__m512d)b.r[k]);
+#endif
+#if defined(__AVX__)
+        if constexpr (L == 4) a.r[k] = (R)_mm256_max_pd((__m256d)a.r[k], (__m256d)b.r[k]);
+#endif
+#if defined(__SSE2__)
+        if constexpr (L == 2) a.r[k] = (R)_mm_max_pd((__m128d)a.r[k], (__m128d)b.r[k]);
+#else
+        a.r[k] = a.r[k] > b.r[k] ? a.r[k] : b.r[k];
+#endif
+    }
+    return a;
+}
+template <int L, int K> STEP Pack<L, K> min(const Pack<L, K>& a, double b) { return min(a, Pack<L, K>(b)); }
+template <int L, int K> STEP Pack<L, K> max(const Pack<L, K>& a, double b) { return max(a, Pack<L, K>(b)); }
+
+template <int L, int K> STEP Pack<L, K> sqrt(Pack<L, K> a) {
+    for (int k = 0; k < K; ++k) {
+        using R = typename Register<L>::type;
+#if defined(__AVX512F__)
+        if constexpr (L == 8) a.r[k] = (R)_mm512_sqrt_pd((__m512d)a.r[k]);
+#endif
+#if defined(__AVX__)
+        if constexpr (L == 4) a.r[k] = (R)_mm256_sqrt_pd((__m256d)a.r[k]);
+#endif
+#if defined(__SSE2__)
+        if constexpr (L == 2) a.r[k] = (R)_mm_sqrt_pd((__m128d)a.r[k]);
+#else
+        for (int l = 0; l < L; ++l) a.r[k][l] = __builtin_sqrt(a.r[k][l]);
+#endif
+    }
+    return a;
+}
+
+template <int L, int K> STEP Pack<L, K> abs(Pack<L, K> a) {
+    using B = typename Register<L>::bits;
+    const B magnitude = B{} + 0x7fffffffffffffffLL;
+    for (int k = 0; k < K; ++k) a.r[k] = (typename Register<L>::type)((B)a.r[k] & magnitude);
+    return a;
+}
+
+// |a| with the sign of b.
+template <int L, int K> STEP Pack<L, K> copysign(Pack<L, K> a, const Pack<L, K>& b) {
+    using B = typename Register<L>::bits;
+    const B magnitude = B{} + 0x7fffffffffffffffLL;
+    for (int k = 0; k < K; ++k) a.r[k] = (typename Register<L>::type)(((B)a.r[k] & magnitude) | ((B)b.r[k] & ~magnitude));
+    return a;
+}
+
+// ---- the same for one number ---------------------------------------------------------------------------------------
+
+STEP double select(bool m, double a, double b) { return m ? a : b; }
+STEP double min(double a, double b) { return a < b ? a : b; }
+STEP double max(double a, double b) { return a > b ? a : b; }
+STEP double sqrt(double a) { return __builtin_sqrt(a); }
+STEP double abs(double a) { return __builtin_fabs(a); }
+STEP double copysign(double a, double b) { return __builtin_copysign(a, b); }
+STEP double lane(double a, int) { return a; }
+template <int L, int K> STEP double lane(const Pack<L, K>& a, int i) { return a[i]; }
+STEP void set_lane(double& a, int, double x) { a = x; }
+template <int L, int K> STEP void set_lane(Pack<L, K>& a, int i, double x) { a.set(i, x); }
+
+// ---- rows to columns -------------------------------------------------------------------------------------------------
+
+// L registers of L numbers, transposed.
+template <int L> STEP void transpose(typename Register<L>::type (&r)[L]) {
+    using R = typename Register<L>::type;
+    if constexpr (L == 2) {
+        const R a = __builtin_shufflevector(r[0], r[1], 0, 2), b = __builtin_shufflevector(r[0], r[1], 1, 3);
+        r[0] = a, r[1] = b;
+    } else if constexpr (L == 4) {
+        const R a = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6), b = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7);
+        const R c = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6), d = __builtin_shufflevector(r[2], r[3], 1, 5, 3, 7);
+        r[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5), r[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
+        r[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7), r[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
+    } else {
+        static_assert(L == 8);
+        // Numbers change places with their neighbours, then pairs, then fours.
+        R s[8];
+        for (int k = 0; k < 8; k += 2) {
+            s[k] = __builtin_shufflevector(r[k], r[k + 1], 0, 8, 2, 10, 4, 12, 6, 14);
+            s[k + 1] = __builtin_shufflevector(r[k], r[k + 1], 1, 9, 3, 11, 5, 13, 7, 15);
+        }
+        for (int k = 0; k < 8; k += 4) {
+            for (int i = 0; i < 2; ++i) {
+                r[k + i] = __builtin_shufflevector(s[k + i], s[k + 2 + i], 0, 1, 8, 9, 4, 5, 12, 13);
+                r[k + 2 + i] = __builtin_shufflevector(s[k + i], s[k + 2 + i], 2, 3, 10, 11, 6, 7, 14, 15);
+            }
+        }
+        for (int i = 0; i < 4; ++i) {
+            const R a = r[i], b = r[4 + i];
+            s[i] = __builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11);
+            s[4 + i] = __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15);
+        }
+        for (int i = 0; i < 8; ++i) r[i] = s[i];
+    }
+}
+
+// ---- the block of this instruction set: the V that batches are solved with ---------------------------------------------
+
+#if defined(__AVX512F__)
+using Block = Pack<8, 1>;
+#elif defined(__AVX__)
+using Block = Pack<4, 1>;
+#else
+using Block = Pack<2, 2>;
+#endif
+inline constexpr int BLOCK = Block::lanes;
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

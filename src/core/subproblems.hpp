@@ -1,0 +1,79 @@
+// The steps that the families are made of, without branches: each takes and gives angles as (cos, sin).
+//
+// A step that has two solutions takes a sign. Where they meet, or cease to exist, it continues with the double root, and
+// the margin that it returns beside the angles (zero where they meet, negative beyond) tells. Frames are
+// Denavit-Hartenberg's in Craig's order, so every rotation is about z or x.
+// Sources: Pieper 1968; Paden 1986 (subproblems 1 to 4); Elias and Wen 2022.
+#pragma once
+
+#include "vectors.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// Turn about z so that (X, k) becomes (x, y), X free: subproblem 4.
+template <class V> struct Swing {
+    Turn<V> turn;
+    V X, margin;  // margin r^2 - k^2 [m^2]
+};
+template <class V> STEP Swing<V> swing_to_offset(const V& x, const V& y, const V& k, const V& sign) {
+    const V margin = x * x + y * y - k * k, X = sign * sqrt(max(margin, 0.0));
+    return {unit(X * x + k * y, X * y - k * x), X, margin};
+}
+
+// Planar two-link arm: a e(q2) + b e(q2 + side gamma) = (ux, uy); law of cosines, then subproblem 1.
+// 1 + cos gamma and 1 - cos gamma are taken apart, so that a folded arm of equal links keeps its digits.
+template <class V> struct Elbow {
+    Turn<V> second, bend;  // q2, gamma
+    V margin;              // sin^2 gamma
+};
+template <class V, class W> STEP Elbow<V> elbow(const V& ux, const V& uy, const W& a, const W& b, double side, const V& sign) {
+    const V uu = ux * ux + uy * uy;
+    const W w = 0.5 / (a * b), inner = a - b, outer = a + b;
+    const V folded = (uu - inner * inner) * w, stretched = (outer * outer - uu) * w, margin = folded * stretched;
+    const V c = min(max(0.5 * (folded - stretched), -1.0), V(1.0)), s = sign * sqrt(max(margin, 0.0));
+    const V wx = inner + b * max(folded, 0.0), wy = side * b * s;
+    return {unit(wx * ux + wy * uy, wx * uy - wy * ux), {c, s}, margin};
+}
+
+// Two twists: cosines and sines of the angles from one axis to the next.
+struct Twists {
+    double ca, sa, cb, sb;
+};
+
+// Middle angle of a wrist whose last axis points along z in the frame of the first: subproblem 4. The axes enclose alpha
+// and beta. The sine comes from the part of the last axis across the first one, which keeps its digits where the three
+// axes fall into a plane.
+template <class V> struct Bend {
+    Turn<V> turn;
+    V margin;  // sin^2
+};
+template <class V> STEP Bend<V> wrist_bend(const Vec<V>& z, const Twists& t, const V& sign) {
+    const V c = (t.ca * t.cb - z.z) / (t.sa * t.sb), across = t.ca * t.sb * c + t.sa * t.cb;
+    const V margin = (z.x * z.x + z.y * z.y - across * across) / (t.sb * t.sb);
+    return {unit(c, sign * sqrt(max(margin, 0.0))), margin};
+}
+
+// First and last angle of a wrist with a known bend: M = Rz(first) Rx(alpha) Rz(bend) Rx(beta) Rz(last). The last angle
+// is measured after the first one is undone, so their sum stays exact where the axes align.
+template <class V> struct WristTurns {
+    Turn<V> first, last;
+    V fixed;  // the squared length that fixes the first turn; 0: only their sum matters
+    V error;  // squared, of the rotation reached
+};
+// hold: the first turn is given, for a target that leaves it free.
+template <class V>
+STEP WristTurns<V> wrist_turns(const Rot<V>& M, const Turn<V>& bend, const Twists& t, bool hold = false, Turn<V> held = {1.0, 0.0}) {
+    const V X = t.sb * bend.s, Y = -(t.ca * t.sb * bend.c + t.sa * t.cb);
+    const Turn<V> f = hold ? held : unit(X * M.z.x + Y * M.z.y, X * M.z.y - Y * M.z.x);
+    const Vec<V> v = {f.c * bend.c - f.s * t.ca * bend.s, f.s * bend.c + f.c * t.ca * bend.s, t.sa * bend.s};
+    const V ex = f.c * X - f.s * Y - M.z.x, ey = f.s * X + f.c * Y - M.z.y, ez = t.ca * t.cb - t.sa * t.sb * bend.c - M.z.z;
+    const V ev = dot(v, M.z);
+    return {f, {dot(v, M.x), -dot(v, M.y)}, X * X + Y * Y, ex * ex + ey * ey + ez * ez + ev * ev};
+}
+
+// Whether a margin cannot be told from zero: the two solutions are one double root. The margin is a difference of
+// squares; where the squared length `arm` that it belongs to is small, so is its rounding error, and the solutions part
+// by half a turn instead of meeting.
+STEP bool is_double(double margin, double arm, double rounding) { return margin <= rounding * sqrt(arm); }
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

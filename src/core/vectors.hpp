@@ -1,0 +1,86 @@
+// Vectors, rotations, rigid motions and twists, of numbers or packs.
+#pragma once
+
+#include "arm.hpp"
+#include "trig.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+template <class V> struct Vec {
+    V x, y, z;
+};
+template <class V> STEP Vec<V> operator+(const Vec<V>& a, const Vec<V>& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+template <class V> STEP Vec<V> operator-(const Vec<V>& a, const Vec<V>& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+template <class V> STEP Vec<V> operator*(const V& f, const Vec<V>& a) { return {f * a.x, f * a.y, f * a.z}; }
+template <class V> STEP V dot(const Vec<V>& a, const Vec<V>& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+template <class V> STEP Vec<V> cross(const Vec<V>& a, const Vec<V>& b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+template <class V> STEP Vec<V> vec(const double (&a)[3]) { return {V(a[0]), V(a[1]), V(a[2])}; }
+
+// A rotation by its columns.
+template <class V> struct Rot {
+    Vec<V> x, y, z;
+};
+template <class V> STEP Vec<V> operator*(const Rot<V>& R, const Vec<V>& a) {
+    return {R.x.x * a.x + R.y.x * a.y + R.z.x * a.z, R.x.y * a.x + R.y.y * a.y + R.z.y * a.z,
+            R.x.z * a.x + R.y.z * a.y + R.z.z * a.z};
+}
+
+// A frame: where its origin is, and its axes.
+template <class V> struct Frame {
+    Rot<V> R;
+    Vec<V> p;
+};
+
+// A constant rotation, given by rows, times a vector.
+template <class V> STEP Vec<V> times(const double (&R)[3][3], const Vec<V>& a) {
+    return {R[0][0] * a.x + R[0][1] * a.y + R[0][2] * a.z, R[1][0] * a.x + R[1][1] * a.y + R[1][2] * a.z,
+            R[2][0] * a.x + R[2][1] * a.y + R[2][2] * a.z};
+}
+// A rotation times one column of a constant one.
+template <class V> STEP Vec<V> combine(const Rot<V>& R, double a, double b, double c) {
+    return {R.x.x * a + R.y.x * b + R.z.x * c, R.x.y * a + R.y.y * b + R.z.y * c, R.x.z * a + R.y.z * b + R.z.z * c};
+}
+
+// The frame moved by a constant step, seen from the frame itself.
+template <class V> STEP Frame<V> beyond(const Frame<V>& at, const Motion& step) {
+    const auto& R = step.R;
+    return {{combine(at.R, R[0][0], R[1][0], R[2][0]), combine(at.R, R[0][1], R[1][1], R[2][1]),
+             combine(at.R, R[0][2], R[1][2], R[2][2])},
+            at.p + combine(at.R, step.t[0], step.t[1], step.t[2])};
+}
+// The frame turned about its own z axis.
+template <class V> STEP Frame<V> turned(const Frame<V>& at, const Turn<V>& t) {
+    return {{t.c * at.R.x + t.s * at.R.y, t.c * at.R.y - t.s * at.R.x, at.R.z}, at.p};
+}
+
+// Six numbers: a twist, or a column of the Jacobian (linear part first).
+template <class V> struct Six {
+    V v[6];
+    STEP V& operator[](int i) { return v[i]; }
+    STEP const V& operator[](int i) const { return v[i]; }
+};
+template <class V> STEP V dot(const Six<V>& a, const Six<V>& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5];
+}
+template <class V> STEP Six<V> times(Six<V> a, const V& f) {
+    for (auto& x : a.v) x = x * f;
+    return a;
+}
+template <class V> STEP Six<V> less(Six<V> a, const V& f, const Six<V>& b) {
+    for (int i = 0; i < 6; ++i) a[i] = a[i] - f * b[i];
+    return a;
+}
+template <class V> STEP V largest(const Six<V>& a) {
+    return max(max(max(abs(a[0]), abs(a[1])), max(abs(a[2]), abs(a[3]))), max(abs(a[4]), abs(a[5])));
+}
+
+// (x, y) turned back by the angle t.
+template <class V, class W> STEP void unturn(V& x, V& y, const Turn<W>& t) {
+    const V turned_x = t.c * x + t.s * y;
+    y = t.c * y - t.s * x;
+    x = turned_x;
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL
