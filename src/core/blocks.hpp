@@ -14,25 +14,44 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// A block's answers: angles of each branch; the lanes in which it is a solution, and those in which that is in doubt.
+// A block's answers: the angles of each branch, its least margin (below zero it is no solution; its angles are then
+// those at the double root where it vanished), the lanes in which it is a solution, and those in which that is in doubt.
 template <int B> struct Found {
-    Block q[B][6];
+    Block q[B][6], margin[B];
+    MaskOf<Block> good[B];
     unsigned valid[B], doubt[B];
 
-    // Angles where the branch is neither lost nor in doubt, NaN elsewhere.
-    STEP void set(int b, const Block (&angles)[6], const MaskOf<Block>& lost, const MaskOf<Block>& in_doubt) {
-        const auto good = !(lost | in_doubt);
-        for (int j = 0; j < 6; ++j) q[b][j] = select(good, angles[j], __builtin_nan(""));
-        valid[b] = bits(good), doubt[b] = bits(in_doubt & !lost);
+    STEP void set_state(int b, const Block& least, const MaskOf<Block>& lost, const MaskOf<Block>& in_doubt) {
+        margin[b] = least, good[b] = !(lost | in_doubt), valid[b] = bits(good[b]), doubt[b] = bits(in_doubt & !lost);
     }
     // Every branch of every pose is in doubt.
     STEP void leave_open() {
         for (int b = 0; b < B; ++b) {
             for (int j = 0; j < 6; ++j) q[b][j] = __builtin_nan("");
-            valid[b] = 0, doubt[b] = (1u << BLOCK) - 1;
+            margin[b] = 0.0, good[b] = Block(1.0) < Block(0.0), valid[b] = 0, doubt[b] = (1u << BLOCK) - 1;
+        }
+    }
+    // NaN where a branch is no solution.
+    STEP void blank() {
+        for (int b = 0; b < B; ++b) {
+            if (valid[b] == (1u << BLOCK) - 1) continue;
+            for (int j = 0; j < 6; ++j) q[b][j] = select(good[b], q[b][j], __builtin_nan(""));
         }
     }
 };
+
+// Angles of y[FROM..TO) and x, to y: four at a time, so that the processor finds independent work.
+template <int FROM, int TO> PART void angles(Block* __restrict y, const Block* __restrict x) {
+    static_assert((TO - FROM) % 4 == 0);
+#pragma GCC unroll 1
+    for (int i = FROM; i < TO; i += 4) {
+        Block a[4];
+#pragma GCC unroll 4
+        for (int k = 0; k < 4; ++k) a[k] = atan2(y[i + k], x[i + k]);
+#pragma GCC unroll 4
+        for (int k = 0; k < 4; ++k) y[i + k] = a[k];
+    }
+}
 
 // Poses as many as the block has lanes to their sixteen numbers.
 template <int L, int K> STEP void load_poses(const double* T, Pack<L, K> (&t)[16]) {
@@ -132,6 +151,7 @@ STEP int solve_block(const typename Family::Arm& arm, const double* T, int many,
     }
     Found<B> found;
     Family::fast(arm, to_frame_1(t, arm.ideal), found);
+    found.blank();
     store_rows<how, 6 * B>(&found.q[0][0], q);
     store_flags(found.valid, many, flags);
     unsigned care = bits(defect > Block(arm.written.tolerances.exact_rotation));

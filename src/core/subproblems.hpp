@@ -16,7 +16,7 @@ template <class V> struct Swing {
     V X, margin;  // margin r^2 - k^2 [m^2]
 };
 template <class V> STEP Swing<V> swing_to_offset(const V& x, const V& y, const V& k, const V& sign) {
-    const V margin = x * x + y * y - k * k, X = sign * sqrt(max(margin, 0.0));
+    const V margin = x * x + y * y - k * k, X = sign * root(max(margin, 0.0));
     return {unit(X * x + k * y, X * y - k * x), X, margin};
 }
 
@@ -30,7 +30,7 @@ template <class V, class W> STEP Elbow<V> elbow(const V& ux, const V& uy, const 
     const V uu = ux * ux + uy * uy;
     const W w = 0.5 / (a * b), inner = a - b, outer = a + b;
     const V folded = (uu - inner * inner) * w, stretched = (outer * outer - uu) * w, margin = folded * stretched;
-    const V c = min(max(0.5 * (folded - stretched), -1.0), V(1.0)), s = sign * sqrt(max(margin, 0.0));
+    const V c = min(max(0.5 * (folded - stretched), -1.0), V(1.0)), s = sign * root(max(margin, 0.0));
     const V wx = inner + b * max(folded, 0.0), wy = side * b * s;
     return {unit(wx * ux + wy * uy, wx * uy - wy * ux), {c, s}, margin};
 }
@@ -48,9 +48,9 @@ template <class V> struct Bend {
     V margin;  // sin^2
 };
 template <class V> STEP Bend<V> wrist_bend(const Vec<V>& z, const Twists& t, const V& sign) {
-    const V c = (t.ca * t.cb - z.z) / (t.sa * t.sb), across = t.ca * t.sb * c + t.sa * t.cb;
-    const V margin = (z.x * z.x + z.y * z.y - across * across) / (t.sb * t.sb);
-    return {unit(c, sign * sqrt(max(margin, 0.0))), margin};
+    const V c = (t.ca * t.cb - z.z) * (1.0 / (t.sa * t.sb)), across = t.ca * t.sb * c + t.sa * t.cb;
+    const V margin = (z.x * z.x + z.y * z.y - across * across) * (1.0 / (t.sb * t.sb));
+    return {unit(c, sign * root(max(margin, 0.0))), margin};
 }
 
 // First and last angle of a wrist with a known bend: M = Rz(first) Rx(alpha) Rz(bend) Rx(beta) Rz(last). The last angle
