@@ -83,9 +83,6 @@ template <Shoulder kind> struct SphericalWrist {
         found.set(b + 1, {q1, q2, q3, q4_flipped, q5_flipped, q6_flipped}, lost, doubt);
     }
 
-    // The angle half a turn away, in (-pi, pi].
-    static STEP Block half_turn_from(const Block& q) { return select(q > Block(0.0), q - PI, q + PI); }
-
     // A margin within `fold` of zero is a double root, of which one branch is kept; a joint that the target leaves free
     // (squared arm below `continuum`) takes the reference's value.
     static PART void closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,

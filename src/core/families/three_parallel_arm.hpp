@@ -20,8 +20,8 @@ struct ThreeParallelArm {
 using SolveThreeParallel = long (*)(const ThreeParallelArm&, const Batch&);
 struct ThreeParallelSolvers {
     SolveThreeParallel solve[2];  // by Hand
-    // How far apart each shoulder and wrist brings axes 2 and 4 [m] for a target seen from frame 1 (rotation and point,
-    // row by row, 12 numbers); NaN where there is none.
+    // How far apart each shoulder and wrist brings axes 2 and 4 [m] for a target as seen from frame 1 (4, 4); NaN where
+    // there is none.
     void (*distances[2])(const ThreeParallelArm&, const double* seen, double (&out)[4]);
 };
 
