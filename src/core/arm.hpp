@@ -33,11 +33,15 @@ template <int N> struct Written {
     double normal[3];  // of the plane, in the base (Task::planar_position, planar_pose)
 };
 
-// The arm in Craig's Denavit-Hartenberg order, as its family wants it to be:
-// T = base Rz(t1) Tx(a1) Rx(alpha1) Tz(d2) Rz(t2) ... Rz(t6) tool, with t = q + offset.
-struct IdealFrames {
+// Where the solver's own frames stand: the first in the base, the last in the tip.
+struct Ends {
     double base_rotation[3][3], base_origin[3];  // rotation transposed; origin of frame 1 in the base
     double tool_rotation[3][3], tool_point[3];   // rotation transposed; the point that is solved for, in the tip
+};
+
+// The arm in Craig's Denavit-Hartenberg order, as its family wants it to be:
+// T = base Rz(t1) Tx(a1) Rx(alpha1) Tz(d2) Rz(t2) ... Rz(t6) tool, with t = q + offset.
+struct IdealFrames : Ends {
     double cos_alpha[5], sin_alpha[5], a[5], d[4], offset[6], size;
     double clamp;         // how far below zero a margin may fall before its branch is given up
     double imperfection;  // how far its poses are from those of the arm as written [rad, share of size]; 0: exact

@@ -25,7 +25,7 @@ template <class V> STEP V pose_defect(const V (&t)[16]) {
 }
 
 // t: the sixteen numbers of a pose, row by row.
-template <class V> STEP Seen<V> to_frame_1(const V (&t)[16], const IdealFrames& arm) {
+template <class V> STEP Seen<V> to_frame_1(const V (&t)[16], const Ends& arm) {
     const auto& L = arm.tool_rotation;
     const double *l = arm.tool_point, *o = arm.base_origin;
     const Rot<V> R = {{t[0], t[4], t[8]}, {t[1], t[5], t[9]}, {t[2], t[6], t[10]}};

@@ -17,7 +17,11 @@ public:
     virtual long solve(const Batch& batch) const = 0;
 
     int joints = 6, branches = 8;
+    int numbers = 16;  // a target's: a pose has sixteen
 };
+
+// The solver that a Python object holds, for solvers that are built upon others: solver_in(values.at(name)).
+std::shared_ptr<const Solver> solver_in(nb::handle object);
 
 // A solver that is an arm's numbers and a function of this instruction set.
 template <class Arm> class SolverOf : public Solver {

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik._kernels import layout
-from urdf_ik._kernels.target import to_frame_1
 from urdf_ik.dh_frames import any_normal, denavit_hartenberg, frame
 from urdf_ik.tolerances import DEFAULT
 
@@ -81,9 +80,11 @@ class Plan:
 
     def why(self, T: Array) -> str:
         """Why the pose ``T`` (4, 4) has no solution."""
-        seen = np.empty(12)
-        to_frame_1(np.linalg.inv(T) if self.mirrored else T, self.arm, seen)
-        return self.explain(seen[:9].reshape(3, 3), seen[9:])
+        T = np.linalg.inv(T) if self.mirrored else T
+        base, tool = (self.arm[at : at + 9].reshape(3, 3) for at in (layout.BASE_ROTATION, layout.TOOL_ROTATION))
+        origin, point = (self.arm[at : at + 3] for at in (layout.BASE_ORIGIN, layout.TOOL_POINT))
+        R, p = T[:3, :3], T[:3, 3]
+        return self.explain(base @ R @ tool, base @ (R @ point + p - origin))
 
 
 @dataclass(frozen=True)
