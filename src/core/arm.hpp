@@ -23,7 +23,7 @@ enum class Task : std::uint8_t { pose, position, position_and_axis, planar_posit
 // the tip. Each joint turns about its frame's z axis or slides along it (product of exponentials in the frames' own
 // axes; Lynch and Park, Modern Robotics, chapter 4, body form joint by joint).
 template <int N> struct Written {
-    static constexpr int joints = N;
+    static constexpr int joints = N, rows = 6;  // of the Jacobian
     Motion step[N + 1];
     bool slides[N];
     double size;  // length that tolerances are relative to [m]
@@ -33,14 +33,21 @@ template <int N> struct Written {
     double normal[3];  // of the plane, in the base (Task::planar_position, planar_pose)
 };
 
-// The arm in Craig's Denavit-Hartenberg order, as its family wants it to be:
-// T = base Rz(t1) Tx(a1) Rx(alpha1) Tz(d2) Rz(t2) ... Rz(t6) tool, with t = q + offset.
-struct IdealFrames {
+// Where the solver's own frames stand: the first in the base, the last in the tip.
+struct Ends {
     double base_rotation[3][3], base_origin[3];  // rotation transposed; origin of frame 1 in the base
     double tool_rotation[3][3], tool_point[3];   // rotation transposed; the point that is solved for, in the tip
+};
+
+// The arm in Craig's Denavit-Hartenberg order, as its family wants it to be:
+// T = base Rz(t1) Tx(a1) Rx(alpha1) Tz(d2) Rz(t2) ... Rz(t6) tool, with t = q + offset.
+struct IdealFrames : Ends {
     double cos_alpha[5], sin_alpha[5], a[5], d[4], offset[6], size;
     double clamp;         // how far below zero a margin may fall before its branch is given up
     double imperfection;  // how far its poses are from those of the arm as written [rad, share of size]; 0: exact
+    // What a margin of shoulder, elbow, wrist is worth: how far the target moves, at least, when it changes by one [rad,
+    // share of size], the angles before it held; 0: not known.
+    double stride[3];
     double signs[8][3];   // of the branches: shoulder, elbow, wrist
 };
 

@@ -18,6 +18,7 @@ static const Makers& makers() {
     static const Makers all = [] {
         Makers m;
         add_spherical_wrist(m);
+        add_three_parallel(m);
         return m;
     }();
     return all;
@@ -36,6 +37,8 @@ struct PySolver {
     }
 };
 
+std::shared_ptr<const Solver> solver_in(nb::handle object) { return nb::cast<const PySolver&>(object).solver; }
+
 static long solve_shared(const Solver& solver, const Batch& batch, int threads) {
     if (threads <= 1 || batch.m < 2 * SHARE * threads) return solver.solve(batch);
     std::vector<long> bad(threads, -1);
@@ -44,7 +47,7 @@ static long solve_shared(const Solver& solver, const Batch& batch, int threads) 
         Batch part = batch;
         const long from = edge(k);
         part.m = edge(k + 1) - from;
-        part.T += 16 * from, part.flags += solver.branches * from, part.q += long(solver.branches) * solver.joints * from;
+        part.T += solver.numbers * from, part.flags += solver.branches * from, part.q += long(solver.branches) * solver.joints * from;
         if (part.values) part.values += from;
         const long found = solver.solve(part);
         bad[k] = found < 0 ? -1 : from + found;
@@ -60,15 +63,23 @@ static long solve_shared(const Solver& solver, const Batch& batch, int threads) 
 }
 
 using Numbers = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Poses = nb::ndarray<const double, nb::shape<-1, 4, 4>, nb::c_contig, nb::device::cpu>;
+using Targets = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Answers = nb::ndarray<double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
 using Flags = nb::ndarray<std::uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
-static long solve(const PySolver& self, const Poses& T, const std::optional<Numbers>& q_ref, const Answers& q, const Flags& flags,
+using Seen = nb::ndarray<const double, nb::shape<4, 4>, nb::c_contig, nb::device::cpu>;
+
+static std::vector<double> distances(const PySolver& self, const Seen& seen) {
+    double out[4];
+    self.solver->distances(seen.data(), out);
+    return {out, out + 4};
+}
+
+static long solve(const PySolver& self, const Targets& T, const std::optional<Numbers>& q_ref, const Answers& q, const Flags& flags,
                   const std::optional<Numbers>& values, int threads) {
     const Solver& solver = *self.solver;
-    const std::size_t m = T.shape(0), branches = solver.branches, joints = solver.joints;
-    if (q.shape(0) != m || q.shape(1) != branches || q.shape(2) != joints || flags.shape(0) != m || flags.shape(1) != branches ||
+    const std::size_t m = T.ndim() ? T.shape(0) : 0, branches = solver.branches, joints = solver.joints;
+    if (T.size() != m * solver.numbers || q.shape(0) != m || q.shape(1) != branches || q.shape(2) != joints || flags.shape(0) != m || flags.shape(1) != branches ||
         (q_ref && q_ref->shape(0) != joints) || (values && values->shape(0) != m)) {
         throw nb::value_error("arrays of poses and answers do not fit each other");
     }
@@ -89,10 +100,12 @@ NB_MODULE(_core, m) {
         .def_ro("kind", &PySolver::kind)
         .def_prop_ro("joints", [](const PySolver& s) { return s.solver->joints; })
         .def_prop_ro("branches", [](const PySolver& s) { return s.solver->branches; })
+        .def_prop_ro("numbers", [](const PySolver& s) { return s.solver->numbers; }, "How many numbers a target has.")
         .def("__reduce__", [](nb::handle self) {
             const auto& s = nb::cast<const PySolver&>(self);
             return nb::make_tuple(nb::type<PySolver>(), nb::make_tuple(s.kind, s.values));
         })
+        .def("distances", &distances, nb::arg("seen"), "Of axes, for explanations [m]: up to four, NaN where there is none.")
         .def("solve", &solve, nb::arg("T").noconvert(), nb::arg("q_ref").noconvert().none(), nb::arg("q").noconvert(),
              nb::arg("flags").noconvert(), nb::arg("values").noconvert().none() = nb::none(), nb::arg("threads") = 1);
 }

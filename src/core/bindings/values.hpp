@@ -84,12 +84,17 @@ template <int N> void read(const Values& v, Written<N>& to) {
     if (v.has("normal")) v.read("normal", to.normal);
 }
 
-inline void read(const Values& v, IdealFrames& to) {
+inline void read(const Values& v, Ends& to) {
     v.read("base_rotation", to.base_rotation), v.read("base_origin", to.base_origin);
     v.read("tool_rotation", to.tool_rotation), v.read("tool_point", to.tool_point);
+}
+
+inline void read(const Values& v, IdealFrames& to) {
+    read(v, static_cast<Ends&>(to));
     v.read("cos_alpha", to.cos_alpha), v.read("sin_alpha", to.sin_alpha), v.read("a", to.a), v.read("d", to.d);
     v.read("offset", to.offset), v.read("size", to.size), v.read("clamp", to.clamp);
     v.read("imperfection", to.imperfection), v.read("signs", to.signs);
+    v.read("stride", to.stride);
 }
 
 }  // namespace urdf_ik

@@ -31,30 +31,40 @@ template <Shoulder kind> struct SphericalWrist {
         Block y[32], x[32];
         STEP void set(int i, const Turn<Block>& t) { y[i] = t.s, x[i] = t.c; }
     };
+    // Margins and squared arms of a place of the first three joints, and the squared error of its position.
+    struct Margins {
+        Block shoulder, elbow, arms, error;
+    };
+    // What of a pair of branches is settled besides the angles.
+    struct State {
+        MaskOf<Block> lost, doubt;
+        Clearance<Block> clear;
+    };
     static constexpr int OUTER = 0, BEND = 2, SECOND = 4, FIFTH = 8, FOURTH = 12, SIXTH = 16, FOURTH_FLIPPED = 20, SIXTH_FLIPPED = 24;
     static constexpr int FIRST = 28;
 
-    static STEP void fast(const Arm& arm, const Seen<Block>& seen, Found<8>& found) {
+    template <class Out> static STEP void fast(const Arm& arm, const Seen<Block>& seen, Out& found) {
         if (arm.square_wrist) solve<true>(arm, seen, found);
         else solve<false>(arm, seen, found);
     }
 
-    template <bool square> static STEP void solve(const Arm& arm, const Seen<Block>& seen, Found<8>& found) {
+    template <bool square, class Out> static STEP void solve(const Arm& arm, const Seen<Block>& seen, Out& found) {
         Angles at;
+        State state[4];
         if constexpr (kind == Shoulder::parallel_23) {
-            for (int outer = 0; outer < 2; ++outer) one_front<square>(arm, seen, outer, at, found);
+            for (int outer = 0; outer < 2; ++outer) one_front<square>(arm, seen, outer, at, state);
         } else {
-            for (int outer = 0; outer < 2; ++outer) one_elbow<square>(arm, seen, outer, at, found);
+            for (int outer = 0; outer < 2; ++outer) one_elbow<square>(arm, seen, outer, at, state);
         }
         angles<0, 20>(at.y, at.x);
         if constexpr (!square) angles<20, 28>(at.y, at.x);
         if constexpr (kind != Shoulder::parallel_23) angles<28, 32>(at.y, at.x);
-        combine<square>(arm, at, found);
+        combine<square>(arm, at, state, found);
     }
 
     // Both elbows of one front of the arm. Axes 2 and 3 are parallel, so joints 2 and 3 turn the wrist by one angle.
     template <bool square>
-    static STEP void one_front(const Arm& arm, const Seen<Block>& seen, int outer, Angles& at, Found<8>& found) {
+    static STEP void one_front(const Arm& arm, const Seen<Block>& seen, int outer, Angles& at, State (&state)[4]) {
         const auto& ideal = arm.ideal;
         const double side = ideal.cos_alpha[1], size2 = 1.0 / (ideal.size * ideal.size);
         const double a = ideal.a[1], b = arm.rho, w = 0.5 / (a * b), inner = a - b, longest = a + b;
@@ -73,7 +83,7 @@ template <Shoulder kind> struct SphericalWrist {
         const Block wx = inner + b * max(folded, 0.0), wy = (side * b) * s, along = a + b * c;
         const Block c_even = wx * front.ux, c_odd = wy * front.uy, s_even = wx * front.uy, s_odd = wy * front.ux;
         const Block arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * size2;
-        const Block least = min(front.margin, margin), arms = min(arm1, arm2);
+        Margins margins = {front.margin, margin, min(arm1, arm2), 0.0};
         for (int e = 0; e < 2; ++e) {
             const int pair = 2 * outer + e;
             const double up = ideal.signs[2 * pair][1];
@@ -83,8 +93,8 @@ template <Shoulder kind> struct SphericalWrist {
             const Turn<Block> t23 = {t2.c * t3.c - side * (t2.s * t3.s), t2.s * t3.c + side * (t2.c * t3.s)};
             const Block ex = t2.c * along - t2.s * across - front.ux, ey = t2.s * along + t2.c * across - front.uy;
             at.set(SECOND + pair, t2);
-            const Block error = (off1 + ex * ex + ey * ey) * (2.0 * size2);
-            wrists<square>(arm, after_third(ideal, R, t23), least, arms, error, pair, at, found);
+            margins.error = (off1 + ex * ex + ey * ey) * (2.0 * size2);
+            state[pair] = wrists<square>(arm, after_third(ideal, R, t23), margins, pair, at);
         }
     }
 
@@ -106,22 +116,21 @@ template <Shoulder kind> struct SphericalWrist {
 
     // Both fronts of one elbow.
     template <bool square>
-    static STEP void one_elbow(const Arm& arm, const Seen<Block>& seen, int outer, Angles& at, Found<8>& found) {
+    static STEP void one_elbow(const Arm& arm, const Seen<Block>& seen, int outer, Angles& at, State (&state)[4]) {
         const Third<kind, Block> elbow = third<kind, Block>(arm, seen.p, arm.ideal.signs[2 * outer][1]);
         at.set(OUTER + outer, elbow.t3);
         for (int inner = 0; inner < 2; ++inner) {
             const int pair = 2 * inner + outer;
             const Place<Block> place = first_two<kind, Block>(arm, seen.p, elbow, arm.ideal.signs[2 * pair][0], {});
             at.set(FIRST + pair, place.t1), at.set(SECOND + pair, place.t2);
-            wrists<square>(arm, wrist_rotation(seen.R, arm.ideal, place), min(place.margin1, place.margin2), min(place.arm1, place.arm2),
-                           place.error, pair, at, found);
+            const Margins margins = {place.margin1, place.margin2, min(place.arm1, place.arm2), place.error};
+            state[pair] = wrists<square>(arm, wrist_rotation(seen.R, arm.ideal, place), margins, pair, at);
         }
     }
 
     // Both wrists of one place of the first three joints; M: the target's rotation seen from frame 3.
     template <bool square>
-    static STEP void wrists(const Arm& arm, const Rot<Block>& M, const Block& least, const Block& arms, const Block& error, int pair,
-                            Angles& at, Found<8>& found) {
+    static STEP State wrists(const Arm& arm, const Rot<Block>& M, const Margins& place, int pair, Angles& at) {
         const auto& ideal = arm.ideal;
         const Twists t = {ideal.cos_alpha[3], ideal.sin_alpha[3], ideal.cos_alpha[4], ideal.sin_alpha[4]};
         Block margin, fixed, off;
@@ -142,18 +151,18 @@ template <Shoulder kind> struct SphericalWrist {
             at.set(FOURTH_FLIPPED + pair, flipped.first), at.set(SIXTH_FLIPPED + pair, flipped.last);
         }
         const Tolerances& tol = arm.written.tolerances;
-        const Block weakest = min(least, margin);
-        const auto doubt = (min(weakest, min(arms, fixed)) <= Block(tol.edge)) | !(error + off <= Block(tol.reach * tol.reach * 1e-2));
-        found.set_state(2 * pair, weakest, weakest < Block(-tol.edge), doubt);
-        found.set_state(2 * pair + 1, weakest, weakest < Block(-tol.edge), doubt);
+        const Block least = min(min(place.shoulder, place.elbow), margin), arms = min(place.arms, fixed);
+        const auto doubt = (min(least, arms) <= Block(tol.edge)) | !(place.error + off <= Block(tol.reach * tol.reach * 1e-2));
+        return {least < Block(-tol.edge), doubt, clearance(ideal.stride, place.shoulder, place.elbow, margin, arms)};
     }
 
     // Joint values from the angles, offsets taken off.
-    template <bool square> static STEP void combine(const Arm& arm, const Angles& at, Found<8>& found) {
+    template <bool square, class Out>
+    static STEP void combine(const Arm& arm, const Angles& at, const State (&state)[4], Out& found) {
         const double* offset = arm.ideal.offset;
         const Block* angle = at.y;
         for (int pair = 0; pair < 4; ++pair) {
-            Block *q = found.q[2 * pair], *flipped = found.q[2 * pair + 1];
+            Block q[6], flipped[6];
             if constexpr (kind == Shoulder::parallel_23) {
                 q[0] = wrap(angle[OUTER + pair / 2] - offset[0]);
                 q[2] = wrap(arm.ideal.signs[2 * pair][1] * angle[BEND + pair / 2] - arm.bend_offset);
@@ -171,11 +180,10 @@ template <Shoulder kind> struct SphericalWrist {
             } else {
                 flipped[3] = wrap(angle[FOURTH_FLIPPED + pair] - offset[3]), flipped[5] = wrap(angle[SIXTH_FLIPPED + pair] - offset[5]);
             }
+            found.set(2 * pair, q, state[pair].lost, state[pair].doubt, state[pair].clear);
+            found.set(2 * pair + 1, flipped, state[pair].lost, state[pair].doubt, state[pair].clear);
         }
     }
-
-    // The angle half a turn away, in (-pi, pi].
-    static STEP Block half_turn_from(const Block& q) { return select(q > Block(0.0), q - PI, q + PI); }
 
     // A margin within `fold` of zero is a double root, of which one branch is kept; a joint that the target leaves free
     // (squared arm below `continuum`) takes the reference's value.
@@ -295,6 +303,10 @@ template <Shoulder kind> struct SphericalWrist {
 };
 
 // A general shoulder has no signs to take side by side: every pose is looked at closely.
-template <> STEP void SphericalWrist<Shoulder::general>::fast(const Arm&, const Seen<Block>&, Found<8>& found) { found.leave_open(); }
+template <>
+template <class Out>
+STEP void SphericalWrist<Shoulder::general>::fast(const Arm&, const Seen<Block>&, Out& found) {
+    found.leave_open();
+}
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

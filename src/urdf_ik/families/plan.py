@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik._kernels import layout
-from urdf_ik._kernels.target import to_frame_1
 from urdf_ik.dh_frames import any_normal, denavit_hartenberg, frame
 from urdf_ik.tolerances import DEFAULT
 
@@ -81,9 +80,11 @@ class Plan:
 
     def why(self, T: Array) -> str:
         """Why the pose ``T`` (4, 4) has no solution."""
-        seen = np.empty(12)
-        to_frame_1(np.linalg.inv(T) if self.mirrored else T, self.arm, seen)
-        return self.explain(seen[:9].reshape(3, 3), seen[9:])
+        T = np.linalg.inv(T) if self.mirrored else T
+        base, tool = (self.arm[at : at + 9].reshape(3, 3) for at in (layout.BASE_ROTATION, layout.TOOL_ROTATION))
+        origin, point = (self.arm[at : at + 3] for at in (layout.BASE_ORIGIN, layout.TOOL_POINT))
+        R, p = T[:3, :3], T[:3, 3]
+        return self.explain(base @ R @ tool, base @ (R @ point + p - origin))
 
 
 @dataclass(frozen=True)
@@ -202,8 +203,14 @@ def written_values(chain: Chain) -> dict[str, Any]:
     }
 
 
-def ideal_values(frames: DHFrames, error: float, signs: Array, size: float) -> dict[str, Any]:
-    """The ideal arm, as the compiled solvers of closed forms take it."""
+def ideal_values(
+    frames: DHFrames, error: float, signs: Array, size: float, stride: tuple[float, float, float] = (0.0, 0.0, 0.0)
+) -> dict[str, Any]:
+    """The ideal arm, as the compiled solvers of closed forms take it.
+
+    ``stride``: of shoulder, elbow and wrist, how far the target moves, at least, when the margin changes by one [rad,
+    share of size], the angles before it held; 0: not known, so that an imperfect arm never trusts the branch's end.
+    """
     base, tool = frames.base, frames.tool
     exact = error <= DEFAULT.exact_structure
     return {
@@ -219,8 +226,17 @@ def ideal_values(frames: DHFrames, error: float, signs: Array, size: float) -> d
         "size": size,
         "clamp": 100.0 * DEFAULT.fold if exact else 100.0 * DEFAULT.fold + 50.0 * error,
         "imperfection": 0.0 if exact else error,
+        "stride": np.array(stride),
         "signs": signs,
     }
+
+
+def distances_of(solver: Solver, rotation: Array, point: Array) -> Array:
+    """What a pose, seen from frame 1, asks of the distance of two axes [m]: one for each way that there is."""
+    seen = np.eye(4)
+    seen[:3, :3], seen[:3, 3] = rotation, point
+    distances = np.array(solver.distances(seen))
+    return distances[np.isfinite(distances)]
 
 
 def _drift(chain: Chain, frames: DHFrames) -> float:
