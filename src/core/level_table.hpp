@@ -2,12 +2,14 @@
 #pragma once
 
 #include "families/spherical_wrist_arm.hpp"
+#include "families/three_parallel_arm.hpp"
 
 namespace urdf_ik {
 
 struct LevelTable {
     const char* name;
     const SphericalWristSolvers* spherical_wrist;
+    const ThreeParallelSolvers* three_parallel;
 };
 
 }  // namespace urdf_ik

@@ -18,6 +18,7 @@ static const Makers& makers() {
     static const Makers all = [] {
         Makers m;
         add_spherical_wrist(m);
+        add_three_parallel(m);
         return m;
     }();
     return all;
@@ -66,6 +67,14 @@ using Targets = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Answers = nb::ndarray<double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
 using Flags = nb::ndarray<std::uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
+using Seen = nb::ndarray<const double, nb::shape<4, 4>, nb::c_contig, nb::device::cpu>;
+
+static std::vector<double> distances(const PySolver& self, const Seen& seen) {
+    double out[4];
+    self.solver->distances(seen.data(), out);
+    return {out, out + 4};
+}
+
 static long solve(const PySolver& self, const Targets& T, const std::optional<Numbers>& q_ref, const Answers& q, const Flags& flags,
                   const std::optional<Numbers>& values, int threads) {
     const Solver& solver = *self.solver;
@@ -104,6 +113,7 @@ NB_MODULE(_core, m) {
         .def("one_near", [](const PySolver& s, nb::handle kind, nb::handle arm, nb::handle branches, nb::handle T, nb::handle q_ref) {
             return solve_one(*s.solver, kind, arm, branches, T, q_ref);
         })
+        .def("distances", &distances, nb::arg("seen"), "Of axes, for explanations [m]: up to four, NaN where there is none.")
         .def("solve", &solve, nb::arg("T").noconvert(), nb::arg("q_ref").noconvert().none(), nb::arg("q").noconvert(),
              nb::arg("flags").noconvert(), nb::arg("values").noconvert().none() = nb::none(), nb::arg("threads") = 1);
 }
