@@ -46,10 +46,6 @@ template <int B, int N = 6> struct Found {
         for (int j = 0; j < N; ++j) q[b][j] = select(good, angles[j], __builtin_nan(""));
         valid[b] = bits(good), doubt[b] = bits(in_doubt & !lost);
     }
-    // The same with the least of the margins, for who follows candidates beyond it.
-    STEP void set(int b, const Block (&angles)[N], const MaskOf<Block>& lost, const MaskOf<Block>& in_doubt, const Block&) {
-        set(b, angles, lost, in_doubt);
-    }
     // Every branch of every pose is in doubt.
     STEP void leave_open() {
         for (int b = 0; b < B; ++b) {

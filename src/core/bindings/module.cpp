@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "solver.hpp"
+#include "answer.hpp"
 
 namespace urdf_ik {
 
@@ -17,6 +17,7 @@ constexpr long SHARE = 32;
 static const Makers& makers() {
     static const Makers all = [] {
         Makers m;
+        add_reversed(m);
         add_spherical_wrist(m);
         add_three_parallel(m);
         return m;
@@ -95,6 +96,7 @@ NB_MODULE(_core, m) {
     m.doc() = "The compiled solvers.";
     m.def("isa", [] { return std::string(level().name); }, "The instruction set in use.");
     m.def("levels", &levels_built, "The instruction sets that were built and that this processor runs.");
+    add_answer(m);
     nb::class_<PySolver>(m, "Solver", "An arm, ready to be solved; immutable.")
         .def(nb::init<std::string, nb::dict>(), nb::arg("kind"), nb::arg("values"))
         .def_ro("kind", &PySolver::kind)
@@ -104,6 +106,13 @@ NB_MODULE(_core, m) {
         .def("__reduce__", [](nb::handle self) {
             const auto& s = nb::cast<const PySolver&>(self);
             return nb::make_tuple(nb::type<PySolver>(), nb::make_tuple(s.kind, s.values));
+        })
+        // Without names and None, arguments are passed on the quickest way.
+        .def("one", [](const PySolver& s, nb::handle kind, nb::handle arm, nb::handle branches, nb::handle T) {
+            return solve_one(*s.solver, kind, arm, branches, T, nb::none());
+        })
+        .def("one_near", [](const PySolver& s, nb::handle kind, nb::handle arm, nb::handle branches, nb::handle T, nb::handle q_ref) {
+            return solve_one(*s.solver, kind, arm, branches, T, q_ref);
         })
         .def("distances", &distances, nb::arg("seen"), "Of axes, for explanations [m]: up to four, NaN where there is none.")
         .def("solve", &solve, nb::arg("T").noconvert(), nb::arg("q_ref").noconvert().none(), nb::arg("q").noconvert(),
