@@ -9,12 +9,14 @@
 namespace urdf_ik::URDF_IK_LEVEL {
 
 extern const ReversedSteps reversed_steps;
+extern const Steps steps;
 extern const SphericalWristSolvers spherical_wrist_solvers;
 extern const ThreeParallelSolvers three_parallel_solvers;
 
 extern const LevelTable table;
 const LevelTable table = {
     URDF_IK_TEXT(URDF_IK_LEVEL),
+    &steps,
     &reversed_steps,
     &spherical_wrist_solvers,
     &three_parallel_solvers,

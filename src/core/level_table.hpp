@@ -4,11 +4,13 @@
 #include "families/reversed.hpp"
 #include "families/spherical_wrist_arm.hpp"
 #include "families/three_parallel_arm.hpp"
+#include "steps.hpp"
 
 namespace urdf_ik {
 
 struct LevelTable {
     const char* name;
+    const Steps* steps;
     const ReversedSteps* reversed;
     const SphericalWristSolvers* spherical_wrist;
     const ThreeParallelSolvers* three_parallel;
