@@ -16,7 +16,7 @@ template <class V> struct Swing {
     V X, margin;  // margin r^2 - k^2 [m^2]
 };
 template <class V> STEP Swing<V> swing_to_offset(const V& x, const V& y, const V& k, const V& sign) {
-    const V margin = x * x + y * y - k * k, X = sign * sqrt(max(margin, 0.0));
+    const V margin = x * x + y * y - k * k, X = sign * root(max(margin, 0.0));
     return {unit(X * x + k * y, X * y - k * x), X, margin};
 }
 
@@ -30,7 +30,7 @@ template <class V> struct Fold {
 template <class V, class W> STEP Fold<V> fold(const V& uu, const W& a, const W& b, double side, const V& sign) {
     const W w = 0.5 / (a * b), inner = a - b, outer = a + b;
     const V folded = (uu - inner * inner) * w, stretched = (outer * outer - uu) * w, margin = folded * stretched;
-    const V c = min(max(0.5 * (folded - stretched), -1.0), V(1.0)), s = sign * sqrt(max(margin, 0.0));
+    const V c = min(max(0.5 * (folded - stretched), -1.0), V(1.0)), s = sign * root(max(margin, 0.0));
     return {inner + b * max(folded, 0.0), side * b * s, {c, s}, margin};
 }
 
@@ -57,9 +57,9 @@ template <class V> struct Bend {
     V margin;  // sin^2
 };
 template <class V> STEP Bend<V> wrist_bend(const Vec<V>& z, const Twists& t, const V& sign) {
-    const V c = (t.ca * t.cb - z.z) / (t.sa * t.sb), across = t.ca * t.sb * c + t.sa * t.cb;
-    const V margin = (z.x * z.x + z.y * z.y - across * across) / (t.sb * t.sb);
-    return {unit(c, sign * sqrt(max(margin, 0.0))), margin};
+    const V c = (t.ca * t.cb - z.z) * (1.0 / (t.sa * t.sb)), across = t.ca * t.sb * c + t.sa * t.cb;
+    const V margin = (z.x * z.x + z.y * z.y - across * across) * (1.0 / (t.sb * t.sb));
+    return {unit(c, sign * root(max(margin, 0.0))), margin};
 }
 
 // Turn about z so that an axis tilted by alpha (ca, sa) from it, Rz(-t) (0, sa, ca), encloses with a unit vector an angle
