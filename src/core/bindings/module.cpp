@@ -17,6 +17,7 @@ constexpr long SHARE = 32;
 static const Makers& makers() {
     static const Makers all = [] {
         Makers m;
+        add_parallel_shoulder(m);
         add_reversed(m);
         add_spherical_wrist(m);
         add_three_parallel(m);
