@@ -8,12 +8,14 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
+extern const EliminationSolvers elimination_solvers;
 extern const SphericalWristSolvers spherical_wrist_solvers;
 
 extern const LevelTable table;
 const LevelTable table = {
     URDF_IK_TEXT(URDF_IK_LEVEL),
     &spherical_wrist_solvers,
+    &elimination_solvers,
 };
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "solver.hpp"
+#include "elimination.hpp"
 
 namespace urdf_ik {
 
@@ -17,6 +17,7 @@ constexpr long SHARE = 32;
 static const Makers& makers() {
     static const Makers all = [] {
         Makers m;
+        add_elimination(m);
         add_spherical_wrist(m);
         return m;
     }();
@@ -86,6 +87,7 @@ NB_MODULE(_core, m) {
     m.doc() = "The compiled solvers.";
     m.def("isa", [] { return std::string(level().name); }, "The instruction set in use.");
     m.def("levels", &levels_built, "The instruction sets that were built and that this processor runs.");
+    add_elimination(m);
     nb::class_<PySolver>(m, "Solver", "An arm, ready to be solved; immutable.")
         .def(nb::init<std::string, nb::dict>(), nb::arg("kind"), nb::arg("values"))
         .def_ro("kind", &PySolver::kind)
