@@ -23,7 +23,7 @@ enum class Task : std::uint8_t { pose, position, position_and_axis, planar_posit
 // the tip. Each joint turns about its frame's z axis or slides along it (product of exponentials in the frames' own
 // axes; Lynch and Park, Modern Robotics, chapter 4, body form joint by joint).
 template <int N> struct Written {
-    static constexpr int joints = N;
+    static constexpr int joints = N, rows = 6;  // of the Jacobian
     Motion step[N + 1];
     bool slides[N];
     double size;  // length that tolerances are relative to [m]
@@ -45,6 +45,9 @@ struct IdealFrames : Ends {
     double cos_alpha[5], sin_alpha[5], a[5], d[4], offset[6], size;
     double clamp;         // how far below zero a margin may fall before its branch is given up
     double imperfection;  // how far its poses are from those of the arm as written [rad, share of size]; 0: exact
+    // What a margin of shoulder, elbow, wrist is worth: how far the target moves, at least, when it changes by one [rad,
+    // share of size], the angles before it held; 0: not known.
+    double stride[3];
     double signs[8][3];   // of the branches: shoulder, elbow, wrist
 };
 

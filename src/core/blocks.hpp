@@ -4,12 +4,15 @@
 // A Family is a struct with
 //   Arm        what it knows of an arm; Arm::ideal is IdealFrames, or Ends at least, Arm::written is Written<N>
 //   branches   how many columns it has
-//   fast       fast(arm, seen, found): all branches of a block of poses
+//   fast       fast(arm, seen, found): all branches of a block of poses; found is Found<branches>, or what imperfect
+//              arms want to know of them (imperfect.hpp). Angles of branches beyond their end are those at the end.
 //   closely    closely(arm, goal, seen, reference, columns, wanted): the branches of one pose whose bit is set in
 //              `wanted`, added to the columns
 // and, where its targets are not poses of sixteen numbers,
 //   numbers    how many numbers a target has
 //   load       load(arm, from, t): a block of targets as poses
+// and, where a pose leaves one number free,
+//   redundant  true; Arm::value is the number where none is given; fast, closely and solve take it behind what they see
 // A family without a fast path is a struct with Arm and branches as above and
 //   solve      solve(arm, goal, reference, columns): all solutions of one pose
 // and goes through solve_singly.
@@ -20,13 +23,25 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
+// How near a branch's solution is to the branch's end, where a margin of it vanishes.
+template <class V> struct Clearance {
+    V ahead;  // how far the target may move until a margin vanishes [rad, share of size]; negative: how far it is beyond
+    V fixed;  // least of the other margins and the squared arms [dimensionless]: small where the angles are weakly fixed
+};
+// Of a branch with these margins of shoulder, elbow and wrist, and this least squared arm. stride: see IdealFrames.
+template <class V> STEP Clearance<V> clearance(const double (&stride)[3], const V& m1, const V& m2, const V& m3, const V& arms) {
+    const V s1 = stride[0] * m1, s2 = stride[1] * m2, s3 = stride[2] * m3, ahead = min(min(s1, s2), s3);
+    const auto unless_least = [&](const V& s, const V& m) { return select(s <= ahead, V(1.0), abs(m)); };
+    return {ahead, min(min(unless_least(s1, m1), unless_least(s2, m2)), min(unless_least(s3, m3), arms))};
+}
+
 // A block's answers: angles of each branch; the lanes in which it is a solution, and those in which that is in doubt.
 template <int B, int N = 6> struct Found {
     Block q[B][N];
     unsigned valid[B], doubt[B];
 
     // Angles where the branch is neither lost nor in doubt, NaN elsewhere.
-    STEP void set(int b, const Block (&angles)[N], const MaskOf<Block>& lost, const MaskOf<Block>& in_doubt) {
+    STEP void set(int b, const Block (&angles)[N], const MaskOf<Block>& lost, const MaskOf<Block>& in_doubt, const Clearance<Block>& = {}) {
         const auto good = !(lost | in_doubt);
         for (int j = 0; j < N; ++j) q[b][j] = select(good, angles[j], __builtin_nan(""));
         valid[b] = bits(good), doubt[b] = bits(in_doubt & !lost);
@@ -39,6 +54,19 @@ template <int B, int N = 6> struct Found {
         }
     }
 };
+
+// Angles of y[FROM..TO) and x, to y: four at a time, so that the processor finds independent work.
+template <int FROM, int TO> PART void angles(Block* __restrict y, const Block* __restrict x) {
+    static_assert((TO - FROM) % 4 == 0);
+#pragma GCC unroll 1
+    for (int i = FROM; i < TO; i += 4) {
+        Block a[4];
+#pragma GCC unroll 4
+        for (int k = 0; k < 4; ++k) a[k] = atan2(y[i + k], x[i + k]);
+#pragma GCC unroll 4
+        for (int k = 0; k < 4; ++k) y[i + k] = a[k];
+    }
+}
 
 // Poses as many as the block has lanes to their sixteen numbers.
 template <int L, int K> STEP void load_poses(const double* T, Pack<L, K> (&t)[16]) {
@@ -138,10 +166,19 @@ template <class Family> STEP void load_targets(const typename Family::Arm& arm, 
     else load_poses(from, t);
 }
 
-// Look closely at one pose's branches in doubt.
+template <class Family> constexpr bool redundant_of() { return requires { Family::redundant; }; }
+
+// The redundancy parameter of a block of poses.
+template <class Arm> STEP Block load_values(const Arm& arm, const double* values) {
+    Block v = arm.value;
+    for (int i = 0; values && i < BLOCK; ++i) v.set(i, values[i]);
+    return v;
+}
+
+// Look closely at one pose's branches in doubt. value: of the redundancy parameter, where there is one.
 template <class Family>
-PART void solve_in_doubt(const typename Family::Arm& arm, const double (&T)[16], double defect, const double* q_ref, unsigned wanted,
-                         const Columns<joints_of<Family>>& columns) {
+PART void solve_in_doubt(const typename Family::Arm& arm, const double (&T)[16], double defect, const double* q_ref, double value,
+                         unsigned wanted, const Columns<joints_of<Family>>& columns) {
     double proper[16];
     for (int i = 0; i < 16; ++i) proper[i] = T[i];
     if (defect > arm.written.tolerances.exact_rotation) {
@@ -149,15 +186,18 @@ PART void solve_in_doubt(const typename Family::Arm& arm, const double (&T)[16],
         columns.clear();
         wanted = ~0u;
     }
-    Family::closely(arm, goal_of(proper), to_frame_1<double>(proper, arm.ideal), reference_of<joints_of<Family>>(q_ref), columns, wanted);
+    const auto seen = to_frame_1<double>(proper, arm.ideal);
+    const auto reference = reference_of<joints_of<Family>>(q_ref);
+    if constexpr (redundant_of<Family>()) Family::closely(arm, goal_of(proper), seen, value, reference, columns, wanted);
+    else Family::closely(arm, goal_of(proper), seen, reference, columns, wanted);
 }
 
-// One block of `many` targets. Returns the index of the first that is no pose, -1 where all are.
-template <class Family, Write how>
-STEP int solve_block(const typename Family::Arm& arm, const double* from, int many, const double* q_ref, double* q, std::uint8_t* flags) {
+// One block of targets, `part.m` of which count. Returns the index of the first that is no pose, -1 where all are.
+template <class Family> STEP int solve_block(const typename Family::Arm& arm, const Batch& part, Write how) {
     constexpr int B = Family::branches, N = joints_of<Family>;
+    const int many = int(part.m);
     Block t[16];
-    load_targets<Family>(arm, from, t);
+    load_targets<Family>(arm, part.T, t);
     const Block defect = pose_defect(t);
     const unsigned improper = bits(!(defect <= Block(arm.written.tolerances.rotation)));
     if (improper) {
@@ -166,54 +206,59 @@ STEP int solve_block(const typename Family::Arm& arm, const double* from, int ma
         }
     }
     Found<B, N> found;
-    Family::fast(arm, to_frame_1(t, arm.ideal), found);
-    store_rows<how, N * B>(&found.q[0][0], q);
-    store_flags(found.valid, many, flags);
+    Block value = 0.0;
+    if constexpr (redundant_of<Family>()) {
+        value = load_values(arm, part.values);
+        Family::fast(arm, to_frame_1(t, arm.ideal), value, found);
+    } else {
+        Family::fast(arm, to_frame_1(t, arm.ideal), found);
+    }
+    if (how == Write::streaming) store_rows<Write::streaming, N * B>(&found.q[0][0], part.q);
+    else store_rows<Write::plain, N * B>(&found.q[0][0], part.q);
+    store_flags(found.valid, many, part.flags);
     unsigned care = bits(defect > Block(arm.written.tolerances.exact_rotation));
     for (int b = 0; b < B; ++b) care |= found.doubt[b];
     if (care) [[unlikely]] {
-        load_targets<Family>(arm, from, t);
+        load_targets<Family>(arm, part.T, t);
         for (int i = 0; i < many; ++i) {
             if (!(care >> i & 1)) continue;
             double T[16];
             for (int k = 0; k < 16; ++k) T[k] = t[k][i];
-            solve_in_doubt<Family>(arm, T, defect[i], q_ref, of_lane(found.doubt, i), {q + N * B * i, flags + B * i, B});
+            const Columns<N> columns = {part.q + N * B * i, part.flags + B * i, B};
+            solve_in_doubt<Family>(arm, T, defect[i], part.q_ref, value[i], of_lane(found.doubt, i), columns);
         }
     }
     return -1;
 }
 
-template <class Family, Write how> PART long solve_blocks(const typename Family::Arm& arm, const Batch& batch) {
-    constexpr int B = Family::branches, answers = joints_of<Family> * B, numbers = numbers_of<Family>();
-    long start = 0;
-    for (; start + BLOCK <= batch.m; start += BLOCK) {
-        const int bad = solve_block<Family, how>(arm, batch.T + numbers * start, BLOCK, batch.q_ref, batch.q + answers * start,
-                                                 batch.flags + B * start);
-        if (bad >= 0) return start + bad;
-    }
-    if (start == batch.m) return -1;
-    // The rest, filled up with its last target: the same instructions then handle every pose, whatever its place in a batch.
-    const int many = int(batch.m - start);
-    double T[numbers * BLOCK], q[answers * BLOCK];
-    for (int i = 0; i < BLOCK; ++i) {
-        const double* from = batch.T + numbers * (start + (i < many ? i : many - 1));
-        __builtin_memcpy(T + numbers * i, from, numbers * sizeof(double));
-    }
-    const int bad = solve_block<Family, Write::plain>(arm, T, many, batch.q_ref, q, batch.flags + B * start);
-    if (bad >= 0) return start + bad;
-    __builtin_memcpy(batch.q + answers * start, q, sizeof(double) * answers * many);
-    return -1;
-}
-
 // All solutions of a batch. Returns the index of the first that is no pose, -1 where all are.
 template <class Family> long solve_closed_form(const typename Family::Arm& arm, const Batch& batch) {
+    constexpr int B = Family::branches, answers = joints_of<Family> * B, numbers = numbers_of<Family>();
     const bool aligned = reinterpret_cast<std::uintptr_t>(batch.q) % sizeof(typename Register<8>::type) == 0;
-    if (batch.m < STREAMED_FROM || !aligned) return solve_blocks<Family, Write::plain>(arm, batch);
-    const long bad = solve_blocks<Family, Write::streaming>(arm, batch);
+    const Write how = batch.m >= STREAMED_FROM && aligned ? Write::streaming : Write::plain;
+    double T[numbers * BLOCK], values[BLOCK];
+    alignas(64) double q[answers * BLOCK];
+    for (long start = 0; start < batch.m; start += BLOCK) {
+        const int many = batch.m - start < BLOCK ? int(batch.m - start) : BLOCK;
+        Batch part = {batch.T + numbers * start, many, batch.q_ref, batch.values ? batch.values + start : nullptr,
+                      batch.q + answers * start, batch.flags + B * start};
+        if (many < BLOCK) {
+            // Filled up with its last target: the same instructions handle every pose, whatever its place in a batch.
+            for (int i = 0; i < BLOCK; ++i) {
+                const long from = start + (i < many ? i : many - 1);
+                __builtin_memcpy(T + numbers * i, batch.T + numbers * from, numbers * sizeof(double));
+                values[i] = batch.values ? batch.values[from] : 0.0;
+            }
+            part.T = T, part.values = batch.values ? values : nullptr, part.q = q;
+        }
+        const int bad = solve_block<Family>(arm, part, how);
+        if (bad >= 0) return start + bad;
+        if (many < BLOCK) __builtin_memcpy(batch.q + answers * start, q, sizeof(double) * answers * many);
+    }
 #if defined(__x86_64__)
-    _mm_sfence();
+    if (how == Write::streaming) _mm_sfence();
 #endif
-    return bad;
+    return -1;
 }
 
 // The same, one pose after the other.
@@ -227,7 +272,11 @@ template <class Family> long solve_singly(const typename Family::Arm& arm, const
         project_rotation(T, proper);
         const Columns<N> columns = {batch.q + N * B * i, batch.flags + B * i, B};
         columns.clear();
-        Family::solve(arm, goal_of(proper), reference, columns);
+        if constexpr (redundant_of<Family>()) {
+            Family::solve(arm, goal_of(proper), batch.values ? batch.values[i] : arm.value, reference, columns);
+        } else {
+            Family::solve(arm, goal_of(proper), reference, columns);
+        }
     }
     return -1;
 }

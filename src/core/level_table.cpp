@@ -9,12 +9,16 @@
 namespace urdf_ik::URDF_IK_LEVEL {
 
 extern const EliminationSolvers elimination_solvers;
+extern const ReversedSteps reversed_steps;
 extern const SphericalWristSolvers spherical_wrist_solvers;
+extern const ThreeParallelSolvers three_parallel_solvers;
 
 extern const LevelTable table;
 const LevelTable table = {
     URDF_IK_TEXT(URDF_IK_LEVEL),
+    &reversed_steps,
     &spherical_wrist_solvers,
+    &three_parallel_solvers,
     &elimination_solvers,
 };
 

@@ -2,13 +2,17 @@
 #pragma once
 
 #include "families/elimination_arm.hpp"
+#include "families/reversed.hpp"
 #include "families/spherical_wrist_arm.hpp"
+#include "families/three_parallel_arm.hpp"
 
 namespace urdf_ik {
 
 struct LevelTable {
     const char* name;
+    const ReversedSteps* reversed;
     const SphericalWristSolvers* spherical_wrist;
+    const ThreeParallelSolvers* three_parallel;
     const EliminationSolvers* elimination;
 };
 
