@@ -62,6 +62,18 @@ template <class V> STEP Bend<V> wrist_bend(const Vec<V>& z, const Twists& t, con
     return {unit(c, sign * root(max(margin, 0.0))), margin};
 }
 
+// Turn about z so that an axis tilted by alpha (ca, sa) from it, Rz(-t) (0, sa, ca), encloses with a unit vector an angle
+// of cosine c and squared sine `across`: subproblem 4. The margin is a product of two factors, each free of cancellation, so
+// the turn keeps its digits where the vectors align.
+template <class V> STEP Bend<V> swing_to_tilt(const Vec<V>& z, double ca, double sa, const V& c, const V& across, const V& sign) {
+    const V r = copysign(sqrt(z.x * z.x + z.y * z.y), V(sa));
+    const V c_low = ca * z.z + sa * r, s_low = sa * z.z - ca * r, c_high = ca * z.z - sa * r, s_high = sa * z.z + ca * r;
+    const V above = select(c_low + c > V(0.5), (across - s_low * s_low) / (c_low + c), c_low - c);
+    const V below = select(c_high + c < V(-0.5), (s_high * s_high - across) / (c_high + c), c - c_high);
+    const V margin = above * below / (sa * sa), k = (c - ca * z.z) / sa, X = sign * sqrt(max(margin, 0.0));
+    return {unit(X * z.x + k * z.y, k * z.x - X * z.y), margin};
+}
+
 // First and last angle of a wrist with a known bend: M = Rz(first) Rx(alpha) Rz(bend) Rx(beta) Rz(last). The last angle
 // is measured after the first one is undone, so their sum stays exact where the axes align.
 template <class V> struct WristTurns {

@@ -75,6 +75,9 @@ template <class V> STEP Turn<V> cos_sin(V a) {
     return {select(odd, -(k * s), c), select(odd, k * c, s)};
 }
 
+// The same by the library, for any angle.
+STEP Turn<double> exact_turn(double angle) { return {__builtin_cos(angle), __builtin_sin(angle)}; }
+
 // (c, s) scaled to length 1.
 template <class V> STEP Turn<V> unit(V c, V s) {
     const V w = inverse_sqrt(c * c + s * s + TINY);

@@ -18,6 +18,7 @@ constexpr long SHARE = 32;
 static const Makers& makers() {
     static const Makers all = [] {
         Makers m;
+        add_parallel_shoulder(m);
         add_elimination(m);
         add_reversed(m);
         add_spherical_wrist(m);

@@ -193,8 +193,6 @@ template <Hand kind> struct ThreeParallel {
         return true;
     }
 
-    static STEP Turn<double> exact_turn(double angle) { return {__builtin_cos(angle), __builtin_sin(angle)}; }
-
     static PART Settled settle(const Arm& arm, const Seen<double>& seen, const Reference<6>& reference, int b, int root,
                                const Quartic& roots) {
         const auto& ideal = arm.ideal;
