@@ -9,6 +9,7 @@
 namespace urdf_ik::URDF_IK_LEVEL {
 
 extern const ParallelShoulderSolvers parallel_shoulder_solvers;
+extern const EliminationSolvers elimination_solvers;
 extern const ReversedSteps reversed_steps;
 extern const Steps steps;
 extern const SphericalWristSolvers spherical_wrist_solvers;
@@ -22,6 +23,7 @@ const LevelTable table = {
     &reversed_steps,
     &spherical_wrist_solvers,
     &three_parallel_solvers,
+    &elimination_solvers,
 };
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

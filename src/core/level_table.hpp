@@ -2,6 +2,7 @@
 #pragma once
 
 #include "families/parallel_shoulder_arm.hpp"
+#include "families/elimination_arm.hpp"
 #include "families/reversed.hpp"
 #include "families/spherical_wrist_arm.hpp"
 #include "families/three_parallel_arm.hpp"
@@ -16,6 +17,7 @@ struct LevelTable {
     const ReversedSteps* reversed;
     const SphericalWristSolvers* spherical_wrist;
     const ThreeParallelSolvers* three_parallel;
+    const EliminationSolvers* elimination;
 };
 
 }  // namespace urdf_ik

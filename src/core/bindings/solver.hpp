@@ -48,6 +48,7 @@ void bind_steps(nb::module_& m);
 using Maker = std::shared_ptr<const Solver> (*)(const Values&);
 using Makers = std::map<std::string, Maker>;
 void add_parallel_shoulder(Makers& makers);
+void add_elimination(Makers& makers);
 void add_reversed(Makers& makers);
 void add_spherical_wrist(Makers& makers);
 void add_three_parallel(Makers& makers);
