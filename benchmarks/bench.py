@@ -187,7 +187,7 @@ def _machine() -> str:
     if info.exists():
         names = (line for line in info.read_text().splitlines() if line.startswith("model name"))
         cpu = next(names, cpu).partition(":")[2].strip() or cpu
-    packages = ", ".join(f"{name} {version(name)}" for name in ("numpy", "numba", "pin"))
+    packages = ", ".join(f"{name} {version(name)}" for name in ("numpy", "pin"))
     return f"{cpu}, {os.cpu_count()} cores, Python {platform.python_version()}, {packages}"
 
 

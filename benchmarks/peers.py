@@ -19,6 +19,7 @@ import numpy as np
 from robots import Robot
 
 BUILD_TIME = 120.0  # s, after which a build counts as failed
+GENERAL_BUILD_TIME = 900.0  # the same for a general arm, which takes minutes
 
 
 class Unavailable(Exception):  # noqa: N818 - it is an answer, not a failure
@@ -231,7 +232,7 @@ class Ssik(Peer):
 
 
 class SsikBuilt(Peer):
-    """The module that ``ssik build`` generates for the arm, a second's work for these."""
+    """The module that ``ssik build`` generates for the arm: a second's work, minutes for a general arm."""
 
     name = "ssik, built"
     single_call = "np.array([s.q for s in arm_ik.solve(T, respect_limits=False)])"
@@ -240,8 +241,9 @@ class SsikBuilt(Peer):
         """Generate the module in a temporary folder and import it."""
         if importlib.util.find_spec("ssik") is None:
             raise Unavailable("not installed")
-        if robot.structure == "general":
-            raise Unavailable("a general arm: what it derives at its first call is the module")
+        general = robot.structure == "general"
+        if general:
+            print(f"ssik builds a module for {robot.name}: minutes ...", file=sys.stderr, flush=True)
         self.name = f"ssik {version('ssik')}, built"
         with tempfile.TemporaryDirectory() as folder:
             urdf, out = Path(folder, "arm.urdf"), Path(folder, "arm_ik.py")
@@ -250,7 +252,7 @@ class SsikBuilt(Peer):
             options = ["--base", "base", "--ee", "tool", "--out", str(out), "--no-validate"]
             command = [sys.executable, "-c", build, "build", str(urdf), *options]
             try:
-                subprocess.run(command, check=True, capture_output=True, timeout=BUILD_TIME)
+                subprocess.run(command, check=True, capture_output=True, timeout=GENERAL_BUILD_TIME if general else BUILD_TIME)
             except (subprocess.CalledProcessError, subprocess.TimeoutExpired) as error:
                 raise Unavailable(f"no module built ({type(error).__name__})") from error
             spec = importlib.util.spec_from_file_location("arm_ik", out)
