@@ -97,6 +97,7 @@ static long solve(const PySolver& self, const Targets& T, const std::optional<Nu
 NB_MODULE(_core, m) {
     using namespace urdf_ik;
     m.doc() = "The compiled solvers.";
+    level();  // throws where URDF_IK_ISA names what this processor does not run
     m.def("isa", [] { return std::string(level().name); }, "The instruction set in use.");
     m.def("levels", &levels_built, "The instruction sets that were built and that this processor runs.");
     add_elimination(m);
