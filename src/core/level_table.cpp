@@ -10,6 +10,7 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 extern const ParallelShoulderSolvers parallel_shoulder_solvers;
 extern const ReversedSteps reversed_steps;
+extern const SphericalMiddleSolvers spherical_middle_solvers;
 extern const SphericalWristSolvers spherical_wrist_solvers;
 extern const ThreeParallelSolvers three_parallel_solvers;
 
@@ -18,6 +19,7 @@ const LevelTable table = {
     URDF_IK_TEXT(URDF_IK_LEVEL),
     &parallel_shoulder_solvers,
     &reversed_steps,
+    &spherical_middle_solvers,
     &spherical_wrist_solvers,
     &three_parallel_solvers,
 };

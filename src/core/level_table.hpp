@@ -3,6 +3,7 @@
 
 #include "families/parallel_shoulder_arm.hpp"
 #include "families/reversed.hpp"
+#include "families/spherical_middle_arm.hpp"
 #include "families/spherical_wrist_arm.hpp"
 #include "families/three_parallel_arm.hpp"
 
@@ -12,6 +13,7 @@ struct LevelTable {
     const char* name;
     const ParallelShoulderSolvers* parallel_shoulder;
     const ReversedSteps* reversed;
+    const SphericalMiddleSolvers* spherical_middle;
     const SphericalWristSolvers* spherical_wrist;
     const ThreeParallelSolvers* three_parallel;
 };

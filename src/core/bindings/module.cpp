@@ -19,6 +19,7 @@ static const Makers& makers() {
         Makers m;
         add_parallel_shoulder(m);
         add_reversed(m);
+        add_spherical_middle(m);
         add_spherical_wrist(m);
         add_three_parallel(m);
         return m;

@@ -46,6 +46,7 @@ using Maker = std::shared_ptr<const Solver> (*)(const Values&);
 using Makers = std::map<std::string, Maker>;
 void add_parallel_shoulder(Makers& makers);
 void add_reversed(Makers& makers);
+void add_spherical_middle(Makers& makers);
 void add_spherical_wrist(Makers& makers);
 void add_three_parallel(Makers& makers);
 

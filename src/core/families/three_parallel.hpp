@@ -54,7 +54,7 @@ STEP Turn<double> skew_bend(const ThreeParallelArm& arm, double tilt, double hei
 }
 
 // The component of a vector along the parallel axes, by the angle of joint 1.
-STEP Affine along(const ThreeParallelArm& arm, const Vec<double>& v) {
+STEP Affine<double> along(const ThreeParallelArm& arm, const Vec<double>& v) {
     return {arm.ideal.cos_alpha[0] * v.z, -arm.ideal.sin_alpha[0] * v.y, arm.ideal.sin_alpha[0] * v.x};
 }
 
@@ -63,10 +63,10 @@ STEP Affine along(const ThreeParallelArm& arm, const Vec<double>& v) {
 PART Quartic first_angles(const ThreeParallelArm& arm, const Seen<double>& seen) {
     const Twists t = twists(arm);
     const double w = -1.0 / (t.sa * t.sb);
-    Affine cosine = scaled(along(arm, seen.R.z), w), sine = scaled(along(arm, seen.p), 1.0 / (t.sa * arm.ideal.a[4]));
+    Affine<double> cosine = scaled(along(arm, seen.R.z), w), sine = scaled(along(arm, seen.p), 1.0 / (t.sa * arm.ideal.a[4]));
     cosine.constant -= t.ca * t.cb * w, sine.constant -= arm.along / (t.sa * arm.ideal.a[4]);
     Quartic roots = linked_roots(cosine, sine);
-    const Affine tilt = along(arm, seen.R.z);
+    const Affine<double> tilt = along(arm, seen.R.z);
     for (int k = 0; k < 2; ++k) {
         const double side = k ? -1.0 : 1.0;
         const Turn<double> at = unit(side * tilt.cosine, side * tilt.sine);
