@@ -181,7 +181,8 @@ template <LastAxes kind> struct ParallelShoulder {
         const Block rough = ROUGH_BY_MARGIN / tol.edge, edge = tol.edge;
         const auto lost = (ends.first < -edge) | ((ends.second < -rough) & (ends.first > edge)) |
                           ((f.margin < -rough) & (min(wrist, min(middle.arm5, arm6)) > edge));
-        const auto doubt = (min(min(ends.first, arms), min(ends.second, f.margin)) <= rough) |
+        const Block product = ends.first * ends.second * f.margin * (middle.arm5 * arm6 * arm1);
+        const auto doubt = (min(min(ends.first, arms), min(ends.second, f.margin)) <= rough) | (product <= Block(SMALL_TOGETHER)) |
                            !(miss * miss * scale + middle.error * uu <= (tol.reach * tol.reach * 1e-2) * uu);
         const Clearance<Block> clear = clearance(ideal.stride, ends.first, f.margin, ends.second, arms);
         const Block t2 = angle(f.bend), bend = side * t2, turned = angle(psi), xx = f.wx * u.x, xy = f.wx * u.y, yx = f.wy * u.x, yy = f.wy * u.y;

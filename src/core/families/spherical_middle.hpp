@@ -136,7 +136,8 @@ template <LastPair kind> struct SphericalMiddle {
         const Block rough = ROUGH_BY_MARGIN / tol.edge, edge = tol.edge, before = min(first.margin, first.arm1);
         const auto lost = (first.margin < -edge) | ((last.margin < -rough) & (before > edge)) |
                           ((bend.margin < -rough) & (min(before, min(last.margin, arm6)) > edge));
-        const auto doubt = (min(min(first.margin, arms), min(last.margin, bend.margin)) <= rough) |
+        const Block product = first.margin * last.margin * bend.margin * (first.arm1 * arm6 * turns.fixed);
+        const auto doubt = (min(min(first.margin, arms), min(last.margin, bend.margin)) <= rough) | (product <= Block(SMALL_TOGETHER)) |
                            !(last.error * scale + max(turns.error, flip.error) <= Block(tol.reach * tol.reach * 1e-2));
         const Clearance<Block> clear = clearance(ideal.stride, first.margin, bend.margin, last.margin, arms);
         const double* offset = ideal.offset;
