@@ -99,7 +99,7 @@ template <int N> PART void sort(const Columns<N>& columns) {
 // The smallest singular value of the Jacobian at q, and its direction.
 template <class Model>
 PART Weakest<Model::joints> weakest_at(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints]) {
-    Six<double> J[Model::joints];
+    Rows<Model::rows, double> J[Model::joints];
     error_and_jacobian(arm, goal, q, J);
     return weakest(J);
 }

@@ -23,7 +23,7 @@ enum class Task : std::uint8_t { pose, position, position_and_axis, planar_posit
 // the tip. Each joint turns about its frame's z axis or slides along it (product of exponentials in the frames' own
 // axes; Lynch and Park, Modern Robotics, chapter 4, body form joint by joint).
 template <int N> struct Written {
-    static constexpr int joints = N;
+    static constexpr int joints = N, rows = 6;  // of the Jacobian
     Motion step[N + 1];
     bool slides[N];
     double size;  // length that tolerances are relative to [m]

@@ -10,6 +10,8 @@
 // and, where its targets are not poses of sixteen numbers,
 //   numbers    how many numbers a target has
 //   load       load(arm, from, t): a block of targets as poses
+// and, where a pose leaves one number free,
+//   redundant  true; Arm::value is the number where none is given; fast, closely and solve take it behind what they see
 // A family without a fast path is a struct with Arm and branches as above and
 //   solve      solve(arm, goal, reference, columns): all solutions of one pose
 // and goes through solve_singly.
@@ -138,10 +140,19 @@ template <class Family> STEP void load_targets(const typename Family::Arm& arm, 
     else load_poses(from, t);
 }
 
-// Look closely at one pose's branches in doubt.
+template <class Family> constexpr bool redundant_of() { return requires { Family::redundant; }; }
+
+// The redundancy parameter of a block of poses.
+template <class Arm> STEP Block load_values(const Arm& arm, const double* values) {
+    Block v = arm.value;
+    for (int i = 0; values && i < BLOCK; ++i) v.set(i, values[i]);
+    return v;
+}
+
+// Look closely at one pose's branches in doubt. value: of the redundancy parameter, where there is one.
 template <class Family>
-PART void solve_in_doubt(const typename Family::Arm& arm, const double (&T)[16], double defect, const double* q_ref, unsigned wanted,
-                         const Columns<joints_of<Family>>& columns) {
+PART void solve_in_doubt(const typename Family::Arm& arm, const double (&T)[16], double defect, const double* q_ref, double value,
+                         unsigned wanted, const Columns<joints_of<Family>>& columns) {
     double proper[16];
     for (int i = 0; i < 16; ++i) proper[i] = T[i];
     if (defect > arm.written.tolerances.exact_rotation) {
@@ -149,15 +160,18 @@ PART void solve_in_doubt(const typename Family::Arm& arm, const double (&T)[16],
         columns.clear();
         wanted = ~0u;
     }
-    Family::closely(arm, goal_of(proper), to_frame_1<double>(proper, arm.ideal), reference_of<joints_of<Family>>(q_ref), columns, wanted);
+    const auto seen = to_frame_1<double>(proper, arm.ideal);
+    const auto reference = reference_of<joints_of<Family>>(q_ref);
+    if constexpr (redundant_of<Family>()) Family::closely(arm, goal_of(proper), seen, value, reference, columns, wanted);
+    else Family::closely(arm, goal_of(proper), seen, reference, columns, wanted);
 }
 
-// One block of `many` targets. Returns the index of the first that is no pose, -1 where all are.
-template <class Family, Write how>
-STEP int solve_block(const typename Family::Arm& arm, const double* from, int many, const double* q_ref, double* q, std::uint8_t* flags) {
+// One block of targets, `part.m` of which count. Returns the index of the first that is no pose, -1 where all are.
+template <class Family, Write how> STEP int solve_block(const typename Family::Arm& arm, const Batch& part) {
     constexpr int B = Family::branches, N = joints_of<Family>;
+    const int many = int(part.m);
     Block t[16];
-    load_targets<Family>(arm, from, t);
+    load_targets<Family>(arm, part.T, t);
     const Block defect = pose_defect(t);
     const unsigned improper = bits(!(defect <= Block(arm.written.tolerances.rotation)));
     if (improper) {
@@ -166,18 +180,25 @@ STEP int solve_block(const typename Family::Arm& arm, const double* from, int ma
         }
     }
     Found<B, N> found;
-    Family::fast(arm, to_frame_1(t, arm.ideal), found);
-    store_rows<how, N * B>(&found.q[0][0], q);
-    store_flags(found.valid, many, flags);
+    Block value = 0.0;
+    if constexpr (redundant_of<Family>()) {
+        value = load_values(arm, part.values);
+        Family::fast(arm, to_frame_1(t, arm.ideal), value, found);
+    } else {
+        Family::fast(arm, to_frame_1(t, arm.ideal), found);
+    }
+    store_rows<how, N * B>(&found.q[0][0], part.q);
+    store_flags(found.valid, many, part.flags);
     unsigned care = bits(defect > Block(arm.written.tolerances.exact_rotation));
     for (int b = 0; b < B; ++b) care |= found.doubt[b];
     if (care) [[unlikely]] {
-        load_targets<Family>(arm, from, t);
+        load_targets<Family>(arm, part.T, t);
         for (int i = 0; i < many; ++i) {
             if (!(care >> i & 1)) continue;
             double T[16];
             for (int k = 0; k < 16; ++k) T[k] = t[k][i];
-            solve_in_doubt<Family>(arm, T, defect[i], q_ref, of_lane(found.doubt, i), {q + N * B * i, flags + B * i, B});
+            const Columns<N> columns = {part.q + N * B * i, part.flags + B * i, B};
+            solve_in_doubt<Family>(arm, T, defect[i], part.q_ref, value[i], of_lane(found.doubt, i), columns);
         }
     }
     return -1;
@@ -185,21 +206,26 @@ STEP int solve_block(const typename Family::Arm& arm, const double* from, int ma
 
 template <class Family, Write how> PART long solve_blocks(const typename Family::Arm& arm, const Batch& batch) {
     constexpr int B = Family::branches, answers = joints_of<Family> * B, numbers = numbers_of<Family>();
+    Batch part = batch;
+    part.m = BLOCK;
     long start = 0;
     for (; start + BLOCK <= batch.m; start += BLOCK) {
-        const int bad = solve_block<Family, how>(arm, batch.T + numbers * start, BLOCK, batch.q_ref, batch.q + answers * start,
-                                                 batch.flags + B * start);
+        part.T = batch.T + numbers * start, part.values = batch.values ? batch.values + start : nullptr;
+        part.q = batch.q + answers * start, part.flags = batch.flags + B * start;
+        const int bad = solve_block<Family, how>(arm, part);
         if (bad >= 0) return start + bad;
     }
     if (start == batch.m) return -1;
     // The rest, filled up with its last target: the same instructions then handle every pose, whatever its place in a batch.
     const int many = int(batch.m - start);
-    double T[numbers * BLOCK], q[answers * BLOCK];
+    double T[numbers * BLOCK], values[BLOCK], q[answers * BLOCK];
     for (int i = 0; i < BLOCK; ++i) {
-        const double* from = batch.T + numbers * (start + (i < many ? i : many - 1));
-        __builtin_memcpy(T + numbers * i, from, numbers * sizeof(double));
+        const long from = start + (i < many ? i : many - 1);
+        __builtin_memcpy(T + numbers * i, batch.T + numbers * from, numbers * sizeof(double));
+        values[i] = batch.values ? batch.values[from] : 0.0;
     }
-    const int bad = solve_block<Family, Write::plain>(arm, T, many, batch.q_ref, q, batch.flags + B * start);
+    part = {T, many, batch.q_ref, batch.values ? values : nullptr, q, batch.flags + B * start};
+    const int bad = solve_block<Family, Write::plain>(arm, part);
     if (bad >= 0) return start + bad;
     __builtin_memcpy(batch.q + answers * start, q, sizeof(double) * answers * many);
     return -1;
@@ -227,7 +253,11 @@ template <class Family> long solve_singly(const typename Family::Arm& arm, const
         project_rotation(T, proper);
         const Columns<N> columns = {batch.q + N * B * i, batch.flags + B * i, B};
         columns.clear();
-        Family::solve(arm, goal_of(proper), reference, columns);
+        if constexpr (redundant_of<Family>()) {
+            Family::solve(arm, goal_of(proper), batch.values ? batch.values[i] : arm.value, reference, columns);
+        } else {
+            Family::solve(arm, goal_of(proper), reference, columns);
+        }
     }
     return -1;
 }

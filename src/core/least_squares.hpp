@@ -36,7 +36,8 @@ template <int N, class V> STEP V least_stretch(const Triangle<N, V>& f) {
 }
 
 // Solve J x = e in the least-squares sense; damped: minimise |J x - e|^2 + |damping x|^2. J is overwritten.
-template <bool damped, int N, class V> STEP Solved<N, V> least_squares(Six<V> (&J)[N], Six<V> e, const V& damping) {
+template <bool damped, int N, int rows, class V>
+STEP Solved<N, V> least_squares(Rows<rows, V> (&J)[N], Rows<rows, V> e, const V& damping) {
     Triangle<N, V> f;
     V y[N], low[N][N], e_low[N];  // low: the rows below J, lower left of each column the only non-zero ones
     if constexpr (damped) {
@@ -91,7 +92,7 @@ template <int N> struct Weakest {
 };
 
 // Inverse iteration on the triangular factor of J.
-template <int N> PART Weakest<N> weakest(Six<double> (&J)[N]) {
+template <int N, int rows> PART Weakest<N> weakest(Rows<rows, double> (&J)[N]) {
     double R[N][N], x[N], y[N];
     for (int k = 0; k < N; ++k) {
         const double length = sqrt(dot(J[k], J[k]));

@@ -1,8 +1,8 @@
 // Newton's method on the arm as written: the one way by which candidates become solutions, for one to seven joints that
 // turn or slide, one candidate or a block of them side by side.
 //
-// A Model is the arm as written (Written<N>), or anything else with `joints` and the functions below for it: an arm
-// whose joints drive several axes each brings its own.
+// A Model is the arm as written (Written<N>), or anything else with `joints`, `rows`, `tolerances` and the functions below
+// for it: an arm whose joints drive several axes each brings its own; so does one of which more is asked than a pose.
 #pragma once
 
 #include "kinematics.hpp"
@@ -23,8 +23,8 @@ template <class V> STEP Goal<V> spread(const Goal<double>& g) {
 }
 
 // Twist that leads from a posture to the goal, lengths as shares of the size, and its greatest entry.
-template <class V> struct Error {
-    Six<V> twist;
+template <class V, int rows = 6> struct Error {
+    Rows<rows, V> twist;
     V size;
 };
 
@@ -123,8 +123,8 @@ STEP Polished<V> polish(const Model& arm, const Goal<V>& goal, V (&q)[Model::joi
     V best[N], mark = __builtin_inf(), since = 0.0;
     for (int j = 0; j < N; ++j) best[j] = q[j];
     for (int round = 0;; ++round) {
-        Six<V> J[N];
-        const Error<V> e = error_and_jacobian(arm, goal, q, J);
+        Rows<Model::rows, V> J[N];
+        const Error<V, Model::rows> e = error_and_jacobian(arm, goal, q, J);
         const auto better = moves & (e.size < out.error);
         // At rounding, a step that gains nothing ends it.
         const auto settled = (min(out.error, e.size) < V(CONVERGED)) & !(e.size < 0.5 * out.error);

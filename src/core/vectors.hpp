@@ -55,25 +55,31 @@ template <class V> STEP Frame<V> turned(const Frame<V>& at, const Turn<V>& t) {
     return {{t.c * at.R.x + t.s * at.R.y, t.c * at.R.y - t.s * at.R.x, at.R.z}, at.p};
 }
 
-// Six numbers: a twist, or a column of the Jacobian (linear part first).
-template <class V> struct Six {
-    V v[6];
+// A column of numbers: a twist or a column of the Jacobian (linear part first), and rows behind for what else is asked of
+// an arm.
+template <int R, class V> struct Rows {
+    V v[R];
     STEP V& operator[](int i) { return v[i]; }
     STEP const V& operator[](int i) const { return v[i]; }
 };
-template <class V> STEP V dot(const Six<V>& a, const Six<V>& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5];
+template <class V> using Six = Rows<6, V>;
+template <int R, class V> STEP V dot(const Rows<R, V>& a, const Rows<R, V>& b) {
+    V sum = a[0] * b[0];
+    for (int i = 1; i < R; ++i) sum += a[i] * b[i];
+    return sum;
 }
-template <class V> STEP Six<V> times(Six<V> a, const V& f) {
+template <int R, class V> STEP Rows<R, V> times(Rows<R, V> a, const V& f) {
     for (auto& x : a.v) x = x * f;
     return a;
 }
-template <class V> STEP Six<V> less(Six<V> a, const V& f, const Six<V>& b) {
-    for (int i = 0; i < 6; ++i) a[i] = a[i] - f * b[i];
+template <int R, class V> STEP Rows<R, V> less(Rows<R, V> a, const V& f, const Rows<R, V>& b) {
+    for (int i = 0; i < R; ++i) a[i] = a[i] - f * b[i];
     return a;
 }
-template <class V> STEP V largest(const Six<V>& a) {
-    return max(max(max(abs(a[0]), abs(a[1])), max(abs(a[2]), abs(a[3]))), max(abs(a[4]), abs(a[5])));
+template <int R, class V> STEP V largest(const Rows<R, V>& a) {
+    V most = abs(a[0]);
+    for (int i = 1; i < R; ++i) most = max(most, abs(a[i]));
+    return most;
 }
 
 // (x, y) turned back by the angle t.

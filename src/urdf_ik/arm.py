@@ -70,6 +70,7 @@ class Arm:
 
     def _adopt(self, plan: Plan | RedundantPlan) -> None:
         self._solver, self._kernel, self._numbers = plan.solve, self._first_solve, plan.arm
+        self._core = plan.solver
         self._branches, self._shape = plan.branches, (1, len(plan.branches), self.chain.n)
 
     def __repr__(self) -> str:
@@ -236,12 +237,7 @@ class Arm:
         else:
             target = as_pose_array(T)
             target = target.copy() if target is T and target.ndim == 2 else target
-        reference = self._no_reference if q_ref is None else self._reference(q_ref)
-        if target.ndim == 2 and redundancy is None:
-            q, flags = np.empty(self._shape), np.empty(self._shape[:2], np.uint8)
-            if self._kernel(target[None], self._numbers, reference, q, flags) >= 0:
-                self._refuse(target)
-            return IKSolutions(self, target, q[0], flags[0], self._branches)
+        reference = None if q_ref is None else self._reference(q_ref)
         values = None
         if redundancy is not None:
             target, values = self._redundant_plan().parameter.spread(target, redundancy)
@@ -249,17 +245,34 @@ class Arm:
         stack = target.reshape(-1, 4, 4)
         q, flags = np.empty((len(stack), *self._shape[1:])), np.empty((len(stack), self._shape[1]), np.uint8)
 
-        def solve(part: slice) -> int:
-            if values is None:
-                return self._kernel(stack[part], self._numbers, reference, q[part], flags[part])
-            at, solve_at = values.reshape(-1)[part], self._redundant_plan().solve_at
-            with nullcontext() if self._kernel is self._solver else self._patience():
-                return solve_at(stack[part], at, self._numbers, reference, q[part], flags[part])
-
-        if in_shares(solve, len(stack), threads) >= 0:
+        if self._fill(stack, values, reference, q, flags, threads) >= 0:
             self._refuse(target)
         q, flags = q.reshape(*batch, *q.shape[1:]), flags.reshape(*batch, flags.shape[1])
         return IKSolutions(self, target, q, flags, self._branches, redundancy=values)
+
+    def _fill(
+        self,
+        stack: NDArray[np.float64],
+        values: NDArray[np.float64] | None,
+        q_ref: NDArray[np.float64] | None,
+        q: NDArray[np.float64],
+        flags: NDArray[np.uint8],
+        threads: int,
+    ) -> int:
+        """Solve targets (m, ...), at these values of the redundancy parameter; index of the first bad one or -1."""
+        at = None if values is None else values.reshape(-1)
+        if self._core is not None:
+            return self._core.solve(stack, q_ref, q, flags, at, threads)
+        reference = self._no_reference if q_ref is None else np.append(q_ref, 1.0)
+
+        def solve(part: slice) -> int:
+            if at is None:
+                return self._kernel(stack[part], self._numbers, reference, q[part], flags[part])
+            solve_at = self._redundant_plan().solve_at
+            with nullcontext() if self._kernel is self._solver else self._patience():
+                return solve_at(stack[part], at[part], self._numbers, reference, q[part], flags[part])
+
+        return in_shares(solve, len(stack), threads)
 
     def redundancy_of(self, q: ArrayLike) -> NDArray[np.float64]:
         """Value of the redundancy parameter at joint vectors (..., 7), (...): ``ik`` finds them again at it.
@@ -370,13 +383,11 @@ class Arm:
         )
 
     def _reference(self, q_ref: ArrayLike) -> NDArray[np.float64]:
-        reference = np.ones(self.dof + 1)
         q = self.chain.check(q_ref)
         if q.shape != (self.dof,):
             raise JointVectorError(f"q_ref of shape {q.shape} given; one joint vector ({self.dof},) is needed")
         # Turns do not matter to an answer in (-pi, pi].
-        reference[:-1] = np.where(self.chain.prismatic, q, np.remainder(q + np.pi, 2.0 * np.pi) - np.pi)
-        return reference
+        return np.where(self.chain.prismatic, q, np.remainder(q + np.pi, 2.0 * np.pi) - np.pi)
 
     def _refuse(self, T: NDArray[np.float64]) -> None:
         """Raise the error that says what is wrong with the first bad pose."""

@@ -13,7 +13,6 @@ import numpy as np
 
 from urdf_ik import families
 from urdf_ik._kernels.planar import solve_points
-from urdf_ik._shares import in_shares
 from urdf_ik.arm import Arm
 from urdf_ik.errors import PoseError, TaskError, UnsupportedArm
 from urdf_ik.families import completed, few_joints, planar
@@ -145,13 +144,9 @@ class TaskArm(Arm):
         stack = target.reshape(-1, target.shape[-1])
         if not self._takes_points:
             stack = self._poses(stack)
-        reference = self._no_reference if q_ref is None else self._reference(q_ref)
+        reference = None if q_ref is None else self._reference(q_ref)
         q, flags = np.empty((len(stack), *self._shape[1:])), np.empty((len(stack), self._shape[1]), np.uint8)
-
-        def solve(part: slice) -> int:
-            return self._kernel(stack[part], self._numbers, reference, q[part], flags[part])
-
-        if in_shares(solve, len(stack), threads) >= 0:
+        if self._fill(stack, None, reference, q, flags, threads) >= 0:
             raise PoseError(f"a target for the task {self._task!r} that is not finite, or points nowhere")
         return IKSolutions(
             self, target, q.reshape(*batch, *q.shape[1:]), flags.reshape(*batch, flags.shape[1]), self._branches

@@ -39,4 +39,5 @@ def prepare(plan: Plan, chain: Chain) -> Plan:
         branches=(*plan.branches, *further),
         arm=with_elimination(plan.arm, chain),
         solve=_NEAR[plan.solve],
+        solver=None,
     )

@@ -42,6 +42,7 @@ def mirrored(plan: Plan) -> Plan:
         solve=solve,
         explain=explain,
         mirrored=True,
+        solver=None,
     )
 
 
