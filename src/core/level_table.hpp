@@ -1,6 +1,7 @@
 // What a build for one instruction set offers: the solvers of each unit, by pointer. Plain data.
 #pragma once
 
+#include "families/few_joints_arm.hpp"
 #include "families/spherical_wrist_arm.hpp"
 
 namespace urdf_ik {
@@ -8,6 +9,7 @@ namespace urdf_ik {
 struct LevelTable {
     const char* name;
     const SphericalWristSolvers* spherical_wrist;
+    const FewJointsSolvers* few_joints;
 };
 
 }  // namespace urdf_ik

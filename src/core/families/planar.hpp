@@ -6,6 +6,7 @@
 #pragma once
 
 #include "../blocks.hpp"
+#include "../subproblems.hpp"
 #include "few_joints.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {

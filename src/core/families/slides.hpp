@@ -10,6 +10,8 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
+inline constexpr double FLIPS[2] = {1.0, -1.0};
+
 // a' b
 STEP Rot<double> seen_from(const Rot<double>& a, const Rot<double>& b) {
     const auto seen = [&](const Vec<double>& v) { return Vec<double>{dot(a.x, v), dot(a.y, v), dot(a.z, v)}; };
@@ -74,7 +76,7 @@ PART bool by_wrist(const SlidesArm& arm, const Goal<double>& goal, const Referen
     bool doubt = false;
     for (int c = 0; c < places.count; ++c) {
         const Placed& place = places.at[c];
-        for (const double sign : {1.0, -1.0}) {
+        for (const double sign : FLIPS) {
             if (!wrist_behind(arm, goal, place.q, sign, reference, q)) continue;
             const Origin origin = place.free || arm.imperfection > 0.0 ? Origin::doubtful : Origin::computed;
             const double sigma = take(arm.written, goal, q, origin, arm.written.tolerances.reach, columns);
@@ -88,7 +90,7 @@ PART bool by_wrist(const SlidesArm& arm, const Goal<double>& goal, const Referen
 
 // Solutions of an arm with three slides: the turns by the orientation, the slides by a linear system.
 PART void by_slides(const SlidesArm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
-    for (const double sign : {1.0, -1.0}) {
+    for (const double sign : FLIPS) {
         double q[6] = {};
         if (!turn_wrist(arm, from_home(goal.R, arm.home), sign, reference, q)) continue;
         const Posture<6, double> at = place(arm.written, q);
