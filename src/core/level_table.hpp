@@ -2,14 +2,20 @@
 #pragma once
 
 #include "families/few_joints_arm.hpp"
+#include "families/parallel_shoulder_arm.hpp"
+#include "families/reversed.hpp"
 #include "families/spherical_wrist_arm.hpp"
+#include "families/three_parallel_arm.hpp"
 
 namespace urdf_ik {
 
 struct LevelTable {
     const char* name;
-    const SphericalWristSolvers* spherical_wrist;
     const FewJointsSolvers* few_joints;
+    const ParallelShoulderSolvers* parallel_shoulder;
+    const ReversedSteps* reversed;
+    const SphericalWristSolvers* spherical_wrist;
+    const ThreeParallelSolvers* three_parallel;
 };
 
 }  // namespace urdf_ik

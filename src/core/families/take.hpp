@@ -14,14 +14,14 @@ enum class Origin { computed, doubtful, searched };
 inline constexpr double HOPELESS = 0.05;
 // Starts beside a solution near a fold: so many on each side along the direction that the Jacobian all but loses, from 0.1 rad
 // (or share of the size), each a tenth of the one before.
-inline constexpr int BESIDE_FOLD = 8;
+inline constexpr int STARTS_BESIDE = 8;
 
 // A solution beside q, if there is one. What is singular again belongs to the same double root, or to the same continuum.
 template <class Model>
 PART void take_beside(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints], const Weakest<Model::joints>& weak,
                       const Columns<Model::joints>& columns) {
     double away = 0.1;
-    for (int k = 0; k < 2 * BESIDE_FOLD; ++k) {
+    for (int k = 0; k < 2 * STARTS_BESIDE; ++k) {
         double start[Model::joints];
         for (int j = 0; j < Model::joints; ++j) start[j] = advanced(arm, j, q[j], (k % 2 ? away : -away) * weak.direction[j]);
         if (k % 2) away *= 0.1;
