@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "answer.hpp"
+#include "elimination.hpp"
 
 namespace urdf_ik {
 
@@ -19,6 +20,7 @@ static const Makers& makers() {
         Makers m;
         add_few_joints(m);
         add_parallel_shoulder(m);
+        add_elimination(m);
         add_reversed(m);
         add_spherical_wrist(m);
         add_three_parallel(m);
@@ -98,7 +100,9 @@ NB_MODULE(_core, m) {
     m.doc() = "The compiled solvers.";
     m.def("isa", [] { return std::string(level().name); }, "The instruction set in use.");
     m.def("levels", &levels_built, "The instruction sets that were built and that this processor runs.");
+    add_elimination(m);
     add_answer(m);
+    bind_steps(m);
     nb::class_<PySolver>(m, "Solver", "An arm, ready to be solved; immutable.")
         .def(nb::init<std::string, nb::dict>(), nb::arg("kind"), nb::arg("values"))
         .def_ro("kind", &PySolver::kind)

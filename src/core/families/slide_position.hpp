@@ -23,7 +23,7 @@ inline constexpr double ALL_BUT_FREE = 1e-10;
 // Below this an equation that all but loses its unknown is solved without it too.
 inline constexpr double WEAK = 1e-3;
 // A slide further out than this share of the size is a root at infinity.
-inline constexpr double FARTHEST = 1e6;
+inline constexpr double FARTHEST_SLIDE = 1e6;
 
 // v turned about unit h.
 STEP Vec<double> turned_about(const Vec<double>& v, const Vec<double>& h, const Turn<double>& t) {
@@ -157,7 +157,7 @@ private:
                                                               f[0] - f[2] + f[4], f[1] - f[3]});
         for (int k = 0; k < circle.count; ++k) {
             const Turn<double>& t = circle.root[k];
-            if (abs(t.s) <= FARTHEST * (1.0 + t.c)) r.at[r.count++] = t.s / (1.0 + t.c);
+            if (abs(t.s) <= FARTHEST_SLIDE * (1.0 + t.c)) r.at[r.count++] = t.s / (1.0 + t.c);
         }
         return r;
     }
