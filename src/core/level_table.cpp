@@ -21,7 +21,6 @@ const LevelTable table = {
     URDF_IK_TEXT(URDF_IK_LEVEL),
     &elimination_solvers,
     &few_joints_solvers,
-    &name_solvers,
     &parallel_shoulder_solvers,
     &reversed_steps,
     &spherical_wrist_solvers,

@@ -12,9 +12,9 @@
 namespace urdf_ik {
 
 struct LevelTable {
+    const char* name;
     const EliminationSolvers* elimination;
     const FewJointsSolvers* few_joints;
-    const char* name;
     const ParallelShoulderSolvers* parallel_shoulder;
     const ReversedSteps* reversed;
     const SphericalWristSolvers* spherical_wrist;
