@@ -8,12 +8,14 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
+extern const ChainFunctions chain_functions;
 extern const SphericalWristSolvers spherical_wrist_solvers;
 extern const ThreeParallelSolvers three_parallel_solvers;
 
 extern const LevelTable table;
 const LevelTable table = {
     URDF_IK_TEXT(URDF_IK_LEVEL),
+    &chain_functions,
     &spherical_wrist_solvers,
     &three_parallel_solvers,
 };

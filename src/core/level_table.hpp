@@ -1,6 +1,7 @@
 // What a build for one instruction set offers: the solvers of each unit, by pointer. Plain data.
 #pragma once
 
+#include "chain_arm.hpp"
 #include "families/spherical_wrist_arm.hpp"
 #include "families/three_parallel_arm.hpp"
 
@@ -8,6 +9,7 @@ namespace urdf_ik {
 
 struct LevelTable {
     const char* name;
+    const ChainFunctions* chain;
     const SphericalWristSolvers* spherical_wrist;
     const ThreeParallelSolvers* three_parallel;
 };

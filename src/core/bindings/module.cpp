@@ -96,6 +96,7 @@ NB_MODULE(_core, m) {
     m.def("isa", [] { return std::string(level().name); }, "The instruction set in use.");
     m.def("levels", &levels_built, "The instruction sets that were built and that this processor runs.");
     add_answer(m);
+    add_chain(m);
     nb::class_<PySolver>(m, "Solver", "An arm, ready to be solved; immutable.")
         .def(nb::init<std::string, nb::dict>(), nb::arg("kind"), nb::arg("values"))
         .def_ro("kind", &PySolver::kind)

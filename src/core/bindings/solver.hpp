@@ -44,6 +44,7 @@ public:
 // Every kind of solver by its name in Python, with what makes it from named values.
 using Maker = std::shared_ptr<const Solver> (*)(const Values&);
 using Makers = std::map<std::string, Maker>;
+void add_chain(nb::module_& m);
 void add_spherical_wrist(Makers& makers);
 void add_three_parallel(Makers& makers);
 
