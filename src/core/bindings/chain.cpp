@@ -114,8 +114,9 @@ void add_chain(nb::module_& m) {
         .def(nb::init<nb::object, nb::object, nb::object, nb::object>())
         .def_prop_ro("steps", &PyChain::steps)
         .def("__reduce__", [](nb::handle self) { return nb::make_tuple(nb::type<PyChain>(), nb::cast<const PyChain&>(self).made_from); })
-        .def("fk", [](const PyChain& self, nb::handle q) { return self.of(q, level().chain->poses, 4, 4); })
-        .def("jacobian", [](const PyChain& self, nb::handle q) { return self.of(q, level().chain->jacobians, 6, self.arm.joints); })
+        .def("fk", [](const PyChain& self, nb::handle q) { return self.of(q, level().chain->poses, 4, 4); }, nb::arg().none())
+        .def("jacobian", [](const PyChain& self, nb::handle q) { return self.of(q, level().chain->jacobians, 6, self.arm.joints); },
+             nb::arg().none())
         .def("axes", [](const PyChain& self, nb::handle q) { return self.of(q, level().chain->axes, 6, self.arm.joints); });
 }
 
