@@ -8,24 +8,26 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
+extern const ChainFunctions chain_functions;
+extern const ParallelShoulderSolvers parallel_shoulder_solvers;
 extern const EliminationSolvers elimination_solvers;
 extern const FewJointsSolvers few_joints_solvers;
-extern const ParallelShoulderSolvers parallel_shoulder_solvers;
 extern const ReversedSteps reversed_steps;
-extern const SphericalWristSolvers spherical_wrist_solvers;
 extern const Steps steps;
+extern const SphericalWristSolvers spherical_wrist_solvers;
 extern const ThreeParallelSolvers three_parallel_solvers;
 
 extern const LevelTable table;
 const LevelTable table = {
     URDF_IK_TEXT(URDF_IK_LEVEL),
-    &elimination_solvers,
-    &few_joints_solvers,
+    &chain_functions,
+    &steps,
     &parallel_shoulder_solvers,
+    &few_joints_solvers,
     &reversed_steps,
     &spherical_wrist_solvers,
-    &steps,
     &three_parallel_solvers,
+    &elimination_solvers,
 };
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -1,9 +1,10 @@
 // What a build for one instruction set offers: the solvers of each unit, by pointer. Plain data.
 #pragma once
 
+#include "chain_arm.hpp"
+#include "families/parallel_shoulder_arm.hpp"
 #include "families/elimination_arm.hpp"
 #include "families/few_joints_arm.hpp"
-#include "families/parallel_shoulder_arm.hpp"
 #include "families/reversed.hpp"
 #include "families/spherical_wrist_arm.hpp"
 #include "families/three_parallel_arm.hpp"
@@ -13,13 +14,14 @@ namespace urdf_ik {
 
 struct LevelTable {
     const char* name;
-    const EliminationSolvers* elimination;
-    const FewJointsSolvers* few_joints;
+    const ChainFunctions* chain;
+    const Steps* steps;
     const ParallelShoulderSolvers* parallel_shoulder;
+    const FewJointsSolvers* few_joints;
     const ReversedSteps* reversed;
     const SphericalWristSolvers* spherical_wrist;
-    const Steps* steps;
     const ThreeParallelSolvers* three_parallel;
+    const EliminationSolvers* elimination;
 };
 
 }  // namespace urdf_ik
