@@ -35,5 +35,9 @@ inline constexpr double NEAR = 1e-3;
 inline constexpr double SMALL_TOGETHER = 1e-11;
 // Two solutions nearer than this to each other in every joint are asked whether they are one double root.
 inline constexpr double BESIDE = 1e-3;
+// Below this smallest singular value of the Jacobian a second solution may be next door.
+inline constexpr double NEAR_FOLD = 5e-3;
+// The least value from which a joint that is all but free is tried, in steps of half a turn over it.
+inline constexpr int AROUND = 12;
 
 }  // namespace urdf_ik::URDF_IK_LEVEL
