@@ -1,13 +1,19 @@
 // What a build for one instruction set offers: the solvers of each unit, by pointer. Plain data.
 #pragma once
 
+#include "families/parallel_shoulder_arm.hpp"
+#include "families/reversed.hpp"
 #include "families/spherical_wrist_arm.hpp"
+#include "families/three_parallel_arm.hpp"
 
 namespace urdf_ik {
 
 struct LevelTable {
     const char* name;
+    const ParallelShoulderSolvers* parallel_shoulder;
+    const ReversedSteps* reversed;
     const SphericalWristSolvers* spherical_wrist;
+    const ThreeParallelSolvers* three_parallel;
 };
 
 }  // namespace urdf_ik

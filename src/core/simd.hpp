@@ -130,6 +130,12 @@ template <class V> using MaskOf = decltype(V() < V());
 template <class V> inline constexpr int lanes_of = 1;
 template <int L, int K> inline constexpr int lanes_of<Pack<L, K>> = L * K;
 
+// One lane of a number or a pack.
+STEP double lane(double a, int) { return a; }
+template <int L, int K> STEP double lane(const Pack<L, K>& a, int i) { return a[i]; }
+STEP void set_lane(double& a, int, double x) { a = x; }
+template <int L, int K> STEP void set_lane(Pack<L, K>& a, int i, double x) { a.set(i, x); }
+
 // a where the mask holds, else b.
 template <int L, int K> STEP Pack<L, K> select(const Mask<L, K>& m, Pack<L, K> a, const Pack<L, K>& b) {
     for (int k = 0; k < K; ++k) {
@@ -207,6 +213,61 @@ template <int L, int K> STEP Pack<L, K> sqrt(Pack<L, K> a) {
     return a;
 }
 
+// 1 / a and 1 / sqrt(a) for a > 0, to about one unit in the last place. With AVX-512 from 14 bits and two steps of
+// Newton's method, a fifth of the time of a division or a root.
+template <int L, int K> STEP Pack<L, K> inverse(Pack<L, K> a) {
+#if defined(__AVX512F__)
+    for (int k = 0; k < K; ++k) {
+        using R = typename Register<L>::type;
+        const R x = a.r[k];
+        R y;
+        if constexpr (L == 8) y = (R)_mm512_rcp14_pd((__m512d)x);
+        else if constexpr (L == 4) y = (R)_mm256_rcp14_pd((__m256d)x);
+        else y = (R)_mm_rcp14_pd((__m128d)x);
+        y = y + y * (1.0 - x * y);
+        a.r[k] = y + y * (1.0 - x * y);
+    }
+    return a;
+#else
+    return 1.0 / a;
+#endif
+}
+template <int L, int K> STEP Pack<L, K> inverse_sqrt(Pack<L, K> a) {
+#if defined(__AVX512F__)
+    for (int k = 0; k < K; ++k) {
+        using R = typename Register<L>::type;
+        const R half = 0.5 * a.r[k];
+        R y;
+        if constexpr (L == 8) y = (R)_mm512_rsqrt14_pd((__m512d)a.r[k]);
+        else if constexpr (L == 4) y = (R)_mm256_rsqrt14_pd((__m256d)a.r[k]);
+        else y = (R)_mm_rsqrt14_pd((__m128d)a.r[k]);
+        y = y + y * (0.5 - half * y * y);
+        a.r[k] = y + y * (0.5 - half * y * y);
+    }
+    return a;
+#else
+    return 1.0 / sqrt(a);
+#endif
+}
+// sqrt(a) for a >= 0, to one unit in the last place.
+template <int L, int K> STEP Pack<L, K> root(const Pack<L, K>& a) {
+#if defined(__AVX512F__)
+    const Pack<L, K> y = inverse_sqrt(a + 1e-300), s = a * y;
+    return s + 0.5 * y * (a - s * s);
+#else
+    return sqrt(a);
+#endif
+}
+// a / b for b > 0, to one unit in the last place.
+template <int L, int K> STEP Pack<L, K> quotient(const Pack<L, K>& a, const Pack<L, K>& b) {
+#if defined(__AVX512F__)
+    const Pack<L, K> y = inverse(b), q = a * y;
+    return q + y * (a - b * q);
+#else
+    return a / b;
+#endif
+}
+
 template <int L, int K> STEP Pack<L, K> abs(Pack<L, K> a) {
     using B = typename Register<L>::bits;
     const B magnitude = B{} + 0x7fffffffffffffffLL;
@@ -228,12 +289,12 @@ STEP double select(bool m, double a, double b) { return m ? a : b; }
 STEP double min(double a, double b) { return a < b ? a : b; }
 STEP double max(double a, double b) { return a > b ? a : b; }
 STEP double sqrt(double a) { return __builtin_sqrt(a); }
+STEP double inverse(double a) { return 1.0 / a; }
+STEP double inverse_sqrt(double a) { return 1.0 / sqrt(a); }
+STEP double root(double a) { return sqrt(a); }
+STEP double quotient(double a, double b) { return a / b; }
 STEP double abs(double a) { return __builtin_fabs(a); }
 STEP double copysign(double a, double b) { return __builtin_copysign(a, b); }
-STEP double lane(double a, int) { return a; }
-template <int L, int K> STEP double lane(const Pack<L, K>& a, int i) { return a[i]; }
-STEP void set_lane(double& a, int, double x) { a = x; }
-template <int L, int K> STEP void set_lane(Pack<L, K>& a, int i, double x) { a.set(i, x); }
 
 // ---- rows to columns -------------------------------------------------------------------------------------------------
 

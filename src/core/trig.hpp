@@ -18,7 +18,7 @@ template <class V> struct Turn {
 template <class V> STEP V atan2(V y, V x) {
     const V ax = abs(x), ay = abs(y), low = min(ax, ay), high = max(ax, ay);
     const auto folded = low > 0.41421356237309503 * high;
-    const V t = select(folded, low - high, low) / (select(folded, low + high, high) + TINY);
+    const V t = quotient(select(folded, low - high, low), select(folded, low + high, high) + TINY);
     const V z = t * t;
     V p = -0.01917688711906226;
     p = p * z + 0.03923165829558719;
@@ -44,6 +44,9 @@ template <class V> STEP V wrap(V a) {
     a = select(a > V(PI), a - 6.283185307179586, a);
     return select(a <= V(-PI), a + 6.283185307179586, a);
 }
+
+// The angle half a turn away from one in (-pi, pi], in (-pi, pi].
+template <class V> STEP V half_turn_from(const V& a) { return select(a > V(0.0), a - PI, a + PI); }
 
 // Cosine and sine of an angle in [-1.1 pi, 1.1 pi], error below one unit in the last place of 1.
 // The nearest multiple of pi / 2 is taken off in two parts; what is left goes into the Chebyshev expansions of
@@ -72,9 +75,12 @@ template <class V> STEP Turn<V> cos_sin(V a) {
     return {select(odd, -(k * s), c), select(odd, k * c, s)};
 }
 
+// The same by the library, for any angle.
+STEP Turn<double> exact_turn(double angle) { return {__builtin_cos(angle), __builtin_sin(angle)}; }
+
 // (c, s) scaled to length 1.
 template <class V> STEP Turn<V> unit(V c, V s) {
-    const V w = 1.0 / sqrt(c * c + s * s + TINY);
+    const V w = inverse_sqrt(c * c + s * s + TINY);
     return {c * w, s * w};
 }
 

@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "solver.hpp"
+#include "answer.hpp"
 
 namespace urdf_ik {
 
@@ -17,7 +17,10 @@ constexpr long SHARE = 32;
 static const Makers& makers() {
     static const Makers all = [] {
         Makers m;
+        add_parallel_shoulder(m);
+        add_reversed(m);
         add_spherical_wrist(m);
+        add_three_parallel(m);
         return m;
     }();
     return all;
@@ -66,6 +69,14 @@ using Targets = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Answers = nb::ndarray<double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
 using Flags = nb::ndarray<std::uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
+using Seen = nb::ndarray<const double, nb::shape<4, 4>, nb::c_contig, nb::device::cpu>;
+
+static std::vector<double> distances(const PySolver& self, const Seen& seen) {
+    double out[4];
+    self.solver->distances(seen.data(), out);
+    return {out, out + 4};
+}
+
 static long solve(const PySolver& self, const Targets& T, const std::optional<Numbers>& q_ref, const Answers& q, const Flags& flags,
                   const std::optional<Numbers>& values, int threads) {
     const Solver& solver = *self.solver;
@@ -86,6 +97,7 @@ NB_MODULE(_core, m) {
     m.doc() = "The compiled solvers.";
     m.def("isa", [] { return std::string(level().name); }, "The instruction set in use.");
     m.def("levels", &levels_built, "The instruction sets that were built and that this processor runs.");
+    add_answer(m);
     nb::class_<PySolver>(m, "Solver", "An arm, ready to be solved; immutable.")
         .def(nb::init<std::string, nb::dict>(), nb::arg("kind"), nb::arg("values"))
         .def_ro("kind", &PySolver::kind)
@@ -96,6 +108,14 @@ NB_MODULE(_core, m) {
             const auto& s = nb::cast<const PySolver&>(self);
             return nb::make_tuple(nb::type<PySolver>(), nb::make_tuple(s.kind, s.values));
         })
+        // Without names and None, arguments are passed on the quickest way.
+        .def("one", [](const PySolver& s, nb::handle kind, nb::handle arm, nb::handle branches, nb::handle T) {
+            return solve_one(*s.solver, kind, arm, branches, T, nb::none());
+        })
+        .def("one_near", [](const PySolver& s, nb::handle kind, nb::handle arm, nb::handle branches, nb::handle T, nb::handle q_ref) {
+            return solve_one(*s.solver, kind, arm, branches, T, q_ref);
+        })
+        .def("distances", &distances, nb::arg("seen"), "Of axes, for explanations [m]: up to four, NaN where there is none.")
         .def("solve", &solve, nb::arg("T").noconvert(), nb::arg("q_ref").noconvert().none(), nb::arg("q").noconvert(),
              nb::arg("flags").noconvert(), nb::arg("values").noconvert().none() = nb::none(), nb::arg("threads") = 1);
 }

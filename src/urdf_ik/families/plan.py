@@ -231,6 +231,14 @@ def ideal_values(
     }
 
 
+def distances_of(solver: Solver, rotation: Array, point: Array) -> Array:
+    """What a pose, seen from frame 1, asks of the distance of two axes [m]: one for each way that there is."""
+    seen = np.eye(4)
+    seen[:3, :3], seen[:3, 3] = rotation, point
+    distances = np.array(solver.distances(seen))
+    return distances[np.isfinite(distances)]
+
+
 def _drift(chain: Chain, frames: DHFrames) -> float:
     """Greatest change of the motion between the ideal arm's pose and the real one's, seen from axis 1 [1 / rad]."""
     rng = np.random.default_rng(1)
