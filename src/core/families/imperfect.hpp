@@ -1,4 +1,21 @@
-// Arms near a family.
+// Arms near a family: the ideal arm's closed form, corrected for the arm as written, and the elimination where that does
+// not decide.
+//
+// Where the arm as written, W, is in the target T at q, the ideal arm is at q in I(q) W(q)^-1 T: near T, and changing slowly
+// with q. So the solutions of W are the fixed points of: take a branch's answer q, correct the target by what the two arms
+// differ at q, answer again with the same branch. A few rounds come close; Newton's method on W then ends it.
+//
+// What decides a branch b:
+// - A solution: Newton's method, started with all margins above zero, moved by less than half of the Jacobian's smallest
+//   singular value and converged. The Jacobian's Lipschitz constant is about 1 (per rad, lengths as shares of the size), so
+//   by Kantorovich's theorem there is one solution about the start, and no second one.
+// - None: a margin m is below zero. Let x be the signed root that tells the branch from its twin, the branch with the
+//   other sign of that root: solutions have x^2 = m(x), where m depends on x only through the correction, m(x) = m0 + c x
+//   to first order. Beyond the end the closed form takes x = +-sqrt(-m) (see margin_root), so the rounds end at x1 > 0 and
+//   -x2 < 0 with x1^2 = -m0 - c x1, x2^2 = -m0 + c x2: x1 and -x2 are the roots of x^2 + c x + m0 = 0, hence c = x2 - x1
+//   and -m0 = x1 x2. x^2 = m0 + c x has no real root where c^2 < -4 m0, (x2 - x1)^2 < 4 x1 x2: where the margins of the
+//   twins, -x1^2 and -x2^2, are less than a factor of 34 apart. AGREE asks for less.
+// Solutions are counted by that: with complex ones, every pair of twins has two. A pose is decided if each of its branches is.
 #pragma once
 
 #include "../blocks.hpp"
@@ -6,115 +23,144 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
+// Twins whose negative margins are less than this factor apart are both beyond their end (34 would do, see above); the same
+// of a margin before and after a correction: it has come to rest.
+inline constexpr double AGREE = 4.0;
+// A negative margin counts if it is above what one more correction may change: this much (the steepest margins' slope, in
+// their angles, with what weak ones before them add) times the drift times the last move.
+inline constexpr double STEEP = 10.0;
+// An angle is fixed where its squared arm is above the square of this times the drift: the correction then turns it by less
+// than a quarter of what it has turned, and converges. Below, the ideal arm all but leaves it free, and the arm as written may
+// have more solutions.
+inline constexpr double FIXED_BY_DRIFT = 4.0;
+// Kantorovich's share of the smallest singular value, see above.
+inline constexpr double KANTOROVICH = 0.5;
+// Below this a margin is rounding.
+inline constexpr double ROUNDED_MARGIN = 1e-12;
+// How often a target is corrected before the pose is given to the elimination.
+inline constexpr int CORRECTIONS = 4;
+
 // All branches of a block of targets, beyond their ends too.
 struct Candidates {
     Block q[8][6];
     Clearance<Block> clear[8];
-    STEP void set(int b, const Block (&angles)[6], const MaskOf<Block>&, const MaskOf<Block>&, const Clearance<Block>& near) {
+    STEP void set(int b, const Block (&angles)[6], const MaskOf<Block>&, const MaskOf<Block>&, const Clearance<Block>& at) {
         for (int j = 0; j < 6; ++j) q[b][j] = angles[j];
-        clear[b] = near;
+        clear[b] = at;
     }
     STEP void leave_open() {
         for (int b = 0; b < 8; ++b) {
             for (int j = 0; j < 6; ++j) q[b][j] = __builtin_nan("");
-            clear[b] = {__builtin_nan(""), 0.0};
+            clear[b] = {0.0, 0.0, 0.0, 0.0};
         }
     }
 };
 
-#ifdef RIG
-extern "C" { double rig_c = 2.0, rig_k = 0.5, rig_b = 1.0; int rig_rounds = 4; long rig_stat[16]; }
-#endif
+STEP Block block_at(const double* from) {
+    Block x;
+    constexpr int L = sizeof(x.r[0]) / sizeof(double);
+    for (int k = 0; k < BLOCK / L; ++k) x.r[k] = *(const Register<L>::unaligned*)(from + L * k);
+    return x;
+}
+STEP void put_block(const Block& x, double* to) {
+    constexpr int L = sizeof(x.r[0]) / sizeof(double);
+    for (int k = 0; k < BLOCK / L; ++k) *(Register<L>::unaligned*)(to + L * k) = x.r[k];
+}
 
 template <class Family> struct Imperfect {
     using Arm = ImperfectArm<typename Family::Arm>;
-    static constexpr int branches = 16, groups = 8 / BLOCK;
+    static constexpr int branches = 16;
 
-    // A group of branches of one pose side by side, each with a target of its own for the ideal arm.
-    struct Group {
-        Block q[6], ahead, fixed;
-        Block open;  // 1 where nothing is decided yet
-#ifdef RIG
-        Block why;
-#endif
-        Block found; // 1 where a solution is
+    // The eight branches of one pose, each for a target of its own: joint values, margins of shoulder, elbow and wrist.
+    struct Answers {
+        double q[6][8], margin[3][8], arms[8];
+    };
+    // What is known of them, a bit a branch.
+    struct Known {
+        unsigned open = 255, found = 0;
+        double q[6][8];
     };
 
-    static PART void answer(const Arm& arm, const Seen<Block>& seen, int first, Group& to) {
+    static PART void answer(const Arm& arm, const Seen<Block>& seen, int first, Answers& to) {
         Candidates all;
         Family::fast(arm.family, seen, all);
         for (int l = 0; l < BLOCK; ++l) {
-            for (int j = 0; j < 6; ++j) to.q[j].set(l, all.q[first + l][j][l]);
-            to.ahead.set(l, all.clear[first + l].ahead[l]);
-            to.fixed.set(l, all.clear[first + l].fixed[l]);
+            const int b = first + l;
+            for (int j = 0; j < 6; ++j) to.q[j][b] = all.q[b][j][l];
+            to.margin[0][b] = all.clear[b].shoulder[l], to.margin[1][b] = all.clear[b].elbow[l];
+            to.margin[2][b] = all.clear[b].wrist[l], to.arms[b] = all.clear[b].arms[l];
         }
     }
 
-    // The target that the ideal arm must take for the arm as written to be in `goal` at q: I(q) W(q)^-1 goal.
-    static STEP Seen<Block> corrected(const Arm& arm, const Goal<Block>& goal, const Block (&q)[6]) {
+    // I(q) W(q)^-1 goal.
+    static PART Seen<Block> corrected(const Arm& arm, const Goal<Block>& goal, const Block (&q)[6]) {
         const Frame<Block> W = place(arm.inner, q).tip, I = place(arm.ideal, q).tip;
-        // W^-1 goal first.
-        const auto back = [&](const Vec<Block>& a) { return Vec<Block>{dot(W.R.x, a), dot(W.R.y, a), dot(W.R.z, a)}; };
-        return {{I.R * back(goal.R.x), I.R * back(goal.R.y), I.R * back(goal.R.z)}, I.p + I.R * back(goal.p - W.p)};
+        const auto through = [&](const Vec<Block>& a) { return I.R * Vec<Block>{dot(W.R.x, a), dot(W.R.y, a), dot(W.R.z, a)}; };
+        return {{through(goal.R.x), through(goal.R.y), through(goal.R.z)}, I.p + through(goal.p - W.p)};
     }
 
-    static PART void decide(const Arm& arm, const Goal<Block>& goal, int first, Group& g) {
-        Block before[6], moved = 0.0, last = 0.0;
-        for (int j = 0; j < 6; ++j) before[j] = g.q[j];
-        Group now;
-        answer(arm, corrected(arm, goal, before), first, now);
-        for (int j = 0; j < 6; ++j) last = max(last, abs(wrap(now.q[j] - before[j])));
-        const Block carried = arm.drift / sqrt(now.fixed);
-        const Block far = (2.0 * last + arm.steepest * carried);
-        const auto open = g.open > Block(0.5);
-        const auto beyond = (now.ahead < -rig_b * carried * far - 1e-12) & (carried < Block(0.1));
-        Block q[6];
-        for (int j = 0; j < 6; ++j) q[j] = now.q[j];
-        const Polished<Block> end = polish<false>(arm.inner, goal, q, {5, CONVERGED, 2}, open & !beyond);
-        for (int j = 0; j < 6; ++j) moved = max(moved, abs(wrap(q[j] - now.q[j])));
-        const auto good = (end.error <= Block(CONVERGED)) & (moved <= rig_k * end.least) & (end.least >= Block(max(rig_c * arm.drift, 1e-5))) &
-                          (now.ahead > Block(0.0));
-        const auto found = open & !beyond & good;
-        for (int j = 0; j < 6; ++j) g.q[j] = select(found, q[j], select(open, now.q[j], g.q[j]));
-        g.found = select(found, 1.0, g.found);
-        g.open = select(open & !beyond & !found, Block(1.0), Block(0.0));
-#ifdef RIG
-        for (int l = 0; l < BLOCK; ++l) {
-            if (!(g.open[l] > 0.5)) { g.why.set(l, 0); continue; }
-            int w = 0;
-            if (now.ahead[l] <= 0) w = carried[l] >= 0.1 ? 1 : 2;
-            else if (!(end.error[l] <= CONVERGED)) w = 3;
-            else if (!(moved[l] <= rig_k * end.least[l])) w = 4;
-            else w = 5;
-            g.why.set(l, w);
+    // Whether branch b is beyond an end, after a correction that moved it by `last` [rad].
+    static STEP bool is_beyond(const Arm& arm, const Answers& before, const Answers& now, int b, double last) {
+        const double sure = STEEP * arm.drift * last + ROUNDED_MARGIN;
+        for (int k = 0; k < 3; ++k) {
+            const double m = -now.margin[k][b], twin = -now.margin[k][b ^ (4 >> k)], past = -before.margin[k][b];
+            if (m > sure && min(twin, past) * AGREE > m && max(twin, past) < AGREE * m) return true;
         }
-#endif
+        return false;
+    }
+
+    // One more correction of all branches, then what it decides of those that are open.
+    static PART void decide(const Arm& arm, const Goal<Block>& goal, Answers& now, Known& known) {
+        const Answers before = now;
+        double last[8];
+        for (int first = 0; first < 8; first += BLOCK) {
+            Block q[6], moved = 0.0;
+            for (int j = 0; j < 6; ++j) q[j] = block_at(before.q[j] + first);
+            answer(arm, corrected(arm, goal, q), first, now);
+            for (int j = 0; j < 6; ++j) moved = max(moved, abs(wrap(block_at(now.q[j] + first) - q[j])));
+            put_block(moved, last + first);
+        }
+        const double fixed = FIXED_BY_DRIFT * arm.drift;
+        unsigned inside = 0;
+        for (int b = 0; b < 8; ++b) {
+            if (!(known.open >> b & 1) || !(now.arms[b] >= fixed * fixed)) continue;
+            if (is_beyond(arm, before, now, b, last[b])) known.open &= ~(1u << b);
+            else if (min(now.margin[0][b], min(now.margin[1][b], now.margin[2][b])) > 0.0) inside |= 1u << b;
+        }
+        for (int first = 0; first < 8; first += BLOCK) follow(arm, goal, now, inside, first, known);
+    }
+
+    // Newton's method on a group of branches whose bits are in `inside`.
+    static PART void follow(const Arm& arm, const Goal<Block>& goal, const Answers& now, unsigned inside, int first, Known& known) {
+        constexpr unsigned all = (1u << BLOCK) - 1;
+        inside = inside >> first & all;
+        if (!inside) return;
+        Block q[6], start[6], chosen, moved = 0.0;
+        for (int j = 0; j < 6; ++j) q[j] = start[j] = block_at(now.q[j] + first);
+        for (int l = 0; l < BLOCK; ++l) chosen.set(l, inside >> l & 1);
+        const Polished<Block> end = polish<false>(arm.inner, goal, q, {5, CONVERGED, 2}, chosen > Block(0.5));
+        for (int j = 0; j < 6; ++j) moved = max(moved, abs(wrap(q[j] - start[j])));
+        const unsigned found = inside & bits((end.error <= Block(CONVERGED)) & (moved <= KANTOROVICH * end.least) &
+                                             (end.least >= Block(arm.written.tolerances.singular)));
+        known.found |= found << first, known.open &= ~(found << first);
+        for (int l = 0; l < BLOCK; ++l) {
+            for (int j = 0; j < 6 && found >> l & 1; ++j) known.q[j][first + l] = q[j][l];
+        }
     }
 
     static void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>&, const Columns<6>& columns) {
-        const double T[16] = {goal.R.x.x, goal.R.y.x, goal.R.z.x, goal.p.x, goal.R.x.y, goal.R.y.y, goal.R.z.y, goal.p.y,
-                              goal.R.x.z, goal.R.y.z, goal.R.z.z, goal.p.z, 0, 0, 0, 1};
-        const Seen<double> s = to_frame_1<double>(T, arm.family.ideal);
-        const Goal<Block> seen = spread<Block>({s.R, s.p});
-        int open = 0, count = 0, mask = 0;
-        for (int k = 0; k < groups; ++k) {
-            Group g;
-            answer(arm, {seen.R, seen.p}, k * BLOCK, g);
-            g.open = 1.0, g.found = 0.0;
-            for (int round = 0; round < rig_rounds && any(g.open > Block(0.5)); ++round) decide(arm, seen, k * BLOCK, g);
-            for (int l = 0; l < BLOCK; ++l) {
-                open += g.open[l] > 0.5;
-#ifdef RIG
-                if (g.open[l] > 0.5) mask |= 1 << int(g.why[l]);
-#endif
-                if (g.found[l] > 0.5) {
-                    double q[6];
-                    for (int j = 0; j < 6; ++j) q[j] = g.q[j][l];
-                    keep(columns, k * BLOCK + l, q, 0), ++count;
-                }
-            }
+        const Seen<double> seen = to_frame_1(goal, arm.family.ideal);
+        const Goal<Block> target = spread<Block>({seen.R, seen.p});
+        Answers now;
+        Known known;
+        for (int first = 0; first < 8; first += BLOCK) answer(arm, {target.R, target.p}, first, now);
+        for (int round = 0; round < CORRECTIONS && known.open; ++round) decide(arm, target, now, known);
+        for (int b = 0; b < 8; ++b) {
+            double q[6];
+            for (int j = 0; j < 6; ++j) q[j] = known.q[j][b];
+            if (known.found >> b & 1) keep(columns, b, q, 0);
         }
-        if (open || count % 2) columns.flags[15] = 128 | mask;
+        if (known.open || __builtin_popcount(known.found) % 2) columns.flags[15] = 128 | (known.open != 0);
     }
 };
 

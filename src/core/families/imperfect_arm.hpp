@@ -6,12 +6,11 @@
 namespace urdf_ik {
 
 template <class FamilyArm> struct ImperfectArm {
-    FamilyArm family;  // the ideal arm, and the arm as written
-    Written<6> written;  // that again
+    FamilyArm family;   // the ideal arm
+    Written<6> written;
     // From frame 1 to the point that is solved for: the arm as written, and the ideal one.
     Written<6> inner, ideal;
-    double drift;    // how fast the motion between the two tips changes with the joints, at most [rad, share of size a rad]
-    double steepest; // one over the least stride: how fast the steepest margin changes with the pose
+    double drift;  // how fast the motion between the two tips changes with the joints, at most [rad, share of size; a rad]
 };
 
 }  // namespace urdf_ik

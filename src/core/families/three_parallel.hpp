@@ -130,7 +130,7 @@ template <Hand kind> struct ThreeParallel {
         // The links turned towards axis 4 miss it by what the lengths differ, at most miss / |u|.
         const Block miss = f.wx * f.wx + f.wy * f.wy - uu;
         const Block arms = min(min(up.arm1, uu * scale), up.fixed), before = min(up.margin1, up.margin5);
-        const Clearance<Block> clear = clearance(ideal.stride, up.margin1, f.margin, up.margin5, arms);
+        const Clearance<Block> clear = {up.margin1, f.margin, up.margin5, arms};
         // Where the wrist leaves phi free, another phi may bring the elbow within reach.
         const auto lost = (before < Block(-edge)) | ((f.margin < Block(-edge)) & (up.fixed > Block(edge)));
         const auto doubt = (min(min(before, f.margin), arms) <= Block(edge)) |
