@@ -2,18 +2,22 @@
 #pragma once
 
 #include "families/parallel_shoulder_arm.hpp"
+#include "families/elimination_arm.hpp"
 #include "families/reversed.hpp"
 #include "families/spherical_wrist_arm.hpp"
 #include "families/three_parallel_arm.hpp"
+#include "steps.hpp"
 
 namespace urdf_ik {
 
 struct LevelTable {
     const char* name;
+    const Steps* steps;
     const ParallelShoulderSolvers* parallel_shoulder;
     const ReversedSteps* reversed;
     const SphericalWristSolvers* spherical_wrist;
     const ThreeParallelSolvers* three_parallel;
+    const EliminationSolvers* elimination;
 };
 
 }  // namespace urdf_ik

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "answer.hpp"
+#include "elimination.hpp"
 
 namespace urdf_ik {
 
@@ -18,6 +19,7 @@ static const Makers& makers() {
     static const Makers all = [] {
         Makers m;
         add_parallel_shoulder(m);
+        add_elimination(m);
         add_reversed(m);
         add_spherical_wrist(m);
         add_three_parallel(m);
@@ -97,7 +99,9 @@ NB_MODULE(_core, m) {
     m.doc() = "The compiled solvers.";
     m.def("isa", [] { return std::string(level().name); }, "The instruction set in use.");
     m.def("levels", &levels_built, "The instruction sets that were built and that this processor runs.");
+    add_elimination(m);
     add_answer(m);
+    bind_steps(m);
     nb::class_<PySolver>(m, "Solver", "An arm, ready to be solved; immutable.")
         .def(nb::init<std::string, nb::dict>(), nb::arg("kind"), nb::arg("values"))
         .def_ro("kind", &PySolver::kind)
