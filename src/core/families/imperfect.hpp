@@ -23,12 +23,11 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Twins whose negative margins are less than this factor apart are both beyond their end (34 would do, see above); the same
-// of a margin before and after a correction: it has come to rest.
-inline constexpr double AGREE = 4.0;
-// A negative margin counts if it is above what one more correction may change: this much (the steepest margins' slope, in
-// their angles, with what weak ones before them add) times the drift times the last move.
-inline constexpr double STEEP = 10.0;
+// Twins whose negative margins are less than this factor apart are both beyond their end (34 would do if m were linear in x);
+// the same of a margin before and after a correction.
+inline constexpr double AGREE = 2.0;
+// The rounds have come to rest where the last move is less than half of x: the square of it, over the margin.
+inline constexpr double REST = 0.25;
 // An angle is fixed where its squared arm is above the square of this times the drift: the correction then turns it by less
 // than a quarter of what it has turned, and converges. Below, the ideal arm all but leaves it free, and the arm as written may
 // have more solutions.
@@ -100,11 +99,12 @@ template <class Family> struct Imperfect {
     }
 
     // Whether branch b is beyond an end, after a correction that moved it by `last` [rad].
-    static STEP bool is_beyond(const Arm& arm, const Answers& before, const Answers& now, int b, double last) {
-        const double sure = STEEP * arm.drift * last + ROUNDED_MARGIN;
+    static STEP bool is_beyond(const Answers& before, const Answers& now, int b, double last, double fixed) {
+        const double least = max(fixed * fixed, ROUNDED_MARGIN);
         for (int k = 0; k < 3; ++k) {
             const double m = -now.margin[k][b], twin = -now.margin[k][b ^ (4 >> k)], past = -before.margin[k][b];
-            if (m > sure && min(twin, past) * AGREE > m && max(twin, past) < AGREE * m) return true;
+            const double others = min(abs(now.margin[(k + 1) % 3][b]), abs(now.margin[(k + 2) % 3][b]));
+            if (min(m, others) >= least && min(twin, past) * AGREE > m && max(twin, past) < AGREE * m && last * last < REST * m) return true;
         }
         return false;
     }
@@ -124,7 +124,7 @@ template <class Family> struct Imperfect {
         unsigned inside = 0;
         for (int b = 0; b < 8; ++b) {
             if (!(known.open >> b & 1) || !(now.arms[b] >= fixed * fixed)) continue;
-            if (is_beyond(arm, before, now, b, last[b])) known.open &= ~(1u << b);
+            if (is_beyond(before, now, b, last[b], fixed)) known.open &= ~(1u << b);
             else if (min(now.margin[0][b], min(now.margin[1][b], now.margin[2][b])) > 0.0) inside |= 1u << b;
         }
         for (int first = 0; first < 8; first += BLOCK) follow(arm, goal, now, inside, first, known);
