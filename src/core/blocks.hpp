@@ -24,8 +24,8 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// How far a branch is from its ends: the margins of shoulder, elbow and wrist, whose roots have the signs that make the
-// branch, and the least squared arm that fixes its angles (dimensionless). Imperfect arms ask for it.
+// How far a branch is from its ends: the margins whose roots have the branch's signs of shoulder, elbow and wrist (bits 4,
+// 2 and 1 of its number), and the least squared arm that fixes its angles (dimensionless). Imperfect arms ask for it.
 template <class V> struct Clearance {
     V shoulder, elbow, wrist, arms;
 };
