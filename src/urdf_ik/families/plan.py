@@ -201,14 +201,8 @@ def written_values(chain: Chain) -> dict[str, Any]:
     }
 
 
-def ideal_values(
-    frames: DHFrames, error: float, signs: Array, size: float, stride: tuple[float, float, float] = (0.0, 0.0, 0.0)
-) -> dict[str, Any]:
-    """The ideal arm, as the compiled solvers of closed forms take it.
-
-    ``stride``: of shoulder, elbow and wrist, how far the target moves, at least, when the margin changes by one [rad,
-    share of size], the angles before it held; 0: not known, so that an imperfect arm never trusts the branch's end.
-    """
+def ideal_values(frames: DHFrames, error: float, signs: Array, size: float) -> dict[str, Any]:
+    """The ideal arm, as the compiled solvers of closed forms take it."""
     base, tool = frames.base, frames.tool
     exact = error <= DEFAULT.exact_structure
     return {
@@ -224,7 +218,6 @@ def ideal_values(
         "size": size,
         "clamp": 100.0 * DEFAULT.fold if exact else 100.0 * DEFAULT.fold + 50.0 * error,
         "imperfection": 0.0 if exact else error,
-        "stride": np.array(stride),
         "signs": signs,
     }
 
