@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik._kernels import layout
-from urdf_ik._kernels import parallel_shoulder as kernels
 from urdf_ik.families.plan import (
     SIGNS,
     Plan,
@@ -18,7 +16,6 @@ from urdf_ik.families.plan import (
     ideal_values,
     imperfection,
     method_in_words,
-    pack,
     straightened,
     written_values,
 )
@@ -43,27 +40,12 @@ _ROOTS = tuple(
 # Distance of axes 4 and 5 [of the arm's size] that can be divided by.
 _CLEAR = 1e-4
 _PLANAR = "the rest is a planar arm"
-_KINDS = {
-    "5x6": (
-        kernels.solve_intersecting_56,
-        f"joint 4 by the height along axes 1 to 3, joint 6 by the tilt of axis 5 to them, {_PLANAR}",
-    ),
-    "5||6": (
-        kernels.solve_parallel_56,
-        f"joint 4 by the tilt of axes 5 and 6 to axes 1 to 3, joint 6 by the height along these, {_PLANAR}",
-    ),
-    "4x5": (
-        kernels.solve_intersecting_45,
-        f"joint 6 by the height along axes 1 to 3, joint 4 by the tilt of axis 5 to them, {_PLANAR}",
-    ),
-    "4||5": (
-        kernels.solve_parallel_45,
-        f"joint 6 by the tilt of axes 4 and 5 to axes 1 to 3, joint 4 by the height along these, {_PLANAR}",
-    ),
-    "": (
-        kernels.solve_general_wrist,
-        f"a quartic in joint 6 from height and tilt along axes 1 to 3, {_PLANAR}",
-    ),
+_STEPS = {
+    "5x6": f"joint 4 by the height along axes 1 to 3, joint 6 by the tilt of axis 5 to them, {_PLANAR}",
+    "5||6": f"joint 4 by the tilt of axes 5 and 6 to axes 1 to 3, joint 6 by the height along these, {_PLANAR}",
+    "4x5": f"joint 6 by the height along axes 1 to 3, joint 4 by the tilt of axis 5 to them, {_PLANAR}",
+    "4||5": f"joint 6 by the tilt of axes 4 and 5 to axes 1 to 3, joint 4 by the height along these, {_PLANAR}",
+    "": f"a quartic in joint 6 from height and tilt along axes 1 to 3, {_PLANAR}",
 }
 
 
@@ -98,35 +80,32 @@ def prepare(structure: Structure, chain: Chain) -> Plan:
 
 
 def _with_wrist(structure: Structure, chain: Chain, wrist: str) -> Plan:
-    solve, steps = _KINDS[wrist]
     directions, parallel = straightened(structure, chain.H)
     meet = [False, False, False, wrist == "4x5", wrist == "5x6"]
     frames, error = ideal_frames(chain, directions, chain.points, parallel, meet)
-    arm = pack(chain, frames, error, SIGNS)
-    values = {"ideal": ideal_values(frames, error, SIGNS, chain.size), "written": written_values(chain)}
+    ideal = ideal_values(frames, error, SIGNS, chain.size)
+    values = {"ideal": ideal, "written": written_values(chain)}
     solver = Solver(f"parallel shoulder, {wrist or 'general wrist'}", values)
     pairs = [i for i, holds in enumerate(parallel, start=1) if holds]
     return Plan(
         family=f"6R 1||2||3 and {wrist}" if wrist else "6R 1||2||3",
-        method=method_in_words(steps, error),
+        method=method_in_words(_STEPS[wrist], error),
         branches=_NAMES if wrist else _ROOTS,
         imperfection=imperfection(structure, pairs, [i for i, holds in enumerate(meet, start=1) if holds]),
         error=error,
-        arm=arm,
-        solve=solve,
-        explain=lambda rotation, point: _explain(arm, solver, rotation, point),
-        by_quartic=not wrist,
         solver=solver,
+        explain=lambda rotation, point: _explain(ideal, solver, rotation, point),
+        by_quartic=not wrist,
     )
 
 
-def _explain(arm: Array, solver: Solver, rotation: Array, point: Array) -> str:
-    shortest, longest = abs(arm[layout.A] - arm[layout.A + 1]), arm[layout.A] + arm[layout.A + 1]
+def _explain(ideal: dict[str, Any], solver: Solver, rotation: Array, point: Array) -> str:
+    a, d, ca, sa = (ideal[name] for name in ("a", "d", "cos_alpha", "sin_alpha"))
+    shortest, longest = abs(a[0] - a[1]), a[0] + a[1]
     # Height of the last axis above axis 4's foot, along axis 3.
-    ca, d = arm[layout.COS_ALPHA : layout.COS_ALPHA + 5], arm[layout.D : layout.D + 4]
     level = ca[0] * ca[1] * point[2] - d[1] - ca[2] * d[2]
     across = float(np.hypot(rotation[2, 0], rotation[2, 1]))
-    links = abs(arm[layout.A + 3] * arm[layout.SIN_ALPHA + 2]) + abs(arm[layout.D + 3]) + arm[layout.A + 4] * across
+    links = abs(a[3] * sa[2]) + abs(d[3]) + a[4] * across
     if abs(level) > links:
         return (
             f"along axes 1 to 3, axis 6 would have to be {abs(level):.6g} m from axis 4, and the links between them "

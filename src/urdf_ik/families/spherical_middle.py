@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik._kernels import layout
-from urdf_ik._kernels import spherical_middle as kernels
 from urdf_ik.families.plan import (
     SIGNS,
     Plan,
@@ -18,7 +16,6 @@ from urdf_ik.families.plan import (
     ideal_values,
     imperfection,
     method_in_words,
-    pack,
     straightened,
     written_values,
 )
@@ -39,19 +36,12 @@ _NAMES = tuple(
 )
 _ROOTS = tuple(f"position {k}, {flip}" for k in (1, 2, 3, 4) for flip in ("noflip", "flip"))
 _MIDDLE = "then joints 2 to 4 like a wrist"
-_KINDS = {
-    "5x6": (
-        kernels.solve_intersecting_56,
-        f"where axes 2 to 4 meet is at a known distance from where 5 and 6 do: joint 1, joints 5 and 6, {_MIDDLE}",
-    ),
-    "5||6": (
-        kernels.solve_parallel_56,
-        f"where axes 2 to 4 meet is in a known plane across axes 5 and 6: joint 1, a planar arm, {_MIDDLE}",
-    ),
+_STEPS = {
+    "5x6": f"where axes 2 to 4 meet is at a known distance from where 5 and 6 do: joint 1, joints 5 and 6, {_MIDDLE}",
+    "5||6": f"where axes 2 to 4 meet is in a known plane across axes 5 and 6: joint 1, a planar arm, {_MIDDLE}",
     "": (
-        kernels.solve_general_wrist,
         f"where axes 2 to 4 meet is on a circle about axis 1 and on a torus about axes 5 and 6: a quartic in joint 1, "
-        f"{_MIDDLE}",
+        f"{_MIDDLE}"
     ),
 }
 
@@ -79,51 +69,41 @@ def prepare(structure: Structure, chain: Chain) -> Plan:
 
 
 def _with_wrist(structure: Structure, chain: Chain, wrist: str) -> Plan:
-    solve, steps = _KINDS[wrist]
     middle = structure.triple(2, "meet")
     directions, parallel = straightened(structure, chain.H)
     points = chain.points.copy()
     if middle is not None and middle.point is not None:
         points[1:4] = middle.point
     frames, error = ideal_frames(chain, directions, points, parallel, [False, True, True, False, wrist == "5x6"])
-    arm = pack(chain, frames, error, SIGNS)
-    _fill(arm)
+    ideal = ideal_values(frames, error, SIGNS, chain.size)
+    a, d, ca, sa = (ideal[name] for name in ("a", "d", "cos_alpha", "sin_alpha"))
     values = {
-        "ideal": ideal_values(frames, error, SIGNS, chain.size),
+        "ideal": ideal,
         "written": written_values(chain),
-        "centre": arm[layout.CENTRE : layout.CENTRE + 3].copy(),
-        "centre_5": arm[layout.CENTRE_5 : layout.CENTRE_5 + 3].copy(),
+        # Where axes 2, 3 and 4 meet, in frame 1 and in frame 5 before joint 5 turns.
+        "centre": np.array([a[0], -sa[0] * d[0], ca[0] * d[0]]),
+        "centre_5": np.array([-a[3], -sa[3] * d[2], -ca[3] * d[2] - d[3]]),
     }
     pairs = [i for i, holds in enumerate(parallel, start=1) if holds]
     angle, distance = imperfection(structure, pairs, [5] if wrist == "5x6" else [])
     return Plan(
         family=f"6R 2x3x4 and {wrist}" if wrist else "6R 2x3x4",
-        method=method_in_words(steps, error),
+        method=method_in_words(_STEPS[wrist], error),
         branches=_NAMES if wrist else _ROOTS,
         imperfection=(angle, max(distance, middle.imperfection if middle else 0.0)),
         error=error,
-        arm=arm,
-        solve=solve,
-        explain=lambda rotation, point: _explain(arm, wrist, rotation, point),
-        by_quartic=not wrist,
         solver=Solver(f"spherical middle, {wrist or 'general wrist'}", values),
+        explain=lambda rotation, point: _explain(values, wrist, rotation, point),
+        by_quartic=not wrist,
     )
 
 
-def _fill(arm: Array) -> None:
-    """Where axes 2, 3 and 4 meet, in frame 1 and in frame 5 before joint 5 turns."""
-    a, d = arm[layout.A : layout.A + 5], arm[layout.D : layout.D + 4]
-    ca, sa = arm[layout.COS_ALPHA : layout.COS_ALPHA + 5], arm[layout.SIN_ALPHA : layout.SIN_ALPHA + 5]
-    arm[layout.CENTRE : layout.CENTRE + 3] = a[0], -sa[0] * d[0], ca[0] * d[0]
-    arm[layout.CENTRE_5 : layout.CENTRE_5 + 3] = -a[3], -sa[3] * d[2], -ca[3] * d[2] - d[3]
-
-
-def _explain(arm: Array, wrist: str, rotation: Array, point: Array) -> str:
-    centre = arm[layout.CENTRE : layout.CENTRE + 3]
+def _explain(values: dict[str, Any], wrist: str, rotation: Array, point: Array) -> str:
+    centre, centre_5, size = values["centre"], values["centre_5"], values["ideal"]["size"]
     name = "the point where axes 2 to 4 meet"
     radius, up = math.hypot(centre[0], centre[1]), centre[2] - point[2]
     if wrist == "5x6":
-        wanted = float(np.linalg.norm(arm[layout.CENTRE_5 : layout.CENTRE_5 + 3]))
+        wanted = float(np.linalg.norm(centre_5))
         across = math.hypot(point[0], point[1])
         low, high = math.hypot(across - radius, up), math.hypot(across + radius, up)
         if not low <= wanted <= high:
@@ -135,13 +115,13 @@ def _explain(arm: Array, wrist: str, rotation: Array, point: Array) -> str:
         axis = rotation[:, 2]
         level, swing = float(axis @ [-point[0], -point[1], up]), radius * math.hypot(axis[0], axis[1])
         low, high = level - swing, level + swing
-        wanted = arm[layout.COS_ALPHA + 4] * arm[layout.CENTRE_5 + 2]
+        wanted = values["ideal"]["cos_alpha"][4] * centre_5[2]
         if not low <= wanted <= high:
             return (
                 f"{name} is {wanted:.6g} m along axis 6 from the origin of its frame, and joint 1 can bring it to "
                 f"{low:.6g} to {high:.6g} m"
             )
     far = float(np.linalg.norm(point))
-    if far > 2.0 * arm[layout.SIZE]:
-        return f"axis 6 is {far:.6g} m from axis 1, and all links together measure {arm[layout.SIZE]:.6g} m"
+    if far > 2.0 * size:
+        return f"axis 6 is {far:.6g} m from axis 1, and all links together measure {size:.6g} m"
     return f"no turns of joints 1, 5 and 6 bring {name} to one place and leave axes 2 to 4 their turn"

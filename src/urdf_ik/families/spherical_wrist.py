@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik._kernels import layout
-from urdf_ik._kernels import spherical_wrist as kernels
 from urdf_ik.families.plan import (
     NAMES,
     SIGNS,
@@ -20,7 +18,6 @@ from urdf_ik.families.plan import (
     imperfection,
     mean_direction,
     method_in_words,
-    pack,
     written_values,
 )
 
@@ -78,47 +75,19 @@ def _with_shoulder(structure: Structure, chain: Chain, shoulder: str) -> Plan:
     meet[0] = crossing or shoulder == "1x2"
     frames, error = ideal_frames(chain, directions, points, parallel, meet)
     angle, distance = imperfection(structure, pairs, [1] if shoulder == "1x2" else [])
-    arm = pack(chain, frames, error, SIGNS)
-    _fill(arm, shoulder, _front(chain, frames, points[3]))
     name = {"2||3": "2||3 and 1x2" if crossing else "2||3", "": "general shoulder"}.get(shoulder, shoulder)
-    solve = {
-        "2||3": kernels.solve_parallel_23,
-        "1x2": kernels.solve_intersecting_12,
-        "1||2": kernels.solve_parallel_12,
-        "": kernels.solve_general_shoulder,
-    }[shoulder]
+    ideal = ideal_values(frames, error, SIGNS, chain.size)
+    values = _values(ideal, shoulder, _front(chain, frames, points[3])) | {"written": written_values(chain)}
     return Plan(
         family=f"6R spherical wrist, {name}",
         method=method_in_words(_STEPS[shoulder], error),
         branches=NAMES if shoulder else _ROOTS,
         imperfection=(angle, max(distance, wrist.imperfection if wrist else 0.0)),
         error=error,
-        arm=arm,
-        solve=solve,
-        explain=lambda rotation, point: _explain(arm, shoulder, rotation, point),
+        solver=Solver(f"spherical wrist, {shoulder or 'general shoulder'}", values),
+        explain=lambda rotation, point: _explain(values, shoulder, rotation, point),
         by_quartic=not shoulder,
-        solver=_solver(chain, frames, error, arm, shoulder),
     )
-
-
-def _solver(chain: Chain, frames: DHFrames, error: float, arm: Array, shoulder: str) -> Solver:
-    signs = arm[layout.SIGNS : layout.SIGNS + 24].reshape(8, 3).copy()
-    values = {
-        "ideal": ideal_values(frames, error, signs, chain.size),
-        "written": written_values(chain),
-        "centre": arm[layout.CENTRE : layout.CENTRE + 3].copy(),
-        "rho": float(arm[layout.RHO]),
-        "cos_phi": float(arm[layout.COS_PHI]),
-        "sin_phi": float(arm[layout.SIN_PHI]),
-        "height": float(arm[layout.HEIGHT]) if shoulder == "2||3" else 0.0,
-        "bend_offset": 0.0,
-        "swing": arm[layout.SWING : layout.SWING + 2].copy(),
-        "square_wrist": bool((arm[layout.COS_ALPHA + 3 : layout.COS_ALPHA + 5] == 0.0).all()),
-    }
-    if shoulder == "2||3":
-        turn = math.atan2(arm[layout.SIN_PHI], arm[layout.COS_PHI]) + frames.offset[2]
-        values["bend_offset"] = math.remainder(turn, 2.0 * math.pi)
-    return Solver(f"spherical wrist, {shoulder or 'general shoulder'}", values)
 
 
 def _shoulders(structure: Structure, chain: Chain) -> list[str]:
@@ -148,41 +117,49 @@ def _front(chain: Chain, frames: DHFrames, centre: Array) -> float:
     return 1.0 if ahead > 0.0 else -1.0
 
 
-def _fill(arm: Array, shoulder: str, ahead: float) -> None:
-    """The family's own numbers; names as in _kernels/wrist_position.py. ``ahead``: side of x that is the front."""
-    a, d = arm[layout.A : layout.A + 5], arm[layout.D : layout.D + 4]
-    ca, sa = arm[layout.COS_ALPHA : layout.COS_ALPHA + 5], arm[layout.SIN_ALPHA : layout.SIN_ALPHA + 5]
+def _values(ideal: dict[str, Any], shoulder: str, ahead: float) -> dict[str, Any]:
+    """The family's own numbers, see src/core/families/spherical_wrist_arm.hpp. ``ahead``: side of x that is the front."""
+    a, d, ca, sa = (ideal[name] for name in ("a", "d", "cos_alpha", "sin_alpha"))
     centre = np.array([a[2], -sa[2] * d[2], ca[2] * d[2]])
     rho, phi = math.hypot(centre[0], centre[1]), math.atan2(centre[1], centre[0])
-    arm[layout.CENTRE : layout.CENTRE + 3] = centre
-    arm[layout.RHO] = rho
-    arm[layout.COS_PHI], arm[layout.SIN_PHI] = math.cos(phi), math.sin(phi)
-    height = centre[2] + d[1]
+    cos_phi, sin_phi = math.cos(phi), math.sin(phi)
+    level, height, bend_offset, swing = centre[2] + d[1], 0.0, 0.0, np.zeros(2)
+    signs = ideal["signs"].copy()
     if shoulder == "2||3":
-        arm[layout.HEIGHT] = d[0] + ca[1] * height
-        signs = SIGNS.copy()
+        height = d[0] + ca[1] * level
+        bend_offset = math.remainder(phi + ideal["offset"][2], 2.0 * math.pi)
         signs[:, 0] *= ahead
         # The elbow is up where it lies above the line from shoulder to wrist, seen along axis 1.
         signs[:, 1] *= -ca[1] * np.sign(sa[0]) * signs[:, 0]
-        arm[layout.SIGNS : layout.SIGNS + 24] = signs.ravel()
     elif shoulder == "1x2":
         # |p|^2 = constant + 2 rho |(a2, d2 sin alpha2)| cos(t3 + phi - delta)
         x, y = a[1], d[0] * sa[1]
-        swing, delta = 2.0 * rho * math.hypot(x, y), math.atan2(y, x)
-        constant = a[1] ** 2 + d[0] ** 2 + rho**2 + height**2 + 2.0 * d[0] * ca[1] * height
-        arm[layout.SWING], arm[layout.SWING + 1] = 1.0 / swing, -constant / swing
-        arm[layout.COS_PHI], arm[layout.SIN_PHI] = math.cos(delta - phi), math.sin(delta - phi)
+        size, delta = 2.0 * rho * math.hypot(x, y), math.atan2(y, x)
+        constant = a[1] ** 2 + d[0] ** 2 + rho**2 + level**2 + 2.0 * d[0] * ca[1] * level
+        swing = np.array([1.0 / size, -constant / size])
+        cos_phi, sin_phi = math.cos(delta - phi), math.sin(delta - phi)
     elif shoulder == "1||2":
-        # cos(alpha1) p_z = d2 + sin(alpha2) rho sin(t3 + phi) + cos(alpha2) height
-        swing = sa[1] * rho
-        arm[layout.SWING], arm[layout.SWING + 1] = 1.0 / swing, -(d[0] + ca[1] * height) / swing
+        # cos(alpha1) p_z = d2 + sin(alpha2) rho sin(t3 + phi) + cos(alpha2) level
+        size = sa[1] * rho
+        swing = np.array([1.0 / size, -(d[0] + ca[1] * level) / size])
+    return {
+        "ideal": ideal | {"signs": signs},
+        "centre": centre,
+        "rho": rho,
+        "cos_phi": cos_phi,
+        "sin_phi": sin_phi,
+        "height": float(height),
+        "bend_offset": bend_offset,
+        "swing": swing,
+        "square_wrist": bool((ca[3:5] == 0.0).all()),
+    }
 
 
-def _explain(arm: Array, shoulder: str, rotation: Array, point: Array) -> str:
-    size = arm[layout.SIZE]
+def _explain(values: dict[str, Any], shoulder: str, rotation: Array, point: Array) -> str:
+    ideal, rho, (swing, shift) = values["ideal"], values["rho"], values["swing"]
+    a, ca, sa, size = ideal["a"], ideal["cos_alpha"][0], ideal["sin_alpha"][0], ideal["size"]
     if shoulder == "2||3":
-        ca, sa = arm[layout.COS_ALPHA], arm[layout.SIN_ALPHA]
-        height = arm[layout.HEIGHT]
+        height = values["height"]
         up = (point[2] - ca * height) / sa
         side = ca * up - sa * height
         radius = math.hypot(point[0], point[1])
@@ -192,9 +169,9 @@ def _explain(arm: Array, shoulder: str, rotation: Array, point: Array) -> str:
                 f"than {abs(side):.6g} m"
             )
         ahead = math.sqrt(radius**2 - side**2)
-        reach = [math.hypot(sign * ahead - arm[layout.A], up) for sign in (1.0, -1.0)]
-        longest = arm[layout.A + 1] + arm[layout.RHO]
-        shortest = abs(arm[layout.A + 1] - arm[layout.RHO])
+        reach = [math.hypot(sign * ahead - a[0], up) for sign in (1.0, -1.0)]
+        longest = a[1] + rho
+        shortest = abs(a[1] - rho)
         if min(reach) > longest:
             return f"wrist centre {min(reach):.6g} m from the shoulder (axis 2), reach {longest:.6g} m"
         if max(reach) < shortest:
@@ -203,8 +180,7 @@ def _explain(arm: Array, shoulder: str, rotation: Array, point: Array) -> str:
                 f"{shortest:.6g} m"
             )
     elif shoulder in ("1x2", "1||2"):
-        square = float(point @ point) if shoulder == "1x2" else arm[layout.COS_ALPHA] * point[2]
-        swing, shift = arm[layout.SWING], arm[layout.SWING + 1]
+        square = float(point @ point) if shoulder == "1x2" else ca * point[2]
         if abs(square * swing + shift) > 1.0:
             low, high = sorted(((-1.0 - shift) / swing, (1.0 - shift) / swing))
             if shoulder == "1x2":

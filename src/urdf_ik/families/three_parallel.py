@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik._kernels import layout
-from urdf_ik._kernels import three_parallel as kernels
 from urdf_ik.families.plan import (
     NAMES,
     SIGNS,
@@ -20,7 +18,6 @@ from urdf_ik.families.plan import (
     imperfection,
     mean_direction,
     method_in_words,
-    pack,
     written_values,
 )
 
@@ -59,29 +56,25 @@ def prepare(structure: Structure, chain: Chain) -> Plan:
     directions[1:4] = mean_direction(directions[1:4])
     meet = [False, False, False, False, crossing]
     frames, error = ideal_frames(chain, directions, points, [False, True, True, False, False], meet)
-    arm = pack(chain, frames, error, SIGNS)
-    ca, sa = arm[layout.COS_ALPHA : layout.COS_ALPHA + 5], arm[layout.SIN_ALPHA : layout.SIN_ALPHA + 5]
-    d = arm[layout.D : layout.D + 4]
-    turn_3, turn_4 = ca[1], ca[1] * ca[2]
-    arm[layout.ALONG] = d[0] + turn_3 * d[1] + turn_4 * (d[2] + ca[3] * d[3])
-    arm[layout.TURN_3], arm[layout.TURN_4] = turn_3, turn_4
-    arm[layout.COS_FIRST], arm[layout.SIN_FIRST] = turn_4 * ca[3], turn_4 * sa[3]
+    ideal = ideal_values(frames, error, SIGNS, chain.size)
+    ca, sa, d = ideal["cos_alpha"], ideal["sin_alpha"], ideal["d"]
+    turn_3, turn_4 = float(ca[1]), float(ca[1] * ca[2])
+    values = {
+        "ideal": ideal,
+        "written": written_values(chain),
+        "along": float(d[0] + turn_3 * d[1] + turn_4 * (d[2] + ca[3] * d[3])),
+        "turn_3": turn_3,
+        "turn_4": turn_4,
+        "cos_first": float(turn_4 * ca[3]),
+        "sin_first": float(turn_4 * sa[3]),
+        "square_wrist": bool(crossing and ca[3] == 0.0 and ca[4] == 0.0),
+    }
     _, distance = imperfection(structure, [], [5] if crossing else [])
     steps = (
         "height along the parallel axes gives joint 1, the last axis joint 5 and joint 6, the rest is a planar arm"
         if crossing
         else "a quartic in joint 1 from height and direction along the parallel axes, the rest is a planar arm"
     )
-    values = {
-        "ideal": ideal_values(frames, error, SIGNS, chain.size),
-        "written": written_values(chain),
-        "along": float(arm[layout.ALONG]),
-        "turn_3": float(turn_3),
-        "turn_4": float(turn_4),
-        "cos_first": float(arm[layout.COS_FIRST]),
-        "sin_first": float(arm[layout.SIN_FIRST]),
-        "square_wrist": bool(crossing and arm[layout.COS_FIRST] == 0.0 and ca[4] == 0.0),
-    }
     solver = Solver(f"three parallel axes, {'5x6' if crossing else 'general hand'}", values)
     return Plan(
         family="6R 2||3||4 and 5x6" if crossing else "6R 2||3||4",
@@ -89,17 +82,16 @@ def prepare(structure: Structure, chain: Chain) -> Plan:
         branches=NAMES if crossing else _ROOTS,
         imperfection=(parallel.imperfection if parallel else 0.0, distance),
         error=error,
-        arm=arm,
-        solve=kernels.solve_intersecting_56 if crossing else kernels.solve_general_wrist,
-        explain=lambda rotation, point: _explain(arm, solver, crossing, rotation, point),
-        by_quartic=not crossing,
         solver=solver,
+        explain=lambda rotation, point: _explain(values, solver, crossing, rotation, point),
+        by_quartic=not crossing,
     )
 
 
-def _explain(arm: Array, solver: Solver, crossing: bool, rotation: Array, point: Array) -> str:
+def _explain(values: dict[str, Any], solver: Solver, crossing: bool, rotation: Array, point: Array) -> str:
+    ideal, (upper, lower) = values["ideal"], values["ideal"]["a"][1:3]
     if crossing:
-        side = (arm[layout.COS_ALPHA] * point[2] - arm[layout.ALONG]) / arm[layout.SIN_ALPHA]
+        side = (ideal["cos_alpha"][0] * point[2] - values["along"]) / ideal["sin_alpha"][0]
         radius = math.hypot(point[0], point[1])
         if radius < abs(side):
             return (
@@ -107,8 +99,7 @@ def _explain(arm: Array, solver: Solver, crossing: bool, rotation: Array, point:
                 f"keeps it {abs(side):.6g} m away"
             )
     distances = distances_of(solver, rotation, point)
-    longest = arm[layout.A + 1] + arm[layout.A + 2]
-    shortest = abs(arm[layout.A + 1] - arm[layout.A + 2])
+    longest, shortest = upper + lower, abs(upper - lower)
     if len(distances) and distances.min() > longest:
         return f"axis 4 would have to be {distances.min():.6g} m or more from axis 2, reach {longest:.6g} m"
     if len(distances) and distances.max() < shortest:
