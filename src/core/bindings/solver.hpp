@@ -50,7 +50,9 @@ using Makers = std::map<std::string, Maker>;
 void add_chain(nb::module_& m);
 void add_parallel_shoulder(Makers& makers);
 void add_elimination(Makers& makers);
+void add_few_joints(Makers& makers);
 void add_reversed(Makers& makers);
+void add_spherical_middle(Makers& makers);
 void add_spherical_wrist(Makers& makers);
 void add_three_parallel(Makers& makers);
 
