@@ -13,6 +13,7 @@ extern const ParallelShoulderSolvers parallel_shoulder_solvers;
 extern const EliminationSolvers elimination_solvers;
 extern const FewJointsSolvers few_joints_solvers;
 extern const ReversedSteps reversed_steps;
+extern const SphericalMiddleSolvers spherical_middle_solvers;
 extern const Steps steps;
 extern const SphericalWristSolvers spherical_wrist_solvers;
 extern const ThreeParallelSolvers three_parallel_solvers;
@@ -25,6 +26,7 @@ const LevelTable table = {
     &parallel_shoulder_solvers,
     &few_joints_solvers,
     &reversed_steps,
+    &spherical_middle_solvers,
     &spherical_wrist_solvers,
     &three_parallel_solvers,
     &elimination_solvers,

@@ -6,6 +6,7 @@
 #include "families/elimination_arm.hpp"
 #include "families/few_joints_arm.hpp"
 #include "families/reversed.hpp"
+#include "families/spherical_middle_arm.hpp"
 #include "families/spherical_wrist_arm.hpp"
 #include "families/three_parallel_arm.hpp"
 #include "steps.hpp"
@@ -19,6 +20,7 @@ struct LevelTable {
     const ParallelShoulderSolvers* parallel_shoulder;
     const FewJointsSolvers* few_joints;
     const ReversedSteps* reversed;
+    const SphericalMiddleSolvers* spherical_middle;
     const SphericalWristSolvers* spherical_wrist;
     const ThreeParallelSolvers* three_parallel;
     const EliminationSolvers* elimination;
