@@ -2,12 +2,14 @@
 #pragma once
 
 #include "families/spherical_wrist_arm.hpp"
+#include "families/srs_arm.hpp"
 
 namespace urdf_ik {
 
 struct LevelTable {
     const char* name;
     const SphericalWristSolvers* spherical_wrist;
+    const SrsSolvers* srs;
 };
 
 }  // namespace urdf_ik

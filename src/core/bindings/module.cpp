@@ -18,6 +18,7 @@ static const Makers& makers() {
     static const Makers all = [] {
         Makers m;
         add_spherical_wrist(m);
+        add_srs(m);
         return m;
     }();
     return all;

@@ -35,5 +35,6 @@ public:
 using Maker = std::shared_ptr<const Solver> (*)(const Values&);
 using Makers = std::map<std::string, Maker>;
 void add_spherical_wrist(Makers& makers);
+void add_srs(Makers& makers);
 
 }  // namespace urdf_ik
