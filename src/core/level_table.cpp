@@ -10,12 +10,14 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 extern const SphericalWristSolvers spherical_wrist_solvers;
 extern const SrsSolvers srs_solvers;
+extern const ThreeParallelSolvers three_parallel_solvers;
 
 extern const LevelTable table;
 const LevelTable table = {
     URDF_IK_TEXT(URDF_IK_LEVEL),
     &spherical_wrist_solvers,
     &srs_solvers,
+    &three_parallel_solvers,
 };
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

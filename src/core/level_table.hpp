@@ -3,6 +3,7 @@
 
 #include "families/spherical_wrist_arm.hpp"
 #include "families/srs_arm.hpp"
+#include "families/three_parallel_arm.hpp"
 
 namespace urdf_ik {
 
@@ -10,6 +11,7 @@ struct LevelTable {
     const char* name;
     const SphericalWristSolvers* spherical_wrist;
     const SrsSolvers* srs;
+    const ThreeParallelSolvers* three_parallel;
 };
 
 }  // namespace urdf_ik

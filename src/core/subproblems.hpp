@@ -20,19 +20,28 @@ template <class V> STEP Swing<V> swing_to_offset(const V& x, const V& y, const V
     return {unit(X * x + k * y, X * y - k * x), X, margin};
 }
 
-// Planar two-link arm: a e(q2) + b e(q2 + side gamma) = (ux, uy); law of cosines, then subproblem 1.
-// 1 + cos gamma and 1 - cos gamma are taken apart, so that a folded arm of equal links keeps its digits.
+// Planar two-link arm whose end is sqrt(uu) away: law of cosines. 1 + cos gamma and 1 - cos gamma are taken apart, so that
+// a folded arm of equal links keeps its digits.
+template <class V> struct Fold {
+    V wx, wy;      // the end, seen along the first link
+    Turn<V> bend;  // gamma
+    V margin;      // sin^2 gamma
+};
+template <class V, class W> STEP Fold<V> fold(const V& uu, const W& a, const W& b, double side, const V& sign) {
+    const W w = 0.5 / (a * b), inner = a - b, outer = a + b;
+    const V folded = (uu - inner * inner) * w, stretched = (outer * outer - uu) * w, margin = folded * stretched;
+    const V c = min(max(0.5 * (folded - stretched), -1.0), V(1.0)), s = sign * sqrt(max(margin, 0.0));
+    return {inner + b * max(folded, 0.0), side * b * s, {c, s}, margin};
+}
+
+// a e(q2) + b e(q2 + side gamma) = (ux, uy): the same, then subproblem 1.
 template <class V> struct Elbow {
     Turn<V> second, bend;  // q2, gamma
     V margin;              // sin^2 gamma
 };
 template <class V, class W> STEP Elbow<V> elbow(const V& ux, const V& uy, const W& a, const W& b, double side, const V& sign) {
-    const V uu = ux * ux + uy * uy;
-    const W w = 0.5 / (a * b), inner = a - b, outer = a + b;
-    const V folded = (uu - inner * inner) * w, stretched = (outer * outer - uu) * w, margin = folded * stretched;
-    const V c = min(max(0.5 * (folded - stretched), -1.0), V(1.0)), s = sign * sqrt(max(margin, 0.0));
-    const V wx = inner + b * max(folded, 0.0), wy = side * b * s;
-    return {unit(wx * ux + wy * uy, wx * uy - wy * ux), {c, s}, margin};
+    const Fold<V> f = fold<V, W>(ux * ux + uy * uy, a, b, side, sign);
+    return {unit(f.wx * ux + f.wy * uy, f.wx * uy - f.wy * ux), f.bend, f.margin};
 }
 
 // Two twists: cosines and sines of the angles from one axis to the next.
@@ -69,6 +78,26 @@ STEP WristTurns<V> wrist_turns(const Rot<V>& M, const Turn<V>& bend, const Twist
     const V ex = f.c * X - f.s * Y - M.z.x, ey = f.s * X + f.c * Y - M.z.y, ez = t.ca * t.cb - t.sa * t.sb * bend.c - M.z.z;
     const V ev = dot(v, M.z);
     return {f, {dot(v, M.x), -dot(v, M.y)}, X * X + Y * Y, ex * ex + ey * ey + ez * ez + ev * ev};
+}
+
+// The angle nearest to `wanted` at which x cos + y sin lies between low and high; NaN: there is none. `slack`, in their
+// unit, is allowed to rounding.
+PART double nearest_between(double wanted, double x, double y, double low, double high, double slack) {
+    const double size = sqrt(x * x + y * y), phase = atan2(y, x);
+    if (low > size + slack || high < -size - slack) return __builtin_nan("");
+    double beta = wrap(wrap(wanted - phase));
+    const double now = size * __builtin_cos(beta);
+    if (now < low) beta = copysign(__builtin_acos(min(low / size, 1.0)), beta);
+    else if (now > high) beta = copysign(__builtin_acos(max(high / size, -1.0)), beta);
+    return beta + phase;
+}
+
+// The turn phi nearest to `wanted` that brings o - Rz(phi) f within a two-link arm's reach [m]; NaN: there is none.
+// `slack` [m^2] is allowed to rounding.
+STEP double free_turn(double wanted, double ox, double oy, double fx, double fy, double longest, double shortest, double slack) {
+    const double total = ox * ox + oy * oy + fx * fx + fy * fy;
+    const double low = 0.5 * (total - longest * longest), high = 0.5 * (total - shortest * shortest);
+    return nearest_between(wanted, ox * fx + oy * fy, oy * fx - ox * fy, low, high, slack);
 }
 
 // Whether a margin cannot be told from zero: the two solutions are one double root. The margin is a difference of

@@ -24,15 +24,18 @@ template <class V> STEP V pose_defect(const V (&t)[16]) {
     return select(dot(cross(x, y), z) > V(0.0), worst, V(__builtin_inf())) + lost;
 }
 
-// t: the sixteen numbers of a pose, row by row.
-template <class V> STEP Seen<V> to_frame_1(const V (&t)[16], const Ends& arm) {
+template <class V> STEP Seen<V> to_frame_1(const Frame<V>& target, const Ends& arm) {
     const auto& L = arm.tool_rotation;
     const double *l = arm.tool_point, *o = arm.base_origin;
-    const Rot<V> R = {{t[0], t[4], t[8]}, {t[1], t[5], t[9]}, {t[2], t[6], t[10]}};
-    const Vec<V> p = combine(R, l[0], l[1], l[2]) + Vec<V>{t[3] - o[0], t[7] - o[1], t[11] - o[2]};
+    const Rot<V>& R = target.R;
+    const Vec<V> p = combine(R, l[0], l[1], l[2]) + Vec<V>{target.p.x - o[0], target.p.y - o[1], target.p.z - o[2]};
     const Rot<V> S = {times(arm.base_rotation, R.x), times(arm.base_rotation, R.y), times(arm.base_rotation, R.z)};
     return {{combine(S, L[0][0], L[1][0], L[2][0]), combine(S, L[0][1], L[1][1], L[2][1]), combine(S, L[0][2], L[1][2], L[2][2])},
             times(arm.base_rotation, p)};
+}
+// t: the sixteen numbers of a pose, row by row.
+template <class V> STEP Seen<V> to_frame_1(const V (&t)[16], const Ends& arm) {
+    return to_frame_1<V>({{{t[0], t[4], t[8]}, {t[1], t[5], t[9]}, {t[2], t[6], t[10]}}, {t[3], t[7], t[11]}}, arm);
 }
 
 // T with its rotation replaced by the nearest one: Newton's iteration for the polar factor (Higham 1986).

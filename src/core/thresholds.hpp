@@ -19,6 +19,8 @@ inline constexpr double LEAST_DAMPING = 1e-12;
 inline constexpr double ROUNDING = 7e-15;
 // The same after a step that takes the root of a quartic.
 inline constexpr double ROUGH = 1e-7;
+// After the root of a quartic, what is left to the elbow carries this much over the squared arm of the wrist.
+inline constexpr double ROUGH_BY_ROOT = 1e-9;
 // Squared sines and squared arms below which a pose counts as near a singularity, so that its solutions are asked
 // whether the Jacobian has lost rank.
 inline constexpr double NEAR = 1e-3;

@@ -45,6 +45,9 @@ template <class V> STEP V wrap(V a) {
     return select(a <= V(-PI), a + 6.283185307179586, a);
 }
 
+// The angle half a turn away from one in (-pi, pi], in (-pi, pi].
+template <class V> STEP V half_turn_from(const V& a) { return select(a > V(0.0), a - PI, a + PI); }
+
 // Cosine and sine of an angle in [-1.1 pi, 1.1 pi], error below one unit in the last place of 1.
 // The nearest multiple of pi / 2 is taken off in two parts; what is left goes into the Chebyshev expansions of
 // (sin x / x - 1) / x^2 and (cos x - 1 + x^2 / 2) / x^4 in x^2, truncated after six terms: error below 3e-17.

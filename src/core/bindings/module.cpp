@@ -19,6 +19,7 @@ static const Makers& makers() {
         Makers m;
         add_spherical_wrist(m);
         add_srs(m);
+        add_three_parallel(m);
         return m;
     }();
     return all;
@@ -67,6 +68,14 @@ using Targets = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Answers = nb::ndarray<double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
 using Flags = nb::ndarray<std::uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
+using Seen = nb::ndarray<const double, nb::shape<4, 4>, nb::c_contig, nb::device::cpu>;
+
+static std::vector<double> distances(const PySolver& self, const Seen& seen) {
+    double out[4];
+    self.solver->distances(seen.data(), out);
+    return {out, out + 4};
+}
+
 static long solve(const PySolver& self, const Targets& T, const std::optional<Numbers>& q_ref, const Answers& q, const Flags& flags,
                   const std::optional<Numbers>& values, int threads) {
     const Solver& solver = *self.solver;
@@ -97,6 +106,7 @@ NB_MODULE(_core, m) {
             const auto& s = nb::cast<const PySolver&>(self);
             return nb::make_tuple(nb::type<PySolver>(), nb::make_tuple(s.kind, s.values));
         })
+        .def("distances", &distances, nb::arg("seen"), "Of axes, for explanations [m]: up to four, NaN where there is none.")
         .def("solve", &solve, nb::arg("T").noconvert(), nb::arg("q_ref").noconvert().none(), nb::arg("q").noconvert(),
              nb::arg("flags").noconvert(), nb::arg("values").noconvert().none() = nb::none(), nb::arg("threads") = 1);
 }

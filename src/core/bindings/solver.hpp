@@ -15,6 +15,11 @@ public:
     // All solutions of a batch. Returns the index of the first that is no pose, -1 where all are. Safe from any number
     // of threads at once.
     virtual long solve(const Batch& batch) const = 0;
+    // For explanations: the distances [m] that a pose, as seen from the solver's frame 1 (4, 4), asks two axes to have;
+    // up to four, NaN where there is none.
+    virtual void distances(const double*, double (&out)[4]) const {
+        for (double& each : out) each = __builtin_nan("");
+    }
 
     int joints = 6, branches = 8;
     int numbers = 16;  // a target's: a pose has sixteen
@@ -28,7 +33,12 @@ template <class Arm> class SolverOf : public Solver {
 public:
     long (*function)(const Arm&, const Batch&) = nullptr;
     Arm arm{};
+    void (*distances_of)(const Arm&, const double*, double (&)[4]) = nullptr;
     long solve(const Batch& batch) const override { return function(arm, batch); }
+    void distances(const double* seen, double (&out)[4]) const override {
+        if (distances_of) distances_of(arm, seen, out);
+        else Solver::distances(seen, out);
+    }
 };
 
 // Every kind of solver by its name in Python, with what makes it from named values.
@@ -36,5 +46,6 @@ using Maker = std::shared_ptr<const Solver> (*)(const Values&);
 using Makers = std::map<std::string, Maker>;
 void add_spherical_wrist(Makers& makers);
 void add_srs(Makers& makers);
+void add_three_parallel(Makers& makers);
 
 }  // namespace urdf_ik

@@ -26,7 +26,7 @@ template <Shoulder kind> struct SphericalWrist {
     static constexpr int branches = 8;
 
     // Joints 1 to 3 of both elbows of one front, or both fronts of one elbow, and their wrists.
-    static STEP void fast(const Arm& arm, const Seen<Block>& seen, Found<8>& found) {
+    template <class Out> static STEP void fast(const Arm& arm, const Seen<Block>& seen, Out& found) {
         const double(&signs)[8][3] = arm.ideal.signs;
         const double* offset = arm.ideal.offset;
         for (int outer = 0; outer < 2; ++outer) {
@@ -55,8 +55,9 @@ template <Shoulder kind> struct SphericalWrist {
         }
     }
 
+    template <class Out>
     static STEP void both_wrists(const Arm& arm, const Rot<Block>& R, const Place<Block>& at, const Block& q1, const Block& q2,
-                                 const Block& q3, int b, Found<8>& found) {
+                                 const Block& q3, int b, Out& found) {
         const auto& ideal = arm.ideal;
         const Twists t = {ideal.cos_alpha[3], ideal.sin_alpha[3], ideal.cos_alpha[4], ideal.sin_alpha[4]};
         const double edge = arm.written.tolerances.edge, reach = arm.written.tolerances.reach;
@@ -79,12 +80,10 @@ template <Shoulder kind> struct SphericalWrist {
         const Block arms = min(min(at.arm1, at.arm2), turns.fixed);
         const auto lost = least < Block(-edge);
         const auto doubt = (min(least, arms) <= Block(edge)) | !(at.error + error <= Block(reach * reach * 1e-2));
-        found.set(b, {q1, q2, q3, q4, q5, q6}, lost, doubt);
-        found.set(b + 1, {q1, q2, q3, q4_flipped, q5_flipped, q6_flipped}, lost, doubt);
+        const Clearance<Block> clear = clearance(ideal.stride, at.margin1, at.margin2, bend.margin, arms);
+        found.set(b, {q1, q2, q3, q4, q5, q6}, lost, doubt, clear);
+        found.set(b + 1, {q1, q2, q3, q4_flipped, q5_flipped, q6_flipped}, lost, doubt, clear);
     }
-
-    // The angle half a turn away, in (-pi, pi].
-    static STEP Block half_turn_from(const Block& q) { return select(q > Block(0.0), q - PI, q + PI); }
 
     // A margin within `fold` of zero is a double root, of which one branch is kept; a joint that the target leaves free
     // (squared arm below `continuum`) takes the reference's value.
@@ -204,6 +203,10 @@ template <Shoulder kind> struct SphericalWrist {
 };
 
 // A general shoulder has no signs to take side by side: every pose is looked at closely.
-template <> STEP void SphericalWrist<Shoulder::general>::fast(const Arm&, const Seen<Block>&, Found<8>& found) { found.leave_open(); }
+template <>
+template <class Out>
+STEP void SphericalWrist<Shoulder::general>::fast(const Arm&, const Seen<Block>&, Out& found) {
+    found.leave_open();
+}
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -203,8 +203,14 @@ def written_values(chain: Chain) -> dict[str, Any]:
     }
 
 
-def ideal_values(frames: DHFrames, error: float, signs: Array, size: float) -> dict[str, Any]:
-    """The ideal arm, as the compiled solvers of closed forms take it."""
+def ideal_values(
+    frames: DHFrames, error: float, signs: Array, size: float, stride: tuple[float, float, float] = (0.0, 0.0, 0.0)
+) -> dict[str, Any]:
+    """The ideal arm, as the compiled solvers of closed forms take it.
+
+    ``stride``: of shoulder, elbow and wrist, how far the target moves, at least, when the margin changes by one [rad,
+    share of size], the angles before it held; 0: not known, so that an imperfect arm never trusts the branch's end.
+    """
     base, tool = frames.base, frames.tool
     exact = error <= DEFAULT.exact_structure
     return {
@@ -220,8 +226,17 @@ def ideal_values(frames: DHFrames, error: float, signs: Array, size: float) -> d
         "size": size,
         "clamp": 100.0 * DEFAULT.fold if exact else 100.0 * DEFAULT.fold + 50.0 * error,
         "imperfection": 0.0 if exact else error,
+        "stride": np.array(stride),
         "signs": signs,
     }
+
+
+def distances_of(solver: Solver, rotation: Array, point: Array) -> Array:
+    """What a pose, seen from frame 1, asks of the distance of two axes [m]: one for each way that there is."""
+    seen = np.eye(4)
+    seen[:3, :3], seen[:3, 3] = rotation, point
+    distances = np.array(solver.distances(seen))
+    return distances[np.isfinite(distances)]
 
 
 def _drift(chain: Chain, frames: DHFrames) -> float:

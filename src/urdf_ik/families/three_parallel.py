@@ -7,17 +7,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik._core import Solver
 from urdf_ik._kernels import layout
 from urdf_ik._kernels import three_parallel as kernels
 from urdf_ik.families.plan import (
     NAMES,
     SIGNS,
     Plan,
+    distances_of,
     ideal_frames,
+    ideal_values,
     imperfection,
     mean_direction,
     method_in_words,
     pack,
+    written_values,
 )
 
 if TYPE_CHECKING:
@@ -68,6 +72,17 @@ def prepare(structure: Structure, chain: Chain) -> Plan:
         if crossing
         else "a quartic in joint 1 from height and direction along the parallel axes, the rest is a planar arm"
     )
+    values = {
+        "ideal": ideal_values(frames, error, SIGNS, chain.size),
+        "written": written_values(chain),
+        "along": float(arm[layout.ALONG]),
+        "turn_3": float(turn_3),
+        "turn_4": float(turn_4),
+        "cos_first": float(arm[layout.COS_FIRST]),
+        "sin_first": float(arm[layout.SIN_FIRST]),
+        "square_wrist": bool(crossing and arm[layout.COS_FIRST] == 0.0 and ca[4] == 0.0),
+    }
+    solver = Solver(f"three parallel axes, {'5x6' if crossing else 'general hand'}", values)
     return Plan(
         family="6R 2||3||4 and 5x6" if crossing else "6R 2||3||4",
         method=method_in_words(steps, error),
@@ -76,12 +91,13 @@ def prepare(structure: Structure, chain: Chain) -> Plan:
         error=error,
         arm=arm,
         solve=kernels.solve_intersecting_56 if crossing else kernels.solve_general_wrist,
-        explain=lambda rotation, point: _explain(arm, crossing, rotation, point),
+        explain=lambda rotation, point: _explain(arm, solver, crossing, rotation, point),
         by_quartic=not crossing,
+        solver=solver,
     )
 
 
-def _explain(arm: Array, crossing: bool, rotation: Array, point: Array) -> str:
+def _explain(arm: Array, solver: Solver, crossing: bool, rotation: Array, point: Array) -> str:
     if crossing:
         side = (arm[layout.COS_ALPHA] * point[2] - arm[layout.ALONG]) / arm[layout.SIN_ALPHA]
         radius = math.hypot(point[0], point[1])
@@ -90,9 +106,7 @@ def _explain(arm: Array, crossing: bool, rotation: Array, point: Array) -> str:
                 f"the point where axes 5 and 6 meet is {radius:.6g} m from axis 1, and the arm's sideways offset "
                 f"keeps it {abs(side):.6g} m away"
             )
-    distances = np.full(4, np.nan)
-    kernels.elbow_distances(kernels.INTERSECTING_56 if crossing else kernels.GENERAL, arm, rotation, point, distances)
-    distances = distances[np.isfinite(distances)]
+    distances = distances_of(solver, rotation, point)
     longest = arm[layout.A + 1] + arm[layout.A + 2]
     shortest = abs(arm[layout.A + 1] - arm[layout.A + 2])
     if len(distances) and distances.min() > longest:

@@ -1,0 +1,289 @@
+// All solutions of six revolute joints whose axes 2, 3 and 4 are parallel.
+//
+// Seen along the parallel axes, joints 2 to 4 only shift the wrist across them and turn it by one angle phi. The
+// component along them fixes joints 1 and 5, phi and joint 6 follow like a wrist's two turns, and a planar two-link arm
+// is left. Sources: Hawkins 2013 (Universal Robots); Elias and Wen 2022 (three parallel axes).
+// Columns: 4 front/back + 2 up/down + noflip/flip.
+#pragma once
+
+#include "../blocks.hpp"
+#include "../subproblems.hpp"
+#include "linked_angles.hpp"
+#include "three_parallel_arm.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+STEP Twists twists(const ThreeParallelArm& arm) {
+    return {arm.cos_first, arm.sin_first, arm.ideal.cos_alpha[4], arm.ideal.sin_alpha[4]};
+}
+
+// A vector of frame 1 in the frame that joint 1 has turned, with z along the parallel axes.
+template <class V> STEP Vec<V> seen_along(const ThreeParallelArm& arm, Vec<V> v, const Turn<V>& t1) {
+    unturn(v.x, v.y, t1), unturn(v.y, v.z, Turn<double>{arm.ideal.cos_alpha[0], arm.ideal.sin_alpha[0]});
+    return v;
+}
+template <class V> STEP Seen<V> seen_along(const ThreeParallelArm& arm, const Seen<V>& at, const Turn<V>& t1) {
+    Vec<V> p = seen_along(arm, at.p, t1);
+    p.x = p.x - arm.ideal.a[0];
+    return {{seen_along(arm, at.R.x, t1), seen_along(arm, at.R.y, t1), seen_along(arm, at.R.z, t1)}, p};
+}
+
+// Joint 1 of an arm whose axes 5 and 6 meet, in a point at a known height along the parallel axes.
+template <class V> STEP Swing<V> face(const ThreeParallelArm& arm, const Vec<V>& p, const V& front) {
+    const V k = (arm.ideal.cos_alpha[0] * p.z - arm.along) * (1.0 / arm.ideal.sin_alpha[0]);
+    return swing_to_offset(p.x, p.y, k, front);
+}
+
+// Step from axis 4 to the origin of frame 6, across the parallel axes, before the turn phi [m].
+template <class V> struct Across {
+    V x, y;
+};
+template <class V> STEP Across<V> forearm(const ThreeParallelArm& arm, const Turn<V>& t5) {
+    const double a5 = arm.ideal.a[4];
+    return {arm.ideal.a[3] + a5 * t5.c, arm.cos_first * a5 * t5.s - arm.sin_first * arm.ideal.d[3]};
+}
+// Where that puts axis 4, seen from axis 2.
+template <class V> STEP Across<V> to_axis_4(const Vec<V>& p, const Turn<V>& phi, const Across<V>& f) {
+    return {p.x - (phi.c * f.x - phi.s * f.y), p.y - (phi.s * f.x + phi.c * f.y)};
+}
+
+// Joint 5 of a general hand, from its height along the parallel axes; `tilt`: cosine of the angle from them to axis 6.
+STEP Turn<double> skew_bend(const ThreeParallelArm& arm, double tilt, double height) {
+    const Twists t = twists(arm);
+    return unit((t.ca * t.cb - tilt) / (t.sa * t.sb), (height - arm.along) / (t.sa * arm.ideal.a[4]));
+}
+
+// The component of a vector along the parallel axes, by the angle of joint 1.
+STEP Affine along(const ThreeParallelArm& arm, const Vec<double>& v) {
+    return {arm.ideal.cos_alpha[0] * v.z, -arm.ideal.sin_alpha[0] * v.y, arm.ideal.sin_alpha[0] * v.x};
+}
+
+// First angles of an arm whose axes 5 and 6 are skew: direction and height of axis 6 along the parallel axes give cos t5
+// and sin t5. Where axis 6 is almost parallel to axes 2 to 4 they are made exact.
+PART Quartic first_angles(const ThreeParallelArm& arm, const Seen<double>& seen) {
+    const Twists t = twists(arm);
+    const double w = -1.0 / (t.sa * t.sb);
+    Affine cosine = scaled(along(arm, seen.R.z), w), sine = scaled(along(arm, seen.p), 1.0 / (t.sa * arm.ideal.a[4]));
+    cosine.constant -= t.ca * t.cb * w, sine.constant -= arm.along / (t.sa * arm.ideal.a[4]);
+    Quartic roots = linked_roots(cosine, sine);
+    const Affine tilt = along(arm, seen.R.z);
+    for (int k = 0; k < 2; ++k) {
+        const double side = k ? -1.0 : 1.0;
+        const Turn<double> at = unit(side * tilt.cosine, side * tilt.sine);
+        const Bend<double> bend = wrist_bend(seen_along(arm, seen.R.z, at), t, 1.0);
+        sharpen_roots({at, bend.turn.c, bend.margin, -w * (tilt.cosine * at.c + tilt.sine * at.s)}, sine, roots);
+    }
+    return roots;
+}
+
+template <Hand kind> struct ThreeParallel {
+    using Arm = ThreeParallelArm;
+    static constexpr int branches = 8;
+
+    // Shoulder by shoulder; wrists and elbows share what they have in common.
+    template <class Answer> static STEP void fast(const Arm& arm, const Seen<Block>& seen, Answer& found) {
+        const auto& ideal = arm.ideal;
+        const Twists t = twists(arm);
+        const double scale = 1.0 / (ideal.size * ideal.size);
+        const Block arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * scale;
+        for (int shoulder = 0; shoulder < 2; ++shoulder) {
+            const Swing<Block> first = face<Block>(arm, seen.p, ideal.signs[4 * shoulder][0]);
+            const Seen<Block> at = seen_along(arm, seen, first.turn);
+            const Bend<Block> bend = wrist_bend<Block>(at.R.z, t, 1.0);
+            const WristTurns<Block> turns = wrist_turns(at.R, bend.turn, t);
+            const Block t5 = angle(bend.turn), phi = angle(turns.first), q6 = wrap(angle(turns.last) - ideal.offset[5]);
+            Upstream<Block> up = {wrap(angle(first.turn) - ideal.offset[0]), min(first.margin * scale, bend.margin), arm1, turns.fixed,
+                                  turns.error + height_error(arm, at.p.z)};
+            const Across<Block> f = forearm(arm, bend.turn);
+            both_elbows(arm, up, to_axis_4(at.p, turns.first, f), phi, wrap(t5 - ideal.offset[4]), q6, 4 * shoulder, found);
+            const Block q5 = wrap(-t5 - ideal.offset[4]);
+            if (arm.square_wrist) {
+                const Turn<Block> opposite = {-turns.first.c, -turns.first.s};
+                both_elbows(arm, up, to_axis_4(at.p, opposite, f), half_turn_from(phi), q5, half_turn_from(q6), 4 * shoulder + 1, found);
+            } else {
+                const Turn<Block> back = {bend.turn.c, -bend.turn.s};
+                const WristTurns<Block> flip = wrist_turns(at.R, back, t);
+                up.fixed = flip.fixed, up.error = flip.error + height_error(arm, at.p.z);
+                both_elbows(arm, up, to_axis_4(at.p, flip.first, forearm(arm, back)), angle(flip.first), q5,
+                            wrap(angle(flip.last) - ideal.offset[5]), 4 * shoulder + 1, found);
+            }
+        }
+    }
+
+    // What shoulder and wrist leave to the elbow.
+    template <class V> struct Upstream {
+        V q1, margin, arm1, fixed, error;
+    };
+
+    static STEP Block height_error(const Arm& arm, const Block& height) {
+        const Block off = (height - arm.along) * (1.0 / arm.ideal.size);
+        return off * off;
+    }
+
+    template <class Answer>
+    static STEP void both_elbows(const Arm& arm, const Upstream<Block>& up, const Across<Block>& u, const Block& phi, const Block& q5,
+                                 const Block& q6, int b, Answer& found) {
+        const auto& ideal = arm.ideal;
+        const double edge = arm.written.tolerances.edge, reach = arm.written.tolerances.reach, scale = 1.0 / (ideal.size * ideal.size);
+        const Block uu = u.x * u.x + u.y * u.y;
+        const Fold<Block> f = fold<Block>(uu, ideal.a[1], ideal.a[2], arm.turn_3, 1.0);
+        // The links turned towards axis 4 miss it by what the lengths differ, at most miss / |u|.
+        const Block miss = f.wx * f.wx + f.wy * f.wy - uu;
+        const Block arm2 = uu * scale, least = min(up.margin, f.margin);
+        // Where the wrist leaves phi free, another phi may bring the elbow within reach.
+        const auto lost = (up.margin < Block(-edge)) | ((f.margin < Block(-edge)) & (up.fixed > Block(edge)));
+        const auto doubt = (min(least, min(up.fixed, min(up.arm1, arm2))) <= Block(edge)) |
+                           !(miss * miss * scale + up.error * uu <= (reach * reach * 1e-2) * uu);
+        const Block t3 = angle(f.bend), q3 = wrap(t3 - ideal.offset[2]), q3_down = wrap(-t3 - ideal.offset[2]);
+        const Block xx = f.wx * u.x, xy = f.wx * u.y, yx = f.wy * u.x, yy = f.wy * u.y;
+        const Block t2 = atan2(xy - yx, xx + yy), t2_down = atan2(xy + yx, xx - yy);
+        const Block bend = arm.turn_3 * t3, turn = phi, offset = ideal.offset[3];
+        const auto q4 = [&](const Block& t) { return wrap(wrap(arm.turn_4 * (turn - t) - offset)); };
+        found.set(b, {up.q1, wrap(t2 - ideal.offset[1]), q3, q4(t2 + bend), q5, q6}, lost, doubt, least);
+        found.set(b + 2, {up.q1, wrap(t2_down - ideal.offset[1]), q3_down, q4(t2_down - bend), q5, q6}, lost, doubt, least);
+    }
+
+    static PART void closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
+                             const Columns<6>& columns, unsigned wanted) {
+        Quartic roots = {};
+        roots.count = 4;
+        if constexpr (kind == Hand::general) roots = first_angles(arm, seen);
+        // Shoulders and wrists: 2 front/back + noflip/flip.
+        Settled settled[4];
+        for (int k = 0; k < 4; ++k) {
+            const int b = 4 * (k / 2) + k % 2;
+            settled[k].kept = false;
+            if (k < roots.count && wanted >> b & 5u) settled[k] = settle(arm, seen, reference, b, k, roots);
+        }
+        for (int b = 0; b < 8; ++b) {
+            const Settled& at = settled[2 * (b / 4) + b % 2];
+            if (at.kept && wanted >> b & 1u) elbow_closely(arm, goal, reference, at, b, columns);
+        }
+    }
+
+    // All solutions of one pose of an arm that has no fast path.
+    static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
+        closely(arm, goal, to_frame_1(goal, arm.ideal), reference, columns, ~0u);
+    }
+
+    // A shoulder and a wrist.
+    struct Settled {
+        Turn<double> t1, t5, phi, t6;
+        Across<double> axis_4;
+        double margin1, margin5, arm1, fixed;
+        int marks;
+        bool kept;
+    };
+
+    // Joint 1 of branch b. A margin within `fold` of zero is a double root, of which one branch is kept; a joint that the
+    // target leaves free (squared arm below `continuum`) takes the reference's value.
+    static STEP bool settle_first(const Arm& arm, const Seen<double>& seen, const Reference<6>& reference, int b, Settled& to) {
+        const auto& ideal = arm.ideal;
+        const Tolerances& tol = arm.written.tolerances;
+        const double front = ideal.signs[b][0], scale = 1.0 / (ideal.size * ideal.size);
+        const Swing<double> s = face(arm, seen.p, front);
+        to.t1 = s.turn, to.margin1 = s.margin * scale;
+        if (to.margin1 < -ideal.clamp) return false;
+        if (to.margin1 <= tol.fold || to.arm1 <= tol.fold) to.marks |= SHOULDER;
+        const bool twice = is_double(to.margin1, to.arm1, ROUNDING);
+        if (front < 0.0 && (twice || to.arm1 <= tol.continuum)) return false;
+        if (twice) to.t1 = face(arm, seen.p, 0.0).turn;
+        if (to.arm1 <= tol.continuum) to.t1 = exact_turn(reference.q[0] + ideal.offset[0]);
+        return true;
+    }
+
+    static STEP Turn<double> exact_turn(double angle) { return {__builtin_cos(angle), __builtin_sin(angle)}; }
+
+    static PART Settled settle(const Arm& arm, const Seen<double>& seen, const Reference<6>& reference, int b, int root,
+                               const Quartic& roots) {
+        const auto& ideal = arm.ideal;
+        const Tolerances& tol = arm.written.tolerances;
+        const Twists t = twists(arm);
+        const double flip = ideal.signs[b][2], scale = 1.0 / (ideal.size * ideal.size);
+        Settled out = {};
+        out.arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * scale;
+        if constexpr (kind == Hand::general) out.t1 = roots.root[root], out.margin1 = roots.gap(root);
+        else if (!settle_first(arm, seen, reference, b, out)) return out;
+        const Seen<double> at = seen_along(arm, seen, out.t1);
+        out.margin5 = 1.0;
+        if constexpr (kind == Hand::general) {
+            out.t5 = skew_bend(arm, at.R.z.z, at.p.z);
+        } else {
+            const Bend<double> bend = wrist_bend(at.R.z, t, flip);
+            out.t5 = bend.turn, out.margin5 = bend.margin;
+            if (bend.margin < -ideal.clamp) return out;
+        }
+        WristTurns<double> turns = wrist_turns(at.R, out.t5, t);
+        out.fixed = turns.fixed;
+        if (out.fixed <= tol.fold || out.margin5 <= tol.fold) out.marks |= WRIST;
+        if constexpr (kind != Hand::general) {
+            const bool twice = is_double(out.margin5, out.fixed, ROUNDING / (t.sb * t.sb));
+            if (flip < 0.0 && (twice || out.fixed <= tol.continuum)) return out;
+            if (twice) {
+                out.t5 = wrist_bend(at.R.z, t, 0.0).turn;
+                turns = wrist_turns(at.R, out.t5, t);
+                out.fixed = turns.fixed;
+            }
+        }
+        const Across<double> f = forearm(arm, out.t5);
+        out.kept = out.fixed > tol.continuum || free_wrist(arm, at, reference, out.t5, f, turns);
+        out.phi = turns.first, out.t6 = turns.last;
+        out.axis_4 = to_axis_4(at.p, out.phi, f);
+        return out;
+    }
+
+    // Only the sum (or the difference) of phi and joint 6 counts: joint 6 takes the reference's value, or what is nearest
+    // to it within the elbow's reach. False where nothing is.
+    static STEP bool free_wrist(const Arm& arm, const Seen<double>& at, const Reference<6>& reference, const Turn<double>& t5,
+                                const Across<double>& f, WristTurns<double>& turns) {
+        const auto& ideal = arm.ideal;
+        const Twists t = twists(arm);
+        const WristTurns<double> zero = wrist_turns(at.R, t5, t, true);
+        const double aligned = t.ca * t.cb - t.sa * t.sb * t5.c > 0.0 ? 1.0 : -1.0;
+        const double wanted = aligned * (angle(zero.last) - ideal.offset[5] - reference.q[5]);
+        const double slack = 0.5 * ideal.clamp * ideal.size * ideal.size;
+        const double phi = free_turn(wanted, at.p.x, at.p.y, f.x, f.y, ideal.a[1] + ideal.a[2], ideal.a[1] - ideal.a[2], slack);
+        if (phi != phi) return false;
+        turns = wrist_turns(at.R, t5, t, true, exact_turn(phi));
+        return true;
+    }
+
+    static PART void elbow_closely(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Settled& at, int b,
+                                   const Columns<6>& columns) {
+        const auto& ideal = arm.ideal;
+        const Tolerances& tol = arm.written.tolerances;
+        const double up = ideal.signs[b][1], upper = ideal.a[1], lower = ideal.a[2], scale = 1.0 / (ideal.size * ideal.size);
+        const double ux = at.axis_4.x, uy = at.axis_4.y, arm2 = (ux * ux + uy * uy) * scale;
+        Elbow<double> e = elbow(ux, uy, upper, lower, arm.turn_3, up);
+        const double margin = e.margin;
+        const bool near = min(abs(at.margin1), min(abs(margin), abs(at.margin5))) < NEAR || min(at.fixed, min(at.arm1, arm2)) < NEAR;
+        // A root next to an aligned wrist is rough, and phi with it: let Newton's method decide.
+        if (margin < -(kind == Hand::general ? max(ideal.clamp, ROUGH_BY_ROOT / (at.fixed + 1e-8)) : ideal.clamp)) return;
+        const int marks = at.marks | (margin <= tol.fold || arm2 <= tol.fold ? ELBOW : 0);
+        const bool twice = is_double(margin, arm2, ROUNDING / (2.0 * upper * lower * scale));
+        if (up < 0.0 && (twice || arm2 <= tol.continuum)) return;
+        if (twice) e = elbow(ux, uy, upper, lower, arm.turn_3, 0.0);
+        if (arm2 <= tol.continuum) e.second = exact_turn(reference.q[1] + ideal.offset[1]);
+        const double t2 = angle(e.second), t3 = angle(e.bend), t4 = arm.turn_4 * (angle(at.phi) - t2 - arm.turn_3 * t3);
+        double q[6] = {wrap(angle(at.t1) - ideal.offset[0]), wrap(t2 - ideal.offset[1]), wrap(t3 - ideal.offset[2]),
+                       wrap(wrap(t4 - ideal.offset[3])), wrap(angle(at.t5) - ideal.offset[4]), wrap(angle(at.t6) - ideal.offset[5])};
+        accept(arm.written, goal, q, b, marks, near, columns);
+    }
+
+    // See ThreeParallelSolvers.
+    static void distances(const Arm& arm, const double* seen, double (&out)[4]) {
+        const Goal<double> target = goal_of(seen);
+        const Seen<double> at = {target.R, target.p};
+        Quartic roots = {};
+        roots.count = 4;
+        if constexpr (kind == Hand::general) roots = first_angles(arm, at);
+        for (int k = 0; k < 4; ++k) {
+            out[k] = __builtin_nan("");
+            if (k >= roots.count) continue;
+            const Settled each = settle(arm, at, reference_of<6>(nullptr), 4 * (k / 2) + k % 2, k, roots);
+            if (each.kept) out[k] = sqrt(each.axis_4.x * each.axis_4.x + each.axis_4.y * each.axis_4.y);
+        }
+    }
+};
+
+}  // namespace urdf_ik::URDF_IK_LEVEL
