@@ -8,6 +8,8 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
+extern const CoupledSolvers coupled_solvers;
+extern const OneGivenSolvers one_given_solvers;
 extern const SphericalWristSolvers spherical_wrist_solvers;
 extern const SrsSolvers srs_solvers;
 extern const ThreeParallelSolvers three_parallel_solvers;
@@ -15,6 +17,8 @@ extern const ThreeParallelSolvers three_parallel_solvers;
 extern const LevelTable table;
 const LevelTable table = {
     URDF_IK_TEXT(URDF_IK_LEVEL),
+    &coupled_solvers,
+    &one_given_solvers,
     &spherical_wrist_solvers,
     &srs_solvers,
     &three_parallel_solvers,

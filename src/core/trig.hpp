@@ -75,6 +75,13 @@ template <class V> STEP Turn<V> cos_sin(V a) {
     return {select(odd, -(k * s), c), select(odd, k * c, s)};
 }
 
+// The same of any angle: whole turns are taken off in two parts, so that no digit is lost.
+template <class V> STEP Turn<V> turn_of_any(V a) {
+    const double rounds = 6755399441055744.0;
+    const V k = (a * (0.5 / PI) + rounds) - rounds;
+    return cos_sin((a - k * 6.283185307179586) - k * 2.4492935982947064e-16);
+}
+
 // (c, s) scaled to length 1.
 template <class V> STEP Turn<V> unit(V c, V s) {
     const V w = 1.0 / sqrt(c * c + s * s + TINY);

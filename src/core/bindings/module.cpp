@@ -17,6 +17,8 @@ constexpr long SHARE = 32;
 static const Makers& makers() {
     static const Makers all = [] {
         Makers m;
+        add_coupled(m);
+        add_one_given(m);
         add_spherical_wrist(m);
         add_srs(m);
         add_three_parallel(m);

@@ -35,7 +35,7 @@ template <class V> STEP Rot<V> wrist_rotation(const SrsArm& arm, const UpperArm<
 }
 
 // The angle half a turn away, in (-pi, pi].
-template <class V> STEP V opposite(const V& q) { return select(q > V(0.0), q - PI, q + PI); }
+template <class V> STEP V opposite(const V& q) { return wrap(select(q > V(0.0), q - PI, q + PI)); }
 
 // The two ways in which three meeting axes bring a rotation about: angles of joints, the margin below which there is
 // none, the least of what makes a pose doubtful, and the squared error.
@@ -46,14 +46,14 @@ template <class V> STEP BothWays<V> both_ways(const MeetingAxes& axes, const Rot
     const Twists t = twists_of(axes);
     const Bend<V> bend = wrist_bend<V>(M.z, t, 1.0);
     const WristTurns<V> turns = wrist_turns(M, bend.turn, t);
-    const V middle = angle(bend.turn), first = angle(turns.first), last = angle(turns.last);
+    const V middle = angle(bend.turn), first = wrap(angle(turns.first)), last = wrap(angle(turns.last));
     BothWays<V> out = {{{first, wrap(middle - axes.shift), last}, {}}, bend.margin, min(bend.margin, turns.fixed), turns.error};
     out.q[1][1] = wrap(-middle - axes.shift);
     if (axes.square) {
         out.q[1][0] = opposite(first), out.q[1][2] = opposite(last);
     } else {
         const WristTurns<V> flipped = wrist_turns(M, Turn<V>{bend.turn.c, -bend.turn.s}, t);
-        out.q[1][0] = angle(flipped.first), out.q[1][2] = angle(flipped.last);
+        out.q[1][0] = wrap(angle(flipped.first)), out.q[1][2] = wrap(angle(flipped.last));
         out.error = max(out.error, flipped.error);
     }
     return out;

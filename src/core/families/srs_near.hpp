@@ -10,7 +10,9 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // A margin (a squared sine) of m moves the ideal arm's solution by error / sqrt(m); the start is sure where that is small
 // beside the distance sqrt(m) itself from the other solution, that is where m is DOUBTFUL times the error. Below it
 // starts are taken from all around, where the margin is BESIDE_MARGIN times the error.
-inline constexpr double DOUBTFUL = 100.0, BESIDE_MARGIN = 4.0;
+inline constexpr double DOUBTFUL = 40.0, BESIDE_MARGIN = 4.0;
+// Where the wrist is nearer to the shoulder than this share of the size, the same error turns the line between them more.
+inline constexpr double SHORT_LINE = 0.3;
 // Directions in which a bend is tried where axes nearly align.
 inline constexpr int AROUND = 8;
 
@@ -35,6 +37,7 @@ struct SrsNear {
         const Columns<7>& columns;
         Block q[7];
         int column[BLOCK], filled;
+        double error;  // of the ideal arm, as it counts at this pose
         bool wide, failed;
     };
 
@@ -45,7 +48,8 @@ struct SrsNear {
         const Seen<double> seen = to_frame_1<double>(t, arm.ideal);
         const Line<double> line = line_to_wrist(seen.p);
         const Swivelled<double> at = swivelled(line, turn_of_any(value));
-        Search search = {arm, goal, at_swivel(arm, at), columns, {}, {}, 0, false, false};
+        Search search = {arm, goal, at_swivel(arm, at), columns, {}, {}, 0, 0.0, false, false};
+        search.error = arm.imperfection * max(1.0, SHORT_LINE * arm.written.size / (line.length + TINY));
         const bool doubtful = follow(search, seen, line, at);
         if (!doubtful && !search.failed) return;
         search.wide = true;
@@ -60,12 +64,12 @@ struct SrsNear {
             const double up = way & 1 ? -1.0 : 1.0;
             UpperArm<double> elbow = upper_arm(arm, line, at, up);
             if (elbow.margin < -arm.clamp) continue;
-            const bool flat = elbow.margin < DOUBTFUL * arm.imperfection;
+            const bool flat = elbow.margin < DOUBTFUL * search.error;
             if (way >= 2) {
                 if (!flat) continue;
                 // A little nearer to the middle of its range the elbow is bent.
                 const double far = elbow.bend.c > 0.0 ? -1.0 : 1.0;
-                elbow = upper_arm(arm, line, at, up, 1.0 + far * BESIDE_MARGIN * arm.imperfection);
+                elbow = upper_arm(arm, line, at, up, 1.0 + far * BESIDE_MARGIN * search.error);
             }
             const Turn<double> t4 = fourth_turn(arm, elbow);
             const double q4 = wrap(angle(t4));
@@ -84,11 +88,11 @@ struct SrsNear {
     }
 
     static PART Ways ways(const Search& search, const MeetingAxes& axes, const Rot<double>& M) {
-        const double error = search.arm.imperfection;
+        const double error = search.error;
         const Twists t = twists_of(axes);
         Ways out = {};
         const Bend<double> bend = wrist_bend(M.z, t, 1.0);
-        if (bend.margin < -search.arm.clamp) return out;
+        if (bend.margin < -search.arm.clamp * (error / search.arm.imperfection)) return out;
         const WristTurns<double> turns = wrist_turns(M, bend.turn, t);
         const auto take = [&](const Turn<double>& b, bool held, double first) {
             const WristTurns<double> w = wrist_turns(M, b, t, held, cos_sin(first));
@@ -123,23 +127,24 @@ struct SrsNear {
         for (int i = many; i < BLOCK; ++i) {
             for (int j = 0; j < 7; ++j) search.q[j].set(i, search.q[j][0]);
         }
-        const Course course = {search.wide ? 30 : 12, FINISHED, PATIENCE};
+        const Course course = {search.wide ? 20 : 12, CONVERGED, PATIENCE};
         const auto out = polish<true>(search.model, spread<Block>(search.goal), search.q, course, search.q[0] <= Block(4.0));
         for (int i = 0; i < many; ++i) {
             double q[7];
             for (int j = 0; j < 7; ++j) q[j] = search.q[j][i];
-            take(search, q, out.error[i], search.column[i]);
+            take(search, q, out.error[i], out.least[i], search.column[i]);
         }
     }
 
-    static PART void take(Search& search, const double (&q)[7], double error, int column) {
+    // least: a bound from below on the Jacobian's smallest singular value near q.
+    static PART void take(Search& search, const double (&q)[7], double error, double least, int column) {
         const Tolerances& tol = search.model.tolerances;
         // What a wide search finds has to converge: beside a fold that the target misses, errors fall below the tolerance.
         if (!(error <= (search.wide ? CONVERGED : tol.reach)) || !is_new(search.model, search.goal, search.columns, q)) {
             search.failed = true;
             return;
         }
-        const bool singular = weakest_at(search.model, search.goal, q).value <= tol.singular;
+        const bool singular = !(least > 100.0 * tol.singular) && weakest_at(search.model, search.goal, q).value <= tol.singular;
         if (singular && continues(search, q)) return;
         keep(search.columns, column, q, singular ? OTHER : 0);
     }

@@ -44,13 +44,6 @@ template <class V> STEP Swivelled<V> swivelled(const Line<V>& line, const Turn<V
     return {swivel.c * line.normal + swivel.s * line.across, swivel.c * line.across - swivel.s * line.normal};
 }
 
-// The angle brought to [-pi, pi], in two parts so that no digit is lost.
-template <class V> STEP Turn<V> turn_of_any(const V& a) {
-    const double rounds = 6755399441055744.0;  // added and taken off again, it rounds to whole numbers
-    const V k = (a * (0.5 / PI) + rounds) - rounds;
-    return cos_sin((a - k * 6.283185307179586) - k * 2.4492935982947064e-16);
-}
-
 // The elbow's bend, and its frame in frame 1; the bend's margin sin^2, the squared distance of the parallel to axis 4
 // through S from W [m^2], and the squared error of W's place [m^2].
 template <class V> struct UpperArm {
