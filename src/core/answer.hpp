@@ -111,6 +111,15 @@ STEP int singular_marks(const Model& arm, const Goal<double>& goal, const double
     return marks ? marks : OTHER;
 }
 
+// Error to which a candidate must fall that lies a little beyond its family's end.
+inline constexpr double DOUBTFUL = 1e-12;
+
+// Whether Newton's method makes a solution of q, a candidate whose margins say that there is none: by what rounding may
+// have done to them. q is replaced.
+template <class Model> STEP bool holds(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints]) {
+    return polish_one<true>(arm, goal, q, {60, CONVERGED, LONG_PATIENCE}).error <= DOUBTFUL;
+}
+
 // Polish the closed form's candidate q of column b on the arm as written, and keep it if it is verified and new.
 // near: whether it is near a singularity, so that it is asked for its marks.
 template <class Model>

@@ -46,10 +46,6 @@ template <int B, int N = 6> struct Found {
         for (int j = 0; j < N; ++j) q[b][j] = select(good, angles[j], __builtin_nan(""));
         valid[b] = bits(good), doubt[b] = bits(in_doubt & !lost);
     }
-    // The same with the least of the margins, for who follows candidates beyond it.
-    STEP void set(int b, const Block (&angles)[N], const MaskOf<Block>& lost, const MaskOf<Block>& in_doubt, const Block&) {
-        set(b, angles, lost, in_doubt);
-    }
     // Every branch of every pose is in doubt.
     STEP void leave_open() {
         for (int b = 0; b < B; ++b) {
@@ -58,6 +54,19 @@ template <int B, int N = 6> struct Found {
         }
     }
 };
+
+// Angles of y[FROM..TO) and x, to y: four at a time, so that the processor finds independent work.
+template <int FROM, int TO> PART void angles(Block* __restrict y, const Block* __restrict x) {
+    static_assert((TO - FROM) % 4 == 0);
+#pragma GCC unroll 1
+    for (int i = FROM; i < TO; i += 4) {
+        Block a[4];
+#pragma GCC unroll 4
+        for (int k = 0; k < 4; ++k) a[k] = atan2(y[i + k], x[i + k]);
+#pragma GCC unroll 4
+        for (int k = 0; k < 4; ++k) y[i + k] = a[k];
+    }
+}
 
 // Poses as many as the block has lanes to their sixteen numbers.
 template <int L, int K> STEP void load_poses(const double* T, Pack<L, K> (&t)[16]) {
@@ -184,7 +193,7 @@ PART void solve_in_doubt(const typename Family::Arm& arm, const double (&T)[16],
 }
 
 // One block of targets, `part.m` of which count. Returns the index of the first that is no pose, -1 where all are.
-template <class Family, Write how> STEP int solve_block(const typename Family::Arm& arm, const Batch& part) {
+template <class Family> STEP int solve_block(const typename Family::Arm& arm, const Batch& part, Write how) {
     constexpr int B = Family::branches, N = joints_of<Family>;
     const int many = int(part.m);
     Block t[16];
@@ -204,7 +213,8 @@ template <class Family, Write how> STEP int solve_block(const typename Family::A
     } else {
         Family::fast(arm, to_frame_1(t, arm.ideal), found);
     }
-    store_rows<how, N * B>(&found.q[0][0], part.q);
+    if (how == Write::streaming) store_rows<Write::streaming, N * B>(&found.q[0][0], part.q);
+    else store_rows<Write::plain, N * B>(&found.q[0][0], part.q);
     store_flags(found.valid, many, part.flags);
     unsigned care = bits(defect > Block(arm.written.tolerances.exact_rotation));
     for (int b = 0; b < B; ++b) care |= found.doubt[b];
@@ -221,42 +231,34 @@ template <class Family, Write how> STEP int solve_block(const typename Family::A
     return -1;
 }
 
-template <class Family, Write how> PART long solve_blocks(const typename Family::Arm& arm, const Batch& batch) {
-    constexpr int B = Family::branches, answers = joints_of<Family> * B, numbers = numbers_of<Family>();
-    Batch part = batch;
-    part.m = BLOCK;
-    long start = 0;
-    for (; start + BLOCK <= batch.m; start += BLOCK) {
-        part.T = batch.T + numbers * start, part.values = batch.values ? batch.values + start : nullptr;
-        part.q = batch.q + answers * start, part.flags = batch.flags + B * start;
-        const int bad = solve_block<Family, how>(arm, part);
-        if (bad >= 0) return start + bad;
-    }
-    if (start == batch.m) return -1;
-    // The rest, filled up with its last target: the same instructions then handle every pose, whatever its place in a batch.
-    const int many = int(batch.m - start);
-    double T[numbers * BLOCK], values[BLOCK], q[answers * BLOCK];
-    for (int i = 0; i < BLOCK; ++i) {
-        const long from = start + (i < many ? i : many - 1);
-        __builtin_memcpy(T + numbers * i, batch.T + numbers * from, numbers * sizeof(double));
-        values[i] = batch.values ? batch.values[from] : 0.0;
-    }
-    part = {T, many, batch.q_ref, batch.values ? values : nullptr, q, batch.flags + B * start};
-    const int bad = solve_block<Family, Write::plain>(arm, part);
-    if (bad >= 0) return start + bad;
-    __builtin_memcpy(batch.q + answers * start, q, sizeof(double) * answers * many);
-    return -1;
-}
-
 // All solutions of a batch. Returns the index of the first that is no pose, -1 where all are.
 template <class Family> long solve_closed_form(const typename Family::Arm& arm, const Batch& batch) {
+    constexpr int B = Family::branches, answers = joints_of<Family> * B, numbers = numbers_of<Family>();
     const bool aligned = reinterpret_cast<std::uintptr_t>(batch.q) % sizeof(typename Register<8>::type) == 0;
-    if (batch.m < STREAMED_FROM || !aligned) return solve_blocks<Family, Write::plain>(arm, batch);
-    const long bad = solve_blocks<Family, Write::streaming>(arm, batch);
+    const Write how = batch.m >= STREAMED_FROM && aligned ? Write::streaming : Write::plain;
+    double T[numbers * BLOCK], values[BLOCK];
+    alignas(64) double q[answers * BLOCK];
+    for (long start = 0; start < batch.m; start += BLOCK) {
+        const int many = batch.m - start < BLOCK ? int(batch.m - start) : BLOCK;
+        Batch part = {batch.T + numbers * start, many, batch.q_ref, batch.values ? batch.values + start : nullptr,
+                      batch.q + answers * start, batch.flags + B * start};
+        if (many < BLOCK) {
+            // Filled up with its last target: the same instructions handle every pose, whatever its place in a batch.
+            for (int i = 0; i < BLOCK; ++i) {
+                const long from = start + (i < many ? i : many - 1);
+                __builtin_memcpy(T + numbers * i, batch.T + numbers * from, numbers * sizeof(double));
+                values[i] = batch.values ? batch.values[from] : 0.0;
+            }
+            part.T = T, part.values = batch.values ? values : nullptr, part.q = q;
+        }
+        const int bad = solve_block<Family>(arm, part, how);
+        if (bad >= 0) return start + bad;
+        if (many < BLOCK) __builtin_memcpy(batch.q + answers * start, q, sizeof(double) * answers * many);
+    }
 #if defined(__x86_64__)
-    _mm_sfence();
+    if (how == Write::streaming) _mm_sfence();
 #endif
-    return bad;
+    return -1;
 }
 
 // The same, one pose after the other.

@@ -10,6 +10,11 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 extern const CoupledSolvers coupled_solvers;
 extern const OneGivenSolvers one_given_solvers;
+extern const ChainFunctions chain_functions;
+extern const ParallelShoulderSolvers parallel_shoulder_solvers;
+extern const EliminationSolvers elimination_solvers;
+extern const ReversedSteps reversed_steps;
+extern const Steps steps;
 extern const SphericalWristSolvers spherical_wrist_solvers;
 extern const SrsSolvers srs_solvers;
 extern const ThreeParallelSolvers three_parallel_solvers;
@@ -19,9 +24,14 @@ const LevelTable table = {
     URDF_IK_TEXT(URDF_IK_LEVEL),
     &coupled_solvers,
     &one_given_solvers,
+    &chain_functions,
+    &steps,
+    &parallel_shoulder_solvers,
+    &reversed_steps,
     &spherical_wrist_solvers,
     &srs_solvers,
     &three_parallel_solvers,
+    &elimination_solvers,
 };
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -3,9 +3,14 @@
 
 #include "families/coupled_arm.hpp"
 #include "families/one_given_arm.hpp"
+#include "chain_arm.hpp"
+#include "families/parallel_shoulder_arm.hpp"
+#include "families/elimination_arm.hpp"
+#include "families/reversed.hpp"
 #include "families/spherical_wrist_arm.hpp"
 #include "families/srs_arm.hpp"
 #include "families/three_parallel_arm.hpp"
+#include "steps.hpp"
 
 namespace urdf_ik {
 
@@ -13,9 +18,14 @@ struct LevelTable {
     const char* name;
     const CoupledSolvers* coupled;
     const OneGivenSolvers* one_given;
+    const ChainFunctions* chain;
+    const Steps* steps;
+    const ParallelShoulderSolvers* parallel_shoulder;
+    const ReversedSteps* reversed;
     const SphericalWristSolvers* spherical_wrist;
     const SrsSolvers* srs;
     const ThreeParallelSolvers* three_parallel;
+    const EliminationSolvers* elimination;
 };
 
 }  // namespace urdf_ik

@@ -12,62 +12,56 @@ struct Complex {
 // A polynomial's value below this share of the sum of its terms' sizes is rounding.
 inline constexpr double LOST = 4e-16;
 
+// A root that moves by less than this, relative to its size, has come to rest: convergence is cubic, and roots that stay
+// linear are multiple, where half the digits are lost anyway. Squared.
+inline constexpr double AT_REST = 1e-22;
+
 // The logarithmic derivative p'(z) / p(z) of a self-inversive polynomial, a root a lane; outside the unit circle it is
 // n / z - conj(p'(u) / p(u)) / z^2 at the mirror image u = 1 / conj(z), so that no power overflows. Roots whose value is
 // lost in rounding come to rest.
-template <int N>
-STEP void slope_over_value(const Complex (&c)[N + 1], const double (&x)[N], const double (&y)[N], double (&moves)[N], double (&a)[N],
-                           double (&b)[N]) {
-    double zx[N], zy[N], size[N], p[N], q[N], u[N], v[N], bound[N];
-    for (int k = 0; k < N; ++k) {
-        const double square = x[k] * x[k] + y[k] * y[k], f = square <= 1.0 ? 1.0 : 1.0 / square;
-        zx[k] = x[k] * f, zy[k] = y[k] * f, size[k] = sqrt(square) * f;
-        p[k] = c[N].re, q[k] = c[N].im, u[k] = 0.0, v[k] = 0.0, bound[k] = abs(c[N].re) + abs(c[N].im);
-    }
+template <int N, class V>
+STEP void slope_over_value(const Complex (&c)[N + 1], const V& x, const V& y, MaskOf<V>& moves, V& a, V& b) {
+    const V square = x * x + y * y, inverse = 1.0 / square;
+    const auto outside = square > V(1.0);
+    const V f = select(outside, inverse, 1.0), zx = x * f, zy = y * f, size = sqrt(square) * f;
+    V p = c[N].re, q = c[N].im, u = 0.0, v = 0.0, bound = abs(c[N].re) + abs(c[N].im);
+#pragma GCC unroll 16
     for (int j = N - 1; j >= 0; --j) {
-        const double magnitude = abs(c[j].re) + abs(c[j].im);
-        for (int k = 0; k < N; ++k) {
-            const double un = u[k] * zx[k] - v[k] * zy[k] + p[k], vn = u[k] * zy[k] + v[k] * zx[k] + q[k];
-            const double pn = p[k] * zx[k] - q[k] * zy[k] + c[j].re, qn = p[k] * zy[k] + q[k] * zx[k] + c[j].im;
-            u[k] = un, v[k] = vn, p[k] = pn, q[k] = qn, bound[k] = bound[k] * size[k] + magnitude;
-        }
+        const V un = u * zx - v * zy + p, vn = u * zy + v * zx + q;
+        const V pn = p * zx - q * zy + c[j].re, qn = p * zy + q * zx + c[j].im;
+        u = un, v = vn, p = pn, q = qn, bound = bound * size + (abs(c[j].re) + abs(c[j].im));
     }
-    for (int k = 0; k < N; ++k) {
-        const double square = p[k] * p[k] + q[k] * q[k], lost = LOST * bound[k], w = 1.0 / (square + TINY);
-        moves[k] = square <= lost * lost ? 0.0 : moves[k];
-        const double re = (u[k] * p[k] + v[k] * q[k]) * w, im = (v[k] * p[k] - u[k] * q[k]) * w;
-        const double s = x[k] * x[k] + y[k] * y[k], ix = x[k] / s, iy = -y[k] / s, i2 = ix * ix - iy * iy, j2 = 2.0 * ix * iy;
-        a[k] = s > 1.0 ? N * ix - (i2 * re + j2 * im) : re;
-        b[k] = s > 1.0 ? N * iy - (j2 * re - i2 * im) : im;
-    }
+    const V value = p * p + q * q, lost = LOST * bound, w = 1.0 / (value + TINY);
+    moves = moves & (value > lost * lost);
+    const V re = (u * p + v * q) * w, im = (v * p - u * q) * w;
+    const V ix = x * inverse, iy = -(y * inverse), i2 = ix * ix - iy * iy, j2 = 2.0 * ix * iy;
+    a = select(outside, double(N) * ix - (i2 * re + j2 * im), re);
+    b = select(outside, double(N) * iy - (j2 * re - i2 * im), im);
 }
 
 // c: from the constant up, c[N - k] the conjugate of c[k]. Aberth's iteration on all roots side by side (Aberth 1973).
 template <int N> PART void self_inversive_roots(const Complex (&c)[N + 1], Complex (&z)[N]) {
-    double x[N], y[N], moves[N], a[N], b[N];
-    for (int k = 0; k < N; ++k) {
-        const double angle = 2.0 * PI * k / N + 0.3, radius = 1.0 + 0.2 * ((k % 3) - 1);
-        x[k] = radius * __builtin_cos(angle), y[k] = radius * __builtin_sin(angle), moves[k] = 1.0;
-    }
+    using V = Row<N>;
+    alignas(64) double xs[N], ys[N];
+    for (int k = 0; k < N; ++k) xs[k] = 2.0 * PI * (k - N / 2) / N + 0.3, ys[k] = 1.0 + 0.2 * ((k % 3) - 1);
+    const Turn<V> start = cos_sin(load<V>(xs));
+    V x = load<V>(ys) * start.c, y = load<V>(ys) * start.s, a, b;
+    auto moves = x < V(__builtin_inf());
     for (int round = 0; round < 60; ++round) {
         slope_over_value<N>(c, x, y, moves, a, b);
+        store(x, xs), store(y, ys);
         for (int j = 0; j < N; ++j) {
-            for (int k = 0; k < N; ++k) {
-                const double dx = x[k] - x[j], dy = y[k] - y[j], w = 1.0 / (dx * dx + dy * dy + TINY);
-                a[k] -= dx * w, b[k] += dy * w;
-            }
+            // The roots' repulsion steers convergence, and need not be exact.
+            const V dx = x - xs[j], dy = y - ys[j], w = rough_inverse(dx * dx + dy * dy + TINY);
+            a -= dx * w, b += dy * w;
         }
-        double moving = 0.0;
-        for (int k = 0; k < N; ++k) {
-            const double w = moves[k] / (a[k] * a[k] + b[k] * b[k] + TINY), dx = a[k] * w, dy = -b[k] * w;
-            const double square = x[k] * x[k] + y[k] * y[k];
-            moves[k] = dx * dx + dy * dy < 1e-30 * max(square, 1e-6) ? 0.0 : moves[k];
-            x[k] -= dx, y[k] -= dy;
-            moving += moves[k];
-        }
-        if (moving == 0.0) break;
+        const V w = 1.0 / (a * a + b * b + TINY), dx = a * w, dy = -(b * w);
+        x = select(moves, x - dx, x), y = select(moves, y - dy, y);
+        moves = moves & (dx * dx + dy * dy >= AT_REST * max(x * x + y * y, V(1e-6)));
+        if (!any(moves)) break;
     }
-    for (int k = 0; k < N; ++k) z[k] = {x[k], y[k]};
+    store(x, xs), store(y, ys);
+    for (int k = 0; k < N; ++k) z[k] = {xs[k], ys[k]};
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -51,12 +51,11 @@ template <int L, int K> STEP unsigned bits(const Mask<L, K>& a) {
     for (int k = 0; k < K; ++k) {
 #if defined(__AVX512F__)
         r |= unsigned(a.m[k]) << (L * k);
-#elif defined(__AVX__)
-        static_assert(L == 4);
-        r |= unsigned(_mm256_movemask_pd((__m256d)a.m[k])) << (L * k);
 #elif defined(__SSE2__)
-        static_assert(L == 2);
-        r |= unsigned(_mm_movemask_pd((__m128d)a.m[k])) << (L * k);
+#if defined(__AVX__)
+        if constexpr (L == 4) r |= unsigned(_mm256_movemask_pd((__m256d)a.m[k])) << (L * k);
+#endif
+        if constexpr (L == 2) r |= unsigned(_mm_movemask_pd((__m128d)a.m[k])) << (L * k);
 #else
         for (int l = 0; l < L; ++l) r |= unsigned(a.m[k][l] & 1) << (L * k + l);
 #endif
@@ -130,6 +129,12 @@ template <class V> using MaskOf = decltype(V() < V());
 template <class V> inline constexpr int lanes_of = 1;
 template <int L, int K> inline constexpr int lanes_of<Pack<L, K>> = L * K;
 
+// One lane of a number or a pack.
+STEP double lane(double a, int) { return a; }
+template <int L, int K> STEP double lane(const Pack<L, K>& a, int i) { return a[i]; }
+STEP void set_lane(double& a, int, double x) { a = x; }
+template <int L, int K> STEP void set_lane(Pack<L, K>& a, int i, double x) { a.set(i, x); }
+
 // a where the mask holds, else b.
 template <int L, int K> STEP Pack<L, K> select(const Mask<L, K>& m, Pack<L, K> a, const Pack<L, K>& b) {
     for (int k = 0; k < K; ++k) {
@@ -151,12 +156,13 @@ template <int L, int K> STEP Pack<L, K> select(const Mask<L, K>& m, double a, co
     return select(m, Pack<L, K>(a), b);
 }
 
+// The masked forms below, with all lanes set, are those that GCC does not warn about; it compiles them to the plain ones.
 // The smaller and the greater of two numbers; the second where one is NaN.
 template <int L, int K> STEP Pack<L, K> min(Pack<L, K> a, const Pack<L, K>& b) {
     for (int k = 0; k < K; ++k) {
         using R = typename Register<L>::type;
 #if defined(__AVX512F__)
-        if constexpr (L == 8) a.r[k] = (R)_mm512_min_pd((__m512d)a.r[k], (__m512d)b.r[k]);
+        if constexpr (L == 8) a.r[k] = (R)_mm512_maskz_min_pd(0xff, (__m512d)a.r[k], (__m512d)b.r[k]);
 #endif
 #if defined(__AVX__)
         if constexpr (L == 4) a.r[k] = (R)_mm256_min_pd((__m256d)a.r[k], (__m256d)b.r[k]);
@@ -173,7 +179,7 @@ template <int L, int K> STEP Pack<L, K> max(Pack<L, K> a, const Pack<L, K>& b) {
     for (int k = 0; k < K; ++k) {
         using R = typename Register<L>::type;
 #if defined(__AVX512F__)
-        if constexpr (L == 8) a.r[k] = (R)_mm512_max_pd((__m512d)a.r[k], (__m512d)b.r[k]);
+        if constexpr (L == 8) a.r[k] = (R)_mm512_maskz_max_pd(0xff, (__m512d)a.r[k], (__m512d)b.r[k]);
 #endif
 #if defined(__AVX__)
         if constexpr (L == 4) a.r[k] = (R)_mm256_max_pd((__m256d)a.r[k], (__m256d)b.r[k]);
@@ -193,7 +199,7 @@ template <int L, int K> STEP Pack<L, K> sqrt(Pack<L, K> a) {
     for (int k = 0; k < K; ++k) {
         using R = typename Register<L>::type;
 #if defined(__AVX512F__)
-        if constexpr (L == 8) a.r[k] = (R)_mm512_sqrt_pd((__m512d)a.r[k]);
+        if constexpr (L == 8) a.r[k] = (R)_mm512_maskz_sqrt_pd(0xff, (__m512d)a.r[k]);
 #endif
 #if defined(__AVX__)
         if constexpr (L == 4) a.r[k] = (R)_mm256_sqrt_pd((__m256d)a.r[k]);
@@ -205,6 +211,61 @@ template <int L, int K> STEP Pack<L, K> sqrt(Pack<L, K> a) {
 #endif
     }
     return a;
+}
+
+// 1 / a and 1 / sqrt(a) for a > 0, to about one unit in the last place. With AVX-512 from 14 bits and two steps of
+// Newton's method, a fifth of the time of a division or a root.
+template <int L, int K> STEP Pack<L, K> inverse(Pack<L, K> a) {
+#if defined(__AVX512F__)
+    for (int k = 0; k < K; ++k) {
+        using R = typename Register<L>::type;
+        const R x = a.r[k];
+        R y;
+        if constexpr (L == 8) y = (R)_mm512_rcp14_pd((__m512d)x);
+        else if constexpr (L == 4) y = (R)_mm256_rcp14_pd((__m256d)x);
+        else y = (R)_mm_rcp14_pd((__m128d)x);
+        y = y + y * (1.0 - x * y);
+        a.r[k] = y + y * (1.0 - x * y);
+    }
+    return a;
+#else
+    return 1.0 / a;
+#endif
+}
+template <int L, int K> STEP Pack<L, K> inverse_sqrt(Pack<L, K> a) {
+#if defined(__AVX512F__)
+    for (int k = 0; k < K; ++k) {
+        using R = typename Register<L>::type;
+        const R half = 0.5 * a.r[k];
+        R y;
+        if constexpr (L == 8) y = (R)_mm512_rsqrt14_pd((__m512d)a.r[k]);
+        else if constexpr (L == 4) y = (R)_mm256_rsqrt14_pd((__m256d)a.r[k]);
+        else y = (R)_mm_rsqrt14_pd((__m128d)a.r[k]);
+        y = y + y * (0.5 - half * y * y);
+        a.r[k] = y + y * (0.5 - half * y * y);
+    }
+    return a;
+#else
+    return 1.0 / sqrt(a);
+#endif
+}
+// sqrt(a) for a >= 0, to one unit in the last place.
+template <int L, int K> STEP Pack<L, K> root(const Pack<L, K>& a) {
+#if defined(__AVX512F__)
+    const Pack<L, K> y = inverse_sqrt(a + 1e-300), s = a * y;
+    return s + 0.5 * y * (a - s * s);
+#else
+    return sqrt(a);
+#endif
+}
+// a / b for b > 0, to one unit in the last place.
+template <int L, int K> STEP Pack<L, K> quotient(const Pack<L, K>& a, const Pack<L, K>& b) {
+#if defined(__AVX512F__)
+    const Pack<L, K> y = inverse(b), q = a * y;
+    return q + y * (a - b * q);
+#else
+    return a / b;
+#endif
 }
 
 template <int L, int K> STEP Pack<L, K> abs(Pack<L, K> a) {
@@ -222,18 +283,46 @@ template <int L, int K> STEP Pack<L, K> copysign(Pack<L, K> a, const Pack<L, K>&
     return a;
 }
 
+// Roughly one over a: to four digits where the processor has an instruction for that.
+template <int L, int K> STEP Pack<L, K> rough_inverse(Pack<L, K> a) {
+    for (int k = 0; k < K; ++k) {
+#if defined(__AVX512F__)
+        using R = typename Register<L>::type;
+        if constexpr (L == 8) a.r[k] = (R)_mm512_maskz_rcp14_pd(0xff, (__m512d)a.r[k]);
+        else if constexpr (L == 4) a.r[k] = (R)_mm256_rcp14_pd((__m256d)a.r[k]);
+        else a.r[k] = (R)_mm_rcp14_pd((__m128d)a.r[k]);
+#else
+        a.r[k] = 1.0 / a.r[k];
+#endif
+    }
+    return a;
+}
+
 // ---- the same for one number ---------------------------------------------------------------------------------------
 
 STEP double select(bool m, double a, double b) { return m ? a : b; }
 STEP double min(double a, double b) { return a < b ? a : b; }
 STEP double max(double a, double b) { return a > b ? a : b; }
 STEP double sqrt(double a) { return __builtin_sqrt(a); }
+STEP double inverse(double a) { return 1.0 / a; }
+STEP double inverse_sqrt(double a) { return 1.0 / sqrt(a); }
+STEP double root(double a) { return sqrt(a); }
+STEP double quotient(double a, double b) { return a / b; }
 STEP double abs(double a) { return __builtin_fabs(a); }
 STEP double copysign(double a, double b) { return __builtin_copysign(a, b); }
-STEP double lane(double a, int) { return a; }
-template <int L, int K> STEP double lane(const Pack<L, K>& a, int i) { return a[i]; }
-STEP void set_lane(double& a, int, double x) { a = x; }
-template <int L, int K> STEP void set_lane(Pack<L, K>& a, int i, double x) { a.set(i, x); }
+
+// ---- memory ----------------------------------------------------------------------------------------------------------
+
+// Numbers that stand in a row, as a pack, and back.
+template <class V> STEP V load(const double* from) {
+    constexpr int K = int(sizeof(V::r) / sizeof(V::r[0])), L = V::lanes / K;
+    V out;
+    for (int k = 0; k < K; ++k) out.r[k] = *(const typename Register<L>::unaligned*)(from + L * k);
+    return out;
+}
+template <int L, int K> STEP void store(const Pack<L, K>& a, double* to) {
+    for (int k = 0; k < K; ++k) *(typename Register<L>::unaligned*)(to + L * k) = a.r[k];
+}
 
 // ---- rows to columns -------------------------------------------------------------------------------------------------
 
@@ -281,5 +370,8 @@ using Block = Pack<4, 1>;
 using Block = Pack<2, 2>;
 #endif
 inline constexpr int BLOCK = Block::lanes;
+// N numbers side by side, in registers as wide as they fill; N is a power of two.
+inline constexpr int WIDEST = sizeof(Block::r[0]) / sizeof(double);
+template <int N> using Row = Pack<(N < WIDEST ? N : WIDEST), (N < WIDEST ? 1 : N / WIDEST)>;
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

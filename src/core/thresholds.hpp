@@ -19,6 +19,12 @@ inline constexpr double LEAST_DAMPING = 1e-12;
 inline constexpr double ROUNDING = 7e-15;
 // The same after a step that takes the root of a quartic.
 inline constexpr double ROUGH = 1e-7;
+// What is left after a step whose own margin is m carries this much over m.
+inline constexpr double ROUGH_BY_MARGIN = 1e-13;
+// Squared sine or arm below which a joint is so nearly free that rounding moves its angle about.
+inline constexpr double ALMOST_ALIGNED = 1e-12;
+// Two roots of a quartic whose squared distance on the unit circle is below this may lead to one solution.
+inline constexpr double ROOTS_CROWDED = 1e-4;
 // After the root of a quartic, what is left to the elbow carries this much over the squared arm of the wrist.
 inline constexpr double ROUGH_BY_ROOT = 1e-9;
 // Squared sines and squared arms below which a pose counts as near a singularity, so that its solutions are asked

@@ -43,7 +43,7 @@ class SecondWay:
     @classmethod
     def of(cls, arm: Arm) -> SecondWay:
         """The second way for this arm."""
-        plan = general_6r.prepare(arm.chain)
+        plan = general_6r.prepare_for_kernels(arm.chain)
         newton = f"Newton's method from {STARTS} random starts"
         if arm.structure.family == plan.family:
             _without_first(plan.arm)

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
+    from urdf_ik._core import Solver
     from urdf_ik.collision import CollisionModel
     from urdf_ik.plane import Plane
     from urdf_ik.redundancy import Redundancy
@@ -54,6 +55,7 @@ class Arm:
         self.structure: Structure = analyse(chain)
         self._no_reference = np.zeros(chain.n + 1)
         self._task_arms: dict[str, Arm] = {}
+        self._core: Solver | None = None
         self._plan: Plan | RedundantPlan | None = families.choose(self.structure, chain)
         if self._plan is not None:
             plan = self._plan
@@ -229,6 +231,15 @@ class Arm:
         """
         if task is not None and task != "pose":
             return self.for_task(task).ik(T, q_ref, threads=threads)
+        core = self._core
+        if core is not None and redundancy is None and T is not None and (q_ref is None or type(T) is np.ndarray):
+            solutions: IKSolutions | None
+            if q_ref is None:
+                solutions = core.one(IKSolutions, self, self._branches, T)
+            else:
+                solutions = core.one_near(IKSolutions, self, self._branches, T, self._reference(q_ref))
+            if solutions is not None:
+                return solutions
         if self._plan is None:
             raise self._unsupported()
         if type(T) is np.ndarray and T.shape == (4, 4) and T.dtype == np.float64:

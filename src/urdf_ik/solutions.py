@@ -11,6 +11,7 @@ import numpy as np
 
 from urdf_ik import _solutions_text as text
 from urdf_ik import limits, select
+from urdf_ik._core import Answer
 from urdf_ik.errors import UrdfIkError
 
 if TYPE_CHECKING:
@@ -71,7 +72,7 @@ class Step(NamedTuple):
     amount: float = 0.0
 
 
-class IKSolutions:
+class IKSolutions(Answer):
     """The solutions of one pose or of a batch of poses, one column a branch.
 
     The solutions of a single pose are iterated over, counted with ``len`` and picked with ``s[k]``, the valid
@@ -80,8 +81,9 @@ class IKSolutions:
     do not change.
     """
 
-    # Solving one pose takes a few microseconds: construction stores references, everything else is computed on demand.
-    __slots__ = ("_branches", "_info", "_origin", "_poses", "_q", "_redundancy", "arm", "step")
+    # Solving one pose takes a fraction of a microsecond. The compiled base keeps what is set below; where it was made by
+    # the solver itself, it makes the arrays of poses, q and info when they are first asked for.
+    __slots__ = ()
 
     def __init__(
         self,
@@ -114,6 +116,10 @@ class IKSolutions:
         self._origin = origin
         self.step = step
         self._redundancy = redundancy
+
+    def __reduce__(self) -> tuple[type[IKSolutions], tuple[Any, ...]]:
+        whole = (self.arm, self._poses, self._q, self._info, self._branches, self._origin, self.step, self._redundancy)
+        return type(self), whole
 
     @property
     def q(self) -> Array:

@@ -6,7 +6,8 @@
 #include <thread>
 #include <vector>
 
-#include "solver.hpp"
+#include "answer.hpp"
+#include "elimination.hpp"
 
 namespace urdf_ik {
 
@@ -19,6 +20,9 @@ static const Makers& makers() {
         Makers m;
         add_coupled(m);
         add_one_given(m);
+        add_parallel_shoulder(m);
+        add_elimination(m);
+        add_reversed(m);
         add_spherical_wrist(m);
         add_srs(m);
         add_three_parallel(m);
@@ -98,6 +102,10 @@ NB_MODULE(_core, m) {
     m.doc() = "The compiled solvers.";
     m.def("isa", [] { return std::string(level().name); }, "The instruction set in use.");
     m.def("levels", &levels_built, "The instruction sets that were built and that this processor runs.");
+    add_elimination(m);
+    add_answer(m);
+    add_chain(m);
+    bind_steps(m);
     nb::class_<PySolver>(m, "Solver", "An arm, ready to be solved; immutable.")
         .def(nb::init<std::string, nb::dict>(), nb::arg("kind"), nb::arg("values"))
         .def_ro("kind", &PySolver::kind)
@@ -107,6 +115,13 @@ NB_MODULE(_core, m) {
         .def("__reduce__", [](nb::handle self) {
             const auto& s = nb::cast<const PySolver&>(self);
             return nb::make_tuple(nb::type<PySolver>(), nb::make_tuple(s.kind, s.values));
+        })
+        // Without names and None, arguments are passed on the quickest way.
+        .def("one", [](const PySolver& s, nb::handle kind, nb::handle arm, nb::handle branches, nb::handle T) {
+            return solve_one(*s.solver, kind, arm, branches, T, nb::none());
+        })
+        .def("one_near", [](const PySolver& s, nb::handle kind, nb::handle arm, nb::handle branches, nb::handle T, nb::handle q_ref) {
+            return solve_one(*s.solver, kind, arm, branches, T, q_ref);
         })
         .def("distances", &distances, nb::arg("seen"), "Of axes, for explanations [m]: up to four, NaN where there is none.")
         .def("solve", &solve, nb::arg("T").noconvert(), nb::arg("q_ref").noconvert().none(), nb::arg("q").noconvert(),

@@ -17,7 +17,7 @@ template <int N, class V> STEP CoupledPosture<V> place(const Coupled<N>& arm, co
         V value = 0.0;
         for (int j = 0; j < N; ++j) value += arm.gain[k][j] * x[j];
         at.axis[k] = next;
-        const Frame<V> moved = arm.slides[k] ? Frame<V>{next.R, next.p + value * next.R.z} : turned(next, turn_of_any(value));
+        const Frame<V> moved = arm.slides[k] ? Frame<V>{next.R, next.p + value * next.R.z} : turned(next, cos_sin_of_any(value));
         next = beyond(moved, arm.step[k + 1]);
     }
     at.tip = next;

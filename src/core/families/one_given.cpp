@@ -10,7 +10,7 @@ static_assert(BLOCK <= MOST_LANES);
 static STEP void move_block(const GivenJoint& given, const double* from, const Block& value, double* to) {
     Block t[16], out[16], B[3][4];
     load_poses(from, t);
-    const Turn<Block> by = given.turns ? turn_of_any(value) : Turn<Block>{value, 0.0};
+    const Turn<Block> by = given.turns ? cos_sin_of_any(value) : Turn<Block>{value, 0.0};
     const auto& m = given.motion;
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 4; ++j) B[i][j] = m[0][i][j] + by.c * m[1][i][j] + by.s * m[2][i][j];

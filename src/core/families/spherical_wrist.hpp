@@ -25,64 +25,164 @@ template <Shoulder kind> struct SphericalWrist {
     using Arm = SphericalWristArm;
     static constexpr int branches = 8;
 
-    // Joints 1 to 3 of both elbows of one front, or both fronts of one elbow, and their wrists.
+    // Angles of a block that are taken together, so that the processor finds independent work: t1 of both fronts and the
+    // bend of their elbows (parallel_23), or t3 of both elbows and t1 of each pair; t2, and the wrist's turns, of each pair.
+    struct Angles {
+        Block y[32], x[32];
+        STEP void set(int i, const Turn<Block>& t) { y[i] = t.s, x[i] = t.c; }
+    };
+    // Margins and squared arms of a place of the first three joints, and the squared error of its position.
+    struct Margins {
+        Block shoulder, elbow, arms, error;
+    };
+    // What of a pair of branches is settled besides the angles.
+    struct State {
+        MaskOf<Block> lost, doubt;
+        Clearance<Block> clear;
+    };
+    static constexpr int OUTER = 0, BEND = 2, SECOND = 4, FIFTH = 8, FOURTH = 12, SIXTH = 16, FOURTH_FLIPPED = 20, SIXTH_FLIPPED = 24;
+    static constexpr int FIRST = 28;
+
     template <class Out> static STEP void fast(const Arm& arm, const Seen<Block>& seen, Out& found) {
-        const double(&signs)[8][3] = arm.ideal.signs;
-        const double* offset = arm.ideal.offset;
-        for (int outer = 0; outer < 2; ++outer) {
-            if constexpr (kind == Shoulder::parallel_23) {
-                const Front<Block> front = face<Block>(arm, seen.p, signs[4 * outer][0]);
-                const Block q1 = wrap(angle(front.t1) - offset[0]);
-                Block bend = 0.0;
-                for (int inner = 0; inner < 2; ++inner) {
-                    const double up = signs[4 * outer + 2 * inner][1];
-                    const Place<Block> at = bend_elbow<Block>(arm, seen.p, front, up, {});
-                    const Turn<Block> t3 = at.t3;
-                    // The elbow's bend before its sign: t3 + phi.
-                    if (inner == 0) bend = up * angle(Turn<Block>{t3.c * arm.cos_phi - t3.s * arm.sin_phi, t3.s * arm.cos_phi + t3.c * arm.sin_phi});
-                    const Block q3 = wrap(up * bend - arm.bend_offset);
-                    both_wrists(arm, seen.R, at, q1, wrap(angle(at.t2) - offset[1]), q3, 4 * outer + 2 * inner, found);
-                }
-            } else {
-                const Third<kind, Block> elbow = third<kind, Block>(arm, seen.p, signs[2 * outer][1]);
-                const Block q3 = wrap(angle(elbow.t3) - offset[2]);
-                for (int inner = 0; inner < 2; ++inner) {
-                    const Place<Block> at = first_two<kind, Block>(arm, seen.p, elbow, signs[4 * inner][0], {});
-                    both_wrists(arm, seen.R, at, wrap(angle(at.t1) - offset[0]), wrap(angle(at.t2) - offset[1]), q3,
-                                4 * inner + 2 * outer, found);
-                }
-            }
+        if (arm.square_wrist) solve<true>(arm, seen, found);
+        else solve<false>(arm, seen, found);
+    }
+
+    template <bool square, class Out> static STEP void solve(const Arm& arm, const Seen<Block>& seen, Out& found) {
+        Angles at;
+        State state[4];
+        if constexpr (kind == Shoulder::parallel_23) {
+            for (int outer = 0; outer < 2; ++outer) one_front<square>(arm, seen, outer, at, state);
+        } else {
+            for (int outer = 0; outer < 2; ++outer) one_elbow<square>(arm, seen, outer, at, state);
+        }
+        angles<0, 20>(at.y, at.x);
+        if constexpr (!square) angles<20, 28>(at.y, at.x);
+        if constexpr (kind != Shoulder::parallel_23) angles<28, 32>(at.y, at.x);
+        combine<square>(arm, at, state, found);
+    }
+
+    // Both elbows of one front of the arm. Axes 2 and 3 are parallel, so joints 2 and 3 turn the wrist by one angle.
+    template <bool square>
+    static STEP void one_front(const Arm& arm, const Seen<Block>& seen, int outer, Angles& at, State (&state)[4]) {
+        const auto& ideal = arm.ideal;
+        const double side = ideal.cos_alpha[1], size2 = 1.0 / (ideal.size * ideal.size);
+        const double a = ideal.a[1], b = arm.rho, w = 0.5 / (a * b), inner = a - b, longest = a + b;
+        const Front<Block> front = face<Block>(arm, seen.p, ideal.signs[4 * outer][0]);
+        at.set(OUTER + outer, front.t1);
+        const Rot<Block> R = {before_second(ideal, seen.R.x, front.t1), before_second(ideal, seen.R.y, front.t1),
+                              before_second(ideal, seen.R.z, front.t1)};
+        // Where the angle of joint 1 brings the wrist's plane, against where it should be.
+        const Vec<Block> p = before_second(ideal, seen.p, front.t1) - Vec<Block>{Block(ideal.a[0]), Block(0.0), Block(0.0)};
+        const Block off_plane = p.z - arm.height, off_x = p.x - front.ux, off_y = p.y - front.uy;
+        const Block off1 = off_plane * off_plane + off_x * off_x + off_y * off_y;
+        const Block uu = front.ux * front.ux + front.uy * front.uy, arm2 = uu * size2;
+        const Block folded = (uu - inner * inner) * w, stretched = (longest * longest - uu) * w, margin = folded * stretched;
+        const Block c = min(max(0.5 * (folded - stretched), -1.0), Block(1.0)), s = root(max(margin, 0.0));
+        at.set(BEND + outer, {c, s});
+        const Block wx = inner + b * max(folded, 0.0), wy = (side * b) * s, along = a + b * c;
+        const Block c_even = wx * front.ux, c_odd = wy * front.uy, s_even = wx * front.uy, s_odd = wy * front.ux;
+        const Block arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * size2;
+        Margins margins = {front.margin, margin, min(arm1, arm2), 0.0};
+        for (int e = 0; e < 2; ++e) {
+            const int pair = 2 * outer + e;
+            const double up = ideal.signs[2 * pair][1];
+            const Turn<Block> t2 = unit(c_even + up * c_odd, s_even - up * s_odd);
+            const Block us = up * s, across = up * wy;
+            const Turn<Block> t3 = {c * arm.cos_phi + us * arm.sin_phi, us * arm.cos_phi - c * arm.sin_phi};
+            const Turn<Block> t23 = {t2.c * t3.c - side * (t2.s * t3.s), t2.s * t3.c + side * (t2.c * t3.s)};
+            const Block ex = t2.c * along - t2.s * across - front.ux, ey = t2.s * along + t2.c * across - front.uy;
+            at.set(SECOND + pair, t2);
+            margins.error = (off1 + ex * ex + ey * ey) * (2.0 * size2);
+            state[pair] = wrists<square>(arm, after_third(ideal, R, t23), margins, pair, at);
         }
     }
 
-    template <class Out>
-    static STEP void both_wrists(const Arm& arm, const Rot<Block>& R, const Place<Block>& at, const Block& q1, const Block& q2,
-                                 const Block& q3, int b, Out& found) {
+    // A vector of frame 1 seen after joint 1 has turned and alpha 1.
+    static STEP Vec<Block> before_second(const IdealFrames& arm, Vec<Block> v, const Turn<Block>& t1) {
+        unturn(v.x, v.y, t1), unturn(v.y, v.z, Turn<double>{arm.cos_alpha[0], arm.sin_alpha[0]});
+        return v;
+    }
+    // A rotation of that frame seen after joints 2 and 3, whose axes are parallel, have turned it by t23, and alpha 3.
+    static STEP Rot<Block> after_third(const IdealFrames& arm, const Rot<Block>& R, const Turn<Block>& t23) {
+        const double side = arm.cos_alpha[1];
+        const Turn<double> a3 = {side * arm.cos_alpha[2], side * arm.sin_alpha[2]};
+        const auto seen = [&](Vec<Block> v) {
+            unturn(v.x, v.y, t23), unturn(v.y, v.z, a3);
+            return v;
+        };
+        return {seen(R.x), seen(R.y), seen(R.z)};
+    }
+
+    // Both fronts of one elbow.
+    template <bool square>
+    static STEP void one_elbow(const Arm& arm, const Seen<Block>& seen, int outer, Angles& at, State (&state)[4]) {
+        const Third<kind, Block> elbow = third<kind, Block>(arm, seen.p, arm.ideal.signs[2 * outer][1]);
+        at.set(OUTER + outer, elbow.t3);
+        for (int inner = 0; inner < 2; ++inner) {
+            const int pair = 2 * inner + outer;
+            const Place<Block> place = first_two<kind, Block>(arm, seen.p, elbow, arm.ideal.signs[2 * pair][0], {});
+            at.set(FIRST + pair, place.t1), at.set(SECOND + pair, place.t2);
+            const Margins margins = {place.margin1, place.margin2, min(place.arm1, place.arm2), place.error};
+            state[pair] = wrists<square>(arm, wrist_rotation(seen.R, arm.ideal, place), margins, pair, at);
+        }
+    }
+
+    // Both wrists of one place of the first three joints; M: the target's rotation seen from frame 3.
+    template <bool square>
+    static STEP State wrists(const Arm& arm, const Rot<Block>& M, const Margins& place, int pair, Angles& at) {
         const auto& ideal = arm.ideal;
         const Twists t = {ideal.cos_alpha[3], ideal.sin_alpha[3], ideal.cos_alpha[4], ideal.sin_alpha[4]};
-        const double edge = arm.written.tolerances.edge, reach = arm.written.tolerances.reach;
-        const Rot<Block> M = wrist_rotation(R, ideal, at);
-        const Bend<Block> bend = wrist_bend<Block>(M.z, t, 1.0);
-        const Turn<Block> back = {bend.turn.c, -bend.turn.s};
-        const WristTurns<Block> turns = wrist_turns(M, bend.turn, t);
-        Block error = turns.error;
-        const Block q4 = wrap(angle(turns.first) - ideal.offset[3]), q6 = wrap(angle(turns.last) - ideal.offset[5]);
-        const Block t5 = angle(bend.turn), q5 = wrap(t5 - ideal.offset[4]), q5_flipped = wrap(-t5 - ideal.offset[4]);
-        Block q4_flipped, q6_flipped;
-        if (arm.square_wrist) {
-            q4_flipped = half_turn_from(q4), q6_flipped = half_turn_from(q6);
+        Block margin, fixed, off;
+        if constexpr (square) {
+            // wrist_bend and wrist_turns with cos(alpha) = cos(beta) = 0.
+            fixed = M.z.x * M.z.x + M.z.y * M.z.y, margin = fixed;
+            const Block over = inverse_sqrt(fixed + TINY), c = (-1.0 / (t.sa * t.sb)) * M.z.z, s = fixed * over;
+            const Turn<Block> first = {t.sb * M.z.x * over, t.sb * M.z.y * over};
+            const Vec<Block> v = {first.c * c, first.s * c, t.sa * s};
+            const Block along = dot(v, M.z), length = fixed + M.z.z * M.z.z - 1.0;
+            off = along * along + length * length;
+            at.set(FIFTH + pair, {c, s}), at.set(FOURTH + pair, first), at.set(SIXTH + pair, {dot(v, M.x), -dot(v, M.y)});
         } else {
-            const WristTurns<Block> flipped = wrist_turns(M, back, t);
-            q4_flipped = wrap(angle(flipped.first) - ideal.offset[3]), q6_flipped = wrap(angle(flipped.last) - ideal.offset[5]);
-            error = max(error, flipped.error);
+            const Bend<Block> bend = wrist_bend<Block>(M.z, t, 1.0);
+            const WristTurns<Block> turns = wrist_turns(M, bend.turn, t), flipped = wrist_turns(M, {bend.turn.c, -bend.turn.s}, t);
+            margin = bend.margin, fixed = turns.fixed, off = max(turns.error, flipped.error);
+            at.set(FIFTH + pair, bend.turn), at.set(FOURTH + pair, turns.first), at.set(SIXTH + pair, turns.last);
+            at.set(FOURTH_FLIPPED + pair, flipped.first), at.set(SIXTH_FLIPPED + pair, flipped.last);
         }
-        const Block least = min(min(at.margin1, at.margin2), bend.margin);
-        const Block arms = min(min(at.arm1, at.arm2), turns.fixed);
-        const auto lost = least < Block(-edge);
-        const auto doubt = (min(least, arms) <= Block(edge)) | !(at.error + error <= Block(reach * reach * 1e-2));
-        const Clearance<Block> clear = clearance(ideal.stride, at.margin1, at.margin2, bend.margin, arms);
-        found.set(b, {q1, q2, q3, q4, q5, q6}, lost, doubt, clear);
-        found.set(b + 1, {q1, q2, q3, q4_flipped, q5_flipped, q6_flipped}, lost, doubt, clear);
+        const Tolerances& tol = arm.written.tolerances;
+        const Block least = min(min(place.shoulder, place.elbow), margin), arms = min(place.arms, fixed);
+        const auto doubt = (min(least, arms) <= Block(tol.edge)) | !(place.error + off <= Block(tol.reach * tol.reach * 1e-2));
+        return {least < Block(-tol.edge), doubt, clearance(ideal.stride, place.shoulder, place.elbow, margin, arms)};
+    }
+
+    // Joint values from the angles, offsets taken off.
+    template <bool square, class Out>
+    static STEP void combine(const Arm& arm, const Angles& at, const State (&state)[4], Out& found) {
+        const double* offset = arm.ideal.offset;
+        const Block* angle = at.y;
+        for (int pair = 0; pair < 4; ++pair) {
+            Block q[6], flipped[6];
+            if constexpr (kind == Shoulder::parallel_23) {
+                q[0] = wrap(angle[OUTER + pair / 2] - offset[0]);
+                q[2] = wrap(arm.ideal.signs[2 * pair][1] * angle[BEND + pair / 2] - arm.bend_offset);
+            } else {
+                q[0] = wrap(angle[FIRST + pair] - offset[0]), q[2] = wrap(angle[OUTER + pair % 2] - offset[2]);
+            }
+            q[1] = wrap(angle[SECOND + pair] - offset[1]);
+            q[3] = wrap(angle[FOURTH + pair] - offset[3]);
+            q[4] = wrap(angle[FIFTH + pair] - offset[4]);
+            q[5] = wrap(angle[SIXTH + pair] - offset[5]);
+            for (int j = 0; j < 3; ++j) flipped[j] = q[j];
+            flipped[4] = wrap(-angle[FIFTH + pair] - offset[4]);
+            if constexpr (square) {
+                flipped[3] = half_turn_from(q[3]), flipped[5] = half_turn_from(q[5]);
+            } else {
+                flipped[3] = wrap(angle[FOURTH_FLIPPED + pair] - offset[3]), flipped[5] = wrap(angle[SIXTH_FLIPPED + pair] - offset[5]);
+            }
+            found.set(2 * pair, q, state[pair].lost, state[pair].doubt, state[pair].clear);
+            found.set(2 * pair + 1, flipped, state[pair].lost, state[pair].doubt, state[pair].clear);
+        }
     }
 
     // A margin within `fold` of zero is a double root, of which one branch is kept; a joint that the target leaves free

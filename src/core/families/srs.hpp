@@ -22,7 +22,7 @@ template <class V> STEP Rot<V> shoulder_rotation(const SrsArm& arm, const UpperA
 }
 template <class V> STEP Turn<V> fourth_turn(const SrsArm& arm, const UpperArm<V>& elbow) {
     Turn<V> t = elbow.bend;
-    unturn(t.c, t.s, Turn<double>{__builtin_cos(arm.zero_4), __builtin_sin(arm.zero_4)});
+    unturn(t.c, t.s, exact_turn(arm.zero_4));
     return t;
 }
 template <class V> STEP Rot<V> wrist_rotation(const SrsArm& arm, const UpperArm<V>& elbow, const Turn<V>& t4, const Rot<V>& R) {
@@ -33,9 +33,6 @@ template <class V> STEP Rot<V> wrist_rotation(const SrsArm& arm, const UpperArm<
     };
     return {seen(R.x), seen(R.y), seen(R.z)};
 }
-
-// The angle half a turn away, in (-pi, pi].
-template <class V> STEP V opposite(const V& q) { return wrap(select(q > V(0.0), q - PI, q + PI)); }
 
 // The two ways in which three meeting axes bring a rotation about: angles of joints, the margin below which there is
 // none, the least of what makes a pose doubtful, and the squared error.
@@ -50,7 +47,7 @@ template <class V> STEP BothWays<V> both_ways(const MeetingAxes& axes, const Rot
     BothWays<V> out = {{{first, wrap(middle - axes.shift), last}, {}}, bend.margin, min(bend.margin, turns.fixed), turns.error};
     out.q[1][1] = wrap(-middle - axes.shift);
     if (axes.square) {
-        out.q[1][0] = opposite(first), out.q[1][2] = opposite(last);
+        out.q[1][0] = wrap(half_turn_from(first)), out.q[1][2] = wrap(half_turn_from(last));
     } else {
         const WristTurns<V> flipped = wrist_turns(M, Turn<V>{bend.turn.c, -bend.turn.s}, t);
         out.q[1][0] = wrap(angle(flipped.first)), out.q[1][2] = wrap(angle(flipped.last));
@@ -68,7 +65,7 @@ struct Srs {
         const Tolerances& tol = arm.written.tolerances;
         const double scale = 1.0 / (arm.written.size * arm.written.size), reach = 1e-2 * tol.reach * tol.reach;
         const Line<Block> line = line_to_wrist(seen.p);
-        const Swivelled<Block> at = swivelled(line, turn_of_any(value));
+        const Swivelled<Block> at = swivelled(line, cos_sin_of_any(value));
         const Block square = seen.p.x * seen.p.x + seen.p.y * seen.p.y;
         const auto on_axis = square <= tol.edge * (square + seen.p.z * seen.p.z);
         Block bend = 0.0;
@@ -96,7 +93,7 @@ struct Srs {
         const Tolerances& tol = arm.written.tolerances;
         const double scale = 1.0 / (arm.written.size * arm.written.size), singular = max(tol.singular * tol.singular, tol.fold);
         const Line<double> line = line_to_wrist(seen.p);
-        const Swivelled<double> at = swivelled(line, turn_of_any(value));
+        const Swivelled<double> at = swivelled(line, cos_sin_of_any(value));
         const double square = seen.p.x * seen.p.x + seen.p.y * seen.p.y;
         const int aside = square <= tol.singular * tol.singular * (square + seen.p.z * seen.p.z) ? SHOULDER : 0;
         const double links = 2.0 * arm.upper * arm.fore * scale;
@@ -165,7 +162,7 @@ struct Srs {
             // The sum (or difference) of the turns is what counts: its distance from the reference is shared.
             double first = task.reference.q[at];
             for (int round = 0; round < 2; ++round) {
-                turns = wrist_turns(M, bend.turn, t, true, Turn<double>{__builtin_cos(first), __builtin_sin(first)});
+                turns = wrist_turns(M, bend.turn, t, true, exact_turn(first));
                 const double aligned = t.ca * t.cb - t.sa * t.sb * bend.turn.c > 0.0 ? 1.0 : -1.0;
                 first += 0.5 * task.reference.given * aligned * wrap(angle(turns.last) - task.reference.q[at + 2]);
             }

@@ -8,9 +8,9 @@
 namespace urdf_ik::URDF_IK_LEVEL {
 
 // A margin (a squared sine) of m moves the ideal arm's solution by error / sqrt(m); the start is sure where that is small
-// beside the distance sqrt(m) itself from the other solution, that is where m is DOUBTFUL times the error. Below it
-// starts are taken from all around, where the margin is BESIDE_MARGIN times the error.
-inline constexpr double DOUBTFUL = 40.0, BESIDE_MARGIN = 4.0;
+// beside the distance sqrt(m) itself from the other solution, that is where m is UNSURE times the error. Below it
+// starts are taken from all around, where the margin is BESIDE_UNSURE times the error.
+inline constexpr double UNSURE = 40.0, BESIDE_UNSURE = 4.0;
 // Where the wrist is nearer to the shoulder than this share of the size, the same error turns the line between them more.
 inline constexpr double SHORT_LINE = 0.3;
 // Directions in which a bend is tried where axes nearly align.
@@ -47,7 +47,7 @@ struct SrsNear {
         const double t[16] = {R.x.x, R.y.x, R.z.x, p.x, R.x.y, R.y.y, R.z.y, p.y, R.x.z, R.y.z, R.z.z, p.z, 0.0, 0.0, 0.0, 1.0};
         const Seen<double> seen = to_frame_1<double>(t, arm.ideal);
         const Line<double> line = line_to_wrist(seen.p);
-        const Swivelled<double> at = swivelled(line, turn_of_any(value));
+        const Swivelled<double> at = swivelled(line, cos_sin_of_any(value));
         Search search = {arm, goal, at_swivel(arm, at), columns, {}, {}, 0, 0.0, false, false};
         search.error = arm.imperfection * max(1.0, SHORT_LINE * arm.written.size / (line.length + TINY));
         const bool doubtful = follow(search, seen, line, at);
@@ -64,12 +64,12 @@ struct SrsNear {
             const double up = way & 1 ? -1.0 : 1.0;
             UpperArm<double> elbow = upper_arm(arm, line, at, up);
             if (elbow.margin < -arm.clamp) continue;
-            const bool flat = elbow.margin < DOUBTFUL * search.error;
+            const bool flat = elbow.margin < UNSURE * search.error;
             if (way >= 2) {
                 if (!flat) continue;
                 // A little nearer to the middle of its range the elbow is bent.
                 const double far = elbow.bend.c > 0.0 ? -1.0 : 1.0;
-                elbow = upper_arm(arm, line, at, up, 1.0 + far * BESIDE_MARGIN * search.error);
+                elbow = upper_arm(arm, line, at, up, 1.0 + far * BESIDE_UNSURE * search.error);
             }
             const Turn<double> t4 = fourth_turn(arm, elbow);
             const double q4 = wrap(angle(t4));
@@ -100,12 +100,12 @@ struct SrsNear {
             q[0] = wrap(angle(w.first)), q[1] = wrap(angle(b) - axes.shift), q[2] = wrap(angle(w.last));
         };
         take(bend.turn, false, 0.0), take({bend.turn.c, -bend.turn.s}, false, 0.0);
-        out.doubtful = min(bend.margin, turns.fixed) < DOUBTFUL * error;
+        out.doubtful = min(bend.margin, turns.fixed) < UNSURE * error;
         if (!search.wide || !out.doubtful) return out;
-        const double s = sqrt(max(bend.margin, 0.0) + BESIDE_MARGIN * error);
+        const double s = sqrt(max(bend.margin, 0.0) + BESIDE_UNSURE * error);
         const Turn<double> more = unit(bend.turn.c, s);
         take(more, false, 0.0), take({more.c, -more.s}, false, 0.0);
-        if (turns.fixed >= DOUBTFUL * error) return out;
+        if (turns.fixed >= UNSURE * error) return out;
         for (int k = 0; k < AROUND; ++k) {
             const double first = (2.0 * PI / AROUND) * k - PI;
             take(more, true, first), take({more.c, -more.s}, true, first);

@@ -92,7 +92,7 @@ template <Hand kind> struct ThreeParallel {
             const Bend<Block> bend = wrist_bend<Block>(at.R.z, t, 1.0);
             const WristTurns<Block> turns = wrist_turns(at.R, bend.turn, t);
             const Block t5 = angle(bend.turn), phi = angle(turns.first), q6 = wrap(angle(turns.last) - ideal.offset[5]);
-            Upstream<Block> up = {wrap(angle(first.turn) - ideal.offset[0]), min(first.margin * scale, bend.margin), arm1, turns.fixed,
+            Upstream<Block> up = {wrap(angle(first.turn) - ideal.offset[0]), first.margin * scale, bend.margin, arm1, turns.fixed,
                                   turns.error + height_error(arm, at.p.z)};
             const Across<Block> f = forearm(arm, bend.turn);
             both_elbows(arm, up, to_axis_4(at.p, turns.first, f), phi, wrap(t5 - ideal.offset[4]), q6, 4 * shoulder, found);
@@ -112,7 +112,7 @@ template <Hand kind> struct ThreeParallel {
 
     // What shoulder and wrist leave to the elbow.
     template <class V> struct Upstream {
-        V q1, margin, arm1, fixed, error;
+        V q1, margin1, margin5, arm1, fixed, error;
     };
 
     static STEP Block height_error(const Arm& arm, const Block& height) {
@@ -129,18 +129,19 @@ template <Hand kind> struct ThreeParallel {
         const Fold<Block> f = fold<Block>(uu, ideal.a[1], ideal.a[2], arm.turn_3, 1.0);
         // The links turned towards axis 4 miss it by what the lengths differ, at most miss / |u|.
         const Block miss = f.wx * f.wx + f.wy * f.wy - uu;
-        const Block arm2 = uu * scale, least = min(up.margin, f.margin);
+        const Block arms = min(min(up.arm1, uu * scale), up.fixed), before = min(up.margin1, up.margin5);
+        const Clearance<Block> clear = clearance(ideal.stride, up.margin1, f.margin, up.margin5, arms);
         // Where the wrist leaves phi free, another phi may bring the elbow within reach.
-        const auto lost = (up.margin < Block(-edge)) | ((f.margin < Block(-edge)) & (up.fixed > Block(edge)));
-        const auto doubt = (min(least, min(up.fixed, min(up.arm1, arm2))) <= Block(edge)) |
+        const auto lost = (before < Block(-edge)) | ((f.margin < Block(-edge)) & (up.fixed > Block(edge)));
+        const auto doubt = (min(min(before, f.margin), arms) <= Block(edge)) |
                            !(miss * miss * scale + up.error * uu <= (reach * reach * 1e-2) * uu);
         const Block t3 = angle(f.bend), q3 = wrap(t3 - ideal.offset[2]), q3_down = wrap(-t3 - ideal.offset[2]);
         const Block xx = f.wx * u.x, xy = f.wx * u.y, yx = f.wy * u.x, yy = f.wy * u.y;
         const Block t2 = atan2(xy - yx, xx + yy), t2_down = atan2(xy + yx, xx - yy);
         const Block bend = arm.turn_3 * t3, turn = phi, offset = ideal.offset[3];
         const auto q4 = [&](const Block& t) { return wrap(wrap(arm.turn_4 * (turn - t) - offset)); };
-        found.set(b, {up.q1, wrap(t2 - ideal.offset[1]), q3, q4(t2 + bend), q5, q6}, lost, doubt, least);
-        found.set(b + 2, {up.q1, wrap(t2_down - ideal.offset[1]), q3_down, q4(t2_down - bend), q5, q6}, lost, doubt, least);
+        found.set(b, {up.q1, wrap(t2 - ideal.offset[1]), q3, q4(t2 + bend), q5, q6}, lost, doubt, clear);
+        found.set(b + 2, {up.q1, wrap(t2_down - ideal.offset[1]), q3_down, q4(t2_down - bend), q5, q6}, lost, doubt, clear);
     }
 
     static PART void closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
@@ -191,8 +192,6 @@ template <Hand kind> struct ThreeParallel {
         if (to.arm1 <= tol.continuum) to.t1 = exact_turn(reference.q[0] + ideal.offset[0]);
         return true;
     }
-
-    static STEP Turn<double> exact_turn(double angle) { return {__builtin_cos(angle), __builtin_sin(angle)}; }
 
     static PART Settled settle(const Arm& arm, const Seen<double>& seen, const Reference<6>& reference, int b, int root,
                                const Quartic& roots) {

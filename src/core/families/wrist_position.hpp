@@ -75,12 +75,12 @@ template <Shoulder kind, class V> struct Third {
 template <Shoulder kind, class V> STEP Third<kind, V> third(const SphericalWristArm& arm, const Vec<V>& p, const V& up) {
     if constexpr (kind == Shoulder::intersecting_12) {
         const V c = dot(p, p) * arm.swing[0] + arm.swing[1], margin = (1.0 - c) * (1.0 + c);
-        const V k = min(max(c, -1.0), 1.0), s = up * sqrt(max(margin, 0.0));
+        const V k = min(max(c, -1.0), 1.0), s = up * root(max(margin, 0.0));
         const Turn<V> t3 = {k * arm.cos_phi - s * arm.sin_phi, s * arm.cos_phi + k * arm.sin_phi};
         return {t3, second_link(arm, t3), margin};
     } else {
         const V s = arm.ideal.cos_alpha[0] * p.z * arm.swing[0] + arm.swing[1], margin = (1.0 - s) * (1.0 + s);
-        const V k = min(max(s, -1.0), 1.0), c = up * sqrt(max(margin, 0.0));
+        const V k = min(max(s, -1.0), 1.0), c = up * root(max(margin, 0.0));
         const Turn<V> t3 = {c * arm.cos_phi + k * arm.sin_phi, k * arm.cos_phi - c * arm.sin_phi};
         return {t3, second_link(arm, t3), margin};
     }
@@ -96,17 +96,17 @@ STEP Place<V> first_two(const SphericalWristArm& arm, const Vec<V>& p, const Thi
     Place<V> out;
     V ux, uy;
     if constexpr (kind == Shoulder::parallel_12) {
-        const V length = sqrt(arm2);
+        const V length = root(arm2);
         const Elbow<V> e = elbow(p.x, p.y, V(a1), length, ca1, front);
         out.t1 = e.second, out.margin1 = e.margin, ux = length * e.bend.c, uy = length * e.bend.s;
     } else {
-        uy = (p.z - ca1 * f.z) / sa1;
+        uy = (p.z - ca1 * f.z) * (1.0 / sa1);
         if constexpr (kind == Shoulder::intersecting_12) {
             out.margin1 = (arm2 - uy * uy) * scale;
-            ux = front * sqrt(max(arm2 - uy * uy, 0.0));
+            ux = front * root(max(arm2 - uy * uy, 0.0));
         } else {
             out.margin1 = 1.0;
-            ux = (dot(p, p) - a1 * a1 - arm2 - f.z * f.z) / (2.0 * a1);
+            ux = (dot(p, p) - a1 * a1 - arm2 - f.z * f.z) * (0.5 / a1);
         }
         const V X = a1 + ux, Y = ca1 * uy - sa1 * f.z;
         out.t1 = unit(X * p.x + Y * p.y, X * p.y - Y * p.x);

@@ -10,13 +10,16 @@ arm is loaded.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik._core import Solver
 from urdf_ik._kernels import general_6r as kernels
 from urdf_ik._kernels import hidden_joint, layout
 from urdf_ik._kernels.lines import LINE, line_motion, line_vector
+from urdf_ik.families.elimination import elimination_values
 from urdf_ik.families.plan import Plan, pack_as_written
 
 if TYPE_CHECKING:
@@ -44,16 +47,29 @@ def matches(structure: Structure) -> bool:
 
 def prepare(chain: Chain) -> Plan:
     """The elimination's constant matrices, for the ways of setting it up that find most."""
+    solver = Solver("general 6R", elimination_values(chain))
+    arm = pack_as_written(chain)
+
+    def solve(T: Array, arm: Array, q_ref: Array, Q: Array, flags: NDArray[np.uint8]) -> int:
+        return solver.solve(T, None, Q, flags)
+
     return Plan(
         family="6R general",
         method="Elimination to one joint's angle (Raghavan and Roth), Newton's method on the URDF as written",
         branches=_NAMES,
         imperfection=(0.0, 0.0),
         error=0.0,
-        arm=with_elimination(pack_as_written(chain), chain),
-        solve=kernels.solve,
+        arm=arm,
+        solve=solve,
         explain=lambda rotation, point: _explain(chain, point),
+        solver=solver,
     )
+
+
+def prepare_for_kernels(chain: Chain) -> Plan:
+    """The same for the kernels that are not moved yet."""
+    plan = prepare(chain)
+    return replace(plan, arm=with_elimination(plan.arm, chain), solve=kernels.solve, solver=None)
 
 
 def with_elimination(arm: Array, chain: Chain, trial: Callable[..., None] = kernels.trial) -> Array:

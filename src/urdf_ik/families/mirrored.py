@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik._core import Solver
 from urdf_ik._kernels import mirror
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ def mirrored(plan: Plan) -> Plan:
         solve=solve,
         explain=explain,
         mirrored=True,
-        solver=None,
+        solver=None if plan.solver is None else Solver("reversed", {"solver": plan.solver}),
     )
 
 

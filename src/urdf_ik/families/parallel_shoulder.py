@@ -6,9 +6,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik._core import Solver
 from urdf_ik._kernels import layout
 from urdf_ik._kernels import parallel_shoulder as kernels
-from urdf_ik.families.plan import SIGNS, Plan, cheapest, ideal_frames, imperfection, method_in_words, pack, straightened
+from urdf_ik.families.plan import (
+    SIGNS,
+    Plan,
+    cheapest,
+    distances_of,
+    ideal_frames,
+    ideal_values,
+    imperfection,
+    method_in_words,
+    pack,
+    straightened,
+    written_values,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -32,27 +45,22 @@ _CLEAR = 1e-4
 _PLANAR = "the rest is a planar arm"
 _KINDS = {
     "5x6": (
-        kernels.INTERSECTING_56,
         kernels.solve_intersecting_56,
         f"joint 4 by the height along axes 1 to 3, joint 6 by the tilt of axis 5 to them, {_PLANAR}",
     ),
     "5||6": (
-        kernels.PARALLEL_56,
         kernels.solve_parallel_56,
         f"joint 4 by the tilt of axes 5 and 6 to axes 1 to 3, joint 6 by the height along these, {_PLANAR}",
     ),
     "4x5": (
-        kernels.INTERSECTING_45,
         kernels.solve_intersecting_45,
         f"joint 6 by the height along axes 1 to 3, joint 4 by the tilt of axis 5 to them, {_PLANAR}",
     ),
     "4||5": (
-        kernels.PARALLEL_45,
         kernels.solve_parallel_45,
         f"joint 6 by the tilt of axes 4 and 5 to axes 1 to 3, joint 4 by the height along these, {_PLANAR}",
     ),
     "": (
-        kernels.GENERAL,
         kernels.solve_general_wrist,
         f"a quartic in joint 6 from height and tilt along axes 1 to 3, {_PLANAR}",
     ),
@@ -90,11 +98,13 @@ def prepare(structure: Structure, chain: Chain) -> Plan:
 
 
 def _with_wrist(structure: Structure, chain: Chain, wrist: str) -> Plan:
-    kind, solve, steps = _KINDS[wrist]
+    solve, steps = _KINDS[wrist]
     directions, parallel = straightened(structure, chain.H)
     meet = [False, False, False, wrist == "4x5", wrist == "5x6"]
     frames, error = ideal_frames(chain, directions, chain.points, parallel, meet)
     arm = pack(chain, frames, error, SIGNS)
+    values = {"ideal": ideal_values(frames, error, SIGNS, chain.size), "written": written_values(chain)}
+    solver = Solver(f"parallel shoulder, {wrist or 'general wrist'}", values)
     pairs = [i for i, holds in enumerate(parallel, start=1) if holds]
     return Plan(
         family=f"6R 1||2||3 and {wrist}" if wrist else "6R 1||2||3",
@@ -104,16 +114,17 @@ def _with_wrist(structure: Structure, chain: Chain, wrist: str) -> Plan:
         error=error,
         arm=arm,
         solve=solve,
-        explain=lambda rotation, point: _explain(arm, kind, rotation, point),
+        explain=lambda rotation, point: _explain(arm, solver, rotation, point),
         by_quartic=not wrist,
+        solver=solver,
     )
 
 
-def _explain(arm: Array, kind: int, rotation: Array, point: Array) -> str:
+def _explain(arm: Array, solver: Solver, rotation: Array, point: Array) -> str:
     shortest, longest = abs(arm[layout.A] - arm[layout.A + 1]), arm[layout.A] + arm[layout.A + 1]
-    distances = np.full(4, np.nan)
-    target = np.concatenate([rotation.ravel(), point])
-    level = kernels.level_of(target, arm)
+    # Height of the last axis above axis 4's foot, along axis 3.
+    ca, d = arm[layout.COS_ALPHA : layout.COS_ALPHA + 5], arm[layout.D : layout.D + 4]
+    level = ca[0] * ca[1] * point[2] - d[1] - ca[2] * d[2]
     across = float(np.hypot(rotation[2, 0], rotation[2, 1]))
     links = abs(arm[layout.A + 3] * arm[layout.SIN_ALPHA + 2]) + abs(arm[layout.D + 3]) + arm[layout.A + 4] * across
     if abs(level) > links:
@@ -121,8 +132,7 @@ def _explain(arm: Array, kind: int, rotation: Array, point: Array) -> str:
             f"along axes 1 to 3, axis 6 would have to be {abs(level):.6g} m from axis 4, and the links between them "
             f"reach no further than {links:.6g} m in the wanted direction"
         )
-    kernels.elbow_distances(kind, target, arm, distances)
-    distances = distances[np.isfinite(distances)]
+    distances = distances_of(solver, rotation, point)
     if len(distances) and distances.min() > longest:
         return f"axis 3 would have to be {distances.min():.6g} m or more from axis 1, reach {longest:.6g} m"
     if len(distances) and distances.max() < shortest:

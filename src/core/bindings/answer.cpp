@@ -1,0 +1,141 @@
+// See answer.hpp. Written against the C-APIs of Python and NumPy: through nanobind's typed arrays a call takes several
+// times as long as a solve.
+#include "answer.hpp"
+
+#include <cstddef>
+#include <cstdlib>
+#include <cstring>
+
+#define URDF_IK_IMPORTS_NUMPY
+#include "numpy_api.hpp"
+
+#include <structmember.h>
+
+namespace urdf_ik {
+
+namespace {
+
+// The numbers are those of one pose: 16 of the target, then the joint vectors, then a byte of flags for each.
+struct Answer {
+    PyObject_HEAD
+    PyObject *arm, *branches, *origin, *step, *redundancy;
+    PyObject *poses, *q, *info;  // arrays; null: not asked for yet
+    double* numbers;
+    npy_intp columns, joints;
+};
+
+PyTypeObject* answer_type = nullptr;  // set once, as the module is imported
+
+constexpr long TARGET = 16;
+
+PyObject* filled(int dimensions, const npy_intp* shape, int type, const void* from) {
+    PyObject* array = PyArray_SimpleNew(dimensions, shape, type);
+    if (array) std::memcpy(PyArray_DATA((PyArrayObject*)array), from, PyArray_NBYTES((PyArrayObject*)array));
+    return array;
+}
+
+// The array in one of the three fields, made from the numbers where it is not there yet.
+PyObject* array_of(Answer* self, PyObject*& field) {
+    if (!field && self->numbers) {
+        const npy_intp poses[2] = {4, 4}, q[2] = {self->columns, self->joints};
+        const double* vectors = self->numbers + TARGET;
+        if (&field == &self->poses) field = filled(2, poses, NPY_DOUBLE, self->numbers);
+        else if (&field == &self->q) field = filled(2, q, NPY_DOUBLE, vectors);
+        else field = filled(1, q, NPY_UINT8, vectors + self->columns * self->joints);
+        if (!field) return nullptr;
+    }
+    return Py_NewRef(field ? field : Py_None);
+}
+
+template <PyObject* Answer::*field> PyObject* get(PyObject* self, void*) { return array_of((Answer*)self, ((Answer*)self)->*field); }
+template <PyObject* Answer::*field> int set(PyObject* self, PyObject* value, void*) {
+    Py_XSETREF(((Answer*)self)->*field, Py_XNewRef(value));
+    return 0;
+}
+
+int traverse(PyObject* object, visitproc visit, void* arg) {
+    Answer* self = (Answer*)object;
+    for (PyObject* each : {self->arm, self->branches, self->origin, self->step, self->redundancy, self->poses, self->q, self->info}) {
+        Py_VISIT(each);
+    }
+    Py_VISIT(Py_TYPE(object));
+    return 0;
+}
+
+int clear(PyObject* object) {
+    Answer* self = (Answer*)object;
+    for (PyObject** each : {&self->arm, &self->branches, &self->origin, &self->step, &self->redundancy, &self->poses, &self->q,
+                            &self->info}) {
+        Py_CLEAR(*each);
+    }
+    return 0;
+}
+
+void destroy(PyObject* object) {
+    PyTypeObject* type = Py_TYPE(object);
+    PyObject_GC_UnTrack(object);
+    clear(object);
+    std::free(((Answer*)object)->numbers);
+    type->tp_free(object);
+    Py_DECREF(type);
+}
+
+PyMemberDef members[] = {
+    {"arm", T_OBJECT, offsetof(Answer, arm), 0, "The arm that was solved."},
+    {"_branches", T_OBJECT, offsetof(Answer, branches), 0, nullptr},
+    {"_origin", T_OBJECT, offsetof(Answer, origin), 0, nullptr},
+    {"step", T_OBJECT, offsetof(Answer, step), 0, "How they were made from other solutions; None: solved."},
+    {"_redundancy", T_OBJECT, offsetof(Answer, redundancy), 0, nullptr},
+    {nullptr, 0, 0, 0, nullptr},
+};
+PyGetSetDef arrays[] = {
+    {"_poses", get<&Answer::poses>, set<&Answer::poses>, nullptr, nullptr},
+    {"_q", get<&Answer::q>, set<&Answer::q>, nullptr, nullptr},
+    {"_info", get<&Answer::info>, set<&Answer::info>, nullptr, nullptr},
+    {nullptr, nullptr, nullptr, nullptr, nullptr},
+};
+PyType_Slot slots[] = {
+    {Py_tp_new, (void*)PyType_GenericNew}, {Py_tp_dealloc, (void*)destroy}, {Py_tp_traverse, (void*)traverse},
+    {Py_tp_clear, (void*)clear},           {Py_tp_members, members},        {Py_tp_getset, arrays},
+    {Py_tp_doc, (void*)"The numbers of solutions; arrays are made when they are asked for."},
+    {0, nullptr},
+};
+PyType_Spec spec = {"urdf_ik._core.Answer", sizeof(Answer), 0, Py_TPFLAGS_DEFAULT | Py_TPFLAGS_BASETYPE | Py_TPFLAGS_HAVE_GC, slots};
+
+// The numbers of an array of float64 in C order of this shape, null where the object is anything else.
+template <int D> const double* numbers_of(nb::handle object, const npy_intp (&shape)[D]) {
+    PyArrayObject* array = doubles(object);
+    return array && PyArray_NDIM(array) == D && PyArray_CompareLists(PyArray_DIMS(array), shape, D)
+               ? (const double*)PyArray_DATA(array) : nullptr;
+}
+
+}  // namespace
+
+nb::object solve_one(const Solver& solver, nb::handle kind, nb::handle arm, nb::handle branches, nb::handle T, nb::handle q_ref) {
+    const double* target = numbers_of(T, {4, 4});
+    const double* reference = q_ref.is_none() ? nullptr : numbers_of(q_ref, {solver.joints});
+    PyTypeObject* type = (PyTypeObject*)kind.ptr();
+    if (!target || solver.numbers != TARGET || (!reference && !q_ref.is_none())) return nb::none();
+    if (!PyType_Check(kind.ptr()) || !PyType_IsSubtype(type, answer_type)) throw nb::type_error("a class derived from Answer is needed");
+    const long columns = solver.branches, joints = solver.joints, count = columns * joints;
+    nb::object made = nb::steal(type->tp_alloc(type, 0));
+    Answer* self = (Answer*)made.ptr();
+    if (self) self->numbers = (double*)std::malloc(8 * (TARGET + count) + columns);
+    if (!self || !self->numbers) throw std::bad_alloc();
+    self->columns = columns, self->joints = joints;
+    std::memcpy(self->numbers, target, 8 * TARGET);
+    double* q = self->numbers + TARGET;
+    const Batch batch = {self->numbers, 1, reference, nullptr, q, (std::uint8_t*)(q + count)};
+    if (solver.solve(batch) >= 0) return nb::none();
+    self->arm = Py_NewRef(arm.ptr()), self->branches = Py_NewRef(branches.ptr());
+    return made;
+}
+
+void add_answer(nb::module_& m) {
+    if (_import_array() < 0) throw nb::python_error();
+    answer_type = (PyTypeObject*)PyType_FromSpec(&spec);
+    if (!answer_type) throw nb::python_error();
+    m.attr("Answer") = nb::borrow((PyObject*)answer_type);
+}
+
+}  // namespace urdf_ik

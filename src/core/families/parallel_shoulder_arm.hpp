@@ -1,0 +1,23 @@
+// What the solver of arms with axes 1, 2 and 3 parallel knows of an arm.
+#pragma once
+
+#include "../arm.hpp"
+
+namespace urdf_ik {
+
+// What a pair of the last three axes has in common; it decides how joints 4 and 6 are solved for.
+enum class LastAxes { intersecting_56, parallel_56, intersecting_45, parallel_45, general };
+
+struct ParallelShoulderArm {
+    IdealFrames ideal;
+    Written<6> written;
+};
+
+using SolveParallelShoulder = long (*)(const ParallelShoulderArm&, const Batch&);
+struct ParallelShoulderSolvers {
+    SolveParallelShoulder solve[5];  // by LastAxes
+    // How far apart each wrist brings axes 1 and 3 [m]; see ThreeParallelSolvers.
+    void (*distances[5])(const ParallelShoulderArm&, const double* seen, double (&out)[4]);
+};
+
+}  // namespace urdf_ik
