@@ -13,7 +13,9 @@ extern const OneGivenSolvers one_given_solvers;
 extern const ChainFunctions chain_functions;
 extern const ParallelShoulderSolvers parallel_shoulder_solvers;
 extern const EliminationSolvers elimination_solvers;
+extern const FewJointsSolvers few_joints_solvers;
 extern const ReversedSteps reversed_steps;
+extern const SphericalMiddleSolvers spherical_middle_solvers;
 extern const Steps steps;
 extern const SphericalWristSolvers spherical_wrist_solvers;
 extern const SrsSolvers srs_solvers;
@@ -27,7 +29,9 @@ const LevelTable table = {
     &chain_functions,
     &steps,
     &parallel_shoulder_solvers,
+    &few_joints_solvers,
     &reversed_steps,
+    &spherical_middle_solvers,
     &spherical_wrist_solvers,
     &srs_solvers,
     &three_parallel_solvers,

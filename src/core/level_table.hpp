@@ -6,7 +6,9 @@
 #include "chain_arm.hpp"
 #include "families/parallel_shoulder_arm.hpp"
 #include "families/elimination_arm.hpp"
+#include "families/few_joints_arm.hpp"
 #include "families/reversed.hpp"
+#include "families/spherical_middle_arm.hpp"
 #include "families/spherical_wrist_arm.hpp"
 #include "families/srs_arm.hpp"
 #include "families/three_parallel_arm.hpp"
@@ -21,7 +23,9 @@ struct LevelTable {
     const ChainFunctions* chain;
     const Steps* steps;
     const ParallelShoulderSolvers* parallel_shoulder;
+    const FewJointsSolvers* few_joints;
     const ReversedSteps* reversed;
+    const SphericalMiddleSolvers* spherical_middle;
     const SphericalWristSolvers* spherical_wrist;
     const SrsSolvers* srs;
     const ThreeParallelSolvers* three_parallel;

@@ -22,7 +22,9 @@ static const Makers& makers() {
         add_one_given(m);
         add_parallel_shoulder(m);
         add_elimination(m);
+        add_few_joints(m);
         add_reversed(m);
+        add_spherical_middle(m);
         add_spherical_wrist(m);
         add_srs(m);
         add_three_parallel(m);
@@ -100,6 +102,7 @@ static long solve(const PySolver& self, const Targets& T, const std::optional<Nu
 NB_MODULE(_core, m) {
     using namespace urdf_ik;
     m.doc() = "The compiled solvers.";
+    level();  // throws where URDF_IK_ISA names what this processor does not run
     m.def("isa", [] { return std::string(level().name); }, "The instruction set in use.");
     m.def("levels", &levels_built, "The instruction sets that were built and that this processor runs.");
     add_elimination(m);

@@ -63,8 +63,6 @@ template <int N> STEP double gap(const Driven<N>& model, int k, double a, double
 // Two solutions beside a fold are two as long as their singular values are above this share of a singular one's; on a
 // continuum they vanish.
 inline constexpr double APART = 0.1;
-// Smallest singular value [shares of the size] below which another solution may lie beside one.
-inline constexpr double NEAR_FOLD = 5e-3;
 
 // Polish x, keep it if it is verified and new, and look beside it near a fold. searched: it is no solution's neighbour for
 // sure, so it has to converge; of a continuum one representative is kept.

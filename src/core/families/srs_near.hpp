@@ -14,13 +14,13 @@ inline constexpr double UNSURE = 40.0, BESIDE_UNSURE = 4.0;
 // Where the wrist is nearer to the shoulder than this share of the size, the same error turns the line between them more.
 inline constexpr double SHORT_LINE = 0.3;
 // Directions in which a bend is tried where axes nearly align.
-inline constexpr int AROUND = 8;
+inline constexpr int TRIED_AROUND = 8;
 
 struct SrsNear {
     using Arm = SrsArm;
     static constexpr int branches = 16;
     static constexpr bool redundant = true;
-    static constexpr int MOST = 4 + 2 * AROUND;  // ways of a triple
+    static constexpr int MOST = 4 + 2 * TRIED_AROUND;  // ways of a triple
 
     // Ways in which a triple of meeting axes nearly brings a rotation about.
     struct Ways {
@@ -106,8 +106,8 @@ struct SrsNear {
         const Turn<double> more = unit(bend.turn.c, s);
         take(more, false, 0.0), take({more.c, -more.s}, false, 0.0);
         if (turns.fixed >= UNSURE * error) return out;
-        for (int k = 0; k < AROUND; ++k) {
-            const double first = (2.0 * PI / AROUND) * k - PI;
+        for (int k = 0; k < TRIED_AROUND; ++k) {
+            const double first = (2.0 * PI / TRIED_AROUND) * k - PI;
             take(more, true, first), take({more.c, -more.s}, true, first);
         }
         return out;
