@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from urdf_ik._core import Solver
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     from urdf_ik.families.plan import Plan
@@ -21,8 +22,8 @@ _OTHER_END = {"shoulder": "wrist", "wrist": "shoulder"}
 def mirrored(plan: Plan) -> Plan:
     """The plan for an arm whose reversed chain ``plan`` was made for."""
 
-    def explain(rotation: Array, point: Array) -> str:
-        return f"seen from the tip, {plan.explain(rotation, point)}"
+    def explain(T: Array) -> str:
+        return f"seen from the tip, {plan.explain(np.linalg.inv(T))}"
 
     return replace(
         plan,

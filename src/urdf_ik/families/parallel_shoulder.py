@@ -16,6 +16,7 @@ from urdf_ik.families.plan import (
     ideal_values,
     imperfection,
     method_in_words,
+    seen_in_frame_1,
     straightened,
     written_values,
 )
@@ -94,7 +95,7 @@ def _with_wrist(structure: Structure, chain: Chain, wrist: str) -> Plan:
         imperfection=imperfection(structure, pairs, [i for i, holds in enumerate(meet, start=1) if holds]),
         error=error,
         solver=solver,
-        explain=lambda rotation, point: _explain(ideal, solver, rotation, point),
+        explain=seen_in_frame_1(ideal, lambda rotation, point: _explain(ideal, solver, rotation, point)),
         by_quartic=not wrist,
     )
 

@@ -16,6 +16,7 @@ from urdf_ik.families.plan import (
     ideal_values,
     imperfection,
     method_in_words,
+    seen_in_frame_1,
     straightened,
     written_values,
 )
@@ -93,7 +94,7 @@ def _with_wrist(structure: Structure, chain: Chain, wrist: str) -> Plan:
         imperfection=(angle, max(distance, middle.imperfection if middle else 0.0)),
         error=error,
         solver=Solver(f"spherical middle, {wrist or 'general wrist'}", values),
-        explain=lambda rotation, point: _explain(values, wrist, rotation, point),
+        explain=seen_in_frame_1(ideal, lambda rotation, point: _explain(values, wrist, rotation, point)),
         by_quartic=not wrist,
     )
 

@@ -18,6 +18,7 @@ from urdf_ik.families.plan import (
     imperfection,
     mean_direction,
     method_in_words,
+    seen_in_frame_1,
     written_values,
 )
 
@@ -85,7 +86,7 @@ def _with_shoulder(structure: Structure, chain: Chain, shoulder: str) -> Plan:
         imperfection=(angle, max(distance, wrist.imperfection if wrist else 0.0)),
         error=error,
         solver=Solver(f"spherical wrist, {shoulder or 'general shoulder'}", values),
-        explain=lambda rotation, point: _explain(values, shoulder, rotation, point),
+        explain=seen_in_frame_1(ideal, lambda rotation, point: _explain(values, shoulder, rotation, point)),
         by_quartic=not shoulder,
     )
 

@@ -18,6 +18,7 @@ from urdf_ik.families.plan import (
     imperfection,
     mean_direction,
     method_in_words,
+    seen_in_frame_1,
     written_values,
 )
 
@@ -83,7 +84,7 @@ def prepare(structure: Structure, chain: Chain) -> Plan:
         imperfection=(parallel.imperfection if parallel else 0.0, distance),
         error=error,
         solver=solver,
-        explain=lambda rotation, point: _explain(values, solver, crossing, rotation, point),
+        explain=seen_in_frame_1(ideal, lambda rotation, point: _explain(values, solver, crossing, rotation, point)),
         by_quartic=not crossing,
     )
 
