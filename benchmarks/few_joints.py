@@ -73,12 +73,11 @@ def main() -> None:
         solutions = arm.ik(targets, task=task)
         q, flags = solutions._q, solutions._info
         to_q, to_flags = np.empty_like(q), np.empty_like(flags)
-        # The kernel into arrays that exist, as the copies have them too.
+        # Into arrays that exist, as the copies have them too.
         solver = arm.for_task(task)
-        kernel, numbers, reference = solver._kernel, solver._numbers, np.zeros(7)
 
-        def solve(kernel=kernel, targets=targets, numbers=numbers, reference=reference, q=q, flags=flags) -> None:
-            kernel(targets, numbers, reference, q, flags)
+        def solve(core=solver._core, targets=targets, q=q, flags=flags) -> None:
+            core.solve(targets, None, q, flags)
 
         def copy(q=q, flags=flags, to_q=to_q, to_flags=to_flags) -> None:
             np.copyto(to_q, q)

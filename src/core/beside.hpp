@@ -34,7 +34,7 @@ template <class Model> PART void search_beside_folds(const Model& arm, const Goa
             for (int l = 0; l < BLOCK; ++l) {
                 double found[N];
                 for (int j = 0; j < N; ++j) found[j] = start[j][l];
-                if (error[l] <= CONVERGED && is_new(arm, goal, columns, found)) keep(columns, 0, found, 0);
+                if (error[l] <= CONVERGED && is_new(arm, goal, columns, found)) keep(columns, 0, found, singular_marks(arm, goal, found, 0));
             }
         }
     }

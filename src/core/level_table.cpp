@@ -8,17 +8,25 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
+extern const ChainFunctions chain_functions;
 extern const ParallelShoulderSolvers parallel_shoulder_solvers;
 extern const EliminationSolvers elimination_solvers;
+extern const FewJointsSolvers few_joints_solvers;
 extern const ReversedSteps reversed_steps;
+extern const SphericalMiddleSolvers spherical_middle_solvers;
+extern const Steps steps;
 extern const SphericalWristSolvers spherical_wrist_solvers;
 extern const ThreeParallelSolvers three_parallel_solvers;
 
 extern const LevelTable table;
 const LevelTable table = {
     URDF_IK_TEXT(URDF_IK_LEVEL),
+    &chain_functions,
+    &steps,
     &parallel_shoulder_solvers,
+    &few_joints_solvers,
     &reversed_steps,
+    &spherical_middle_solvers,
     &spherical_wrist_solvers,
     &three_parallel_solvers,
     &elimination_solvers,

@@ -1,18 +1,26 @@
 // What a build for one instruction set offers: the solvers of each unit, by pointer. Plain data.
 #pragma once
 
+#include "chain_arm.hpp"
 #include "families/parallel_shoulder_arm.hpp"
 #include "families/elimination_arm.hpp"
+#include "families/few_joints_arm.hpp"
 #include "families/reversed.hpp"
+#include "families/spherical_middle_arm.hpp"
 #include "families/spherical_wrist_arm.hpp"
 #include "families/three_parallel_arm.hpp"
+#include "steps.hpp"
 
 namespace urdf_ik {
 
 struct LevelTable {
     const char* name;
+    const ChainFunctions* chain;
+    const Steps* steps;
     const ParallelShoulderSolvers* parallel_shoulder;
+    const FewJointsSolvers* few_joints;
     const ReversedSteps* reversed;
+    const SphericalMiddleSolvers* spherical_middle;
     const SphericalWristSolvers* spherical_wrist;
     const ThreeParallelSolvers* three_parallel;
     const EliminationSolvers* elimination;

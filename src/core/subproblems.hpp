@@ -66,11 +66,11 @@ template <class V> STEP Bend<V> wrist_bend(const Vec<V>& z, const Twists& t, con
 // of cosine c and squared sine `across`: subproblem 4. The margin is a product of two factors, each free of cancellation, so
 // the turn keeps its digits where the vectors align.
 template <class V> STEP Bend<V> swing_to_tilt(const Vec<V>& z, double ca, double sa, const V& c, const V& across, const V& sign) {
-    const V r = copysign(sqrt(z.x * z.x + z.y * z.y), V(sa));
+    const V r = copysign(root(z.x * z.x + z.y * z.y), V(sa));
     const V c_low = ca * z.z + sa * r, s_low = sa * z.z - ca * r, c_high = ca * z.z - sa * r, s_high = sa * z.z + ca * r;
     const V above = select(c_low + c > V(0.5), (across - s_low * s_low) / (c_low + c), c_low - c);
     const V below = select(c_high + c < V(-0.5), (s_high * s_high - across) / (c_high + c), c - c_high);
-    const V margin = above * below / (sa * sa), k = (c - ca * z.z) / sa, X = sign * sqrt(max(margin, 0.0));
+    const V margin = above * below * (1.0 / (sa * sa)), k = (c - ca * z.z) * (1.0 / sa), X = sign * root(max(margin, 0.0));
     return {unit(X * z.x + k * z.y, k * z.x - X * z.y), margin};
 }
 
@@ -90,6 +90,18 @@ STEP WristTurns<V> wrist_turns(const Rot<V>& M, const Turn<V>& bend, const Twist
     const V ex = f.c * X - f.s * Y - M.z.x, ey = f.s * X + f.c * Y - M.z.y, ez = t.ca * t.cb - t.sa * t.sb * bend.c - M.z.z;
     const V ev = dot(v, M.z);
     return {f, {dot(v, M.x), -dot(v, M.y)}, X * X + Y * Y, ex * ex + ey * ey + ez * ez + ev * ev};
+}
+
+// The two turns of a wrist where only their sum (or their difference) counts: their distance from the wanted ones is
+// shared among them; share 0 leaves the first one as wanted.
+PART WristTurns<double> shared_turns(const Rot<double>& M, const Turn<double>& bend, const Twists& t, double first, double last, double share) {
+    const double aligned = t.ca * t.cb - t.sa * t.sb * bend.c > 0.0 ? 1.0 : -1.0;
+    WristTurns<double> turns = {};
+    for (int round = 0; round < 2; ++round) {
+        turns = wrist_turns(M, bend, t, true, exact_turn(first));
+        first += 0.5 * share * aligned * wrap(wrap(angle(turns.last) - last));
+    }
+    return turns;
 }
 
 // The angle nearest to `wanted` at which x cos + y sin lies between low and high; NaN: there is none. `slack`, in their

@@ -30,7 +30,14 @@ inline constexpr double ROUGH_BY_ROOT = 1e-9;
 // Squared sines and squared arms below which a pose counts as near a singularity, so that its solutions are asked
 // whether the Jacobian has lost rank.
 inline constexpr double NEAR = 1e-3;
+// Product of a solution's margins and squared arms, the square of the Jacobian's determinant up to a factor, below which it
+// is asked the same although none of them is small.
+inline constexpr double SMALL_TOGETHER = 1e-11;
 // Two solutions nearer than this to each other in every joint are asked whether they are one double root.
 inline constexpr double BESIDE = 1e-3;
+// Below this smallest singular value of the Jacobian a second solution may be next door.
+inline constexpr double NEAR_FOLD = 5e-3;
+// The least value from which a joint that is all but free is tried, in steps of half a turn over it.
+inline constexpr int AROUND = 12;
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -48,13 +48,13 @@ template <class V> STEP V wrap(V a) {
 // The angle half a turn away from one in (-pi, pi], in (-pi, pi].
 template <class V> STEP V half_turn_from(const V& a) { return select(a > V(0.0), a - PI, a + PI); }
 
-// Cosine and sine of an angle in [-1.1 pi, 1.1 pi], error below one unit in the last place of 1.
-// The nearest multiple of pi / 2 is taken off in two parts; what is left goes into the Chebyshev expansions of
-// (sin x / x - 1) / x^2 and (cos x - 1 + x^2 / 2) / x^4 in x^2, truncated after six terms: error below 3e-17.
-template <class V> STEP Turn<V> cos_sin(V a) {
-    const double rounds = 6755399441055744.0;  // added and taken off again, it rounds to whole numbers
-    const V k = (a * 0.6366197723675814 + rounds) - rounds;
-    const V r = (a - k * 1.5707963267948966) - k * 6.123233995736766e-17, z = r * r;
+inline constexpr double ROUNDS = 6755399441055744.0;  // added and taken off again, it rounds to whole numbers
+
+// Cosine and sine of r + quarter * pi / 2: |r| at most a little over pi / 4, quarter a whole number from -2 to 2.
+// The Chebyshev expansions of (sin x / x - 1) / x^2 and (cos x - 1 + x^2 / 2) / x^4 in x^2, truncated after six terms:
+// error below 3e-17.
+template <class V> STEP Turn<V> turn_by(V r, V quarter) {
+    const V z = r * r;
     V p = 1.5916732964827756e-10;
     p = p * z - 2.5051112378038593e-08;
     p = p * z + 2.755731600874652e-06;
@@ -69,10 +69,35 @@ template <class V> STEP Turn<V> cos_sin(V a) {
     p = p * z - 0.0013888888888887322;
     p = p * z + 0.041666666666666664;
     V c = 1.0 - (0.5 * z - z * z * p);
-    const auto opposite = abs(k) > V(1.5);
-    const auto odd = (abs(k) > V(0.5)) & !opposite;
+    const auto opposite = abs(quarter) > V(1.5);
+    const auto odd = (abs(quarter) > V(0.5)) & !opposite;
     c = select(opposite, -c, c), s = select(opposite, -s, s);
-    return {select(odd, -(k * s), c), select(odd, k * c, s)};
+    return {select(odd, -(quarter * s), c), select(odd, quarter * c, s)};
+}
+
+// Cosine and sine of an angle in [-1.1 pi, 1.1 pi], error below one unit in the last place of 1: the nearest multiple
+// of pi / 2 is taken off in two parts.
+template <class V> STEP Turn<V> cos_sin(V a) {
+    const V k = (a * 0.6366197723675814 + ROUNDS) - ROUNDS;
+    return turn_by((a - k * 1.5707963267948966) - k * 6.123233995736766e-17, k);
+}
+
+// Angles beyond this [rad] are left to the C library: k below has more than 20 bits.
+inline constexpr double FAR = 1.6e6;
+
+// The same for an angle of any size. pi / 2 is taken off in three parts, of which the first two have 33 bits each, so
+// that their products with k are exact (Cody and Waite, Software Manual for the Elementary Functions, 1980).
+template <class V> STEP Turn<V> cos_sin_of_any(V a) {
+    const V k = (a * 0.6366197723675814 + ROUNDS) - ROUNDS;
+    const V r = ((a - k * 1.5707963267341256) - k * 6.077100506303966e-11) - k * 2.0222662487959506e-21;
+    Turn<V> t = turn_by(r, k - 4.0 * ((k * 0.25 + ROUNDS) - ROUNDS));
+    if (any(abs(a) > V(FAR))) [[unlikely]] {
+        for (int i = 0; i < lanes_of<V>; ++i) {
+            const double x = lane(a, i);
+            if (abs(x) > FAR) set_lane(t.c, i, __builtin_cos(x)), set_lane(t.s, i, __builtin_sin(x));
+        }
+    }
+    return t;
 }
 
 // The same by the library, for any angle.

@@ -232,7 +232,7 @@ class Arm:
         if task is not None and task != "pose":
             return self.for_task(task).ik(T, q_ref, threads=threads)
         core = self._core
-        if core is not None and redundancy is None and (q_ref is None or type(T) is np.ndarray):
+        if core is not None and redundancy is None and T is not None and (q_ref is None or type(T) is np.ndarray):
             solutions: IKSolutions | None
             if q_ref is None:
                 solutions = core.one(IKSolutions, self, self._branches, T)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from urdf_ik._kernels import screws
+from urdf_ik import _core
 from urdf_ik.errors import ChainError, JointVectorError, UnsupportedArm
 
 if TYPE_CHECKING:
@@ -37,6 +38,13 @@ class TreeJoint:
     column: int | None
     multiplier: float
     offset: float
+
+    @cached_property
+    def motion(self) -> _core.Chain:
+        """The compiled motion from the parent's frame to the child's."""
+        R, steps = np.ascontiguousarray(self.origin[:3, :3]), np.zeros((2, 3))
+        steps[0] = self.origin[:3, 3]
+        return _core.Chain((R @ self.axis)[None], steps, R, np.array([self.prismatic]))
 
     def held(self, free: list[int], q: NDArray[np.float64]) -> TreeJoint:
         """This joint when only the columns ``free`` of the joint vector are left, the others held at ``q``."""
@@ -102,10 +110,18 @@ class Chain:
         """Number of movable joints."""
         return len(self.joint_names)
 
-    @property
+    @cached_property
     def prismatic(self) -> NDArray[np.bool_]:
         """(n,) true for prismatic joints."""
-        return np.array([kind == "prismatic" for kind in self.joint_types], dtype=np.bool_)
+        slides = np.array([kind == "prismatic" for kind in self.joint_types], dtype=np.bool_)
+        slides.setflags(write=False)
+        return slides
+
+    @cached_property
+    def motion(self) -> _core.Chain:
+        """The compiled chain."""
+        axes = self.axes
+        return _core.Chain(axes.H, axes.P, axes.R_tip, axes.prismatic)
 
     @property
     def axes(self) -> Chain:
@@ -209,9 +225,8 @@ class Chain:
         held = held_values(self, values)
         if not held:
             return self
-        axes, points, home = np.empty((self.n, 3)), np.empty((self.n, 3)), np.empty((4, 4))
         q = np.array([held.get(name, 0.0) for name in self.joint_names])
-        screws.place_axes(self.H, self.P, self.R_tip, self.prismatic, q, home, axes, points)
+        axes, points, home = self.placed(q)
         free = [k for k, name in enumerate(self.joint_names) if name not in held]
         return replace(
             self,
@@ -238,11 +253,8 @@ class Chain:
         Raises:
             JointVectorError: the last dimension is not n, or a value is not finite.
         """
-        Q = self.check(q)
-        T = np.empty((*Q.shape[:-1], 4, 4))
-        many = math.prod(Q.shape[:-1])
-        screws.forward_batch(self.H, self.P, self.R_tip, self.prismatic, Q.reshape(many, self.n), T.reshape(many, 4, 4))
-        return T
+        T: NDArray[np.float64] | None = self.motion.fk(q)
+        return self.motion.fk(self.check(q)) if T is None else T
 
     def jacobian(self, q: ArrayLike) -> NDArray[np.float64]:
         """Geometric Jacobian at the tip, in base axes, linear rows above angular ones.
@@ -256,13 +268,13 @@ class Chain:
         Raises:
             JointVectorError: the last dimension is not n, or a value is not finite.
         """
-        Q = self.check(q)
-        J = np.empty((*Q.shape[:-1], 6, self.n))
-        many = math.prod(Q.shape[:-1])
-        screws.jacobian_batch(
-            self.H, self.P, self.R_tip, self.prismatic, Q.reshape(many, self.n), J.reshape(many, 6, self.n)
-        )
-        return J
+        J: NDArray[np.float64] | None = self.motion.jacobian(q)
+        return self.motion.jacobian(self.check(q)) if J is None else J
+
+    def placed(self, q: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+        """Directions (n, 3) of the axes at a joint vector (n,), points (n, 3) on them, the tip's pose (4, 4)."""
+        axes = self.motion.axes(q)
+        return axes[3:].T.copy(), axes[:3].T.copy(), self.motion.fk(q)
 
     def link_poses(self, q: ArrayLike) -> dict[str, NDArray[np.float64]]:
         """Pose of every link of the URDF in the base link's frame.
@@ -285,7 +297,7 @@ class Chain:
             drive = np.full(batch, joint.offset)
             if joint.column is not None:
                 drive += joint.multiplier * Q[..., joint.column]
-            free[joint.child] = free[joint.parent] @ joint.origin @ _motion(joint, drive)
+            free[joint.child] = free[joint.parent] @ joint.motion.fk(drive[..., None])
         to_base = np.linalg.inv(free[self.base])
         return {link: to_base @ pose for link, pose in free.items()}
 
@@ -345,21 +357,6 @@ def _require_supported(model: UrdfModel, joint: Joint) -> None:
             f"{model.source}: joint {joint.name!r} of the chain is {joint.type}; "
             f"only fixed, {', '.join(MOVABLE)} joints can be solved"
         )
-
-
-def _motion(joint: TreeJoint, value: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(..., 4, 4) motion of one joint by ``value`` (...,) rad or m."""
-    n = value.size
-    T = np.empty((n, 4, 4))
-    screws.forward_batch(
-        joint.axis.reshape(1, 3),
-        np.zeros((2, 3)),
-        np.eye(3),
-        np.array([joint.prismatic]),
-        np.ascontiguousarray(value.reshape(n, 1)),
-        T,
-    )
-    return T.reshape(*value.shape, 4, 4)
 
 
 def followed(model: UrdfModel, joint: Joint) -> tuple[Joint, float, float]:

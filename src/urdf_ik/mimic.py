@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik._kernels import screws
 from urdf_ik.chain import Chain, followed, held_values
 
 if TYPE_CHECKING:
@@ -162,9 +161,7 @@ def _limits(driver: Joint, movable: list[Joint], rows: list[tuple[Joint, float, 
 
 def _moved(axes: Chain, values: Array, kept: NDArray[np.bool_]) -> Chain:
     """The chain of the axes that are ``kept``, with its zero where all axes have these values."""
-    m = axes.n
-    H, points, home = np.empty((m, 3)), np.empty((m, 3)), np.empty((4, 4))
-    screws.place_axes(axes.H, axes.P, axes.R_tip, axes.prismatic, values, home, H, points)
+    H, points, home = axes.placed(values)
     return replace(
         axes,
         joint_names=tuple(name for name, keep in zip(axes.joint_names, kept, strict=True) if keep),

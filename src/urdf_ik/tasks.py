@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik import families
-from urdf_ik._kernels.planar import solve_points
 from urdf_ik.arm import Arm
 from urdf_ik.errors import PoseError, TaskError, UnsupportedArm
 from urdf_ik.families import completed, few_joints, planar
@@ -121,7 +120,7 @@ class TaskArm(Arm):
             arm.structure, family=plan.family, method=plan.method, branches=plan.branches, imperfection=(0.0, 0.0)
         )
         self._plan = plan
-        self._takes_points = plan.solve is solve_points
+        self._takes_points = plan.solver is not None and plan.solver.numbers == _WIDTH["planar position"]
         self._adopt(plan)
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -6,8 +6,9 @@
 #include <cstdlib>
 #include <cstring>
 
-#define NPY_NO_DEPRECATED_API NPY_2_0_API_VERSION
-#include <numpy/arrayobject.h>
+#define URDF_IK_IMPORTS_NUMPY
+#include "numpy_api.hpp"
+
 #include <structmember.h>
 
 namespace urdf_ik {
@@ -101,23 +102,20 @@ PyType_Slot slots[] = {
 };
 PyType_Spec spec = {"urdf_ik._core.Answer", sizeof(Answer), 0, Py_TPFLAGS_DEFAULT | Py_TPFLAGS_BASETYPE | Py_TPFLAGS_HAVE_GC, slots};
 
-// The numbers of a float64 array in C order of this many values, null where the object is anything else.
-const double* doubles(nb::handle object, int dimensions, npy_intp rows, npy_intp columns) {
-    if (!PyArray_CheckExact(object.ptr())) return nullptr;
-    PyArrayObject* array = (PyArrayObject*)object.ptr();
-    const npy_intp* shape = PyArray_DIMS(array);
-    if (PyArray_TYPE(array) != NPY_DOUBLE || !PyArray_ISCARRAY_RO(array) || PyArray_NDIM(array) != dimensions) return nullptr;
-    if (shape[0] != rows || (dimensions > 1 && shape[1] != columns)) return nullptr;
-    return (const double*)PyArray_DATA(array);
+// The numbers of an array of float64 in C order of this shape, null where the object is anything else.
+template <int D> const double* numbers_of(nb::handle object, const npy_intp (&shape)[D]) {
+    PyArrayObject* array = doubles(object);
+    return array && PyArray_NDIM(array) == D && PyArray_CompareLists(PyArray_DIMS(array), shape, D)
+               ? (const double*)PyArray_DATA(array) : nullptr;
 }
 
 }  // namespace
 
 nb::object solve_one(const Solver& solver, nb::handle kind, nb::handle arm, nb::handle branches, nb::handle T, nb::handle q_ref) {
-    const double* target = doubles(T, 2, 4, 4);
-    const double* reference = q_ref.is_none() ? nullptr : doubles(q_ref, 1, solver.joints, 0);
+    const double* target = numbers_of(T, {4, 4});
+    const double* reference = q_ref.is_none() ? nullptr : numbers_of(q_ref, {solver.joints});
     PyTypeObject* type = (PyTypeObject*)kind.ptr();
-    if (!target || (!reference && !q_ref.is_none())) return nb::none();
+    if (!target || solver.numbers != TARGET || (!reference && !q_ref.is_none())) return nb::none();
     if (!PyType_Check(kind.ptr()) || !PyType_IsSubtype(type, answer_type)) throw nb::type_error("a class derived from Answer is needed");
     const long columns = solver.branches, joints = solver.joints, count = columns * joints;
     nb::object made = nb::steal(type->tp_alloc(type, 0));

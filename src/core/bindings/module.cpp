@@ -20,7 +20,9 @@ static const Makers& makers() {
         Makers m;
         add_parallel_shoulder(m);
         add_elimination(m);
+        add_few_joints(m);
         add_reversed(m);
+        add_spherical_middle(m);
         add_spherical_wrist(m);
         add_three_parallel(m);
         return m;
@@ -97,10 +99,13 @@ static long solve(const PySolver& self, const Targets& T, const std::optional<Nu
 NB_MODULE(_core, m) {
     using namespace urdf_ik;
     m.doc() = "The compiled solvers.";
+    level();  // throws where URDF_IK_ISA names what this processor does not run
     m.def("isa", [] { return std::string(level().name); }, "The instruction set in use.");
     m.def("levels", &levels_built, "The instruction sets that were built and that this processor runs.");
     add_elimination(m);
     add_answer(m);
+    add_chain(m);
+    bind_steps(m);
     nb::class_<PySolver>(m, "Solver", "An arm, ready to be solved; immutable.")
         .def(nb::init<std::string, nb::dict>(), nb::arg("kind"), nb::arg("values"))
         .def_ro("kind", &PySolver::kind)

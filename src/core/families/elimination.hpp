@@ -20,8 +20,6 @@ inline constexpr double CLOSE = 1e-4;
 inline constexpr double CROWDED = 0.04;
 // Noise of a determinant's harmonics above which it is not trusted.
 inline constexpr double LARGEST_NOISE = 1e-7;
-// Below this smallest singular value of the Jacobian a second solution may be next door.
-inline constexpr double NEAR_FOLD = 5e-3;
 // Above this distance [rad] the two solutions of a fold do not hide each other.
 inline constexpr double WIDE_FOLD = 0.3;
 // Least squared cosine of the angle between the difference of the two solutions of a simple fold and the direction that

@@ -8,13 +8,13 @@
 namespace urdf_ik::URDF_IK_LEVEL {
 
 // constant + cosine cos v + sine sin v
-struct Affine {
-    double constant, cosine, sine;
+template <class V> struct Affine {
+    V constant, cosine, sine;
 };
-STEP Affine scaled(const Affine& a, double by) { return {a.constant * by, a.cosine * by, a.sine * by}; }
+STEP Affine<double> scaled(const Affine<double>& a, double by) { return {a.constant * by, a.cosine * by, a.sine * by}; }
 
 // Angles v at which cos u = c(v) and sin u = s(v) have a common u.
-STEP Quartic linked_roots(const Affine& c, const Affine& s) {
+STEP Quartic linked_roots(const Affine<double>& c, const Affine<double>& s) {
     const double cosines = c.cosine * c.cosine + s.cosine * s.cosine, sines = c.sine * c.sine + s.sine * s.sine;
     return trigonometric_roots({c.constant * c.constant + s.constant * s.constant - 1.0 + 0.5 * (cosines + sines),
                                 2.0 * (c.constant * c.cosine + s.constant * s.cosine), 2.0 * (c.constant * c.sine + s.constant * s.sine),
@@ -51,7 +51,7 @@ STEP Turn<double> beside(const Turn<double>& at, double x) {
 
 // Make the roots exact at which cos u is almost +-1 and at its extreme. There the quartic has two roots that nearly meet,
 // known to half the digits only: they are found anew, from the quadratic equation that is left to second order in x.
-PART void sharpen_roots(const Extreme& e, const Affine& sine, Quartic& roots) {
+PART void sharpen_roots(const Extreme& e, const Affine<double>& sine, Quartic& roots) {
     const auto away = [&](int i) { return e.at.c * roots.root[i].s - e.at.s * roots.root[i].c; };
     int first = -1, second = -1;
     for (int i = 0; i < roots.count; ++i) {

@@ -84,8 +84,8 @@ PART Quartic last_angles(const IdealFrames& arm, const Height<double>& at) {
     const double ca4 = arm.cos_alpha[3], sa4 = arm.sin_alpha[3], ca5 = arm.cos_alpha[4], sa5 = arm.sin_alpha[4];
     const double w = -1.0 / (sa3 * sa4), v = 1.0 / (a4 * sa3);
     const Vec<double>& h = at.h;
-    const Affine cosine = {(ca5 * h.z - ca3 * ca4) * w, sa5 * h.y * w, sa5 * h.x * w};
-    const Affine sine = {(at.level - d5 * ca5 * h.z) * v, -(d5 * sa5 * h.y + a5 * h.x) * v, -(d5 * sa5 * h.x - a5 * h.y) * v};
+    const Affine<double> cosine = {(ca5 * h.z - ca3 * ca4) * w, sa5 * h.y * w, sa5 * h.x * w};
+    const Affine<double> sine = {(at.level - d5 * ca5 * h.z) * v, -(d5 * sa5 * h.y + a5 * h.x) * v, -(d5 * sa5 * h.x - a5 * h.y) * v};
     Quartic roots = linked_roots(cosine, sine);
     for (int k = 0; k < 2; ++k) {
         const double side = k ? -1.0 : 1.0;
@@ -181,7 +181,8 @@ template <LastAxes kind> struct ParallelShoulder {
         const Block rough = ROUGH_BY_MARGIN / tol.edge, edge = tol.edge;
         const auto lost = (ends.first < -edge) | ((ends.second < -rough) & (ends.first > edge)) |
                           ((f.margin < -rough) & (min(wrist, min(middle.arm5, arm6)) > edge));
-        const auto doubt = (min(min(ends.first, arms), min(ends.second, f.margin)) <= rough) |
+        const Block product = ends.first * ends.second * f.margin * (middle.arm5 * arm6 * arm1);
+        const auto doubt = (min(min(ends.first, arms), min(ends.second, f.margin)) <= rough) | (product <= Block(SMALL_TOGETHER)) |
                            !(miss * miss * scale + middle.error * uu <= (tol.reach * tol.reach * 1e-2) * uu);
         const Clearance<Block> clear = clearance(ideal.stride, ends.first, f.margin, ends.second, arms);
         const Block t2 = angle(f.bend), bend = side * t2, turned = angle(psi), xx = f.wx * u.x, xy = f.wx * u.y, yx = f.wy * u.x, yy = f.wy * u.y;

@@ -234,8 +234,6 @@ template <Shoulder kind> struct SphericalWrist {
         return out;
     }
 
-    static STEP Turn<double> exact_turn(double angle) { return {__builtin_cos(angle), __builtin_sin(angle)}; }
-
     static PART void wrists_closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
                                     const Columns<6>& columns, unsigned wanted, int pair, const Quartic& roots) {
         const auto& ideal = arm.ideal;
@@ -259,26 +257,14 @@ template <Shoulder kind> struct SphericalWrist {
                 turns = wrist_turns(M, bend.turn, t);
             }
             const bool near = place.near || abs(bend.margin) < NEAR || turns.fixed < NEAR;
-            if (turns.fixed <= tol.continuum) turns = shared_turn(M, bend.turn, t, ideal, reference);
+            if (turns.fixed <= tol.continuum) {
+                turns = shared_turns(M, bend.turn, t, reference.q[3] + ideal.offset[3], reference.q[5] + ideal.offset[5], reference.given);
+            }
             const Turn<double> found[6] = {place.at.t1, place.at.t2, place.at.t3, turns.first, bend.turn, turns.last};
             double q[6];
             for (int j = 0; j < 6; ++j) q[j] = wrap(angle(found[j]) - ideal.offset[j]);
             accept(arm.written, goal, q, b, marks, near, columns);
         }
-    }
-
-    // Only the sum (or the difference) of the two turns counts: its distance from the reference is shared among them.
-    static STEP WristTurns<double> shared_turn(const Rot<double>& M, const Turn<double>& bend, const Twists& t, const IdealFrames& ideal,
-                                               const Reference<6>& reference) {
-        double first = reference.q[3] + ideal.offset[3];
-        WristTurns<double> turns = {};
-        for (int round = 0; round < 2; ++round) {
-            turns = wrist_turns(M, bend, t, true, exact_turn(first));
-            const double rest = wrap(wrap(angle(turns.last) - ideal.offset[5]) - reference.q[5]);
-            const double aligned = t.ca * t.cb - t.sa * t.sb * bend.c > 0.0 ? 1.0 : -1.0;
-            first += 0.5 * reference.given * aligned * rest;
-        }
-        return turns;
     }
 
     // Third angles of a general shoulder: the length of p and its height fix u_x and u_y as affine functions of (cos,

@@ -54,7 +54,7 @@ STEP Turn<double> skew_bend(const ThreeParallelArm& arm, double tilt, double hei
 }
 
 // The component of a vector along the parallel axes, by the angle of joint 1.
-STEP Affine along(const ThreeParallelArm& arm, const Vec<double>& v) {
+STEP Affine<double> along(const ThreeParallelArm& arm, const Vec<double>& v) {
     return {arm.ideal.cos_alpha[0] * v.z, -arm.ideal.sin_alpha[0] * v.y, arm.ideal.sin_alpha[0] * v.x};
 }
 
@@ -63,10 +63,10 @@ STEP Affine along(const ThreeParallelArm& arm, const Vec<double>& v) {
 PART Quartic first_angles(const ThreeParallelArm& arm, const Seen<double>& seen) {
     const Twists t = twists(arm);
     const double w = -1.0 / (t.sa * t.sb);
-    Affine cosine = scaled(along(arm, seen.R.z), w), sine = scaled(along(arm, seen.p), 1.0 / (t.sa * arm.ideal.a[4]));
+    Affine<double> cosine = scaled(along(arm, seen.R.z), w), sine = scaled(along(arm, seen.p), 1.0 / (t.sa * arm.ideal.a[4]));
     cosine.constant -= t.ca * t.cb * w, sine.constant -= arm.along / (t.sa * arm.ideal.a[4]);
     Quartic roots = linked_roots(cosine, sine);
-    const Affine tilt = along(arm, seen.R.z);
+    const Affine<double> tilt = along(arm, seen.R.z);
     for (int k = 0; k < 2; ++k) {
         const double side = k ? -1.0 : 1.0;
         const Turn<double> at = unit(side * tilt.cosine, side * tilt.sine);
@@ -80,49 +80,67 @@ template <Hand kind> struct ThreeParallel {
     using Arm = ThreeParallelArm;
     static constexpr int branches = 8;
 
+    // Angles of a block that are taken together, so that the processor finds independent work: joints 1 and 5 of both
+    // shoulders, phi and joint 6 of both, or of all four wrists, the elbow's bend of these, joint 2 of all branches.
+    struct Angles {
+        Block y[28], x[28];
+        STEP void set(int i, const Turn<Block>& t) { y[i] = t.s, x[i] = t.c; }
+    };
+    static constexpr int FIRST = 0, FIFTH = 2, PHI = 4, SIXTH = 6, BEND = 8, SECOND = 12, PHI_FLIPPED = 20, SIXTH_FLIPPED = 22;
+    // What of a pair of branches, both elbows of one wrist, is settled besides the angles.
+    struct State {
+        MaskOf<Block> lost, doubt;
+        Clearance<Block> clear;
+    };
+    // What shoulder and wrist leave to the elbow.
+    struct Upstream {
+        Block margin1, margin5, arm1, fixed, error;
+    };
+
+    template <class Out> static STEP void fast(const Arm& arm, const Seen<Block>& seen, Out& found) {
+        if (arm.square_wrist) solve_block<true>(arm, seen, found);
+        else solve_block<false>(arm, seen, found);
+    }
+
     // Shoulder by shoulder; wrists and elbows share what they have in common.
-    template <class Answer> static STEP void fast(const Arm& arm, const Seen<Block>& seen, Answer& found) {
+    template <bool square, class Out> static STEP void solve_block(const Arm& arm, const Seen<Block>& seen, Out& found) {
+        Angles at;
+        State state[4];
+        for (int shoulder = 0; shoulder < 2; ++shoulder) one_shoulder<square>(arm, seen, shoulder, at, state);
+        angles<0, 20>(at.y, at.x);
+        if constexpr (!square) angles<20, 24>(at.y, at.x);
+        for (int k = 0; k < 4; ++k) combine<square>(arm, at, k, state[k], found);
+    }
+
+    template <bool square>
+    static STEP void one_shoulder(const Arm& arm, const Seen<Block>& seen, int shoulder, Angles& at, State (&state)[4]) {
         const auto& ideal = arm.ideal;
         const Twists t = twists(arm);
         const double scale = 1.0 / (ideal.size * ideal.size);
-        const Block arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * scale;
-        for (int shoulder = 0; shoulder < 2; ++shoulder) {
-            const Swing<Block> first = face<Block>(arm, seen.p, ideal.signs[4 * shoulder][0]);
-            const Seen<Block> at = seen_along(arm, seen, first.turn);
-            const Bend<Block> bend = wrist_bend<Block>(at.R.z, t, 1.0);
-            const WristTurns<Block> turns = wrist_turns(at.R, bend.turn, t);
-            const Block t5 = angle(bend.turn), phi = angle(turns.first), q6 = wrap(angle(turns.last) - ideal.offset[5]);
-            Upstream<Block> up = {wrap(angle(first.turn) - ideal.offset[0]), first.margin * scale, bend.margin, arm1, turns.fixed,
-                                  turns.error + height_error(arm, at.p.z)};
-            const Across<Block> f = forearm(arm, bend.turn);
-            both_elbows(arm, up, to_axis_4(at.p, turns.first, f), phi, wrap(t5 - ideal.offset[4]), q6, 4 * shoulder, found);
-            const Block q5 = wrap(-t5 - ideal.offset[4]);
-            if (arm.square_wrist) {
-                const Turn<Block> opposite = {-turns.first.c, -turns.first.s};
-                both_elbows(arm, up, to_axis_4(at.p, opposite, f), half_turn_from(phi), q5, half_turn_from(q6), 4 * shoulder + 1, found);
-            } else {
-                const Turn<Block> back = {bend.turn.c, -bend.turn.s};
-                const WristTurns<Block> flip = wrist_turns(at.R, back, t);
-                up.fixed = flip.fixed, up.error = flip.error + height_error(arm, at.p.z);
-                both_elbows(arm, up, to_axis_4(at.p, flip.first, forearm(arm, back)), angle(flip.first), q5,
-                            wrap(angle(flip.last) - ideal.offset[5]), 4 * shoulder + 1, found);
-            }
+        const Swing<Block> first = face<Block>(arm, seen.p, ideal.signs[4 * shoulder][0]);
+        const Seen<Block> from = seen_along(arm, seen, first.turn);
+        const Bend<Block> bend = wrist_bend<Block>(from.R.z, t, 1.0);
+        const WristTurns<Block> turns = wrist_turns(from.R, bend.turn, t);
+        const Block high = (from.p.z - arm.along) * (1.0 / ideal.size), arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * scale;
+        Upstream up = {first.margin * scale, bend.margin, arm1, turns.fixed, turns.error + high * high};
+        const Across<Block> f = forearm(arm, bend.turn);
+        at.set(FIRST + shoulder, first.turn), at.set(FIFTH + shoulder, bend.turn);
+        at.set(PHI + shoulder, turns.first), at.set(SIXTH + shoulder, turns.last);
+        state[2 * shoulder] = both_elbows(arm, up, to_axis_4(from.p, turns.first, f), 2 * shoulder, at);
+        if constexpr (square) {
+            const Turn<Block> opposite = {-turns.first.c, -turns.first.s};
+            state[2 * shoulder + 1] = both_elbows(arm, up, to_axis_4(from.p, opposite, f), 2 * shoulder + 1, at);
+        } else {
+            const Turn<Block> back = {bend.turn.c, -bend.turn.s};
+            const WristTurns<Block> flip = wrist_turns(from.R, back, t);
+            up.fixed = flip.fixed, up.error = flip.error + high * high;
+            at.set(PHI_FLIPPED + shoulder, flip.first), at.set(SIXTH_FLIPPED + shoulder, flip.last);
+            state[2 * shoulder + 1] = both_elbows(arm, up, to_axis_4(from.p, flip.first, forearm(arm, back)), 2 * shoulder + 1, at);
         }
     }
 
-    // What shoulder and wrist leave to the elbow.
-    template <class V> struct Upstream {
-        V q1, margin1, margin5, arm1, fixed, error;
-    };
-
-    static STEP Block height_error(const Arm& arm, const Block& height) {
-        const Block off = (height - arm.along) * (1.0 / arm.ideal.size);
-        return off * off;
-    }
-
-    template <class Answer>
-    static STEP void both_elbows(const Arm& arm, const Upstream<Block>& up, const Across<Block>& u, const Block& phi, const Block& q5,
-                                 const Block& q6, int b, Answer& found) {
+    // k: 2 front/back + noflip/flip.
+    static STEP State both_elbows(const Arm& arm, const Upstream& up, const Across<Block>& u, int k, Angles& at) {
         const auto& ideal = arm.ideal;
         const double edge = arm.written.tolerances.edge, reach = arm.written.tolerances.reach, scale = 1.0 / (ideal.size * ideal.size);
         const Block uu = u.x * u.x + u.y * u.y;
@@ -130,18 +148,30 @@ template <Hand kind> struct ThreeParallel {
         // The links turned towards axis 4 miss it by what the lengths differ, at most miss / |u|.
         const Block miss = f.wx * f.wx + f.wy * f.wy - uu;
         const Block arms = min(min(up.arm1, uu * scale), up.fixed), before = min(up.margin1, up.margin5);
-        const Clearance<Block> clear = clearance(ideal.stride, up.margin1, f.margin, up.margin5, arms);
+        const Block xx = f.wx * u.x, xy = f.wx * u.y, yx = f.wy * u.x, yy = f.wy * u.y;
+        at.set(BEND + k, f.bend), at.set(SECOND + 2 * k, {xx + yy, xy - yx}), at.set(SECOND + 2 * k + 1, {xx - yy, xy + yx});
         // Where the wrist leaves phi free, another phi may bring the elbow within reach.
         const auto lost = (before < Block(-edge)) | ((f.margin < Block(-edge)) & (up.fixed > Block(edge)));
         const auto doubt = (min(min(before, f.margin), arms) <= Block(edge)) |
                            !(miss * miss * scale + up.error * uu <= (reach * reach * 1e-2) * uu);
-        const Block t3 = angle(f.bend), q3 = wrap(t3 - ideal.offset[2]), q3_down = wrap(-t3 - ideal.offset[2]);
-        const Block xx = f.wx * u.x, xy = f.wx * u.y, yx = f.wy * u.x, yy = f.wy * u.y;
-        const Block t2 = atan2(xy - yx, xx + yy), t2_down = atan2(xy + yx, xx - yy);
-        const Block bend = arm.turn_3 * t3, turn = phi, offset = ideal.offset[3];
-        const auto q4 = [&](const Block& t) { return wrap(wrap(arm.turn_4 * (turn - t) - offset)); };
-        found.set(b, {up.q1, wrap(t2 - ideal.offset[1]), q3, q4(t2 + bend), q5, q6}, lost, doubt, clear);
-        found.set(b + 2, {up.q1, wrap(t2_down - ideal.offset[1]), q3_down, q4(t2_down - bend), q5, q6}, lost, doubt, clear);
+        return {lost, doubt, clearance(ideal.stride, up.margin1, f.margin, up.margin5, arms)};
+    }
+
+    // Joint values from the angles, offsets taken off.
+    template <bool square, class Out> static STEP void combine(const Arm& arm, const Angles& at, int k, const State& state, Out& found) {
+        const double* offset = arm.ideal.offset;
+        const Block* angle = at.y;
+        const int shoulder = k / 2, flip = k % 2;
+        const Block q1 = wrap(angle[FIRST + shoulder] - offset[0]), q5 = wrap((flip ? -angle[FIFTH + shoulder] : angle[FIFTH + shoulder]) - offset[4]);
+        Block phi = angle[(flip && !square ? PHI_FLIPPED : PHI) + shoulder];
+        Block q6 = wrap(angle[(flip && !square ? SIXTH_FLIPPED : SIXTH) + shoulder] - offset[5]);
+        if (flip && square) phi = half_turn_from(phi), q6 = half_turn_from(q6);
+        for (int down = 0; down < 2; ++down) {
+            const Block t2 = angle[SECOND + 2 * k + down], t3 = down ? -angle[BEND + k] : angle[BEND + k];
+            const Block t4 = arm.turn_4 * (phi - (t2 + arm.turn_3 * t3));
+            found.set(4 * shoulder + 2 * down + flip, {q1, wrap(t2 - offset[1]), wrap(t3 - offset[2]), wrap(wrap(t4 - offset[3])), q5, q6},
+                      state.lost, state.doubt, state.clear);
+        }
     }
 
     static PART void closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,

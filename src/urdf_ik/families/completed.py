@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik._core import Solver
 from urdf_ik._kernels import completed as kernels
-from urdf_ik._kernels import few_joints
-from urdf_ik.families.few_joints import columns, is_redundant, pack_chain
+from urdf_ik.families.few_joints import AXIS, POSE, Aim, columns, is_redundant, pack_chain
 from urdf_ik.families.nearest import off_by
 from urdf_ik.families.plan import Plan
 from urdf_ik.structure import analyse
@@ -47,13 +47,13 @@ def prepare(structure: Structure, chain: Chain, choose: Choose) -> Plan | None:
         whole, at = _with_axis_before(chain, h, chain.points[0] + away), 1
     else:
         whole, at = with_axis_behind(chain, h, chain.points[4] + away), 0
-    return _plan(chain, whole, at, few_joints.POSE, None, choose, "5R", "that must stay at zero")
+    return _plan(chain, whole, at, Aim(), choose, "5R", "that must stay at zero")
 
 
 def prepare_aimed(chain: Chain, aimed: Array, choose: Choose) -> Plan | None:
     """The plan for the tip's position and the direction of its axis ``aimed`` (3,)."""
     whole = with_axis_behind(chain, chain.R_tip @ aimed, chain.points[-1] + chain.P[-1])
-    return _plan(chain, whole, 0, few_joints.AXIS, aimed, choose, "5R position and axis", "about the direction")
+    return _plan(chain, whole, 0, Aim(AXIS, aimed), choose, "5R position and axis", "about the direction")
 
 
 def with_axis_behind(chain: Chain, h: Array, point: Array) -> Chain:
@@ -84,7 +84,7 @@ def _extended(chain: Chain, H: Array, P: Array, *, behind: bool) -> Chain:
 
 
 def _plan(
-    chain: Chain, whole: Chain, at: int, kind: int, aimed: Array | None, choose: Choose, family: str, role: str
+    chain: Chain, whole: Chain, at: int, aim: Aim, choose: Choose, family: str, role: str
 ) -> Plan | None:
     six = choose(analyse(whole), whole)
     if six is None:
@@ -100,14 +100,17 @@ def _plan(
             kernels.take_real(T, arm, Q6, flags6, at, Q, flags)
         return bad
 
-    numbers = pack_chain(chain, kind, aimed)
+    numbers = pack_chain(chain, aim.kind, aim.axis)
+    most = 8 if aim.kind == POSE else count
+    values = {"written": aim.written(chain), "six": six.solver, "at": at, "columns": most}
     return Plan(
         family=f"{family} ({six.family.removeprefix('6R ')} with an added axis)",
         method=f"With a sixth axis {role}: {six.method[0].lower()}{six.method[1:]}; verified on the five joints",
-        branches=columns(8 if kind == few_joints.POSE else count),
+        branches=columns(most),
         imperfection=six.imperfection,
         error=0.0,
         arm=numbers,
         solve=solve,
-        explain=lambda rotation, point: off_by(chain, numbers, rotation, point),
+        explain=lambda rotation, point: off_by(chain, aim, rotation, point),
+        solver=None if six.solver is None else Solver("completed", values),
     )

@@ -10,15 +10,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdf_ik._core import Solver
 from urdf_ik._kernels import few_joints as kernels
 from urdf_ik._kernels import layout
 from urdf_ik._kernels import slide_position as step
 from urdf_ik.families.nearest import off_by
-from urdf_ik.families.plan import Plan
+from urdf_ik.families.plan import Plan, written_values
 from urdf_ik.structure import closest_points
 from urdf_ik.tolerances import DEFAULT
 
@@ -35,12 +36,31 @@ if TYPE_CHECKING:
 # A position step worth having: its smallest singular value at the middle one of sampled joint vectors.
 _CONDITION = 3e-3
 _SAMPLES = 60
+# What is asked for of the tip, in the order of the compiled solvers' ``Task``.
+POSE, POSITION, AXIS, PLANAR_POSITION, PLANAR_POSE = range(5)
 # Most solutions of a pose, by the number of joints; of a position.
 _COLUMNS = {1: 1, 2: 2, 3: 4, 4: 4, 5: 8}
 
 
 @dataclass(frozen=True)
-class _Joint:
+class Aim:
+    """What is asked for of the tip: ``kind``, the tip's axis that is aimed, in the tip, the plane's normal."""
+
+    kind: int = POSE
+    axis: Array | None = None
+    normal: Array | None = None
+
+    def written(self, chain: Chain) -> dict[str, Any]:
+        """The arm as the URDF has it, and what is asked for, as the compiled solvers take them."""
+        values = written_values(chain) | {"task": self.kind}
+        for name, vector in (("aimed", self.axis), ("normal", self.normal)):
+            if vector is not None:
+                values[name] = np.array(vector, dtype=np.float64)
+        return values
+
+
+@dataclass(frozen=True)
+class Joint:
     """One joint of a position step or behind it; ``index`` in the chain, -1 for one that was added."""
 
     h: Array
@@ -59,7 +79,7 @@ class _Way:
     chain: Chain
     size: float
     is_reversed: bool
-    joints: list[_Joint]
+    joints: list[Joint]
     X: Array
 
 
@@ -99,14 +119,15 @@ def prepare(structure: Structure, chain: Chain) -> Plan | None:
         error=0.0,
         arm=_pack(chain, kernels.POSE, chosen),
         solve=kernels.solve,
-        explain=lambda rotation, point: off_by(chain, pack_chain(chain, kernels.POSE), rotation, point),
+        explain=lambda rotation, point: off_by(chain, Aim(), rotation, point),
+        solver=_solver(chain, Aim(), chosen, _COLUMNS[chain.n]),
     )
 
 
 def prepare_position(chain: Chain) -> Plan:
     """The plan of an arm with three joints for the tip's position."""
     way = _Way(chain, chain.size, False, _joints(chain, chain.size), _tip(chain, chain.size))
-    return _task_plan(chain, kernels.POSITION, "position", [way], None, None)
+    return _task_plan(chain, Aim(POSITION), "position", [way])
 
 
 def prepare_planar(chain: Chain, normal: Array, heading: Array | None) -> Plan | None:
@@ -120,37 +141,37 @@ def prepare_planar(chain: Chain, normal: Array, heading: Array | None) -> Plan |
         heading: (3,) axis of the tip whose direction in the plane counts; None: the position alone.
     """
     if heading is None:
-        joints = [_Joint(normal, np.zeros(3), True, -1), *_joints(chain, chain.size)]
+        joints = [Joint(normal, np.zeros(3), True, -1), *_joints(chain, chain.size)]
         way = _Way(chain, chain.size, False, joints, _tip(chain, chain.size))
-        return _task_plan(chain, kernels.PLANAR_POSITION, "planar position", [way], normal, None)
+        return _task_plan(chain, Aim(PLANAR_POSITION, normal=normal), "planar position", [way])
     for is_reversed in (False, True):
         seen = chain.reversed() if is_reversed else chain
         across = chain.R_tip.T @ normal if is_reversed else normal
-        full = [_Joint(across, np.zeros(3), True, -1), *_joints(seen, chain.size, is_reversed)]
+        full = [Joint(across, np.zeros(3), True, -1), *_joints(seen, chain.size, is_reversed)]
         if not full[-1].slides:
             way = _Way(seen, chain.size, is_reversed, full, next(_points(full)))
-            return _task_plan(chain, kernels.PLANAR_POSE, "planar pose", [way], normal, heading)
+            return _task_plan(chain, Aim(PLANAR_POSE, heading, normal), "planar pose", [way])
     return None
 
 
-def _task_plan(
-    chain: Chain, kind: int, task: str, ways: list[_Way], normal: Array | None, heading: Array | None
-) -> Plan:
-    arm = _pack(chain, kind, ways)
-    if normal is not None:
-        arm[kernels.NORMAL : kernels.NORMAL + 3] = normal
-    if heading is not None:
-        arm[kernels.AIMED : kernels.AIMED + 3] = heading
+def _task_plan(chain: Chain, aim: Aim, task: str, ways: list[_Way]) -> Plan:
+    arm = _pack(chain, aim.kind, ways)
+    if aim.normal is not None:
+        arm[kernels.NORMAL : kernels.NORMAL + 3] = aim.normal
+    if aim.axis is not None:
+        arm[kernels.AIMED : kernels.AIMED + 3] = aim.axis
+    count = 4 if aim.kind == POSITION else 2
     return Plan(
         family=f"{kinds_of(chain)} {task}",
         method="Closed form: two equations without the first joint, one of them without the second; verified and "
         "polished on the URDF as written",
-        branches=columns(4 if kind == kernels.POSITION else 2),
+        branches=columns(count),
         imperfection=(0.0, 0.0),
         error=0.0,
         arm=arm,
         solve=kernels.solve,
-        explain=lambda rotation, point: off_by(chain, arm, rotation, point),
+        explain=lambda rotation, point: off_by(chain, aim, rotation, point),
+        solver=_solver(chain, aim, ways, count),
     )
 
 
@@ -201,10 +222,10 @@ def pack_chain(chain: Chain, kind: int, aimed: Array | None = None) -> Array:
     return arm
 
 
-def _joints(chain: Chain, size: float, is_reversed: bool = False) -> list[_Joint]:
+def _joints(chain: Chain, size: float, is_reversed: bool = False) -> list[Joint]:
     order = range(chain.n - 1, -1, -1) if is_reversed else range(chain.n)
     points = chain.points / size
-    return [_Joint(h, p, bool(s), i) for h, p, s, i in zip(chain.H, points, chain.prismatic, order, strict=True)]
+    return [Joint(h, p, bool(s), i) for h, p, s, i in zip(chain.H, points, chain.prismatic, order, strict=True)]
 
 
 def _ways(chain: Chain) -> Iterator[tuple[float, _Way]]:
@@ -222,21 +243,21 @@ def _ways(chain: Chain) -> Iterator[tuple[float, _Way]]:
                 yield _conditioning(way), way
 
 
-def _filled_up(joints: list[_Joint], tip: Array, rng: np.random.Generator) -> Iterator[list[_Joint]]:
+def _filled_up(joints: list[Joint], tip: Array, rng: np.random.Generator) -> Iterator[list[Joint]]:
     """The joints, filled up to four, three of which place a point on the axis of the last one."""
     if len(joints) >= 4:
         yield joints
         return
-    behind = _Joint(_direction(rng), tip + 0.3 * _direction(rng), False, -1)
+    behind = Joint(_direction(rng), tip + 0.3 * _direction(rng), False, -1)
     for full in [joints, [*joints, behind]]:
         for _ in range(4):
             axes = np.linalg.qr(rng.normal(size=(3, 3)))[0]
-            yield [_Joint(h, np.zeros(3), True, -1) for h in axes[: 4 - len(full)]] + full
+            yield [Joint(h, np.zeros(3), True, -1) for h in axes[: 4 - len(full)]] + full
             if len(full) == 4:
                 break
 
 
-def _points(joints: list[_Joint]) -> Iterator[Array]:
+def _points(joints: list[Joint]) -> Iterator[Array]:
     """Points that the turns behind the third joint leave in place, those first that are near the joint before."""
     last = joints[3]
     if len(joints) == 5:
@@ -256,25 +277,67 @@ def _points(joints: list[_Joint]) -> Iterator[Array]:
 
 def _conditioning(way: _Way) -> float:
     """Median over joint vectors of the smallest singular value of the position step's Jacobian."""
-    rng = np.random.default_rng(2)
-    return float(np.median([_smallest(way, rng) for _ in range(_SAMPLES)]))
-
-
-def _smallest(way: _Way, rng: np.random.Generator) -> float:
-    """Smallest singular value of the position step's Jacobian at one random joint vector."""
-    values = rng.uniform(-math.pi, math.pi, 3)
-    place, moves = way.X, np.empty((3, 3))
+    values = np.random.default_rng(2).uniform(-math.pi, math.pi, (_SAMPLES, 3))
+    place, moves = np.tile(way.X, (_SAMPLES, 1)), np.empty((_SAMPLES, 3, 3))
     for k in (2, 1, 0):
-        joint = way.joints[k]
+        joint, by = way.joints[k], values[:, k]
         if joint.slides:
-            moves[k] = joint.h
-            place = place + values[k] / math.pi * joint.h
+            moves[:, k] = joint.h
+            place = place + by[:, None] / math.pi * joint.h
             continue
-        place = joint.point + step.turned(place - joint.point, joint.h, values[k])
+        place = joint.point + _turned(place - joint.point, joint.h, by)
         for later in range(k + 1, 3):
-            moves[later] = step.turned(moves[later], joint.h, values[k])
-        moves[k] = np.cross(joint.h, place - joint.point)
-    return float(np.linalg.svd(moves, compute_uv=False)[-1])
+            moves[:, later] = _turned(moves[:, later], joint.h, by)
+        moves[:, k] = np.cross(joint.h, place - joint.point)
+    return float(np.median(np.linalg.svd(moves, compute_uv=False)[:, -1]))
+
+
+def _turned(v: Array, h: Array, angles: Array) -> Array:
+    """Vectors (m, 3), each turned about unit ``h`` (3,) by an angle of (m,)."""
+    c, s = np.cos(angles)[:, None], np.sin(angles)[:, None]
+    out: Array = c * v + s * np.cross(h, v) + (1.0 - c) * (v @ h)[:, None] * h
+    return out
+
+
+def _solver(chain: Chain, aim: Aim, ways: list[_Way], count: int) -> Solver:
+    return Solver("few joints", solver_values(chain, aim, ways) | {"joints": chain.n, "columns": count})
+
+
+def solver_values(chain: Chain, aim: Aim, ways: list[_Way]) -> dict[str, Any]:
+    """The arm and up to two ways to solve for it, as the compiled solvers take them."""
+    names = ("way", "spare")
+    return {"written": aim.written(chain)} | {name: _way_values(way) for name, way in zip(names, ways, strict=False)}
+
+
+def _way_values(way: _Way) -> dict[str, Any]:
+    padded = np.full(5, -1.0)
+    padded[: len(way.joints)] = [joint.index for joint in way.joints]
+    axes = np.zeros((2, 3))
+    for k, joint in enumerate(way.joints[3:]):
+        axes[k] = joint.h
+    return {
+        "step": step_values(way.joints[:3], way.X),
+        "reversed": way.is_reversed,
+        "turns": len(way.joints) - 3,
+        "axes": axes,
+        "joints": padded,
+        "home": np.ascontiguousarray(way.chain.R_tip),
+        "in_tip": way.chain.R_tip.T @ (way.X - _tip(way.chain, way.size)),
+    }
+
+
+def step_values(joints: list[Joint], X: Array) -> dict[str, Any]:
+    """Three joints that place the point ``X`` (3,) shares of the size, as the compiled solvers take them."""
+    first, second = joints[:2]
+    points = [joint.point for joint in joints]
+    if not first.slides and not second.slides:
+        points[:2] = feet(first.h, first.point, second.h, second.point)
+    return {
+        "slides": np.array([joint.slides for joint in joints], dtype=np.float64),
+        "directions": np.array([joint.h for joint in joints]),
+        "points": np.array(points),
+        "X": np.array(X, dtype=np.float64),
+    }
 
 
 def _pack(chain: Chain, kind: int, ways: list[_Way]) -> Array:

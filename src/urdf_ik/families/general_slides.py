@@ -11,9 +11,8 @@ from urdf_ik._core import Solver
 from urdf_ik._kernels import general_slides as kernels
 from urdf_ik._kernels import layout
 from urdf_ik._kernels import slides as wrist
-from urdf_ik._kernels.few_joints import POSE
 from urdf_ik.families.elimination import elimination_values
-from urdf_ik.families.few_joints import columns, is_redundant, kinds_of, pack_chain
+from urdf_ik.families.few_joints import POSE, Aim, columns, is_redundant, kinds_of, pack_chain
 from urdf_ik.families.general_6r import with_elimination
 from urdf_ik.families.nearest import off_by
 from urdf_ik.families.plan import Plan
@@ -57,8 +56,8 @@ def prepare(chain: Chain) -> Plan | None:
         error=0.0,
         arm=_room(chain),
         solve=solve,
+        explain=lambda rotation, point: off_by(chain, Aim(), rotation, point),
         solver=solver,
-        explain=lambda rotation, point: off_by(chain, pack_chain(chain, POSE), rotation, point),
     )
 
 
@@ -73,6 +72,7 @@ def behind(plan: Plan, chain: Chain) -> Plan:
         branches=columns(16),
         arm=with_elimination(arm, chain, kernels.trial),
         solve=kernels.solve,
+        solver=None,
     )
 
 

@@ -193,10 +193,8 @@ def pack_as_written(chain: Chain) -> Array:
 
 def written_values(chain: Chain) -> dict[str, Any]:
     """The arm as the URDF has it, as the compiled solvers take it: the steps between frames on the joint axes."""
-    steps = _frames(chain, np.eye(4), np.eye(4)).reshape(chain.n + 1, 12)
-    motions = np.concatenate([steps[:, :9].reshape(-1, 3, 3), steps[:, 9:, None]], axis=2)
     return {
-        "steps": np.ascontiguousarray(motions),
+        "steps": chain.motion.steps,
         "slides": chain.prismatic.astype(np.float64),
         "size": chain.size,
         "tolerances": dict(zip(_TOLERANCES, DEFAULT.for_kernels().tolist(), strict=True)),

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik._core import Solver
 from urdf_ik._kernels import layout
 from urdf_ik._kernels import planar as kernels
 from urdf_ik.families import few_joints
@@ -49,6 +50,7 @@ def prepare(structure: Structure, chain: Chain) -> Plan | None:
         arm=arm,
         solve=kernels.solve,
         explain=lambda rotation, point: _explain(chain, arm, rotation, point),
+        solver=_solver("planar", plan, arm, chain.n),
     )
 
 
@@ -67,7 +69,30 @@ def for_points(chain: Chain, plan: Plan) -> Plan:
         arm=arm,
         solve=kernels.solve_points,
         explain=lambda rotation, point: _explain(chain, arm, None, _in_frame(arm, point)),
+        solver=_solver("planar points", plan, arm, chain.n),
     )
+
+
+def _solver(kind: str, plan: Plan, arm: Array, n: int) -> Solver:
+    """The compiled solver, which asks the one of ``plan`` where it is in doubt."""
+    assert plan.solver is not None
+    values = plan.solver.__reduce__()[1][1]
+    ideal = {
+        "base_rotation": arm[layout.BASE_ROTATION : layout.BASE_ROTATION + 9],
+        "base_origin": arm[layout.BASE_ORIGIN : layout.BASE_ORIGIN + 3],
+        "tool_rotation": arm[layout.TOOL_ROTATION : layout.TOOL_ROTATION + 9],
+        "tool_point": arm[layout.TOOL_POINT : layout.TOOL_POINT + 3],
+    }
+    own = {
+        "number": n,
+        "ideal": {name: value.copy() for name, value in ideal.items()},
+        "links": arm[kernels.LINK : kernels.LINK + 2].copy(),
+        "angles": arm[kernels.ANGLE : kernels.ANGLE + 2].copy(),
+        "bend": float(arm[kernels.BEND]),
+        "signs": arm[kernels.SIGN : kernels.SIGN + 4].copy(),
+        "joints": arm[kernels.COLUMN : kernels.COLUMN + 4].copy(),
+    }
+    return Solver(kind, values | own)
 
 
 def _matches(chain: Chain) -> bool:
@@ -129,12 +154,13 @@ def _explain(chain: Chain, arm: Array, rotation: Array | None, point: Array) -> 
     if far < abs(a - b):
         return f"{end} is {far:.6g} m from axis 1, closer than the folded arm's {abs(a - b):.6g} m"
     # Two joints: whichever way the elbow bends, the tip is turned as they have it.
-    here = point[:2] + (arm[layout.BASE_ROTATION : layout.BASE_ROTATION + 6].reshape(2, 3) @ _first_axis(arm))
-    Q, flags = np.empty((1, 2, chain.n)), np.empty((1, 2), np.uint8)
-    kernels.solve_points(here[None], arm, np.zeros(chain.n + 1), Q, flags)
     turn = 0.0 if rotation is None else math.atan2(rotation[1, 0], rotation[0, 0])
-    turning = [int(k) for k in arm[kernels.COLUMN : kernels.COLUMN + 2]]
-    off = [turn - float(arm[kernels.SIGN : kernels.SIGN + 2] @ q[turning]) for q in Q[0]]
+    ahead = math.atan2(point[1], point[0])
+    bend = math.acos(max(-1.0, min(1.0, (far**2 - a**2 - b**2) / (2.0 * a * b))))
+    inner = math.atan2(b * math.sin(bend), a + b * math.cos(bend))
+    at_zero = float(arm[kernels.ANGLE + 1])
+    # The second link's direction is the line's to the point, and what is left of the bend on either side of it.
+    off = [turn + at_zero - (ahead + sign * (bend - inner)) for sign in (1.0, -1.0)]
     least = min(abs(math.remainder(each, 2.0 * math.pi)) for each in off)
     return f"with the tip there its turn about axis 1 is {least:.3g} rad off, and no joint is left to change that"
 

@@ -5,15 +5,25 @@ The Stanford arm (RRPRRR), gantries with a wrist (PPPRRR), and so on. See _kerne
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdf_ik._core import Solver
 from urdf_ik._kernels import layout
 from urdf_ik._kernels import slide_position as step
 from urdf_ik._kernels import slides as kernels
-from urdf_ik._kernels.few_joints import POSE
-from urdf_ik.families.few_joints import columns, feet, is_redundant, kinds_of, pack_chain
+from urdf_ik.families.few_joints import (
+    POSE,
+    Aim,
+    Joint,
+    columns,
+    feet,
+    is_redundant,
+    kinds_of,
+    pack_chain,
+    step_values,
+)
 from urdf_ik.families.nearest import off_by
 from urdf_ik.families.plan import Plan
 from urdf_ik.tolerances import DEFAULT
@@ -74,8 +84,35 @@ def _wrist(chain: Chain, off: float, centre: Array) -> Plan | None:
         error=0.0 if exact else error,
         arm=arm,
         solve=kernels.solve,
-        explain=lambda rotation, point: off_by(chain, pack_chain(chain, POSE), rotation, point),
+        explain=lambda rotation, point: off_by(chain, Aim(), rotation, point),
+        solver=Solver("slides", wrist_values(chain, arm, centre, most)),
     )
+
+
+def wrist_values(chain: Chain, arm: Array, centre: Array, most: int) -> dict[str, Any]:
+    """The arm with a spherical wrist at ``centre`` (3,) m as the compiled solvers take it, ``most`` columns."""
+    joints = [
+        Joint(h, p, bool(s), i)
+        for i, (h, p, s) in enumerate(zip(chain.H[:3], chain.points[:3] / chain.size, chain.prismatic[:3], strict=True))
+    ]
+    return _values(chain, arm, most) | {
+        "step": step_values(joints, centre / chain.size),
+        "in_tip": arm[kernels.IN_TIP : kernels.IN_TIP + 3].copy(),
+    }
+
+
+def _values(chain: Chain, arm: Array, most: int) -> dict[str, Any]:
+    ca, sa, cb, sb, bend = arm[kernels.ANGLES : kernels.ANGLES + 5].tolist()
+    return {
+        "written": Aim().written(chain),
+        "columns": most,
+        "turns": arm[kernels.TURNS : kernels.TURNS + 3].copy(),
+        "first": arm[kernels.FIRST_FRAME : kernels.FIRST_FRAME + 9].copy(),
+        "last": arm[kernels.LAST_FRAME : kernels.LAST_FRAME + 9].copy(),
+        "home": np.ascontiguousarray(chain.R_tip),
+        "clamp": float(arm[layout.CLAMP]),
+        "imperfection": float(arm[layout.IMPERFECTION]),
+    } | {"ca": ca, "sa": sa, "cb": cb, "sb": sb, "bend": bend}
 
 
 def _three_slides(chain: Chain) -> Plan | None:
@@ -91,7 +128,8 @@ def _three_slides(chain: Chain) -> Plan | None:
         error=0.0,
         arm=arm,
         solve=kernels.solve,
-        explain=lambda rotation, point: off_by(chain, pack_chain(chain, POSE), rotation, point),
+        explain=lambda rotation, point: off_by(chain, Aim(), rotation, point),
+        solver=Solver("slides", _values(chain, arm, 2)),
     )
 
 

@@ -7,9 +7,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik._core import Solver
 from urdf_ik._kernels import layout
 from urdf_ik._kernels import spherical_middle as kernels
-from urdf_ik.families.plan import SIGNS, Plan, cheapest, ideal_frames, imperfection, method_in_words, pack, straightened
+from urdf_ik.families.plan import (
+    SIGNS,
+    Plan,
+    cheapest,
+    ideal_frames,
+    ideal_values,
+    imperfection,
+    method_in_words,
+    pack,
+    straightened,
+    written_values,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -29,17 +41,14 @@ _ROOTS = tuple(f"position {k}, {flip}" for k in (1, 2, 3, 4) for flip in ("nofli
 _MIDDLE = "then joints 2 to 4 like a wrist"
 _KINDS = {
     "5x6": (
-        kernels.INTERSECTING_56,
         kernels.solve_intersecting_56,
         f"where axes 2 to 4 meet is at a known distance from where 5 and 6 do: joint 1, joints 5 and 6, {_MIDDLE}",
     ),
     "5||6": (
-        kernels.PARALLEL_56,
         kernels.solve_parallel_56,
         f"where axes 2 to 4 meet is in a known plane across axes 5 and 6: joint 1, a planar arm, {_MIDDLE}",
     ),
     "": (
-        kernels.GENERAL,
         kernels.solve_general_wrist,
         f"where axes 2 to 4 meet is on a circle about axis 1 and on a torus about axes 5 and 6: a quartic in joint 1, "
         f"{_MIDDLE}",
@@ -70,7 +79,7 @@ def prepare(structure: Structure, chain: Chain) -> Plan:
 
 
 def _with_wrist(structure: Structure, chain: Chain, wrist: str) -> Plan:
-    kind, solve, steps = _KINDS[wrist]
+    solve, steps = _KINDS[wrist]
     middle = structure.triple(2, "meet")
     directions, parallel = straightened(structure, chain.H)
     points = chain.points.copy()
@@ -79,6 +88,12 @@ def _with_wrist(structure: Structure, chain: Chain, wrist: str) -> Plan:
     frames, error = ideal_frames(chain, directions, points, parallel, [False, True, True, False, wrist == "5x6"])
     arm = pack(chain, frames, error, SIGNS)
     _fill(arm)
+    values = {
+        "ideal": ideal_values(frames, error, SIGNS, chain.size),
+        "written": written_values(chain),
+        "centre": arm[layout.CENTRE : layout.CENTRE + 3].copy(),
+        "centre_5": arm[layout.CENTRE_5 : layout.CENTRE_5 + 3].copy(),
+    }
     pairs = [i for i, holds in enumerate(parallel, start=1) if holds]
     angle, distance = imperfection(structure, pairs, [5] if wrist == "5x6" else [])
     return Plan(
@@ -89,8 +104,9 @@ def _with_wrist(structure: Structure, chain: Chain, wrist: str) -> Plan:
         error=error,
         arm=arm,
         solve=solve,
-        explain=lambda rotation, point: _explain(arm, kind, rotation, point),
+        explain=lambda rotation, point: _explain(arm, wrist, rotation, point),
         by_quartic=not wrist,
+        solver=Solver(f"spherical middle, {wrist or 'general wrist'}", values),
     )
 
 
@@ -102,19 +118,23 @@ def _fill(arm: Array) -> None:
     arm[layout.CENTRE_5 : layout.CENTRE_5 + 3] = -a[3], -sa[3] * d[2], -ca[3] * d[2] - d[3]
 
 
-def _explain(arm: Array, kind: int, rotation: Array, point: Array) -> str:
-    target = np.concatenate([rotation.ravel(), point])
-    low, high = kernels.reach_of_joint_1(kind, target, arm)
+def _explain(arm: Array, wrist: str, rotation: Array, point: Array) -> str:
+    centre = arm[layout.CENTRE : layout.CENTRE + 3]
     name = "the point where axes 2 to 4 meet"
-    if kind == kernels.INTERSECTING_56:
+    radius, up = math.hypot(centre[0], centre[1]), centre[2] - point[2]
+    if wrist == "5x6":
         wanted = float(np.linalg.norm(arm[layout.CENTRE_5 : layout.CENTRE_5 + 3]))
-        low, high = math.sqrt(max(low, 0.0)), math.sqrt(max(high, 0.0))
+        across = math.hypot(point[0], point[1])
+        low, high = math.hypot(across - radius, up), math.hypot(across + radius, up)
         if not low <= wanted <= high:
             return (
                 f"{name} is {wanted:.6g} m from where axes 5 and 6 meet, and joint 1 can bring it {low:.6g} to "
                 f"{high:.6g} m near"
             )
-    if kind == kernels.PARALLEL_56:
+    if wrist == "5||6":
+        axis = rotation[:, 2]
+        level, swing = float(axis @ [-point[0], -point[1], up]), radius * math.hypot(axis[0], axis[1])
+        low, high = level - swing, level + swing
         wanted = arm[layout.COS_ALPHA + 4] * arm[layout.CENTRE_5 + 2]
         if not low <= wanted <= high:
             return (

@@ -1,4 +1,4 @@
-"""What the tests of the kernels share: arms, numbers to draw, formulas written out, a fresh interpreter."""
+"""What the tests of the core's steps share: arms, numbers to draw, formulas written out, a fresh interpreter."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import math
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,26 +13,32 @@ from arms import X, Z, industrial, random_arm, rotation, ur_like
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from urdf_ik import families, urdf
+from urdf_ik import _core, urdf
 from urdf_ik.chain import Chain
-from urdf_ik.structure import analyse
+from urdf_ik.families.plan import written_values
 
 Array = NDArray[np.float64]
-Kernel = Callable[..., Any]
 PI = math.pi
+# Steps that take blocks of poses too, of those that are tested with one set of numbers at a time.
+IN_BLOCKS = ("wrap", "swing_to_offset", "elbow")
 
 
-def interpreted(kernel: Kernel) -> Kernel:
-    """The Python function behind a compiled kernel; itself where Numba is switched off."""
-    return getattr(kernel, "py_func", kernel)
+def step(name: str, *numbers: float) -> list[float]:
+    """One step of the solvers; where there is one for blocks of poses, both give the same to rounding."""
+    x = np.array([numbers], dtype=np.float64)
+    alone = _core.step(name, x)[0]
+    if name in IN_BLOCKS:
+        together = _core.step(name, np.repeat(x, 3, axis=0), side_by_side=True)
+        np.testing.assert_array_equal(together[0], together[2])
+        # At a double root rounding is worth half the digits.
+        np.testing.assert_allclose(together[1], alone, rtol=0.0, atol=1e-7 * (1.0 + np.abs(x[np.isfinite(x)]).max(initial=0.0)))
+    return list(alone.tolist())
 
 
-def numbers_of(urdf_text: str) -> tuple[Array, Chain]:
-    """The one array that the kernels of an arm take, and its chain."""
+def written(urdf_text: str) -> tuple[dict[str, Any], Chain]:
+    """The arm as the URDF has it, as the solvers take it, and its chain."""
     chain = Chain.from_urdf(urdf.read(urdf_text), "base", "tool")
-    plan = families.choose(analyse(chain), chain)
-    assert plan is not None
-    return plan.arm, chain
+    return written_values(chain), chain
 
 
 def angles(low: float = -PI, high: float = PI) -> st.SearchStrategy[float]:

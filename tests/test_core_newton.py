@@ -1,4 +1,4 @@
-"""Kernels of Newton's method: convergence, the error as a twist, steps near a singularity."""
+"""Steps of the core: Newton's method: convergence, the error as a twist, steps near a singularity."""
 
 from __future__ import annotations
 
@@ -6,12 +6,34 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from arms import rotation
-from kernel_samples import ARMS, PI, numbers_of
+from core_samples import ARMS, PI, step, written
 from numpy.typing import NDArray
 
-from urdf_ik._kernels import refine
+from urdf_ik import _core
 
 Array = NDArray[np.float64]
+
+
+def pose_error(wanted: Array, T: Array, inverse_size: float) -> tuple[Array, float]:
+    """The twist (6,) from one pose to another, and its size."""
+    *twist, size = step("pose_error", *wanted.ravel(), *T.ravel(), inverse_size)
+    return np.array(twist), size
+
+
+def damped_step(J: Array, twist: Array, damping: float) -> Array:
+    """The step (n,) for a Jacobian (6, n); in blocks the same."""
+    name, numbers = f"least_squares_{J.shape[1]}", np.array([[*J.T.ravel(), *twist, damping]])
+    alone = _core.step(name, numbers)[0, :-1]
+    if J.shape[1] < 7:
+        together = _core.step(name, numbers, side_by_side=True)[0, :-1]
+        np.testing.assert_allclose(together, alone, atol=1e-9 * max(1.0, np.abs(alone).max()))
+    return alone
+
+
+def weakest(J: Array) -> tuple[float, Array]:
+    """The smallest singular value of a matrix (6, 6), and its direction (6,)."""
+    value, *direction = step("weakest", *J.T.ravel())
+    return value, np.array(direction)
 
 
 def start_near(q: Array, distance: float) -> Array:
@@ -21,17 +43,16 @@ def start_near(q: Array, distance: float) -> Array:
 
 
 @pytest.mark.parametrize("name", ARMS)
-@pytest.mark.parametrize("method", ["refine", "newton"])
-def test_convergence_is_quadratic(name: str, method: str) -> None:
+@pytest.mark.parametrize("damped", [True, False])
+def test_convergence_is_quadratic(name: str, damped: bool) -> None:
     """One step leaves an error that falls a hundredfold where the distance falls tenfold, down to rounding."""
-    arm, chain = numbers_of(ARMS[name])
+    arm, chain = written(ARMS[name])
     q = np.array([0.4, -0.7, 1.1, 0.6, 0.9, -0.3])
     T = chain.fk(q)
 
     def left_after(rounds: int, distance: float) -> float:
         start = start_near(q, distance)
-        steps = (rounds, 0.0, 60) if method == "refine" else (rounds,)
-        return float(getattr(refine, method)(arm, T, start, *steps))
+        return _core.polish(arm, T, start, damped, rounds)
 
     errors = [left_after(1, distance) for distance in (1e-2, 1e-3, 1e-4, 1e-5)]
     for before, after in zip(errors, errors[1:], strict=False):
@@ -46,19 +67,18 @@ def test_refine_never_ends_worse_than_it_began(name: str) -> None:
 
     At singular vectors and for poses out of reach nothing becomes infinite.
     """
-    arm, chain = numbers_of(ARMS[name])
+    arm, chain = written(ARMS[name])
     rng = np.random.default_rng(6)
-    twist = np.empty(6)
     far = np.eye(4)
     far[:3, 3] = 10.0
     for start in (*rng.uniform(-PI, PI, (6, 6)), np.zeros(6), np.full(6, PI / 2.0)):
         for T in (chain.fk(rng.uniform(-PI, PI, 6)), chain.fk(start), far):
             q = start.copy()
-            left = refine.refine(arm, T, q, 15, 1e-15, 60)
+            left = _core.polish(arm, T, q, True, 15)
             assert np.isfinite(q).all()
             assert (np.abs(q) <= PI).all()
-            assert left == refine.pose_error(T, chain.fk(q), 1.0 / chain.size, twist)
-            assert left <= refine.pose_error(T, chain.fk(start), 1.0 / chain.size, twist)
+            assert abs(left - pose_error(T, chain.fk(q), 1.0 / chain.size)[1]) < 1e-14
+            assert left <= pose_error(T, chain.fk(start), 1.0 / chain.size)[1] + 1e-14
 
 
 def test_pose_error_is_the_twist() -> None:
@@ -69,8 +89,7 @@ def test_pose_error_is_the_twist() -> None:
         T[:3, :3], T[:3, 3] = rotation(rng.normal(size=3), 2.0), rng.normal(size=3)
         turn = rotation(rng.normal(size=3), angle)
         wanted[:3, :3], wanted[:3, 3] = turn @ T[:3, :3], T[:3, 3] + angle * rng.normal(size=3)
-        twist = np.empty(6)
-        worst = refine.pose_error(wanted, T, 0.5, twist)
+        twist, worst = pose_error(wanted, T, 0.5)
         np.testing.assert_allclose(twist[:3], 0.5 * (wanted - T)[:3, 3], atol=1e-16)
         np.testing.assert_allclose(twist[3:], pin.log3(turn), atol=angle**3 + 1e-15)
         assert worst == np.abs(twist).max()
@@ -81,13 +100,13 @@ def test_pose_error_of_a_large_turn(angle: float) -> None:
     """From about a right angle on the sine falls again: such a turn counts as far off, half a turn above all."""
     T = np.eye(4)
     T[:3, :3] = rotation(np.array([1.0, -2.0, 0.5]), angle)
-    assert refine.pose_error(T, np.eye(4), 1.0, np.empty(6)) == 2.0
+    assert pose_error(T, np.eye(4), 1.0)[1] == 2.0
 
 
 @pytest.mark.parametrize("n", [5, 6, 7])
 @pytest.mark.parametrize("damping", [1e-12, 1e-6, 1e-2, 1.0])
 def test_damped_step_is_the_least_squares_solution(n: int, damping: float) -> None:
-    """Householder's step is NumPy's least-squares solution of the matrix with the damping below it."""
+    """The step is NumPy's least-squares solution of the matrix with the damping below it."""
     rng = np.random.default_rng(n)
     for _ in range(5):
         J, twist = rng.normal(size=(6, n)), rng.normal(size=6)
@@ -95,9 +114,7 @@ def test_damped_step_is_the_least_squares_solution(n: int, damping: float) -> No
             continue  # nearly undetermined: the two solutions may differ along the free direction
         stacked = np.vstack([J, damping * np.eye(n)])
         expected = np.linalg.lstsq(stacked, np.concatenate([twist, np.zeros(n)]), rcond=None)[0]
-        step = np.empty(n)
-        refine.damped_step(J, twist, damping, step)
-        np.testing.assert_allclose(step, expected, atol=1e-10 * max(1.0, np.abs(expected).max()))
+        np.testing.assert_allclose(damped_step(J, twist, damping), expected, atol=1e-10 * max(1.0, np.abs(expected).max()))
 
 
 @pytest.mark.parametrize("damping", [1e-3, 1e-6])
@@ -106,42 +123,38 @@ def test_damped_step_at_a_singularity_is_bounded(damping: float) -> None:
     rng = np.random.default_rng(8)
     left, _, right = np.linalg.svd(rng.normal(size=(6, 6)))
     J = left @ np.diag([2.0, 1.5, 1.0, 0.7, 0.5, 0.0]) @ right
-    step = np.empty(6)
-    refine.damped_step(J, J @ rng.normal(size=6), damping, step)
-    assert abs(right[-1] @ step) < 1e-9
-    refine.damped_step(J, left[:, -1], damping, step)
-    assert np.abs(step).max() < 1e-15 / damping**2 + 1e-12
+    assert abs(right[-1] @ damped_step(J, J @ rng.normal(size=6), damping)) < 1e-9
+    assert np.abs(damped_step(J, left[:, -1], damping)).max() < 1e-15 / damping**2 + 1e-12
 
 
 @pytest.mark.parametrize("sigma", [1e-2, 1e-4, 1e-8, 1e-12])
-def test_least_stretch_near_singular(sigma: float) -> None:
+def test_weakest_direction_near_singular(sigma: float) -> None:
     """Near a singularity it is the smallest singular value, and its direction the one that belongs to it."""
     rng = np.random.default_rng(9)
     for _ in range(10):
         left, _, right = np.linalg.svd(rng.normal(size=(6, 6)))
         J = left @ np.diag([*rng.uniform(0.3, 2.0, 5), sigma]) @ right
-        x = np.empty(6)
         expected = np.linalg.svd(J, compute_uv=False)[-1]
-        assert refine.least_stretch(J, x) == pytest.approx(expected, rel=1e-4, abs=1e-15)
+        least, x = weakest(J)
+        assert least == pytest.approx(expected, rel=1e-4, abs=1e-15)
         assert abs(abs(x @ right[-1]) - 1.0) < 1e-6
 
 
-def test_least_stretch_is_no_less_than_the_least() -> None:
+def test_weakest_direction_is_no_less_than_the_least() -> None:
     """Of any matrix it is between the smallest singular value and thrice that; of a singular one, zero to rounding."""
     rng = np.random.default_rng(10)
-    x = np.empty(6)
     for _ in range(200):
         J = rng.normal(size=(6, 6))
         least = np.linalg.svd(J, compute_uv=False)[-1]
-        assert least * (1.0 - 1e-9) <= refine.least_stretch(J, x) <= 3.0 * least
+        assert least * (1.0 - 1e-9) <= weakest(J)[0] <= 3.0 * least
     for J in (np.zeros((6, 6)), np.diag([1.0, 2.0, 0.0, 1.0, 1.0, 1.0]), np.ones((6, 6))):
-        assert refine.least_stretch(J, x) < 1e-14
+        assert weakest(J)[0] < 1e-14
 
 
 @pytest.mark.parametrize("sigma", [1e-4, 1e-8, 1e-12])
-def test_least_stretch_across_its_first_guess(sigma: float) -> None:
+def test_weakest_direction_across_its_first_guess(sigma: float) -> None:
     """A lost direction at right angles to the vector of ones, where the iteration begins, is found all the same."""
     J = np.eye(6)
     J[:2, :2] = [[1.0, 1.0], [1.0, 1.0 + 2.0 * sigma]]
     expected = np.linalg.svd(J, compute_uv=False)[-1]
-    assert refine.least_stretch(J, np.empty(6)) == pytest.approx(expected, rel=1e-3)
+    assert weakest(J)[0] == pytest.approx(expected, rel=1e-3)

@@ -1,31 +1,28 @@
-"""Kernels of angles and of trigonometric polynomials, against formulas written out and planted roots."""
+"""Steps of the core: angles and of trigonometric polynomials, against formulas written out and planted roots."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
-from kernel_samples import PI, angles, apart, interpreted, with_roots
+from core_samples import PI, angles, apart, step, with_roots
 from numpy.typing import NDArray
 
-from urdf_ik._kernels import polynomials, trig
+from urdf_ik import _core
 
 Array = NDArray[np.float64]
-Kernel = Callable[..., Any]
 
 
 # ---------------------------------------------------------------- angles
 
-# On both sides of tan(pi / 8), where the kernel changes its formula, and far from one.
+# On both sides of tan(pi / 8), where the step changes its formula, and far from one.
 MAGNITUDES = [0.0, 1e-150, 1e-20, 1e-9, 1e-3, 0.3, 0.4142135623730950, 0.4142135623730951, 1.0, 3.0, 1e150]
 
 
-@pytest.mark.parametrize("as_run", [trig.atan2, interpreted(trig.atan2)], ids=["compiled", "interpreted"])
-def test_atan2(as_run: Kernel) -> None:
+@pytest.mark.parametrize("side_by_side", [False, True], ids=["one", "block"])
+def test_atan2(side_by_side: bool) -> None:
     """In all quadrants, on the axes and for any ratio it is math.atan2 to 2 units in the last place."""
     rng = np.random.default_rng(0)
     x, y = rng.normal(size=(2, 20_000)) * 10.0 ** rng.uniform(-8, 8, (2, 20_000))
@@ -35,38 +32,48 @@ def test_atan2(as_run: Kernel) -> None:
         *zip(np.sin(round_and_round).tolist(), np.cos(round_and_round).tolist(), strict=True),
         *((s * a, t * b) for a in MAGNITUDES for b in MAGNITUDES if a or b for s in (1, -1) for t in (1, -1)),
     ]
-    for y, x in points:
-        given, expected = as_run(y, x), math.atan2(y, x)
+    answers = _core.step("atan2", np.array(points), side_by_side=side_by_side)[:, 0]
+    for (y, x), given in zip(points, answers.tolist(), strict=True):
+        expected = math.atan2(y, x)
         assert abs(given - expected) <= 2.0 * math.ulp(expected), (y, x)
         assert math.copysign(1.0, given) == math.copysign(1.0, y)
         assert abs(given) <= PI
 
 
+def atan2(y: float, x: float) -> float:
+    """The step for one point."""
+    return step("atan2", y, x)[0]
+
+
 def test_atan2_of_zeros() -> None:
     """The angle of nothing is zero; the negative x axis is at pi from above and at -pi from below."""
-    assert [trig.atan2(0.0, x) for x in (0.0, -0.0, 1.0)] == [0.0, 0.0, 0.0]
-    assert (trig.atan2(0.0, -1.0), trig.atan2(-0.0, -1.0)) == (PI, -PI)
-    assert (trig.atan2(1.0, 0.0), trig.atan2(-1.0, -0.0)) == (PI / 2, -PI / 2)
+    assert [atan2(0.0, x) for x in (0.0, -0.0, 1.0)] == [0.0, 0.0, 0.0]
+    assert (atan2(0.0, -1.0), atan2(-0.0, -1.0)) == (PI, -PI)
+    assert (atan2(1.0, 0.0), atan2(-1.0, -0.0)) == (PI / 2, -PI / 2)
+
+
+def wrap(a: float) -> float:
+    """The step for one angle."""
+    return step("wrap", a)[0]
 
 
 @given(angles(-3.0 * PI + 1e-9, 3.0 * PI - 1e-9))
 def test_wrap_is_the_same_angle_in_range(a: float) -> None:
     """Up to a turn outside, the angle moves by whole turns into (-pi, pi], and stays there when wrapped again."""
-    for as_run in (trig.wrap, interpreted(trig.wrap)):
-        wrapped = as_run(a)
-        assert -PI < wrapped <= PI
-        turns = (a - wrapped) / (2.0 * PI)
-        assert abs(turns - round(turns)) < 1e-15
-        assert as_run(wrapped) == wrapped
+    wrapped = wrap(a)
+    assert -PI < wrapped <= PI
+    turns = (a - wrapped) / (2.0 * PI)
+    assert abs(turns - round(turns)) < 1e-15
+    assert wrap(wrapped) == wrapped
 
 
 def test_wrap_at_half_turns() -> None:
     """Both half turns are +pi; their neighbours inside stay, those outside come round to the other side."""
     inside, outside = math.nextafter(PI, 0.0), math.nextafter(PI, 4.0)
-    assert [trig.wrap(a) for a in (PI, -PI, inside, -inside)] == [PI, PI, inside, -inside]
-    assert trig.wrap(outside) == pytest.approx(-PI, abs=1e-15) and trig.wrap(outside) > -PI
-    assert trig.wrap(-outside) == pytest.approx(PI, abs=1e-15) and trig.wrap(-outside) <= PI
-    assert math.isnan(trig.wrap(math.nan))
+    assert [wrap(a) for a in (PI, -PI, inside, -inside)] == [PI, PI, inside, -inside]
+    assert wrap(outside) == pytest.approx(-PI, abs=1e-15) and wrap(outside) > -PI
+    assert wrap(-outside) == pytest.approx(PI, abs=1e-15) and wrap(-outside) <= PI
+    assert math.isnan(wrap(math.nan))
 
 
 # ---------------------------------------------------------------- trigonometric polynomials
@@ -79,10 +86,9 @@ def value(coefficients: Array, t: Array | float) -> Array:
 
 
 def roots_of(coefficients: Array) -> Array:
-    """Angles (k,) that the kernel finds."""
-    rows = np.full((4, 2), np.nan)
-    count = polynomials.trigonometric_roots(*coefficients.tolist(), rows)
-    assert np.isnan(rows[count:]).all()
+    """Angles (k,) that the step finds."""
+    found = step("trigonometric_roots", *coefficients.tolist())
+    count, rows = int(found[0]), np.array(found[1:]).reshape(4, 2)
     np.testing.assert_allclose(np.hypot(*rows[:count].T), 1.0, atol=1e-15)
     return np.arctan2(rows[:count, 1], rows[:count, 0])
 
@@ -151,11 +157,42 @@ def test_fewer_harmonics() -> None:
         np.testing.assert_allclose(found, [0.6, 1.4], atol=1e-11)
 
 
-def test_root_gap() -> None:
-    """The squared chord to the nearest other root; a root alone is the diameter away."""
-    at = np.array([0.3, 1.0, 1.1, -2.0])
-    rows = np.column_stack([np.cos(at), np.sin(at)])
-    for as_run in (polynomials.root_gap, interpreted(polynomials.root_gap)):
-        given = [as_run(rows, 4, i) for i in range(4)]
-        np.testing.assert_allclose(given, [4 * math.sin(g / 2) ** 2 for g in (0.7, 0.1, 0.1, 2.3)], rtol=1e-12)
-        assert as_run(rows, 1, 0) == 4.0
+# ---------------------------------------------------------------- cosine and sine, roots and quotients
+
+
+def test_cosine_and_sine() -> None:
+    """On the range that solvers use, both are NumPy's to one unit in the last place of 1, alone and in blocks."""
+    a = np.concatenate([np.linspace(-1.1 * PI, 1.1 * PI, 20_001), np.arange(-4, 5) * PI / 4.0])
+    for side_by_side in (False, True):
+        found = _core.step("cos_sin", a[:, None], side_by_side=side_by_side)
+        np.testing.assert_allclose(found, np.column_stack([np.cos(a), np.sin(a)]), rtol=0.0, atol=2.3e-16)
+
+
+def test_inverses_and_roots() -> None:
+    """1 / x, 1 / sqrt(x) and sqrt(x) hold to two units in the last place over many magnitudes; sqrt(0) is 0."""
+    x = 10.0 ** np.random.default_rng(3).uniform(-30, 30, 5001)
+    for side_by_side in (False, True):
+        found = _core.step("inverse", x[:, None], side_by_side=side_by_side)
+        np.testing.assert_allclose(found, np.column_stack([1.0 / x, 1.0 / np.sqrt(x), np.sqrt(x)]), rtol=4.5e-16)
+        assert _core.step("inverse", np.zeros((1, 1)), side_by_side=side_by_side)[0, 2] == 0.0
+
+
+# ---------------------------------------------------------------- polynomials that read the same from both ends
+
+
+@pytest.mark.parametrize("degree", [4, 16])
+def test_self_inversive_roots(degree: int) -> None:
+    """All planted roots come back: on the unit circle, and in pairs mirrored in it."""
+    rng = np.random.default_rng(degree)
+    for _ in range(20):
+        on = np.exp(1j * rng.uniform(-PI, PI, degree // 2))
+        off = rng.uniform(0.3, 0.9, degree // 4) * np.exp(1j * rng.uniform(-PI, PI, degree // 4))
+        planted = np.concatenate([on, off, 1.0 / off.conj()])
+        if min(abs(a - b) for i, a in enumerate(planted) for b in planted[:i]) < 0.03:
+            continue
+        c = np.poly(planted)[::-1]
+        # A phase makes the coefficients their own mirror image.
+        c = c * np.exp(-0.5j * (np.angle(c[0]) + np.angle(c[-1])))
+        found = step(f"self_inversive_roots_{degree}", *np.column_stack([c.real, c.imag]).ravel())
+        z = np.array(found[::2]) + 1j * np.array(found[1::2])
+        assert max(np.abs(z - root).min() for root in planted) < 1e-6

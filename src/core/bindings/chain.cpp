@@ -1,0 +1,123 @@
+// Forward kinematics of a chain of joints, as Python calls it. Against NumPy's C-API, see answer.cpp.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "numpy_api.hpp"
+#include "solver.hpp"
+
+namespace urdf_ik {
+
+namespace {
+
+using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using Kinds = nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Fill = void (*)(const ChainArm&, const double*, long, double*);
+
+// A frame whose z axis is the unit vector z, with its x across z and the coordinate axis that is farthest from it.
+Motion frame_on(const double* z, const double* origin) {
+    int least = 0;
+    for (int i = 1; i < 3; ++i) least = std::fabs(z[i]) < std::fabs(z[least]) ? i : least;
+    double x[3] = {}, y[3], length = 0.0;
+    // z x e: e_1 gives (0, z3, -z2), and so on round.
+    x[(least + 1) % 3] = z[(least + 2) % 3], x[(least + 2) % 3] = -z[(least + 1) % 3];
+    for (const double each : x) length += each * each;
+    for (double& each : x) each /= std::sqrt(length);
+    for (int i = 0; i < 3; ++i) y[i] = z[(i + 1) % 3] * x[(i + 2) % 3] - z[(i + 2) % 3] * x[(i + 1) % 3];
+    Motion frame;
+    for (int i = 0; i < 3; ++i) frame.R[i][0] = x[i], frame.R[i][1] = y[i], frame.R[i][2] = z[i], frame.t[i] = origin[i];
+    return frame;
+}
+
+// What brings frame a to frame b, seen from a.
+Motion between(const Motion& a, const Motion& b) {
+    Motion step = {};
+    for (int i = 0; i < 3; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            for (int j = 0; j < 3; ++j) step.R[i][j] += a.R[k][i] * b.R[k][j];
+            step.t[i] += a.R[k][i] * (b.t[k] - a.t[k]);
+        }
+    }
+    return step;
+}
+
+}  // namespace
+
+// Directions H (n, 3) of the axes and steps P (n + 1, 3) from the base by a point on each to the tip, rotation R_tip
+// (3, 3) of the tip, all at q = 0 and in the base; slides (n).
+struct PyChain {
+    nb::tuple made_from;
+    std::vector<Motion> step;
+    std::vector<std::uint8_t> slides;
+    ChainArm arm;
+
+    PyChain(nb::object directions, nb::object steps, nb::object home, nb::object kinds)
+        : made_from(nb::make_tuple(directions, steps, home, kinds)) {
+        const auto H = nb::cast<Rows>(directions), P = nb::cast<Rows>(steps), R_tip = nb::cast<Rows>(home);
+        const auto sliding = nb::cast<Kinds>(kinds);
+        const std::size_t n = sliding.size();
+        slides.assign(sliding.data(), sliding.data() + n);
+        if (H.shape(0) != n || P.shape(0) != n + 1 || H.shape(1) != 3 || P.shape(1) != 3 || R_tip.size() != 9) {
+            throw nb::value_error("arrays of a chain do not fit each other");
+        }
+        Motion before = {{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}, {}};
+        double point[3] = {};
+        for (std::size_t k = 0; k <= n; ++k) {
+            for (int i = 0; i < 3; ++i) point[i] += P.data()[3 * k + i];
+            Motion next = frame_on(k < n ? H.data() + 3 * k : R_tip.data(), point);
+            if (k == n) std::memcpy(next.R, R_tip.data(), sizeof next.R);
+            step.push_back(between(before, next));
+            before = next;
+        }
+        arm = {int(n), step.data(), reinterpret_cast<const bool*>(slides.data())};
+    }
+    PyChain(const PyChain&) = delete;
+
+    // A function of joint vectors (..., n) as an array (..., rows, columns); None where they are anything but an array of
+    // finite float64 numbers in C order.
+    nb::object of(nb::handle q, Fill fill, npy_intp rows, npy_intp columns) const {
+        PyArrayObject* from = doubles(q);
+        const int dimensions = from ? PyArray_NDIM(from) : 0;
+        if (!dimensions || dimensions + 1 > NPY_MAXDIMS || PyArray_DIM(from, dimensions - 1) != arm.joints) return nb::none();
+        const double* Q = (const double*)PyArray_DATA(from);
+        if (!all_finite(Q, PyArray_SIZE(from))) return nb::none();
+        npy_intp shape[NPY_MAXDIMS];
+        long m = 1;
+        for (int i = 0; i + 1 < dimensions; ++i) m *= shape[i] = PyArray_DIM(from, i);
+        shape[dimensions - 1] = rows, shape[dimensions] = columns;
+        nb::object made = nb::steal(PyArray_SimpleNew(dimensions + 1, shape, NPY_DOUBLE));
+        if (!made.is_valid()) throw nb::python_error();
+        double* to = (double*)PyArray_DATA((PyArrayObject*)made.ptr());
+        if (m < 100) fill(arm, Q, m, to);
+        else {
+            nb::gil_scoped_release release;
+            fill(arm, Q, m, to);
+        }
+        return made;
+    }
+
+    nb::object steps() const {
+        const npy_intp shape[3] = {arm.joints + 1, 3, 4};
+        nb::object made = nb::steal(PyArray_SimpleNew(3, shape, NPY_DOUBLE));
+        if (!made.is_valid()) throw nb::python_error();
+        double* to = (double*)PyArray_DATA((PyArrayObject*)made.ptr());
+        for (const Motion& each : step) {
+            for (int i = 0; i < 3; ++i, to += 4) std::copy_n(each.R[i], 3, to), to[3] = each.t[i];
+        }
+        return made;
+    }
+};
+
+void add_chain(nb::module_& m) {
+    nb::class_<PyChain>(m, "Chain", "Forward kinematics of a chain of joints; immutable. Angles may be of any size.")
+        .def(nb::init<nb::object, nb::object, nb::object, nb::object>())
+        .def_prop_ro("steps", &PyChain::steps)
+        .def("__reduce__", [](nb::handle self) { return nb::make_tuple(nb::type<PyChain>(), nb::cast<const PyChain&>(self).made_from); })
+        .def("fk", [](const PyChain& self, nb::handle q) { return self.of(q, level().chain->poses, 4, 4); }, nb::arg().none())
+        .def("jacobian", [](const PyChain& self, nb::handle q) { return self.of(q, level().chain->jacobians, 6, self.arm.joints); },
+             nb::arg().none())
+        .def("axes", [](const PyChain& self, nb::handle q) { return self.of(q, level().chain->axes, 6, self.arm.joints); });
+}
+
+}  // namespace urdf_ik

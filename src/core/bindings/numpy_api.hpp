@@ -1,0 +1,36 @@
+// NumPy's C-API, for the calls that are too short for nanobind's typed arrays.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+
+#include <nanobind/nanobind.h>
+
+#define NPY_NO_DEPRECATED_API NPY_2_0_API_VERSION
+#define PY_ARRAY_UNIQUE_SYMBOL urdf_ik_array_api
+#ifndef URDF_IK_IMPORTS_NUMPY
+#define NO_IMPORT_ARRAY
+#endif
+#include <numpy/arrayobject.h>
+
+namespace urdf_ik {
+
+// The object as an array of float64 in C order, null where it is anything else.
+inline PyArrayObject* doubles(nanobind::handle object) {
+    if (!PyArray_CheckExact(object.ptr())) return nullptr;
+    PyArrayObject* array = (PyArrayObject*)object.ptr();
+    return PyArray_TYPE(array) == NPY_DOUBLE && PyArray_ISCARRAY_RO(array) ? array : nullptr;
+}
+
+inline bool all_finite(const double* x, npy_intp count) {
+    const std::uint64_t exponent = 0x7ff0000000000000ULL;
+    bool bad = false;
+    for (npy_intp i = 0; i < count; ++i) {
+        std::uint64_t bits;
+        std::memcpy(&bits, x + i, 8);
+        bad |= (bits & exponent) == exponent;
+    }
+    return !bad;
+}
+
+}  // namespace urdf_ik
