@@ -88,7 +88,8 @@ static long solve(const PySolver& self, const Targets& T, const std::optional<Nu
                   const std::optional<Numbers>& values, int threads) {
     const Solver& solver = *self.solver;
     const std::size_t m = T.ndim() ? T.shape(0) : 0, branches = solver.branches, joints = solver.joints;
-    if (T.size() != m * solver.numbers || q.shape(0) != m || q.shape(1) != branches || q.shape(2) != joints || flags.shape(0) != m || flags.shape(1) != branches ||
+    if (T.size() != m * solver.numbers || q.shape(0) != m || q.shape(1) != branches || q.shape(2) != joints ||
+        flags.shape(0) != m || flags.shape(1) != branches ||
         (q_ref && q_ref->shape(0) != joints) || (values && values->shape(0) != m)) {
         throw nb::value_error("arrays of poses and answers do not fit each other");
     }
