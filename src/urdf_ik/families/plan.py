@@ -126,7 +126,7 @@ def ideal_frames(
     home[:3, :3], home[:3, 3] = local.R_tip, local.P.sum(axis=0)
     frames = denavit_hartenberg(directions, points - mount, home, parallel, meet)
     Q = np.random.default_rng(0).uniform(-np.pi, np.pi, (12, chain.n))
-    apart = np.array([frames.fk(q) for q in Q]) - local.fk(Q)
+    apart = frames.fk(Q) - local.fk(Q)
     apart[:, :3, 3] /= chain.size
     frames.base[:3, 3] += mount
     return frames, float(np.abs(apart).max())
