@@ -215,6 +215,7 @@ def ideal_values(frames: DHFrames, error: float, signs: Array, size: float) -> d
         "a": np.array(frames.a, dtype=np.float64),
         "d": np.array(frames.d[:4], dtype=np.float64),
         "offset": np.array(frames.offset, dtype=np.float64),
+        "steps": np.ascontiguousarray(np.array(frames.steps())[:, :3]),
         "size": size,
         "clamp": 100.0 * DEFAULT.fold if exact else 100.0 * DEFAULT.fold + 50.0 * error,
         "imperfection": 0.0 if exact else error,
