@@ -1,5 +1,7 @@
 # Every target makes .venv when it is missing, and brings it up to date when pyproject.toml has changed.
 # PYTHON=... names the interpreter that .venv is made from, 3.11 or later; VENV=... puts it elsewhere.
+# The compiled core is built by the machine's C++20 compiler, or by one from PyPI (tools/with_compiler.py); later changes
+# of its sources are built when it is imported. CMAKE_ARGS=-DURDF_IK_LEVELS=v3 builds one instruction set of three.
 
 VENV ?= .venv
 BIN := $(VENV)/bin
@@ -7,15 +9,28 @@ BIN := $(VENV)/bin
 FIND_PYTHON = for python in python3 python3.13 python3.12 python3.11; do \
 	"$$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo "$$python" && break; done
 PYTHON ?= $(shell $(FIND_PYTHON))
-INSTALL = $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable
+PIP = $(BIN)/python -m pip --quiet --disable-pip-version-check
+WITH_COMPILER = $(BIN)/python tools/with_compiler.py
+# What builds the core stays in .venv, so that changes can be built at any time.
+INSTALL = $(WITH_COMPILER) --here $(PIP) install --no-build-isolation --editable
+BUILD_NEEDS = import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], "cmake", "ninja")
+
+CORE = $(wildcard src/core/*.[ch]pp src/core/*/*.[ch]pp)
+SANITIZED_LEVEL = $(if $(filter x86_64,$(shell uname -m)),v3,arm64)
+SANITIZED_TESTS = tests/test_families.py tests/test_closed_forms.py tests/test_singular.py tests/test_arm.py
 
 .DELETE_ON_ERROR:
-.PHONY: help run test lint bench million clean
+.PHONY: help run test lint format stub wheel sanitize nightly bench million clean
 
 help:
 	@echo "make run      all solutions of the bundled arm, each with its branch, limits, collisions and Pinocchio's error"
 	@echo "make test     the tests and the notebooks; ARGS='-k name' narrows them down"
-	@echo "make lint     ruff, mypy, and notebooks without outputs"
+	@echo "make lint     ruff, mypy, clang-format, and notebooks without outputs"
+	@echo "make format   lays out the core's sources as make lint wants them"
+	@echo "make stub     writes src/urdf_ik/_core.pyi, the types of the compiled core"
+	@echo "make wheel    a wheel in dist/, which needs no compiler where it is installed"
+	@echo "make sanitize tests of the solvers on a core built with address and undefined-behaviour sanitizers"
+	@echo "make nightly  make test, make sanitize and make million"
 	@echo "make bench    the benchmarks against other solvers; ARGS='--help' tells more"
 	@echo "make million  a million random poses an arm: what is lost, doubled or off; ARGS='--help' tells more"
 	@echo "make clean    remove .venv and what tools left behind"
@@ -29,7 +44,28 @@ test: $(VENV)/.dev-installed
 lint: $(VENV)/.dev-installed
 	$(BIN)/ruff check .
 	$(BIN)/mypy
+	$(BIN)/clang-format --dry-run --Werror $(CORE)
 	$(BIN)/nbstripout --verify --keep-id notebooks/*.ipynb
+
+format: $(VENV)/.dev-installed
+	$(BIN)/clang-format -i $(CORE)
+
+stub: $(VENV)/.dev-installed
+	$(BIN)/python -m nanobind.stubgen -q -m urdf_ik._core -o src/urdf_ik/_core.pyi
+
+wheel: $(VENV)/.build-installed
+	$(WITH_COMPILER) $(PIP) wheel --no-build-isolation --no-deps --wheel-dir dist .
+
+# One instruction set, since sanitizers make units long to compile. The library of the address sanitizer comes first in
+# every process; Python itself never frees all that it has.
+sanitize: $(VENV)/.dev-installed
+	$(WITH_COMPILER) cmake -S . -B build/sanitize -G Ninja -DPython_EXECUTABLE=$(abspath $(BIN))/python \
+		-DURDF_IK_SANITIZE=ON -DURDF_IK_LEVELS=$(SANITIZED_LEVEL)
+	$(WITH_COMPILER) cmake --build build/sanitize
+	URDF_IK_BUILD=$(abspath build/sanitize) LD_PRELOAD=$$(sed -n 's/^URDF_IK_ASAN:.*=//p' build/sanitize/CMakeCache.txt) \
+		ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1 $(BIN)/python -m pytest $(SANITIZED_TESTS) $(ARGS)
+
+nightly: test sanitize million
 
 bench: $(VENV)/.bench-installed
 	@$(BIN)/python benchmarks/bench.py $(ARGS)
@@ -46,14 +82,19 @@ $(BIN)/python:
 	@test -n "$(PYTHON)" || { echo "Python 3.11 or later is needed, and none was found; PYTHON=... names one" >&2; exit 2; }
 	$(PYTHON) -m venv $(VENV)
 
-$(VENV)/.run-installed: pyproject.toml | $(BIN)/python
+$(VENV)/.build-installed: pyproject.toml | $(BIN)/python
+	$(PIP) install $$($(BIN)/python -c '$(BUILD_NEEDS)')
+	@touch $@
+
+# editable.py.in is what an import of the core runs.
+$(VENV)/.run-installed: pyproject.toml src/core/editable.py.in $(VENV)/.build-installed
 	$(INSTALL) .
 	@touch $@
 
-$(VENV)/.dev-installed: pyproject.toml | $(BIN)/python
+$(VENV)/.dev-installed: pyproject.toml src/core/editable.py.in $(VENV)/.build-installed
 	$(INSTALL) '.[dev]'
 	@touch $@ $(VENV)/.run-installed
 
-$(VENV)/.bench-installed: pyproject.toml | $(BIN)/python
+$(VENV)/.bench-installed: pyproject.toml src/core/editable.py.in $(VENV)/.build-installed
 	$(INSTALL) '.[bench]'
 	@touch $@ $(VENV)/.run-installed

@@ -61,7 +61,7 @@ def test_a_closed_form_is_complete(name: str) -> None:
     """Against the elimination no solution is missing, and on random poses neither has more than the other."""
     report = completeness.compare(loaded(name), FEW, seed=2)
     assert report.passed, str(report)
-    assert "elimination" in report.second and "Newton" not in report.second
+    assert "elimination" in report.second and "Newton" in report.second
     assert [group.near for group in report.groups] == [None, *DISTANCES]
     assert report.groups[0].poses == FEW and sum(group.poses for group in report.groups) == 2 * FEW
     assert report.groups[0].solver == report.groups[0].second > 4 * FEW
@@ -70,9 +70,8 @@ def test_a_closed_form_is_complete(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["crx", "jaco"])
 def test_a_general_arm_is_compared_with_other_ways(name: str) -> None:
-    """Where the solver is the elimination, its other ways and Newton's method find the same on random poses."""
+    """Where the solver is an elimination, another one and Newton's method find the same on random poses."""
     report = completeness.compare(loaded(name), FEW, seed=3)
-    assert "other ways" in report.second and "Newton" in report.second
     assert report.groups[0].solver == report.groups[0].second
     assert report.groups[0].differences == 0
 
@@ -207,7 +206,6 @@ def test_an_imperfect_arm_is_compared_with_elimination_and_newton() -> None:
     """An arm off its family by a calibration: nothing is missing on random poses."""
     arm = described(calibrated_ur()).arm
     report = completeness.compare(arm, 6, seed=1)
-    assert "alone" in report.second and "Newton" in report.second
     assert report.groups[0].differences == 0, str(report)
 
 

@@ -6,37 +6,43 @@
 8
 """
 
-from urdf_ik.arm import Arm, load
-from urdf_ik.chain import Chain
-from urdf_ik.comparison import Comparison, compare
-from urdf_ik.dh import DHTable
-from urdf_ik.errors import (
-    CatalogueError,
-    ChainError,
-    DHError,
-    JointVectorError,
-    MissingPackage,
-    PlotError,
-    PoseError,
-    TaskError,
-    UnsupportedArm,
-    UrdfError,
-    UrdfIkError,
-    VelocityError,
-    WorkspaceError,
-)
-from urdf_ik.poses import (
-    pose,
-    to_euler_zyx,
-    to_quat_wxyz,
-    to_quat_xyzw,
-    to_rotvec,
-    to_rpy,
-)
-from urdf_ik.redundancy import Redundancy
-from urdf_ik.self_motion import Sweep
-from urdf_ik.solutions import IKSolutions, Singular, Solution
-from urdf_ik.structure import Structure
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from urdf_ik.arm import Arm, load
+    from urdf_ik.chain import Chain
+    from urdf_ik.comparison import Comparison, compare
+    from urdf_ik.dh import DHTable
+    from urdf_ik.errors import (
+        CatalogueError,
+        ChainError,
+        DHError,
+        JointVectorError,
+        MissingPackage,
+        PlotError,
+        PoseError,
+        TaskError,
+        UnsupportedArm,
+        UrdfError,
+        UrdfIkError,
+        VelocityError,
+        WorkspaceError,
+    )
+    from urdf_ik.poses import (
+        pose,
+        to_euler_zyx,
+        to_quat_wxyz,
+        to_quat_xyzw,
+        to_rotvec,
+        to_rpy,
+    )
+    from urdf_ik.redundancy import Redundancy
+    from urdf_ik.self_motion import Sweep
+    from urdf_ik.solutions import IKSolutions, Singular, Solution
+    from urdf_ik.structure import Structure
 
 __version__ = "0.1.0"
 
@@ -73,3 +79,68 @@ __all__ = [
     "to_rotvec",
     "to_rpy",
 ]
+
+# Importing the package costs nothing: a name's module is imported when the name is first used.
+_NAMES = {
+    "arm": (
+        "Arm",
+        "load",
+    ),
+    "chain": ("Chain",),
+    "comparison": (
+        "Comparison",
+        "compare",
+    ),
+    "dh": ("DHTable",),
+    "errors": (
+        "CatalogueError",
+        "ChainError",
+        "DHError",
+        "JointVectorError",
+        "MissingPackage",
+        "PlotError",
+        "PoseError",
+        "TaskError",
+        "UnsupportedArm",
+        "UrdfError",
+        "UrdfIkError",
+        "VelocityError",
+        "WorkspaceError",
+    ),
+    "poses": (
+        "pose",
+        "to_euler_zyx",
+        "to_quat_wxyz",
+        "to_quat_xyzw",
+        "to_rotvec",
+        "to_rpy",
+    ),
+    "redundancy": ("Redundancy",),
+    "self_motion": ("Sweep",),
+    "solutions": (
+        "IKSolutions",
+        "Singular",
+        "Solution",
+    ),
+    "structure": ("Structure",),
+}
+_MODULE = {name: module for module, names in _NAMES.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    """A public name, or a module of the package."""
+    if name in _MODULE:
+        value = getattr(import_module(f"{__name__}.{_MODULE[name]}"), name)
+        globals()[name] = value
+        return value
+    if not name.startswith("_"):
+        try:
+            return import_module(f"{__name__}.{name}")
+        except ModuleNotFoundError as error:
+            if error.name != f"{__name__}.{name}":
+                raise
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -20,9 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik._crosscheck import EXACT
-from urdf_ik._kernels.refine import pose_error, refine
-from urdf_ik._kernels.thresholds import LONG_PATIENCE
-from urdf_ik.families.plan import pack_as_written
+from urdf_ik._newton import apart, descend, errors, turn
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
@@ -113,7 +111,6 @@ class Judge:
     def __init__(self, chain: Chain, reference: Reference) -> None:
         self.reference = reference
         self._chain = chain
-        self._numbers = pack_as_written(chain)
 
     def unmatched(self, T: Array, planted: Array, first: Array, second: Array) -> Unmatched:
         """Compare two answers (k, 6), (m, 6) to the pose T (4, 4), made of a planted joint vector (6,)."""
@@ -134,21 +131,21 @@ class Judge:
 
     def to_nearest(self, q: Array, others: Array) -> float:
         """Largest angle [rad] from q to the nearest of the others that is not q itself; infinite without one."""
-        apart = _apart(others, q)
-        return float(apart[apart > SAME].min(initial=np.inf))
+        far = apart(others, q)
+        return float(far[far > SAME].min(initial=np.inf))
 
     def _has(self, T: Array, q: Array, others: Array, count: Unmatched | None) -> bool:
         """Whether q (6,) is one of the others (k, 6); ``count`` is told where that took more than closeness."""
-        if (_apart(others, q) <= SAME).any():
+        if (apart(others, q) <= SAME).any():
             return True
-        q = self._polished(T, q)
+        q = descend(self._chain, T, q[None], 20, 0.0)[0][0]
         tolerance = SAME + min(ROUNDING / max(self.sigma_min(q), 1e-300), LOOSEST)
-        others = np.array([self._polished(T, other) for other in others]).reshape(-1, 6)
-        apart = _apart(others, q)
-        if (apart <= tolerance).any():
+        others = descend(self._chain, T, others, 20, 0.0)[0]
+        far = apart(others, q)
+        if (far <= tolerance).any():
             return True
-        near = others[apart < NEIGHBOURS]
-        if any(self._error(T, q + 0.5 * _turn(other - q)) <= DEFAULT.fold for other in near):
+        near = others[far < NEIGHBOURS]
+        if any(self._error(T, q + 0.5 * turn(other - q)) <= DEFAULT.fold for other in near):
             if count is not None:
                 count.double_roots += 1
             return True
@@ -168,47 +165,30 @@ class Judge:
                 there = here + STEP * ahead
                 if not self._correct(T, there):
                     break
-                ahead = _turn(there - here)
+                ahead = turn(there - here)
                 ahead /= np.linalg.norm(ahead)
                 here = there
-                if (_apart(others, here) < STEP).any():
+                if (apart(others, here) < STEP).any():
                     return True
-                if np.abs(_turn(here - q)).max() < 0.5 * STEP:
+                if np.abs(turn(here - q)).max() < 0.5 * STEP:
                     return False  # all the way round
         return False
 
     def _correct(self, T: Array, q: Array) -> bool:
         """Bring q (6,) in place back into the pose by steps across the continuum; False where it is too far off."""
-        e, start = np.empty(6), q.copy()
+        start = q.copy()
         for _ in range(8):
-            error = float(pose_error(T, self._chain.fk(q), 1.0 / self._chain.size, e))
+            (e,), (error,) = errors(self._chain, T, q[None])
             if error <= DEFAULT.fold:
                 return bool(np.abs(q - start).max() < 0.25 * STEP)
             # The direction that is lost has no part in the correction.
             q += np.linalg.pinv(self._jacobian(q), rcond=10.0 * DEFAULT.singular) @ e
         return False
 
-    def _polished(self, T: Array, q: Array) -> Array:
-        out = np.array(q)
-        refine(self._numbers, T, out, 20, 0.0, LONG_PATIENCE)
-        return out
-
     def _error(self, T: Array, q: Array) -> float:
-        return float(pose_error(T, self._chain.fk(q), 1.0 / self._chain.size, np.empty(6)))
+        return float(errors(self._chain, T, q[None])[1][0])
 
     def _jacobian(self, q: Array) -> Array:
         J = np.array(self._chain.jacobian(q))
         J[:3] /= self._chain.size
         return J
-
-
-def _turn(step: Array) -> Array:
-    """A difference of joint vectors [rad], modulo 2 pi to (-pi, pi]."""
-    turned: Array = (step + np.pi) % (2.0 * np.pi) - np.pi
-    return turned
-
-
-def _apart(a: Array, b: Array) -> Array:
-    """Largest angle (...) [rad] between joint vectors (..., 6)."""
-    apart: Array = np.abs(_turn(a - b)).max(axis=-1, initial=0.0)
-    return apart

@@ -81,8 +81,8 @@ class IKSolutions(Answer):
     do not change.
     """
 
-    # Solving one pose takes a fraction of a microsecond. The compiled base keeps what is set below; where it was made by
-    # the solver itself, it makes the arrays of poses, q and info when they are first asked for.
+    # Solving one pose takes a fraction of a microsecond. The compiled base keeps what is set below; where the solver
+    # itself made it, it makes the arrays of poses, q and info when they are first asked for.
     __slots__ = ()
 
     def __init__(

@@ -25,7 +25,8 @@ template <int N> static void read(const Values& v, FewJointsArm<N>& to) {
 template <int N> static void read(const Values& v, PlanarArm<N>& to) {
     read(v, static_cast<FewJointsArm<N>&>(to));
     read(v.group("ideal"), to.ideal);
-    v.read("links", to.link), v.read("angles", to.angle), v.read("bend", to.bend), v.read("signs", to.sign), v.read("joints", to.joint);
+    v.read("links", to.link), v.read("angles", to.angle), v.read("bend", to.bend);
+    v.read("signs", to.sign), v.read("joints", to.joint);
 }
 
 static void read(const Values& v, SlidesArm& to) {
@@ -111,7 +112,9 @@ static std::shared_ptr<const Solver> make_completed(const Values& v) {
     read(v.group("written"), solver->arm.written);
     v.read("at", solver->arm.at), v.read("columns", solver->arm.columns);
     solver->joints = 5, solver->branches = solver->arm.columns;
-    if (solver->six->joints != 6 || solver->six->branches > Completed::MOST) throw nb::value_error("a solver of six joints is needed");
+    if (solver->six->joints != 6 || solver->six->branches > Completed::MOST) {
+        throw nb::value_error("a solver of six joints is needed");
+    }
     return solver;
 }
 

@@ -18,6 +18,8 @@ constexpr long SHARE = 32;
 static const Makers& makers() {
     static const Makers all = [] {
         Makers m;
+        add_coupled(m);
+        add_one_given(m);
         add_parallel_shoulder(m);
         add_elimination(m);
         add_few_joints(m);
@@ -25,6 +27,7 @@ static const Makers& makers() {
         add_reversed(m);
         add_spherical_middle(m);
         add_spherical_wrist(m);
+        add_srs(m);
         add_three_parallel(m);
         return m;
     }();
@@ -86,7 +89,8 @@ static long solve(const PySolver& self, const Targets& T, const std::optional<Nu
                   const std::optional<Numbers>& values, int threads) {
     const Solver& solver = *self.solver;
     const std::size_t m = T.ndim() ? T.shape(0) : 0, branches = solver.branches, joints = solver.joints;
-    if (T.size() != m * solver.numbers || q.shape(0) != m || q.shape(1) != branches || q.shape(2) != joints || flags.shape(0) != m || flags.shape(1) != branches ||
+    if (T.size() != m * solver.numbers || q.shape(0) != m || q.shape(1) != branches || q.shape(2) != joints ||
+        flags.shape(0) != m || flags.shape(1) != branches ||
         (q_ref && q_ref->shape(0) != joints) || (values && values->shape(0) != m)) {
         throw nb::value_error("arrays of poses and answers do not fit each other");
     }
@@ -100,6 +104,7 @@ static long solve(const PySolver& self, const Targets& T, const std::optional<Nu
 NB_MODULE(_core, m) {
     using namespace urdf_ik;
     m.doc() = "The compiled solvers.";
+    level();  // throws where URDF_IK_ISA names what this processor does not run
     m.def("isa", [] { return std::string(level().name); }, "The instruction set in use.");
     m.def("levels", &levels_built, "The instruction sets that were built and that this processor runs.");
     add_elimination(m);

@@ -13,7 +13,8 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 STEP Goal<double> inverse(const Goal<double>& g) {
     const Rot<double>& R = g.R;
-    return {{{R.x.x, R.y.x, R.z.x}, {R.x.y, R.y.y, R.z.y}, {R.x.z, R.y.z, R.z.z}}, {-dot(R.x, g.p), -dot(R.y, g.p), -dot(R.z, g.p)}};
+    return {{{R.x.x, R.y.x, R.z.x}, {R.x.y, R.y.y, R.z.y}, {R.x.z, R.y.z, R.z.z}},
+            {-dot(R.x, g.p), -dot(R.y, g.p), -dot(R.z, g.p)}};
 }
 // The rotation from the tip's home to R.
 STEP Rot<double> from_home(const Rot<double>& R, const double (&home)[3][3]) {
@@ -36,7 +37,8 @@ STEP Vec<double> place_of(const Goal<double>& goal, const double (&in_tip)[3], d
 
 // A candidate of the way to go: the arm's joint vector of a place of three joints.
 template <int N>
-STEP void gather(const FewJointsArm<N>& arm, const FewJointsWay& way, const Goal<double>& seen, const double (&placed)[3], double (&q)[N]) {
+STEP void gather(const FewJointsArm<N>& arm, const FewJointsWay& way, const Goal<double>& seen, const double (&placed)[3],
+                 double (&q)[N]) {
     double turn[5] = {placed[0], placed[1], placed[2], 0.0, 0.0};
     if (way.turns) {
         Rot<double> rest = behind(way.step, placed, from_home(seen.R, way.home));

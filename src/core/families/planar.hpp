@@ -20,7 +20,8 @@ template <int N, bool of_points = false> struct Planar {
     static constexpr int branches = 2;
 
     static STEP void fast(const Arm& arm, const Seen<Block>& seen, Found<2, N>& found) {
-        const double *sign = arm.sign, edge = arm.written.tolerances.edge, size = arm.written.size, reach = arm.written.tolerances.reach;
+        const double *sign = arm.sign, size = arm.written.size;
+        const double edge = arm.written.tolerances.edge, reach = arm.written.tolerances.reach;
         const Vec<Block>& p = seen.p;
         const Elbow<Block> at = elbow<Block>(p.x, p.y, arm.link[0], arm.link[1], 1.0, Block(1.0));
         // The other branch is the mirror image of the two links in the line to the point.

@@ -52,8 +52,8 @@ STEP bool wrist_behind(const SlidesArm& arm, const Goal<double>& goal, const dou
 }
 
 // A joint that a place leaves all but free, tried all round.
-PART void try_around(const SlidesArm& arm, const Goal<double>& goal, const Placed& place, double sign, const Reference<6>& reference,
-                     const Columns<6>& columns) {
+PART void try_around(const SlidesArm& arm, const Goal<double>& goal, const Placed& place, double sign,
+                     const Reference<6>& reference, const Columns<6>& columns) {
     double q[6];
     for (int k = 0; k < 2; ++k) {
         for (int a = 0; a < (place.free >> k & 1 ? 2 * AROUND : 0); ++a) {

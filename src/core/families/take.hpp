@@ -18,8 +18,8 @@ inline constexpr int STARTS_BESIDE = 8;
 
 // A solution beside q, if there is one. What is singular again belongs to the same double root, or to the same continuum.
 template <class Model>
-PART void take_beside(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints], const Weakest<Model::joints>& weak,
-                      const Columns<Model::joints>& columns) {
+PART void take_beside(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints],
+                      const Weakest<Model::joints>& weak, const Columns<Model::joints>& columns) {
     double away = 0.1;
     for (int k = 0; k < 2 * STARTS_BESIDE; ++k) {
         double start[Model::joints];

@@ -1,0 +1,65 @@
+"""The compiled solvers."""
+
+import types
+from typing import Annotated
+
+import numpy
+from numpy.typing import NDArray
+
+
+def isa() -> str:
+    """The instruction set in use."""
+
+def levels() -> list[str]:
+    """The instruction sets that were built and that this processor runs."""
+
+def try_elimination(values: dict, T: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)], counts: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu')], doubts: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
+
+class Answer:
+    """The numbers of solutions; arrays are made when they are asked for."""
+
+    arm: types.MemberDescriptorType = ...
+
+    step: types.MemberDescriptorType = ...
+
+def step(name: str, x: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], side_by_side: bool = False) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
+    """
+    One step of the solvers, for tests: sets of its inputs (m, k) to sets of its results, one by one or in blocks.
+    """
+
+def polish(written: dict, T: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)], q: Annotated[NDArray[numpy.float64], dict(shape=(6), order='C', device='cpu')], damped: bool, rounds: int) -> float:
+    """
+    Newton's method on an arm as written, for tests: q (6,) is replaced; returns its error.
+    """
+
+class Solver:
+    """An arm, ready to be solved; immutable."""
+
+    def __init__(self, kind: str, values: dict) -> None: ...
+
+    @property
+    def kind(self) -> str: ...
+
+    @property
+    def values(self) -> dict: ...
+
+    @property
+    def joints(self) -> int: ...
+
+    @property
+    def branches(self) -> int: ...
+
+    @property
+    def numbers(self) -> int:
+        """How many numbers a target has."""
+
+    def __reduce__(self) -> tuple: ...
+
+    def one(self, arg0: object, arg1: object, arg2: object, arg3: object, /) -> object: ...
+
+    def one_near(self, arg0: object, arg1: object, arg2: object, arg3: object, arg4: object, /) -> object: ...
+
+    def distances(self, seen: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)]) -> list[float]:
+        """Of axes, for explanations [m]: up to four, NaN where there is none."""
+
+    def solve(self, T: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], q_ref: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)] | None, q: Annotated[NDArray[numpy.float64], dict(shape=(None, None, None), order='C', device='cpu')], flags: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu')], values: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)] | None = None, threads: int = 1) -> int: ...
