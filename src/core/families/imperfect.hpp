@@ -19,6 +19,7 @@
 #pragma once
 
 #include "../blocks.hpp"
+#include "elimination.hpp"
 #include "imperfect_arm.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
@@ -36,11 +37,15 @@ inline constexpr double FIXED_BY_DRIFT = 4.0;
 inline constexpr double KANTOROVICH = 0.5;
 // Below this a margin is rounding.
 inline constexpr double ROUNDED_MARGIN = 1e-12;
+// Imperfection up to which the elimination has not come into its element, its equations being those of the ideal arm to many
+// digits: there the closed form's careful path, one branch at a time, helps it. And from which the found solutions are so
+// well apart that the elimination, missing none of them, is believed at once.
+inline constexpr double CLOSE_BY = 1e-4, FAR_OFF = 1e-3;
 // How often a target is corrected before the pose is given to the elimination.
 inline constexpr int CORRECTIONS = 4;
 
 // All branches of a block of targets, beyond their ends too.
-struct Candidates {
+struct AllBranches {
     Block q[8][6];
     Clearance<Block> clear[8];
     STEP void set(int b, const Block (&angles)[6], const MaskOf<Block>&, const MaskOf<Block>&, const Clearance<Block>& at) {
@@ -66,7 +71,8 @@ STEP void put_block(const Block& x, double* to) {
     for (int k = 0; k < BLOCK / L; ++k) *(Register<L>::unaligned*)(to + L * k) = x.r[k];
 }
 
-template <class Family> struct Imperfect {
+// by_quartic: the family has no block path; all its poses go to its careful path and the elimination.
+template <class Family, bool by_quartic = false> struct Imperfect {
     using Arm = ImperfectArm<typename Family::Arm>;
     static constexpr int branches = 16;
 
@@ -81,7 +87,7 @@ template <class Family> struct Imperfect {
     };
 
     static PART void answer(const Arm& arm, const Seen<Block>& seen, int first, Answers& to) {
-        Candidates all;
+        AllBranches all;
         Family::fast(arm.family, seen, all);
         for (int l = 0; l < BLOCK; ++l) {
             const int b = first + l;
@@ -148,19 +154,32 @@ template <class Family> struct Imperfect {
         }
     }
 
-    static void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>&, const Columns<6>& columns) {
-        const Seen<double> seen = to_frame_1(goal, arm.family.ideal);
+    // The branches that are decided, a bit each in `found` and `open` for what is not.
+    static PART Known decide_all(const Arm& arm, const Seen<double>& seen) {
         const Goal<Block> target = spread<Block>({seen.R, seen.p});
         Answers now;
         Known known;
         for (int first = 0; first < 8; first += BLOCK) answer(arm, {target.R, target.p}, first, now);
         for (int round = 0; round < CORRECTIONS && known.open; ++round) decide(arm, target, now, known);
-        for (int b = 0; b < 8; ++b) {
-            double q[6];
-            for (int j = 0; j < 6; ++j) q[j] = known.q[j][b];
-            if (known.found >> b & 1) keep(columns, b, q, 0);
+        return known;
+    }
+
+    static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
+        const Seen<double> seen = to_frame_1(goal, arm.family.ideal);
+        unsigned open = 255;
+        if constexpr (!by_quartic) {
+            const Known known = decide_all(arm, seen);
+            open = known.open;
+            for (int b = 0; b < 8; ++b) {
+                double q[6];
+                for (int j = 0; j < 6; ++j) q[j] = known.q[j][b];
+                if (known.found >> b & 1) keep(columns, b, q, 0);
+            }
+            if (!open && columns.count() % 2 == 0) return;
         }
-        if (known.open || __builtin_popcount(known.found) % 2) columns.flags[15] = 128 | (known.open != 0);
+        const double off = arm.family.ideal.imperfection;
+        if (by_quartic || off < CLOSE_BY) Family::closely(arm.family, goal, seen, reference, columns, open);
+        complete(arm.elimination, goal, columns, by_quartic || off < FAR_OFF);
     }
 };
 

@@ -34,9 +34,6 @@ NAMES = tuple(
     for flip in ("noflip", "flip")
 )
 
-_TOLERANCES = (
-    "reach", "edge", "fold", "continuum", "singular", "duplicate", "rotation", "exact_rotation", "exact_structure"
-)  # fmt: skip
 # Below this a cosine or sine of a twist is rounding of zero: eight units in the last place of 1.
 _ROUNDING = 2e-15
 
@@ -138,7 +135,7 @@ def written_values(chain: Chain) -> dict[str, Any]:
         "steps": chain.motion.steps,
         "slides": chain.prismatic.astype(np.float64),
         "size": chain.size,
-        "tolerances": dict(zip(_TOLERANCES, DEFAULT.for_kernels().tolist(), strict=True)),
+        "tolerances": DEFAULT.for_solvers(),
     }
 
 
@@ -174,6 +171,7 @@ def ideal_values(frames: DHFrames, error: float, signs: Array, size: float) -> d
         "a": np.array(frames.a, dtype=np.float64),
         "d": np.array(frames.d[:4], dtype=np.float64),
         "offset": np.array(frames.offset, dtype=np.float64),
+        "steps": np.ascontiguousarray(np.array(frames.steps())[:, :3]),
         "size": size,
         "clamp": 100.0 * DEFAULT.fold if exact else 100.0 * DEFAULT.fold + 50.0 * error,
         "imperfection": 0.0 if exact else error,
