@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import re
-import sys
-import threading
-from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -14,7 +11,6 @@ from typing import IO, TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik import families, self_motion, velocity
-from urdf_ik._shares import in_shares
 from urdf_ik.chain import Chain
 from urdf_ik.cuspidality import is_cuspidal
 from urdf_ik.errors import JointVectorError, PoseError, UnsupportedArm
@@ -27,7 +23,7 @@ from urdf_ik.structure import Structure, analyse
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import ArrayLike, NDArray
 
@@ -53,7 +49,6 @@ class Arm:
         self.model = model
         self.chain = chain
         self.structure: Structure = analyse(chain)
-        self._no_reference = np.zeros(chain.n + 1)
         self._task_arms: dict[str, Arm] = {}
         self._core: Solver | None = None
         self._plan: Plan | RedundantPlan | None = families.choose(self.structure, chain)
@@ -71,7 +66,6 @@ class Arm:
             self._adopt(plan)
 
     def _adopt(self, plan: Plan | RedundantPlan) -> None:
-        self._solver, self._kernel, self._numbers = plan.solve, self._first_solve, plan.arm
         self._core = plan.solver
         self._branches, self._shape = plan.branches, (1, len(plan.branches), self.chain.n)
 
@@ -271,19 +265,8 @@ class Arm:
         threads: int,
     ) -> int:
         """Solve targets (m, ...), at these values of the redundancy parameter; index of the first bad one or -1."""
-        at = None if values is None else values.reshape(-1)
-        if self._core is not None:
-            return self._core.solve(stack, q_ref, q, flags, at, threads)
-        reference = self._no_reference if q_ref is None else np.append(q_ref, 1.0)
-
-        def solve(part: slice) -> int:
-            if at is None:
-                return self._kernel(stack[part], self._numbers, reference, q[part], flags[part])
-            solve_at = self._redundant_plan().solve_at
-            with nullcontext() if self._kernel is self._solver else self._patience():
-                return solve_at(stack[part], at[part], self._numbers, reference, q[part], flags[part])
-
-        return in_shares(solve, len(stack), threads)
+        assert self._core is not None  # an arm without a solver is refused before
+        return self._core.solve(stack, q_ref, q, flags, None if values is None else values.reshape(-1), threads)
 
     def redundancy_of(self, q: ArrayLike) -> NDArray[np.float64]:
         """Value of the redundancy parameter at joint vectors (..., 7), (...): ``ik`` finds them again at it.
@@ -350,7 +333,7 @@ class Arm:
         if self._plan is None:
             raise self._unsupported()
         if redundancy is None and not isinstance(self._plan, RedundantPlan):
-            return self._plan.why(target)
+            return self._plan.explain(target)
         return self_motion.explanation(self, self._redundant_plan(), target, redundancy)
 
     def _redundant_plan(self) -> RedundantPlan:
@@ -404,27 +387,6 @@ class Arm:
         """Raise the error that says what is wrong with the first bad pose."""
         check_poses(T)
         raise PoseError("a rotation that is neither orthonormal nor near it")
-
-    def _first_solve(self, *arguments: Any) -> int:
-        """Solve, and say so should the compiler take long; from then on the kernel is called directly."""
-        with self._patience():
-            return self._solver(*arguments)
-
-    @contextmanager
-    def _patience(self) -> Iterator[None]:
-        """Say on stderr what takes so long, should the first use of the solver take over two seconds."""
-        text = (
-            f"urdf-ik: compiling the solver for {self.structure.family!r} "
-            "(once on this machine, up to half a minute) ..."
-        )
-        timer = threading.Timer(2.0, lambda: print(text, file=sys.stderr, flush=True))
-        timer.daemon = True
-        timer.start()
-        try:
-            yield
-        finally:
-            timer.cancel()
-        self._kernel = self._solver
 
 
 def load(

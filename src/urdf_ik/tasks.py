@@ -120,7 +120,7 @@ class TaskArm(Arm):
             arm.structure, family=plan.family, method=plan.method, branches=plan.branches, imperfection=(0.0, 0.0)
         )
         self._plan = plan
-        self._takes_points = plan.solver is not None and plan.solver.numbers == _WIDTH["planar position"]
+        self._takes_points = plan.solver.numbers == _WIDTH["planar position"]
         self._adopt(plan)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -158,9 +158,7 @@ class TaskArm(Arm):
             raise PoseError(f"an array of shape {target.shape} given; explain takes a single target")
         assert isinstance(self._plan, Plan)
         pose = self._poses(target[None])[0]
-        if self._takes_points:
-            return self._plan.explain(pose[:3, :3], pose[:3, 3])
-        return self._plan.why(pose)
+        return self._plan.explain(pose)
 
     def _target(self, T: Any) -> Array:
         """A target, or a stack of them, as (..., k) float64 that nobody else writes to."""

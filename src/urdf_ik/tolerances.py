@@ -1,14 +1,12 @@
-"""Every numerical tolerance of the package, with its meaning. Lengths are relative to the arm's size.
-
-The kernels receive the first nine as part of their one array, in this order.
-"""
+"""Every numerical tolerance of the package, with its meaning. Lengths are relative to the arm's size."""
 
 from __future__ import annotations
 
-from dataclasses import astuple, dataclass
+from dataclasses import asdict, dataclass
 
-import numpy as np
-from numpy.typing import NDArray
+_OF_SOLVERS = (
+    "reach", "edge", "fold", "continuum", "singular", "duplicate", "rotation", "exact_rotation", "exact_structure"
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -49,9 +47,9 @@ class Tolerances:
     damped: float = 0.01
     damping: float = 0.01
 
-    def for_kernels(self) -> NDArray[np.float64]:
-        """(9,) the first nine values, in the order in which the kernels expect them."""
-        return np.array(astuple(self)[:9], dtype=np.float64)
+    def for_solvers(self) -> dict[str, float]:
+        """The nine that the compiled solvers compare with, by name."""
+        return {name: value for name, value in asdict(self).items() if name in _OF_SOLVERS}
 
 
 DEFAULT = Tolerances()

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik._kernels import completed as kernels
-from urdf_ik.families.few_joints import AXIS, POSE, Aim, columns, is_redundant, pack_chain
+from urdf_ik.families.few_joints import AXIS, POSE, Aim, columns, is_redundant
 from urdf_ik.families.nearest import off_by
 from urdf_ik.families.plan import Plan
 from urdf_ik.structure import analyse
@@ -91,16 +90,6 @@ def _plan(
         return None
     count = len(six.branches)
 
-    def solve(T: Array, arm: Array, q_ref: Array, Q: Array, flags: NDArray[np.uint8]) -> int:
-        Q6, flags6 = np.empty((len(T), count, 6)), np.empty((len(T), count), np.uint8)
-        reference = np.zeros(7)
-        reference[at : at + 5], reference[-1] = q_ref[:5], q_ref[-1]
-        bad = six.solve(T, six.arm, reference, Q6, flags6)
-        if bad < 0:
-            kernels.take_real(T, arm, Q6, flags6, at, Q, flags)
-        return bad
-
-    numbers = pack_chain(chain, aim.kind, aim.axis)
     most = 8 if aim.kind == POSE else count
     values = {"written": aim.written(chain), "six": six.solver, "at": at, "columns": most}
     return Plan(
@@ -109,8 +98,6 @@ def _plan(
         branches=columns(most),
         imperfection=six.imperfection,
         error=0.0,
-        arm=numbers,
-        solve=solve,
-        explain=lambda rotation, point: off_by(chain, aim, rotation, point),
-        solver=None if six.solver is None else Solver("completed", values),
+        explain=lambda T: off_by(chain, aim, T[:3, :3], T[:3, 3]),
+        solver=Solver("completed", values),
     )

@@ -13,9 +13,8 @@ import numpy as np
 from urdf_ik._core import Solver
 from urdf_ik.families import hollow_wrist
 from urdf_ik.families.few_joints import columns, is_redundant
-from urdf_ik.families.plan import Plan, as_target, by_solver, driven_values
+from urdf_ik.families.plan import Plan, driven_values
 from urdf_ik.mimic import MOST_TURNS, CoupledChain
-from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -49,9 +48,7 @@ def prepare(chain: Chain) -> Plan | None:
         branches=names,
         imperfection=(0.0, 0.0),
         error=0.0,
-        arm=as_target(chain),
-        solve=by_solver(solver),
-        explain=lambda rotation, point: _out_of_reach(chain, point),
+        explain=lambda T: _out_of_reach(chain, T[:3, 3]),
         solver=solver,
     )
 

@@ -57,6 +57,14 @@ def elimination_values(chain: Chain) -> dict[str, Any]:
     return {**common, **{name: values[chosen] for name, values in rows.items()}, "variants": len(chosen)}
 
 
+def first_in_doubt(values: dict[str, Any], chain: Chain, poses: int) -> int:
+    """Of how many random poses the way that is tried first gives cause for doubt."""
+    targets = np.ascontiguousarray(chain.fk(np.random.default_rng(0).uniform(-np.pi, np.pi, (poses, 6))))
+    counts, doubts = np.empty((values["variants"], poses), np.int64), np.empty((values["variants"], poses), np.uint8)
+    try_elimination(values, targets, counts, doubts)
+    return int(np.count_nonzero(doubts[0]))
+
+
 def _scaled(chain: Chain) -> tuple[Array, Array, Array, float]:
     """Axes with the origin in their midst and a mean distance of one: directions, points, centre, scale."""
     centre = chain.points.mean(axis=0)

@@ -1,7 +1,7 @@
 """Arms with one to five joints, turning or sliding, by the position of a point that the last turns leave in place.
 
 Of a pose the place of every point of the tip is known. A point on the last axis (where axes 4 and 5 of five joints
-meet) is placed by three joints, see _kernels/slide_position.py; the turns behind follow from the rotation. Arms with
+meet) is placed by three joints, see src/core/families/slide_position.hpp; the turns behind follow from the rotation. Arms with
 fewer joints get slides before the base, or a turn behind the tip, that have to stay at zero. Of the ways to do so,
 from base to tip and from tip to base, the one with the best conditioned position step is taken.
 """
@@ -15,9 +15,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik._kernels import few_joints as kernels
-from urdf_ik._kernels import layout
-from urdf_ik._kernels import slide_position as step
 from urdf_ik.families.nearest import off_by
 from urdf_ik.families.plan import Plan, written_values
 from urdf_ik.structure import closest_points
@@ -117,9 +114,7 @@ def prepare(structure: Structure, chain: Chain) -> Plan | None:
         branches=columns(_COLUMNS[chain.n]),
         imperfection=(0.0, 0.0),
         error=0.0,
-        arm=_pack(chain, kernels.POSE, chosen),
-        solve=kernels.solve,
-        explain=lambda rotation, point: off_by(chain, Aim(), rotation, point),
+        explain=lambda T: off_by(chain, Aim(), T[:3, :3], T[:3, 3]),
         solver=_solver(chain, Aim(), chosen, _COLUMNS[chain.n]),
     )
 
@@ -155,11 +150,6 @@ def prepare_planar(chain: Chain, normal: Array, heading: Array | None) -> Plan |
 
 
 def _task_plan(chain: Chain, aim: Aim, task: str, ways: list[_Way]) -> Plan:
-    arm = _pack(chain, aim.kind, ways)
-    if aim.normal is not None:
-        arm[kernels.NORMAL : kernels.NORMAL + 3] = aim.normal
-    if aim.axis is not None:
-        arm[kernels.AIMED : kernels.AIMED + 3] = aim.axis
     count = 4 if aim.kind == POSITION else 2
     return Plan(
         family=f"{kinds_of(chain)} {task}",
@@ -168,9 +158,7 @@ def _task_plan(chain: Chain, aim: Aim, task: str, ways: list[_Way]) -> Plan:
         branches=columns(count),
         imperfection=(0.0, 0.0),
         error=0.0,
-        arm=arm,
-        solve=kernels.solve,
-        explain=lambda rotation, point: off_by(chain, aim, rotation, point),
+        explain=lambda T: off_by(chain, aim, T[:3, :3], T[:3, 3]),
         solver=_solver(chain, aim, ways, count),
     )
 
@@ -202,24 +190,6 @@ def least_stretches(chain: Chain, J: Array) -> Array:
     scaled[:, 3:] = J[:, 3:]
     scaled[:, :, chain.prismatic] *= chain.size
     return np.asarray(np.linalg.svd(scaled, compute_uv=False)[:, -1], dtype=np.float64)
-
-
-def pack_chain(chain: Chain, kind: int, aimed: Array | None = None) -> Array:
-    """The numbers of the arm as written that every kernel for few joints needs."""
-    n = chain.n
-    arm = np.zeros(kernels.FIRST_VARIANT)
-    # The target as it stands: these kernels need no frames of their own.
-    arm[layout.BASE_ROTATION : layout.BASE_ROTATION + 9 : 4] = 1.0
-    arm[layout.TOOL_ROTATION : layout.TOOL_ROTATION + 9 : 4] = 1.0
-    arm[layout.SIZE] = chain.size
-    arm[layout.REACH : layout.REACH + 9] = DEFAULT.for_kernels()
-    arm[layout.H : layout.H + 3 * n] = chain.H.ravel()
-    arm[layout.P : layout.P + 3 * n + 3] = chain.P.ravel()
-    arm[layout.R_TIP : layout.R_TIP + 9] = chain.R_tip.ravel()
-    arm[kernels.JOINTS], arm[kernels.KIND] = n, kind
-    arm[kernels.AIMED : kernels.AIMED + 3] = np.zeros(3) if aimed is None else aimed
-    arm[kernels.SLIDING : kernels.SLIDING + n] = chain.prismatic
-    return arm
 
 
 def _joints(chain: Chain, size: float, is_reversed: bool = False) -> list[Joint]:
@@ -338,35 +308,6 @@ def step_values(joints: list[Joint], X: Array) -> dict[str, Any]:
         "points": np.array(points),
         "X": np.array(X, dtype=np.float64),
     }
-
-
-def _pack(chain: Chain, kind: int, ways: list[_Way]) -> Array:
-    arm = pack_chain(chain, kind)
-    arm[kernels.VARIANTS] = len(ways)
-    return np.concatenate([arm, *(_row(way) for way in ways)])
-
-
-def _row(way: _Way) -> Array:
-    """One variant, as _kernels/few_joints.py reads it."""
-    row = np.zeros(kernels.VARIANT)
-    first, second = way.joints[0], way.joints[1]
-    points = [joint.point for joint in way.joints[:3]]
-    if not first.slides and not second.slides:
-        points[:2] = feet(first.h, first.point, second.h, second.point)
-    for k, joint in enumerate(way.joints[:3]):
-        row[step.SLIDES + k] = joint.slides
-        row[step.DIRECTIONS + 3 * k : step.DIRECTIONS + 3 * k + 3] = joint.h
-        row[step.POINTS + 3 * k : step.POINTS + 3 * k + 3] = points[k]
-    row[step.POINT : step.POINT + 3] = way.X
-    row[kernels.REVERSED], row[kernels.TURNS] = way.is_reversed, len(way.joints) - 3
-    row[kernels.INDEX : kernels.INDEX + 5] = -1.0
-    for k, joint in enumerate(way.joints):
-        row[kernels.INDEX + k] = joint.index
-        if k > 2:
-            row[kernels.AXES + 3 * (k - 3) : kernels.AXES + 3 * (k - 3) + 3] = joint.h
-    row[kernels.HOME : kernels.HOME + 9] = way.chain.R_tip.ravel()
-    row[kernels.IN_TIP : kernels.IN_TIP + 3] = way.chain.R_tip.T @ (way.X - _tip(way.chain, way.size))
-    return row
 
 
 def feet(h: Array, p: Array, k: Array, q: Array) -> tuple[Array, Array]:

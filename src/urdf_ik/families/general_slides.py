@@ -8,12 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik._kernels import general_slides as kernels
-from urdf_ik._kernels import layout
-from urdf_ik._kernels import slides as wrist
 from urdf_ik.families.elimination import elimination_values
-from urdf_ik.families.few_joints import POSE, Aim, columns, is_redundant, kinds_of, pack_chain
-from urdf_ik.families.general_6r import with_elimination
+from urdf_ik.families.few_joints import Aim, columns, is_redundant, kinds_of
 from urdf_ik.families.nearest import off_by
 from urdf_ik.families.plan import Plan
 
@@ -24,9 +20,6 @@ if TYPE_CHECKING:
     from urdf_ik.structure import Structure
 
     Array = NDArray[np.float64]
-
-_ROWS_OF_A_WRIST = slice(wrist.STEP, wrist.LENGTH)
-
 
 def matches(structure: Structure) -> bool:
     """Whether six joints have one slide, or two that are not opposite in the loop: joints 1 and 4, 2 and 5, 3 and 6.
@@ -42,11 +35,6 @@ def prepare(chain: Chain) -> Plan | None:
     """The plan by elimination alone; None where the arm is redundant."""
     if is_redundant(chain):
         return None
-    solver = Solver("general slides", elimination_values(chain))
-
-    def solve(T: Array, arm: Array, q_ref: Array, Q: Array, flags: NDArray[np.uint8]) -> int:
-        return solver.solve(T, None, Q, flags)
-
     return Plan(
         family=f"{kinds_of(chain)} general",
         method="Elimination to one joint's value (Raghavan and Roth), a slide as tan(t / 2), Newton's method on the "
@@ -54,29 +42,17 @@ def prepare(chain: Chain) -> Plan | None:
         branches=columns(16),
         imperfection=(0.0, 0.0),
         error=0.0,
-        arm=_room(chain),
-        solve=solve,
-        explain=lambda rotation, point: off_by(chain, Aim(), rotation, point),
-        solver=solver,
+        solver=Solver("general slides", elimination_values(chain)),
+        explain=lambda T: off_by(chain, Aim(), T[:3, :3], T[:3, 3]),
+        by_elimination=True,
     )
 
 
 def behind(plan: Plan, chain: Chain) -> Plan:
     """The plan of an arm whose wrist meets only nearly, with elimination behind it."""
-    arm = _room(chain)
-    arm[_ROWS_OF_A_WRIST] = plan.arm[_ROWS_OF_A_WRIST]
-    arm[layout.CLAMP], arm[layout.IMPERFECTION] = plan.arm[layout.CLAMP], plan.arm[layout.IMPERFECTION]
     return replace(
         plan,
-        method=f"{plan.method}; what only the arm as written has by elimination",
+        method="Elimination to one joint's value (Raghavan and Roth), Newton's method on the URDF as written",
         branches=columns(16),
-        arm=with_elimination(arm, chain, kernels.trial),
-        solve=kernels.solve,
-        solver=None,
+        solver=Solver("general slides", elimination_values(chain)),
     )
-
-
-def _room(chain: Chain) -> Array:
-    """The numbers of an arm of few joints, with room up to those of the elimination."""
-    numbers = pack_chain(chain, POSE)
-    return np.concatenate([numbers, np.zeros(layout.LENGTH - len(numbers))])

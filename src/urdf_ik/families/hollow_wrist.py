@@ -14,7 +14,7 @@ import numpy as np
 from urdf_ik._core import Solver
 from urdf_ik.families import spherical_wrist
 from urdf_ik.families.few_joints import columns
-from urdf_ik.families.plan import Plan, as_target, by_solver, driven_values
+from urdf_ik.families.plan import Plan, driven_values
 from urdf_ik.structure import analyse
 from urdf_ik.tolerances import DEFAULT
 
@@ -38,14 +38,13 @@ def prepare(chain: CoupledChain) -> Plan:
     axes, values = _signed(chain), _samples(chain)
     cosine, along_4, along_7, apart = _crossings(axes, chain.gain, values)
     position = spherical_wrist.prepare(*_with_centre(axes, along_4[0]))
-    assert position.solver is not None  # a spherical wrist always has one
     tip = axes.points[6]
     home = axes.P.sum(axis=0)
     solver = Solver(
         "hollow wrist",
         {
             "written": driven_values(chain, np.ones(6)),
-            "position": position.solver.__reduce__()[1][1],
+            "position": position.solver.values,
             "samples": len(values),
             "value": values,
             "cosine": cosine,
@@ -65,9 +64,7 @@ def prepare(chain: CoupledChain) -> Plan:
         branches=columns(_COLUMNS),
         imperfection=(0.0, float(apart)),
         error=0.0,
-        arm=as_target(chain),
-        solve=by_solver(solver),
-        explain=lambda rotation, point: _out_of_reach(chain, point),
+        explain=lambda T: _out_of_reach(chain, T[:3, 3]),
         solver=solver,
     )
 

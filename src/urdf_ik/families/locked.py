@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik._kernels import general_6r, hidden_joint, layout, locked
+from urdf_ik.families.elimination import first_in_doubt
 from urdf_ik.families.plan import RedundantPlan
 from urdf_ik.redundancy import locked_joint
 from urdf_ik.structure import analyse
@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
     Choose = Callable[[Structure, Chain], Plan | None]
 
-# Targets that are moved and solved at a time: their joint vectors stay in the cache.
-_CHUNK = 1024
 # Poses by which the eliminations of both ends are compared: some 10 ms for each end.
 _TRIED = 200
 
@@ -54,45 +52,21 @@ def prepare(chain: Chain, choosers: Sequence[Choose]) -> RedundantPlan | None:
 
 def _cost(plan: Plan, chain: Chain) -> tuple[int, int]:
     """Order of the solvers: exact closed form, exact quartic, near an ideal arm; of eliminations the surer one."""
-    if plan.solve is general_6r.solve:
-        return 3, _doubts(plan.arm, chain)
+    if plan.by_elimination:
+        # The solver follows doubts up by its other variants; what it misses without one is rare.
+        return 3, first_in_doubt(plan.solver.values, chain, _TRIED)
     return int(plan.by_quartic) if plan.is_exact else 2, 0
-
-
-def _doubts(arm: Array, chain: Chain) -> int:
-    """Number of random poses at which the elimination's first variant gives cause for doubt.
-
-    The solver follows doubts up by its other variants; what it misses without one is rare, and goes along with them.
-    """
-    row = arm[layout.FIRST_VARIANT : layout.FIRST_VARIANT + hidden_joint.VARIANT]
-    targets = chain.fk(np.random.default_rng(0).uniform(-np.pi, np.pi, (_TRIED, 6)))
-    counts, doubts = np.empty(_TRIED, np.int64), np.empty(_TRIED, np.bool_)
-    general_6r.trial(arm, row, targets, counts, doubts)
-    return int(np.count_nonzero(doubts))
 
 
 def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
     parameter = locked_joint(chain, k)
     motion, turns, last = _motion_back(chain, k), not bool(chain.prismatic[k]), k > 0
-    others = np.array([i for i in range(8) if i != k])
     values = {"motion": motion, "turns": turns, "last": last, "value": parameter.default, "solver": plan.solver}
-
-    def solve_at(T: Array, values: Array, arm: Array, q_ref: Array, Q: Array, flags: NDArray[np.uint8]) -> int:
-        reference = q_ref[others]
-        for start in range(0, len(T), _CHUNK):
-            part = slice(start, min(start + _CHUNK, len(T)))
-            moved, six = np.empty_like(T[part]), np.empty((*flags[part].shape, 6))
-            locked.move_targets(T[part], values[part], motion, turns, last, moved)
-            bad = plan.solve(moved, arm, reference, six, flags[part])
-            if bad >= 0:
-                return start + bad
-            locked.insert_column(six, values[part], flags[part], turns, last, Q[part])
-        return -1
 
     def explain_at(T: Array, value: float) -> str:
         back = np.eye(4)
         back[:3] = np.tensordot([1.0, np.cos(value), np.sin(value)] if turns else [1.0, value, 0.0], motion, 1)
-        return f"with {parameter.joint!r} at {value:.6g} {parameter.unit}: {plan.why(T @ back if last else back @ T)}"
+        return f"with {parameter.joint!r} at {value:.6g} {parameter.unit}: {plan.explain(T @ back if last else back @ T)}"
 
     return RedundantPlan(
         family=f"7R, joint {k + 1} given: {plan.family}" if turns else f"6R on a slide: {plan.family}",
@@ -100,12 +74,10 @@ def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
         branches=plan.branches,
         imperfection=plan.imperfection,
         error=plan.error,
-        arm=plan.arm,
+        solver=Solver("one joint given", values),
         parameter=parameter,
-        solve_at=solve_at,
         value_of=lambda Q: parameter.wrapped(Q[:, k]),
         explain_at=explain_at,
-        solver=plan.solver and Solver("one joint given", values),
     )
 
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik._kernels import layout
-from urdf_ik._kernels import planar as kernels
 from urdf_ik.families import few_joints
+from urdf_ik.families.plan import seen_in_frame_1
 from urdf_ik.plane import axes_across
 from urdf_ik.tolerances import DEFAULT
 
@@ -36,10 +35,9 @@ def prepare(structure: Structure, chain: Chain) -> Plan | None:
     plan = few_joints.prepare(structure, chain)
     if plan is None:
         return None
-    packed = _pack(chain, plan.arm)
-    if packed is None:
+    values = _values(chain)
+    if values is None:
         return None
-    arm = packed
     slide = "height by the slide, " if chain.prismatic.any() else ""
     last = ", the last joint turns the tip" if np.count_nonzero(~chain.prismatic) == 3 else ""
     return replace(
@@ -47,10 +45,8 @@ def prepare(structure: Structure, chain: Chain) -> Plan | None:
         family=f"{few_joints.kinds_of(chain)} {'SCARA' if slide else 'planar'}",
         method=f"Closed form: {slide}elbow by the law of cosines{last}",
         branches=_ELBOW,
-        arm=arm,
-        solve=kernels.solve,
-        explain=lambda rotation, point: _explain(chain, arm, rotation, point),
-        solver=_solver("planar", plan, arm, chain.n),
+        solver=Solver("planar", plan.solver.values | values),
+        explain=seen_in_frame_1(values["ideal"], lambda rotation, point: _explain(chain, values, rotation, point)),
     )
 
 
@@ -58,41 +54,16 @@ def for_points(chain: Chain, plan: Plan) -> Plan:
     """The plan of two joints for points in the plane, faster where the arm is exactly planar."""
     if not _matches(chain) or chain.n != 2:
         return plan
-    packed = _pack(chain, plan.arm)
-    if packed is None:
+    values = _values(chain)
+    if values is None:
         return plan
-    arm = packed
     return replace(
         plan,
         method="Closed form: elbow by the law of cosines",
         branches=_ELBOW,
-        arm=arm,
-        solve=kernels.solve_points,
-        explain=lambda rotation, point: _explain(chain, arm, None, _in_frame(arm, point)),
-        solver=_solver("planar points", plan, arm, chain.n),
+        solver=Solver("planar points", plan.solver.values | values),
+        explain=lambda T: _explain(chain, values, None, _in_frame(values["ideal"], T[:3, 3])),
     )
-
-
-def _solver(kind: str, plan: Plan, arm: Array, n: int) -> Solver:
-    """The compiled solver, which asks the one of ``plan`` where it is in doubt."""
-    assert plan.solver is not None
-    values = plan.solver.__reduce__()[1][1]
-    ideal = {
-        "base_rotation": arm[layout.BASE_ROTATION : layout.BASE_ROTATION + 9],
-        "base_origin": arm[layout.BASE_ORIGIN : layout.BASE_ORIGIN + 3],
-        "tool_rotation": arm[layout.TOOL_ROTATION : layout.TOOL_ROTATION + 9],
-        "tool_point": arm[layout.TOOL_POINT : layout.TOOL_POINT + 3],
-    }
-    own = {
-        "number": n,
-        "ideal": {name: value.copy() for name, value in ideal.items()},
-        "links": arm[kernels.LINK : kernels.LINK + 2].copy(),
-        "angles": arm[kernels.ANGLE : kernels.ANGLE + 2].copy(),
-        "bend": float(arm[kernels.BEND]),
-        "signs": arm[kernels.SIGN : kernels.SIGN + 4].copy(),
-        "joints": arm[kernels.COLUMN : kernels.COLUMN + 4].copy(),
-    }
-    return Solver(kind, values | own)
 
 
 def _matches(chain: Chain) -> bool:
@@ -104,8 +75,8 @@ def _matches(chain: Chain) -> bool:
     return bool(np.linalg.norm(np.cross(chain.H, normal), axis=1).max() < DEFAULT.exact_structure)
 
 
-def _pack(chain: Chain, given: Array) -> Array | None:
-    """``given`` with the plane's frame and the links; None where a link is too short."""
+def _values(chain: Chain) -> dict[str, Any] | None:
+    """The plane's frame and the links, as the compiled solver takes them; None where a link is too short."""
     turning = np.flatnonzero(~chain.prismatic)
     axes = axes_across(chain.H[turning[0]])
     B = np.array([*axes, np.cross(*axes)])
@@ -117,38 +88,43 @@ def _pack(chain: Chain, given: Array) -> Array | None:
     if lengths.min() < _SHORT * chain.size:
         return None
     angles = np.arctan2(links[:, 1], links[:, 0])
-    arm = given.copy()
-    arm[layout.BASE_ROTATION : layout.BASE_ROTATION + 9] = B.ravel()
-    # Heights are measured from where the end of the links is at q = 0.
-    arm[layout.BASE_ORIGIN : layout.BASE_ORIGIN + 3] = joints[0] + ((end - joints[0]) @ B[2]) * B[2]
-    arm[layout.TOOL_ROTATION : layout.TOOL_ROTATION + 9] = (chain.R_tip.T @ B.T).ravel()
-    arm[layout.TOOL_POINT : layout.TOOL_POINT + 3] = chain.R_tip.T @ (end - tip)
-    arm[kernels.LINK : kernels.LINK + 2], arm[kernels.ANGLE : kernels.ANGLE + 2] = lengths, angles
-    arm[kernels.BEND] = math.remainder(angles[1] - angles[0], 2.0 * math.pi)
-    arm[kernels.COLUMN : kernels.COLUMN + 4] = -1.0
+    signs, column = np.zeros(4), np.full(4, -1.0)
     slides = np.flatnonzero(chain.prismatic)
     for k, joint in [*enumerate(turning), *((3, joint) for joint in slides)]:
-        arm[kernels.SIGN + k] = np.sign(chain.H[joint] @ B[2])
-        arm[kernels.COLUMN + k] = joint
-    return arm
+        signs[k], column[k] = np.sign(chain.H[joint] @ B[2]), joint
+    ideal = {
+        "base_rotation": B,
+        # Heights are measured from where the end of the links is at q = 0.
+        "base_origin": joints[0] + ((end - joints[0]) @ B[2]) * B[2],
+        "tool_rotation": np.ascontiguousarray(chain.R_tip.T @ B.T),
+        "tool_point": chain.R_tip.T @ (end - tip),
+    }
+    return {
+        "number": chain.n,
+        "ideal": ideal,
+        "links": lengths,
+        "angles": angles,
+        "bend": math.remainder(angles[1] - angles[0], 2.0 * math.pi),
+        "signs": signs,
+        "joints": column,
+    }
 
 
-def _in_frame(arm: Array, point: Array) -> Array:
-    B = arm[layout.BASE_ROTATION : layout.BASE_ROTATION + 9].reshape(3, 3)
-    out: Array = B @ (point - _first_axis(arm))
+def _in_frame(ideal: dict[str, Any], point: Array) -> Array:
+    out: Array = ideal["base_rotation"] @ (point - ideal["base_origin"])
     return out
 
 
-def _explain(chain: Chain, arm: Array, rotation: Array | None, point: Array) -> str:
+def _explain(chain: Chain, values: dict[str, Any], rotation: Array | None, point: Array) -> str:
     """What does not fit of a target in the plane's frame: tilt, height, distance, turn."""
     tilt = 0.0 if rotation is None else math.atan2(math.hypot(rotation[0, 2], rotation[1, 2]), rotation[2, 2])
     if tilt > DEFAULT.reach:
         return f"the tip is tilted by {tilt:.3g} rad, and its joints turn it only about axis 1"
-    if rotation is not None and arm[kernels.COLUMN + 3] < 0.0 and abs(point[2]) > DEFAULT.reach * chain.size:
+    if rotation is not None and values["joints"][3] < 0.0 and abs(point[2]) > DEFAULT.reach * chain.size:
         return f"the tip is {abs(point[2]):.6g} m {'above' if point[2] > 0.0 else 'below'} the plane that it moves in"
-    a, b = arm[kernels.LINK : kernels.LINK + 2]
+    a, b = values["links"]
     far = math.hypot(point[0], point[1])
-    end = "axis 3" if arm[kernels.COLUMN + 2] >= 0.0 else "the tip"
+    end = "axis 3" if values["joints"][2] >= 0.0 else "the tip"
     if far > a + b:
         return f"{end} is {far:.6g} m from axis 1, reach {a + b:.6g} m"
     if far < abs(a - b):
@@ -158,14 +134,8 @@ def _explain(chain: Chain, arm: Array, rotation: Array | None, point: Array) -> 
     ahead = math.atan2(point[1], point[0])
     bend = math.acos(max(-1.0, min(1.0, (far**2 - a**2 - b**2) / (2.0 * a * b))))
     inner = math.atan2(b * math.sin(bend), a + b * math.cos(bend))
-    at_zero = float(arm[kernels.ANGLE + 1])
+    at_zero = float(values["angles"][1])
     # The second link's direction is the line's to the point, and what is left of the bend on either side of it.
     off = [turn + at_zero - (ahead + sign * (bend - inner)) for sign in (1.0, -1.0)]
     least = min(abs(math.remainder(each, 2.0 * math.pi)) for each in off)
     return f"with the tip there its turn about axis 1 is {least:.3g} rad off, and no joint is left to change that"
-
-
-def _first_axis(arm: Array) -> Array:
-    """A point (3,) m on axis 1, as high as the end of the links."""
-    out: Array = arm[layout.BASE_ORIGIN : layout.BASE_ORIGIN + 3]
-    return out

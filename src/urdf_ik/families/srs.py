@@ -77,21 +77,16 @@ def prepare(structure: Structure, chain: Chain) -> RedundantPlan | None:
     }
     solver = Solver("S-R-S" if exact else "S-R-S, nearly", values)
 
-    def solve_at(T: Array, at: Array, arm: Array, q_ref: Array, Q: Array, flags: NDArray[np.uint8]) -> int:
-        return solver.solve(T, q_ref[:7].copy() if q_ref[7] else None, Q, flags, at)
-
     return RedundantPlan(
         family="7R S-R-S",
         method=method_in_words(_STEPS, error),
         branches=NAMES if exact else NAMES + tuple(f"further {k}" for k in range(1, 9)),
         imperfection=(0.0, max(shoulder.imperfection, wrist.imperfection)),
         error=error,
-        arm=np.zeros(0),
+        solver=solver,
         parameter=swivel_of(chain.joint_names[3]),
-        solve_at=solve_at,
         value_of=lambda Q: _swivels(chain, ends, Q),
         explain_at=lambda T, value: _explain(values, T, value),
-        solver=solver,
     )
 
 

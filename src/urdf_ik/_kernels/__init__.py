@@ -1,1 +1,0 @@
-"""Compiled numerics: arrays in, arrays out, no objects."""
