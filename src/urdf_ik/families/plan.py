@@ -145,7 +145,7 @@ def ideal_frames(
     home[:3, :3], home[:3, 3] = local.R_tip, local.P.sum(axis=0)
     frames = denavit_hartenberg(directions, points - mount, home, parallel, meet)
     Q = np.random.default_rng(0).uniform(-np.pi, np.pi, (12, chain.n))
-    apart = np.array([frames.fk(q) for q in Q]) - local.fk(Q)
+    apart = frames.fk(Q) - local.fk(Q)
     apart[:, :3, 3] /= chain.size
     frames.base[:3, 3] += mount
     return frames, float(np.abs(apart).max())
@@ -283,8 +283,7 @@ def _drift(chain: Chain, frames: DHFrames) -> float:
     inward = np.linalg.inv(frames.base)
 
     def between(Q: Array) -> Array:
-        ideal = np.array([frames.fk(q) for q in Q])
-        motions: Array = inward @ ideal @ np.linalg.inv(chain.fk(Q)) @ frames.base
+        motions: Array = inward @ frames.fk(Q) @ np.linalg.inv(chain.fk(Q)) @ frames.base
         return motions
 
     change = between(moved) - between(Q)
