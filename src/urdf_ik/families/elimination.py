@@ -78,8 +78,8 @@ def _scaled(chain: Chain) -> tuple[Array, Array, Array, float]:
 def _chosen(counts: NDArray[np.int64], doubt: NDArray[np.bool_]) -> list[int]:
     """Which variants to keep, by what they found of planted poses and at which of these they were in doubt.
 
-    What counts most is that a variant does not miss a solution without giving cause for doubt, then that it gives little
-    cause; those after the first are chosen by the poses that were left in doubt.
+    What counts most is that a variant does not miss a solution without giving cause for doubt, then that it gives
+    little cause; those after the first are chosen by the poses that were left in doubt.
     """
     missed = counts.max(axis=0) - counts
     chosen: list[int] = []

@@ -31,12 +31,12 @@ def prepare(plan: Plan, chain: Chain) -> Plan:
 
 
 def _solver(ideal: Solver, chain: Chain) -> Solver:
-    values = {"family": ideal.values, "elimination": elimination_values(chain), **_both_arms(ideal.values["ideal"], chain)}
-    return Solver(f"imperfect {ideal.kind}", values)
+    values = {"family": ideal.values, "elimination": elimination_values(chain)}
+    return Solver(f"imperfect {ideal.kind}", values | _both_arms(ideal.values["ideal"], chain))
 
 
 def _both_arms(ideal: dict[str, Any], chain: Chain) -> dict[str, Any]:
-    """The arm as written and the ideal one, both from the ideal arm's frame 1 to its frame 6, and how they drift apart."""
+    """The arm as written and the ideal one, from the ideal arm's frame 1 to its frame 6, and how they drift apart."""
     base, tool = np.eye(4), np.eye(4)
     base[:3, :3], base[:3, 3] = ideal["base_rotation"].T, ideal["base_origin"]
     tool[:3, :3], tool[:3, 3] = ideal["tool_rotation"].T, -ideal["tool_rotation"].T @ ideal["tool_point"]
@@ -47,7 +47,7 @@ def _both_arms(ideal: dict[str, Any], chain: Chain) -> dict[str, Any]:
 
 
 def _drift(inner: Array, ideal: Array, size: float) -> float:
-    """Greatest change of the motion between the two arms' tips, over sampled joint vectors [rad, share of size; a rad]."""
+    """Greatest change of the motion between the two arms' tips over joint vectors [rad and share of size a rad]."""
     rng = np.random.default_rng(1)
     Q = rng.uniform(-np.pi, np.pi, (60, 6))
     shift = 1e-3

@@ -66,7 +66,8 @@ def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
     def explain_at(T: Array, value: float) -> str:
         back = np.eye(4)
         back[:3] = np.tensordot([1.0, np.cos(value), np.sin(value)] if turns else [1.0, value, 0.0], motion, 1)
-        return f"with {parameter.joint!r} at {value:.6g} {parameter.unit}: {plan.explain(T @ back if last else back @ T)}"
+        why = plan.explain(T @ back if last else back @ T)
+        return f"with {parameter.joint!r} at {value:.6g} {parameter.unit}: {why}"
 
     return RedundantPlan(
         family=f"7R, joint {k + 1} given: {plan.family}" if turns else f"6R on a slide: {plan.family}",

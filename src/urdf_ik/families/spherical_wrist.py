@@ -119,7 +119,7 @@ def _front(chain: Chain, frames: DHFrames, centre: Array) -> float:
 
 
 def _values(ideal: dict[str, Any], shoulder: str, ahead: float) -> dict[str, Any]:
-    """The family's own numbers, see src/core/families/spherical_wrist_arm.hpp. ``ahead``: side of x that is the front."""
+    """The family's numbers, see src/core/families/spherical_wrist_arm.hpp. ``ahead``: side of x that is the front."""
     a, d, ca, sa = (ideal[name] for name in ("a", "d", "cos_alpha", "sin_alpha"))
     centre = np.array([a[2], -sa[2] * d[2], ca[2] * d[2]])
     rho, phi = math.hypot(centre[0], centre[1]), math.atan2(centre[1], centre[0])
