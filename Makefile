@@ -12,7 +12,7 @@ PYTHON ?= $(shell $(FIND_PYTHON))
 PIP = $(BIN)/python -m pip --quiet --disable-pip-version-check
 WITH_COMPILER = $(BIN)/python tools/with_compiler.py
 # What builds the core stays in .venv, so that changes can be built at any time.
-INSTALL = $(WITH_COMPILER) $(PIP) install --no-build-isolation --editable
+INSTALL = $(WITH_COMPILER) --here $(PIP) install --no-build-isolation --editable
 BUILD_NEEDS = import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], "cmake", "ninja")
 
 CORE = $(wildcard src/core/*.[ch]pp src/core/*/*.[ch]pp)

@@ -57,9 +57,10 @@ def solve_all(answers: str, targets: str, m: str) -> None:
         T, free = made[f"{name}/T"], made[f"{name}/free"]
         q, flags = solve(arm, T, free)
         found[f"{name}/q"], found[f"{name}/flags"], found[f"{name}/again"] = q, flags, ""
+        single = [solve(arm, *each) for each in zip(T, free, strict=True)]
         others = {
             "three threads": solve(arm, T, free, threads=3),
-            "one by one": tuple(map(np.array, zip(*(solve(arm, *each) for each in zip(T, free, strict=True)), strict=True))),
+            "one by one": tuple(map(np.array, zip(*single, strict=True))),
             "another place": tuple(a[-7:] for a in solve(arm, np.roll(T, -7, axis=0), np.roll(free, -7))),
         }
         for how, (again, marks) in others.items():

@@ -1,16 +1,20 @@
 """Runs a command with a C++20 compiler: the machine's, or Zig's from PyPI where the machine has none.
 
-    python tools/with_compiler.py python -m pip install --no-build-isolation --editable .
+    python tools/with_compiler.py [--here] python -m pip install --no-build-isolation --editable .
 
 The compiler is $CXX, c++, g++ or clang++, the first that compiles what the core needs. Where none does, `ziglang` is
 installed into this Python's environment, with small scripts that call it as c++, ar and ranlib; CXX, AR and RANLIB name
 them to the command. Programs of this Python's environment (cmake, ninja) are on the command's path.
+
+Zig takes minutes for a solver. With --here it builds the core for this machine's processor only, unless CMAKE_ARGS
+names instruction sets.
 """
 
 from __future__ import annotations
 
 import importlib.util
 import os
+import platform
 import shutil
 import subprocess
 import sys
@@ -30,12 +34,12 @@ int main() { return int(swapped<double>(Two{0, 1})[1]) + int(std::vector<int>().
 
 
 def compiles(compiler: str) -> bool:
-    """Whether a compiler is there and compiles, and links, what the core needs."""
+    """Whether a compiler is there and compiles what the core needs."""
     with tempfile.TemporaryDirectory() as folder:
         source = Path(folder, "probe.cpp")
         source.write_text(PROBE)
         try:
-            command = [*compiler.split(), "-std=c++20", str(source), "-o", str(Path(folder, "probe"))]
+            command = [*compiler.split(), "-std=c++20", "-O3", "-c", str(source), "-o", str(Path(folder, "probe.o"))]
             return subprocess.run(command, capture_output=True, check=False).returncode == 0
         except OSError:
             return False
@@ -70,7 +74,25 @@ def zig_scripts() -> dict[str, str]:
     return found
 
 
-def environment() -> dict[str, str]:
+def this_level() -> str:
+    """The x86-64 level of this machine's processor, the highest that the core is built for."""
+    flags: set[str] = set()
+    if (known := Path("/proc/cpuinfo")).is_file():
+        flags = {flag for line in known.read_text().splitlines() if line.startswith("flags") for flag in line.split()}
+    if not {"avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe"} <= flags:
+        return "v2"
+    return "v4" if {f"avx512{part}" for part in ("f", "bw", "cd", "dq", "vl")} <= flags else "v3"
+
+
+def zig_environment(here: bool) -> dict[str, str]:
+    """What Zig needs in the environment, and with ``here`` the instruction set of this machine."""
+    found, given = zig_scripts(), os.environ.get("CMAKE_ARGS", "")
+    if here and platform.machine() in ("x86_64", "AMD64") and "URDF_IK_LEVELS" not in given:
+        found["CMAKE_ARGS"] = f"{given} -DURDF_IK_LEVELS={this_level()}".strip()
+    return found
+
+
+def environment(here: bool) -> dict[str, str]:
     """The environment of a command that compiles."""
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", os.defpath)])
     env = os.environ | {"PATH": path}
@@ -82,10 +104,12 @@ def environment() -> dict[str, str]:
     for name in ("c++", "g++", "clang++"):
         if (compiler := shutil.which(name)) and compiles(compiler):
             return env | {"CXX": compiler}
-    return env | zig_scripts()
+    return env | zig_environment(here)
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 2:
+    only_here = sys.argv[1:2] == ["--here"]
+    wanted = sys.argv[2:] if only_here else sys.argv[1:]
+    if not wanted:
         sys.exit(__doc__)
-    sys.exit(subprocess.run(sys.argv[1:], env=environment(), check=False).returncode)
+    sys.exit(subprocess.run(wanted, env=environment(only_here), check=False).returncode)

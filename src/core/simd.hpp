@@ -160,7 +160,7 @@ template <int L, int K> STEP Pack<L, K> select(const Mask<L, K>& m, double a, co
 // The smaller and the greater of two numbers; the second where one is NaN.
 template <int L, int K> STEP Pack<L, K> min(Pack<L, K> a, const Pack<L, K>& b) {
     for (int k = 0; k < K; ++k) {
-        using R = typename Register<L>::type;
+        using R [[maybe_unused]] = typename Register<L>::type;
 #if defined(__AVX512F__)
         if constexpr (L == 8) a.r[k] = (R)_mm512_maskz_min_pd(0xff, (__m512d)a.r[k], (__m512d)b.r[k]);
 #endif
@@ -177,7 +177,7 @@ template <int L, int K> STEP Pack<L, K> min(Pack<L, K> a, const Pack<L, K>& b) {
 }
 template <int L, int K> STEP Pack<L, K> max(Pack<L, K> a, const Pack<L, K>& b) {
     for (int k = 0; k < K; ++k) {
-        using R = typename Register<L>::type;
+        using R [[maybe_unused]] = typename Register<L>::type;
 #if defined(__AVX512F__)
         if constexpr (L == 8) a.r[k] = (R)_mm512_maskz_max_pd(0xff, (__m512d)a.r[k], (__m512d)b.r[k]);
 #endif
@@ -197,7 +197,7 @@ template <int L, int K> STEP Pack<L, K> max(const Pack<L, K>& a, double b) { ret
 
 template <int L, int K> STEP Pack<L, K> sqrt(Pack<L, K> a) {
     for (int k = 0; k < K; ++k) {
-        using R = typename Register<L>::type;
+        using R [[maybe_unused]] = typename Register<L>::type;
 #if defined(__AVX512F__)
         if constexpr (L == 8) a.r[k] = (R)_mm512_maskz_sqrt_pd(0xff, (__m512d)a.r[k]);
 #endif
@@ -218,7 +218,7 @@ template <int L, int K> STEP Pack<L, K> sqrt(Pack<L, K> a) {
 template <int L, int K> STEP Pack<L, K> inverse(Pack<L, K> a) {
 #if defined(__AVX512F__)
     for (int k = 0; k < K; ++k) {
-        using R = typename Register<L>::type;
+        using R [[maybe_unused]] = typename Register<L>::type;
         const R x = a.r[k];
         R y;
         if constexpr (L == 8) y = (R)_mm512_rcp14_pd((__m512d)x);
@@ -235,7 +235,7 @@ template <int L, int K> STEP Pack<L, K> inverse(Pack<L, K> a) {
 template <int L, int K> STEP Pack<L, K> inverse_sqrt(Pack<L, K> a) {
 #if defined(__AVX512F__)
     for (int k = 0; k < K; ++k) {
-        using R = typename Register<L>::type;
+        using R [[maybe_unused]] = typename Register<L>::type;
         const R half = 0.5 * a.r[k];
         R y;
         if constexpr (L == 8) y = (R)_mm512_rsqrt14_pd((__m512d)a.r[k]);
@@ -287,7 +287,7 @@ template <int L, int K> STEP Pack<L, K> copysign(Pack<L, K> a, const Pack<L, K>&
 template <int L, int K> STEP Pack<L, K> rough_inverse(Pack<L, K> a) {
     for (int k = 0; k < K; ++k) {
 #if defined(__AVX512F__)
-        using R = typename Register<L>::type;
+        using R [[maybe_unused]] = typename Register<L>::type;
         if constexpr (L == 8) a.r[k] = (R)_mm512_maskz_rcp14_pd(0xff, (__m512d)a.r[k]);
         else if constexpr (L == 4) a.r[k] = (R)_mm256_rcp14_pd((__m256d)a.r[k]);
         else a.r[k] = (R)_mm_rcp14_pd((__m128d)a.r[k]);

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik._core import Solver
 from urdf_ik._kernels import locked
 from urdf_ik.families.elimination import doubts
 from urdf_ik.families.plan import RedundantPlan
@@ -62,8 +63,9 @@ def _cost(plan: Plan, chain: Chain) -> tuple[int, int]:
 
 def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
     parameter = locked_joint(chain, k)
-    motion, turns, last = _motion_back(chain, k), not chain.prismatic[k], k > 0
+    motion, turns, last = _motion_back(chain, k), not bool(chain.prismatic[k]), k > 0
     others = np.array([i for i in range(8) if i != k])
+    values = {"motion": motion, "turns": turns, "last": last, "value": parameter.default, "solver": plan.solver}
 
     def solve_at(T: Array, values: Array, arm: Array, q_ref: Array, Q: Array, flags: NDArray[np.uint8]) -> int:
         reference = q_ref[others]
@@ -78,9 +80,9 @@ def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
         return -1
 
     def explain_at(T: Array, value: float) -> str:
-        moved = np.empty((1, 4, 4))
-        locked.move_targets(T[None], np.array([value]), motion, turns, last, moved)
-        return f"with {parameter.joint!r} at {value:.6g} {parameter.unit}: {plan.why(moved[0])}"
+        back = np.eye(4)
+        back[:3] = np.tensordot([1.0, np.cos(value), np.sin(value)] if turns else [1.0, value, 0.0], motion, 1)
+        return f"with {parameter.joint!r} at {value:.6g} {parameter.unit}: {plan.why(T @ back if last else back @ T)}"
 
     return RedundantPlan(
         family=f"7R, joint {k + 1} given: {plan.family}" if turns else f"6R on a slide: {plan.family}",
@@ -93,6 +95,7 @@ def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
         solve_at=solve_at,
         value_of=lambda Q: parameter.wrapped(Q[:, k]),
         explain_at=explain_at,
+        solver=plan.solver and Solver("one joint given", values),
     )
 
 
