@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +14,6 @@ from oracle import Oracle, angle_distance
 
 import urdf_ik
 from urdf_ik import JointVectorError, UnsupportedArm
-from urdf_ik.families import srs
 
 # What each kind is solved as: the family, the joint that is given.
 EXPECTED = {
@@ -40,6 +40,12 @@ def draw(case: Case, seed: int, m: int) -> tuple[Array, Array, Array]:
     """Joint vectors (m, 7) over the whole torus, their poses by Pinocchio, their values of the parameter."""
     q = case.oracle.draw(np.random.default_rng(seed), m)
     return q, case.oracle.poses(q), case.arm.redundancy_of(q)
+
+
+def numbers_of(case: Case) -> dict[str, Any]:
+    """What an S-R-S arm's solver was made from."""
+    numbers: dict[str, Any] = case.arm._plan.solver.__reduce__()[1][1]
+    return numbers
 
 
 def tolerance(case: Case, q: Array) -> float:
@@ -229,17 +235,17 @@ def test_near_singularities(where: str, distance: float, seed: int) -> None:
     """Stretched, folded, aligned, above the base: exact, without duplicates, marked; found again where it can be."""
     kind = SWIVELLING[seed % 2]
     case = member(kind, seed, True, seed == 3)
-    numbers = case.arm._plan.arm
-    straight = -numbers[srs.kernels.ZERO_4]
+    numbers = numbers_of(case)
+    straight = -numbers["zero_4"]
     for q in case.oracle.draw(np.random.default_rng(seed), 4):
         if where in ("elbow stretched", "all"):
             q[3] = straight + distance
         if where == "elbow folded":
             q[3] = straight + np.pi + distance
         if where in ("shoulder", "all"):
-            q[1] = -numbers[srs.kernels.SHOULDER + 4] + distance
+            q[1] = -numbers["shoulder"]["shift"] + distance
         if where in ("wrist", "all"):
-            q[5] = -numbers[srs.kernels.WRIST + 4] + distance
+            q[5] = -numbers["wrist"]["shift"] + distance
         if where == "on axis 1":
             q = above_the_base(case, q)
             if q is None:
@@ -296,8 +302,8 @@ def above_the_base(case: Case, q: Array) -> Array | None:
 def test_representatives_follow_the_reference() -> None:
     """At an aligned shoulder and wrist the joints that only count together stand at zero, or near ``q_ref``."""
     case = member("S-R-S", 1, True, True)
-    numbers = case.arm._plan.arm
-    q = np.array([0.4, -numbers[srs.kernels.SHOULDER + 4], 0.7, 1.1, -0.3, -numbers[srs.kernels.WRIST + 4], 0.9])
+    numbers = numbers_of(case)
+    q = np.array([0.4, -numbers["shoulder"]["shift"], 0.7, 1.1, -0.3, -numbers["wrist"]["shift"], 0.9])
     T, value = case.oracle.pose(q), float(case.arm.redundancy_of(q))
     at_zero = assert_exact(case, case.arm.ik(T, redundancy=value), T)
     assert np.abs(at_zero[:, 0]).min() < 1e-12

@@ -8,6 +8,8 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
+extern const CoupledSolvers coupled_solvers;
+extern const OneGivenSolvers one_given_solvers;
 extern const ChainFunctions chain_functions;
 extern const ParallelShoulderSolvers parallel_shoulder_solvers;
 extern const EliminationSolvers elimination_solvers;
@@ -16,11 +18,14 @@ extern const ReversedSteps reversed_steps;
 extern const SphericalMiddleSolvers spherical_middle_solvers;
 extern const Steps steps;
 extern const SphericalWristSolvers spherical_wrist_solvers;
+extern const SrsSolvers srs_solvers;
 extern const ThreeParallelSolvers three_parallel_solvers;
 
 extern const LevelTable table;
 const LevelTable table = {
     URDF_IK_TEXT(URDF_IK_LEVEL),
+    &coupled_solvers,
+    &one_given_solvers,
     &chain_functions,
     &steps,
     &parallel_shoulder_solvers,
@@ -28,6 +33,7 @@ const LevelTable table = {
     &reversed_steps,
     &spherical_middle_solvers,
     &spherical_wrist_solvers,
+    &srs_solvers,
     &three_parallel_solvers,
     &elimination_solvers,
 };

@@ -1,6 +1,8 @@
 // What a build for one instruction set offers: the solvers of each unit, by pointer. Plain data.
 #pragma once
 
+#include "families/coupled_arm.hpp"
+#include "families/one_given_arm.hpp"
 #include "chain_arm.hpp"
 #include "families/parallel_shoulder_arm.hpp"
 #include "families/elimination_arm.hpp"
@@ -8,6 +10,7 @@
 #include "families/reversed.hpp"
 #include "families/spherical_middle_arm.hpp"
 #include "families/spherical_wrist_arm.hpp"
+#include "families/srs_arm.hpp"
 #include "families/three_parallel_arm.hpp"
 #include "steps.hpp"
 
@@ -15,6 +18,8 @@ namespace urdf_ik {
 
 struct LevelTable {
     const char* name;
+    const CoupledSolvers* coupled;
+    const OneGivenSolvers* one_given;
     const ChainFunctions* chain;
     const Steps* steps;
     const ParallelShoulderSolvers* parallel_shoulder;
@@ -22,6 +27,7 @@ struct LevelTable {
     const ReversedSteps* reversed;
     const SphericalMiddleSolvers* spherical_middle;
     const SphericalWristSolvers* spherical_wrist;
+    const SrsSolvers* srs;
     const ThreeParallelSolvers* three_parallel;
     const EliminationSolvers* elimination;
 };

@@ -92,6 +92,19 @@ STEP WristTurns<V> wrist_turns(const Rot<V>& M, const Turn<V>& bend, const Twist
     return {f, {dot(v, M.x), -dot(v, M.y)}, X * X + Y * Y, ex * ex + ey * ey + ez * ez + ev * ev};
 }
 
+// wrist_bend and wrist_turns of a wrist whose twists are right angles, with one root; the margin is `fixed`.
+template <class V> struct SquareWrist {
+    Turn<V> first, bend, last;
+    V fixed, error;
+};
+template <class V> STEP SquareWrist<V> square_wrist(const Rot<V>& M, const Twists& t) {
+    const V fixed = M.z.x * M.z.x + M.z.y * M.z.y, over = inverse_sqrt(fixed + TINY), c = (-1.0 / (t.sa * t.sb)) * M.z.z, s = fixed * over;
+    const Turn<V> first = {t.sb * M.z.x * over, t.sb * M.z.y * over};
+    const Vec<V> v = {first.c * c, first.s * c, t.sa * s};
+    const V along = dot(v, M.z), length = fixed + M.z.z * M.z.z - 1.0;
+    return {first, {c, s}, {dot(v, M.x), -dot(v, M.y)}, fixed, along * along + length * length};
+}
+
 // The two turns of a wrist where only their sum (or their difference) counts: their distance from the wanted ones is
 // shared among them; share 0 leaves the first one as wanted.
 PART WristTurns<double> shared_turns(const Rot<double>& M, const Turn<double>& bend, const Twists& t, double first, double last, double share) {

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik.structure import closest_points
+from urdf_ik.structure import closest_points, cross
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -45,12 +45,15 @@ class DHFrames:
         return [*steps, np.eye(4)]
 
     def fk(self, q: Array) -> Array:
-        """Pose (4, 4) of the tip for one joint vector (n,) of revolute joints."""
-        T = self.base
-        for i, angle in enumerate(q + self.offset):
-            T = T @ rotation_z(angle)
-            if i < len(self.a):
-                T = T @ step_x(self.a[i], self.alpha[i]) @ slide_z(self.d[i])
+        """Pose (..., 4, 4) of the tip for joint vectors (..., n) of revolute joints."""
+        steps = self.steps()
+        T = np.broadcast_to(self.base @ steps[0], (*q.shape[:-1], 4, 4))
+        turn = np.zeros_like(T)
+        turn[..., 2, 2] = turn[..., 3, 3] = 1.0
+        for i, step in enumerate(steps[1:]):
+            c, s = np.cos(q[..., i]), np.sin(q[..., i])
+            turn[..., 0, 0], turn[..., 0, 1], turn[..., 1, 0], turn[..., 1, 1] = c, -s, s, c
+            T = T @ turn @ step
         return T @ self.tool
 
 
@@ -103,10 +106,10 @@ def denavit_hartenberg(
         else:
             origin, other = closest_points(points[i], u, points[i + 1], v)
             gap = other - origin
-            x = np.cross(u, v)
+            x = cross(u, v)
             if not meet[i] and gap @ x < 0.0:
                 x = -x
-            alpha[i] = np.arctan2(np.cross(u, v) @ x / np.linalg.norm(x), u @ v)
+            alpha[i] = np.arctan2(cross(u, v) @ x / np.linalg.norm(x), u @ v)
             a[i] = 0.0 if meet[i] else np.linalg.norm(gap)
         origins.append(origin)
         feet.append(other)
@@ -117,7 +120,7 @@ def denavit_hartenberg(
     d = np.array([(origins[i] - feet[i]) @ directions[i] for i in range(1, n)])
     offset = np.zeros(n)
     for i in range(1, n - 1):
-        offset[i] = np.arctan2(np.cross(xs[i - 1], xs[i]) @ directions[i], xs[i - 1] @ xs[i])
+        offset[i] = np.arctan2(cross(xs[i - 1], xs[i]) @ directions[i], xs[i - 1] @ xs[i])
     base = frame(directions[0], xs[0], origins[0])
     last = frame(directions[-1], xs[-1], origins[-1])
     return DHFrames(base, alpha, a, d, offset, np.linalg.inv(last) @ home)
@@ -128,10 +131,10 @@ def frame(z: Array, x: Array, origin: Array) -> Array:
     T = np.eye(4)
     x = x - (x @ z) * z
     x = x / np.linalg.norm(x)
-    T[:3, 0], T[:3, 1], T[:3, 2], T[:3, 3] = x, np.cross(z, x), z, origin
+    T[:3, 0], T[:3, 1], T[:3, 2], T[:3, 3] = x, cross(z, x), z, origin
     return T
 
 
 def any_normal(u: Array) -> Array:
     """A unit vector across ``u``."""
-    return np.cross(u, np.eye(3)[np.argmin(np.abs(u))])
+    return cross(u, np.eye(3)[np.argmin(np.abs(u))])

@@ -47,6 +47,8 @@ void bind_steps(nb::module_& m);
 // Every kind of solver by its name in Python, with what makes it from named values.
 using Maker = std::shared_ptr<const Solver> (*)(const Values&);
 using Makers = std::map<std::string, Maker>;
+void add_coupled(Makers& makers);
+void add_one_given(Makers& makers);
 void add_chain(nb::module_& m);
 void add_parallel_shoulder(Makers& makers);
 void add_elimination(Makers& makers);
@@ -54,6 +56,7 @@ void add_few_joints(Makers& makers);
 void add_reversed(Makers& makers);
 void add_spherical_middle(Makers& makers);
 void add_spherical_wrist(Makers& makers);
+void add_srs(Makers& makers);
 void add_three_parallel(Makers& makers);
 
 }  // namespace urdf_ik

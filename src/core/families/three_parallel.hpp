@@ -119,23 +119,25 @@ template <Hand kind> struct ThreeParallel {
         const double scale = 1.0 / (ideal.size * ideal.size);
         const Swing<Block> first = face<Block>(arm, seen.p, ideal.signs[4 * shoulder][0]);
         const Seen<Block> from = seen_along(arm, seen, first.turn);
-        const Bend<Block> bend = wrist_bend<Block>(from.R.z, t, 1.0);
-        const WristTurns<Block> turns = wrist_turns(from.R, bend.turn, t);
         const Block high = (from.p.z - arm.along) * (1.0 / ideal.size), arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * scale;
-        Upstream up = {first.margin * scale, bend.margin, arm1, turns.fixed, turns.error + high * high};
-        const Across<Block> f = forearm(arm, bend.turn);
-        at.set(FIRST + shoulder, first.turn), at.set(FIFTH + shoulder, bend.turn);
-        at.set(PHI + shoulder, turns.first), at.set(SIXTH + shoulder, turns.last);
-        state[2 * shoulder] = both_elbows(arm, up, to_axis_4(from.p, turns.first, f), 2 * shoulder, at);
+        at.set(FIRST + shoulder, first.turn);
+        const auto elbows = [&](const Turn<Block>& bend, const Block& margin, const WristTurns<Block>& turns, int flip) {
+            const Upstream up = {first.margin * scale, margin, arm1, turns.fixed, turns.error + high * high};
+            state[2 * shoulder + flip] = both_elbows(arm, up, to_axis_4(from.p, turns.first, forearm(arm, bend)), 2 * shoulder + flip, at);
+        };
         if constexpr (square) {
-            const Turn<Block> opposite = {-turns.first.c, -turns.first.s};
-            state[2 * shoulder + 1] = both_elbows(arm, up, to_axis_4(from.p, opposite, f), 2 * shoulder + 1, at);
+            const SquareWrist<Block> wrist = square_wrist(from.R, t);
+            at.set(FIFTH + shoulder, wrist.bend), at.set(PHI + shoulder, wrist.first), at.set(SIXTH + shoulder, wrist.last);
+            elbows(wrist.bend, wrist.fixed, {wrist.first, wrist.last, wrist.fixed, wrist.error}, 0);
+            const Turn<Block> back = {wrist.bend.c, -wrist.bend.s}, opposite = {-wrist.first.c, -wrist.first.s};
+            elbows(back, wrist.fixed, {opposite, wrist.last, wrist.fixed, wrist.error}, 1);
         } else {
+            const Bend<Block> bend = wrist_bend<Block>(from.R.z, t, 1.0);
             const Turn<Block> back = {bend.turn.c, -bend.turn.s};
-            const WristTurns<Block> flip = wrist_turns(from.R, back, t);
-            up.fixed = flip.fixed, up.error = flip.error + high * high;
+            const WristTurns<Block> turns = wrist_turns(from.R, bend.turn, t), flip = wrist_turns(from.R, back, t);
+            at.set(FIFTH + shoulder, bend.turn), at.set(PHI + shoulder, turns.first), at.set(SIXTH + shoulder, turns.last);
             at.set(PHI_FLIPPED + shoulder, flip.first), at.set(SIXTH_FLIPPED + shoulder, flip.last);
-            state[2 * shoulder + 1] = both_elbows(arm, up, to_axis_4(from.p, flip.first, forearm(arm, back)), 2 * shoulder + 1, at);
+            elbows(bend.turn, bend.margin, turns, 0), elbows(back, bend.margin, flip, 1);
         }
     }
 

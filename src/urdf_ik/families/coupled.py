@@ -1,16 +1,19 @@
-"""Arms in which joints mimic others, with up to four independent ones: the joint space searched by proven bounds."""
+"""Arms in which joints mimic others, with up to four independent ones: the joint space searched by proven bounds.
+
+Six independent joints are solved where the wrist mimics: see ``hollow_wrist``.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik._kernels import coupled as kernels
-from urdf_ik._kernels import layout
+from urdf_ik._core import Solver
+from urdf_ik.families import hollow_wrist
 from urdf_ik.families.few_joints import columns, is_redundant
-from urdf_ik.families.plan import Plan
+from urdf_ik.families.plan import Plan, as_target, by_solver, driven_values
 from urdf_ik.mimic import MOST_TURNS, CoupledChain
 from urdf_ik.tolerances import DEFAULT
 
@@ -21,7 +24,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-MOST_JOINTS = 4
+MOST_JOINTS, MOST_AXES = 4, 12
 # Axes this close to parallel [rad] count as parallel where turns are added up: far below the bounds' own slack.
 _PARALLEL = 1e-10
 # Columns of a pose; a range [rad, shares of the size] that is too wide to be searched.
@@ -32,28 +35,38 @@ def prepare(chain: Chain) -> Plan | None:
     """The plan for poses of a chain whose joints mimic others; None where ``why_not`` has a reason."""
     if not isinstance(chain, CoupledChain) or why_not(chain):
         return None
+    if chain.n > MOST_JOINTS:
+        return hollow_wrist.prepare(chain)
     kinds = "".join("P" if slides else "R" for slides in chain.axes.prismatic)
     kinds = kinds if "P" in kinds else f"{len(kinds)}R"
     turns = int(np.prod(np.maximum(chain.image_turns, 1.0)))
+    names = columns(min(_MOST_COLUMNS, _COLUMNS * turns))
+    solver = Solver(f"coupled, {chain.n}", _values(chain, len(names)))
     return Plan(
         family=f"{kinds} driven by {chain.n} joint{'s' * (chain.n > 1)}",
         method="Bisection of the joint space with proven bounds: every part is shown to hold no solution, or one, "
         "which Newton's method finds on the URDF as written" + _searched_within_limits(chain),
-        branches=columns(min(_MOST_COLUMNS, _COLUMNS * turns)),
+        branches=names,
         imperfection=(0.0, 0.0),
         error=0.0,
-        arm=_pack(chain),
-        solve=kernels.solve,
+        arm=as_target(chain),
+        solve=by_solver(solver),
         explain=lambda rotation, point: _out_of_reach(chain, point),
+        solver=solver,
     )
 
 
 def why_not(chain: CoupledChain) -> str:
     """Why the chain cannot be solved; '' where it can."""
     if chain.n > MOST_JOINTS:
-        return (
-            f"with joints that mimic others at most {MOST_JOINTS} independent ones are solved, and these are {chain.n}"
-        )
+        general = f"with joints that mimic others at most {MOST_JOINTS} independent ones are solved in general, "
+        general += f"and these are {chain.n}"
+        if chain.n != 6:
+            return general
+        wrist = hollow_wrist.why_not(chain)
+        return wrist and f"{general}; nor is it a 6R arm whose wrist mimics: {wrist}"
+    if chain.axes.n > MOST_AXES:
+        return f"at most {MOST_AXES} axes are solved, and the joints drive {chain.axes.n}"
     for j, name in enumerate(chain.joint_names):
         lower, upper = chain.limits[j]
         if not chain.image_turns[j] and not upper - lower <= _TOO_WIDE * _unit(chain, j):
@@ -77,28 +90,21 @@ def _unit(chain: CoupledChain, joint: int) -> float:
     return chain.size if chain.joint_types[joint] == "prismatic" else 1.0
 
 
-def _pack(chain: CoupledChain) -> Array:
-    axes, n = chain.axes, chain.n
-    arm = np.zeros(kernels.DATA)
-    # The target as it stands: this kernel needs no frames of its own.
-    arm[layout.BASE_ROTATION : layout.BASE_ROTATION + 9 : 4] = 1.0
-    arm[layout.TOOL_ROTATION : layout.TOOL_ROTATION + 9 : 4] = 1.0
-    arm[layout.SIZE] = chain.size
-    arm[layout.REACH : layout.REACH + 9] = DEFAULT.for_kernels()
-    arm[layout.R_TIP : layout.R_TIP + 9] = chain.R_tip.ravel()
-    arm[kernels.AXES], arm[kernels.JOINTS] = axes.n, n
-    units = np.array([_unit(chain, j) for j in range(n)])
+def _values(chain: CoupledChain, many: int) -> dict[str, Any]:
+    """The arm as the compiled solver takes it."""
+    units = np.array([_unit(chain, j) for j in range(chain.n)])
     turns = chain.image_turns
     lower, upper = chain.limits.T / units
-    arm[kernels.UNIT : kernels.UNIT + n] = units
-    arm[kernels.PERIOD : kernels.PERIOD + n] = 2.0 * math.pi * turns
     with np.errstate(invalid="ignore"):
-        arm[kernels.MIDDLE : kernels.MIDDLE + n] = np.where(turns > 0.0, 0.0, 0.5 * (lower + upper))
-    # A value at the very end of its range lies inside the box.
-    arm[kernels.HALF : kernels.HALF + n] = np.where(turns > 0.0, math.pi * turns, 0.5 * (upper - lower) + 1e-6)
-    gain = chain.gain * units
-    parts = (axes.H, axes.P, axes.prismatic, gain, _rates(axes, gain))
-    return np.concatenate([arm, *(np.ravel(part) for part in parts)])
+        middle = np.where(turns > 0.0, 0.0, 0.5 * (lower + upper))
+    return {
+        "written": driven_values(chain, units),
+        "middle": middle,
+        # A value at the very end of its range lies inside the box.
+        "half": np.where(turns > 0.0, math.pi * turns, 0.5 * (upper - lower) + 1e-6),
+        "rates": _rates(chain.axes, chain.gain * units),
+        "columns": many,
+    }
 
 
 def _rates(axes: Chain, gain: Array) -> Array:

@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik._kernels import general_6r, hidden_joint, layout, locked
+from urdf_ik._core import Solver
+from urdf_ik._kernels import locked
+from urdf_ik.families.elimination import doubts
 from urdf_ik.families.plan import RedundantPlan
 from urdf_ik.redundancy import locked_joint
 from urdf_ik.structure import analyse
@@ -53,27 +55,17 @@ def prepare(chain: Chain, choosers: Sequence[Choose]) -> RedundantPlan | None:
 
 def _cost(plan: Plan, chain: Chain) -> tuple[int, int]:
     """Order of the solvers: exact closed form, exact quartic, near an ideal arm; of eliminations the surer one."""
-    if plan.solve is general_6r.solve:
-        return 3, _doubts(plan.arm, chain)
+    if plan.solver is not None and plan.solver.kind == "general 6R":
+        # What the elimination's first variant misses without a doubt is rare, and goes along with them.
+        return 3, doubts(plan.solver, chain.fk(np.random.default_rng(0).uniform(-np.pi, np.pi, (_TRIED, 6))))
     return int(plan.by_quartic) if plan.is_exact else 2, 0
-
-
-def _doubts(arm: Array, chain: Chain) -> int:
-    """Number of random poses at which the elimination's first variant gives cause for doubt.
-
-    The solver follows doubts up by its other variants; what it misses without one is rare, and goes along with them.
-    """
-    row = arm[layout.FIRST_VARIANT : layout.FIRST_VARIANT + hidden_joint.VARIANT]
-    targets = chain.fk(np.random.default_rng(0).uniform(-np.pi, np.pi, (_TRIED, 6)))
-    counts, doubts = np.empty(_TRIED, np.int64), np.empty(_TRIED, np.bool_)
-    general_6r.trial(arm, row, targets, counts, doubts)
-    return int(np.count_nonzero(doubts))
 
 
 def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
     parameter = locked_joint(chain, k)
-    motion, turns, last = _motion_back(chain, k), not chain.prismatic[k], k > 0
+    motion, turns, last = _motion_back(chain, k), not bool(chain.prismatic[k]), k > 0
     others = np.array([i for i in range(8) if i != k])
+    values = {"motion": motion, "turns": turns, "last": last, "value": parameter.default, "solver": plan.solver}
 
     def solve_at(T: Array, values: Array, arm: Array, q_ref: Array, Q: Array, flags: NDArray[np.uint8]) -> int:
         reference = q_ref[others]
@@ -88,9 +80,9 @@ def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
         return -1
 
     def explain_at(T: Array, value: float) -> str:
-        moved = np.empty((1, 4, 4))
-        locked.move_targets(T[None], np.array([value]), motion, turns, last, moved)
-        return f"with {parameter.joint!r} at {value:.6g} {parameter.unit}: {plan.why(moved[0])}"
+        back = np.eye(4)
+        back[:3] = np.tensordot([1.0, np.cos(value), np.sin(value)] if turns else [1.0, value, 0.0], motion, 1)
+        return f"with {parameter.joint!r} at {value:.6g} {parameter.unit}: {plan.why(T @ back if last else back @ T)}"
 
     return RedundantPlan(
         family=f"7R, joint {k + 1} given: {plan.family}" if turns else f"6R on a slide: {plan.family}",
@@ -103,6 +95,7 @@ def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
         solve_at=solve_at,
         value_of=lambda Q: parameter.wrapped(Q[:, k]),
         explain_at=explain_at,
+        solver=plan.solver and Solver("one joint given", values),
     )
 
 

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from urdf_ik._core import Solver
     from urdf_ik.chain import Chain
     from urdf_ik.dh_frames import DHFrames
+    from urdf_ik.mimic import CoupledChain
     from urdf_ik.redundancy import Redundancy
     from urdf_ik.structure import Structure
 
@@ -144,7 +145,7 @@ def ideal_frames(
     home[:3, :3], home[:3, 3] = local.R_tip, local.P.sum(axis=0)
     frames = denavit_hartenberg(directions, points - mount, home, parallel, meet)
     Q = np.random.default_rng(0).uniform(-np.pi, np.pi, (12, chain.n))
-    apart = np.array([frames.fk(q) for q in Q]) - local.fk(Q)
+    apart = frames.fk(Q) - local.fk(Q)
     apart[:, :3, 3] /= chain.size
     frames.base[:3, 3] += mount
     return frames, float(np.abs(apart).max())
@@ -201,6 +202,42 @@ def written_values(chain: Chain) -> dict[str, Any]:
     }
 
 
+def driven_values(chain: CoupledChain, units: Array) -> dict[str, Any]:
+    """The arm whose joints drive several axes each, as the compiled solvers take it.
+
+    Args:
+        chain: the arm.
+        units: (n,) rad or m, what the solver's scaled joints count in.
+    """
+    written = written_values(chain.axes)
+    return {
+        **{name: written[name] for name in ("steps", "slides", "tolerances")},
+        "size": chain.size,
+        "axes": chain.axes.n,
+        "gain": np.ascontiguousarray(chain.gain * units),
+        "unit": units,
+        "period": 2.0 * np.pi * chain.image_turns,
+    }
+
+
+def as_target(chain: Chain) -> Array:
+    """The numbers of ``Plan.arm`` for solvers that see the target as it stands."""
+    arm = np.zeros(layout.LENGTH)
+    arm[layout.BASE_ROTATION : layout.BASE_ROTATION + 9 : 4] = 1.0
+    arm[layout.TOOL_ROTATION : layout.TOOL_ROTATION + 9 : 4] = 1.0
+    arm[layout.SIZE] = chain.size
+    return arm
+
+
+def by_solver(solver: Solver) -> Callable[..., int]:
+    """The compiled solver in the place of a kernel."""
+
+    def solve(T: Array, arm: Array, q_ref: Array, Q: Array, flags: NDArray[np.uint8]) -> int:
+        return solver.solve(T, q_ref[:-1].copy() if q_ref[-1] else None, Q, flags)
+
+    return solve
+
+
 def ideal_values(
     frames: DHFrames, error: float, signs: Array, size: float, stride: tuple[float, float, float] = (0.0, 0.0, 0.0)
 ) -> dict[str, Any]:
@@ -246,8 +283,7 @@ def _drift(chain: Chain, frames: DHFrames) -> float:
     inward = np.linalg.inv(frames.base)
 
     def between(Q: Array) -> Array:
-        ideal = np.array([frames.fk(q) for q in Q])
-        motions: Array = inward @ ideal @ np.linalg.inv(chain.fk(Q)) @ frames.base
+        motions: Array = inward @ frames.fk(Q) @ np.linalg.inv(chain.fk(Q)) @ frames.base
         return motions
 
     change = between(moved) - between(Q)

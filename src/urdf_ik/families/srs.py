@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik._kernels import layout, swivel
-from urdf_ik._kernels import srs as kernels
-from urdf_ik.families.plan import RedundantPlan, snapped
+from urdf_ik._core import Solver
+from urdf_ik.families.plan import RedundantPlan, method_in_words, snapped, written_values
 from urdf_ik.redundancy import swivel_of
 from urdf_ik.tolerances import DEFAULT
 
@@ -30,59 +29,94 @@ NAMES = tuple(
 )
 # Axis 4 must be this far [of the arm's size] from shoulder and wrist.
 _CLEAR = 1e-3
+_STEPS = "the elbow by the law of cosines, its place by the swivel angle, then shoulder and wrist"
+# How far below zero a squared sine may fall for an arm that is off by 1 [share of size]: its solutions may still exist.
+_CLAMP = 50.0
+# Sine of the angle below which the wrist counts as lying on axis 1, as in src/core/families/swivel.hpp.
+_ON_AXIS = 1e-7
 
 
 def prepare(structure: Structure, chain: Chain) -> RedundantPlan | None:
-    """The plan of an arm that is of this family exactly; None where it is not."""
+    """The plan of an arm that is of this family, exactly or nearly; None where it is not."""
     shoulder, wrist = structure.triple(1, "meet"), structure.triple(5, "meet")
     if "prismatic" in structure.joint_types or shoulder is None or wrist is None:
         return None
     S, W = shoulder.point, wrist.point
-    if S is None or W is None or _error(chain, S, W) > DEFAULT.exact_structure:
+    if S is None or W is None:
         return None
     h, to_axis, to_wrist = chain.H[3], chain.points[3] - S, W - chain.points[3]
     to_axis, fore = to_axis - (h @ to_axis) * h, to_wrist - (h @ to_wrist) * h
     a, b = float(np.linalg.norm(to_axis)), float(np.linalg.norm(fore))
     if min(a, b) < _CLEAR * chain.size:
         return None
+    error = _error(chain, S, W)
+    exact = error <= DEFAULT.exact_structure
     elbow = np.column_stack([to_axis / a, np.cross(h, to_axis / a), h])
     first, third, twists = _triple(chain.H[:3])
     fifth, seventh, wrist_twists = _triple(chain.H[4:])
-    arm = np.zeros(swivel.LENGTH)
-    arm[layout.BASE_ROTATION : layout.BASE_ROTATION + 9] = first.T.ravel()
-    arm[layout.BASE_ORIGIN : layout.BASE_ORIGIN + 3] = S
-    arm[layout.TOOL_ROTATION : layout.TOOL_ROTATION + 9] = (chain.R_tip.T @ seventh).ravel()
-    arm[layout.TOOL_POINT : layout.TOOL_POINT + 3] = chain.R_tip.T @ (W - chain.P.sum(axis=0))
-    arm[layout.SIZE] = chain.size
-    arm[layout.REACH : layout.REACH + 9] = DEFAULT.for_kernels()
-    arm[layout.CLAMP] = 100.0 * DEFAULT.fold
-    arm[swivel.UPPER], arm[swivel.FORE], arm[swivel.ALONG] = a, b, h @ (W - S)
-    arm[swivel.ZERO_4] = math.atan2(fore @ elbow[:, 1], fore @ elbow[:, 0])
-    arm[swivel.SHOULDER : swivel.SHOULDER + 5] = twists
-    arm[swivel.WRIST : swivel.WRIST + 5] = wrist_twists
-    arm[swivel.TO_FRAME_3 : swivel.TO_FRAME_3 + 9] = snapped(elbow.T @ third).ravel()
-    arm[swivel.FROM_FRAME_5 : swivel.FROM_FRAME_5 + 9] = snapped(fifth.T @ elbow).ravel()
-    arm[swivel.H : swivel.H + 21] = chain.H.ravel()
-    arm[swivel.P : swivel.P + 24] = chain.P.ravel()
-    arm[swivel.R_TIP : swivel.R_TIP + 9] = chain.R_tip.ravel()
+    ends = {
+        "base_rotation": np.ascontiguousarray(first.T),
+        "base_origin": S.copy(),
+        "tool_rotation": np.ascontiguousarray(chain.R_tip.T @ seventh),
+        "tool_point": chain.R_tip.T @ (W - chain.P.sum(axis=0)),
+    }
+    values = {
+        "ideal": ends,
+        "written": written_values(chain),
+        "shoulder": _meeting(twists),
+        "wrist": _meeting(wrist_twists),
+        "to_frame_3": snapped(elbow.T @ third),
+        "from_frame_5": snapped(fifth.T @ elbow),
+        "upper": a,
+        "fore": b,
+        "along": float(h @ (W - S)),
+        "zero_4": math.atan2(fore @ elbow[:, 1], fore @ elbow[:, 0]),
+        "clamp": 100.0 * DEFAULT.fold + (0.0 if exact else _CLAMP * error),
+        "imperfection": 0.0 if exact else error,
+        "value": 0.0,
+    }
+    solver = Solver("S-R-S" if exact else "S-R-S, nearly", values)
 
-    def value_of(Q: Array) -> Array:
-        values = np.empty(len(Q))
-        swivel.swivels(arm, Q, values)
-        return values
+    def solve_at(T: Array, at: Array, arm: Array, q_ref: Array, Q: Array, flags: NDArray[np.uint8]) -> int:
+        return solver.solve(T, q_ref[:7].copy() if q_ref[7] else None, Q, flags, at)
 
     return RedundantPlan(
         family="7R S-R-S",
-        method="Closed form: the elbow by the law of cosines, its place by the swivel angle, then shoulder and wrist",
-        branches=NAMES,
+        method=method_in_words(_STEPS, error),
+        branches=NAMES if exact else NAMES + tuple(f"further {k}" for k in range(1, 9)),
         imperfection=(0.0, max(shoulder.imperfection, wrist.imperfection)),
-        error=0.0,
-        arm=arm,
+        error=error,
+        arm=np.zeros(0),
         parameter=swivel_of(chain.joint_names[3]),
-        solve_at=kernels.solve,
-        value_of=value_of,
-        explain_at=lambda T, value: _explain(arm, T, value),
+        solve_at=solve_at,
+        value_of=lambda Q: _swivels(chain, ends, Q),
+        explain_at=lambda T, value: _explain(values, T, value),
+        solver=solver,
     )
+
+
+def _meeting(twists: Array) -> dict[str, Any]:
+    """Three meeting axes, as the compiled solver takes them."""
+    names = ("cos_alpha", "sin_alpha", "cos_beta", "sin_beta", "shift")
+    square = bool(twists[0] == 0.0 and twists[2] == 0.0)
+    return {**dict(zip(names, twists.tolist(), strict=True)), "square": square}
+
+
+def _swivels(chain: Chain, ends: dict[str, Array], Q: Array) -> Array:
+    """Swivel angles (m,) of joint vectors (m, 7), as the solver measures them: see src/core/families/swivel.hpp."""
+    T = chain.fk(Q)
+    W = (T[:, :3, :3] @ ends["tool_point"] + T[:, :3, 3] - ends["base_origin"]) @ ends["base_rotation"].T
+    axis = chain.jacobian(Q)[:, 3:, 3] @ ends["base_rotation"].T
+    length, aside = np.linalg.norm(W, axis=1), np.hypot(W[:, 0], W[:, 1])
+    on_axis = aside <= _ON_AXIS * length
+    with np.errstate(invalid="ignore", divide="ignore"):
+        along = np.where(length[:, None] > 0.0, W / length[:, None], [0.0, 0.0, 1.0])
+        normal = np.column_stack([-W[:, 1] / aside, W[:, 0] / aside, np.zeros(len(W))])
+    # Frame 1's x, made perpendicular to the line.
+    x = np.array([1.0, 0.0, 0.0]) - along[:, :1] * along
+    normal = np.where(on_axis[:, None], x / np.linalg.norm(x, axis=1, keepdims=True), normal)
+    across = np.cross(along, normal)
+    return np.arctan2((across * axis).sum(axis=1), (normal * axis).sum(axis=1))
 
 
 def _error(chain: Chain, S: Array, W: Array) -> float:
@@ -111,10 +145,9 @@ def _triple(H: Array) -> tuple[Array, Array, Array]:
     return frames[0], frames[1], np.array([*snapped(np.array([H[0] @ H[1], sa, H[1] @ H[2], sb])), shift])
 
 
-def _explain(arm: Array, T: Array, value: float) -> str:
-    R, p = T[:3, :3], T[:3, 3]
-    far = float(np.linalg.norm(R @ arm[layout.TOOL_POINT : layout.TOOL_POINT + 3] + p - arm[layout.BASE_ORIGIN : 12]))
-    a, b, c = arm[swivel.UPPER], arm[swivel.FORE], arm[swivel.ALONG]
+def _explain(values: dict[str, Any], T: Array, value: float) -> str:
+    far = float(np.linalg.norm(T[:3, :3] @ values["ideal"]["tool_point"] + T[:3, 3] - values["ideal"]["base_origin"]))
+    a, b, c = values["upper"], values["fore"], values["along"]
     longest, shortest = math.hypot(a + b, c), math.hypot(a - b, c)
     if far > longest:
         return f"wrist centre {far:.6g} m from the shoulder, reach {longest:.6g} m"

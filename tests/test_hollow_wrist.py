@@ -1,0 +1,184 @@
+"""6R arms whose wrist mimics: every solution, by Pinocchio that makes the joint follow by itself; refusals with reasons."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from arms import random_arm
+from arms_hollow import hollow
+from arms_mimic import mimicking
+from numpy.typing import NDArray
+
+import urdf_ik
+from urdf_ik.errors import UnsupportedArm
+from urdf_ik.reference import Reference
+
+Array = NDArray[np.float64]
+
+KINDS = ("irb_5400", "mirrored", "one point", "half")
+
+
+@lru_cache
+def arm_and_reference(kind: str, seed: int = 0) -> tuple[urdf_ik.Arm, Reference]:
+    """A member of a kind, and Pinocchio's view of it."""
+    text = hollow(kind, seed)
+    return urdf_ik.load(text, "base", "tool"), Reference(text, "base", "tool")
+
+
+def drawn(kind: str, count: int, seed: int) -> Array:
+    """Joint vectors (count, 6) over the whole joint space."""
+    turns = np.array([1.0, 1.0, 1.0, 1.0, 2.0 if kind == "half" else 1.0, 1.0])
+    return np.random.default_rng(seed).uniform(-math.pi, math.pi, (count, 6)) * turns
+
+
+def distances(arm: urdf_ik.Arm, Q: Array, q: Array) -> Array:
+    """Greatest difference (...) of a joint between vectors, images of a joint being the same."""
+    turns = 2.0 * math.pi * arm.chain.image_turns
+    gap = Q - q
+    return np.asarray(np.abs(gap - turns * np.round(gap / turns)).max(axis=-1))
+
+
+def scaled_jacobian(reference: Reference, q: Array) -> Array:
+    """Jacobian (6, 6), lengths as shares of the arm's size."""
+    J = reference.jacobian(q)
+    J[:3] /= reference.size
+    return J
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_planted_vectors_are_found(kind: str) -> None:
+    """The joint vector behind a pose is among its solutions; all are exact by Pinocchio, and none comes twice."""
+    for seed in range(2):
+        arm, reference = arm_and_reference(kind, seed)
+        assert arm.structure.family == "6R hollow wrist, 2||3"
+        planted = drawn(kind, 40, seed)
+        s = arm.ik(reference.pose(planted))
+        for k, q in enumerate(planted):
+            found = s[k].to_array()
+            sigma = np.linalg.svd(scaled_jacobian(reference, q), compute_uv=False)[-1]
+            assert distances(arm, found, q).min() < 1e-8 + 1e-10 / sigma
+            position, turn = reference.errors(found, reference.pose(q))
+            assert max(position.max(), turn.max()) <= 1e-9
+            for i in range(1, len(found)):
+                assert distances(arm, found[:i], found[i]).min() > 1e-7
+
+
+def test_against_pinocchio_that_mimics_by_itself() -> None:
+    """Pinocchio's own joint that follows puts the tip of every solution where the target is."""
+    arm, _ = arm_and_reference("irb_5400")
+    model = pin.buildModelFromXML(hollow("irb_5400"), mimic=True)
+    data = model.createData()
+    assert model.nq == 6
+    tip = model.getFrameId("tool", pin.FrameType.BODY)
+    target = arm.fk(np.array([0.3, -0.4, 0.6, 0.7, 1.1, -0.8]))
+    solutions = arm.ik(target).to_array()
+    assert len(solutions) >= 4
+    for q in solutions:
+        pin.framesForwardKinematics(model, data, q)
+        np.testing.assert_allclose(data.oMf[tip].homogeneous, target, atol=1e-9)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_nothing_is_missing(kind: str) -> None:
+    """Newton's method from many starts over the whole joint space finds no solution that the solver does not."""
+    arm, reference = arm_and_reference(kind, 3)
+    compared = 0
+    for k, planted in enumerate(drawn(kind, 6, 5)):
+        target = reference.pose(planted)
+        found = arm.ik(target).to_array()
+        for q in newton(arm, target, drawn(kind, 200, 100 + k)):
+            assert distances(arm, found, q).min() < 1e-6
+            compared += 1
+    assert compared > 50
+
+
+def newton(arm: urdf_ik.Arm, target: Array, Q: Array) -> Array:
+    """Regular solutions of the pose that damped least squares leads to from starts (m, 6)."""
+    for _ in range(60):
+        T, J = arm.fk(Q), arm.jacobian(Q)
+        turn = target[:3, :3] @ np.swapaxes(T[:, :3, :3], 1, 2)
+        skew = [turn[:, 2, 1] - turn[:, 1, 2], turn[:, 0, 2] - turn[:, 2, 0], turn[:, 1, 0] - turn[:, 0, 1]]
+        e = np.concatenate([(target[:3, 3] - T[:, :3, 3]) / arm.chain.size, 0.5 * np.stack(skew, axis=1)], axis=1)
+        J[:, :3] /= arm.chain.size
+        size = np.abs(e).max(axis=1)
+        back = np.swapaxes(J, 1, 2)
+        damping = np.minimum(1e-2 * size, 1e-2) ** 2 + 1e-15
+        step = np.linalg.solve(back @ J + damping[:, None, None] * np.eye(6), back @ e[:, :, None])[:, :, 0]
+        Q = Q + np.minimum(1.0, 0.5 / (np.abs(step).max(axis=1) + 1e-300))[:, None] * step
+    regular = np.linalg.svd(J, compute_uv=False)[:, -1] > 1e-4
+    return Q[(size < 1e-11) & (np.trace(turn, axis1=1, axis2=2) > 1.0) & regular]
+
+
+@pytest.mark.parametrize("kind", ["irb_5400", "mirrored"])
+@pytest.mark.parametrize("joint", [2, 4])
+def test_at_and_near_singularities(kind: str, joint: int) -> None:
+    """With an arm stretched, or axes 4 and 7 in line, and 1e-1 to 1e-7 rad beside that: exact, and found again."""
+    arm, reference = arm_and_reference(kind)
+    for q in drawn(kind, 3, 9):
+        for distance in (0.0, 1e-7, 1e-5, 1e-3, 1e-1):
+            q[joint] = distance if joint == 4 else stretched(arm, q) + distance
+            s = arm.ik(reference.pose(q))
+            found = s.to_array()
+            assert len(found)
+            assert max(e.max() for e in reference.errors(found, reference.pose(q))) <= 1e-9
+            sigma = np.linalg.svd(scaled_jacobian(reference, q), compute_uv=False)[-1]
+            if sigma > 1e-6:
+                assert distances(arm, found, q).min() < 1e-6 + 1e-10 / sigma
+
+
+def stretched(arm: urdf_ik.Arm, q: Array) -> float:
+    """The value of joint 3 at which the Jacobian's smallest singular value is least."""
+    x = np.tile(q, (2001, 1))
+    x[:, 2] = np.linspace(-math.pi, math.pi, 2001)
+    J = arm.jacobian(x)
+    J[:, :3] /= arm.chain.size
+    return float(x[np.argmin(np.linalg.svd(J, compute_uv=False)[:, -1]), 2])
+
+
+def test_out_of_reach_and_one_by_one() -> None:
+    """Far away there is no solution and a reason with a number; a batch has the digits of its poses alone."""
+    arm, reference = arm_and_reference("irb_5400")
+    T = reference.pose(drawn("irb_5400", 5, 2))
+    np.testing.assert_array_equal(arm.ik(T, threads=2).q, [arm.ik(each).q for each in T])
+    T[0, :3, 3] += 100.0
+    assert not arm.ik(T[0])
+    assert "m from axis 1" in arm.explain(T[0])
+    with pytest.raises(urdf_ik.PoseError):
+        arm.ik(np.full((4, 4), np.nan))
+
+
+def refused() -> dict[str, tuple[str, str]]:
+    """URDF text of arms with six independent joints that are not solved, and what the reason says."""
+    plain = hollow("mirrored")
+    return {
+        "passes by": (
+            plain.replace('multiplier="-1.0"', 'multiplier="1.0"'),
+            r"axes 4 and 7 \(joint_4, joint_7\) would have to meet",
+        ),
+        "another axis": (
+            mimicking(plain.replace('<mimic joint="joint_5" multiplier="-1.0" offset="0.0" />', ""), 3, "joint_2", -1.0),
+            r"axis 3 \(joint_3\) follows joint_2",
+        ),
+        "no fraction": (plain.replace('multiplier="-1.0"', 'multiplier="-0.7071"'), "'joint_5'.*does not repeat"),
+    }
+
+
+@pytest.mark.parametrize("case", ["passes by", "another axis", "no fraction"])
+def test_what_is_refused(case: str) -> None:
+    """An arm that is not solved says which joints are the reason."""
+    text, reason = refused()[case]
+    arm = urdf_ik.load(text, "base", "tool")
+    assert arm.dof == 6
+    with pytest.raises(UnsupportedArm, match=reason):
+        arm.ik(arm.fk(np.zeros(6)))
+
+
+def test_five_independent_joints_are_refused() -> None:
+    """Five independent joints with one that follows: how many are solved, and how many these are."""
+    arm = urdf_ik.load(mimicking(random_arm("wrist, 2||3", 1).urdf, 4, "joint_2", -1.0), "base", "tool")
+    with pytest.raises(UnsupportedArm, match="at most 4 independent ones.*5"):
+        arm.ik(np.eye(4))
