@@ -35,7 +35,8 @@ template <int N> std::shared_ptr<const Solver> make_coupled(const Values& v) {
     CoupledArm<N>& to = made->arm;
     read(v.group("written"), to.written);
     v.read("middle", to.middle), v.read("half", to.half);
-    v.numbers("rates", std::size_t(N) * to.written.axes, [&](const double* from) { std::copy_n(from, N * to.written.axes, &to.rates[0][0]); });
+    v.numbers("rates", std::size_t(N) * to.written.axes,
+              [&](const double* from) { std::copy_n(from, N * to.written.axes, &to.rates[0][0]); });
     to.columns = v.get<int>("columns");
     if (to.columns < 1 || to.columns > MOST_COLUMNS) throw nb::value_error("too many columns");
     made->joints = N, made->branches = to.columns;

@@ -60,16 +60,17 @@ static void try_elimination(nb::dict dict, const Targets& T, const Counts& count
     const Values values(dict, "elimination");
     const int variants = values.get<int>("variants");
     const std::size_t m = T.shape(0);
-    if (counts.shape(0) != std::size_t(variants) || counts.shape(1) != m || doubts.shape(0) != counts.shape(0) || doubts.shape(1) != m) {
+    if (variants < 1 || variants > EliminationTrial::most) throw nb::value_error("one to 24 variants of the elimination");
+    if (counts.shape(0) != std::size_t(variants) || counts.shape(1) != m || doubts.shape(0) != counts.shape(0) ||
+        doubts.shape(1) != m) {
         throw nb::value_error("arrays of poses and counts do not fit each other");
     }
     const auto arm = std::make_unique<EliminationArm>();
-    const auto variant = std::make_unique<EliminationVariant>();
+    std::vector<EliminationVariant> all(variants);
     read_common(values, *arm);
-    for (int v = 0; v < variants; ++v) {
-        read(values, variants, v, *variant);
-        level().elimination->trial(*arm, *variant, T.data(), long(m), counts.data() + m * v, doubts.data() + m * v);
-    }
+    for (int v = 0; v < variants; ++v) read(values, variants, v, all[v]);
+    nb::gil_scoped_release release;
+    level().elimination->trial(*arm, all.data(), variants, T.data(), long(m), {counts.data(), doubts.data()});
 }
 
 void add_elimination(nb::module_& m) {

@@ -50,7 +50,8 @@ template <int N> struct Verdict {
     Block start[N];
 };
 
-template <int N> PART Verdict<N> examine(const Coupled<N>& arm, const Goal<double>& goal, const Block (&c)[N], const double (&w)[N], double rho) {
+template <int N> PART Verdict<N> examine(const Coupled<N>& arm, const Goal<double>& goal, const Block (&c)[N], const double (&w)[N],
+                                         double rho) {
     const CoupledPosture<Block> at = place(arm, c);
     const Goal<Block> wanted = spread<Block>(goal);
     const Error<Block> e = pose_error(wanted, at.tip, 1.0 / arm.size);

@@ -57,7 +57,9 @@ template <int N> STEP double centred(const Coupled<N>& arm, int k, double x) {
     const double period = arm.period[k];
     return period > 0.0 ? x - period * __builtin_floor(x / period + 0.5) : x;
 }
-template <int N> STEP double advanced(const Driven<N>& model, int k, double x, double step) { return centred(model.arm, k, x + step); }
+template <int N> STEP double advanced(const Driven<N>& model, int k, double x, double step) {
+    return centred(model.arm, k, x + step);
+}
 template <int N> STEP double gap(const Driven<N>& model, int k, double a, double b) { return centred(model.arm, k, a - b); }
 
 // Two solutions beside a fold are two as long as their singular values are above this share of a singular one's; on a
@@ -87,8 +89,8 @@ PART void take(const Model& arm, const Goal<double>& goal, const double (&from)[
         double start[N];
         for (int j = 0; j < N; ++j) start[j] = advanced(arm, j, x[j], (k % 2 ? shift : -shift) * weak.direction[j]);
         if (k % 2) shift *= 0.1;
-        if (polish_one<true>(arm, goal, start, {20, FINISHED, LONG_PATIENCE}).error <= CONVERGED && is_new(arm, goal, columns, start) &&
-            weakest_at(arm, goal, start).value > APART * arm.tolerances.singular) {
+        if (polish_one<true>(arm, goal, start, {20, FINISHED, LONG_PATIENCE}).error <= CONVERGED &&
+            is_new(arm, goal, columns, start) && weakest_at(arm, goal, start).value > APART * arm.tolerances.singular) {
             keep(columns, 0, start, 0);
         }
     }

@@ -60,7 +60,8 @@ STEP void lane_of(const Block (&q)[6], int l, double (&out)[6]) {
 // ---- collecting ------------------------------------------------------------------------------------------------------
 
 // Keep q if it is new. Returns whether it was.
-PART bool take(const EliminationArm& arm, const Goal<double>& goal, Search& search, const double (&q)[6], double least, int marks = 0) {
+PART bool take(const EliminationArm& arm, const Goal<double>& goal, Search& search, const double (&q)[6], double least,
+               int marks = 0) {
     const Columns<6>& columns = search.columns;
     if (!is_new(arm.written, goal, columns, q)) return false;
     int b = 0;
@@ -90,7 +91,9 @@ PART void take_from(const EliminationArm& arm, const Goal<double>& goal, Search&
 }
 
 // Follow candidates of the elimination; `sure` are those whose root lay on the circle, and should be solutions.
-PART void take_candidates(const EliminationArm& arm, const Goal<double>& goal, Search& search, const Candidates& starts, unsigned sure) {
+// hasty: those that converge slowly are given up.
+template <bool hasty> PART void take_candidates(const EliminationArm& arm, const Goal<double>& goal, Search& search,
+                                                const Candidates& starts, unsigned sure) {
     Block q[6], error, least;
     for (int j = 0; j < 6; ++j) q[j] = starts.q[j];
     const auto done = [&](const Polished<Block>& now) {
@@ -99,7 +102,7 @@ PART void take_candidates(const EliminationArm& arm, const Goal<double>& goal, S
     };
     unsigned good = done(follow(arm, goal, q, 12, starts.lanes));
     // Slow at a double root: with damping, from where it is; and from its start, where it should be a solution.
-    for (int attempt = 0; attempt < 2; ++attempt) {
+    for (int attempt = hasty ? 2 : 0; attempt < 2; ++attempt) {
         const unsigned again = starts.lanes & ~good & (attempt ? sure : bits(error < Block(CLOSE)));
         if (!again) continue;
         const auto chosen = mask_of(again);
@@ -119,9 +122,7 @@ PART void take_candidates(const EliminationArm& arm, const Goal<double>& goal, S
             for (int j = 0; j < 6; ++j) search.spare[j] = one[j];
         }
         const bool taken = (good >> l & 1) && take(arm, goal, search, one, least[l]);
-        if (!taken && (sure >> l & 1) && search.many_stuck < 16) {
-            lane_of(starts.q, l, search.stuck[search.many_stuck++]);
-        }
+        if (!taken && (sure >> l & 1) && search.many_stuck < 16) { lane_of(starts.q, l, search.stuck[search.many_stuck++]); }
     }
 }
 
@@ -180,7 +181,9 @@ STEP RealRoots real_roots(const Complex (&coefficients)[2 * DEGREE + 1], bool hi
 
 // Add the solutions that one variant finds. Returns whether it gives cause for doubt: where the determinant was lost in
 // rounding, where more roots look real than solutions came of them, where roots may have been taken for each other.
-PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, const Goal<double>& goal, Search& search) {
+// hasty: a determinant that is lost in rounding is not looked at any further, nor candidates that converge slowly.
+template <bool hasty> PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, const Goal<double>& goal,
+                                       Search& search) {
     Equations A;
     double D[SAMPLES];
     Complex coefficients[2 * DEGREE + 1];
@@ -188,6 +191,7 @@ PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, c
     equations(variant, G, A);
     determinants(A, D);
     const bool noisy = !(harmonics(D, coefficients) < LARGEST_NOISE);
+    if (hasty && noisy) return true;
     RealRoots roots = real_roots(coefficients, variant.slides[(variant.first + 5) % 6]);
     search.many_stuck = 0;
     for (int k = roots.many; k < 2 * DEGREE; ++k) roots.c[k] = roots.c[0], roots.s[k] = roots.s[0];
@@ -202,7 +206,7 @@ PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, c
         for (int j = 0; j < 6; ++j) {
             if (arm.written.slides[j]) candidates.q[j] = candidates.q[j] * (1.0 / arm.scale);
         }
-        take_candidates(arm, goal, search, candidates, roots.sure >> from & candidates.lanes);
+        take_candidates<hasty>(arm, goal, search, candidates, roots.sure >> from & candidates.lanes);
     }
     return noisy || search.columns.count() < roots.expected || roots.crowded;
 }
@@ -262,7 +266,7 @@ PART void measure(const EliminationArm& arm, const Goal<double>& goal, Search& s
 }
 
 // Distances [rad] from 0.3 to 1e-8 at which Newton's method starts beside a fold, half a decade apart.
-inline constexpr double DISTANCES[16] = {0.3, 0.094868, 0.03, 0.0094868, 3e-3, 9.4868e-4, 3e-4, 9.4868e-5,
+inline constexpr double DISTANCES[16] = {0.3,  0.094868,  0.03, 0.0094868, 3e-3, 9.4868e-4, 3e-4, 9.4868e-5,
                                          3e-5, 9.4868e-6, 3e-6, 9.4868e-7, 3e-7, 9.4868e-8, 3e-8, 9.4868e-9};
 
 // Find the partners of solutions that lie next to a fold; flag the singular ones. Returns whether it looked.
@@ -375,7 +379,7 @@ PART bool gather_anew(const EliminationArm& arm, const EliminationVariant& varia
     const Columns<6> columns = {q, flags, 16};
     columns.clear();
     Search fresh = new_search(arm, goal, columns);
-    bool doubt = gather(arm, variant, goal, fresh);
+    bool doubt = gather<false>(arm, variant, goal, fresh);
     const auto row = [](const Columns<6>& from, int b, double (&to)[6]) {
         for (int j = 0; j < 6; ++j) to[j] = from.row(b)[j];
     };
@@ -404,7 +408,8 @@ PART void complete(const EliminationArm& arm, const Goal<double>& goal, const Co
     bool sure = false, beside = false;
     for (int v = 0; v < arm.variants; ++v) {
         const bool known = !from_scratch, last = v + 1 == arm.variants;
-        const bool doubt = known && v == 0 ? gather_anew(arm, arm.variant[v], goal, search) : gather(arm, arm.variant[v], goal, search);
+        const bool doubt =
+            known && v == 0 ? gather_anew(arm, arm.variant[v], goal, search) : gather<false>(arm, arm.variant[v], goal, search);
         sure = !doubt || (known && sure);
         if (v == 0 || last) beside = search_beside(arm, goal, search, known);
         // Solutions come in pairs; next to a fold one opinion is not enough.
@@ -429,18 +434,31 @@ struct General6 {
     }
 };
 
-// See EliminationSolvers.
-PART void try_variant(const EliminationArm& arm, const EliminationVariant& variant, const double* T, long m, long* counts, std::uint8_t* doubts) {
+// See EliminationSolvers. A variant that the noise of its determinant rules out at a pose counts as finding nothing there.
+PART void try_variants(const EliminationArm& arm, const EliminationVariant* variants, int many, const double* T, long m,
+                       const EliminationTrial& out) {
+    double q[EliminationTrial::most][6 * 16];
+    std::uint8_t flags[EliminationTrial::most][16];
     for (long i = 0; i < m; ++i) {
-        double q[6 * 16];
-        std::uint8_t flags[16];
-        const Columns<6> columns = {q, flags, 16};
-        columns.clear();
         const Goal<double> goal = goal_of(T + 16 * i);
-        Search search = new_search(arm, goal, columns);
-        doubts[i] = gather(arm, variant, goal, search) || columns.count() % 2 == 1;
-        search_beside(arm, goal, search, false);
-        counts[i] = columns.count();
+        Search search[EliminationTrial::most];
+        long most = 0;
+        for (int v = 0; v < many; ++v) {
+            const Columns<6> columns = {q[v], flags[v], 16};
+            columns.clear();
+            search[v] = new_search(arm, goal, columns);
+            const bool doubt = gather<true>(arm, variants[v], goal, search[v]);
+            out.counts[m * v + i] = columns.count();
+            out.doubts[m * v + i] = doubt || columns.count() % 2 == 1;
+            most = columns.count() > most ? columns.count() : most;
+        }
+        // Those that found less than another did may still find it beside a fold.
+        for (int v = 0; v < many; ++v) {
+            if (out.counts[m * v + i] == most || out.counts[m * v + i] == 0) continue;
+            search_beside(arm, goal, search[v], false);
+            const long count = search[v].columns.count();
+            out.counts[m * v + i] = count < most ? count : most;
+        }
     }
 }
 

@@ -32,10 +32,17 @@ struct EliminationArm {
     EliminationVariant variant[most];  // in the order in which they are tried
 };
 
+// How many solutions each variant finds of poses, and whether it gives cause for doubt: (variants, poses) each.
+struct EliminationTrial {
+    static constexpr int most = 24;
+    long* counts;
+    std::uint8_t* doubts;
+};
+
 struct EliminationSolvers {
     long (*solve)(const EliminationArm&, const Batch&);
-    // How many solutions one variant finds of m poses, and whether it gives cause for doubt.
-    void (*trial)(const EliminationArm&, const EliminationVariant&, const double* T, long m, long* counts, std::uint8_t* doubts);
+    // So many variants on m poses T.
+    void (*trial)(const EliminationArm&, const EliminationVariant*, int variants, const double* T, long m, const EliminationTrial&);
 };
 
 }  // namespace urdf_ik

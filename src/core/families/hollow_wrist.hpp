@@ -45,8 +45,15 @@ struct HollowWrist {
     static PART void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>&, const Columns<6>& columns) {
         const auto& ideal = arm.position.ideal;
         const Vec<double> direction = goal.R * vec<double>(arm.direction);
-        Search search = {arm, goal, columns, arm.position, goal.p + goal.R * vec<double>(arm.flange), direction,
-                         times(ideal.base_rotation, direction), 0.0, 0.0};
+        Search search = {arm,
+                         goal,
+                         columns,
+                         arm.position,
+                         goal.p + goal.R * vec<double>(arm.flange),
+                         direction,
+                         times(ideal.base_rotation, direction),
+                         0.0,
+                         0.0};
         for (int pair = 0; pair < 4; ++pair) {
             search.front = ideal.signs[2 * pair][0], search.up = ideal.signs[2 * pair][1];
             scan(search);
@@ -72,7 +79,9 @@ struct HollowWrist {
         const Place<double> place = bend_elbow<double>(p, seen, face<double>(p, seen, search.front), search.up, {});
         const Rot<double> bent = wrist_rotation({search.level, search.level, search.level}, ideal, place);
         const double* offset = ideal.offset;
-        return {bent.x.z - between(arm.cosine), min(place.margin1, place.margin2), arm.value[i] + t * step,
+        return {bent.x.z - between(arm.cosine),
+                min(place.margin1, place.margin2),
+                arm.value[i] + t * step,
                 {wrap(angle(place.t1) - offset[0]), wrap(angle(place.t2) - offset[1]), wrap(angle(place.t3) - offset[2])}};
     }
 

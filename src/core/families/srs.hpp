@@ -145,7 +145,8 @@ struct Srs {
 
     // One of the two ways in which three meeting axes bring the rotation about, to q[at] and the two behind it. Returns
     // IMPOSSIBLE also where the other way gives the same, 1 near a singularity, else 0.
-    static PART int turned_closely(const Task& task, const MeetingAxes& axes, const Rot<double>& M, int flip, int at, double (&q)[7]) {
+    static PART int turned_closely(const Task& task, const MeetingAxes& axes, const Rot<double>& M, int flip, int at,
+                                   double (&q)[7]) {
         const Tolerances& tol = task.arm.written.tolerances;
         const Twists t = twists_of(axes);
         Bend<double> bend = wrist_bend(M.z, t, flip ? -1.0 : 1.0);

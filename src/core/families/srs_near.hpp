@@ -42,7 +42,7 @@ struct SrsNear {
     };
 
     static PART void solve(const Arm& arm, const Goal<double>& goal, double value, const Reference<7>&, const Columns<7>& columns) {
-        const auto &R = goal.R;
+        const auto& R = goal.R;
         const Vec<double>& p = goal.p;
         const double t[16] = {R.x.x, R.y.x, R.z.x, p.x, R.x.y, R.y.y, R.z.y, p.y, R.x.z, R.y.z, R.z.z, p.z, 0.0, 0.0, 0.0, 1.0};
         const Seen<double> seen = to_frame_1<double>(t, arm.ideal);
@@ -96,7 +96,7 @@ struct SrsNear {
         const WristTurns<double> turns = wrist_turns(M, bend.turn, t);
         const auto take = [&](const Turn<double>& b, bool held, double first) {
             const WristTurns<double> w = wrist_turns(M, b, t, held, cos_sin(first));
-            double(&q)[3] = out.q[out.count++];
+            double (&q)[3] = out.q[out.count++];
             q[0] = wrap(angle(w.first)), q[1] = wrap(angle(b) - axes.shift), q[2] = wrap(angle(w.last));
         };
         take(bend.turn, false, 0.0), take({bend.turn.c, -bend.turn.s}, false, 0.0);

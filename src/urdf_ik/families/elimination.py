@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik._core import try_elimination
+from urdf_ik._core import Solver, try_elimination
 from urdf_ik.families.plan import written_values
 
 if TYPE_CHECKING:
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 _LINE = 15
 _SHIFTS = (0.0, 1e-6, 1e-5)
 _KEPT = 5
+# The names of what each variant has.
+_VARIANT = ("first", "reversed", "left", "right", "left_inverse", "axes", "points", "across", "slides")
 _PLANTED = 24
 # How many numbers the core leaves room for: rows of the left factor, columns of the right one.
 _ROWS, _COLUMNS = 168, 32
@@ -55,6 +57,15 @@ def elimination_values(chain: Chain) -> dict[str, Any]:
     try_elimination({**common, **rows, "variants": len(counts)}, targets, counts, doubts)
     chosen = _chosen(counts, doubts > 0)
     return {**common, **{name: values[chosen] for name, values in rows.items()}, "variants": len(chosen)}
+
+
+def doubts(solver: Solver, targets: Array) -> int:
+    """Number of poses (m, 4, 4) at which the elimination's first variant gives cause for doubt."""
+    _, (_, values) = solver.__reduce__()
+    marks = np.empty((1, len(targets)), np.uint8)
+    first = {name: values[name][:1] for name in _VARIANT}
+    try_elimination({**values, **first, "variants": 1}, targets, np.empty(marks.shape, np.int64), marks)
+    return int(np.count_nonzero(marks))
 
 
 def _scaled(chain: Chain) -> tuple[Array, Array, Array, float]:
@@ -109,15 +120,17 @@ def _planted(chain: Chain, rng: np.random.Generator) -> Array:
     changes = values[:-1] * values[1:] < 0.0
     k = changes.argmax(axis=0)
     low, high, at_low = grid[k], grid[k + 1], values[k, rows]
-    # Each round keeps one of sixteen parts.
-    parts = np.linspace(0.0, 1.0, 17)[:, None]
+    # The Illinois variant of regula falsi: an end that stays twice counts half.
+    at_high, last = values[k + 1, rows], np.zeros(half)
     for _ in range(12):
-        inside = low + parts * (high - low)
-        same = determinant(inside[1:-1]) * at_low > 0.0
-        last = np.where(same.all(axis=0), 15, same.argmin(axis=0))
-        low, high = inside[last, rows], inside[last + 1, rows]
+        middle = (low * at_high - high * at_low) / np.where(at_high == at_low, 1.0, at_high - at_low)
+        at_middle = determinant(middle)
+        side = np.where(at_middle * at_low > 0.0, 1.0, -1.0)
+        at_high = np.where(side > 0.0, np.where(last > 0.0, 0.5 * at_high, at_high), at_middle)
+        at_low = np.where(side > 0.0, at_middle, np.where(last < 0.0, 0.5 * at_low, at_low))
+        low, high, last = np.where(side > 0.0, middle, low), np.where(side > 0.0, high, middle), side
     found = changes.any(axis=0)
-    near = low + 10.0 ** -(2.0 + rows % 6)
+    near = middle + 10.0 ** -(2.0 + rows % 6)
     Q[rows[found], joints[found]] = near[found]
     return Q
 
@@ -192,14 +205,13 @@ def _factors(motions: Array, line: Array, slides: NDArray[np.bool_], first: int)
 def _before(front: Array, joint: Array) -> Array:
     """Rows (k, r, 15) times a joint's motion (k, 3, 15, 15): (k, 3 r, 15), the joint's part fastest."""
     count = len(front)
-    rows = front.reshape(count, -1, 1, 1, _LINE)
-    return (rows @ joint[:, None]).reshape(count, -1, _LINE)
+    return (front @ joint.transpose(0, 2, 1, 3).reshape(count, _LINE, 3 * _LINE)).reshape(count, -1, _LINE)
 
 
 def _behind(joint: Array, rear: Array) -> Array:
     """A joint's motion (k, 3, 15, 15) times columns (k, c, 15): (k, 3 c, 15), the joint's part slowest."""
     count = len(rear)
-    moved = joint @ rear.transpose(0, 2, 1)[:, None]
+    moved = (joint.reshape(count, 3 * _LINE, _LINE) @ rear.transpose(0, 2, 1)).reshape(count, 3, _LINE, -1)
     return moved.transpose(0, 1, 3, 2).reshape(count, -1, _LINE)
 
 

@@ -10,7 +10,6 @@ arm is loaded.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -64,12 +63,6 @@ def prepare(chain: Chain) -> Plan:
         explain=lambda rotation, point: _explain(chain, point),
         solver=solver,
     )
-
-
-def prepare_for_kernels(chain: Chain) -> Plan:
-    """The same for the kernels that are not moved yet."""
-    plan = prepare(chain)
-    return replace(plan, arm=with_elimination(plan.arm, chain), solve=kernels.solve, solver=None)
 
 
 def with_elimination(arm: Array, chain: Chain, trial: Callable[..., None] = kernels.trial) -> Array:

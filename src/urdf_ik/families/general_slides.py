@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik._core import Solver
 from urdf_ik._kernels import general_slides as kernels
 from urdf_ik._kernels import layout
 from urdf_ik._kernels import slides as wrist
+from urdf_ik.families.elimination import elimination_values
 from urdf_ik.families.few_joints import POSE, Aim, columns, is_redundant, kinds_of, pack_chain
 from urdf_ik.families.general_6r import with_elimination
 from urdf_ik.families.nearest import off_by
@@ -40,6 +42,11 @@ def prepare(chain: Chain) -> Plan | None:
     """The plan by elimination alone; None where the arm is redundant."""
     if is_redundant(chain):
         return None
+    solver = Solver("general slides", elimination_values(chain))
+
+    def solve(T: Array, arm: Array, q_ref: Array, Q: Array, flags: NDArray[np.uint8]) -> int:
+        return solver.solve(T, None, Q, flags)
+
     return Plan(
         family=f"{kinds_of(chain)} general",
         method="Elimination to one joint's value (Raghavan and Roth), a slide as tan(t / 2), Newton's method on the "
@@ -47,9 +54,10 @@ def prepare(chain: Chain) -> Plan | None:
         branches=columns(16),
         imperfection=(0.0, 0.0),
         error=0.0,
-        arm=with_elimination(_room(chain), chain, kernels.trial),
-        solve=kernels.solve,
+        arm=_room(chain),
+        solve=solve,
         explain=lambda rotation, point: off_by(chain, Aim(), rotation, point),
+        solver=solver,
     )
 
 

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik._kernels import general_6r, hidden_joint, layout, locked
+from urdf_ik._kernels import locked
+from urdf_ik.families.elimination import doubts
 from urdf_ik.families.plan import RedundantPlan
 from urdf_ik.redundancy import locked_joint
 from urdf_ik.structure import analyse
@@ -54,21 +55,10 @@ def prepare(chain: Chain, choosers: Sequence[Choose]) -> RedundantPlan | None:
 
 def _cost(plan: Plan, chain: Chain) -> tuple[int, int]:
     """Order of the solvers: exact closed form, exact quartic, near an ideal arm; of eliminations the surer one."""
-    if plan.solve is general_6r.solve:
-        return 3, _doubts(plan.arm, chain)
+    if plan.solver is not None and plan.solver.kind == "general 6R":
+        # What the elimination's first variant misses without a doubt is rare, and goes along with them.
+        return 3, doubts(plan.solver, chain.fk(np.random.default_rng(0).uniform(-np.pi, np.pi, (_TRIED, 6))))
     return int(plan.by_quartic) if plan.is_exact else 2, 0
-
-
-def _doubts(arm: Array, chain: Chain) -> int:
-    """Number of random poses at which the elimination's first variant gives cause for doubt.
-
-    The solver follows doubts up by its other variants; what it misses without one is rare, and goes along with them.
-    """
-    row = arm[layout.FIRST_VARIANT : layout.FIRST_VARIANT + hidden_joint.VARIANT]
-    targets = chain.fk(np.random.default_rng(0).uniform(-np.pi, np.pi, (_TRIED, 6)))
-    counts, doubts = np.empty(_TRIED, np.int64), np.empty(_TRIED, np.bool_)
-    general_6r.trial(arm, row, targets, counts, doubts)
-    return int(np.count_nonzero(doubts))
 
 
 def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
