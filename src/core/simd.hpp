@@ -80,14 +80,14 @@ template <int L, int K> struct Pack {
     STEP double operator[](int lane) const { return r[lane / L][lane % L]; }
     STEP void set(int lane, double x) { r[lane / L][lane % L] = x; }
 
-#define URDF_IK_ARITHMETIC(op)                                     \
-    friend STEP Pack operator op(Pack a, const Pack& b) {          \
-        for (int k = 0; k < K; ++k) a.r[k] = a.r[k] op b.r[k];     \
-        return a;                                                  \
-    }                                                              \
+#define URDF_IK_ARITHMETIC(op)                                                     \
+    friend STEP Pack operator op(Pack a, const Pack& b) {                          \
+        for (int k = 0; k < K; ++k) a.r[k] = a.r[k] op b.r[k];                     \
+        return a;                                                                  \
+    }                                                                              \
     friend STEP Pack operator op(double a, const Pack& b) { return Pack(a) op b; } \
     friend STEP Pack operator op(const Pack& a, double b) { return a op Pack(b); } \
-    STEP Pack& operator op##=(const Pack& b) { return *this = *this op b; }
+    STEP Pack& operator op## = (const Pack& b) { return *this = *this op b; }
     URDF_IK_ARITHMETIC(+)
     URDF_IK_ARITHMETIC(-)
     URDF_IK_ARITHMETIC(*)
@@ -99,15 +99,15 @@ template <int L, int K> struct Pack {
     }
 
 #if defined(__AVX512F__)
-#define URDF_IK_COMPARISON(op, code)                                                                       \
-    friend STEP Mask<L, K> operator op(const Pack& a, const Pack& b) {                                     \
-        Mask<L, K> c;                                                                                      \
-        for (int k = 0; k < K; ++k) {                                                                      \
-            if constexpr (L == 8) c.m[k] = _mm512_cmp_pd_mask((__m512d)a.r[k], (__m512d)b.r[k], code);     \
+#define URDF_IK_COMPARISON(op, code)                                                                        \
+    friend STEP Mask<L, K> operator op(const Pack& a, const Pack& b) {                                      \
+        Mask<L, K> c;                                                                                       \
+        for (int k = 0; k < K; ++k) {                                                                       \
+            if constexpr (L == 8) c.m[k] = _mm512_cmp_pd_mask((__m512d)a.r[k], (__m512d)b.r[k], code);      \
             else if constexpr (L == 4) c.m[k] = _mm256_cmp_pd_mask((__m256d)a.r[k], (__m256d)b.r[k], code); \
-            else c.m[k] = _mm_cmp_pd_mask((__m128d)a.r[k], (__m128d)b.r[k], code);                         \
-        }                                                                                                  \
-        return c;                                                                                          \
+            else c.m[k] = _mm_cmp_pd_mask((__m128d)a.r[k], (__m128d)b.r[k], code);                          \
+        }                                                                                                   \
+        return c;                                                                                           \
     }
 #else
 #define URDF_IK_COMPARISON(op, code)                                   \

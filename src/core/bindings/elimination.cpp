@@ -61,7 +61,8 @@ static void try_elimination(nb::dict dict, const Targets& T, const Counts& count
     const int variants = values.get<int>("variants");
     const std::size_t m = T.shape(0);
     if (variants < 1 || variants > EliminationTrial::most) throw nb::value_error("one to 24 variants of the elimination");
-    if (counts.shape(0) != std::size_t(variants) || counts.shape(1) != m || doubts.shape(0) != counts.shape(0) || doubts.shape(1) != m) {
+    if (counts.shape(0) != std::size_t(variants) || counts.shape(1) != m || doubts.shape(0) != counts.shape(0) ||
+        doubts.shape(1) != m) {
         throw nb::value_error("arrays of poses and counts do not fit each other");
     }
     const auto arm = std::make_unique<EliminationArm>();

@@ -60,7 +60,8 @@ STEP void lane_of(const Block (&q)[6], int l, double (&out)[6]) {
 // ---- collecting ------------------------------------------------------------------------------------------------------
 
 // Keep q if it is new. Returns whether it was.
-PART bool take(const EliminationArm& arm, const Goal<double>& goal, Search& search, const double (&q)[6], double least, int marks = 0) {
+PART bool take(const EliminationArm& arm, const Goal<double>& goal, Search& search, const double (&q)[6], double least,
+               int marks = 0) {
     const Columns<6>& columns = search.columns;
     if (!is_new(arm.written, goal, columns, q)) return false;
     int b = 0;
@@ -91,7 +92,8 @@ PART void take_from(const EliminationArm& arm, const Goal<double>& goal, Search&
 
 // Follow candidates of the elimination; `sure` are those whose root lay on the circle, and should be solutions.
 // hasty: those that converge slowly are given up.
-template <bool hasty> PART void take_candidates(const EliminationArm& arm, const Goal<double>& goal, Search& search, const Candidates& starts, unsigned sure) {
+template <bool hasty> PART void take_candidates(const EliminationArm& arm, const Goal<double>& goal, Search& search,
+                                                const Candidates& starts, unsigned sure) {
     Block q[6], error, least;
     for (int j = 0; j < 6; ++j) q[j] = starts.q[j];
     const auto done = [&](const Polished<Block>& now) {
@@ -120,9 +122,7 @@ template <bool hasty> PART void take_candidates(const EliminationArm& arm, const
             for (int j = 0; j < 6; ++j) search.spare[j] = one[j];
         }
         const bool taken = (good >> l & 1) && take(arm, goal, search, one, least[l]);
-        if (!taken && (sure >> l & 1) && search.many_stuck < 16) {
-            lane_of(starts.q, l, search.stuck[search.many_stuck++]);
-        }
+        if (!taken && (sure >> l & 1) && search.many_stuck < 16) { lane_of(starts.q, l, search.stuck[search.many_stuck++]); }
     }
 }
 
@@ -182,7 +182,8 @@ STEP RealRoots real_roots(const Complex (&coefficients)[2 * DEGREE + 1], bool hi
 // Add the solutions that one variant finds. Returns whether it gives cause for doubt: where the determinant was lost in
 // rounding, where more roots look real than solutions came of them, where roots may have been taken for each other.
 // hasty: a determinant that is lost in rounding is not looked at any further, nor candidates that converge slowly.
-template <bool hasty> PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, const Goal<double>& goal, Search& search) {
+template <bool hasty> PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, const Goal<double>& goal,
+                                       Search& search) {
     Equations A;
     double D[SAMPLES];
     Complex coefficients[2 * DEGREE + 1];
@@ -265,7 +266,7 @@ PART void measure(const EliminationArm& arm, const Goal<double>& goal, Search& s
 }
 
 // Distances [rad] from 0.3 to 1e-8 at which Newton's method starts beside a fold, half a decade apart.
-inline constexpr double DISTANCES[16] = {0.3, 0.094868, 0.03, 0.0094868, 3e-3, 9.4868e-4, 3e-4, 9.4868e-5,
+inline constexpr double DISTANCES[16] = {0.3,  0.094868,  0.03, 0.0094868, 3e-3, 9.4868e-4, 3e-4, 9.4868e-5,
                                          3e-5, 9.4868e-6, 3e-6, 9.4868e-7, 3e-7, 9.4868e-8, 3e-8, 9.4868e-9};
 
 // Find the partners of solutions that lie next to a fold; flag the singular ones. Returns whether it looked.
@@ -407,7 +408,8 @@ PART void complete(const EliminationArm& arm, const Goal<double>& goal, const Co
     bool sure = false, beside = false;
     for (int v = 0; v < arm.variants; ++v) {
         const bool known = !from_scratch, last = v + 1 == arm.variants;
-        const bool doubt = known && v == 0 ? gather_anew(arm, arm.variant[v], goal, search) : gather<false>(arm, arm.variant[v], goal, search);
+        const bool doubt =
+            known && v == 0 ? gather_anew(arm, arm.variant[v], goal, search) : gather<false>(arm, arm.variant[v], goal, search);
         sure = !doubt || (known && sure);
         if (v == 0 || last) beside = search_beside(arm, goal, search, known);
         // Solutions come in pairs; next to a fold one opinion is not enough.
@@ -433,7 +435,8 @@ struct General6 {
 };
 
 // See EliminationSolvers. A variant that the noise of its determinant rules out at a pose counts as finding nothing there.
-PART void try_variants(const EliminationArm& arm, const EliminationVariant* variants, int many, const double* T, long m, const EliminationTrial& out) {
+PART void try_variants(const EliminationArm& arm, const EliminationVariant* variants, int many, const double* T, long m,
+                       const EliminationTrial& out) {
     double q[EliminationTrial::most][6 * 16];
     std::uint8_t flags[EliminationTrial::most][16];
     for (long i = 0; i < m; ++i) {

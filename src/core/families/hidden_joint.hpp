@@ -58,7 +58,8 @@ template <int COLUMNS> PART void equations_with(const EliminationVariant& v, con
     for (int c = 0; c < COLUMNS; c += width) {
         for (int b = 0; b < blocks; b += height) {
             Block sum[width][height];
-            for (auto& each : sum) for (auto& x : each) x = 0.0;
+            for (auto& each : sum)
+                for (auto& x : each) x = 0.0;
             for (int i = 0; i < LINE; ++i) {
                 for (int x = 0; x < width; ++x) {
                     for (int y = 0; y < height; ++y) {
@@ -77,10 +78,14 @@ template <int COLUMNS> PART void equations_with(const EliminationVariant& v, con
 
 PART void equations(const EliminationVariant& v, const Frame<double>& G, Equations& A) {
     switch (v.first) {
-        case 3: return equations_with<1>(v, G, A);
-        case 2: return equations_with<3>(v, G, A);
-        case 1: return equations_with<9>(v, G, A);
-        default: return equations_with<27>(v, G, A);
+        case 3:
+            return equations_with<1>(v, G, A);
+        case 2:
+            return equations_with<3>(v, G, A);
+        case 1:
+            return equations_with<9>(v, G, A);
+        default:
+            return equations_with<27>(v, G, A);
     }
 }
 
@@ -253,8 +258,8 @@ template <class V> STEP Vec<V> other_side(const EliminationVariant& at, const Fr
 }
 
 // The values of all joints of the loop for hidden angles (c, s), from the null vectors of their matrices.
-PART void remaining_values(const EliminationVariant& at, const Frame<double>& motion, const Block (&x)[SIZE], const Block& c, const Block& s,
-                           Block (&q)[6]) {
+PART void remaining_values(const EliminationVariant& at, const Frame<double>& motion, const Block (&x)[SIZE], const Block& c,
+                           const Block& s, Block (&q)[6]) {
     const Frame<Block> G = spread<Block>(motion);
     const int first = at.first, kept = (first + 3) % 6, kept_too = (first + 4) % 6, hidden = (first + 5) % 6;
     Value<Block> values[6];

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik._core import try_elimination
+from urdf_ik._core import Solver, try_elimination
 from urdf_ik.families.plan import written_values
 
 if TYPE_CHECKING:
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 _LINE = 15
 _SHIFTS = (0.0, 1e-6, 1e-5)
 _KEPT = 5
+# The names of what each variant has.
+_VARIANT = ("first", "reversed", "left", "right", "left_inverse", "axes", "points", "across", "slides")
 _PLANTED = 24
 # How many numbers the core leaves room for: rows of the left factor, columns of the right one.
 _ROWS, _COLUMNS = 168, 32
@@ -57,12 +59,13 @@ def elimination_values(chain: Chain) -> dict[str, Any]:
     return {**common, **{name: values[chosen] for name, values in rows.items()}, "variants": len(chosen)}
 
 
-def first_in_doubt(values: dict[str, Any], chain: Chain, poses: int) -> int:
-    """Of how many random poses the way that is tried first gives cause for doubt."""
-    targets = np.ascontiguousarray(chain.fk(np.random.default_rng(0).uniform(-np.pi, np.pi, (poses, 6))))
-    counts, doubts = np.empty((values["variants"], poses), np.int64), np.empty((values["variants"], poses), np.uint8)
-    try_elimination(values, targets, counts, doubts)
-    return int(np.count_nonzero(doubts[0]))
+def doubts(solver: Solver, targets: Array) -> int:
+    """Number of poses (m, 4, 4) at which the elimination's first variant gives cause for doubt."""
+    values = solver.values
+    marks = np.empty((1, len(targets)), np.uint8)
+    first = {name: values[name][:1] for name in _VARIANT}
+    try_elimination({**values, **first, "variants": 1}, targets, np.empty(marks.shape, np.int64), marks)
+    return int(np.count_nonzero(marks))
 
 
 def _scaled(chain: Chain) -> tuple[Array, Array, Array, float]:

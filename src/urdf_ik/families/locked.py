@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.families.elimination import first_in_doubt
+from urdf_ik.families.elimination import doubts
 from urdf_ik.families.plan import RedundantPlan
 from urdf_ik.redundancy import locked_joint
 from urdf_ik.structure import analyse
@@ -53,8 +53,8 @@ def prepare(chain: Chain, choosers: Sequence[Choose]) -> RedundantPlan | None:
 def _cost(plan: Plan, chain: Chain) -> tuple[int, int]:
     """Order of the solvers: exact closed form, exact quartic, near an ideal arm; of eliminations the surer one."""
     if plan.by_elimination:
-        # The solver follows doubts up by its other variants; what it misses without one is rare.
-        return 3, first_in_doubt(plan.solver.values, chain, _TRIED)
+        # What the elimination's first variant misses without a doubt is rare, and goes along with them.
+        return 3, doubts(plan.solver, chain.fk(np.random.default_rng(0).uniform(-np.pi, np.pi, (_TRIED, 6))))
     return int(plan.by_quartic) if plan.is_exact else 2, 0
 
 
