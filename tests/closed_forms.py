@@ -11,7 +11,6 @@ from arms_general import tilted
 from cases import Case, assert_exact, closest_pair, described, flags, indistinct_pairs, nearest, rows
 from numpy.typing import NDArray
 
-from urdf_ik._kernels import layout
 from urdf_ik.families import general_6r
 
 Array = NDArray[np.float64]
@@ -39,10 +38,10 @@ def members(kind: str) -> list[Case]:
 
 def by_elimination(case: Case, target: Array) -> Array:
     """The solutions (k, 6) of one pose that the general elimination finds."""
-    plan = general_6r.prepare(case.arm.chain)
-    Q, valid = np.empty((1, 16, 6)), np.empty((1, 16), np.uint8)
-    plan.solve(target[None], plan.arm, np.zeros(7), Q, valid)
-    return Q[valid & layout.VALID != 0]
+    solver = general_6r.prepare(case.arm.chain).solver
+    Q, marks = np.empty((1, 16, 6)), np.empty((1, 16), np.uint8)
+    assert solver.solve(np.ascontiguousarray(target[None]), None, Q, marks) == -1
+    return Q[marks & 1 != 0]
 
 
 def holds_near_singularities(case: Case, singularities: int, seed: int) -> None:
@@ -95,8 +94,10 @@ def agrees_with_elimination(case: Case, poses: int, seed: int) -> None:
 
 def at_quarter_turns(case: Case, poses: int, seed: int) -> None:
     """All joints on multiples of a quarter turn from where neighbouring axes lie in a plane: exact solutions."""
-    offset = case.arm._plan.arm[layout.OFFSET : layout.OFFSET + 6]
-    offset = offset[::-1] if case.arm._plan.mirrored else offset
+    plan = case.arm._plan
+    values = plan.solver.values["solver"].values if plan.mirrored else plan.solver.values
+    offset = values["ideal"]["offset"]
+    offset = offset[::-1] if plan.mirrored else offset
     rng = np.random.default_rng(seed)
     for quarters in rng.integers(-2, 3, (poses, 6)):
         target = case.oracle.pose(0.5 * np.pi * quarters - offset)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pickle
 import threading
-from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -16,7 +15,6 @@ from numpy.typing import NDArray
 from oracle import Oracle, angle_distance
 
 import urdf_ik
-from urdf_ik import arm as arm_module
 from urdf_ik._plot_shapes import stick
 from urdf_ik.errors import PoseError, UnsupportedArm
 
@@ -198,48 +196,11 @@ def test_unsupported_arm(text: str, words: str) -> None:
 # ---------------------------------------------------------------- the first call
 
 
-class AtOnce:
-    """A timer that does not wait, and tells how long it was to."""
-
-    waits: ClassVar[list[float]] = []
-
-    def __init__(self, seconds: float, function: Callable[[], None]) -> None:
-        """Keep both."""
-        self.waits.append(seconds)
-        self.function = function
-        self.daemon = False
-
-    def start(self) -> None:
-        """Do it now."""
-        self.function()
-
-    def cancel(self) -> None:
-        """Too late."""
-
-
-def test_a_slow_first_call_says_so(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
-    """A first call that takes over two seconds tells stderr what it is doing, once."""
-    arm = urdf_ik.load(TEXT, "base", "tool")
-    monkeypatch.setattr(AtOnce, "waits", [])
-    monkeypatch.setattr(arm_module.threading, "Timer", AtOnce)
-    for _ in range(2):
-        assert arm.ik(arm.fk(Q)).count > 0
-    written = capfd.readouterr()
-    assert written.out == ""
-    assert written.err.count("compiling the solver for '6R 2||3||4 and 5x6'") == 1
-    assert set(AtOnce.waits) == {2.0}
-
-
-def test_a_fast_first_call_is_silent(capfd: pytest.CaptureFixture[str]) -> None:
-    """Where it does not take so long nothing is written, and no timer is left behind."""
-    case = from_catalogue("zyyzyz_6r")
-    case.arm.ik(np.eye(4))  # whatever there is to compile is compiled
+def test_a_first_call_is_silent(capfd: pytest.CaptureFixture[str]) -> None:
+    """Nothing is compiled at the first call: nothing is written, and no thread is left behind."""
     before = threading.active_count()
     arm = urdf_ik.load("zyyzyz_6r")
     assert arm.ik(arm.fk(Q)).count == 8
-    for thread in threading.enumerate():
-        if isinstance(thread, threading.Timer):
-            thread.join(5.0)
     assert threading.active_count() == before
     assert capfd.readouterr() == ("", "")
 

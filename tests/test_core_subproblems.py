@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 import pytest
+from core_samples import LENGTHS, PI, SIGNS, angles, apart, e, step, wrist
 from hypothesis import given
 from hypothesis import strategies as st
-from core_samples import LENGTHS, PI, SIGNS, angles, apart, e, step, wrist
 
 
 @given(angles(), st.floats(-3.0, 3.0), st.floats(-3.0, 3.0))

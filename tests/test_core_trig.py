@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
 from core_samples import PI, angles, apart, step, with_roots
+from hypothesis import given
 from numpy.typing import NDArray
 
 from urdf_ik import _core

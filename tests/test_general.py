@@ -15,11 +15,8 @@ from cases import Case, assert_exact, closest_pair, described, nearest, rows
 from numpy.typing import NDArray
 from oracle import Oracle
 
-from urdf_ik._kernels import general_6r as kernels
-from urdf_ik._kernels import hidden_joint as hidden
-from urdf_ik._kernels import layout
-from urdf_ik._kernels.lines import LINE, line_motion, line_vector
-from urdf_ik._kernels.polynomials import self_inversive_roots
+from urdf_ik import _core
+from urdf_ik.families import elimination
 
 Array = NDArray[np.float64]
 
@@ -57,16 +54,12 @@ def motion(h: Array, p: Array, angle: float) -> Array:
 
 def line(point: Array, direction: Array) -> Array:
     """The 15 numbers of a line."""
-    w = np.empty(LINE)
-    line_vector(*point, *direction, w)
-    return w
+    return elimination._lines(point, direction)
 
 
 def line_matrix(G: Array) -> Array:
     """The matrix (15, 15) of a rigid motion."""
-    U = np.empty((LINE, LINE))
-    line_motion(G, U)
-    return U
+    return elimination._line_motions(G[:3, :3], G[:3, 3])
 
 
 def random_motion(rng: np.random.Generator) -> Array:
@@ -203,25 +196,6 @@ def test_on_a_singularity(name: str) -> None:
 # ---------------------------------------------------------------- the elimination's parts
 
 
-@pytest.mark.parametrize("name", ["random-0", "random-1", "crx"])
-def test_fold_width_is_where_the_other_solution_lies(name: str) -> None:
-    """Close to where Pinocchio's Jacobian is singular the next solution is as far away as the fold's bend says."""
-    case, rng = named(name), np.random.default_rng(21)
-    compared = 0
-    for _ in range(20):
-        q, _ = case.oracle.singular(rng)
-        q += 2e-3 * rng.normal(size=6)
-        found = rows(case.arm.ik(case.oracle.pose(q)))
-        others = np.sort(np.linalg.norm(angle_distance_of_joints(found, q), axis=1))[1:]
-        J = case.oracle.jacobian(q)
-        J[:3] /= case.arm.chain.size
-        width = kernels.fold_width(J, np.linalg.svd(J)[2][-1])
-        if width < 0.05:
-            compared += 1
-            assert others.min() == pytest.approx(width, rel=0.2), q
-    assert compared > 5
-
-
 def test_line_motion_moves_lines() -> None:
     """The matrix of a motion takes a line's numbers to those of the moved line, whatever line and motion."""
     rng = np.random.default_rng(10)
@@ -237,74 +211,15 @@ def test_line_motions_compose() -> None:
     for _ in range(20):
         G, F = random_motion(rng), random_motion(rng)
         np.testing.assert_allclose(line_matrix(G @ F), line_matrix(G) @ line_matrix(F), atol=1e-12)
-        np.testing.assert_allclose(line_matrix(G) @ line_matrix(np.linalg.inv(G)), np.eye(LINE), atol=1e-11)
-    np.testing.assert_array_equal(line_matrix(np.eye(4)), np.eye(LINE))
+        np.testing.assert_allclose(line_matrix(G) @ line_matrix(np.linalg.inv(G)), np.eye(15), atol=1e-11)
+    np.testing.assert_array_equal(line_matrix(np.eye(4)), np.eye(15))
 
 
-def variants(case: Case) -> list[Array]:
-    """The rows of constant matrices that were chosen when the arm was loaded."""
-    numbers = case.arm._plan.arm
-    count = int(numbers[layout.VARIANTS])
-    return list(numbers[layout.FIRST_VARIANT :].reshape(count, hidden.VARIANT))
-
-
-@pytest.mark.parametrize("name", ALL)
-def test_null_vectors_annihilate_the_left_side(name: str) -> None:
-    """Six independent vectors take the line of axis a + 2 to zero, however joints a and a + 1 turn it."""
-    case, rng = named(name), np.random.default_rng(12)
-    for row in variants(case):
-        first = int(row[hidden.FIRST])
-        H = row[hidden.AXES : hidden.AXES + 18].reshape(6, 3)
-        P = row[hidden.POINTS : hidden.POINTS + 18].reshape(6, 3)
-        null = row[hidden.NULL : hidden.NULL + 6 * LINE].reshape(6, LINE)
-        np.testing.assert_allclose(null @ null.T, np.eye(6), atol=1e-12)
-        for t, u in rng.uniform(-np.pi, np.pi, (5, 2)):
-            G = motion(H[first], P[first], t) @ motion(H[first + 1], P[first + 1], u)
-            w = line(G[:3, :3] @ P[first + 2] + G[:3, 3], G[:3, :3] @ H[first + 2])
-            np.testing.assert_allclose(null @ w, np.zeros(6), atol=1e-11 * np.linalg.norm(w))
-
-
-CIRCLE = np.array(
-    [(math.cos(2 * math.pi * k / hidden.SAMPLES), math.sin(2 * math.pi * k / hidden.SAMPLES)) for k in range(24)]
-)
-
-
-def eliminated(case: Case, row: Array, target: Array) -> tuple[Array, NDArray[np.complex128], float]:
-    """The determinants (24,) at equispaced hidden angles, their harmonics (17,), and the noise above the eighth."""
-    G, A, D = np.empty((4, 4)), np.empty((3, 6, 9)), np.empty(hidden.SAMPLES)
-    coefficients = np.empty(2 * hidden.DEGREE + 1, np.complex128)
-    kernels.loop_motion(case.arm._plan.arm, target, row[hidden.REVERSED] != 0.0, G)
-    hidden.equations(row, G, A)
-    hidden.determinants(A, CIRCLE, D)
-    return D, coefficients, float(hidden.harmonics(D, CIRCLE, coefficients))
-
-
-@pytest.mark.parametrize("name", RANDOM)
-def test_the_determinant_has_eight_harmonics(name: str) -> None:
-    """On arms without structure the sampled determinant has no harmonic above the eighth: no extraneous factor."""
-    case = named(name)
-    for q in case.oracle.draw(np.random.default_rng(13), 10):
-        D, coefficients, noise = eliminated(case, variants(case)[0], case.oracle.pose(q))
-        assert noise < 1e-6
-        # What the kernel calls noise is what NumPy's transform has above the eighth.
-        spectrum = np.abs(np.fft.rfft(D))
-        np.testing.assert_allclose(np.abs(coefficients[8:]), spectrum[:9], atol=1e-12 * spectrum.max())
-        assert spectrum[9:].max() < 1e-6 * spectrum.max()
-
-
-@pytest.mark.parametrize("name", RANDOM)
-def test_the_planted_angle_is_a_root(name: str) -> None:
-    """At the hidden joint's planted angle the determinant vanishes, and the root finder gives that angle back."""
-    case, row = named(name), variants(named(name))[0]
-    joint = (int(row[hidden.FIRST]) + 5) % 6
-    joint = 5 - joint if row[hidden.REVERSED] else joint
-    for q in case.oracle.draw(np.random.default_rng(14), 10):
-        if case.oracle.sigma_min(q) < 1e-2:
-            continue
-        _, coefficients, _ = eliminated(case, row, case.oracle.pose(q))
-        z = np.empty(16, np.complex128)
-        self_inversive_roots(coefficients, z)
-        assert np.abs(z - np.exp(1j * q[joint])).min() < 1e-5, q
+def self_inversive_roots(coefficients: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """The roots (n,) that the core finds of a polynomial (n + 1,), from the constant up."""
+    numbers = np.column_stack([coefficients.real, coefficients.imag]).reshape(1, -1)
+    found = _core.step(f"self_inversive_roots_{len(coefficients) - 1}", numbers)[0].reshape(-1, 2)
+    return found[:, 0] + 1j * found[:, 1]
 
 
 @pytest.mark.parametrize("degree", [4, 16])
@@ -321,8 +236,7 @@ def test_self_inversive_roots_are_the_planted_ones(degree: int) -> None:
         coefficients = np.poly(planted)[::-1]
         coefficients *= np.exp(0.5j * np.angle(np.conj(coefficients[0]) / coefficients[-1]))
         np.testing.assert_allclose(coefficients, np.conj(coefficients[::-1]), atol=1e-10 * abs(coefficients).max())
-        z = np.empty(degree, np.complex128)
-        self_inversive_roots(np.ascontiguousarray(coefficients), z)
+        z = self_inversive_roots(coefficients)
         distance = np.abs(planted[:, None] - z[None, :])
         assert sorted(distance.argmin(axis=1)) == list(range(degree))
         assert distance.min(axis=1).max() < 1e-9
@@ -336,34 +250,11 @@ def test_self_inversive_roots_are_numpys() -> None:
         half[:3] *= scale  # some roots near zero, and as many far out
         half[8] = half[8].real
         coefficients = np.concatenate([half, np.conj(half[7::-1])])
-        z = np.empty(16, np.complex128)
-        self_inversive_roots(coefficients, z)
+        z = self_inversive_roots(coefficients)
         expected = np.roots(coefficients[::-1])
         distance = np.abs(expected[:, None] - z[None, :]) / np.abs(expected)[:, None]
         assert sorted(distance.argmin(axis=1)) == list(range(16))
         assert distance.min(axis=1).max() < 1e-7
-
-
-def test_null_vectors_hold_the_planted_angles() -> None:
-    """At the planted hidden angle the null vector is the product of the other two angles' terms."""
-    case = named("random-0")
-    row = variants(case)[0]
-    joints = [(int(row[hidden.FIRST]) + k) % 6 for k in (3, 4, 5)]
-    kept, kept_too, last = (5 - j for j in joints) if row[hidden.REVERSED] else joints
-    for q in case.oracle.draw(np.random.default_rng(17), 10):
-        if case.oracle.sigma_min(q) < 1e-2:
-            continue
-        G, A, X = np.empty((4, 4)), np.empty((3, 6, 9)), np.empty((12, 16))
-        kernels.loop_motion(case.arm._plan.arm, case.oracle.pose(q), row[hidden.REVERSED] != 0.0, G)
-        hidden.equations(row, G, A)
-        hidden.null_vectors(A, np.tile([math.cos(q[last]), math.sin(q[last])], (16, 1)), X)
-        t, half = q[kept], 0.5 * q[kept_too]
-        halves = [math.cos(half), math.sin(half), math.cos(3.0 * half), math.sin(3.0 * half)]
-        expected = np.outer([1.0, math.cos(t), math.sin(t)], halves).ravel()
-        expected /= np.linalg.norm(expected)
-        for x in X.T:
-            assert abs(np.linalg.norm(x) - 1.0) < 1e-12
-            assert min(np.linalg.norm(x - expected), np.linalg.norm(x + expected)) < 1e-6
 
 
 def test_pinocchio_agrees_on_the_standard_table() -> None:

@@ -11,7 +11,6 @@ import pytest
 
 import urdf_ik
 from urdf_ik import ChainError, catalogue
-from urdf_ik._kernels.compile import CACHE_DIRECTORY
 from urdf_ik.crosscheck import PROPERTIES, check
 from urdf_ik.testing import assert_agrees_with_pinocchio, verdict
 
@@ -28,12 +27,6 @@ from urdf_ik.arm import Arm
 solve = Arm.fk
 Arm.fk = lambda self, q: solve(self, q) + 1e-6
 """
-
-
-@pytest.fixture(autouse=True)
-def compiled_kernels(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A pytester has a home of its own, in which every process would compile the kernels anew."""
-    monkeypatch.setenv("URDF_IK_CACHE_DIR", str(CACHE_DIRECTORY.parent))
 
 
 def run(pytester: pytest.Pytester, *args: str) -> pytest.RunResult:
@@ -128,7 +121,7 @@ def test_plugin_costs_nothing_where_it_is_not_asked_for(pytester: pytest.Pyteste
         import sys
 
         def test_own():
-            assert not {"urdf_ik", "numpy", "numba", "pinocchio"} & set(sys.modules)
+            assert not {"urdf_ik", "numpy", "pinocchio"} & set(sys.modules)
         """
     )
     done = run(pytester, "--strict-markers", "-W", "error")
