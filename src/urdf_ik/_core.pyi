@@ -22,6 +22,24 @@ class Answer:
 
     step: types.MemberDescriptorType = ...
 
+class Chain:
+    """
+    Forward kinematics of a chain of joints; immutable. Angles may be of any size.
+    """
+
+    def __init__(self, arg0: object, arg1: object, arg2: object, arg3: object, /) -> None: ...
+
+    @property
+    def steps(self) -> object: ...
+
+    def __reduce__(self) -> tuple: ...
+
+    def fk(self, arg: object | None, /) -> object: ...
+
+    def jacobian(self, arg: object | None, /) -> object: ...
+
+    def axes(self, arg: object, /) -> object: ...
+
 def step(name: str, x: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], side_by_side: bool = False) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
     """
     One step of the solvers, for tests: sets of its inputs (m, k) to sets of its results, one by one or in blocks.
@@ -39,6 +57,9 @@ class Solver:
 
     @property
     def kind(self) -> str: ...
+
+    @property
+    def values(self) -> dict: ...
 
     @property
     def joints(self) -> int: ...
