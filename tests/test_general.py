@@ -20,6 +20,7 @@ from urdf_ik._kernels import hidden_joint as hidden
 from urdf_ik._kernels import layout
 from urdf_ik._kernels.lines import LINE, line_motion, line_vector
 from urdf_ik._kernels.polynomials import self_inversive_roots
+from urdf_ik.families.general_6r import with_elimination
 
 Array = NDArray[np.float64]
 
@@ -243,7 +244,7 @@ def test_line_motions_compose() -> None:
 
 def variants(case: Case) -> list[Array]:
     """The rows of constant matrices that were chosen when the arm was loaded."""
-    numbers = case.arm._plan.arm
+    numbers = with_elimination(case.arm._plan.arm, case.arm.chain)
     count = int(numbers[layout.VARIANTS])
     return list(numbers[layout.FIRST_VARIANT :].reshape(count, hidden.VARIANT))
 
@@ -273,7 +274,7 @@ def eliminated(case: Case, row: Array, target: Array) -> tuple[Array, NDArray[np
     """The determinants (24,) at equispaced hidden angles, their harmonics (17,), and the noise above the eighth."""
     G, A, D = np.empty((4, 4)), np.empty((3, 6, 9)), np.empty(hidden.SAMPLES)
     coefficients = np.empty(2 * hidden.DEGREE + 1, np.complex128)
-    kernels.loop_motion(case.arm._plan.arm, target, row[hidden.REVERSED] != 0.0, G)
+    kernels.loop_motion(with_elimination(case.arm._plan.arm, case.arm.chain), target, row[hidden.REVERSED] != 0.0, G)
     hidden.equations(row, G, A)
     hidden.determinants(A, CIRCLE, D)
     return D, coefficients, float(hidden.harmonics(D, CIRCLE, coefficients))
@@ -354,7 +355,7 @@ def test_null_vectors_hold_the_planted_angles() -> None:
         if case.oracle.sigma_min(q) < 1e-2:
             continue
         G, A, X = np.empty((4, 4)), np.empty((3, 6, 9)), np.empty((12, 16))
-        kernels.loop_motion(case.arm._plan.arm, case.oracle.pose(q), row[hidden.REVERSED] != 0.0, G)
+        kernels.loop_motion(with_elimination(case.arm._plan.arm, case.arm.chain), case.oracle.pose(q), row[hidden.REVERSED] != 0.0, G)
         hidden.equations(row, G, A)
         hidden.null_vectors(A, np.tile([math.cos(q[last]), math.sin(q[last])], (16, 1)), X)
         t, half = q[kept], 0.5 * q[kept_too]

@@ -45,9 +45,6 @@ struct IdealFrames : Ends {
     double cos_alpha[5], sin_alpha[5], a[5], d[4], offset[6], size;
     double clamp;         // how far below zero a margin may fall before its branch is given up
     double imperfection;  // how far its poses are from those of the arm as written [rad, share of size]; 0: exact
-    // What a margin of shoulder, elbow, wrist is worth: how far the target moves, at least, when it changes by one [rad,
-    // share of size], the angles before it held; 0: not known.
-    double stride[3];
     double signs[8][3];   // of the branches: shoulder, elbow, wrist
 };
 

@@ -5,7 +5,8 @@
 //   Arm        what it knows of an arm; Arm::ideal is IdealFrames, or Ends at least, Arm::written is Written<N>
 //   branches   how many columns it has
 //   fast       fast(arm, seen, found): all branches of a block of poses; found is Found<branches>, or what imperfect
-//              arms want to know of them (imperfect.hpp). Angles of branches beyond their end are those at the end.
+//              arms want to know of them (families/imperfect.hpp), which asks for finite angles beyond a branch's end
+//              too (see margin_root)
 //   closely    closely(arm, goal, seen, reference, columns, wanted): the branches of one pose whose bit is set in
 //              `wanted`, added to the columns
 // and, where its targets are not poses of sixteen numbers,
@@ -23,17 +24,11 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// How near a branch's solution is to the branch's end, where a margin of it vanishes.
+// How far a branch is from its ends: the margins whose roots have the branch's signs of shoulder, elbow and wrist (bits 4,
+// 2 and 1 of its number), and the least squared arm that fixes its angles (dimensionless). Imperfect arms ask for it.
 template <class V> struct Clearance {
-    V ahead;  // how far the target may move until a margin vanishes [rad, share of size]; negative: how far it is beyond
-    V fixed;  // least of the other margins and the squared arms [dimensionless]: small where the angles are weakly fixed
+    V shoulder, elbow, wrist, arms;
 };
-// Of a branch with these margins of shoulder, elbow and wrist, and this least squared arm. stride: see IdealFrames.
-template <class V> STEP Clearance<V> clearance(const double (&stride)[3], const V& m1, const V& m2, const V& m3, const V& arms) {
-    const V s1 = stride[0] * m1, s2 = stride[1] * m2, s3 = stride[2] * m3, ahead = min(min(s1, s2), s3);
-    const auto unless_least = [&](const V& s, const V& m) { return select(s <= ahead, V(1.0), abs(m)); };
-    return {ahead, min(min(unless_least(s1, m1), unless_least(s2, m2)), min(unless_least(s3, m3), arms))};
-}
 
 // A block's answers: angles of each branch; the lanes in which it is a solution, and those in which that is in doubt.
 template <int B, int N = 6> struct Found {

@@ -14,6 +14,8 @@ extern const ChainFunctions chain_functions;
 extern const ParallelShoulderSolvers parallel_shoulder_solvers;
 extern const EliminationSolvers elimination_solvers;
 extern const FewJointsSolvers few_joints_solvers;
+extern const ImperfectSolvers imperfect_solvers;
+extern const ImperfectSolversToo imperfect_solvers_too;
 extern const ReversedSteps reversed_steps;
 extern const SphericalMiddleSolvers spherical_middle_solvers;
 extern const Steps steps;
@@ -36,6 +38,8 @@ const LevelTable table = {
     &srs_solvers,
     &three_parallel_solvers,
     &elimination_solvers,
+    &imperfect_solvers,
+    &imperfect_solvers_too,
 };
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -7,6 +7,7 @@
 #include "families/parallel_shoulder_arm.hpp"
 #include "families/elimination_arm.hpp"
 #include "families/few_joints_arm.hpp"
+#include "families/imperfect_arm.hpp"
 #include "families/reversed.hpp"
 #include "families/spherical_middle_arm.hpp"
 #include "families/spherical_wrist_arm.hpp"
@@ -30,6 +31,8 @@ struct LevelTable {
     const SrsSolvers* srs;
     const ThreeParallelSolvers* three_parallel;
     const EliminationSolvers* elimination;
+    const ImperfectSolvers* imperfect;
+    const ImperfectSolversToo* imperfect_too;
 };
 
 }  // namespace urdf_ik

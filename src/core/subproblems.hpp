@@ -10,13 +10,19 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
+// The root of a margin. Beyond the branch's end a number continues with the double root. A block continues with the root
+// of what is missing, so that two branches stand apart on either side of their end: exact arms ask their blocks for nothing
+// there, imperfect ones ask what the margin is at either place (families/imperfect.hpp).
+STEP double margin_root(double margin) { return root(max(margin, 0.0)); }
+template <int L, int K> STEP Pack<L, K> margin_root(const Pack<L, K>& margin) { return root(abs(margin)); }
+
 // Turn about z so that (X, k) becomes (x, y), X free: subproblem 4.
 template <class V> struct Swing {
     Turn<V> turn;
     V X, margin;  // margin r^2 - k^2 [m^2]
 };
 template <class V> STEP Swing<V> swing_to_offset(const V& x, const V& y, const V& k, const V& sign) {
-    const V margin = x * x + y * y - k * k, X = sign * root(max(margin, 0.0));
+    const V margin = x * x + y * y - k * k, X = sign * margin_root(margin);
     return {unit(X * x + k * y, X * y - k * x), X, margin};
 }
 
@@ -30,7 +36,7 @@ template <class V> struct Fold {
 template <class V, class W> STEP Fold<V> fold(const V& uu, const W& a, const W& b, double side, const V& sign) {
     const W w = 0.5 / (a * b), inner = a - b, outer = a + b;
     const V folded = (uu - inner * inner) * w, stretched = (outer * outer - uu) * w, margin = folded * stretched;
-    const V c = min(max(0.5 * (folded - stretched), -1.0), V(1.0)), s = sign * root(max(margin, 0.0));
+    const V c = min(max(0.5 * (folded - stretched), -1.0), V(1.0)), s = sign * margin_root(margin);
     return {inner + b * max(folded, 0.0), side * b * s, {c, s}, margin};
 }
 
@@ -59,7 +65,7 @@ template <class V> struct Bend {
 template <class V> STEP Bend<V> wrist_bend(const Vec<V>& z, const Twists& t, const V& sign) {
     const V c = (t.ca * t.cb - z.z) * (1.0 / (t.sa * t.sb)), across = t.ca * t.sb * c + t.sa * t.cb;
     const V margin = (z.x * z.x + z.y * z.y - across * across) * (1.0 / (t.sb * t.sb));
-    return {unit(c, sign * root(max(margin, 0.0))), margin};
+    return {unit(c, sign * margin_root(margin)), margin};
 }
 
 // Turn about z so that an axis tilted by alpha (ca, sa) from it, Rz(-t) (0, sa, ca), encloses with a unit vector an angle
@@ -70,7 +76,7 @@ template <class V> STEP Bend<V> swing_to_tilt(const Vec<V>& z, double ca, double
     const V c_low = ca * z.z + sa * r, s_low = sa * z.z - ca * r, c_high = ca * z.z - sa * r, s_high = sa * z.z + ca * r;
     const V above = select(c_low + c > V(0.5), (across - s_low * s_low) / (c_low + c), c_low - c);
     const V below = select(c_high + c < V(-0.5), (s_high * s_high - across) / (c_high + c), c - c_high);
-    const V margin = above * below * (1.0 / (sa * sa)), k = (c - ca * z.z) * (1.0 / sa), X = sign * root(max(margin, 0.0));
+    const V margin = above * below * (1.0 / (sa * sa)), k = (c - ca * z.z) * (1.0 / sa), X = sign * margin_root(margin);
     return {unit(X * z.x + k * z.y, k * z.x - X * z.y), margin};
 }
 

@@ -59,6 +59,9 @@ class Solver:
     def kind(self) -> str: ...
 
     @property
+    def values(self) -> dict: ...
+
+    @property
     def joints(self) -> int: ...
 
     @property

@@ -23,6 +23,7 @@ static const Makers& makers() {
         add_parallel_shoulder(m);
         add_elimination(m);
         add_few_joints(m);
+        add_imperfect(m);
         add_reversed(m);
         add_spherical_middle(m);
         add_spherical_wrist(m);
@@ -113,6 +114,7 @@ NB_MODULE(_core, m) {
     nb::class_<PySolver>(m, "Solver", "An arm, ready to be solved; immutable.")
         .def(nb::init<std::string, nb::dict>(), nb::arg("kind"), nb::arg("values"))
         .def_ro("kind", &PySolver::kind)
+        .def_ro("values", &PySolver::values)
         .def_prop_ro("joints", [](const PySolver& s) { return s.solver->joints; })
         .def_prop_ro("branches", [](const PySolver& s) { return s.solver->branches; })
         .def_prop_ro("numbers", [](const PySolver& s) { return s.solver->numbers; }, "How many numbers a target has.")

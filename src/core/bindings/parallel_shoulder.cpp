@@ -3,9 +3,11 @@
 
 namespace urdf_ik {
 
+void read(const Values& v, ParallelShoulderArm& to) { read(v.group("ideal"), to.ideal), read(v.group("written"), to.written); }
+
 template <LastAxes kind> std::shared_ptr<const Solver> make_parallel_shoulder(const Values& v) {
     auto made = std::make_shared<SolverOf<ParallelShoulderArm>>();
-    read(v.group("ideal"), made->arm.ideal), read(v.group("written"), made->arm.written);
+    read(v, made->arm);
     made->function = level().parallel_shoulder->solve[int(kind)];
     made->distances_of = level().parallel_shoulder->distances[int(kind)];
     return made;

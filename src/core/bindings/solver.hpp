@@ -53,6 +53,7 @@ void add_chain(nb::module_& m);
 void add_parallel_shoulder(Makers& makers);
 void add_elimination(Makers& makers);
 void add_few_joints(Makers& makers);
+void add_imperfect(Makers& makers);
 void add_reversed(Makers& makers);
 void add_spherical_middle(Makers& makers);
 void add_spherical_wrist(Makers& makers);

@@ -3,10 +3,14 @@
 
 namespace urdf_ik {
 
+void read(const Values& v, SphericalMiddleArm& to) {
+    read(v.group("ideal"), to.ideal), read(v.group("written"), to.written);
+    v.read("centre", to.centre), v.read("centre_5", to.centre_5);
+}
+
 template <LastPair kind> std::shared_ptr<const Solver> make_spherical_middle(const Values& v) {
     auto made = std::make_shared<SolverOf<SphericalMiddleArm>>();
-    read(v.group("ideal"), made->arm.ideal), read(v.group("written"), made->arm.written);
-    v.read("centre", made->arm.centre), v.read("centre_5", made->arm.centre_5);
+    read(v, made->arm);
     made->function = level().spherical_middle->solve[int(kind)];
     return made;
 }

@@ -70,7 +70,7 @@ STEP WristEnds<V> wrist_ends(const IdealFrames& arm, const Height<V>& at, const 
         const Bend<V> b = swing_to_tilt<V>(h, ca5, sa5, ca3 * ca4, sa3 * sa3, front);
         const Vec<V> v = seen_from_5(arm, h, b.turn);
         const V s4 = (at.level - d5 * v.z - a5 * v.x) * (1.0 / (a4 * sa3)), margin = (1.0 - s4) * (1.0 + s4);
-        return {unit<V>(flip * sqrt(max(margin, 0.0)), s4), b.turn, b.margin, margin};
+        return {unit<V>(flip * margin_root(margin), s4), b.turn, b.margin, margin};
     } else {
         const Vec<V> v = seen_from_5(arm, h, root);
         const V c4 = (ca3 * ca4 - v.z) * (1.0 / (sa3 * sa4)), s4 = (at.level - d5 * v.z - a5 * v.x) * (1.0 / (a4 * sa3));
@@ -184,7 +184,7 @@ template <LastAxes kind> struct ParallelShoulder {
         const Block product = ends.first * ends.second * f.margin * (middle.arm5 * arm6 * arm1);
         const auto doubt = (min(min(ends.first, arms), min(ends.second, f.margin)) <= rough) | (product <= Block(SMALL_TOGETHER)) |
                            !(miss * miss * scale + middle.error * uu <= (tol.reach * tol.reach * 1e-2) * uu);
-        const Clearance<Block> clear = clearance(ideal.stride, ends.first, f.margin, ends.second, arms);
+        const Clearance<Block> clear = {ends.first, f.margin, ends.second, arms};
         const Block t2 = angle(f.bend), bend = side * t2, turned = angle(psi), xx = f.wx * u.x, xy = f.wx * u.y, yx = f.wy * u.x, yy = f.wy * u.y;
         const Block q4 = wrap(angle(ends.t4) - ideal.offset[3]), q5 = wrap(angle(middle.t5) - ideal.offset[4]);
         const Block q6 = wrap(angle(ends.t6) - ideal.offset[5]), t1 = atan2(xy - yx, xx + yy), t1_down = atan2(xy + yx, xx - yy);

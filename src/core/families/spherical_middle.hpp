@@ -71,13 +71,13 @@ template <LastPair kind, class V> STEP LastTurns<V> last_turns(const SphericalMi
         const double r = reach_of_5(arm), w = 0.5 / (a5 * r), inner = a5 - r, outer = a5 + r;
         const V near = (rr - inner * inner) * w, far = (outer * outer - rr) * w;
         margin = near * far;
-        fx = 0.5 * r * (far - near), fy = up * (r * root(max(margin, 0.0)));
+        fx = 0.5 * r * (far - near), fy = up * (r * margin_root(margin));
         ex = ((r - a5) * (r + a5) - rr) * (0.5 / a5), ey = ca5 * fy;
     } else {
         fy = (ca5 * gz - u.z) * (1.0 / sa5), ey = ca5 * fy + sa5 * gz;
         if constexpr (kind == LastPair::intersecting) {
             margin = (rr - ey * ey) * (1.0 / square);
-            fx = ex = up * root(max(margin, 0.0) * square);
+            fx = ex = up * margin_root(margin * square);
         } else {
             ex = (square + gz * gz - a5 * a5 - rr - u.z * u.z) * (0.5 / a5), fx = ex + a5;
         }
@@ -139,7 +139,7 @@ template <LastPair kind> struct SphericalMiddle {
         const Block product = first.margin * last.margin * bend.margin * (first.arm1 * arm6 * turns.fixed);
         const auto doubt = (min(min(first.margin, arms), min(last.margin, bend.margin)) <= rough) | (product <= Block(SMALL_TOGETHER)) |
                            !(last.error * scale + max(turns.error, flip.error) <= Block(tol.reach * tol.reach * 1e-2));
-        const Clearance<Block> clear = clearance(ideal.stride, first.margin, bend.margin, last.margin, arms);
+        const Clearance<Block> clear = {first.margin, last.margin, bend.margin, arms};
         const double* offset = ideal.offset;
         const Block q1 = wrap(angle(first.t1) - offset[0]), q5 = wrap(angle(last.t5) - offset[4]), q6 = wrap(angle(last.t6) - offset[5]);
         const Block t3 = angle(bend.turn);

@@ -78,7 +78,7 @@ template <Shoulder kind> struct SphericalWrist {
         const Block off1 = off_plane * off_plane + off_x * off_x + off_y * off_y;
         const Block uu = front.ux * front.ux + front.uy * front.uy, arm2 = uu * size2;
         const Block folded = (uu - inner * inner) * w, stretched = (longest * longest - uu) * w, margin = folded * stretched;
-        const Block c = min(max(0.5 * (folded - stretched), -1.0), Block(1.0)), s = root(max(margin, 0.0));
+        const Block c = min(max(0.5 * (folded - stretched), -1.0), Block(1.0)), s = margin_root(margin);
         at.set(BEND + outer, {c, s});
         const Block wx = inner + b * max(folded, 0.0), wy = (side * b) * s, along = a + b * c;
         const Block c_even = wx * front.ux, c_odd = wy * front.uy, s_even = wx * front.uy, s_odd = wy * front.ux;
@@ -153,7 +153,7 @@ template <Shoulder kind> struct SphericalWrist {
         const Tolerances& tol = arm.written.tolerances;
         const Block least = min(min(place.shoulder, place.elbow), margin), arms = min(place.arms, fixed);
         const auto doubt = (min(least, arms) <= Block(tol.edge)) | !(place.error + off <= Block(tol.reach * tol.reach * 1e-2));
-        return {least < Block(-tol.edge), doubt, clearance(ideal.stride, place.shoulder, place.elbow, margin, arms)};
+        return {least < Block(-tol.edge), doubt, {place.shoulder, place.elbow, margin, arms}};
     }
 
     // Joint values from the angles, offsets taken off.

@@ -156,7 +156,7 @@ template <Hand kind> struct ThreeParallel {
         const auto lost = (before < Block(-edge)) | ((f.margin < Block(-edge)) & (up.fixed > Block(edge)));
         const auto doubt = (min(min(before, f.margin), arms) <= Block(edge)) |
                            !(miss * miss * scale + up.error * uu <= (reach * reach * 1e-2) * uu);
-        return {lost, doubt, clearance(ideal.stride, up.margin1, f.margin, up.margin5, arms)};
+        return {lost, doubt, {up.margin1, f.margin, up.margin5, arms}};
     }
 
     // Joint values from the angles, offsets taken off.

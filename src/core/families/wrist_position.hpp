@@ -75,12 +75,12 @@ template <Shoulder kind, class V> struct Third {
 template <Shoulder kind, class V> STEP Third<kind, V> third(const SphericalWristArm& arm, const Vec<V>& p, const V& up) {
     if constexpr (kind == Shoulder::intersecting_12) {
         const V c = dot(p, p) * arm.swing[0] + arm.swing[1], margin = (1.0 - c) * (1.0 + c);
-        const V k = min(max(c, -1.0), 1.0), s = up * root(max(margin, 0.0));
+        const V k = min(max(c, -1.0), 1.0), s = up * margin_root(margin);
         const Turn<V> t3 = {k * arm.cos_phi - s * arm.sin_phi, s * arm.cos_phi + k * arm.sin_phi};
         return {t3, second_link(arm, t3), margin};
     } else {
         const V s = arm.ideal.cos_alpha[0] * p.z * arm.swing[0] + arm.swing[1], margin = (1.0 - s) * (1.0 + s);
-        const V k = min(max(s, -1.0), 1.0), c = up * root(max(margin, 0.0));
+        const V k = min(max(s, -1.0), 1.0), c = up * margin_root(margin);
         const Turn<V> t3 = {c * arm.cos_phi + k * arm.sin_phi, k * arm.cos_phi - c * arm.sin_phi};
         return {t3, second_link(arm, t3), margin};
     }
@@ -103,7 +103,7 @@ STEP Place<V> first_two(const SphericalWristArm& arm, const Vec<V>& p, const Thi
         uy = (p.z - ca1 * f.z) * (1.0 / sa1);
         if constexpr (kind == Shoulder::intersecting_12) {
             out.margin1 = (arm2 - uy * uy) * scale;
-            ux = front * root(max(arm2 - uy * uy, 0.0));
+            ux = front * margin_root(arm2 - uy * uy);
         } else {
             out.margin1 = 1.0;
             ux = (dot(p, p) - a1 * a1 - arm2 - f.z * f.z) * (0.5 / a1);

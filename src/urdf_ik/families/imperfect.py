@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from urdf_ik._core import Solver
 from urdf_ik._kernels import imperfect, parallel_shoulder, spherical_middle, spherical_wrist, three_parallel
+from urdf_ik.families.elimination import elimination_values
 from urdf_ik.families.general_6r import with_elimination
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from urdf_ik.chain import Chain
     from urdf_ik.families.plan import Plan
+
+    Array = NDArray[np.float64]
 
 _NEAR = {
     spherical_wrist.solve_parallel_23: imperfect.near_parallel_23,
@@ -39,5 +47,52 @@ def prepare(plan: Plan, chain: Chain) -> Plan:
         branches=(*plan.branches, *further),
         arm=with_elimination(plan.arm, chain),
         solve=_NEAR[plan.solve],
-        solver=None,
+        solver=_solver(plan.solver, chain) if plan.solver else None,
     )
+
+
+def _solver(ideal: Solver, chain: Chain) -> Solver:
+    values = {"family": ideal.values, "elimination": elimination_values(chain), **_both_arms(ideal.values["ideal"], chain)}
+    return Solver(f"imperfect {ideal.kind}", values)
+
+
+def _both_arms(ideal: dict[str, Any], chain: Chain) -> dict[str, Any]:
+    """The arm as written and the ideal one, both from the ideal arm's frame 1 to its frame 6, and how they drift apart."""
+    base, tool = np.eye(4), np.eye(4)
+    base[:3, :3], base[:3, 3] = ideal["base_rotation"].T, ideal["base_origin"]
+    tool[:3, :3], tool[:3, 3] = ideal["tool_rotation"].T, -ideal["tool_rotation"].T @ ideal["tool_point"]
+    inner = np.array([np.vstack([step, [0.0, 0.0, 0.0, 1.0]]) for step in chain.motion.steps])
+    inner[0], inner[-1] = np.linalg.inv(base) @ inner[0], inner[-1] @ np.linalg.inv(tool)
+    inner = np.ascontiguousarray(inner[:, :3])
+    return {"inner_steps": inner, "ideal_steps": ideal["steps"], "drift": _drift(inner, ideal["steps"], chain.size)}
+
+
+def _drift(inner: Array, ideal: Array, size: float) -> float:
+    """Greatest change of the motion between the two arms' tips, over sampled joint vectors [rad, share of size; a rad]."""
+    rng = np.random.default_rng(1)
+    Q = rng.uniform(-np.pi, np.pi, (60, 6))
+    shift = 1e-3
+    moved = Q + shift * rng.choice([-1.0, 1.0], (60, 6))
+
+    def between(Q: Array) -> Array:
+        motions: Array = _tip(ideal, Q) @ np.linalg.inv(_tip(inner, Q))
+        return motions
+
+    change = between(moved) - between(Q)
+    change[:, :3, 3] /= size
+    return float(np.abs(change).max()) / shift
+
+
+def _tip(steps: Array, Q: Array) -> Array:
+    """(m, 4, 4) where the steps (7, 3, 4), with turns by the joint vectors (m, 6) about z between them, lead."""
+    T = np.broadcast_to(np.eye(4), (len(Q), 4, 4))
+    for k, step in enumerate(steps):
+        T = T @ np.vstack([step, [0.0, 0.0, 0.0, 1.0]])
+        if k < Q.shape[1]:
+            turn = np.zeros((len(Q), 4, 4))
+            turn[:, 0, 0] = turn[:, 1, 1] = np.cos(Q[:, k])
+            turn[:, 1, 0] = np.sin(Q[:, k])
+            turn[:, 0, 1] = -turn[:, 1, 0]
+            turn[:, 2, 2] = turn[:, 3, 3] = 1.0
+            T = T @ turn
+    return np.asarray(T)

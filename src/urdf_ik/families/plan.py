@@ -238,14 +238,8 @@ def by_solver(solver: Solver) -> Callable[..., int]:
     return solve
 
 
-def ideal_values(
-    frames: DHFrames, error: float, signs: Array, size: float, stride: tuple[float, float, float] = (0.0, 0.0, 0.0)
-) -> dict[str, Any]:
-    """The ideal arm, as the compiled solvers of closed forms take it.
-
-    ``stride``: of shoulder, elbow and wrist, how far the target moves, at least, when the margin changes by one [rad,
-    share of size], the angles before it held; 0: not known, so that an imperfect arm never trusts the branch's end.
-    """
+def ideal_values(frames: DHFrames, error: float, signs: Array, size: float) -> dict[str, Any]:
+    """The ideal arm, as the compiled solvers of closed forms take it."""
     base, tool = frames.base, frames.tool
     exact = error <= DEFAULT.exact_structure
     return {
@@ -258,10 +252,10 @@ def ideal_values(
         "a": np.array(frames.a, dtype=np.float64),
         "d": np.array(frames.d[:4], dtype=np.float64),
         "offset": np.array(frames.offset, dtype=np.float64),
+        "steps": np.ascontiguousarray(np.array(frames.steps())[:, :3]),
         "size": size,
         "clamp": 100.0 * DEFAULT.fold if exact else 100.0 * DEFAULT.fold + 50.0 * error,
         "imperfection": 0.0 if exact else error,
-        "stride": np.array(stride),
         "signs": signs,
     }
 

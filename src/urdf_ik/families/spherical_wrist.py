@@ -104,7 +104,7 @@ def _with_shoulder(structure: Structure, chain: Chain, shoulder: str) -> Plan:
 def _solver(chain: Chain, frames: DHFrames, error: float, arm: Array, shoulder: str) -> Solver:
     signs = arm[layout.SIGNS : layout.SIGNS + 24].reshape(8, 3).copy()
     values = {
-        "ideal": ideal_values(frames, error, signs, chain.size, _stride(arm, shoulder)),
+        "ideal": ideal_values(frames, error, signs, chain.size),
         "written": written_values(chain),
         "centre": arm[layout.CENTRE : layout.CENTRE + 3].copy(),
         "rho": float(arm[layout.RHO]),
@@ -119,24 +119,6 @@ def _solver(chain: Chain, frames: DHFrames, error: float, arm: Array, shoulder: 
         turn = math.atan2(arm[layout.SIN_PHI], arm[layout.COS_PHI]) + frames.offset[2]
         values["bend_offset"] = math.remainder(turn, 2.0 * math.pi)
     return Solver(f"spherical wrist, {shoulder or 'general shoulder'}", values)
-
-
-def _stride(arm: Array, shoulder: str) -> tuple[float, float, float]:
-    """See ``ideal_values``; lengths as shares of the size, in which a target's move by x moves the wrist centre by 2 x.
-
-    Shoulder: the margin r^2 - k^2 changes by up to 2 r dr, k by that over the sine of the first twist. Elbow: by the law
-    of cosines the squared sine of the bend changes by (a + b) / (a b) times what its ends' distance does. The wrist's
-    changes by 2 / sin^2 of its last twist times what its last axis turns.
-    """
-    size, upper, lower = arm[layout.SIZE], arm[layout.A + 1], arm[layout.RHO]
-    first, last = arm[layout.SIN_ALPHA], arm[layout.SIN_ALPHA + 4]
-    turned = 0.25 * last * last
-    if shoulder == "2||3":
-        return 0.25 * first * first, 0.25 * upper * lower / (size * (upper + lower)), turned
-    if shoulder == "1x2":
-        # The bend's cosine is |p|^2 times the swing, and |p| at most the size.
-        return 0.25 * first * first, 0.125 / (size * size * abs(arm[layout.SWING])), turned
-    return 0.0, 0.0, turned
 
 
 def _shoulders(structure: Structure, chain: Chain) -> list[str]:

@@ -1,0 +1,31 @@
+// What the solver of an arm near a family knows of it.
+#pragma once
+
+#include "elimination_arm.hpp"
+#include "parallel_shoulder_arm.hpp"
+#include "spherical_middle_arm.hpp"
+#include "spherical_wrist_arm.hpp"
+#include "three_parallel_arm.hpp"
+
+namespace urdf_ik {
+
+template <class FamilyArm> struct ImperfectArm {
+    FamilyArm family;  // the ideal arm
+    Written<6> written;
+    EliminationArm elimination;
+    // From frame 1 to the point that is solved for: the arm as written, and the ideal one.
+    Written<6> inner, ideal;
+    double drift;  // how fast the motion between the two tips changes with the joints, at most [rad, share of size; a rad]
+};
+
+template <class FamilyArm> using SolveImperfect = long (*)(const ImperfectArm<FamilyArm>&, const Batch&);
+struct ImperfectSolvers {
+    SolveImperfect<SphericalWristArm> spherical_wrist[4];  // by Shoulder
+    SolveImperfect<ThreeParallelArm> three_parallel[2];    // by Hand
+};
+struct ImperfectSolversToo {
+    SolveImperfect<ParallelShoulderArm> parallel_shoulder[5];  // by LastAxes
+    SolveImperfect<SphericalMiddleArm> spherical_middle[3];    // by LastPair
+};
+
+}  // namespace urdf_ik
