@@ -57,10 +57,11 @@ _IMPORTS = {
 def run(command: list[str]) -> tuple[float, float] | None:
     """Seconds of wall clock and of processor time of one fresh process; None where it fails."""
     with tempfile.TemporaryDirectory() as home:
-        fresh = {"HOME": home, "XDG_CACHE_HOME": f"{home}/cache", "NUMBA_CACHE_DIR": f"{home}/numba", "OMP_NUM_THREADS": "1"}
+        caches = {"XDG_CACHE_HOME": f"{home}/cache", "NUMBA_CACHE_DIR": f"{home}/numba"}
+        fresh = {**os.environ, **caches, "HOME": home, "OMP_NUM_THREADS": "1"}
         before, start = os.times(), time.perf_counter()
         try:
-            done = subprocess.run(command, env={**os.environ, **fresh}, capture_output=True, timeout=TIMEOUT, check=False)
+            done = subprocess.run(command, env=fresh, capture_output=True, timeout=TIMEOUT, check=False)
         except subprocess.TimeoutExpired:
             return None
         wall, after = time.perf_counter() - start, os.times()
@@ -89,7 +90,8 @@ def first_solutions(robots: list[Robot], repeats: int, *, slow: bool) -> list[li
                 if name == "ssik" and general and not slow:
                     rows.append([robot.name, name, "minutes: asked with --slow", "-"])
                     continue
-                times = best([sys.executable, "-c", code, str(urdf), str(pose)], 1 if name == "ssik" and general else repeats)
+                often = 1 if name == "ssik" and general else repeats
+                times = best([sys.executable, "-c", code, str(urdf), str(pose)], often)
                 cells = ["does not take it", "-"] if times is None else [f"{times[0]:.2f}", f"{times[1]:.2f}"]
                 rows.append([robot.name, name, *cells])
     return rows

@@ -251,8 +251,9 @@ class SsikBuilt(Peer):
             build = "import sys, ssik.cli; sys.exit(ssik.cli.main(sys.argv[1:]))"
             options = ["--base", "base", "--ee", "tool", "--out", str(out), "--no-validate"]
             command = [sys.executable, "-c", build, "build", str(urdf), *options]
+            patience = GENERAL_BUILD_TIME if general else BUILD_TIME
             try:
-                subprocess.run(command, check=True, capture_output=True, timeout=GENERAL_BUILD_TIME if general else BUILD_TIME)
+                subprocess.run(command, check=True, capture_output=True, timeout=patience)
             except (subprocess.CalledProcessError, subprocess.TimeoutExpired) as error:
                 raise Unavailable(f"no module built ({type(error).__name__})") from error
             spec = importlib.util.spec_from_file_location("arm_ik", out)

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# ABB's IRB 5400 with its dimensions as published (m, rad); the wrist's angles are rounded, so that axes 4 and 7 pass each
-# other at some 0.05 mm.
+# ABB's IRB 5400 with its dimensions as published (m, rad); the wrist's angles are rounded, so that axes 4 and 7 pass
+# each other at some 0.05 mm.
 IRB_5400 = (
     ((0.0, 0.0, 0.0), 0.0, "0 0 1"),
     ((0.300, 0.0, 0.660), 0.0, "0 1 0"),

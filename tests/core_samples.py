@@ -30,8 +30,10 @@ def step(name: str, *numbers: float) -> list[float]:
     if name in IN_BLOCKS:
         together = _core.step(name, np.repeat(x, 3, axis=0), side_by_side=True)
         np.testing.assert_array_equal(together[0], together[2])
-        # At a double root rounding is worth half the digits.
-        np.testing.assert_allclose(together[1], alone, rtol=0.0, atol=1e-7 * (1.0 + np.abs(x[np.isfinite(x)]).max(initial=0.0)))
+        # At a double root rounding is worth half the digits; beyond it, blocks continue on another curve.
+        kept = slice(None) if name == "wrap" or alone[-1] > -1e-12 else slice(-1, None)
+        scale = 1.0 + np.abs(x[np.isfinite(x)]).max(initial=0.0)
+        np.testing.assert_allclose(together[1][kept], alone[kept], rtol=1e-12, atol=1e-7 * scale)
     return list(alone.tolist())
 
 

@@ -114,7 +114,8 @@ def test_damped_step_is_the_least_squares_solution(n: int, damping: float) -> No
             continue  # nearly undetermined: the two solutions may differ along the free direction
         stacked = np.vstack([J, damping * np.eye(n)])
         expected = np.linalg.lstsq(stacked, np.concatenate([twist, np.zeros(n)]), rcond=None)[0]
-        np.testing.assert_allclose(damped_step(J, twist, damping), expected, atol=1e-10 * max(1.0, np.abs(expected).max()))
+        tolerance = 1e-10 * max(1.0, np.abs(expected).max())
+        np.testing.assert_allclose(damped_step(J, twist, damping), expected, atol=tolerance)
 
 
 @pytest.mark.parametrize("damping", [1e-3, 1e-6])

@@ -33,11 +33,11 @@ def test_atan2(side_by_side: bool) -> None:
         *((s * a, t * b) for a in MAGNITUDES for b in MAGNITUDES if a or b for s in (1, -1) for t in (1, -1)),
     ]
     answers = _core.step("atan2", np.array(points), side_by_side=side_by_side)[:, 0]
-    for (y, x), given in zip(points, answers.tolist(), strict=True):
+    for (y, x), answer in zip(points, answers.tolist(), strict=True):
         expected = math.atan2(y, x)
-        assert abs(given - expected) <= 2.0 * math.ulp(expected), (y, x)
-        assert math.copysign(1.0, given) == math.copysign(1.0, y)
-        assert abs(given) <= PI
+        assert abs(answer - expected) <= 2.0 * math.ulp(expected), (y, x)
+        assert math.copysign(1.0, answer) == math.copysign(1.0, y)
+        assert abs(answer) <= PI
 
 
 def atan2(y: float, x: float) -> float:

@@ -1,4 +1,4 @@
-"""6R arms whose wrist mimics: every solution, by Pinocchio that makes the joint follow by itself; refusals with reasons."""
+"""6R arms whose wrist mimics: every solution, by Pinocchio whose joint follows by itself; refusals with reasons."""
 
 from __future__ import annotations
 
@@ -160,7 +160,7 @@ def refused() -> dict[str, tuple[str, str]]:
             r"axes 4 and 7 \(joint_4, joint_7\) would have to meet",
         ),
         "another axis": (
-            mimicking(plain.replace('<mimic joint="joint_5" multiplier="-1.0" offset="0.0" />', ""), 3, "joint_2", -1.0),
+            mimicking(plain.replace('<mimic joint="joint_5" multiplier="-1.0" offset="0.0" />', ""), 3, "joint_2", -1),
             r"axis 3 \(joint_3\) follows joint_2",
         ),
         "no fraction": (plain.replace('multiplier="-1.0"', 'multiplier="-0.7071"'), "'joint_5'.*does not repeat"),

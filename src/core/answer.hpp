@@ -42,7 +42,8 @@ template <int N> STEP Reference<N> reference_of(const double* q_ref) {
 // Whether q differs from every solution that the columns hold. Two vectors half way between which the arm is still in
 // the pose, to rounding, are one double root.
 template <class Model>
-PART bool is_new(const Model& arm, const Goal<double>& goal, const Columns<Model::joints>& columns, const double (&q)[Model::joints]) {
+SHARED bool is_new(const Model& arm, const Goal<double>& goal, const Columns<Model::joints>& columns,
+                   const double (&q)[Model::joints]) {
     constexpr int N = Model::joints;
     for (int b = 0; b < columns.many; ++b) {
         if (!columns.valid(b)) continue;
@@ -98,7 +99,7 @@ template <int N> PART void sort(const Columns<N>& columns) {
 
 // The smallest singular value of the Jacobian at q, and its direction.
 template <class Model>
-PART Weakest<Model::joints> weakest_at(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints]) {
+SHARED Weakest<Model::joints> weakest_at(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints]) {
     Rows<Model::rows, double> J[Model::joints];
     error_and_jacobian(arm, goal, q, J);
     return weakest(J);
@@ -123,13 +124,20 @@ template <class Model> STEP bool holds(const Model& arm, const Goal<double>& goa
 // Polish the closed form's candidate q of column b on the arm as written, and keep it if it is verified and new.
 // near: whether it is near a singularity, so that it is asked for its marks.
 template <class Model>
-PART void accept(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints], int b, int marks, bool near,
-                 const Columns<Model::joints>& columns) {
+SHARED void accept(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints], int b, int marks, bool near,
+                   const Columns<Model::joints>& columns) {
     // A closed form is not improved by a step along a singular direction that only rounding asks for.
     const double error = polish_one<true>(arm, goal, q, {15, CONVERGED, LONG_PATIENCE}).error;
     if (error <= arm.tolerances.reach && is_new(arm, goal, columns, q)) {
         keep(columns, b, q, near ? singular_marks(arm, goal, q, marks) : 0);
     }
 }
+
+// For arms of six joints compiled once, in answer.cpp.
+extern template Polished<double> polish_one<true>(const Written<6>&, const Goal<double>&, double (&)[6], const Course&);
+extern template Polished<double> polish_one<false>(const Written<6>&, const Goal<double>&, double (&)[6], const Course&);
+extern template bool is_new(const Written<6>&, const Goal<double>&, const Columns<6>&, const double (&)[6]);
+extern template Weakest<6> weakest_at(const Written<6>&, const Goal<double>&, const double (&)[6]);
+extern template void accept(const Written<6>&, const Goal<double>&, double (&)[6], int, int, bool, const Columns<6>&);
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -13,7 +13,8 @@ inline constexpr double BESIDE_FOLD[16] = {0.3,  0.094868,  0.03, 0.0094868, 3e-
 
 // Newton's method starts on both sides of every solution near a fold, along what the Jacobian all but loses; what it finds
 // is kept if it is new. Solutions that are singular are flagged.
-template <class Model> PART void search_beside_folds(const Model& arm, const Goal<double>& goal, const Columns<Model::joints>& columns) {
+template <class Model> PART void search_beside_folds(const Model& arm, const Goal<double>& goal,
+                                                     const Columns<Model::joints>& columns) {
     constexpr int N = Model::joints;
     const Goal<Block> goals = spread<Block>(goal);
     for (int b = 0; b < columns.many; ++b) {
@@ -34,7 +35,8 @@ template <class Model> PART void search_beside_folds(const Model& arm, const Goa
             for (int l = 0; l < BLOCK; ++l) {
                 double found[N];
                 for (int j = 0; j < N; ++j) found[j] = start[j][l];
-                if (error[l] <= CONVERGED && is_new(arm, goal, columns, found)) keep(columns, 0, found, singular_marks(arm, goal, found, 0));
+                if (error[l] <= CONVERGED && is_new(arm, goal, columns, found))
+                    keep(columns, 0, found, singular_marks(arm, goal, found, 0));
             }
         }
     }

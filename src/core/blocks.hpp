@@ -36,7 +36,8 @@ template <int B, int N = 6> struct Found {
     unsigned valid[B], doubt[B];
 
     // Angles where the branch is neither lost nor in doubt, NaN elsewhere.
-    STEP void set(int b, const Block (&angles)[N], const MaskOf<Block>& lost, const MaskOf<Block>& in_doubt, const Clearance<Block>& = {}) {
+    STEP void set(int b, const Block (&angles)[N], const MaskOf<Block>& lost, const MaskOf<Block>& in_doubt,
+                  const Clearance<Block>& = {}) {
         const auto good = !(lost | in_doubt);
         for (int j = 0; j < N; ++j) q[b][j] = select(good, angles[j], __builtin_nan(""));
         valid[b] = bits(good), doubt[b] = bits(in_doubt & !lost);
@@ -161,7 +162,9 @@ template <class Family> STEP void load_targets(const typename Family::Arm& arm, 
     else load_poses(from, t);
 }
 
-template <class Family> constexpr bool redundant_of() { return requires { Family::redundant; }; }
+template <class Family> constexpr bool redundant_of() {
+    return requires { Family::redundant; };
+}
 
 // The redundancy parameter of a block of poses.
 template <class Arm> STEP Block load_values(const Arm& arm, const double* values) {
@@ -235,8 +238,9 @@ template <class Family> long solve_closed_form(const typename Family::Arm& arm, 
     alignas(64) double q[answers * BLOCK];
     for (long start = 0; start < batch.m; start += BLOCK) {
         const int many = batch.m - start < BLOCK ? int(batch.m - start) : BLOCK;
-        Batch part = {batch.T + numbers * start, many, batch.q_ref, batch.values ? batch.values + start : nullptr,
-                      batch.q + answers * start, batch.flags + B * start};
+        Batch part = {
+            batch.T + numbers * start, many, batch.q_ref, batch.values ? batch.values + start : nullptr, batch.q + answers * start,
+            batch.flags + B * start};
         if (many < BLOCK) {
             // Filled up with its last target: the same instructions handle every pose, whatever its place in a batch.
             for (int i = 0; i < BLOCK; ++i) {

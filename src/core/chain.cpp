@@ -39,12 +39,14 @@ static void poses(const ChainArm& arm, const double* Q, long m, double* T) {
 // The axes of `many` joint vectors, and where their tips are.
 STEP Vec<Block> axes_of(const ChainArm& arm, const double* Q, int many, double* J) {
     const int n = arm.joints;
-    return walk(arm, Q, many, [&](int k, const Frame<Block>& joint) {
-        const Block column[6] = {joint.p.x, joint.p.y, joint.p.z, joint.R.z.x, joint.R.z.y, joint.R.z.z};
-        for (int r = 0; r < 6; ++r) {
-            for (int i = 0; i < many; ++i) J[n * (6 * i + r) + k] = column[r][i];
-        }
-    }).p;
+    return walk(arm, Q, many,
+                [&](int k, const Frame<Block>& joint) {
+                    const Block column[6] = {joint.p.x, joint.p.y, joint.p.z, joint.R.z.x, joint.R.z.y, joint.R.z.z};
+                    for (int r = 0; r < 6; ++r) {
+                        for (int i = 0; i < many; ++i) J[n * (6 * i + r) + k] = column[r][i];
+                    }
+                })
+        .p;
 }
 
 static void axes(const ChainArm& arm, const double* Q, long m, double* J) {

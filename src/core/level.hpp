@@ -11,3 +11,5 @@
 #define STEP inline __attribute__((always_inline))
 // A part that is called: too large to repeat, or rarely needed.
 #define PART inline __attribute__((noinline))
+// A part that is a template and compiled in one unit for all, see answer.cpp.
+#define SHARED __attribute__((noinline))

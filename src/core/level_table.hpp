@@ -1,13 +1,13 @@
 // What a build for one instruction set offers: the solvers of each unit, by pointer. Plain data.
 #pragma once
 
-#include "families/coupled_arm.hpp"
-#include "families/one_given_arm.hpp"
 #include "chain_arm.hpp"
-#include "families/parallel_shoulder_arm.hpp"
+#include "families/coupled_arm.hpp"
 #include "families/elimination_arm.hpp"
 #include "families/few_joints_arm.hpp"
 #include "families/imperfect_arm.hpp"
+#include "families/one_given_arm.hpp"
+#include "families/parallel_shoulder_arm.hpp"
 #include "families/reversed.hpp"
 #include "families/spherical_middle_arm.hpp"
 #include "families/spherical_wrist_arm.hpp"

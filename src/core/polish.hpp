@@ -149,7 +149,7 @@ STEP Polished<V> polish(const Model& arm, const Goal<V>& goal, V (&q)[Model::joi
 
 // The same for one candidate.
 template <bool damped, class Model>
-PART Polished<double> polish_one(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints], const Course& course) {
+SHARED Polished<double> polish_one(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints], const Course& course) {
     return polish<damped, Model, double>(arm, goal, q, course, true);
 }
 

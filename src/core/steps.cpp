@@ -29,7 +29,9 @@ template <class V> void do_cos_sin(const V* in, V* out) {
     const Turn<V> t = cos_sin(in[0]);
     out[0] = t.c, out[1] = t.s;
 }
-template <class V> void do_inverse(const V* in, V* out) { out[0] = inverse(in[0]), out[1] = inverse_sqrt(in[0]), out[2] = root(in[0]); }
+template <class V> void do_inverse(const V* in, V* out) {
+    out[0] = inverse(in[0]), out[1] = inverse_sqrt(in[0]), out[2] = root(in[0]);
+}
 template <class V> void do_swing(const V* in, V* out) {
     const Swing<V> s = swing_to_offset(in[0], in[1], in[2], in[3]);
     out[0] = s.turn.c, out[1] = s.turn.s, out[2] = s.X, out[3] = s.margin;

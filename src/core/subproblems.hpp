@@ -89,7 +89,8 @@ template <class V> struct WristTurns {
 };
 // hold: the first turn is given, for a target that leaves it free.
 template <class V>
-STEP WristTurns<V> wrist_turns(const Rot<V>& M, const Turn<V>& bend, const Twists& t, bool hold = false, Turn<V> held = {1.0, 0.0}) {
+STEP WristTurns<V> wrist_turns(const Rot<V>& M, const Turn<V>& bend, const Twists& t, bool hold = false,
+                               Turn<V> held = {1.0, 0.0}) {
     const V X = t.sb * bend.s, Y = -(t.ca * t.sb * bend.c + t.sa * t.cb);
     const Turn<V> f = hold ? held : unit(X * M.z.x + Y * M.z.y, X * M.z.y - Y * M.z.x);
     const Vec<V> v = {f.c * bend.c - f.s * t.ca * bend.s, f.s * bend.c + f.c * t.ca * bend.s, t.sa * bend.s};
@@ -104,7 +105,8 @@ template <class V> struct SquareWrist {
     V fixed, error;
 };
 template <class V> STEP SquareWrist<V> square_wrist(const Rot<V>& M, const Twists& t) {
-    const V fixed = M.z.x * M.z.x + M.z.y * M.z.y, over = inverse_sqrt(fixed + TINY), c = (-1.0 / (t.sa * t.sb)) * M.z.z, s = fixed * over;
+    const V fixed = M.z.x * M.z.x + M.z.y * M.z.y, over = inverse_sqrt(fixed + TINY), c = (-1.0 / (t.sa * t.sb)) * M.z.z,
+            s = fixed * over;
     const Turn<V> first = {t.sb * M.z.x * over, t.sb * M.z.y * over};
     const Vec<V> v = {first.c * c, first.s * c, t.sa * s};
     const V along = dot(v, M.z), length = fixed + M.z.z * M.z.z - 1.0;
@@ -113,7 +115,8 @@ template <class V> STEP SquareWrist<V> square_wrist(const Rot<V>& M, const Twist
 
 // The two turns of a wrist where only their sum (or their difference) counts: their distance from the wanted ones is
 // shared among them; share 0 leaves the first one as wanted.
-PART WristTurns<double> shared_turns(const Rot<double>& M, const Turn<double>& bend, const Twists& t, double first, double last, double share) {
+PART WristTurns<double> shared_turns(const Rot<double>& M, const Turn<double>& bend, const Twists& t, double first, double last,
+                                     double share) {
     const double aligned = t.ca * t.cb - t.sa * t.sb * bend.c > 0.0 ? 1.0 : -1.0;
     WristTurns<double> turns = {};
     for (int round = 0; round < 2; ++round) {

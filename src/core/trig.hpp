@@ -46,7 +46,10 @@ template <class V> STEP V wrap(V a) {
 }
 
 // The angle half a turn away from one in (-pi, pi], in (-pi, pi].
-template <class V> STEP V half_turn_from(const V& a) { return select(a > V(0.0), a - PI, a + PI); }
+template <class V> STEP V half_turn_from(const V& a) {
+    const V b = select(a > V(0.0), a - PI, a + PI);
+    return select(b <= V(-PI), V(PI), b);  // a just above zero
+}
 
 inline constexpr double ROUNDS = 6755399441055744.0;  // added and taken off again, it rounds to whole numbers
 

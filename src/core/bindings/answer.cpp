@@ -17,8 +17,7 @@ namespace {
 
 // The numbers are those of one pose: 16 of the target, then the joint vectors, then a byte of flags for each.
 struct Answer {
-    PyObject_HEAD
-    PyObject *arm, *branches, *origin, *step, *redundancy;
+    PyObject_HEAD PyObject *arm, *branches, *origin, *step, *redundancy;
     PyObject *poses, *q, *info;  // arrays; null: not asked for yet
     double* numbers;
     npy_intp columns, joints;
@@ -47,15 +46,18 @@ PyObject* array_of(Answer* self, PyObject*& field) {
     return Py_NewRef(field ? field : Py_None);
 }
 
-template <PyObject* Answer::*field> PyObject* get(PyObject* self, void*) { return array_of((Answer*)self, ((Answer*)self)->*field); }
-template <PyObject* Answer::*field> int set(PyObject* self, PyObject* value, void*) {
+template <PyObject* Answer::* field> PyObject* get(PyObject* self, void*) {
+    return array_of((Answer*)self, ((Answer*)self)->*field);
+}
+template <PyObject* Answer::* field> int set(PyObject* self, PyObject* value, void*) {
     Py_XSETREF(((Answer*)self)->*field, Py_XNewRef(value));
     return 0;
 }
 
 int traverse(PyObject* object, visitproc visit, void* arg) {
     Answer* self = (Answer*)object;
-    for (PyObject* each : {self->arm, self->branches, self->origin, self->step, self->redundancy, self->poses, self->q, self->info}) {
+    for (PyObject* each :
+         {self->arm, self->branches, self->origin, self->step, self->redundancy, self->poses, self->q, self->info}) {
         Py_VISIT(each);
     }
     Py_VISIT(Py_TYPE(object));
@@ -64,8 +66,8 @@ int traverse(PyObject* object, visitproc visit, void* arg) {
 
 int clear(PyObject* object) {
     Answer* self = (Answer*)object;
-    for (PyObject** each : {&self->arm, &self->branches, &self->origin, &self->step, &self->redundancy, &self->poses, &self->q,
-                            &self->info}) {
+    for (PyObject** each :
+         {&self->arm, &self->branches, &self->origin, &self->step, &self->redundancy, &self->poses, &self->q, &self->info}) {
         Py_CLEAR(*each);
     }
     return 0;
@@ -95,18 +97,24 @@ PyGetSetDef arrays[] = {
     {nullptr, nullptr, nullptr, nullptr, nullptr},
 };
 PyType_Slot slots[] = {
-    {Py_tp_new, (void*)PyType_GenericNew}, {Py_tp_dealloc, (void*)destroy}, {Py_tp_traverse, (void*)traverse},
-    {Py_tp_clear, (void*)clear},           {Py_tp_members, members},        {Py_tp_getset, arrays},
+    {Py_tp_new, (void*)PyType_GenericNew},
+    {Py_tp_dealloc, (void*)destroy},
+    {Py_tp_traverse, (void*)traverse},
+    {Py_tp_clear, (void*)clear},
+    {Py_tp_members, members},
+    {Py_tp_getset, arrays},
     {Py_tp_doc, (void*)"The numbers of solutions; arrays are made when they are asked for."},
     {0, nullptr},
 };
-PyType_Spec spec = {"urdf_ik._core.Answer", sizeof(Answer), 0, Py_TPFLAGS_DEFAULT | Py_TPFLAGS_BASETYPE | Py_TPFLAGS_HAVE_GC, slots};
+PyType_Spec spec = {"urdf_ik._core.Answer", sizeof(Answer), 0, Py_TPFLAGS_DEFAULT | Py_TPFLAGS_BASETYPE | Py_TPFLAGS_HAVE_GC,
+                    slots};
 
 // The numbers of an array of float64 in C order of this shape, null where the object is anything else.
 template <int D> const double* numbers_of(nb::handle object, const npy_intp (&shape)[D]) {
     PyArrayObject* array = doubles(object);
     return array && PyArray_NDIM(array) == D && PyArray_CompareLists(PyArray_DIMS(array), shape, D)
-               ? (const double*)PyArray_DATA(array) : nullptr;
+               ? (const double*)PyArray_DATA(array)
+               : nullptr;
 }
 
 }  // namespace
@@ -116,7 +124,8 @@ nb::object solve_one(const Solver& solver, nb::handle kind, nb::handle arm, nb::
     const double* reference = q_ref.is_none() ? nullptr : numbers_of(q_ref, {solver.joints});
     PyTypeObject* type = (PyTypeObject*)kind.ptr();
     if (!target || solver.numbers != TARGET || (!reference && !q_ref.is_none())) return nb::none();
-    if (!PyType_Check(kind.ptr()) || !PyType_IsSubtype(type, answer_type)) throw nb::type_error("a class derived from Answer is needed");
+    if (!PyType_Check(kind.ptr()) || !PyType_IsSubtype(type, answer_type))
+        throw nb::type_error("a class derived from Answer is needed");
     const long columns = solver.branches, joints = solver.joints, count = columns * joints;
     nb::object made = nb::steal(type->tp_alloc(type, 0));
     Answer* self = (Answer*)made.ptr();

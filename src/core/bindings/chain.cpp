@@ -113,10 +113,13 @@ void add_chain(nb::module_& m) {
     nb::class_<PyChain>(m, "Chain", "Forward kinematics of a chain of joints; immutable. Angles may be of any size.")
         .def(nb::init<nb::object, nb::object, nb::object, nb::object>())
         .def_prop_ro("steps", &PyChain::steps)
-        .def("__reduce__", [](nb::handle self) { return nb::make_tuple(nb::type<PyChain>(), nb::cast<const PyChain&>(self).made_from); })
-        .def("fk", [](const PyChain& self, nb::handle q) { return self.of(q, level().chain->poses, 4, 4); }, nb::arg().none())
-        .def("jacobian", [](const PyChain& self, nb::handle q) { return self.of(q, level().chain->jacobians, 6, self.arm.joints); },
-             nb::arg().none())
+        .def("__reduce__",
+             [](nb::handle self) { return nb::make_tuple(nb::type<PyChain>(), nb::cast<const PyChain&>(self).made_from); })
+        .def(
+            "fk", [](const PyChain& self, nb::handle q) { return self.of(q, level().chain->poses, 4, 4); }, nb::arg().none())
+        .def(
+            "jacobian", [](const PyChain& self, nb::handle q) { return self.of(q, level().chain->jacobians, 6, self.arm.joints); },
+            nb::arg().none())
         .def("axes", [](const PyChain& self, nb::handle q) { return self.of(q, level().chain->axes, 6, self.arm.joints); });
 }
 

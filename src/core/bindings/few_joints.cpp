@@ -48,22 +48,32 @@ template <class Arm> static std::shared_ptr<SolverOf<Arm>> made(const Values& v,
 static std::shared_ptr<const Solver> make_few_joints(const Values& v) {
     const FewJointsSolvers& solvers = *level().few_joints;
     switch (v.get<int>("joints")) {
-        case 1: return made(v, solvers.one, 1, 1);
-        case 2: return made(v, solvers.two, 2, 2);
-        case 3: return v.get<int>("columns") == 2 ? made(v, solvers.three_in_plane, 3, 2) : made(v, solvers.three, 3, 4);
-        case 4: return made(v, solvers.four, 4, 4);
-        case 5: return made(v, solvers.five, 5, 8);
-        default: throw nb::value_error("few joints are one to five");
+        case 1:
+            return made(v, solvers.one, 1, 1);
+        case 2:
+            return made(v, solvers.two, 2, 2);
+        case 3:
+            return v.get<int>("columns") == 2 ? made(v, solvers.three_in_plane, 3, 2) : made(v, solvers.three, 3, 4);
+        case 4:
+            return made(v, solvers.four, 4, 4);
+        case 5:
+            return made(v, solvers.five, 5, 8);
+        default:
+            throw nb::value_error("few joints are one to five");
     }
 }
 
 static std::shared_ptr<const Solver> make_planar(const Values& v) {
     const FewJointsSolvers& solvers = *level().few_joints;
     switch (v.get<int>("number")) {
-        case 2: return made(v, solvers.planar_2, 2, 2);
-        case 3: return made(v, solvers.planar_3, 3, 2);
-        case 4: return made(v, solvers.planar_4, 4, 2);
-        default: throw nb::value_error("planar arms have two to four joints");
+        case 2:
+            return made(v, solvers.planar_2, 2, 2);
+        case 3:
+            return made(v, solvers.planar_3, 3, 2);
+        case 4:
+            return made(v, solvers.planar_4, 4, 2);
+        default:
+            throw nb::value_error("planar arms have two to four joints");
     }
 }
 
@@ -76,10 +86,14 @@ static std::shared_ptr<const Solver> make_planar_points(const Values& v) {
 static std::shared_ptr<const Solver> make_slides(const Values& v) {
     const FewJointsSolvers& solvers = *level().few_joints;
     switch (v.get<int>("columns")) {
-        case 2: return made(v, solvers.slides_2, 6, 2);
-        case 4: return made(v, solvers.slides_4, 6, 4);
-        case 8: return made(v, solvers.slides_8, 6, 8);
-        default: throw nb::value_error("arms with slides have two, four or eight columns");
+        case 2:
+            return made(v, solvers.slides_2, 6, 2);
+        case 4:
+            return made(v, solvers.slides_4, 6, 4);
+        case 8:
+            return made(v, solvers.slides_8, 6, 8);
+        default:
+            throw nb::value_error("arms with slides have two, four or eight columns");
     }
 }
 

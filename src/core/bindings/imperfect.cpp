@@ -12,18 +12,26 @@ template <class FamilyArm> std::shared_ptr<const Solver> make_near(const Values&
     auto made = std::make_shared<SolverOf<ImperfectArm<FamilyArm>>>();
     auto& arm = made->arm;
     read(v.group("family"), arm.family), read(v.group("elimination"), arm.elimination);
-    arm.written = arm.inner = arm.ideal = arm.family.written;
-    read_motions(v, "inner_steps", arm.inner.step, 7), read_motions(v, "ideal_steps", arm.ideal.step, 7);
-    v.read("drift", arm.drift);
+    arm.written = arm.both.written = arm.both.ideal = arm.family.written;
+    read_motions(v, "inner_steps", arm.both.written.step, 7), read_motions(v, "ideal_steps", arm.both.ideal.step, 7);
+    v.read("drift", arm.both.drift);
     made->function = function;
     made->branches = 16;
     return made;
 }
 
-template <Shoulder kind> std::shared_ptr<const Solver> make(const Values& v) { return make_near(v, level().imperfect->spherical_wrist[int(kind)]); }
-template <Hand kind> std::shared_ptr<const Solver> make(const Values& v) { return make_near(v, level().imperfect->three_parallel[int(kind)]); }
-template <LastAxes kind> std::shared_ptr<const Solver> make(const Values& v) { return make_near(v, level().imperfect_too->parallel_shoulder[int(kind)]); }
-template <LastPair kind> std::shared_ptr<const Solver> make(const Values& v) { return make_near(v, level().imperfect_too->spherical_middle[int(kind)]); }
+template <Shoulder kind> std::shared_ptr<const Solver> make(const Values& v) {
+    return make_near(v, level().imperfect->spherical_wrist[int(kind)]);
+}
+template <Hand kind> std::shared_ptr<const Solver> make(const Values& v) {
+    return make_near(v, level().imperfect->three_parallel[int(kind)]);
+}
+template <LastAxes kind> std::shared_ptr<const Solver> make(const Values& v) {
+    return make_near(v, level().imperfect_too->parallel_shoulder[int(kind)]);
+}
+template <LastPair kind> std::shared_ptr<const Solver> make(const Values& v) {
+    return make_near(v, level().imperfect_too->spherical_middle[int(kind)]);
+}
 
 void add_imperfect(Makers& makers) {
     makers["imperfect spherical wrist, 2||3"] = make<Shoulder::parallel_23>;

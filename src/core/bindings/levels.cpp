@@ -66,7 +66,8 @@ const LevelTable& choose() {
     }
     if (best) return *best;
     if (wanted && *wanted) {
-        throw std::invalid_argument("URDF_IK_ISA is '" + std::string(wanted) + "'; this processor runs, of what was built: " + names);
+        throw std::invalid_argument("URDF_IK_ISA is '" + std::string(wanted) +
+                                    "'; this processor runs, of what was built: " + names);
     }
     throw std::runtime_error("this build of urdf_ik._core has no code for this processor");
 }

@@ -57,7 +57,8 @@ static long solve_shared(const Solver& solver, const Batch& batch, int threads) 
         Batch part = batch;
         const long from = edge(k);
         part.m = edge(k + 1) - from;
-        part.T += solver.numbers * from, part.flags += solver.branches * from, part.q += long(solver.branches) * solver.joints * from;
+        part.T += solver.numbers * from, part.flags += solver.branches * from,
+            part.q += long(solver.branches) * solver.joints * from;
         if (part.values) part.values += from;
         const long found = solver.solve(part);
         bad[k] = found < 0 ? -1 : from + found;
@@ -90,11 +91,12 @@ static long solve(const PySolver& self, const Targets& T, const std::optional<Nu
     const Solver& solver = *self.solver;
     const std::size_t m = T.ndim() ? T.shape(0) : 0, branches = solver.branches, joints = solver.joints;
     if (T.size() != m * solver.numbers || q.shape(0) != m || q.shape(1) != branches || q.shape(2) != joints ||
-        flags.shape(0) != m || flags.shape(1) != branches ||
-        (q_ref && q_ref->shape(0) != joints) || (values && values->shape(0) != m)) {
+        flags.shape(0) != m || flags.shape(1) != branches || (q_ref && q_ref->shape(0) != joints) ||
+        (values && values->shape(0) != m)) {
         throw nb::value_error("arrays of poses and answers do not fit each other");
     }
-    const Batch batch = {T.data(), long(m), q_ref ? q_ref->data() : nullptr, values ? values->data() : nullptr, q.data(), flags.data()};
+    const Batch batch = {T.data(), long(m),     q_ref ? q_ref->data() : nullptr, values ? values->data() : nullptr,
+                         q.data(), flags.data()};
     nb::gil_scoped_release release;
     return solve_shared(solver, batch, threads);
 }
@@ -117,18 +119,18 @@ NB_MODULE(_core, m) {
         .def_ro("values", &PySolver::values)
         .def_prop_ro("joints", [](const PySolver& s) { return s.solver->joints; })
         .def_prop_ro("branches", [](const PySolver& s) { return s.solver->branches; })
-        .def_prop_ro("numbers", [](const PySolver& s) { return s.solver->numbers; }, "How many numbers a target has.")
-        .def("__reduce__", [](nb::handle self) {
-            const auto& s = nb::cast<const PySolver&>(self);
-            return nb::make_tuple(nb::type<PySolver>(), nb::make_tuple(s.kind, s.values));
-        })
+        .def_prop_ro(
+            "numbers", [](const PySolver& s) { return s.solver->numbers; }, "How many numbers a target has.")
+        .def("__reduce__",
+             [](nb::handle self) {
+                 const auto& s = nb::cast<const PySolver&>(self);
+                 return nb::make_tuple(nb::type<PySolver>(), nb::make_tuple(s.kind, s.values));
+             })
         // Without names and None, arguments are passed on the quickest way.
-        .def("one", [](const PySolver& s, nb::handle kind, nb::handle arm, nb::handle branches, nb::handle T) {
-            return solve_one(*s.solver, kind, arm, branches, T, nb::none());
-        })
-        .def("one_near", [](const PySolver& s, nb::handle kind, nb::handle arm, nb::handle branches, nb::handle T, nb::handle q_ref) {
-            return solve_one(*s.solver, kind, arm, branches, T, q_ref);
-        })
+        .def("one", [](const PySolver& s, nb::handle kind, nb::handle arm, nb::handle branches,
+                       nb::handle T) { return solve_one(*s.solver, kind, arm, branches, T, nb::none()); })
+        .def("one_near", [](const PySolver& s, nb::handle kind, nb::handle arm, nb::handle branches, nb::handle T,
+                            nb::handle q_ref) { return solve_one(*s.solver, kind, arm, branches, T, q_ref); })
         .def("distances", &distances, nb::arg("seen"), "Of axes, for explanations [m]: up to four, NaN where there is none.")
         .def("solve", &solve, nb::arg("T").noconvert(), nb::arg("q_ref").noconvert().none(), nb::arg("q").noconvert(),
              nb::arg("flags").noconvert(), nb::arg("values").noconvert().none() = nb::none(), nb::arg("threads") = 1);

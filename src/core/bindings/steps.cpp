@@ -18,12 +18,14 @@ static Results step(const std::string& name, const Sets& x, bool side_by_side) {
     for (int k = 0; k < steps.count; ++k) {
         const Step& each = steps.all[k];
         if (name != each.name) continue;
-        if (x.shape(1) != std::size_t(each.inputs) || (side_by_side && !each.many)) throw nb::value_error("these numbers do not fit that step");
+        if (x.shape(1) != std::size_t(each.inputs) || (side_by_side && !each.many))
+            throw nb::value_error("these numbers do not fit that step");
         const std::size_t sets = x.shape(0), outputs = each.outputs;
         auto* out = new double[sets * outputs]();
         nb::capsule owner(out, [](void* p) noexcept { delete[] static_cast<double*>(p); });
         if (side_by_side) each.many(x.data(), out, long(sets));
-        else for (std::size_t i = 0; i < sets; ++i) each.one(x.data() + each.inputs * i, out + outputs * i);
+        else
+            for (std::size_t i = 0; i < sets; ++i) each.one(x.data() + each.inputs * i, out + outputs * i);
         return Results(out, {sets, outputs}, owner);
     }
     throw nb::value_error(("no step is called '" + name + "'").c_str());
@@ -38,8 +40,8 @@ static double polish(const nb::dict& written, const Pose& T, const Vector& q, bo
 void bind_steps(nb::module_& m) {
     m.def("step", &step, nb::arg("name"), nb::arg("x").noconvert(), nb::arg("side_by_side") = false,
           "One step of the solvers, for tests: sets of its inputs (m, k) to sets of its results, one by one or in blocks.");
-    m.def("polish", &polish, nb::arg("written"), nb::arg("T").noconvert(), nb::arg("q").noconvert(), nb::arg("damped"), nb::arg("rounds"),
-          "Newton's method on an arm as written, for tests: q (6,) is replaced; returns its error.");
+    m.def("polish", &polish, nb::arg("written"), nb::arg("T").noconvert(), nb::arg("q").noconvert(), nb::arg("damped"),
+          nb::arg("rounds"), "Newton's method on an arm as written, for tests: q (6,) is replaced; returns its error.");
 }
 
 }  // namespace urdf_ik

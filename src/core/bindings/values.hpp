@@ -37,8 +37,9 @@ public:
     template <class F> void numbers(const char* name, std::size_t count, F&& take) const {
         const auto array = nb::cast<nb::ndarray<const double, nb::c_contig, nb::device::cpu>>(at(name));
         if (array.size() != count) {
-            throw nb::value_error((where_ + "." + name + ": " + std::to_string(array.size()) + " numbers given, " +
-                                   std::to_string(count) + " needed").c_str());
+            throw nb::value_error(
+                (where_ + "." + name + ": " + std::to_string(array.size()) + " numbers given, " + std::to_string(count) + " needed")
+                    .c_str());
         }
         take(array.data());
     }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "../blocks.hpp"
+#include "complete.hpp"
 #include "hidden_joint.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
@@ -403,7 +404,7 @@ PART bool gather_anew(const EliminationArm& arm, const EliminationVariant& varia
 // Add to the columns (16) the solutions of that pose which they lack.
 // from_scratch: false where what they hold comes from a closed form, of an arm whose folds are simple: it then tests the
 // elimination, and a first look that misses none of it is believed.
-PART void complete(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns, bool from_scratch) {
+void complete(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns, bool from_scratch) {
     Search search = new_search(arm, goal, columns);
     bool sure = false, beside = false;
     for (int v = 0; v < arm.variants; ++v) {

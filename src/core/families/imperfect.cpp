@@ -5,12 +5,14 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-template <Shoulder kind> inline constexpr auto near_wrist = solve_singly<Imperfect<SphericalWrist<kind>, kind == Shoulder::general>>;
+template <Shoulder kind> inline constexpr auto near_wrist =
+    solve_singly<Imperfect<SphericalWrist<kind>, kind == Shoulder::general>>;
 template <Hand kind> inline constexpr auto near_parallel = solve_singly<Imperfect<ThreeParallel<kind>, kind == Hand::general>>;
 
 extern const ImperfectSolvers imperfect_solvers;
 const ImperfectSolvers imperfect_solvers = {
-    {near_wrist<Shoulder::parallel_23>, near_wrist<Shoulder::intersecting_12>, near_wrist<Shoulder::parallel_12>, near_wrist<Shoulder::general>},
+    {near_wrist<Shoulder::parallel_23>, near_wrist<Shoulder::intersecting_12>, near_wrist<Shoulder::parallel_12>,
+     near_wrist<Shoulder::general>},
     {near_parallel<Hand::intersecting_56>, near_parallel<Hand::general>},
 };
 

@@ -9,13 +9,17 @@
 
 namespace urdf_ik {
 
+// From frame 1 to the point that is solved for: the arm as written, and the ideal one.
+struct BothArms {
+    Written<6> written, ideal;
+    double drift;  // how fast the motion between the two tips changes with the joints, at most [rad, share of size; a rad]
+};
+
 template <class FamilyArm> struct ImperfectArm {
     FamilyArm family;  // the ideal arm
     Written<6> written;
     EliminationArm elimination;
-    // From frame 1 to the point that is solved for: the arm as written, and the ideal one.
-    Written<6> inner, ideal;
-    double drift;  // how fast the motion between the two tips changes with the joints, at most [rad, share of size; a rad]
+    BothArms both;
 };
 
 template <class FamilyArm> using SolveImperfect = long (*)(const ImperfectArm<FamilyArm>&, const Batch&);

@@ -17,8 +17,9 @@ STEP Affine<double> scaled(const Affine<double>& a, double by) { return {a.const
 STEP Quartic linked_roots(const Affine<double>& c, const Affine<double>& s) {
     const double cosines = c.cosine * c.cosine + s.cosine * s.cosine, sines = c.sine * c.sine + s.sine * s.sine;
     return trigonometric_roots({c.constant * c.constant + s.constant * s.constant - 1.0 + 0.5 * (cosines + sines),
-                                2.0 * (c.constant * c.cosine + s.constant * s.cosine), 2.0 * (c.constant * c.sine + s.constant * s.sine),
-                                0.5 * (cosines - sines), c.cosine * c.sine + s.cosine * s.sine});
+                                2.0 * (c.constant * c.cosine + s.constant * s.cosine),
+                                2.0 * (c.constant * c.sine + s.constant * s.sine), 0.5 * (cosines - sines),
+                                c.cosine * c.sine + s.cosine * s.sine});
 }
 
 // Roots within this of an extreme of cos u [rad] are made exact; beyond, the quartic's own digits are enough.
@@ -55,10 +56,12 @@ PART void sharpen_roots(const Extreme& e, const Affine<double>& sine, Quartic& r
     const auto away = [&](int i) { return e.at.c * roots.root[i].s - e.at.s * roots.root[i].c; };
     int first = -1, second = -1;
     for (int i = 0; i < roots.count; ++i) {
-        if (e.at.c * roots.root[i].c + e.at.s * roots.root[i].s > 0.0 && abs(away(i)) < BESIDE_EXTREME) (first < 0 ? first : second) = i;
+        if (e.at.c * roots.root[i].c + e.at.s * roots.root[i].s > 0.0 && abs(away(i)) < BESIDE_EXTREME)
+            (first < 0 ? first : second) = i;
     }
     if (first < 0) return;
-    const double k = -(sine.cosine * e.at.c + sine.sine * e.at.s), b = sine.constant - k, g = sine.sine * e.at.c - sine.cosine * e.at.s;
+    const double k = -(sine.cosine * e.at.c + sine.sine * e.at.s), b = sine.constant - k,
+                 g = sine.sine * e.at.c - sine.cosine * e.at.s;
     const double square = g * g + b * k + e.cosine * e.slope, half = b * g;
     if (abs(square) < FLAT) return;
     const double spread = sqrt(max(half * half - square * (b * b - e.square), 0.0)) / abs(square);

@@ -85,7 +85,8 @@ PART Quartic last_angles(const IdealFrames& arm, const Height<double>& at) {
     const double w = -1.0 / (sa3 * sa4), v = 1.0 / (a4 * sa3);
     const Vec<double>& h = at.h;
     const Affine<double> cosine = {(ca5 * h.z - ca3 * ca4) * w, sa5 * h.y * w, sa5 * h.x * w};
-    const Affine<double> sine = {(at.level - d5 * ca5 * h.z) * v, -(d5 * sa5 * h.y + a5 * h.x) * v, -(d5 * sa5 * h.x - a5 * h.y) * v};
+    const Affine<double> sine = {(at.level - d5 * ca5 * h.z) * v, -(d5 * sa5 * h.y + a5 * h.x) * v,
+                                 -(d5 * sa5 * h.x - a5 * h.y) * v};
     Quartic roots = linked_roots(cosine, sine);
     for (int k = 0; k < 2; ++k) {
         const double side = k ? -1.0 : 1.0;
@@ -102,9 +103,11 @@ template <class V> struct MiddleTurn {
     V arm5, sense;  // squared sine between axis 5 and h; its cosine
     V error;        // squared, of the equations of wrist_ends
 };
-template <class V> STEP MiddleTurn<V> middle_turn(const IdealFrames& arm, const Height<V>& at, const Turn<V>& t4, const Turn<V>& t6) {
+template <class V> STEP MiddleTurn<V> middle_turn(const IdealFrames& arm, const Height<V>& at, const Turn<V>& t4,
+                                                  const Turn<V>& t6) {
     const double sa3 = arm.sin_alpha[2], ca3 = arm.cos_alpha[2];
-    const Vec<V> w = through_joint<V>({V(0.0), V(sa3), V(ca3)}, t4, arm.cos_alpha[3], arm.sin_alpha[3]), v = seen_from_5(arm, at.h, t6);
+    const Vec<V> w = through_joint<V>({V(0.0), V(sa3), V(ca3)}, t4, arm.cos_alpha[3], arm.sin_alpha[3]),
+                 v = seen_from_5(arm, at.h, t6);
     const V arm5 = w.x * w.x + w.y * w.y, tilt = w.z - v.z;
     const V high = (at.level - arm.a[3] * sa3 * t4.s - arm.d[3] * v.z - arm.a[4] * v.x) * (1.0 / arm.size);
     return {unit(w.x * v.x + w.y * v.y, w.y * v.x - w.x * v.y), arm5, v.z, tilt * tilt / (arm5 + TINY) + high * high};
@@ -121,8 +124,10 @@ template <class V> STEP Hand<V> hand_at(const IdealFrames& arm, const Turn<V>& t
 }
 
 // The turn psi about the parallel axes that joints 1 to 3 make together, from all of the rotation.
-template <class V> STEP Turn<V> turn_of_hand(const IdealFrames& arm, const Rot<V>& R, const Hand<V>& hand, const Turn<V>& t5, const Turn<V>& t6) {
-    Vec<V> x = through_joint(hand.x, t5, arm.cos_alpha[4], arm.sin_alpha[4]), y = through_joint(hand.y, t5, arm.cos_alpha[4], arm.sin_alpha[4]);
+template <class V> STEP Turn<V> turn_of_hand(const IdealFrames& arm, const Rot<V>& R, const Hand<V>& hand, const Turn<V>& t5,
+                                             const Turn<V>& t6) {
+    Vec<V> x = through_joint(hand.x, t5, arm.cos_alpha[4], arm.sin_alpha[4]),
+           y = through_joint(hand.y, t5, arm.cos_alpha[4], arm.sin_alpha[4]);
     unturn(x.x, x.y, t6), unturn(y.x, y.y, t6);
     const Vec<V> row0 = {R.x.x, R.y.x, R.z.x}, row1 = {R.x.y, R.y.y, R.z.y};
     return unit(dot(row0, x) + dot(row1, y), dot(row1, x) - dot(row0, y));
@@ -185,12 +190,14 @@ template <LastAxes kind> struct ParallelShoulder {
         const auto doubt = (min(min(ends.first, arms), min(ends.second, f.margin)) <= rough) | (product <= Block(SMALL_TOGETHER)) |
                            !(miss * miss * scale + middle.error * uu <= (tol.reach * tol.reach * 1e-2) * uu);
         const Clearance<Block> clear = {ends.first, f.margin, ends.second, arms};
-        const Block t2 = angle(f.bend), bend = side * t2, turned = angle(psi), xx = f.wx * u.x, xy = f.wx * u.y, yx = f.wy * u.x, yy = f.wy * u.y;
+        const Block t2 = angle(f.bend), bend = side * t2, turned = angle(psi), xx = f.wx * u.x, xy = f.wx * u.y, yx = f.wy * u.x,
+                    yy = f.wy * u.y;
         const Block q4 = wrap(angle(ends.t4) - ideal.offset[3]), q5 = wrap(angle(middle.t5) - ideal.offset[4]);
         const Block q6 = wrap(angle(ends.t6) - ideal.offset[5]), t1 = atan2(xy - yx, xx + yy), t1_down = atan2(xy + yx, xx - yy);
         const auto q3 = [&](const Block& t) { return wrap(wrap(sense * (turned - t) - ideal.offset[2])); };
         found.set(b, {wrap(t1 - ideal.offset[0]), wrap(t2 - ideal.offset[1]), q3(t1 + bend), q4, q5, q6}, lost, doubt, clear);
-        found.set(b + 2, {wrap(t1_down - ideal.offset[0]), wrap(-t2 - ideal.offset[1]), q3(t1_down - bend), q4, q5, q6}, lost, doubt, clear);
+        found.set(b + 2, {wrap(t1_down - ideal.offset[0]), wrap(-t2 - ideal.offset[1]), q3(t1_down - bend), q4, q5, q6}, lost,
+                  doubt, clear);
     }
 
     // What a pose is to all branches.
@@ -275,7 +282,8 @@ template <LastAxes kind> struct ParallelShoulder {
             f = hand_across(ideal, at.ends.t4);
         }
         if (sight.free6 || aligned) {
-            const double given = angle(out.psi), upper = ideal.a[0], lower = ideal.a[1], slack = 0.5 * ideal.clamp * ideal.size * ideal.size;
+            const double given = angle(out.psi), upper = ideal.a[0], lower = ideal.a[1],
+                         slack = 0.5 * ideal.clamp * ideal.size * ideal.size;
             const double psi = free_turn(given, o.x, o.y, f.x, f.y, upper + lower, upper - lower, slack);
             if (psi != psi) return out.reached = false, out;
             // The free joint turns with or against psi.
@@ -312,8 +320,9 @@ template <LastAxes kind> struct ParallelShoulder {
             const int marks = at.marks | (m2 <= tol.fold || arm1 <= tol.fold ? ELBOW : 0);
             if (arm1 <= tol.continuum) e.second = exact_turn(reference.q[0] + ideal.offset[0]);
             const double t1 = angle(e.second), t2 = angle(e.bend), t3 = same_sense(ideal) * (angle(left.psi) - t1 - side * t2);
-            double q[6] = {wrap(t1 - ideal.offset[0]), wrap(t2 - ideal.offset[1]), wrap_far(t3 - ideal.offset[2]),
-                           wrap(angle(at.ends.t4) - ideal.offset[3]), wrap_far(left.t5 - ideal.offset[4]), wrap_far(left.t6 - ideal.offset[5])};
+            double q[6] = {wrap(t1 - ideal.offset[0]),          wrap(t2 - ideal.offset[1]),
+                           wrap_far(t3 - ideal.offset[2]),      wrap(angle(at.ends.t4) - ideal.offset[3]),
+                           wrap_far(left.t5 - ideal.offset[4]), wrap_far(left.t6 - ideal.offset[5])};
             const bool sure = min(m1, min(m2, m3)) >= -ideal.clamp && (at.free5 || sight.free6 || arm5 >= ALMOST_ALIGNED);
             if (sure || holds(arm.written, goal, q)) accept(arm.written, goal, q, b, marks, near, columns);
             break;

@@ -56,7 +56,8 @@ PART Quartic trigonometric_roots(const TrigonometricPolynomial& p) {
         // z divides out once at each end.
         take_real<2>({{first.re, first.im}, {p.constant, 0.0}, {first.re, -first.im}}, out);
     } else {
-        take_real<4>({{second.re, second.im}, {first.re, first.im}, {p.constant, 0.0}, {first.re, -first.im}, {second.re, -second.im}}, out);
+        take_real<4>(
+            {{second.re, second.im}, {first.re, first.im}, {p.constant, 0.0}, {first.re, -first.im}, {second.re, -second.im}}, out);
     }
     return out;
 }

@@ -69,8 +69,13 @@ class PositionSolver {
 public:
     // ref: taken for a joint that the place leaves free.
     PositionSolver(const PositionStep& step, const Vec<double>& p, const double (&ref)[3])
-        : step(step), p(p), h1(vec<double>(step.direction[0])), h2(vec<double>(step.direction[1])), p1(vec<double>(step.point[0])),
-          p2(vec<double>(step.point[1])), third_slides(step.slides[2]) {
+        : step(step),
+          p(p),
+          h1(vec<double>(step.direction[0])),
+          h2(vec<double>(step.direction[1])),
+          p1(vec<double>(step.point[0])),
+          p2(vec<double>(step.point[1])),
+          third_slides(step.slides[2]) {
         for (int k = 0; k < 3; ++k) this->ref[k] = ref[k];
     }
 

@@ -27,7 +27,9 @@ template <class V> STEP Affine<V> square_of_centre(const SphericalMiddleArm& arm
     const V up = arm.centre[2] - p.z;
     return {x * x + y * y + p.x * p.x + p.y * p.y + up * up, -2.0 * (p.x * x + p.y * y), -2.0 * (p.y * x - p.x * y)};
 }
-STEP double reach_of_5(const SphericalMiddleArm& arm) { return sqrt(arm.centre_5[0] * arm.centre_5[0] + arm.centre_5[1] * arm.centre_5[1]); }
+STEP double reach_of_5(const SphericalMiddleArm& arm) {
+    return sqrt(arm.centre_5[0] * arm.centre_5[0] + arm.centre_5[1] * arm.centre_5[1]);
+}
 
 // Joint 1 where one equation holds it alone; margin and squared arm are dimensionless.
 template <class V> struct FirstTurn {
@@ -137,14 +139,19 @@ template <LastPair kind> struct SphericalMiddle {
         const auto lost = (first.margin < -edge) | ((last.margin < -rough) & (before > edge)) |
                           ((bend.margin < -rough) & (min(before, min(last.margin, arm6)) > edge));
         const Block product = first.margin * last.margin * bend.margin * (first.arm1 * arm6 * turns.fixed);
-        const auto doubt = (min(min(first.margin, arms), min(last.margin, bend.margin)) <= rough) | (product <= Block(SMALL_TOGETHER)) |
+        const auto doubt = (min(min(first.margin, arms), min(last.margin, bend.margin)) <= rough) |
+                           (product <= Block(SMALL_TOGETHER)) |
                            !(last.error * scale + max(turns.error, flip.error) <= Block(tol.reach * tol.reach * 1e-2));
         const Clearance<Block> clear = {first.margin, last.margin, bend.margin, arms};
         const double* offset = ideal.offset;
-        const Block q1 = wrap(angle(first.t1) - offset[0]), q5 = wrap(angle(last.t5) - offset[4]), q6 = wrap(angle(last.t6) - offset[5]);
+        const Block q1 = wrap(angle(first.t1) - offset[0]), q5 = wrap(angle(last.t5) - offset[4]),
+                    q6 = wrap(angle(last.t6) - offset[5]);
         const Block t3 = angle(bend.turn);
-        found.set(b, {q1, wrap(angle(turns.first) - offset[1]), wrap(t3 - offset[2]), wrap(angle(turns.last) - offset[3]), q5, q6}, lost, doubt, clear);
-        found.set(b + 1, {q1, wrap(angle(flip.first) - offset[1]), wrap(-t3 - offset[2]), wrap(angle(flip.last) - offset[3]), q5, q6}, lost, doubt, clear);
+        found.set(b, {q1, wrap(angle(turns.first) - offset[1]), wrap(t3 - offset[2]), wrap(angle(turns.last) - offset[3]), q5, q6},
+                  lost, doubt, clear);
+        found.set(b + 1,
+                  {q1, wrap(angle(flip.first) - offset[1]), wrap(-t3 - offset[2]), wrap(angle(flip.last) - offset[3]), q5, q6},
+                  lost, doubt, clear);
     }
 
     // Joints 1, 5 and 6 of one pair of roots.
@@ -158,7 +165,8 @@ template <LastPair kind> struct SphericalMiddle {
 
     // A joint that the target leaves free (squared arm below `continuum`) takes the reference's value, or what is nearest to
     // it within reach.
-    static PART Settled settle(const Arm& arm, const Seen<double>& seen, const Reference<6>& reference, int k, const Quartic& roots) {
+    static PART Settled settle(const Arm& arm, const Seen<double>& seen, const Reference<6>& reference, int k,
+                               const Quartic& roots) {
         const auto& ideal = arm.ideal;
         const Tolerances& tol = arm.written.tolerances;
         const double scale = 1.0 / (ideal.size * ideal.size);
@@ -228,7 +236,8 @@ template <LastPair kind> struct SphericalMiddle {
         const int marks = at.marks | (fixed <= tol.fold || bend.margin <= tol.fold ? ELBOW : 0);
         const bool near = min(min(abs(m1), abs(m2)), abs(bend.margin)) < NEAR || min(min(arm1, at.arm6), fixed) < NEAR;
         if (fixed <= tol.continuum) {
-            turns = shared_turns(M, bend.turn, t, reference.q[1] + ideal.offset[1], reference.q[3] + ideal.offset[3], reference.given);
+            turns =
+                shared_turns(M, bend.turn, t, reference.q[1] + ideal.offset[1], reference.q[3] + ideal.offset[3], reference.given);
         }
         double q[6] = {wrap(angle(at.first.t1) - ideal.offset[0]), wrap(angle(turns.first) - ideal.offset[1]),
                        wrap(angle(bend.turn) - ideal.offset[2]),   wrap(angle(turns.last) - ideal.offset[3]),

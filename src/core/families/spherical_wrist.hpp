@@ -40,7 +40,8 @@ template <Shoulder kind> struct SphericalWrist {
         MaskOf<Block> lost, doubt;
         Clearance<Block> clear;
     };
-    static constexpr int OUTER = 0, BEND = 2, SECOND = 4, FIFTH = 8, FOURTH = 12, SIXTH = 16, FOURTH_FLIPPED = 20, SIXTH_FLIPPED = 24;
+    static constexpr int OUTER = 0, BEND = 2, SECOND = 4, FIFTH = 8, FOURTH = 12, SIXTH = 16, FOURTH_FLIPPED = 20,
+                         SIXTH_FLIPPED = 24;
     static constexpr int FIRST = 28;
 
     template <class Out> static STEP void fast(const Arm& arm, const Seen<Block>& seen, Out& found) {
@@ -178,7 +179,8 @@ template <Shoulder kind> struct SphericalWrist {
             if constexpr (square) {
                 flipped[3] = half_turn_from(q[3]), flipped[5] = half_turn_from(q[5]);
             } else {
-                flipped[3] = wrap(angle[FOURTH_FLIPPED + pair] - offset[3]), flipped[5] = wrap(angle[SIXTH_FLIPPED + pair] - offset[5]);
+                flipped[3] = wrap(angle[FOURTH_FLIPPED + pair] - offset[3]),
+                flipped[5] = wrap(angle[SIXTH_FLIPPED + pair] - offset[5]);
             }
             found.set(2 * pair, q, state[pair].lost, state[pair].doubt, state[pair].clear);
             found.set(2 * pair + 1, flipped, state[pair].lost, state[pair].doubt, state[pair].clear);
@@ -204,7 +206,8 @@ template <Shoulder kind> struct SphericalWrist {
         bool near, kept;
     };
 
-    static STEP Settled settle(const Arm& arm, const Vec<double>& p, const Reference<6>& reference, int pair, const Quartic& roots) {
+    static STEP Settled settle(const Arm& arm, const Vec<double>& p, const Reference<6>& reference, int pair,
+                               const Quartic& roots) {
         const auto& ideal = arm.ideal;
         const Tolerances& tol = arm.written.tolerances;
         constexpr bool by_height = kind == Shoulder::parallel_23, quartic = kind == Shoulder::general;
@@ -234,8 +237,9 @@ template <Shoulder kind> struct SphericalWrist {
         return out;
     }
 
-    static PART void wrists_closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
-                                    const Columns<6>& columns, unsigned wanted, int pair, const Quartic& roots) {
+    static PART void wrists_closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen,
+                                    const Reference<6>& reference, const Columns<6>& columns, unsigned wanted, int pair,
+                                    const Quartic& roots) {
         const auto& ideal = arm.ideal;
         const Tolerances& tol = arm.written.tolerances;
         const Twists t = {ideal.cos_alpha[3], ideal.sin_alpha[3], ideal.cos_alpha[4], ideal.sin_alpha[4]};
@@ -258,7 +262,8 @@ template <Shoulder kind> struct SphericalWrist {
             }
             const bool near = place.near || abs(bend.margin) < NEAR || turns.fixed < NEAR;
             if (turns.fixed <= tol.continuum) {
-                turns = shared_turns(M, bend.turn, t, reference.q[3] + ideal.offset[3], reference.q[5] + ideal.offset[5], reference.given);
+                turns = shared_turns(M, bend.turn, t, reference.q[3] + ideal.offset[3], reference.q[5] + ideal.offset[5],
+                                     reference.given);
             }
             const Turn<double> found[6] = {place.at.t1, place.at.t2, place.at.t3, turns.first, bend.turn, turns.last};
             double q[6];
@@ -272,7 +277,8 @@ template <Shoulder kind> struct SphericalWrist {
     static PART Quartic shoulder_roots(const Arm& arm, const Vec<double>& p) {
         const double a1 = arm.ideal.a[0], ca1 = arm.ideal.cos_alpha[0], sa1 = arm.ideal.sin_alpha[0];
         // f is affine in (cos, sin), and |f|^2 too, since the squares of (cos, sin) add up to one.
-        const Vec<double> zero = second_link<double>(arm, {0.0, 0.0}), c = second_link<double>(arm, {1.0, 0.0}), s = second_link<double>(arm, {0.0, 1.0});
+        const Vec<double> zero = second_link<double>(arm, {0.0, 0.0}), c = second_link<double>(arm, {1.0, 0.0}),
+                          s = second_link<double>(arm, {0.0, 1.0});
         const Vec<double> minus_c = second_link<double>(arm, {-1.0, 0.0}), minus_s = second_link<double>(arm, {0.0, -1.0});
         const double f0 = 0.5 * (dot(c, c) + dot(minus_c, minus_c)), fc = 0.5 * (dot(c, c) - dot(minus_c, minus_c));
         const double fs = 0.5 * (dot(s, s) - dot(minus_s, minus_s));

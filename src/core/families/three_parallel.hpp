@@ -123,7 +123,8 @@ template <Hand kind> struct ThreeParallel {
         at.set(FIRST + shoulder, first.turn);
         const auto elbows = [&](const Turn<Block>& bend, const Block& margin, const WristTurns<Block>& turns, int flip) {
             const Upstream up = {first.margin * scale, margin, arm1, turns.fixed, turns.error + high * high};
-            state[2 * shoulder + flip] = both_elbows(arm, up, to_axis_4(from.p, turns.first, forearm(arm, bend)), 2 * shoulder + flip, at);
+            state[2 * shoulder + flip] =
+                both_elbows(arm, up, to_axis_4(from.p, turns.first, forearm(arm, bend)), 2 * shoulder + flip, at);
         };
         if constexpr (square) {
             const SquareWrist<Block> wrist = square_wrist(from.R, t);
@@ -144,7 +145,8 @@ template <Hand kind> struct ThreeParallel {
     // k: 2 front/back + noflip/flip.
     static STEP State both_elbows(const Arm& arm, const Upstream& up, const Across<Block>& u, int k, Angles& at) {
         const auto& ideal = arm.ideal;
-        const double edge = arm.written.tolerances.edge, reach = arm.written.tolerances.reach, scale = 1.0 / (ideal.size * ideal.size);
+        const double edge = arm.written.tolerances.edge, reach = arm.written.tolerances.reach,
+                     scale = 1.0 / (ideal.size * ideal.size);
         const Block uu = u.x * u.x + u.y * u.y;
         const Fold<Block> f = fold<Block>(uu, ideal.a[1], ideal.a[2], arm.turn_3, 1.0);
         // The links turned towards axis 4 miss it by what the lengths differ, at most miss / |u|.
@@ -160,19 +162,22 @@ template <Hand kind> struct ThreeParallel {
     }
 
     // Joint values from the angles, offsets taken off.
-    template <bool square, class Out> static STEP void combine(const Arm& arm, const Angles& at, int k, const State& state, Out& found) {
+    template <bool square, class Out> static STEP void combine(const Arm& arm, const Angles& at, int k, const State& state,
+                                                               Out& found) {
         const double* offset = arm.ideal.offset;
         const Block* angle = at.y;
         const int shoulder = k / 2, flip = k % 2;
-        const Block q1 = wrap(angle[FIRST + shoulder] - offset[0]), q5 = wrap((flip ? -angle[FIFTH + shoulder] : angle[FIFTH + shoulder]) - offset[4]);
+        const Block q1 = wrap(angle[FIRST + shoulder] - offset[0]),
+                    q5 = wrap((flip ? -angle[FIFTH + shoulder] : angle[FIFTH + shoulder]) - offset[4]);
         Block phi = angle[(flip && !square ? PHI_FLIPPED : PHI) + shoulder];
         Block q6 = wrap(angle[(flip && !square ? SIXTH_FLIPPED : SIXTH) + shoulder] - offset[5]);
         if (flip && square) phi = half_turn_from(phi), q6 = half_turn_from(q6);
         for (int down = 0; down < 2; ++down) {
             const Block t2 = angle[SECOND + 2 * k + down], t3 = down ? -angle[BEND + k] : angle[BEND + k];
             const Block t4 = arm.turn_4 * (phi - (t2 + arm.turn_3 * t3));
-            found.set(4 * shoulder + 2 * down + flip, {q1, wrap(t2 - offset[1]), wrap(t3 - offset[2]), wrap(wrap(t4 - offset[3])), q5, q6},
-                      state.lost, state.doubt, state.clear);
+            found.set(4 * shoulder + 2 * down + flip,
+                      {q1, wrap(t2 - offset[1]), wrap(t3 - offset[2]), wrap(wrap(t4 - offset[3])), q5, q6}, state.lost, state.doubt,
+                      state.clear);
         }
     }
 
@@ -279,15 +284,16 @@ template <Hand kind> struct ThreeParallel {
         return true;
     }
 
-    static PART void elbow_closely(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Settled& at, int b,
-                                   const Columns<6>& columns) {
+    static PART void elbow_closely(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Settled& at,
+                                   int b, const Columns<6>& columns) {
         const auto& ideal = arm.ideal;
         const Tolerances& tol = arm.written.tolerances;
         const double up = ideal.signs[b][1], upper = ideal.a[1], lower = ideal.a[2], scale = 1.0 / (ideal.size * ideal.size);
         const double ux = at.axis_4.x, uy = at.axis_4.y, arm2 = (ux * ux + uy * uy) * scale;
         Elbow<double> e = elbow(ux, uy, upper, lower, arm.turn_3, up);
         const double margin = e.margin;
-        const bool near = min(abs(at.margin1), min(abs(margin), abs(at.margin5))) < NEAR || min(at.fixed, min(at.arm1, arm2)) < NEAR;
+        const bool near =
+            min(abs(at.margin1), min(abs(margin), abs(at.margin5))) < NEAR || min(at.fixed, min(at.arm1, arm2)) < NEAR;
         // A root next to an aligned wrist is rough, and phi with it: let Newton's method decide.
         if (margin < -(kind == Hand::general ? max(ideal.clamp, ROUGH_BY_ROOT / (at.fixed + 1e-8)) : ideal.clamp)) return;
         const int marks = at.marks | (margin <= tol.fold || arm2 <= tol.fold ? ELBOW : 0);
@@ -296,8 +302,9 @@ template <Hand kind> struct ThreeParallel {
         if (twice) e = elbow(ux, uy, upper, lower, arm.turn_3, 0.0);
         if (arm2 <= tol.continuum) e.second = exact_turn(reference.q[1] + ideal.offset[1]);
         const double t2 = angle(e.second), t3 = angle(e.bend), t4 = arm.turn_4 * (angle(at.phi) - t2 - arm.turn_3 * t3);
-        double q[6] = {wrap(angle(at.t1) - ideal.offset[0]), wrap(t2 - ideal.offset[1]), wrap(t3 - ideal.offset[2]),
-                       wrap(wrap(t4 - ideal.offset[3])), wrap(angle(at.t5) - ideal.offset[4]), wrap(angle(at.t6) - ideal.offset[5])};
+        double q[6] = {wrap(angle(at.t1) - ideal.offset[0]), wrap(t2 - ideal.offset[1]),
+                       wrap(t3 - ideal.offset[2]),           wrap(wrap(t4 - ideal.offset[3])),
+                       wrap(angle(at.t5) - ideal.offset[4]), wrap(angle(at.t6) - ideal.offset[5])};
         accept(arm.written, goal, q, b, marks, near, columns);
     }
 

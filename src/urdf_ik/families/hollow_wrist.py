@@ -58,8 +58,8 @@ def prepare(chain: CoupledChain) -> Plan:
     names = chain.joint_names
     return Plan(
         family="6R hollow wrist, 2||3",
-        method=f"Where axes 4 and 7 meet is known at a value of {names[4]}, and with it joints 1 to 3; the angle between the "
-        "two axes is one equation for that value, solved on every branch and refined by Newton's method on the URDF as "
+        method=f"Where axes 4 and 7 meet is known at a value of {names[4]}, and with it joints 1 to 3; the angle between "
+        "the two axes is one equation for that value, solved on every branch and refined by Newton's method on the URDF as "
         "written",
         branches=columns(_COLUMNS),
         imperfection=(0.0, float(apart)),
@@ -83,7 +83,8 @@ def why_not(chain: CoupledChain) -> str:
     if len(wrong):
         k = int(wrong[0])
         drivers = ", ".join(name for name, factor in zip(names, gain[k], strict=True) if factor)
-        return f"its axes 5 and 6 would follow one joint, and here axis {k + 1} ({axes.joint_names[k]}) follows {drivers}"
+        found = f"axis {k + 1} ({axes.joint_names[k]}) follows {drivers}"
+        return f"its axes 5 and 6 would follow one joint, and here {found}"
     alone = np.abs(gain[[0, 1, 2, 3, 6], [0, 1, 2, 3, 5]])
     if (alone != 1.0).any():
         k = int(np.argmax(alone != 1.0))
@@ -124,8 +125,8 @@ def _crossings(axes: Chain, gain: Array, values: Array) -> tuple[Array, Array, A
     """Where axes 4 and 7 meet at values (m,) of the wrist's joint.
 
     Returns:
-        The cosine of the angle between them, the point's place along axis 4 and along axis 7 from their points (m,) each
-        [m], and the greatest distance at which they pass each other [m].
+        The cosine of the angle between them, the point's place along axis 4 and along axis 7 from their points (m,)
+        each [m], and the greatest distance at which they pass each other [m].
     """
     Q = np.zeros((len(values), 7))
     Q[:, 4:6] = values[:, None] * gain[4:6, 4]
@@ -170,6 +171,6 @@ def _out_of_reach(chain: CoupledChain, point: Array) -> str:
     if far > chain.size:
         return f"the tip is {far:.6g} m from axis 1, and all links together measure {chain.size:.6g} m"
     return (
-        f"no angles of {', '.join(chain.joint_names[:3])} bring the wrist to where {', '.join(chain.joint_names[3:])} can "
-        "give the tip its turn"
+        f"no angles of {', '.join(chain.joint_names[:3])} bring the wrist to where {', '.join(chain.joint_names[3:])} "
+        "can give the tip its turn"
     )
