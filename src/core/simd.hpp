@@ -367,7 +367,7 @@ using Block = Pack<8, 1>;
 #elif defined(__AVX__)
 using Block = Pack<4, 1>;
 #else
-using Block = Pack<2, 2>;
+using Block = Pack<2, 1>;
 #endif
 inline constexpr int BLOCK = Block::lanes;
 // N numbers side by side, in registers as wide as they fill; N is a power of two.
