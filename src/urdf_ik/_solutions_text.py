@@ -57,7 +57,7 @@ def explanation(solutions: IKSolutions) -> str:
     step = solutions.step
     if step is None:
         at = solutions.redundancy
-        return solutions.arm.explain(solutions.poses, None if at is None else float(at))
+        return str(solutions.arm.explain(solutions.poses, None if at is None else float(at)))
     found = "1 solution reaches" if step.parent.count == 1 else f"{step.parent.count} solutions reach"
     if step.how != "collision":
         return f"{found} the pose, none inside the joint limits; {_out_of_limits(step.parent, step.amount)}"

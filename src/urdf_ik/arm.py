@@ -227,11 +227,12 @@ class Arm:
             return self.for_task(task).ik(T, q_ref, threads=threads)
         core = self._core
         if core is not None and redundancy is None and T is not None and (q_ref is None or type(T) is np.ndarray):
-            solutions: IKSolutions | None
+            solutions: IKSolutions | None  # which the compiled core makes; None where the target is a batch or no array
+            compiled: Any = core
             if q_ref is None:
-                solutions = core.one(IKSolutions, self, self._branches, T)
+                solutions = compiled.one(IKSolutions, self, self._branches, T)
             else:
-                solutions = core.one_near(IKSolutions, self, self._branches, T, self._reference(q_ref))
+                solutions = compiled.one_near(IKSolutions, self, self._branches, T, self._reference(q_ref))
             if solutions is not None:
                 return solutions
         if self._plan is None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -40,7 +40,7 @@ class TreeJoint:
     offset: float
 
     @cached_property
-    def motion(self) -> _core.Chain:
+    def motion(self) -> Any:  # a _core.Chain, of whose answers the generated stub says nothing
         """The compiled motion from the parent's frame to the child's."""
         R, steps = np.ascontiguousarray(self.origin[:3, :3]), np.zeros((2, 3))
         steps[0] = self.origin[:3, 3]
@@ -118,7 +118,7 @@ class Chain:
         return slides
 
     @cached_property
-    def motion(self) -> _core.Chain:
+    def motion(self) -> Any:  # a _core.Chain, of whose answers the generated stub says nothing
         """The compiled chain."""
         axes = self.axes
         return _core.Chain(axes.H, axes.P, axes.R_tip, axes.prismatic)

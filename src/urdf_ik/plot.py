@@ -227,7 +227,8 @@ def _bodies(figure: Figure, owner: Arm, wanted: bool) -> _plot_shapes.Bodies:
 
 def _owner(solutions: IKSolutions) -> Arm:
     """The arm that was solved: that of a task's solver, too, has all that is drawn."""
-    return solutions.arm  # type: ignore[return-value]
+    owner: Arm = solutions.arm
+    return owner
 
 
 def _images(owner: Arm, q: Any, joints: Any) -> tuple[Any, Any, Any]:

@@ -181,7 +181,7 @@ class IKSolutions(Answer):
         """(..., B) each solution's branch, with the turns of an image; unlike ``branches`` also after ``nearest``."""
         if self.step is None:
             return np.broadcast_to(np.array(self._branches, dtype=np.object_), self._info.shape)
-        names = self.step.parent.names
+        names: NDArray[np.object_] = self.step.parent.names
         if self.step.columns is not None:
             names = np.take_along_axis(names, self.step.columns, axis=-1)
         if self.step.how == "turns":
@@ -278,7 +278,7 @@ class IKSolutions(Answer):
         columns = np.repeat(np.arange(self._q.shape[-2]), len(turned.ranks))
         info = np.where(turned.valid, self._info[..., columns], np.uint8(0))
         before = self._turns_of(self._q)
-        apart = self.arm.chain.image_turns
+        apart: Array = self.arm.chain.image_turns
         total = [k * apart[i] + before[..., i, None] for i, k in enumerate(turned.steps)]
         branches = text.turned_branches(self._branches, total, turned.ranks)
         step = Step("turns", self, np.broadcast_to(columns, info.shape), tol)
@@ -382,7 +382,8 @@ class IKSolutions(Answer):
     def _turns_of(self, q: Array) -> Array:
         """Turns (..., n) that joint vectors are away from where the solver gives them, (-pi, pi]."""
         apart = self.arm.chain.image_turns
-        return apart * np.ceil((q - np.pi * apart) / (limits.TURN * np.where(apart, apart, 1.0)))
+        turns: Array = apart * np.ceil((q - np.pi * apart) / (limits.TURN * np.where(apart, apart, 1.0)))
+        return turns
 
     def _derived(self, q: Array, info: NDArray[np.uint8], branches: tuple[str, ...], step: Step) -> IKSolutions:
         return IKSolutions(self.arm, self._poses, q, info, branches, None, step, self._redundancy)

@@ -59,8 +59,8 @@ def prepare(chain: CoupledChain) -> Plan:
     return Plan(
         family="6R hollow wrist, 2||3",
         method=f"Where axes 4 and 7 meet is known at a value of {names[4]}, and with it joints 1 to 3; the angle between "
-        "the two axes is one equation for that value, solved on every branch and refined by Newton's method on the URDF as "
-        "written",
+        "the two axes is one equation for that value, solved on every branch and refined by Newton's method on the URDF "
+        "as written",
         branches=columns(_COLUMNS),
         imperfection=(0.0, float(apart)),
         error=0.0,
@@ -118,7 +118,8 @@ def _samples(chain: CoupledChain) -> Array:
     """Values of the wrist's joint over its whole period, beside the ones at which axes tend to align."""
     turns = int(chain.image_turns[4])
     count = _SAMPLES * turns
-    return (np.arange(count) + 0.5) * (2.0 * np.pi * turns / count) - np.pi * turns
+    middles = (np.arange(count) + 0.5) * (2.0 * np.pi * turns / count) - np.pi * turns
+    return np.asarray(middles, dtype=np.float64)
 
 
 def _crossings(axes: Chain, gain: Array, values: Array) -> tuple[Array, Array, Array, float]:

@@ -40,7 +40,7 @@ def _both_arms(ideal: dict[str, Any], chain: Chain) -> dict[str, Any]:
     base, tool = np.eye(4), np.eye(4)
     base[:3, :3], base[:3, 3] = ideal["base_rotation"].T, ideal["base_origin"]
     tool[:3, :3], tool[:3, 3] = ideal["tool_rotation"].T, -ideal["tool_rotation"].T @ ideal["tool_point"]
-    inner = np.array([np.vstack([step, [0.0, 0.0, 0.0, 1.0]]) for step in chain.motion.steps])
+    inner = np.array([np.vstack([step, [0.0, 0.0, 0.0, 1.0]]) for step in np.array(chain.motion.steps)])
     inner[0], inner[-1] = np.linalg.inv(base) @ inner[0], inner[-1] @ np.linalg.inv(tool)
     inner = np.ascontiguousarray(inner[:, :3])
     return {"inner_steps": inner, "ideal_steps": ideal["steps"], "drift": _drift(inner, ideal["steps"], chain.size)}

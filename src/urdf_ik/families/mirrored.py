@@ -23,7 +23,7 @@ def mirrored(plan: Plan) -> Plan:
     """The plan for an arm whose reversed chain ``plan`` was made for."""
 
     def explain(T: Array) -> str:
-        return f"seen from the tip, {plan.explain(np.linalg.inv(T))}"
+        return f"seen from the tip, {plan.explain(np.asarray(np.linalg.inv(T), dtype=np.float64))}"
 
     return replace(
         plan,

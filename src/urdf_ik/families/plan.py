@@ -194,8 +194,9 @@ def distances_of(solver: Solver, rotation: Array, point: Array) -> Array:
     """What a pose, seen from frame 1, asks of the distance of two axes [m]: one for each way that there is."""
     seen = np.eye(4)
     seen[:3, :3], seen[:3, 3] = rotation, point
-    distances = np.array(solver.distances(seen))
-    return distances[np.isfinite(distances)]
+    distances: Array = np.array(solver.distances(seen))
+    finite: Array = distances[np.isfinite(distances)]
+    return finite
 
 
 def snapped(values: Array) -> Array:

@@ -111,7 +111,8 @@ def _swivels(chain: Chain, ends: dict[str, Array], Q: Array) -> Array:
     x = np.array([1.0, 0.0, 0.0]) - along[:, :1] * along
     normal = np.where(on_axis[:, None], x / np.linalg.norm(x, axis=1, keepdims=True), normal)
     across = np.cross(along, normal)
-    return np.arctan2((across * axis).sum(axis=1), (normal * axis).sum(axis=1))
+    swivels: Array = np.arctan2((across * axis).sum(axis=1), (normal * axis).sum(axis=1))
+    return swivels
 
 
 def _error(chain: Chain, S: Array, W: Array) -> float:
