@@ -58,9 +58,9 @@ def prepare(chain: CoupledChain) -> Plan:
     names = chain.joint_names
     return Plan(
         family="6R hollow wrist, 2||3",
-        method=f"Where axes 4 and 7 meet is known at a value of {names[4]}, and with it joints 1 to 3; the angle between "
-        "the two axes is one equation for that value, solved on every branch and refined by Newton's method on the URDF "
-        "as written",
+        method=f"Where axes 4 and 7 meet is known at a value of {names[4]}, and with it joints 1 to 3; the angle "
+        "between the two axes is one equation for that value, solved on every branch and refined by Newton's method on "
+        "the URDF as written",
         branches=columns(_COLUMNS),
         imperfection=(0.0, float(apart)),
         error=0.0,
