@@ -144,7 +144,7 @@ class TaskArm(Arm):
         if not self._takes_points:
             stack = self._poses(stack)
         reference = None if q_ref is None else self._reference(q_ref)
-        q, flags = np.empty((len(stack), *self._shape[1:])), np.empty((len(stack), self._shape[1]), np.uint8)
+        q, flags = self._room(len(stack))
         if self._fill(stack, None, reference, q, flags, threads) >= 0:
             raise PoseError(f"a target for the task {self._task!r} that is not finite, or points nowhere")
         return IKSolutions(
