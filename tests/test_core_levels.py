@@ -121,7 +121,7 @@ def test_the_best_instruction_set_is_used_unless_one_is_named() -> None:
 @pytest.mark.parametrize("level", ["v9", "avx2", "V3"])
 def test_an_unknown_instruction_set_is_an_error_in_words(level: str) -> None:
     """Import fails, and says what this processor runs."""
-    done = run("import urdf_ik", level=level)
+    done = run("import urdf_ik; urdf_ik.Arm", level=level)
     assert done.returncode != 0
     last = done.stderr.strip().splitlines()[-1]
     assert last.startswith("ImportError: ") and f"'{level}'" in last and ", ".join(LEVELS) in last

@@ -121,15 +121,36 @@ template <class Model> STEP bool holds(const Model& arm, const Goal<double>& goa
     return polish_one<true>(arm, goal, q, {60, CONVERGED, LONG_PATIENCE}).error <= DOUBTFUL;
 }
 
+// The k-th of STARTS_AROUND_CANDIDATE fixed starts around q: itself, then 1e-2 to 1e-6 rad away. A linear congruential generator
+// makes them, so that the same target always has the same answer.
+inline constexpr int STARTS_AROUND_CANDIDATE = 13;
+template <int N> STEP void start_near_candidate(const double (&q)[N], int k, double (&start)[N]) {
+    constexpr double widths[3] = {1e-2, 1e-4, 1e-6};
+    const double width = k == 0 ? 0.0 : widths[k % 3] * (k < 7 ? 1.0 : 0.3);
+    std::uint32_t seed = 12345u + 7919u * std::uint32_t(k);
+    for (int j = 0; j < N; ++j) {
+        seed = (seed * 1103515245u + 12345u) & 0x7fffffffu;
+        start[j] = q[j] + width * (seed / 1073741824.0 - 1.0);
+    }
+}
+
 // Polish the closed form's candidate q of column b on the arm as written, and keep it if it is verified and new.
-// near: whether it is near a singularity, so that it is asked for its marks.
+// near: whether it is near a singularity, so that it is asked for its marks. On an arm that is only near the ideal one a
+// candidate there may stand for two solutions, or for none: starts beside it find both, and only what has converged to
+// rounding is one, since near a double root an error falls with the square of the distance.
 template <class Model>
 SHARED void accept(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints], int b, int marks, bool near,
                    const Columns<Model::joints>& columns) {
     // A closed form is not improved by a step along a singular direction that only rounding asks for.
-    const double error = polish_one<true>(arm, goal, q, {15, CONVERGED, LONG_PATIENCE}).error;
-    if (error <= arm.tolerances.reach && is_new(arm, goal, columns, q)) {
-        keep(columns, b, q, near ? singular_marks(arm, goal, q, marks) : 0);
+    const Course course = arm.exact ? Course{15, CONVERGED, LONG_PATIENCE} : Course{60, FINISHED, LONG_PATIENCE};
+    const int starts = !arm.exact && arm.beside && near ? STARTS_AROUND_CANDIDATE : 1;
+    for (int k = 0; k < starts; ++k) {
+        double at[Model::joints];
+        start_near_candidate(q, k, at);
+        const double error = polish_one<true>(arm, goal, at, course).error;
+        if (error <= (arm.exact ? arm.tolerances.reach : CONVERGED) && is_new(arm, goal, columns, at)) {
+            keep(columns, b, at, near ? singular_marks(arm, goal, at, marks) : 0);
+        }
     }
 }
 

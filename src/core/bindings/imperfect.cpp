@@ -15,6 +15,11 @@ template <class FamilyArm> std::shared_ptr<const Solver> make_near(const Values&
     arm.written = arm.both.written = arm.both.ideal = arm.family.written;
     read_motions(v, "inner_steps", arm.both.written.step, 7), read_motions(v, "ideal_steps", arm.both.ideal.step, 7);
     v.read("drift", arm.both.drift);
+    arm.family.written.exact = false;
+    arm.loose = arm.family;
+    arm.family.written.beside = true;
+    const double almost = ALMOST_FREE * arm.family.ideal.imperfection;
+    arm.loose.written.tolerances.continuum = almost * almost;
     made->function = function;
     made->branches = 16;
     return made;

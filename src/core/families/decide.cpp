@@ -95,6 +95,7 @@ Known decide_all(const BothArms& arm, const Seen<double>& seen, const IdealAnswe
     Known known;
     for (int first = 0; first < 8; first += BLOCK) family.answer(family.arm, {target.R, target.p}, first, now);
     for (int round = 0; round < CORRECTIONS && known.open; ++round) decide(arm, target, family, now, known);
+    for (const double each : now.arms) known.least_arm = min(known.least_arm, each);
     return known;
 }
 

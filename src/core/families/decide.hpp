@@ -13,6 +13,7 @@ struct Answers {
 // What is known of them, a bit a branch.
 struct Known {
     unsigned open = 255, found = 0;
+    double least_arm = 1.0;  // squared, of all branches [share of size^2]
     double q[6][8];
 };
 // An ideal arm's closed form for a block of branches from `first` on.

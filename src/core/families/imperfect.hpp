@@ -27,6 +27,7 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // digits: there the closed form's careful path, one branch at a time, helps it. And from which the found solutions are so
 // well apart that the elimination, missing none of them, is believed at once.
 inline constexpr double CLOSE_BY = 1e-4, FAR_OFF = 1e-3;
+
 // All branches of a block of targets, beyond their ends too.
 struct AllBranches {
     Block q[8][6];
@@ -62,9 +63,11 @@ template <class Family, bool by_quartic = false> struct Imperfect {
     static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
         const Seen<double> seen = to_frame_1(goal, arm.family.ideal);
         unsigned open = 255;
+        bool loose = by_quartic;
         if constexpr (!by_quartic) {
             const Known known = decide_all(arm.both, seen, {&arm.family, answer});
             open = known.open;
+            loose = !(known.least_arm > arm.loose.written.tolerances.continuum);
             for (int b = 0; b < 8; ++b) {
                 double q[6];
                 for (int j = 0; j < 6; ++j) q[j] = known.q[j][b];
@@ -74,7 +77,19 @@ template <class Family, bool by_quartic = false> struct Imperfect {
         }
         const double off = arm.family.ideal.imperfection;
         if (by_quartic || off < CLOSE_BY) Family::closely(arm.family, goal, seen, reference, columns, open);
+        if (loose && !by_quartic) all_around(arm, goal, seen, columns);
         complete(arm.elimination, goal, columns, by_quartic || off < FAR_OFF);
+        if (by_quartic && (columns.count() == 0 || columns.count() % 2 == 1)) all_around(arm, goal, seen, columns);
+    }
+
+    // A joint that the ideal arm leaves free has a few values on the arm as written: from places all around the circle.
+    static PART void all_around(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Columns<6>& columns) {
+        for (int k = 0; k < AROUND; ++k) {
+            Reference<6> at;
+            for (double& each : at.q) each = PI * (2.0 * k / AROUND - 1.0);
+            at.given = 0.0;
+            Family::closely(arm.loose, goal, seen, at, columns, ~0u);
+        }
     }
 };
 

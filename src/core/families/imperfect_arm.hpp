@@ -9,6 +9,10 @@
 
 namespace urdf_ik {
 
+// Up to this multiple of its imperfection an arm that turns freely on the ideal arm does so almost: on the arm as written its few
+// true values lie anywhere on the circle.
+inline constexpr double ALMOST_FREE = 5.0;
+
 // From frame 1 to the point that is solved for: the arm as written, and the ideal one.
 struct BothArms {
     Written<6> written, ideal;
@@ -17,6 +21,8 @@ struct BothArms {
 
 template <class FamilyArm> struct ImperfectArm {
     FamilyArm family;  // the ideal arm
+    FamilyArm
+        loose;  // the same, which counts a joint as free where its squared arm is below ALMOST_FREE times the imperfection, squared
     Written<6> written;
     EliminationArm elimination;
     BothArms both;
@@ -25,11 +31,11 @@ template <class FamilyArm> struct ImperfectArm {
 template <class FamilyArm> using SolveImperfect = long (*)(const ImperfectArm<FamilyArm>&, const Batch&);
 struct ImperfectSolvers {
     SolveImperfect<SphericalWristArm> spherical_wrist[4];  // by Shoulder
-    SolveImperfect<ThreeParallelArm> three_parallel[2];    // by Hand
+    SolveImperfect<ThreeParallelArm> three_parallel[2];  // by Hand
 };
 struct ImperfectSolversToo {
     SolveImperfect<ParallelShoulderArm> parallel_shoulder[5];  // by LastAxes
-    SolveImperfect<SphericalMiddleArm> spherical_middle[3];    // by LastPair
+    SolveImperfect<SphericalMiddleArm> spherical_middle[3];  // by LastPair
 };
 
 }  // namespace urdf_ik
