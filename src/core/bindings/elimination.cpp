@@ -45,9 +45,7 @@ static void read(const Values& values, Continuation& to) {
 void read(const Values& values, EliminationArm& to) {
     read_common(values, to);
     read(values.group("known"), to.paths);
-    to.variants = values.get<int>("variants");
-    if (to.variants < 1 || to.variants > EliminationArm::most) throw nb::value_error("one to three variants of the elimination");
-    for (int v = 0; v < to.variants; ++v) read(values, to.variants, v, to.variant[v]);
+    read(values, 1, 0, to.variant);
 }
 
 static std::shared_ptr<const Solver> make_elimination(const Values& values) {
@@ -70,9 +68,9 @@ using JointVectors = nb::ndarray<const double, nb::shape<-1, 6>, nb::c_contig, n
 // Whether each variant alone is certain of all solutions of each pose.
 static void try_elimination(nb::dict dict, const Targets& T, const Certain& certain) {
     const Values values(dict, "elimination");
-    const int variants = values.get<int>("variants");
+    const int variants = int(certain.shape(0));
     if (variants < 1) throw nb::value_error("at least one variant of the elimination");
-    if (certain.shape(0) != std::size_t(variants) || certain.shape(1) != T.shape(0)) {
+    if (certain.shape(1) != T.shape(0)) {
         throw nb::value_error("arrays of poses and answers do not fit each other");
     }
     const auto arm = std::make_unique<EliminationArm>();

@@ -23,8 +23,9 @@ inline constexpr double NEAR_CIRCLE = 0.1;
 inline constexpr double FARTHEST = -0.995;
 // Noise of a determinant's harmonics above which it is not trusted.
 inline constexpr double LARGEST_NOISE = 1e-7;
-// A solution belongs to a root if its hidden joint stands this close to it.
-inline constexpr double OWN_ROOT = 1e-2;
+// A solution belongs to a root if its hidden joint stands this close to it. Rounding and a moved axis push the roots of a
+// cluster off by about as much each, so where this holds none of them is as far as NEAR_CIRCLE off.
+inline constexpr double OWN_ROOT = 1e-3;
 // The imaginary part of an angle above which the end of a path is not real, for ends that are regular and others.
 inline constexpr double IMAGINARY = 1e-4, IMAGINARY_SINGULAR = 0.05;
 // A path that ends before this s ends because it was lost, one that ends behind it at a singular solution.
@@ -186,11 +187,13 @@ STEP double imaginary_part(const Written<6>& arm, const double (&z)[6][2]) {
     return most;
 }
 
-// Add the real ends of all paths that lead to the goal. Returns whether they are certain to be all: each path ended at a
-// regular solution of its own, or at a singular one that is known or not real.
-PART bool gather_ends(const EliminationArm& arm, const Goal<double>& goal, const Search& search, int attempt) {
+// Whether each path ended at a regular solution of its own, or some of them at singular ones, which are known or not real.
+enum class Arrived { lost, settled, regular };
+
+// Add the real ends of all paths that lead to the goal.
+PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, const Search& search, int attempt) {
     PathEnds ends;
-    continue_from_nearest(arm.written, arm.paths, goal, attempt, ends);
+    const bool all = continue_from_nearest(arm.written, arm.paths, goal, attempt, ends) == arm.paths.solutions;
     int settled = 0;
     for (int from = 0; from < ends.many; from += BLOCK) {
         Candidates smooth = {{}, 0}, rough = {{}, 0};
@@ -221,7 +224,7 @@ PART bool gather_ends(const EliminationArm& arm, const Goal<double>& goal, const
         }
         settled += int(singular);
     }
-    return settled == arm.paths.solutions;
+    return all ? Arrived::regular : settled == arm.paths.solutions ? Arrived::settled : Arrived::lost;
 }
 
 // ---- starts where nothing else helps ---------------------------------------------------------------------------------------
@@ -258,11 +261,13 @@ bool complete(const EliminationArm& arm, const Goal<double>& goal, const Columns
     // A slide far out carries its rounding to the tip.
     const double far = arm.any_slide ? 1.0 + sqrt(dot(goal.p, goal.p)) / arm.written.size : 1.0;
     const Search search = {columns, CONVERGED * far};
-    for (int v = 0; v < arm.variants; ++v) {
-        if (gather(arm, arm.variant[v], goal, search)) return true;
-    }
+    if (gather(arm, arm.variant, goal, search)) return true;
+    bool settled = false;
     for (int attempt = 0; attempt < ATTEMPTS && attempt < arm.paths.poses; ++attempt) {
-        if (gather_ends(arm, goal, search, attempt)) return true;
+        const Arrived all = gather_ends(arm, goal, search, attempt);
+        // Singular ends are believed when a second attempt has them too.
+        if (all == Arrived::regular || (all == Arrived::settled && settled)) return true;
+        settled |= all == Arrived::settled;
     }
     search_all_over(arm, goal, search);
     return false;

@@ -24,13 +24,11 @@ struct EliminationVariant {
 };
 
 struct EliminationArm {
-    static constexpr int most = 3;
     Written<6> written;
     Motion home_inverse;      // of the tip at zero, then moved to the midst of the axes
     double centre[3], scale;  // of the axes [m], and one over their mean distance from it
     bool any_slide;
-    int variants;
-    EliminationVariant variant[most];  // in the order in which they are tried
+    EliminationVariant variant;
     Continuation paths;
 };
 

@@ -26,9 +26,6 @@ if TYPE_CHECKING:
 
 _LINE = 15
 _SHIFTS = (0.0, 1e-6, 1e-5)
-_KEPT = 2
-# The names of what each variant has.
-_VARIANT = ("first", "reversed", "left", "right", "left_inverse", "axes", "points", "across", "slides")
 # Poses by which variants are chosen, and from which those are taken whose solutions are all known.
 _KNOWN = 32
 # How many numbers the core leaves room for: rows of the left factor, columns of the right one.
@@ -38,8 +35,8 @@ _POWERS = np.array([[1.0, 1.0, 0.0], [0.0, 0.0, 2.0], [1.0, -1.0, 0.0]])
 
 
 def elimination_values(chain: Chain) -> dict[str, Any]:
-    """What the core needs of the arm: the ways to set the elimination up that are certain most often, in the order in
-    which they are to be tried, and the poses of which all solutions are known."""
+    """What the core needs of the arm: the way to set the elimination up that is certain of most poses, and poses of which
+    all solutions are known."""
     H, points, centre, scale = _scaled(chain)
     home = np.eye(4)
     home[:3, :3], home[:3, 3] = chain.R_tip, chain.P.sum(axis=0)
@@ -55,21 +52,19 @@ def elimination_values(chain: Chain) -> dict[str, Any]:
     Q = rng.uniform(-math.pi, math.pi, (_KNOWN, 6))
     Q[:, chain.prismatic] *= chain.size / (2.0 * math.pi)
     rows = _all_variants(H, points, chain.prismatic, rng)
-    chosen = _chosen(_certain({**common, **rows, "variants": len(rows["first"])}, chain.fk(Q)))
-    chosen_rows = {name: values[chosen] for name, values in rows.items()}
-    return {**common, **chosen_rows, "variants": len(chosen), "known": known_poses(common["written"], Q)}
+    best = int(_certain({**common, **rows}, chain.fk(Q)).sum(axis=1).argmax())
+    chosen = {name: values[best : best + 1] for name, values in rows.items()}
+    return {**common, **chosen, "known": known_poses(common["written"], Q)}
 
 
 def doubts(solver: Solver, targets: Array) -> int:
-    """Number of poses (m, 4, 4) of which the elimination's first variant is not certain."""
-    values = solver.values
-    first = {name: values[name][:1] for name in _VARIANT}
-    return int(np.count_nonzero(~_certain({**values, **first, "variants": 1}, targets)))
+    """Number of poses (m, 4, 4) of which the elimination alone is not certain."""
+    return int(np.count_nonzero(~_certain(solver.values, targets)))
 
 
 def _certain(values: dict[str, Any], targets: Array) -> NDArray[np.bool_]:
     """(variants, m) whether each variant alone is certain of all solutions of the poses (m, 4, 4)."""
-    certain = np.empty((values["variants"], len(targets)), np.uint8)
+    certain = np.empty((len(values["first"]), len(targets)), np.uint8)
     try_elimination(values, np.ascontiguousarray(targets), certain)
     return certain > 0
 
@@ -82,18 +77,6 @@ def _scaled(chain: Chain) -> tuple[Array, Array, Array, float]:
     length = float(np.sqrt((points**2).sum(axis=1).mean()))
     scale = 1.0 / length if length > 0.0 else 1.0
     return chain.H, points * scale, centre, scale
-
-
-def _chosen(certain: NDArray[np.bool_]) -> list[int]:
-    """Which variants to keep: the one that is certain most often, then those that are where the first are not."""
-    chosen: list[int] = []
-    left = np.ones(certain.shape[1], np.bool_)
-    while len(chosen) < min(_KEPT, len(certain)):
-        counts = certain[:, left].sum(axis=1)
-        counts[chosen] = -1
-        chosen.append(int(counts.argmax()))
-        left &= ~certain[chosen[-1]]
-    return chosen
 
 
 def _all_variants(H: Array, points: Array, slides: NDArray[np.bool_], rng: np.random.Generator) -> dict[str, Any]:
