@@ -62,15 +62,14 @@ void add_elimination(Makers& makers) {
 }
 
 using Targets = nb::ndarray<const double, nb::shape<-1, 4, 4>, nb::c_contig, nb::device::cpu>;
-using Certain = nb::ndarray<std::uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using Bytes = nb::ndarray<std::uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using JointVectors = nb::ndarray<const double, nb::shape<-1, 6>, nb::c_contig, nb::device::cpu>;
 
-// Whether each variant alone is certain of all solutions of each pose.
-static void try_elimination(nb::dict dict, const Targets& T, const Certain& certain) {
+// How many solutions each variant alone finds of each pose, and whether it is certain of them.
+static void try_elimination(nb::dict dict, const Targets& T, const Bytes& counts, const Bytes& certain) {
     const Values values(dict, "elimination");
     const int variants = int(certain.shape(0));
-    if (variants < 1) throw nb::value_error("at least one variant of the elimination");
-    if (certain.shape(1) != T.shape(0)) {
+    if (certain.shape(1) != T.shape(0) || counts.shape(0) != certain.shape(0) || counts.shape(1) != certain.shape(1)) {
         throw nb::value_error("arrays of poses and answers do not fit each other");
     }
     const auto arm = std::make_unique<EliminationArm>();
@@ -78,7 +77,7 @@ static void try_elimination(nb::dict dict, const Targets& T, const Certain& cert
     read_common(values, *arm);
     for (int v = 0; v < variants; ++v) read(values, variants, v, all[v]);
     nb::gil_scoped_release release;
-    level().elimination->trial(*arm, all.data(), variants, T.data(), long(T.shape(0)), certain.data());
+    level().elimination->trial(*arm, all.data(), variants, T.data(), long(T.shape(0)), {counts.data(), certain.data()});
 }
 
 // A copy of numbers as an array that Python owns.
@@ -115,7 +114,8 @@ static nb::dict known_poses(nb::dict written, const JointVectors& q) {
 }
 
 void add_elimination(nb::module_& m) {
-    m.def("try_elimination", &try_elimination, nb::arg("values"), nb::arg("T").noconvert(), nb::arg("certain").noconvert());
+    m.def("try_elimination", &try_elimination, nb::arg("values"), nb::arg("T").noconvert(), nb::arg("counts").noconvert(),
+          nb::arg("certain").noconvert());
     m.def("known_poses", &known_poses, nb::arg("written"), nb::arg("q").noconvert());
 }
 

@@ -456,9 +456,18 @@ PART int carry(const Written<6>& arm, const KnownPose& from, int many, KnownPose
 // All solutions of the first of the poses of m joint vectors, by monodromy: paths that lead to other poses and back another
 // way end at other solutions than they began (Duff et al., Solving polynomial systems via homotopy continuation and
 // monodromy, 2019). It ends when all 16 are found, or when IDLE rounds have found no new one. Then those of the other poses.
-inline constexpr int IDLE = 8;
-PART void find_known_poses(const Written<6>& arm, const double (*q)[6], int m, Continuation& out) {
-    int many;
+// A pose whose joint vector is singular is none of them: where all are, the arm is singular everywhere.
+inline constexpr int IDLE = 8, MOST_TRIED = 64;
+inline constexpr double REGULAR = 1e-3;
+PART void find_known_poses(const Written<6>& arm, const double (*all)[6], int m, Continuation& out) {
+    double q[MOST_TRIED][6];
+    int regular = 0, many;
+    for (int i = 0; i < m && regular < MOST_TRIED; ++i) {
+        for (int j = 0; j < 6; ++j) q[regular][j] = all[i][j];
+        regular += weakest_at(arm, place(arm, q[regular]).tip, q[regular]).value > REGULAR;
+    }
+    out.solutions = out.poses = 0, m = regular;
+    if (m < 2) return;
     KnownPose base = known_pose(arm, q[0], many);
     for (int round = 0, idle = 0; many < KnownPose::most && idle < IDLE && round < 60; ++round) {
         int many_there, before = many;
@@ -467,7 +476,7 @@ PART void find_known_poses(const Written<6>& arm, const double (*q)[6], int m, C
         carry(arm, other, many_there, base, many, -0.6 - 0.31 * (round % 7));
         idle = many > before ? 0 : idle + 1;
     }
-    out.solutions = many, out.poses = 0;
+    out.solutions = many;
     for (int i = 0; i < m && out.poses < Continuation::most; ++i) {
         int there;
         KnownPose other = known_pose(arm, q[i], there);

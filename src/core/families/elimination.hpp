@@ -7,6 +7,7 @@
 // them: none can be missing where as many regular ones arrive as there are.
 #pragma once
 
+#include "../beside.hpp"
 #include "../blocks.hpp"
 #include "complete.hpp"
 #include "continuation.hpp"
@@ -30,6 +31,9 @@ inline constexpr double OWN_ROOT = 1e-3;
 inline constexpr double IMAGINARY = 1e-4, IMAGINARY_SINGULAR = 0.05;
 // A path that ends before this s ends because it was lost, one that ends behind it at a singular solution.
 inline constexpr double AT_SINGULAR = 1e-6;
+// Where no candidate converges, the best is a double root if its error falls below NEARLY; the damping HELD then holds the
+// direction in which it is singular, along which rounding would carry the arm about.
+inline constexpr double NEARLY = 1e-7, HELD = 1e-6;
 // How often continuation is tried, each time on other paths; starts all over the joints where that did not decide.
 inline constexpr int ATTEMPTS = 4, ALL_OVER = 160;
 
@@ -37,6 +41,7 @@ inline constexpr int ATTEMPTS = 4, ALL_OVER = 160;
 struct Search {
     Columns<6> columns;
     double enough;  // error at which a candidate is a solution
+    double error = __builtin_inf(), best[6] = {};  // the best of the candidates that came to rest above that
 };
 
 // A block of joint vectors, and which of its lanes count.
@@ -54,11 +59,15 @@ STEP void lane_of(const Block (&q)[6], int l, double (&out)[6]) {
     for (int j = 0; j < 6; ++j) out[j] = q[j][l];
 }
 
+// Whether the known poses have all the solutions that six joints which turn can have. Arms that are near a special one have
+// fewer: others are so far from real that their paths cannot be followed, and come near where the special arm is singular.
+STEP bool all_known(const EliminationArm& arm) { return arm.paths.solutions == KnownPose::most; }
+
 // ---- collecting ------------------------------------------------------------------------------------------------------
 
 // The column of q, which is kept if it is new; -1 if the table is full. least: a bound on the smallest singular value of its
 // Jacobian.
-PART int take(const EliminationArm& arm, const Goal<double>& goal, const Search& search, const double (&q)[6], double least) {
+PART int take(const EliminationArm& arm, const Goal<double>& goal, Search& search, const double (&q)[6], double least) {
     const Columns<6>& columns = search.columns;
     if (is_new(arm.written, goal, columns, q)) {
         for (int b = 0; b < columns.many; ++b) {
@@ -81,7 +90,7 @@ PART int take(const EliminationArm& arm, const Goal<double>& goal, const Search&
 
 // The columns of the starts that Newton's method leads to a solution, -1 for the others.
 template <bool damped>
-PART void take_from(const EliminationArm& arm, const Goal<double>& goal, const Search& search, Candidates& starts, int rounds,
+PART void take_from(const EliminationArm& arm, const Goal<double>& goal, Search& search, Candidates& starts, int rounds,
                     int (&column)[BLOCK]) {
     const Course course = {rounds, FINISHED, damped ? PATIENCE : rounds};
     const Polished<Block> out =
@@ -91,6 +100,9 @@ PART void take_from(const EliminationArm& arm, const Goal<double>& goal, const S
         double q[6];
         lane_of(starts.q, l, q);
         column[l] = good >> l & 1 ? take(arm, goal, search, q, out.least[l]) : -1;
+        if (!(starts.lanes >> l & 1) || !(out.error[l] < search.error)) continue;
+        search.error = out.error[l];
+        for (int j = 0; j < 6; ++j) search.best[j] = q[j];
     }
 }
 
@@ -135,16 +147,27 @@ STEP Turn<double> hidden_at(const EliminationArm& arm, const EliminationVariant&
     return {(1.0 - d * d) * w, 2.0 * d * w};
 }
 
+// Add what damped steps make of starts that have no column yet.
+PART void follow_slowly(const EliminationArm& arm, const Goal<double>& goal, Search& search, Candidates& starts,
+                        const int (&column)[BLOCK]) {
+    for (int l = 0; l < BLOCK; ++l) {
+        if (column[l] >= 0) starts.lanes &= ~(1u << l);
+    }
+    int unused[BLOCK];
+    if (starts.lanes) take_from<true>(arm, goal, search, starts, 40, unused);
+}
+
 // Add the solutions that one variant finds. Returns whether they are certain to be all: each root that may be real led to a
 // solution of its own, and no other is known.
-PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, const Goal<double>& goal, const Search& search) {
+PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, const Goal<double>& goal, Search& search) {
     Equations A;
     double D[SAMPLES];
     Complex coefficients[2 * DEGREE + 1];
     const Frame<double> G = loop_motion(arm, goal, variant.reversed);
     equations(variant, G, A);
     determinants(A, D);
-    if (!(harmonics(D, coefficients) < LARGEST_NOISE)) return false;
+    const bool noisy = !(harmonics(D, coefficients) < LARGEST_NOISE);
+    if (noisy && all_known(arm)) return false;
     RealRoots roots = real_roots(coefficients, variant.slides[(variant.first + 5) % 6]);
     for (int k = roots.many; k < 2 * DEGREE; ++k) roots.c[k] = roots.c[0], roots.s[k] = roots.s[0];
     unsigned owned = 0;
@@ -160,8 +183,10 @@ PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, c
         for (int j = 0; j < 6; ++j) {
             if (arm.written.slides[j]) candidates.q[j] = candidates.q[j] * (1.0 / arm.scale);
         }
+        Candidates slow = candidates;
         int column[BLOCK];
         take_from<false>(arm, goal, search, candidates, 12, column);
+        if (!all_known(arm)) follow_slowly(arm, goal, search, slow, column);
         for (int l = 0; l < BLOCK; ++l) {
             if (column[l] < 0 || owned >> column[l] & 1) continue;
             double q[6];
@@ -172,7 +197,7 @@ PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, c
             owned |= 1u << column[l], ++settled;
         }
     }
-    return settled == roots.many && settled == search.columns.count();
+    return !noisy && settled == roots.many && settled == search.columns.count();
 }
 
 // ---- continuation --------------------------------------------------------------------------------------------------------
@@ -191,7 +216,7 @@ STEP double imaginary_part(const Written<6>& arm, const double (&z)[6][2]) {
 enum class Arrived { lost, settled, regular };
 
 // Add the real ends of all paths that lead to the goal.
-PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, const Search& search, int attempt) {
+PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, Search& search, int attempt) {
     PathEnds ends;
     const bool all = continue_from_nearest(arm.written, arm.paths, goal, attempt, ends) == arm.paths.solutions;
     int settled = 0;
@@ -240,7 +265,7 @@ struct Scatter {
 
 // Newton's method from all over the joints' values. Where the arm is singular and a singular solution is known, another one
 // belongs to the same continuum.
-PART void search_all_over(const EliminationArm& arm, const Goal<double>& goal, const Search& search) {
+PART void search_all_over(const EliminationArm& arm, const Goal<double>& goal, Search& search) {
     Scatter scatter = {12345u};
     for (int from = 0; from < ALL_OVER; from += BLOCK) {
         Candidates starts;
@@ -257,10 +282,8 @@ PART void search_all_over(const EliminationArm& arm, const Goal<double>& goal, c
 
 // ---- the whole ---------------------------------------------------------------------------------------------------------------
 
-bool complete(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns) {
-    // A slide far out carries its rounding to the tip.
-    const double far = arm.any_slide ? 1.0 + sqrt(dot(goal.p, goal.p)) / arm.written.size : 1.0;
-    const Search search = {columns, CONVERGED * far};
+// By elimination, continuation and, where both leave doubts, from all over. Returns whether the solutions are certain to be all.
+PART bool find_all(const EliminationArm& arm, const Goal<double>& goal, Search& search) {
     if (gather(arm, arm.variant, goal, search)) return true;
     bool settled = false;
     for (int attempt = 0; attempt < ATTEMPTS && attempt < arm.paths.poses; ++attempt) {
@@ -271,6 +294,22 @@ bool complete(const EliminationArm& arm, const Goal<double>& goal, const Columns
     }
     search_all_over(arm, goal, search);
     return false;
+}
+
+bool complete(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns) {
+    // A slide far out carries its rounding to the tip.
+    const double far = arm.any_slide ? 1.0 + sqrt(dot(goal.p, goal.p)) / arm.written.size : 1.0;
+    Search search = {columns, CONVERGED * far};
+    bool certain = find_all(arm, goal, search);
+    if (columns.count() == 0 && search.error < NEARLY) {
+        const Course held = {8, FINISHED, LONG_PATIENCE, HELD};
+        if (polish_one<true>(arm.written, goal, search.best, held).error <= arm.written.tolerances.reach) {
+            keep(columns, 0, search.best, OTHER);
+            certain = false;
+        }
+    }
+    // Where not all are known, others may be next to a singular solution.
+    return certain & (all_known(arm) || !search_beside_folds(arm.written, goal, columns));
 }
 
 struct General6 {
@@ -285,7 +324,7 @@ struct General6 {
 
 // See EliminationSolvers.
 PART void try_variants(const EliminationArm& arm, const EliminationVariant* variants, int many, const double* T, long m,
-                       std::uint8_t* certain) {
+                       const EliminationTrial& out) {
     for (long i = 0; i < m; ++i) {
         const Goal<double> goal = goal_of(T + 16 * i);
         for (int v = 0; v < many; ++v) {
@@ -293,7 +332,9 @@ PART void try_variants(const EliminationArm& arm, const EliminationVariant* vari
             std::uint8_t flags[16];
             const Columns<6> columns = {q, flags, 16};
             columns.clear();
-            certain[m * v + i] = gather(arm, variants[v], goal, {columns, CONVERGED});
+            Search search = {columns, CONVERGED};
+            out.certain[m * v + i] = gather(arm, variants[v], goal, search);
+            out.counts[m * v + i] = std::uint8_t(columns.count());
         }
     }
 }

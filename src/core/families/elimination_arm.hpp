@@ -32,10 +32,15 @@ struct EliminationArm {
     Continuation paths;
 };
 
+// How many solutions each variant alone finds of poses, and whether it is certain of them: (variants, poses) each.
+struct EliminationTrial {
+    std::uint8_t *counts, *certain;
+};
+
 struct EliminationSolvers {
     long (*solve)(const EliminationArm&, const Batch&);
-    // Whether each of so many variants alone is certain of all solutions of m poses T: (variants, m).
-    void (*trial)(const EliminationArm&, const EliminationVariant*, int variants, const double* T, long m, std::uint8_t* certain);
+    // So many variants on m poses T.
+    void (*trial)(const EliminationArm&, const EliminationVariant*, int variants, const double* T, long m, const EliminationTrial&);
     // Poses of which all solutions are known, from m joint vectors (m, 6), two at least.
     void (*find_known_poses)(const Written<6>&, const double (*q)[6], int m, Continuation&);
 };

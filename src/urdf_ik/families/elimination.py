@@ -52,21 +52,23 @@ def elimination_values(chain: Chain) -> dict[str, Any]:
     Q = rng.uniform(-math.pi, math.pi, (_KNOWN, 6))
     Q[:, chain.prismatic] *= chain.size / (2.0 * math.pi)
     rows = _all_variants(H, points, chain.prismatic, rng)
-    best = int(_certain({**common, **rows}, chain.fk(Q)).sum(axis=1).argmax())
+    counts, certain = _tried({**common, **rows}, chain.fk(Q))
+    best = int(np.lexsort((counts.sum(axis=1), certain.sum(axis=1)))[-1])
     chosen = {name: values[best : best + 1] for name, values in rows.items()}
     return {**common, **chosen, "known": known_poses(common["written"], Q)}
 
 
 def doubts(solver: Solver, targets: Array) -> int:
     """Number of poses (m, 4, 4) of which the elimination alone is not certain."""
-    return int(np.count_nonzero(~_certain(solver.values, targets)))
+    return int(np.count_nonzero(_tried(solver.values, targets)[1] == 0))
 
 
-def _certain(values: dict[str, Any], targets: Array) -> NDArray[np.bool_]:
-    """(variants, m) whether each variant alone is certain of all solutions of the poses (m, 4, 4)."""
-    certain = np.empty((len(values["first"]), len(targets)), np.uint8)
-    try_elimination(values, np.ascontiguousarray(targets), certain)
-    return certain > 0
+def _tried(values: dict[str, Any], targets: Array) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+    """(variants, m) how many solutions each variant alone finds of the poses (m, 4, 4), and whether it is certain of them."""
+    counts = np.empty((len(values["first"]), len(targets)), np.uint8)
+    certain = np.empty_like(counts)
+    try_elimination(values, np.ascontiguousarray(targets), counts, certain)
+    return counts, certain
 
 
 def _scaled(chain: Chain) -> tuple[Array, Array, Array, float]:
