@@ -175,7 +175,8 @@ PART void follow_paths(const Written<6>& arm, const Way& way, Paths& paths, unsi
         const auto first = last <= zero;
         const Block u = -(h / select(first, h, last)), uu = u * u;
         const Block at_last = select(first, zero, (3.0 - 2.0 * u) * uu);
-        const Block slope = select(first, -h, (uu - 2.0 * u + 1.0) * u * last), slope_last = select(first, zero, (u - 1.0) * uu * last);
+        const Block slope = select(first, -h, (uu - 2.0 * u + 1.0) * u * last),
+                    slope_last = select(first, zero, (u - 1.0) * uu * last);
         Six<CBlock> by;
         for (int k = 0; k < 6; ++k) {
             const CBlock each = scaled(slope, tangent[k]) + scaled(slope_last, before[k]) - scaled(at_last, way_back[k]);
@@ -282,7 +283,7 @@ PART void follow_all(const Written<6>& arm, const Way& way, const double (*from)
         Paths paths;
         for (int k = 0; k < 6; ++k) {
             for (int l = 0; l < BLOCK; ++l) {
-                const double(&z)[2] = from[start + (l < here ? l : 0)][k];
+                const double (&z)[2] = from[start + (l < here ? l : 0)][k];
                 paths.z[k].re.set(l, z[0]), paths.z[k].im.set(l, z[1]);
             }
         }
@@ -340,7 +341,7 @@ PART Nearby turned_to(const Written<6>& arm, const KnownPose& known, const Inner
     const Rot<double> K = rotation_of_known(known);
     const Vec<double> k = vec<double>(known.point);
     Nearby out = {0.0, {K, k}, {1.0, 0.0}, {1.0, 0.0}};
-    const Rot<double>&G = target.R;
+    const Rot<double>& G = target.R;
     const Vec<double>& g = target.p;
     for (int round = 0; round < 2; ++round) {
         // Turned about axis 6, then how far about axis 1: rows of both rotations.
@@ -374,7 +375,8 @@ STEP Way way_between(const Inner& from, const Inner& to, double angle) {
 
 // The complex solutions of the goal by continuation from the known pose that is nearest to it; a further attempt starts
 // from the next one, and takes another way. Returns how many of them are regular.
-PART int continue_from_nearest(const Written<6>& arm, const Continuation& by, const Goal<double>& goal, int attempt, PathEnds& ends) {
+PART int continue_from_nearest(const Written<6>& arm, const Continuation& by, const Goal<double>& goal, int attempt,
+                               PathEnds& ends) {
     const Inner target = inner_pose(arm, goal);
     Nearby best;
     const KnownPose* from = nullptr;
@@ -421,7 +423,10 @@ STEP bool add_solution(const Written<6>& arm, KnownPose& pose, int& many, const 
     return true;
 }
 
-STEP Inner pose_of(const Written<6>& arm, const double (&q)[6]) { const auto at = place(arm, q); return inner_pose(arm, at.tip); }
+STEP Inner pose_of(const Written<6>& arm, const double (&q)[6]) {
+    const auto at = place(arm, q);
+    return inner_pose(arm, at.tip);
+}
 
 STEP KnownPose known_pose(const Written<6>& arm, const double (&q)[6], int& many) {
     const Inner at = pose_of(arm, q);

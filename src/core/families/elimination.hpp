@@ -226,7 +226,7 @@ PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, Se
         for (int l = 0; l < BLOCK; ++l) {
             const int i = from + l;
             for (int j = 0; j < 6; ++j) {
-                const double(&z)[2] = ends.z[i < ends.many ? i : from][j];
+                const double (&z)[2] = ends.z[i < ends.many ? i : from][j];
                 smooth.q[j].set(l, arm.written.slides[j] ? arm.written.size * z[0] : atan2(z[1], z[0]));
             }
             if (i >= ends.many) continue;
@@ -271,9 +271,7 @@ PART void search_all_over(const EliminationArm& arm, const Goal<double>& goal, S
         Candidates starts;
         starts.lanes = (1u << BLOCK) - 1;
         for (int l = 0; l < BLOCK; ++l) {
-            for (int j = 0; j < 6; ++j) {
-                starts.q[j].set(l, scatter.next() * (arm.written.slides[j] ? arm.written.size : PI));
-            }
+            for (int j = 0; j < 6; ++j) { starts.q[j].set(l, scatter.next() * (arm.written.slides[j] ? arm.written.size : PI)); }
         }
         int column[BLOCK];
         take_from<true>(arm, goal, search, starts, 30, column);
@@ -284,7 +282,8 @@ PART void search_all_over(const EliminationArm& arm, const Goal<double>& goal, S
 
 // By elimination, continuation and, where both leave doubts, from all over. Returns whether the solutions are certain to be all.
 PART bool find_all(const EliminationArm& arm, const Goal<double>& goal, Search& search) {
-    if (gather(arm, arm.variant, goal, search)) return true;
+    // An arm without known poses is singular everywhere, and its determinant means nothing.
+    if (gather(arm, arm.variant, goal, search) && arm.paths.poses > 0) return true;
     bool settled = false;
     for (int attempt = 0; attempt < ATTEMPTS && attempt < arm.paths.poses; ++attempt) {
         const Arrived all = gather_ends(arm, goal, search, attempt);
