@@ -67,7 +67,6 @@ struct OfSix {
     int columns;
 };
 
-template <class Arm> using SolveArm = long (*)(const Arm&, const Batch&);
 struct FewJointsSolvers {
     SolveArm<FewJointsArm<1>> one;
     SolveArm<FewJointsArm<2>> two;

@@ -13,8 +13,8 @@ import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.families.few_joints import AXIS, POSE, Aim, columns, is_redundant
-from urdf_ik.families.nearest import off_by
-from urdf_ik.families.plan import Plan
+from urdf_ik.families.parts.nearest import off_by
+from urdf_ik.families.parts.plan import Plan
 from urdf_ik.structure import analyse
 
 if TYPE_CHECKING:

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.families.elimination import elimination_values
 from urdf_ik.families.few_joints import Aim, columns, is_redundant, kinds_of
-from urdf_ik.families.nearest import off_by
-from urdf_ik.families.plan import Plan
+from urdf_ik.families.parts.elimination import elimination_values
+from urdf_ik.families.parts.nearest import off_by
+from urdf_ik.families.parts.plan import Plan
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.families.plan import (
+from urdf_ik.families.parts.plan import (
     SIGNS,
     Plan,
     cheapest,

@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik._core import Solver
+from urdf_ik.chain.plane import axes_across
 from urdf_ik.families import few_joints
-from urdf_ik.families.plan import seen_in_frame_1
-from urdf_ik.plane import axes_across
+from urdf_ik.families.parts.plan import seen_in_frame_1
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.chain import Chain
-    from urdf_ik.families.plan import Plan
+    from urdf_ik.families.parts.plan import Plan
     from urdf_ik.structure import Structure
 
     Array = NDArray[np.float64]

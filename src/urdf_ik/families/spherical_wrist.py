@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.families.plan import (
+from urdf_ik.families.parts.plan import (
     NAMES,
     SIGNS,
     Plan,
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.chain import Chain
-    from urdf_ik.dh_frames import DHFrames
+    from urdf_ik.dh.frames import DHFrames
     from urdf_ik.structure import Structure
 
     Array = NDArray[np.float64]

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.families.plan import RedundantPlan, method_in_words, snapped, written_values
-from urdf_ik.redundancy import swivel_of
+from urdf_ik.chain.redundancy import swivel_of
+from urdf_ik.families.parts.plan import RedundantPlan, method_in_words, snapped, written_values
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
