@@ -3,8 +3,9 @@
 It can be set up in eight ways that need nothing of the pose: four places to cut the loop, on the chain and on the
 reversed chain. Which of them keeps its digits depends on the arm, and on arms with parallel or meeting neighbours every
 one may be singular at all angles; moving the axes by a millionth cures that, since solutions are polished on the arm as
-written. The choice is made by planted poses when the arm is loaded. The equations are those of src/core/families/
-hidden_joint.hpp.
+written. The one that is certain of most poses is chosen when the arm is loaded, by trying. The equations are those of
+src/core/families/hidden_joint.hpp. Where it is not certain, continuation from a pose of which all solutions are known
+takes over (continuation.hpp there).
 """
 
 from __future__ import annotations
@@ -35,8 +36,9 @@ _POWERS = np.array([[1.0, 1.0, 0.0], [0.0, 0.0, 2.0], [1.0, -1.0, 0.0]])
 
 
 def elimination_values(chain: Chain) -> dict[str, Any]:
-    """What the core needs of the arm: the way to set the elimination up that is certain of most poses, and poses of which
-    all solutions are known.
+    """What the core needs of the arm.
+
+    That is the way to set the elimination up that is certain of most poses, and poses of which all solutions are known.
     """
     H, points, centre, scale = _scaled(chain)
     home = np.eye(4)
@@ -65,7 +67,11 @@ def doubts(solver: Solver, targets: Array) -> int:
 
 
 def _tried(values: dict[str, Any], targets: Array) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-    """(variants, m) how many solutions each variant alone finds of the poses (m, 4, 4), and whether it is certain of them."""
+    """What each variant alone does with the poses (m, 4, 4).
+
+    Returns:
+        (variants, m): how many solutions it finds, and whether it is certain that they are all.
+    """
     counts = np.empty((len(values["first"]), len(targets)), np.uint8)
     certain = np.empty_like(counts)
     try_elimination(values, np.ascontiguousarray(targets), counts, certain)
