@@ -124,8 +124,9 @@ inline constexpr double DOUBTFUL = 1e-12;
 
 // Whether Newton's method makes a solution of q, a candidate whose margins say that there is none: by what rounding may
 // have done to them. q is replaced.
-template <class Model> STEP bool holds(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints]) {
-    return polish_one<true>(arm, goal, q, {60, CONVERGED, LONG_PATIENCE}).error <= DOUBTFUL;
+template <class Model>
+STEP bool holds(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints], int patience = LONG_PATIENCE) {
+    return polish_one<true>(arm, goal, q, {60, CONVERGED, patience}).error <= DOUBTFUL;
 }
 
 // The k-th of STARTS_AROUND_CANDIDATE fixed starts around q: itself, then 1e-2 to 1e-6 rad away. A linear congruential generator

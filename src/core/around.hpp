@@ -10,9 +10,10 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// How far off [rad, share of size]; and at how many targets, in pairs on opposite sides.
+// How far off [rad, share of size]; at how many targets at most, in pairs on opposite sides; and how many of them in a row may
+// tell nothing new about a pose that has a solution.
 inline constexpr double DISPLACED = 1e-6;
-inline constexpr int DISPLACEMENTS = 8;
+inline constexpr int DISPLACEMENTS = 16, IDLE = 4;
 
 // The k-th of them. A linear congruential generator makes them, so that the same target always has the same answer.
 STEP Seen<double> displaced(const Seen<double>& seen, int k, double size) {
@@ -73,7 +74,9 @@ template <class Family, int N>
 PART void closely_and_around(const typename Family::Arm& arm, const Goal<double>& goal, const Seen<double>& seen,
                              const Reference<N>& reference, const Columns<N>& columns, unsigned wanted) {
     const unsigned unsure = Family::closely(arm, goal, seen, reference, columns, wanted);
-    for (int k = 0; unsure && k < DISPLACEMENTS; ++k) {
+    int idle = 0;
+    for (int k = 0; unsure && k < DISPLACEMENTS && (idle < IDLE || !columns.count()); ++k) {
+        ++idle;
         double room[N * Family::branches];
         std::uint8_t flags[Family::branches];
         const Columns<N> there = {room, flags, Family::branches};
@@ -87,7 +90,9 @@ PART void closely_and_around(const typename Family::Arm& arm, const Goal<double>
             for (int j = 0; j < N; ++j) q[j] = there.row(b)[j];
             const unsigned marks = flags[b] & ~unsigned(VALID);
             if (!is_new(arm.written, goal, columns, q)) continue;
-            if (!marks || !is_represented(arm.written, goal, columns, b, marks, q)) keep(columns, b, q, int(marks));
+            if (marks && is_represented(arm.written, goal, columns, b, marks, q)) continue;
+            keep(columns, b, q, int(marks));
+            idle = 0;
         }
     }
 }

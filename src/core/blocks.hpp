@@ -174,9 +174,11 @@ template <class Family> constexpr bool redundant_of() {
 template <class Family> constexpr bool knows_doubt() {
     constexpr int N = joints_of<Family>;
     if constexpr (redundant_of<Family>()) return false;
-    else return std::is_same_v<decltype(Family::closely(std::declval<const typename Family::Arm&>(), std::declval<const Goal<double>&>(),
-                                                   std::declval<const Seen<double>&>(), std::declval<const Reference<N>&>(),
-                                                   std::declval<const Columns<N>&>(), 0u)), unsigned>;
+    else
+        return std::is_same_v<decltype(Family::closely(std::declval<const typename Family::Arm&>(),
+                                                       std::declval<const Goal<double>&>(), std::declval<const Seen<double>&>(),
+                                                       std::declval<const Reference<N>&>(), std::declval<const Columns<N>&>(), 0u)),
+                              unsigned>;
 }
 
 // The redundancy parameter of a block of poses.

@@ -167,16 +167,14 @@ struct Drift {
     // By how much it may have moved a margin: links of unequal lengths enlarge it.
     STEP double of_margin() const { return LEVERS * by; }
     // Whether a margin may have either sign by what went before it. Rounding of its own is for its own step to handle.
-    STEP bool hides(double margin) const {
-        return (open && margin < 0.0) || (by > DIGITS_LEFT && abs(margin) <= of_margin());
-    }
+    STEP bool hides(double margin) const { return (open && margin < 0.0) || (by > DIGITS_LEFT && abs(margin) <= of_margin()); }
     // Whether a squared arm cannot be told from zero, so that its angle may be free.
     STEP bool frees(double arm) const { return arm <= by * by; }
     STEP bool is_lost() const { return by > NO_DIGITS; }
 
     static constexpr double LEVERS = 100.0, DIGITS_LEFT = 1e-11, NO_DIGITS = 1e-2;
 
-  private:
+private:
     STEP static double of_root(double error, double margin) { return error / sqrt(max(margin, error)); }
     STEP void grow(double more) { by = min(by + more, 1.0); }
 };

@@ -194,8 +194,8 @@ template <Shoulder kind> struct SphericalWrist {
 
     // A margin within `fold` of zero is a double root, of which one branch is kept; a joint that the target leaves free
     // (squared arm below `continuum`) takes the reference's value.
-    static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen,
-                                 const Reference<6>& reference, const Columns<6>& columns, unsigned wanted) {
+    static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
+                                 const Columns<6>& columns, unsigned wanted) {
         Quartic roots = {};
         roots.count = 4;
         if constexpr (kind == Shoulder::general) roots = shoulder_roots(arm, seen.p);
@@ -311,11 +311,13 @@ template <Shoulder kind> struct SphericalWrist {
             for (int j = 0; j < 6; ++j) q[j] = wrap(angle(found[j]) - ideal.offset[j]);
         };
         const auto shared = [&] {
-            return shared_turns(M, bend.turn, t, reference.q[3] + ideal.offset[3], reference.q[5] + ideal.offset[5], reference.given);
+            return shared_turns(M, bend.turn, t, reference.q[3] + ideal.offset[3], reference.q[5] + ideal.offset[5],
+                                reference.given);
         };
         double q[6];
         candidate(free ? shared() : turns, q);
-        if (kind == Shoulder::general || sure || !arm.written.exact || holds(arm.written, goal, q)) {
+        if (kind == Shoulder::general || sure || !arm.written.exact ||
+            holds(arm.written, goal, q, reference.displaced > 0.0 ? PATIENCE : LONG_PATIENCE)) {
             accept(arm.written, goal, q, b, marks, near, columns);
         }
         if (loose && !columns.valid(b) && !columns.valid(b & ~1)) {

@@ -183,8 +183,8 @@ template <Hand kind> struct ThreeParallel {
         }
     }
 
-    static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen,
-                                 const Reference<6>& reference, const Columns<6>& columns, unsigned wanted) {
+    static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
+                                 const Columns<6>& columns, unsigned wanted) {
         Quartic roots = {};
         roots.count = 4;
         if constexpr (kind == Hand::general) roots = first_angles(arm, seen);
@@ -333,7 +333,8 @@ template <Hand kind> struct ThreeParallel {
                        wrap(t3 - ideal.offset[2]),           wrap(wrap(t4 - ideal.offset[3])),
                        wrap(angle(at.t5) - ideal.offset[4]), wrap(angle(at.t6) - ideal.offset[5])};
         const bool sure = reference.displaced == 0.0 && !unsure && min(at.margin5, margin) >= -ideal.clamp;
-        if (kind == Hand::general || sure || !arm.written.exact || holds(arm.written, goal, q)) {
+        if (kind == Hand::general || sure || !arm.written.exact ||
+            holds(arm.written, goal, q, reference.displaced > 0.0 ? PATIENCE : LONG_PATIENCE)) {
             accept(arm.written, goal, q, b, marks, near, columns);
         }
         return unsure;
