@@ -15,7 +15,7 @@ import time
 import numpy as np
 
 import urdf_ik
-from urdf_ik import _viewer_state
+from urdf_ik.viewer import state as states
 
 ARMS = ("zyyzyz_6r", "puma_560", "ur5", "srs_7r")
 GOAL = 2.0
@@ -24,14 +24,14 @@ GOAL = 2.0
 def moves(name: str, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Milliseconds (count,) of solving and marking, and of placing every link of every ghost."""
     arm = urdf_ik.load(name)
-    state = _viewer_state.start(arm)
+    state = states.start(arm)
     home, radius = state.target, 0.1 * arm.chain.size
     solving, placing = np.empty(count), np.empty(count)
     for k, angle in enumerate(np.linspace(0.0, 2.0 * np.pi, count)):
         T = home.copy()
         T[:3, 3] += radius * np.array([np.cos(angle) - 1.0, np.sin(angle), 0.3 * np.sin(2.0 * angle)])
         begin = time.thread_time()
-        state = _viewer_state.with_target(state, T)
+        state = states.with_target(state, T)
         solved = time.thread_time()
         arm.link_poses(np.stack([state.q, *(ghost.q for ghost in state.ghosts)]))
         solving[k], placing[k] = 1e3 * (solved - begin), 1e3 * (time.thread_time() - solved)

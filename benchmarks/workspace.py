@@ -19,7 +19,7 @@ import numpy as np
 
 import urdf_ik
 from urdf_ik import workspace
-from urdf_ik._workspace_samples import Targets
+from urdf_ik.workspace.sampling import Targets
 
 
 def kernel_seconds(arm: urdf_ik.Arm, found: workspace.WorkspaceMap) -> float:

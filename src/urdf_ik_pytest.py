@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from urdf_ik.report import Report
+    from urdf_ik.crosscheck.report import Report
 
 MARK = "urdf"
 READABLE = "can be read"

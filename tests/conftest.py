@@ -6,7 +6,7 @@ import os
 
 from hypothesis import HealthCheck, settings
 
-# The first example of a property pays for compiling the kernels: neither a deadline nor "too slow" means anything then.
+# The first example of a property pays for loading its arm: neither a deadline nor "too slow" means anything then.
 _SHARED = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow]}
 settings.register_profile("ci", derandomize=True, **_SHARED)
 settings.register_profile("explore", max_examples=2000, **_SHARED)

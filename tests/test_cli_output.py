@@ -14,7 +14,7 @@ import pytest
 import typer
 from command import ARM, TWO_JOINTS, TYPED, start, strict_json, succeed
 
-from urdf_ik._cli_options import Format, format_for
+from urdf_ik.cli.options import Format, format_for
 
 
 def test_many_poses_are_summed_up_from_the_data() -> None:

@@ -15,8 +15,8 @@ from cases import described, from_catalogue
 
 import urdf_ik
 from urdf_ik import completeness
-from urdf_ik._completeness import DISTANCES, Judge, distance_to_singularity
-from urdf_ik.completeness_report import BOTH, SECOND, SOLVER, Completeness, Difference, Group
+from urdf_ik.completeness.report import BOTH, SECOND, SOLVER, Completeness, Difference, Group
+from urdf_ik.completeness.sameness import DISTANCES, Judge, distance_to_singularity
 from urdf_ik.errors import UnsupportedArm, UrdfIkError
 from urdf_ik.reference import Reference
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from oracle import Oracle
 
 from urdf_ik import _core
-from urdf_ik.families import elimination
+from urdf_ik.families.parts import elimination
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from urdf_ik import UrdfIkError, limits
+from urdf_ik import UrdfIkError
+from urdf_ik.solutions import limits
 
 Array = NDArray[np.float64]
 

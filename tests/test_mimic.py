@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from typer.testing import CliRunner
 
 import urdf_ik
+from urdf_ik.chain.mimic import CoupledChain
 from urdf_ik.cli import app
 from urdf_ik.crosscheck import check
 from urdf_ik.dh import DHTable
 from urdf_ik.errors import DHError, UnsupportedArm
-from urdf_ik.mimic import CoupledChain
 from urdf_ik.reference import Reference
 
 Array = NDArray[np.float64]

@@ -14,7 +14,10 @@ import trimesh
 from command import call, succeed
 
 import urdf_ik
-from urdf_ik import _link_shapes, _plot_axes, _plot_shapes, catalogue, plot, workspace
+from urdf_ik import catalogue, plot, workspace
+from urdf_ik.plot import axes as draw
+from urdf_ik.plot import figures
+from urdf_ik.urdf import link_shapes
 
 Q = (0.3, -0.5, 0.8, 0.4, 0.7, -0.2)
 
@@ -41,7 +44,7 @@ def test_the_stick_runs_through_the_links_frames(arm: urdf_ik.Arm) -> None:
     (axes,) = figure.axes
     (line,) = stick_lines(axes)
     points = np.array(line.get_data_3d()).T
-    links = _plot_shapes.chain_links(arm)
+    links = figures.chain_links(arm)
     assert (links[0], links[-1]) == (arm.base, arm.tip) and len(points) == len(links)
     np.testing.assert_allclose(points, [arm.link_poses(Q)[link][:3, 3] for link in links])
     shapes = sum(len(arm.model.robot.link_map[link].visuals) for link in arm.model.links)
@@ -72,8 +75,8 @@ def test_triangles_lie_on_the_shapes() -> None:
     q = np.array([0.7])
     poses = arm.link_poses(q)
     found = {}
-    bodies = _plot_shapes.bodies(arm)
-    for body, triangles in zip(bodies.shapes, _plot_shapes.placed(arm, bodies, q), strict=True):
+    bodies = figures.bodies(arm)
+    for body, triangles in zip(bodies.shapes, figures.placed(arm, bodies, q), strict=True):
         T = poses[body.link] @ arm.model.robot.link_map[body.link].visuals[0].origin
         found[body.link] = (triangles.reshape(-1, 3) - T[:3, 3]) @ T[:3, :3]
     np.testing.assert_allclose(np.abs(found["base"]), np.broadcast_to([0.5, 1.0, 1.5], found["base"].shape))
@@ -95,8 +98,8 @@ def test_meshes_are_drawn_with_few_faces_and_missing_ones_named(tmp_path: Path) 
     trimesh.creation.icosphere(subdivisions=5, radius=0.2).export(tmp_path / "ball.stl")
     (tmp_path / "meshes.urdf").write_text(MESHES)
     arm = urdf_ik.load(tmp_path / "meshes.urdf")
-    (ball,), missing = _plot_shapes.bodies(arm)
-    assert 100 < len(ball.triangles) <= _link_shapes.COARSE
+    (ball,), missing = figures.bodies(arm)
+    assert 100 < len(ball.triangles) <= link_shapes.COARSE
     radii = np.linalg.norm(ball.triangles.reshape(-1, 3), axis=1)
     assert np.abs(radii - 0.4).max() < 0.05
     assert len(missing) == 1 and "nowhere.stl" in missing[0]
@@ -112,18 +115,18 @@ def test_a_mesh_is_simplified_whatever_it_is_like() -> None:
     flat = loose * [1.0, 1.0, 0.0]
     for vertices in (loose, flat, 0.0 * loose, loose + 1e6):
         mesh = trimesh.Trimesh(vertices, np.arange(3000).reshape(-1, 3), process=False)
-        small = _link_shapes.simplified(mesh, 100)
+        small = link_shapes.simplified(mesh, 100)
         assert len(small.faces) <= 100
         if len(small.faces):
             assert (small.bounds[0] >= mesh.bounds[0] - 1e-6).all() and (small.bounds[1] <= mesh.bounds[1] + 1e-6).all()
     cube = trimesh.creation.box([1, 1, 1])
-    assert _link_shapes.simplified(cube, 12) is cube
+    assert link_shapes.simplified(cube, 12) is cube
 
 
 def test_every_branch_is_drawn_in_its_colour_with_its_name(arm: urdf_ik.Arm) -> None:
     """Side by side: one picture a solution, titled; overlaid: one line each, all in the legend; colours by branch."""
     solutions = arm.ik(arm.fk(Q))
-    colours = _plot_axes.colours(arm.structure.branches)
+    colours = draw.colours(arm.structure.branches)
     assert len(set(colours.values())) == 8
     apart, together = plot.branches(solutions), plot.branches(solutions, overlaid=True)
     assert [axes.get_title().replace("\n", ", ") for axes in apart.axes] == [one.branch for one in solutions]
@@ -159,9 +162,9 @@ def test_solutions_of_a_position_are_drawn_with_their_own_frames() -> None:
 def test_out_of_reach_there_is_nothing_to_draw(arm: urdf_ik.Arm) -> None:
     """The error tells why."""
     nothing = arm.ik(urdf_ik.pose([0.0, 0.0, 9.0]))
-    for draw in (plot.branches, plot.limits):
+    for picture in (plot.branches, plot.limits):
         with pytest.raises(urdf_ik.PlotError, match="wrist centre"):
-            draw(nothing)
+            picture(nothing)
 
 
 def test_all_turns_of_all_solutions_are_marked() -> None:
@@ -231,11 +234,11 @@ def test_any_number_of_branches_has_colours_of_its_own() -> None:
     """All different, none as light as the paper, and the same for the same names."""
     for count in (1, 8, 10, 11, 16, 96):
         names = [f"solution {k}" for k in range(count)]
-        colours = _plot_axes.colours(names)
+        colours = draw.colours(names)
         assert len({tuple(colour) for colour in colours.values()}) == count
         lightness = [0.5 * (max(colour[:3]) + min(colour[:3])) for colour in colours.values()]
         assert max(lightness) < 0.75
-        assert colours == _plot_axes.colours(names)
+        assert colours == draw.colours(names)
 
 
 def test_the_planar_workspace_has_both_regions_and_their_overlap() -> None:
@@ -325,7 +328,7 @@ def test_the_command_cuts_a_saved_map(tmp_path: Path) -> None:
 def test_nothing_else_brings_matplotlib() -> None:
     """The rooms of the workspace, and the other commands, load without it."""
     code = (
-        "import sys, urdf_ik, urdf_ik.workspace, urdf_ik.cli, urdf_ik._cli_workspace; "
+        "import sys, urdf_ik, urdf_ik.workspace, urdf_ik.cli, urdf_ik.cli.commands.workspace; "
         "sys.exit(any(name.split('.')[0] == 'matplotlib' for name in sys.modules))"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -20,8 +20,9 @@ from test_plot import is_png, stick_lines
 from typer.testing import CliRunner
 
 import urdf_ik
-from urdf_ik import _plot_sliders, plot
+from urdf_ik import plot
 from urdf_ik.cli import app
+from urdf_ik.plot import slider_panel
 
 
 @pytest.fixture(autouse=True)
@@ -63,7 +64,7 @@ def test_sliders_of_joints_without_limits_or_range() -> None:
     )
     expected = [(-180.0, 180.0), (np.degrees(-5.0) - 180.0, np.degrees(-5.0))]
     expected += [(np.degrees(7.0), np.degrees(7.0) + 180.0), (-1.0, 1.0), (0.5, 0.501)]
-    np.testing.assert_allclose(_plot_sliders.ranges(arm), expected)
+    np.testing.assert_allclose(slider_panel.ranges(arm), expected)
 
 
 def test_in_a_notebook_there_is_a_control_for_each_joint() -> None:
@@ -90,7 +91,7 @@ def test_a_notebook_shows_the_pictures(arm: urdf_ik.Arm) -> None:
 
 def test_windows_are_known_to_what_waits_for_them(arm: urdf_ik.Arm, monkeypatch: pytest.MonkeyPatch) -> None:
     """When pyplot is told to wait, it knows the figure's window: a toolkit's main loop ends at once without one."""
-    monkeypatch.setattr(_plot_sliders, "require_display", lambda: FigureCanvasAgg)
+    monkeypatch.setattr(slider_panel, "require_display", lambda: FigureCanvasAgg)
     waited: list[tuple[object, bool]] = []
     with matplotlib.rc_context({"backend": "agg"}):
         monkeypatch.setattr(pyplot, "show", lambda *, block: waited.append((pyplot.gcf(), block)))

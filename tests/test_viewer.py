@@ -19,9 +19,11 @@ import pytest
 from typer.testing import CliRunner
 
 import urdf_ik
-from urdf_ik import Arm, Singular, UrdfIkError, _viewer_address, _viewer_panel, _viewer_state, catalogue
-from urdf_ik._viewer_latest import Latest
+from urdf_ik import Arm, Singular, UrdfIkError, catalogue
 from urdf_ik.cli import app
+from urdf_ik.viewer import address, panel
+from urdf_ik.viewer import state as states
+from urdf_ik.viewer.latest import Latest
 
 pytest.importorskip("viser", reason="pip install viser")
 
@@ -55,7 +57,7 @@ def viewer(arm: Arm) -> Iterator[Viewer]:
 
 def test_it_starts_where_there_is_much_to_see(arm: Arm) -> None:
     """The first state has every branch inside the limits, the arm stands at one of them, the target at its tip."""
-    state = _viewer_state.start(arm)
+    state = states.start(arm)
     assert len(state.ghosts) == 8 and not any(ghost.outside for ghost in state.ghosts)
     assert state.chosen is not None and not state.reason
     assert np.abs(arm.fk(state.q) - state.target).max() < 1e-12
@@ -64,12 +66,12 @@ def test_it_starts_where_there_is_much_to_see(arm: Arm) -> None:
 def test_ghosts_are_the_solutions_with_their_marks() -> None:
     """Every solution of random targets is a ghost; its marks are what limits, collision check and solver say."""
     arm = urdf_ik.load("puma_560")
-    state = _viewer_state.start(arm)
+    state = states.start(arm)
     rng = np.random.default_rng(3)
     seen: set[str] = set()
     for _ in range(60):
         T = arm.fk(rng.uniform(*np.clip(arm.limits.T, -np.pi, np.pi)))
-        state = _viewer_state.with_target(state, T)
+        state = states.with_target(state, T)
         assert [ghost.branch for ghost in state.ghosts] == [one.branch for one in arm.ik(T)]
         for ghost in state.ghosts:
             assert np.abs(arm.fk(ghost.q) - T).max() < 1e-8
@@ -82,21 +84,21 @@ def test_ghosts_are_the_solutions_with_their_marks() -> None:
 
 def test_a_singular_solution_says_so(arm: Arm) -> None:
     """With the wrist stretched, the marks name the wrist."""
-    state = _viewer_state.start(arm)
+    state = states.start(arm)
     q = state.q.copy()
     q[4] = 0.0
-    marks = {mark for ghost in _viewer_state.with_joints(state, q).ghosts for mark in ghost.marks}
+    marks = {mark for ghost in states.with_joints(state, q).ghosts for mark in ghost.marks}
     assert "singular: wrist" in marks
-    assert any(ghost.singular & Singular.WRIST for ghost in _viewer_state.with_joints(state, q).ghosts)
+    assert any(ghost.singular & Singular.WRIST for ghost in states.with_joints(state, q).ghosts)
 
 
 def test_the_arm_follows_the_target_to_the_nearest_solution(arm: Arm) -> None:
     """Small moves of the target are small moves of the arm, and it stands at a solution inside its limits."""
-    state = _viewer_state.start(arm)
+    state = states.start(arm)
     for _ in range(20):
         T = state.target.copy()
         T[:3, 3] += [0.002, -0.001, 0.001]
-        after = _viewer_state.with_target(state, T)
+        after = states.with_target(state, T)
         assert after.chosen is not None and not after.ghosts[after.chosen].outside
         assert np.abs(after.q - state.q).max() < 0.05
         state = after
@@ -104,10 +106,10 @@ def test_the_arm_follows_the_target_to_the_nearest_solution(arm: Arm) -> None:
 
 def test_a_target_out_of_reach_leaves_the_arm_and_says_why(arm: Arm) -> None:
     """No ghost, the arm where it was, and a reason with the number that is out of range."""
-    state = _viewer_state.start(arm)
+    state = states.start(arm)
     far = state.target.copy()
     far[0, 3] = 9.0
-    after = _viewer_state.with_target(state, far)
+    after = states.with_target(state, far)
     assert after.ghosts == () and after.chosen is None
     assert np.array_equal(after.q, state.q)
     assert after.reason == arm.ik(far).explain() and "reach 2.1 m" in after.reason
@@ -116,8 +118,8 @@ def test_a_target_out_of_reach_leaves_the_arm_and_says_why(arm: Arm) -> None:
 def test_solutions_outside_the_limits_are_shown_and_explained() -> None:
     """Where every solution is outside the limits the ghosts stay, marked, and the reason names the joint."""
     arm = urdf_ik.load(BARE)
-    state = _viewer_state.start(arm)
-    after = _viewer_state.with_target(state, arm.fk([2.9, 0.5]))
+    state = states.start(arm)
+    after = states.with_target(state, arm.fk([2.9, 0.5]))
     assert len(after.ghosts) == 2 and all(ghost.marks == ("limits",) for ghost in after.ghosts)
     assert np.array_equal(after.q, state.q)
     assert "none inside the joint limits" in after.reason and "'one'" in after.reason
@@ -125,20 +127,20 @@ def test_solutions_outside_the_limits_are_shown_and_explained() -> None:
 
 def test_choosing_a_branch_moves_the_arm_only(arm: Arm) -> None:
     """The arm stands at the solution of the branch; target and ghosts are the same; an empty branch changes nothing."""
-    state = _viewer_state.start(arm)
+    state = states.start(arm)
     for k, ghost in enumerate(state.ghosts):
-        after = _viewer_state.with_branch(state, ghost.column)
+        after = states.with_branch(state, ghost.column)
         assert after.chosen == k and after.target is state.target and after.ghosts is state.ghosts
-    assert _viewer_state.with_branch(state, 99) is state
+    assert states.with_branch(state, 99) is state
 
 
 def test_seven_joints_have_a_redundancy_parameter() -> None:
     """Its value follows the joints, and setting it keeps the tip while the arm moves."""
     arm = urdf_ik.load("srs_7r")
-    state = _viewer_state.start(arm)
+    state = states.start(arm)
     assert state.redundancy == pytest.approx(float(arm.redundancy_of(state.q)), abs=1e-12)
     assert state.chosen is not None
-    after = _viewer_state.with_redundancy(state, state.redundancy + 0.1)
+    after = states.with_redundancy(state, state.redundancy + 0.1)
     assert after.chosen is not None and np.abs(after.q - state.q).max() > 1e-3
     assert np.abs(arm.fk(after.q) - state.target).max() < 1e-8
 
@@ -147,7 +149,7 @@ def test_seven_joints_have_a_redundancy_parameter() -> None:
 def test_every_bundled_arm_stands_at_a_solution(name: str) -> None:
     """Arms with any number of joints start at a solution of their own target; one that no solver takes says so."""
     arm = urdf_ik.load(name)
-    state = _viewer_state.start(arm)
+    state = states.start(arm)
     if not arm.structure.family:
         assert "no solver" in state.reason
     else:
@@ -237,11 +239,11 @@ def test_the_camera_sees_the_arm_left_of_the_panel(name: str) -> None:
 def test_buttons_hold_names_and_marks() -> None:
     """The whole name where it fits, with the dot of the one chosen; else its last words, and always all marks."""
     branch = "shoulder front, elbow down, wrist noflip"
-    assert _viewer_panel._label(branch, (), True) == f"● {branch}"
-    assert _viewer_panel._label(branch, ("limits",), False) == f"{branch} (limits)"
-    crowded = _viewer_panel._label(branch, ("limits", "collision", "singular: wrist"), True)
+    assert panel._label(branch, (), True) == f"● {branch}"
+    assert panel._label(branch, ("limits",), False) == f"{branch} (limits)"
+    crowded = panel._label(branch, ("limits", "collision", "singular: wrist"), True)
     assert crowded == "● front, down, noflip (limits; collision; singular: wrist)"
-    assert _viewer_panel._label("solution 16", ("limits",), False) == "solution 16 (limits)"
+    assert panel._label("solution 16", ("limits",), False) == "solution 16 (limits)"
 
 
 def test_a_notebook_shows_the_page(viewer: Viewer) -> None:
@@ -307,7 +309,7 @@ def test_a_port_in_use_is_refused_and_a_free_one_found(arm: Arm, monkeypatch: py
         port = other.getsockname()[1]
         with pytest.raises(UrdfIkError, match=f"port {port} on 127.0.0.1 is in use"):
             Viewer(arm, port=port)
-        monkeypatch.setattr(_viewer_address, "DEFAULT_PORT", port)
+        monkeypatch.setattr(address, "DEFAULT_PORT", port)
         with Viewer(arm) as viewer:
             assert viewer.port > port and viewer.url.endswith(f":{viewer.port}")
 
@@ -319,15 +321,15 @@ def test_a_port_in_use_is_refused_and_a_free_one_found(arm: Arm, monkeypatch: py
 def test_an_address_that_is_none_is_refused(host: str, port: int | None, words: str) -> None:
     """Ports out of range, and hosts that are not this machine, before viser looks for ports in vain."""
     with pytest.raises(UrdfIkError, match=words):
-        _viewer_address.check(host, port)
+        address.check(host, port)
 
 
 def test_the_printed_address_can_be_typed() -> None:
     """What listens everywhere is reached at 127.0.0.1; an IPv6 address stands in brackets."""
-    assert _viewer_address.url("0.0.0.0", 8080) == "http://127.0.0.1:8080"
-    assert _viewer_address.url("::1", 8080) == "http://[::1]:8080"
-    assert _viewer_address.is_local("127.0.0.1") and _viewer_address.is_local("localhost")
-    assert not _viewer_address.is_local("0.0.0.0") and not _viewer_address.is_local("192.168.0.2")
+    assert address.url("0.0.0.0", 8080) == "http://127.0.0.1:8080"
+    assert address.url("::1", 8080) == "http://[::1]:8080"
+    assert address.is_local("127.0.0.1") and address.is_local("localhost")
+    assert not address.is_local("0.0.0.0") and not address.is_local("192.168.0.2")
 
 
 def test_ctrl_c_ends_it_cleanly() -> None:

@@ -15,8 +15,9 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 import urdf_ik
-from urdf_ik import _workspace_grid, workspace
-from urdf_ik._workspace_samples import directions, rotations
+from urdf_ik import workspace
+from urdf_ik.workspace import grid
+from urdf_ik.workspace.sampling import directions, rotations
 
 Array = NDArray[np.float64]
 
@@ -372,7 +373,7 @@ def test_a_map_that_does_not_fit_is_refused_before_any_work(monkeypatch: pytest.
     monkeypatch.setattr(arm, "ik", lambda *_, **__: pytest.fail("it was solved"))
     with pytest.raises(urdf_ik.WorkspaceError, match=r"4600 x 4600 x 4600 voxels.*GiB of memory.*are free"):
         workspace.compute(arm, 0.001)
-    monkeypatch.setattr(_workspace_grid.shutil, "disk_usage", lambda _: SimpleNamespace(free=2**20))
+    monkeypatch.setattr(grid.shutil, "disk_usage", lambda _: SimpleNamespace(free=2**20))
     with pytest.raises(urdf_ik.WorkspaceError, match=r"on the disk.*1 MiB free"):
         workspace.compute(arm, 0.1, output=tmp_path / "map.npz")
     for wrong in ({"voxel": 0.0}, {"orientations": 0}, {"chunk": 0}, {"bounds": [[0, 0, 0], [1, 1, 0]]}):

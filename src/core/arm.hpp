@@ -60,6 +60,11 @@ struct Batch {
     double* q;
     std::uint8_t* flags;
 };
+// All solutions of a batch. Returns the index of the first target that is no pose, -1 where all are.
+template <class Arm> using SolveArm = long (*)(const Arm&, const Batch&);
+// For explanations: the distances [m] that a pose, as seen from the solver's frame 1 (4, 4), asks two axes to have; up to four,
+// NaN where there is none.
+template <class Arm> using DistancesOf = void (*)(const Arm&, const double* seen, double (&out)[4]);
 
 // Bits of a solution's flags.
 enum Flag : std::uint8_t { VALID = 1, SHOULDER = 2, ELBOW = 4, WRIST = 8, OTHER = 16 };

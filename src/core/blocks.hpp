@@ -15,9 +15,8 @@
 //   load       load(arm, from, t): a block of targets as poses
 // and, where a pose leaves one number free,
 //   redundant  true; Arm::value is the number where none is given; fast, closely and solve take it behind what they see
-// A family without a fast path is a struct with Arm and branches as above and
+// A family without a fast path goes through solve_singly; it has closely, or instead of it
 //   solve      solve(arm, goal, reference, columns): all solutions of one pose
-// and goes through solve_singly.
 #pragma once
 
 #include <type_traits>
@@ -32,6 +31,13 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // 2 and 1 of its number), and the least squared arm that fixes its angles (dimensionless). Imperfect arms ask for it.
 template <class V> struct Clearance {
     V shoulder, elbow, wrist, arms;
+};
+
+// What of a branch, or of several, is settled besides the angles: the lanes in which it is no solution, and those in which that
+// is in doubt.
+struct State {
+    MaskOf<Block> lost, doubt;
+    Clearance<Block> clear;
 };
 
 // A block's answers: angles of each branch; the lanes in which it is a solution, and those in which that is in doubt.
@@ -55,6 +61,11 @@ template <int B, int N = 6> struct Found {
     }
 };
 
+// So many angles of a block, given by (cos, sin), that are to be taken together.
+template <int N> struct AnglesOf {
+    Block y[N], x[N];
+    STEP void set(int i, const Turn<Block>& t) { y[i] = t.s, x[i] = t.c; }
+};
 // Angles of y[FROM..TO) and x, to y: four at a time, so that the processor finds independent work.
 template <int FROM, int TO> PART void angles(Block* __restrict y, const Block* __restrict x) {
     static_assert((TO - FROM) % 4 == 0);
@@ -188,6 +199,14 @@ template <class Arm> STEP Block load_values(const Arm& arm, const double* values
     return v;
 }
 
+// The careful path of one pose, and what is around it where the family says so.
+template <class Family, int N>
+STEP void look(const typename Family::Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<N>& reference,
+               const Columns<N>& columns, unsigned wanted) {
+    if constexpr (knows_doubt<Family>()) closely_and_around<Family>(arm, goal, seen, reference, columns, wanted);
+    else Family::closely(arm, goal, seen, reference, columns, wanted);
+}
+
 // Look closely at one pose's branches in doubt. value: of the redundancy parameter, where there is one.
 template <class Family>
 PART void solve_in_doubt(const typename Family::Arm& arm, const double (&T)[16], double defect, const double* q_ref, double value,
@@ -201,10 +220,8 @@ PART void solve_in_doubt(const typename Family::Arm& arm, const double (&T)[16],
     }
     const auto seen = to_frame_1<double>(proper, arm.ideal);
     const auto reference = reference_of<joints_of<Family>>(q_ref);
-    constexpr int N = joints_of<Family>;
     if constexpr (redundant_of<Family>()) Family::closely(arm, goal_of(proper), seen, value, reference, columns, wanted);
-    else if constexpr (knows_doubt<Family>()) closely_and_around<Family, N>(arm, goal_of(proper), seen, reference, columns, wanted);
-    else Family::closely(arm, goal_of(proper), seen, reference, columns, wanted);
+    else look<Family>(arm, goal_of(proper), seen, reference, columns, wanted);
 }
 
 // One block of targets, `part.m` of which count. Returns the index of the first that is no pose, -1 where all are.
@@ -290,8 +307,11 @@ template <class Family> long solve_singly(const typename Family::Arm& arm, const
         columns.clear();
         if constexpr (redundant_of<Family>()) {
             Family::solve(arm, goal_of(proper), batch.values ? batch.values[i] : arm.value, reference, columns);
-        } else {
+        } else if constexpr (requires { &Family::solve; }) {
             Family::solve(arm, goal_of(proper), reference, columns);
+        } else {
+            const Goal<double> goal = goal_of(proper);
+            look<Family>(arm, goal, to_frame_1(goal, arm.ideal), reference, columns, ~0u);
         }
     }
     return -1;

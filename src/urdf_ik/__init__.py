@@ -39,8 +39,7 @@ if TYPE_CHECKING:
         to_rotvec,
         to_rpy,
     )
-    from urdf_ik.redundancy import Redundancy
-    from urdf_ik.self_motion import Sweep
+    from urdf_ik.redundancy import Redundancy, Sweep
     from urdf_ik.solutions import IKSolutions, Singular, Solution
     from urdf_ik.structure import Structure
 
@@ -115,8 +114,7 @@ _NAMES = {
         "to_rotvec",
         "to_rpy",
     ),
-    "redundancy": ("Redundancy",),
-    "self_motion": ("Sweep",),
+    "redundancy": ("Redundancy", "Sweep"),
     "solutions": (
         "IKSolutions",
         "Singular",

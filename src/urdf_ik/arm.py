@@ -10,14 +10,15 @@ from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik import families, self_motion, velocity
+from urdf_ik import families, velocity
 from urdf_ik.chain import Chain
+from urdf_ik.chain.mimic import CoupledChain
 from urdf_ik.cuspidality import is_cuspidal
 from urdf_ik.errors import JointVectorError, PoseError, UnsupportedArm
 from urdf_ik.families.few_joints import is_redundant, kinds_of
-from urdf_ik.families.plan import Plan, RedundantPlan
-from urdf_ik.mimic import CoupledChain
+from urdf_ik.families.parts.plan import Plan, RedundantPlan
 from urdf_ik.poses import as_pose_array, check_poses
+from urdf_ik.redundancy import self_motion
 from urdf_ik.solutions import IKSolutions
 from urdf_ik.structure import Structure, analyse
 
@@ -28,10 +29,10 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik._core import Solver
+    from urdf_ik.chain.plane import Plane
+    from urdf_ik.chain.redundancy import Redundancy
     from urdf_ik.collision import CollisionModel
-    from urdf_ik.plane import Plane
-    from urdf_ik.redundancy import Redundancy
-    from urdf_ik.self_motion import Sweep
+    from urdf_ik.redundancy.self_motion import Sweep
     from urdf_ik.tasks import Control
     from urdf_ik.urdf import UrdfModel
 
@@ -303,8 +304,8 @@ class Arm:
             threads: number of threads that share the work.
 
         Returns:
-            One column a pose; its values of the parameter are ``redundancy``. See :mod:`urdf_ik.self_motion` for how
-            it is searched, and what may be missed.
+            One column a pose; its values of the parameter are ``redundancy``. See
+            :mod:`urdf_ik.redundancy.self_motion` for how it is searched, and what may be missed.
 
         Raises:
             PoseError: a target is no pose.
@@ -323,7 +324,7 @@ class Arm:
             threads: number of threads that share the work.
 
         Returns:
-            See :class:`urdf_ik.self_motion.Sweep`.
+            See :class:`urdf_ik.redundancy.Sweep`.
 
         Raises:
             PoseError: ``T`` is no pose, or more than one.

@@ -13,10 +13,10 @@ import numpy as np
 
 from urdf_ik import families
 from urdf_ik.arm import Arm
+from urdf_ik.chain.plane import Plane, plane_of
 from urdf_ik.errors import PoseError, TaskError, UnsupportedArm
 from urdf_ik.families import completed, few_joints, planar
-from urdf_ik.families.plan import Plan
-from urdf_ik.plane import Plane, plane_of
+from urdf_ik.families.parts.plan import Plan
 from urdf_ik.solutions import IKSolutions
 from urdf_ik.structure import analyse
 

@@ -13,7 +13,7 @@ from typing import IO, TYPE_CHECKING, Any
 import urdf_ik
 from urdf_ik.arm import Arm
 from urdf_ik.crosscheck import check
-from urdf_ik.report import Report
+from urdf_ik.crosscheck.report import Report
 
 if TYPE_CHECKING:
     import os

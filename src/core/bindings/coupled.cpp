@@ -30,7 +30,7 @@ public:
     }
 };
 
-template <int N> std::shared_ptr<const Solver> make_coupled(const Values& v) {
+template <int N> Made make_coupled(const Values& v) {
     auto made = std::make_shared<CoupledSolver<N>>();
     CoupledArm<N>& to = made->arm;
     read(v.group("written"), to.written);
@@ -43,9 +43,7 @@ template <int N> std::shared_ptr<const Solver> make_coupled(const Values& v) {
     return made;
 }
 
-static std::shared_ptr<const Solver> make_hollow_wrist(const Values& v) {
-    auto made = std::make_shared<SolverOf<HollowWristArm>>();
-    HollowWristArm& to = made->arm;
+static void read(const Values& v, HollowWristArm& to) {
     read(v.group("written"), to.written), read(v.group("position"), to.position);
     to.samples = v.get<int>("samples");
     if (to.samples < 2 || to.samples > MOST_SAMPLES) throw nb::value_error("too many samples");
@@ -54,9 +52,6 @@ static std::shared_ptr<const Solver> make_hollow_wrist(const Values& v) {
     };
     table("value", to.value), table("cosine", to.cosine), table("along_4", to.along_4), table("along_7", to.along_7);
     v.read("round", to.round), v.read("flange", to.flange), v.read("direction", to.direction);
-    made->joints = 6, made->branches = 32;
-    made->function = level().coupled->hollow_wrist;
-    return made;
 }
 
 void add_coupled(Makers& makers) {
@@ -64,7 +59,7 @@ void add_coupled(Makers& makers) {
     makers["coupled, 2"] = make_coupled<2>;
     makers["coupled, 3"] = make_coupled<3>;
     makers["coupled, 4"] = make_coupled<4>;
-    makers["hollow wrist"] = make_hollow_wrist;
+    makers["hollow wrist"] = maker(level().coupled->hollow_wrist, 6, 32);
 }
 
 }  // namespace urdf_ik

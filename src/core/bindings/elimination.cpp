@@ -38,18 +38,7 @@ void read(const Values& values, EliminationArm& to) {
     for (int v = 0; v < to.variants; ++v) read(values, to.variants, v, to.variant[v]);
 }
 
-static std::shared_ptr<const Solver> make_elimination(const Values& values) {
-    auto made = std::make_shared<SolverOf<EliminationArm>>();
-    read(values, made->arm);
-    made->branches = 16;
-    made->function = level().elimination->solve;
-    return made;
-}
-
-void add_elimination(Makers& makers) {
-    makers["general 6R"] = make_elimination;
-    makers["general slides"] = make_elimination;
-}
+void add_elimination(Makers& makers) { makers["general 6R"] = makers["general slides"] = maker(level().elimination->solve, 6, 16); }
 
 using Targets = nb::ndarray<const double, nb::shape<-1, 4, 4>, nb::c_contig, nb::device::cpu>;
 using Counts = nb::ndarray<long, nb::ndim<2>, nb::c_contig, nb::device::cpu>;

@@ -38,63 +38,22 @@ static void read(const Values& v, SlidesArm& to) {
     v.read("clamp", to.clamp), v.read("imperfection", to.imperfection);
 }
 
-template <class Arm> static std::shared_ptr<SolverOf<Arm>> made(const Values& v, SolveArm<Arm> function, int joints, int branches) {
-    auto solver = std::make_shared<SolverOf<Arm>>();
-    read(v, solver->arm);
-    solver->function = function, solver->joints = joints, solver->branches = branches;
-    return solver;
+static void read(const Values& v, SampledArm& to) { read(v.group("written"), to.written); }
+
+// The maker of many that a value chooses.
+static Maker by(const char* name, std::map<int, Maker> choices) {
+    return [=](const Values& v) {
+        const auto chosen = choices.find(v.get<int>(name));
+        if (chosen == choices.end()) throw nb::value_error((std::string("no solver has such ") + name).c_str());
+        return chosen->second(v);
+    };
 }
 
-static std::shared_ptr<const Solver> make_few_joints(const Values& v) {
-    const FewJointsSolvers& solvers = *level().few_joints;
-    switch (v.get<int>("joints")) {
-        case 1:
-            return made(v, solvers.one, 1, 1);
-        case 2:
-            return made(v, solvers.two, 2, 2);
-        case 3:
-            return v.get<int>("columns") == 2 ? made(v, solvers.three_in_plane, 3, 2) : made(v, solvers.three, 3, 4);
-        case 4:
-            return made(v, solvers.four, 4, 4);
-        case 5:
-            return made(v, solvers.five, 5, 8);
-        default:
-            throw nb::value_error("few joints are one to five");
-    }
-}
-
-static std::shared_ptr<const Solver> make_planar(const Values& v) {
-    const FewJointsSolvers& solvers = *level().few_joints;
-    switch (v.get<int>("number")) {
-        case 2:
-            return made(v, solvers.planar_2, 2, 2);
-        case 3:
-            return made(v, solvers.planar_3, 3, 2);
-        case 4:
-            return made(v, solvers.planar_4, 4, 2);
-        default:
-            throw nb::value_error("planar arms have two to four joints");
-    }
-}
-
-static std::shared_ptr<const Solver> make_planar_points(const Values& v) {
-    auto solver = made(v, level().few_joints->planar_points, 2, 2);
-    solver->numbers = 2;
-    return solver;
-}
-
-static std::shared_ptr<const Solver> make_slides(const Values& v) {
-    const FewJointsSolvers& solvers = *level().few_joints;
-    switch (v.get<int>("columns")) {
-        case 2:
-            return made(v, solvers.slides_2, 6, 2);
-        case 4:
-            return made(v, solvers.slides_4, 6, 4);
-        case 8:
-            return made(v, solvers.slides_8, 6, 8);
-        default:
-            throw nb::value_error("arms with slides have two, four or eight columns");
-    }
+static Made make_planar_points(const Values& v) {
+    auto made = std::make_shared<SolverOf<PlanarArm<2>>>(level().few_joints->planar_points, nullptr);
+    read(v, made->arm);
+    made->joints = made->branches = made->numbers = 2;
+    return made;
 }
 
 // An arm of five joints by way of the solver of six: a number of poses at a time.
@@ -120,23 +79,26 @@ public:
     static constexpr int MOST = 32;  // columns of the arm of six
 };
 
-static std::shared_ptr<const Solver> make_completed(const Values& v) {
-    auto solver = std::make_shared<Completed>();
-    solver->six = solver_in(v.at("six"));
-    read(v.group("written"), solver->arm.written);
-    v.read("at", solver->arm.at), v.read("columns", solver->arm.columns);
-    solver->joints = 5, solver->branches = solver->arm.columns;
-    if (solver->six->joints != 6 || solver->six->branches > Completed::MOST) {
-        throw nb::value_error("a solver of six joints is needed");
-    }
-    return solver;
+static Made make_completed(const Values& v) {
+    auto made = std::make_shared<Completed>();
+    made->six = solver_in(v.at("six"));
+    read(v.group("written"), made->arm.written);
+    v.read("at", made->arm.at), v.read("columns", made->arm.columns);
+    made->joints = 5, made->branches = made->arm.columns;
+    if (made->six->joints != 6 || made->six->branches > Completed::MOST) throw nb::value_error("a solver of six joints is needed");
+    return made;
 }
 
 void add_few_joints(Makers& makers) {
-    makers["few joints"] = make_few_joints;
-    makers["planar"] = make_planar;
+    const FewJointsSolvers& of = *level().few_joints;
+    const Maker three = by("columns", {{2, maker(of.three_in_plane, 3, 2)}, {4, maker(of.three, 3, 4)}});
+    makers["few joints"] =
+        by("joints",
+           {{1, maker(of.one, 1, 1)}, {2, maker(of.two, 2, 2)}, {3, three}, {4, maker(of.four, 4, 4)}, {5, maker(of.five, 5, 8)}});
+    makers["planar"] = by("number", {{2, maker(of.planar_2, 2, 2)}, {3, maker(of.planar_3, 3, 2)}, {4, maker(of.planar_4, 4, 2)}});
     makers["planar points"] = make_planar_points;
-    makers["slides"] = make_slides;
+    makers["slides"] = by("columns", {{2, maker(of.slides_2, 6, 2)}, {4, maker(of.slides_4, 6, 4)}, {8, maker(of.slides_8, 6, 8)}});
+    makers["sampled"] = maker(of.sampled, 6, 16);
     makers["completed"] = make_completed;
 }
 

@@ -18,17 +18,13 @@ constexpr long SHARE = 32;
 static const Makers& makers() {
     static const Makers all = [] {
         Makers m;
+        add_closed_forms(m);
         add_coupled(m);
         add_one_given(m);
-        add_parallel_shoulder(m);
         add_elimination(m);
         add_few_joints(m);
-        add_imperfect(m);
         add_reversed(m);
-        add_spherical_middle(m);
-        add_spherical_wrist(m);
         add_srs(m);
-        add_three_parallel(m);
         return m;
     }();
     return all;

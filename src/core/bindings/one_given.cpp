@@ -29,7 +29,7 @@ public:
     }
 };
 
-static std::shared_ptr<const Solver> make_one_given(const Values& v) {
+static Made make_one_given(const Values& v) {
     auto made = std::make_shared<OneGiven>();
     made->six = solver_in(v.at("solver"));
     if (made->six->joints != 6 || made->six->branches > 64) throw nb::value_error("a solver of six joints is needed");

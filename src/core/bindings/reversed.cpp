@@ -39,9 +39,7 @@ private:
     std::shared_ptr<const Solver> inner_;
 };
 
-static std::shared_ptr<const Solver> make_reversed(const Values& v) {
-    return std::make_shared<Reversed>(solver_in(v.at("solver")));
-}
+static Made make_reversed(const Values& v) { return std::make_shared<Reversed>(solver_in(v.at("solver"))); }
 
 void add_reversed(Makers& makers) { makers["reversed"] = make_reversed; }
 

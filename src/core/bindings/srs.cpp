@@ -8,22 +8,17 @@ static void read(const Values& v, MeetingAxes& to) {
     v.read("sin_beta", to.sin_beta), v.read("shift", to.shift), v.read("square", to.square);
 }
 
-template <bool near> std::shared_ptr<const Solver> make_srs(const Values& v) {
-    auto made = std::make_shared<SolverOf<SrsArm>>();
-    SrsArm& to = made->arm;
+static void read(const Values& v, SrsArm& to) {
     read(v.group("ideal"), to.ideal), read(v.group("written"), to.written);
     read(v.group("shoulder"), to.shoulder), read(v.group("wrist"), to.wrist);
     v.read("to_frame_3", to.to_frame_3), v.read("from_frame_5", to.from_frame_5);
     v.read("upper", to.upper), v.read("fore", to.fore), v.read("along", to.along), v.read("zero_4", to.zero_4);
     v.read("clamp", to.clamp), v.read("imperfection", to.imperfection), v.read("value", to.value);
-    made->joints = 7, made->branches = near ? 16 : 8;
-    made->function = near ? level().srs->near : level().srs->exact;
-    return made;
 }
 
 void add_srs(Makers& makers) {
-    makers["S-R-S"] = make_srs<false>;
-    makers["S-R-S, nearly"] = make_srs<true>;
+    makers["S-R-S"] = maker(level().srs->exact, 7, 8);
+    makers["S-R-S, nearly"] = maker(level().srs->near, 7, 16);
 }
 
 }  // namespace urdf_ik

@@ -21,21 +21,20 @@ struct BothArms {
 
 template <class FamilyArm> struct ImperfectArm {
     FamilyArm family;  // the ideal arm
-    FamilyArm
-        loose;  // the same, which counts a joint as free where its squared arm is below ALMOST_FREE times the imperfection, squared
+    // The same, which counts a joint as free where its squared arm is below ALMOST_FREE times the imperfection, squared.
+    FamilyArm loose;
     Written<6> written;
     EliminationArm elimination;
     BothArms both;
 };
 
-template <class FamilyArm> using SolveImperfect = long (*)(const ImperfectArm<FamilyArm>&, const Batch&);
 struct ImperfectSolvers {
-    SolveImperfect<SphericalWristArm> spherical_wrist[4];  // by Shoulder
-    SolveImperfect<ThreeParallelArm> three_parallel[2];  // by Hand
+    SolveArm<ImperfectArm<SphericalWristArm>> spherical_wrist[4];  // by Shoulder
+    SolveArm<ImperfectArm<ThreeParallelArm>> three_parallel[2];  // by Hand
 };
 struct ImperfectSolversToo {
-    SolveImperfect<ParallelShoulderArm> parallel_shoulder[5];  // by LastAxes
-    SolveImperfect<SphericalMiddleArm> spherical_middle[3];  // by LastPair
+    SolveArm<ImperfectArm<ParallelShoulderArm>> parallel_shoulder[5];  // by LastAxes
+    SolveArm<ImperfectArm<SphericalMiddleArm>> spherical_middle[3];  // by LastPair
 };
 
 }  // namespace urdf_ik

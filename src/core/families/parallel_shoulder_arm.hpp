@@ -13,11 +13,9 @@ struct ParallelShoulderArm {
     Written<6> written;
 };
 
-using SolveParallelShoulder = long (*)(const ParallelShoulderArm&, const Batch&);
 struct ParallelShoulderSolvers {
-    SolveParallelShoulder solve[5];  // by LastAxes
-    // How far apart each wrist brings axes 1 and 3 [m]; see ThreeParallelSolvers.
-    void (*distances[5])(const ParallelShoulderArm&, const double* seen, double (&out)[4]);
+    SolveArm<ParallelShoulderArm> solve[5];  // by LastAxes
+    DistancesOf<ParallelShoulderArm> distances[5];  // of axes 1 and 3, one for each wrist
 };
 
 }  // namespace urdf_ik

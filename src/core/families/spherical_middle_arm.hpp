@@ -15,9 +15,8 @@ struct SphericalMiddleArm {
     double centre[3], centre_5[3];
 };
 
-using SolveSphericalMiddle = long (*)(const SphericalMiddleArm&, const Batch&);
 struct SphericalMiddleSolvers {
-    SolveSphericalMiddle solve[3];  // by LastPair
+    SolveArm<SphericalMiddleArm> solve[3];  // by LastPair
 };
 
 }  // namespace urdf_ik

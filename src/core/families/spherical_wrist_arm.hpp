@@ -21,9 +21,8 @@ struct SphericalWristArm {
     bool square_wrist;  // alpha 4 and alpha 5 are exactly +-90 degrees, so the two wrists differ by half turns
 };
 
-using SolveSphericalWrist = long (*)(const SphericalWristArm&, const Batch&);
 struct SphericalWristSolvers {
-    SolveSphericalWrist solve[4];  // by Shoulder
+    SolveArm<SphericalWristArm> solve[4];  // by Shoulder
 };
 
 }  // namespace urdf_ik

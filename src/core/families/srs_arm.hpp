@@ -26,8 +26,7 @@ struct SrsArm {
 };
 
 struct SrsSolvers {
-    long (*exact)(const SrsArm&, const Batch&);
-    long (*near)(const SrsArm&, const Batch&);
+    SolveArm<SrsArm> exact, near;
 };
 
 }  // namespace urdf_ik

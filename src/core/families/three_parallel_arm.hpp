@@ -17,12 +17,9 @@ struct ThreeParallelArm {
     bool square_wrist;            // axis 5 is at right angles to axes 4 and 6: the two wrists differ by half turns
 };
 
-using SolveThreeParallel = long (*)(const ThreeParallelArm&, const Batch&);
 struct ThreeParallelSolvers {
-    SolveThreeParallel solve[2];  // by Hand
-    // How far apart each shoulder and wrist brings axes 2 and 4 [m] for a target as seen from frame 1 (4, 4); NaN where
-    // there is none.
-    void (*distances[2])(const ThreeParallelArm&, const double* seen, double (&out)[4]);
+    SolveArm<ThreeParallelArm> solve[2];  // by Hand
+    DistancesOf<ThreeParallelArm> distances[2];  // of axes 2 and 4, one for each shoulder and wrist
 };
 
 }  // namespace urdf_ik

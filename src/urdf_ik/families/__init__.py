@@ -10,22 +10,22 @@ from urdf_ik.families import (
     few_joints,
     general_6r,
     general_slides,
-    imperfect,
-    locked,
     parallel_shoulder,
     planar,
+    sampled,
     slides,
     spherical_middle,
     spherical_wrist,
     srs,
     three_parallel,
 )
-from urdf_ik.families.mirrored import mirrored
+from urdf_ik.families.wrappers import imperfect, joint_given
+from urdf_ik.families.wrappers.mirrored import mirrored
 from urdf_ik.structure import analyse
 
 if TYPE_CHECKING:
     from urdf_ik.chain import Chain
-    from urdf_ik.families.plan import Plan, RedundantPlan
+    from urdf_ik.families.parts.plan import Plan, RedundantPlan
     from urdf_ik.structure import Structure
 
 FAMILIES = (spherical_wrist, three_parallel, parallel_shoulder, spherical_middle)
@@ -43,7 +43,7 @@ def choose(structure: Structure, chain: Chain) -> Plan | RedundantPlan | None:
         few = planar.prepare(structure, chain) or few_joints.prepare(structure, chain)
         return few or completed.prepare(structure, chain, of_six)
     if chain.n == 7:
-        return srs.prepare(structure, chain) or locked.prepare(chain, (_of_a_family, _general))
+        return srs.prepare(structure, chain) or joint_given.prepare(chain, (_of_a_family, _general))
     return of_six(structure, chain)
 
 
@@ -51,6 +51,8 @@ def of_six(structure: Structure, chain: Chain) -> Plan | None:
     """What ``choose`` says of six joints."""
     if chain.prismatic.any():
         return _with_slides(structure, chain)
+    if sampled.matches(chain):
+        return sampled.prepare(chain)
     return _of_a_family(structure, chain) or _general(structure, chain)
 
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.families.few_joints import AXIS, POSE, Aim, columns, is_redundant
-from urdf_ik.families.nearest import off_by
-from urdf_ik.families.plan import Plan
+from urdf_ik.families.parts.nearest import off_by
+from urdf_ik.families.parts.plan import Plan
 from urdf_ik.structure import analyse
 
 if TYPE_CHECKING:
@@ -82,9 +82,7 @@ def _extended(chain: Chain, H: Array, P: Array, *, behind: bool) -> Chain:
     )
 
 
-def _plan(
-    chain: Chain, whole: Chain, at: int, aim: Aim, choose: Choose, family: str, role: str
-) -> Plan | None:
+def _plan(chain: Chain, whole: Chain, at: int, aim: Aim, choose: Choose, family: str, role: str) -> Plan | None:
     six = choose(analyse(whole), whole)
     if six is None:
         return None

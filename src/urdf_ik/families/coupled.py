@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik._core import Solver
+from urdf_ik.chain.mimic import MOST_TURNS, CoupledChain
 from urdf_ik.families import hollow_wrist
 from urdf_ik.families.few_joints import columns, is_redundant
-from urdf_ik.families.plan import Plan, driven_values
-from urdf_ik.mimic import MOST_TURNS, CoupledChain
+from urdf_ik.families.parts.plan import Plan, driven_values
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.families.nearest import off_by
-from urdf_ik.families.plan import Plan, written_values
+from urdf_ik.families.parts.nearest import off_by
+from urdf_ik.families.parts.plan import Plan, written_values
 from urdf_ik.structure import closest_points
 from urdf_ik.tolerances import DEFAULT
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.families.elimination import elimination_values
-from urdf_ik.families.plan import Plan
+from urdf_ik.families.parts.elimination import elimination_values
+from urdf_ik.families.parts.plan import Plan
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 _NAMES = tuple(f"solution {k}" for k in range(1, 17))
+
 
 def matches(structure: Structure) -> bool:
     """Whether the arm has six revolute joints."""

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.families.elimination import elimination_values
 from urdf_ik.families.few_joints import Aim, columns, is_redundant, kinds_of
-from urdf_ik.families.nearest import off_by
-from urdf_ik.families.plan import Plan
+from urdf_ik.families.parts.elimination import elimination_values
+from urdf_ik.families.parts.nearest import off_by
+from urdf_ik.families.parts.plan import Plan
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from urdf_ik.structure import Structure
 
     Array = NDArray[np.float64]
+
 
 def matches(structure: Structure) -> bool:
     """Whether six joints have one slide, or two that are not opposite in the loop: joints 1 and 4, 2 and 5, 3 and 6.

@@ -14,7 +14,7 @@ import numpy as np
 from urdf_ik._core import Solver
 from urdf_ik.families import spherical_wrist
 from urdf_ik.families.few_joints import columns
-from urdf_ik.families.plan import Plan, driven_values
+from urdf_ik.families.parts.plan import Plan, driven_values
 from urdf_ik.structure import analyse
 from urdf_ik.tolerances import DEFAULT
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.chain import Chain
-    from urdf_ik.mimic import CoupledChain
+    from urdf_ik.chain.mimic import CoupledChain
 
     Array = NDArray[np.float64]
 

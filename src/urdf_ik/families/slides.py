@@ -11,8 +11,8 @@ import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.families.few_joints import Aim, Joint, columns, is_redundant, kinds_of, step_values
-from urdf_ik.families.nearest import off_by
-from urdf_ik.families.plan import Plan
+from urdf_ik.families.parts.nearest import off_by
+from urdf_ik.families.parts.plan import Plan
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:

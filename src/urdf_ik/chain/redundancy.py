@@ -1,0 +1,120 @@
+"""The redundancy parameter: the one value that a pose leaves free in an arm with seven joints."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik.errors import JointVectorError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from urdf_ik.chain.serial import Chain
+
+    Array = NDArray[np.float64]
+
+SWIVEL, LOCKED_JOINT = "swivel", "locked joint"
+
+
+@dataclass(frozen=True)
+class Redundancy:
+    """What the redundancy parameter of an arm is.
+
+    A 'locked joint' is the value of the first or the last joint. A 'swivel' is the angle about the line from the
+    shoulder S, where axes 1, 2 and 3 meet, to the wrist W, where axes 5, 6 and 7 meet: from the normal of the plane
+    that holds axis 1 and W (axis 1 times SW) to the direction of axis 4, less its part along SW. Where axis 4 is at
+    right angles to upper arm and forearm, this is the angle between that plane and the arm's own; at zero the elbow
+    lies in the plane of axis 1 and W, above SW as axis 1 points or below. Where W lies on axis 1, to 1e-7 rad, the
+    plane is none, and the common normal of axes 1 and 2 at q = 0 stands in for its normal: there the angle jumps.
+
+    Attributes:
+        kind: 'swivel' or 'locked joint'.
+        joint: name of the locked joint, or of the elbow's joint.
+        range: least and greatest value [unit]: the joint's limits, half a turn to both sides where it has none;
+            infinite for a sliding joint without limits.
+        default: value [unit] that ``ik`` takes where none is given: zero for a swivel, the middle of the joint's
+            limits, zero where it has none.
+        unit: 'rad' or 'm'.
+    """
+
+    kind: str
+    joint: str
+    range: tuple[float, float]
+    default: float
+    unit: str
+
+    @property
+    def round(self) -> bool:
+        """Whether the range holds the whole circle, so that it has no ends."""
+        return self.unit == "rad" and self.range[1] - self.range[0] >= 2.0 * math.pi
+
+    def __str__(self) -> str:
+        low, high = self.range
+        what = (
+            f"swivel angle of the arm's plane, the one across the axis of joint {self.joint!r},"
+            if self.kind == SWIVEL
+            else f"value of joint {self.joint!r},"
+        )
+        return f"{what} {low:.4f} to {high:.4f} {self.unit}, by default {self.default + 0.0:.4f}"
+
+    def check(self, value: ArrayLike) -> Array:
+        """``value`` as an array (...) of finite numbers.
+
+        Raises:
+            JointVectorError: it is none.
+        """
+        try:
+            values = np.asarray(value, dtype=np.float64)
+        except (TypeError, ValueError):
+            values = np.array(np.nan)
+        if not np.isfinite(values).all():
+            raise JointVectorError(f"redundancy is {value!r}; finite numbers [{self.unit}] are needed: {self}")
+        return values
+
+    def spread(self, poses: Array, value: ArrayLike) -> tuple[Array, Array]:
+        """Poses (..., 4, 4) and values (...) broadcast against each other, in arrays of their own.
+
+        Raises:
+            JointVectorError: the values are no finite numbers, or the shapes do not fit.
+        """
+        values = self.check(value)
+        batch = poses.shape[:-2]
+        try:
+            shape = values.shape if not batch else np.broadcast_shapes(batch, values.shape)
+        except ValueError:
+            raise JointVectorError(
+                f"poses of shape {batch} and redundancy of shape {values.shape} given; "
+                "the shapes must broadcast, as in ik(T[:, None], redundancy=values)"
+            ) from None
+        all_poses, all_values = np.empty((*shape, 4, 4)), np.empty(shape)
+        all_poses[...], all_values[...] = poses, values
+        return all_poses, all_values
+
+    def wrapped(self, values: Array) -> Array:
+        """``values`` with angles in (-pi, pi], as joint vectors of solutions hold them."""
+        return values if self.unit == "m" else wrapped(values)
+
+
+def wrapped(angles: Array) -> Array:
+    """``angles`` [rad] in (-pi, pi]; those that are there already keep their digits."""
+    return np.where(np.abs(angles) < np.pi, angles, np.pi - np.remainder(np.pi - angles, 2.0 * np.pi))
+
+
+def swivel_of(joint: str) -> Redundancy:
+    """The parameter of an arm whose elbow, ``joint``, swivels about the line from shoulder to wrist."""
+    return Redundancy(SWIVEL, joint, (-math.pi, math.pi), 0.0, "rad")
+
+
+def locked_joint(chain: Chain, k: int) -> Redundancy:
+    """The parameter of an arm whose joint ``k`` is given."""
+    low, high = (float(limit) for limit in chain.limits[k])
+    slides = bool(chain.prismatic[k])
+    endless = not math.isfinite(high - low)
+    if endless and not slides:
+        low, high = -math.pi, math.pi
+    middle = 0.0 if endless else 0.5 * (low + high)
+    return Redundancy(LOCKED_JOINT, chain.joint_names[k], (low, high), middle, "m" if slides else "rad")

@@ -1,0 +1,401 @@
+"""A serial chain from a base link to a tip link, as screw axes at the zero configuration."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from urdf_ik import _core
+from urdf_ik.errors import ChainError, JointVectorError, UnsupportedArm
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from urdf_ik.urdf import Joint, UrdfModel
+
+MOVABLE = ("revolute", "continuous", "prismatic")
+
+
+@dataclass(frozen=True)
+class TreeJoint:
+    """One joint of the URDF's whole tree, as :meth:`Chain.link_poses` walks it.
+
+    ``column`` is the index in the joint vector that drives it (None: it stays at ``offset``), with
+    value = multiplier * q[column] + offset.
+    """
+
+    parent: str
+    child: str
+    origin: NDArray[np.float64]
+    axis: NDArray[np.float64]
+    prismatic: bool
+    column: int | None
+    multiplier: float
+    offset: float
+
+    @cached_property
+    def motion(self) -> Any:  # a _core.Chain, of whose answers the generated stub says nothing
+        """The compiled motion from the parent's frame to the child's."""
+        R, steps = np.ascontiguousarray(self.origin[:3, :3]), np.zeros((2, 3))
+        steps[0] = self.origin[:3, 3]
+        return _core.Chain((R @ self.axis)[None], steps, R, np.array([self.prismatic]))
+
+    def held(self, free: list[int], q: NDArray[np.float64]) -> TreeJoint:
+        """This joint when only the columns ``free`` of the joint vector are left, the others held at ``q``."""
+        if self.column is None:
+            return self
+        if self.column in free:
+            return replace(self, column=free.index(self.column))
+        return replace(self, column=None, offset=self.offset + self.multiplier * float(q[self.column]))
+
+
+class Follower(NamedTuple):
+    """A joint of the chain that mimics another: value = multiplier * q[driver] + offset."""
+
+    name: str
+    driver: str
+    multiplier: float
+    offset: float
+
+    def __str__(self) -> str:
+        return f"{self.name} = {self.multiplier:g} {self.driver}{f' {self.offset:+g}' if self.offset else ''}"
+
+
+@dataclass(frozen=True)
+class Chain:
+    """The joints between ``base`` and ``tip`` as a product of exponentials.
+
+    Where joints mimic others, a :class:`urdf_ik.chain.mimic.CoupledChain`.
+
+    Attributes:
+        base: base link; every pose is expressed in it.
+        tip: tip link; its pose is what forward kinematics gives.
+        joint_names: movable joints, base to tip.
+        joint_types: 'revolute', 'continuous' or 'prismatic', one a joint.
+        H: (n, 3) unit directions of the joint axes at q = 0, in base axes.
+        P: (n + 1, 3) m, steps from the base origin to axis 1, from axis to axis, from axis n to the tip.
+        R_tip: (3, 3) rotation of the tip in the base at q = 0.
+        limits: (n, 2) rad or m; a continuous joint has (-inf, inf). What mimics it narrows a joint's limits.
+        tree: every joint of the URDF, parents first, in the base link's frame.
+        root: the URDF's root link.
+        locked: (name, value [rad or m]) of the joints that ``lock`` has made part of the fixed geometry.
+        followers: the joints from base to tip that mimic others.
+    """
+
+    base: str
+    tip: str
+    joint_names: tuple[str, ...]
+    joint_types: tuple[str, ...]
+    H: NDArray[np.float64]
+    P: NDArray[np.float64]
+    R_tip: NDArray[np.float64]
+    limits: NDArray[np.float64]
+    tree: tuple[TreeJoint, ...] = field(repr=False, default=())
+    root: str = ""
+    locked: tuple[tuple[str, float], ...] = ()
+    followers: tuple[Follower, ...] = ()
+
+    def __post_init__(self) -> None:
+        for array in (self.H, self.P, self.R_tip, self.limits):
+            array.setflags(write=False)
+
+    @property
+    def n(self) -> int:
+        """Number of movable joints."""
+        return len(self.joint_names)
+
+    @cached_property
+    def prismatic(self) -> NDArray[np.bool_]:
+        """(n,) true for prismatic joints."""
+        slides = np.array([kind == "prismatic" for kind in self.joint_types], dtype=np.bool_)
+        slides.setflags(write=False)
+        return slides
+
+    @cached_property
+    def motion(self) -> Any:  # a _core.Chain, of whose answers the generated stub says nothing
+        """The compiled chain."""
+        axes = self.axes
+        return _core.Chain(axes.H, axes.P, axes.R_tip, axes.prismatic)
+
+    @property
+    def axes(self) -> Chain:
+        """The chain of the moving axes: this one, but where joints mimic others."""
+        return self
+
+    @property
+    def directions(self) -> NDArray[np.float64]:
+        """(n, 3) unit direction of each joint's axis at q = 0, of the first axis that it moves."""
+        return self.H
+
+    @property
+    def image_turns(self) -> NDArray[np.float64]:
+        """(n,) turns after which a joint is in the same posture: 1, or 0 for one that slides."""
+        return np.where(self.prismatic, 0.0, 1.0)
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """(n, 3) m, a point on each joint axis at q = 0."""
+        return np.cumsum(self.P, axis=0)[:-1]
+
+    @property
+    def size(self) -> float:
+        """Length that tolerances are relative to [m]: the sum of the steps between the axes and to the tip."""
+        return float(np.linalg.norm(self.P[1:], axis=1).sum()) or 1.0
+
+    @classmethod
+    def from_urdf(cls, model: UrdfModel, base: str | None = None, tip: str | None = None) -> Chain:
+        """Build the chain from ``base`` to ``tip``.
+
+        Raises:
+            ChainError: base or tip is unknown, ambiguous, or not on one chain.
+            UnsupportedArm: a joint of the chain is of a type that cannot be solved.
+        """
+        base, tip = model.resolve_chain(base, tip)
+        movable: list[Joint] = []
+        H: list[NDArray[np.float64]] = []
+        points: list[NDArray[np.float64]] = [np.zeros(3)]
+        frame, link = np.eye(4), base
+        for joint in model.path_between(base, tip):
+            upwards = joint.child == link
+            link = joint.parent if upwards else joint.child
+            if not upwards:
+                frame = frame @ joint.origin
+            if joint.type != "fixed":
+                _require_supported(model, joint)
+                direction = frame[:3, :3] @ joint.axis
+                movable.append(joint)
+                H.append((-1.0 if upwards else 1.0) * direction / np.linalg.norm(direction))
+                points.append(frame[:3, 3].copy())
+            if upwards:
+                frame = frame @ np.linalg.inv(joint.origin)
+        points.append(frame[:3, 3].copy())
+        names = tuple(dict.fromkeys(followed(model, joint)[0].name for joint in movable))
+        limits = [(-np.inf, np.inf) if joint.type == "continuous" else (joint.lower, joint.upper) for joint in movable]
+        chain = cls(
+            base=base,
+            tip=tip,
+            joint_names=tuple(joint.name for joint in movable),
+            joint_types=tuple(joint.type for joint in movable),
+            H=np.array(H, dtype=np.float64).reshape(-1, 3),
+            P=np.diff(np.array(points), axis=0),
+            R_tip=np.ascontiguousarray(frame[:3, :3]),
+            limits=np.array(limits, dtype=np.float64).reshape(-1, 2),
+            tree=_tree(model, names),
+            root=model.root,
+            followers=tuple(_follower(model, joint) for joint in movable if joint.mimic is not None),
+        )
+        if not chain.followers:
+            return chain
+        from urdf_ik.chain.mimic import coupled
+
+        return coupled(model, chain, movable)
+
+    def reversed(self) -> Chain:
+        """The same joints from tip to base: its poses are the inverses, its joint vectors run backwards."""
+        back = self.R_tip.T
+        points = np.vstack([self.P.sum(axis=0), self.points[::-1], np.zeros(3)])
+        return replace(
+            self,
+            base=self.tip,
+            tip=self.base,
+            joint_names=self.joint_names[::-1],
+            joint_types=self.joint_types[::-1],
+            H=-self.H[::-1] @ back.T,
+            P=np.diff(points, axis=0) @ back.T,
+            R_tip=np.ascontiguousarray(back),
+            limits=self.limits[::-1].copy(),
+        )
+
+    def lock(self, values: Mapping[str, float]) -> Chain:
+        """The chain of the other joints, with these held still: they become part of the fixed geometry.
+
+        Args:
+            values: joint name to the value [rad or m] that the joint is held at, inside its limits or not.
+
+        Raises:
+            ChainError: the chain has no such joint; the error lists those that it has.
+            JointVectorError: a value is no finite number.
+        """
+        held = held_values(self, values)
+        if not held:
+            return self
+        q = np.array([held.get(name, 0.0) for name in self.joint_names])
+        axes, points, home = self.placed(q)
+        free = [k for k, name in enumerate(self.joint_names) if name not in held]
+        return replace(
+            self,
+            joint_names=tuple(self.joint_names[k] for k in free),
+            joint_types=tuple(self.joint_types[k] for k in free),
+            H=axes[free],
+            P=np.diff(np.vstack([np.zeros(3), points[free], home[:3, 3]]), axis=0),
+            R_tip=home[:3, :3].copy(),
+            limits=self.limits[free],
+            tree=tuple(joint.held(free, q) for joint in self.tree),
+            locked=(*self.locked, *held.items()),
+            followers=tuple(each for each in self.followers if each.driver not in held),
+        )
+
+    def fk(self, q: ArrayLike) -> NDArray[np.float64]:
+        """Pose of the tip in the base.
+
+        Args:
+            q: (..., n) rad or m.
+
+        Returns:
+            (..., 4, 4) homogeneous transforms.
+
+        Raises:
+            JointVectorError: the last dimension is not n, or a value is not finite.
+        """
+        T: NDArray[np.float64] | None = self.motion.fk(q)
+        return self.motion.fk(self.check(q)) if T is None else T
+
+    def jacobian(self, q: ArrayLike) -> NDArray[np.float64]:
+        """Geometric Jacobian at the tip, in base axes, linear rows above angular ones.
+
+        Args:
+            q: (..., n) rad or m.
+
+        Returns:
+            (..., 6, n).
+
+        Raises:
+            JointVectorError: the last dimension is not n, or a value is not finite.
+        """
+        J: NDArray[np.float64] | None = self.motion.jacobian(q)
+        return self.motion.jacobian(self.check(q)) if J is None else J
+
+    def placed(self, q: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+        """Directions (n, 3) of the axes at a joint vector (n,), points (n, 3) on them, the tip's pose (4, 4)."""
+        axes = self.motion.axes(q)
+        return axes[3:].T.copy(), axes[:3].T.copy(), self.motion.fk(q)
+
+    def link_poses(self, q: ArrayLike) -> dict[str, NDArray[np.float64]]:
+        """Pose of every link of the URDF in the base link's frame.
+
+        Joints outside the chain stay at zero; one that mimics a joint of the chain follows it.
+
+        Args:
+            q: (..., n) rad or m.
+
+        Returns:
+            Link name to (..., 4, 4).
+
+        Raises:
+            JointVectorError: the last dimension is not n, or a value is not finite.
+        """
+        Q = self.check(q)
+        batch = Q.shape[:-1]
+        free = {self.root: np.broadcast_to(np.eye(4), (*batch, 4, 4))}
+        for joint in self.tree:
+            drive = np.full(batch, joint.offset)
+            if joint.column is not None:
+                drive += joint.multiplier * Q[..., joint.column]
+            free[joint.child] = free[joint.parent] @ joint.motion.fk(drive[..., None])
+        to_base = np.linalg.inv(free[self.base])
+        return {link: to_base @ pose for link, pose in free.items()}
+
+    def check(self, q: ArrayLike) -> NDArray[np.float64]:
+        """``q`` as a C-contiguous float64 array (..., n).
+
+        Raises:
+            JointVectorError: the last dimension is not n, or a value is not finite.
+        """
+        try:
+            given = np.asarray(q)
+            if given.dtype.kind in "cSU":
+                raise TypeError(f"its elements are of type {given.dtype}")
+            Q = np.ascontiguousarray(given, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise JointVectorError(f"a joint vector must be an array of numbers (..., {self.n}): {error}") from None
+        if Q.ndim == 0 or Q.shape[-1] != self.n:
+            raise JointVectorError(
+                f"joint vectors of shape {Q.shape} given; the chain has {self.n} joints "
+                f"({', '.join(self.joint_names)}), so the last dimension must be {self.n}"
+            )
+        if not np.isfinite(Q).all():
+            where = np.argwhere(~np.isfinite(Q))[0]
+            raise JointVectorError(
+                f"joint vector{where[:-1].tolist() or ''}: joint {self.joint_names[where[-1]]!r} "
+                f"is {Q[tuple(where)]}; a finite number is needed"
+            )
+        return Q
+
+
+def held_values(chain: Chain, values: Mapping[str, float]) -> dict[str, float]:
+    """Names and values of joints to hold, as :meth:`Chain.lock` takes and refuses them."""
+    held = {name: _held_at(name, value) for name, value in values.items()}
+    if unknown := [name for name in held if name not in chain.joint_names]:
+        raise ChainError(
+            f"joint {unknown[0]!r} cannot be locked: it is not among the movable joints from "
+            f"{chain.base!r} to {chain.tip!r}",
+            chain.joint_names,
+        )
+    return held
+
+
+def _held_at(name: str, value: float) -> float:
+    """``value`` as a float."""
+    try:
+        held = float(value)
+    except (TypeError, ValueError):
+        held = math.nan
+    if not math.isfinite(held):
+        raise JointVectorError(f"joint {name!r} cannot be locked at {value!r}; one finite number is needed, rad or m")
+    return held
+
+
+def _require_supported(model: UrdfModel, joint: Joint) -> None:
+    if joint.type not in MOVABLE:
+        raise UnsupportedArm(
+            f"{model.source}: joint {joint.name!r} of the chain is {joint.type}; "
+            f"only fixed, {', '.join(MOVABLE)} joints can be solved"
+        )
+
+
+def followed(model: UrdfModel, joint: Joint) -> tuple[Joint, float, float]:
+    """The joint at the end of a row of mimics, itself for one that is free, with multiplier and offset."""
+    by_name = {each.name: each for each in model.joints} if joint.mimic else {}
+    multiplier, offset = 1.0, 0.0
+    while joint.mimic is not None and joint.mimic[0] in by_name:
+        name, factor, shift = joint.mimic
+        offset += multiplier * shift
+        multiplier *= factor
+        joint = by_name[name]
+    return joint, multiplier, offset
+
+
+def _follower(model: UrdfModel, joint: Joint) -> Follower:
+    driver, multiplier, offset = followed(model, joint)
+    return Follower(joint.name, driver.name, multiplier, offset)
+
+
+def _tree(model: UrdfModel, names: tuple[str, ...]) -> tuple[TreeJoint, ...]:
+    """Every joint of the URDF, parents before children."""
+    out: list[TreeJoint] = []
+    waiting = [model.root]
+    while waiting:
+        for joint in model.children(waiting.pop()):
+            driver, multiplier, offset = followed(model, joint)
+            moves = joint.type in MOVABLE
+            column = names.index(driver.name) if moves and driver.name in names else None
+            out.append(
+                TreeJoint(
+                    parent=joint.parent,
+                    child=joint.child,
+                    origin=joint.origin,
+                    axis=np.ascontiguousarray(joint.axis, dtype=np.float64),
+                    prismatic=joint.type == "prismatic",
+                    column=column,
+                    multiplier=multiplier,
+                    offset=offset if moves else 0.0,
+                )
+            )
+            waiting.append(joint.child)
+    return tuple(out)

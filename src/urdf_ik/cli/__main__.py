@@ -1,0 +1,5 @@
+"""``python -m urdf_ik.cli`` is the ``urdf-ik`` command."""
+
+from urdf_ik.cli.application import main
+
+main()

@@ -1,0 +1,224 @@
+"""What ``urdf-ik ik`` found for its poses, with each solution's checks, and how it is written as data."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.cli import console, free_value
+from urdf_ik.solutions import Singular
+from urdf_ik.solutions.limits import LIMIT_TOLERANCE
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.arm import Arm
+    from urdf_ik.cli.console import Angles
+    from urdf_ik.solutions.limits import LIMIT_TOLERANCE
+from urdf_ik.solutions import IKSolutions
+
+# Solutions that Pinocchio judges between two reports of progress.
+_AT_ONCE = 512
+
+
+@dataclass(frozen=True)
+class Answer:
+    """The solutions of N poses and what is known of each; an array is None where it was not asked for.
+
+    Attributes:
+        arm: the arm that was solved.
+        poses: (N, 4, 4) targets.
+        solutions: a batch of N.
+        names: (N, B) branch of each solution, with its turns.
+        within: (N, B) bool, inside the joint limits as it stands.
+        turned: (N, B) bool, inside them after whole turns of some joints.
+        free: (N, B) bool, free of self-collision.
+        hits: the pairs of links that collide, by pose and column.
+        unchecked: why self-collision was not checked although it was asked for, else ''.
+        position_error: (N, B) m, as Pinocchio measures it, NaN where there is no solution.
+        rotation_error: (N, B) rad, likewise.
+    """
+
+    arm: Arm
+    poses: NDArray[np.float64]
+    solutions: IKSolutions
+    names: NDArray[np.object_]
+    within: NDArray[np.bool_]
+    turned: NDArray[np.bool_]
+    free: NDArray[np.bool_] | None
+    hits: Mapping[tuple[int, int], Sequence[tuple[str, str]]]
+    unchecked: str
+    position_error: NDArray[np.float64] | None
+    rotation_error: NDArray[np.float64] | None
+
+    @cached_property
+    def valid(self) -> NDArray[np.bool_]:
+        """(N, B) whether there is a solution."""
+        return self.solutions.valid
+
+    @cached_property
+    def singular(self) -> NDArray[np.uint8]:
+        """(N, B) bits of ``Singular``."""
+        return self.solutions.singular
+
+    @cached_property
+    def counts(self) -> NDArray[np.intp]:
+        """(N,) number of solutions of each pose."""
+        return np.asarray(self.solutions.count)
+
+    def places(self, pose: int) -> NDArray[np.intp]:
+        """Columns that hold a solution of one pose."""
+        return np.flatnonzero(self.valid[pose])
+
+
+def solve(
+    arm: Arm,
+    poses: NDArray[np.float64],
+    pick: Callable[[IKSolutions], IKSolutions],
+    *,
+    redundancy: NDArray[np.float64] | None = None,
+    errors: bool,
+    collisions: bool,
+    tick: Callable[[int, int], None],
+) -> Answer:
+    """Solve, filter with ``pick`` and check; ``tick(done, total)`` is told how far the checks are.
+
+    ``redundancy``: (N,) rad or m, or None for the arm's default.
+    """
+    solutions = pick(arm.ik(poses, redundancy=redundancy))
+    q, valid = solutions.q, solutions.valid
+    lower, upper = arm.limits.T
+    within = valid & ((q >= lower - LIMIT_TOLERANCE) & (q <= upper + LIMIT_TOLERANCE)).all(axis=-1)
+    turned = solutions.within_limits().valid & ~within
+    position = rotation = free = None
+    hits: dict[tuple[int, int], Sequence[tuple[str, str]]] = {}
+    unchecked = ""
+    todo = np.argwhere(valid)
+    if errors:
+        from urdf_ik.reference import Reference
+
+        judge = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
+        position, rotation = np.full(valid.shape, np.nan), np.full(valid.shape, np.nan)
+        for start in range(0, len(todo), _AT_ONCE):
+            i, b = todo[start : start + _AT_ONCE].T
+            position[i, b], rotation[i, b] = judge.errors(q[i, b], poses[i])
+            tick(start + len(i), len(todo))
+    if collisions:
+        body = arm.collision_model
+        unchecked = body.missing
+        if body.has_geometry:
+            free = np.zeros(valid.shape, dtype=np.bool_)
+            for done, (i, b) in enumerate(todo):
+                free[i, b] = not body.in_collision(q[i, b])
+                if not free[i, b]:
+                    hits[int(i), int(b)] = body.colliding_pairs(q[i, b])
+                tick(done + 1, len(todo))
+    return Answer(arm, poses, solutions, solutions.names, within, turned, free, hits, unchecked, position, rotation)
+
+
+def flags(singular: int) -> list[str]:
+    """Names of the singularities in a solution's flags: 'shoulder', 'elbow', 'wrist', 'other'."""
+    return [str(flag.name).lower() for flag in Singular if flag & int(singular)] if singular else []
+
+
+def as_json(answer: Answer, angles: Angles) -> str:
+    """One object a pose, in order, each with its solutions."""
+    return console.json_text(
+        {
+            "robot": answer.arm.name,
+            "base": answer.arm.base,
+            "tip": answer.arm.tip,
+            "joints": answer.arm.joint_names,
+            "units": {"angle": angles.unit, "length": "m"},
+            "family": answer.arm.structure.family,
+            "poses": [
+                {
+                    "pose": pose,
+                    **_parameter(answer, angles, i),
+                    "count": answer.counts[i],
+                    "solutions": [_solution(answer, angles, i, b) for b in answer.places(i)],
+                    **({} if answer.counts[i] else {"explanation": explanation(answer, i)}),
+                }
+                for i, pose in enumerate(answer.poses)
+            ],
+        }
+    )
+
+
+def explanation(answer: Answer, pose: int) -> str:
+    """Why a pose has no solution."""
+    return str(answer.solutions[pose].explain())
+
+
+def as_csv(answer: Answer, angles: Angles) -> str:
+    """One line a solution; numbers first, so that the text of the last two columns can be left out."""
+    header = ["pose", *answer.arm.joint_names, "within_limits"]
+    header += [] if answer.solutions.redundancy is None else ["redundancy"]
+    header += [] if answer.free is None else ["collision_free"]
+    header += [] if answer.position_error is None else ["position_error", "rotation_error"]
+    return console.csv_text([*header, "singular", "branch"], _csv_rows(answer, angles))
+
+
+def as_npz(answer: Answer, angles: Angles) -> bytes:
+    """The arrays as the package lays them out: NaN rows of ``q`` where a branch has no solution."""
+    arrays: dict[str, Any] = {
+        "poses": answer.poses,
+        "q": angles.shown(answer.solutions.q),
+        "valid": answer.valid,
+        "singular": answer.singular,
+        "branches": np.array(answer.names, dtype=np.str_),
+        "joint_names": np.array(answer.arm.joint_names, dtype=np.str_),
+        "angle_unit": np.array(angles.unit),
+        "within_limits": answer.within,
+    }
+    if answer.solutions.redundancy is not None:
+        arrays["redundancy"] = free_value.shown(answer.arm, answer.solutions.redundancy, angles)
+    if answer.free is not None:
+        arrays["collision_free"] = answer.free
+    if answer.position_error is not None and answer.rotation_error is not None:
+        arrays["position_error"] = answer.position_error
+        arrays["rotation_error"] = angles.angle(answer.rotation_error)
+    return console.npz_bytes(arrays)
+
+
+DATA: Mapping[str, Callable[[Answer, Angles], str | bytes]] = {"json": as_json, "csv": as_csv, "npz": as_npz}
+
+
+def _parameter(answer: Answer, angles: Angles, i: int) -> dict[str, Any]:
+    values = answer.solutions.redundancy
+    return {} if values is None else {"redundancy": free_value.shown(answer.arm, values[i], angles)}
+
+
+def _solution(answer: Answer, angles: Angles, i: int, b: int) -> dict[str, Any]:
+    out: dict[str, Any] = {
+        "branch": answer.names[i, b],
+        "q": angles.shown(answer.solutions.q[i, b]),
+        "singular": flags(answer.singular[i, b]),
+        "within_limits": answer.within[i, b],
+    }
+    if answer.free is not None:
+        out["collision_free"] = answer.free[i, b]
+        out["collisions"] = answer.hits.get((i, int(b)), ())
+    if answer.position_error is not None and answer.rotation_error is not None:
+        out["error"] = {
+            "position": answer.position_error[i, b],
+            "rotation": angles.angle(answer.rotation_error[i, b]),
+        }
+    return out
+
+
+def _csv_rows(answer: Answer, angles: Angles) -> Iterator[list[Any]]:
+    q = angles.shown(answer.solutions.q)
+    for i in range(len(answer.poses)):
+        for b in answer.places(i):
+            row: list[Any] = [i, *q[i, b].tolist(), int(answer.within[i, b])]
+            row += [float(value) for value in _parameter(answer, angles, i).values()]
+            if answer.free is not None:
+                row.append(int(answer.free[i, b]))
+            if answer.position_error is not None and answer.rotation_error is not None:
+                row += [float(answer.position_error[i, b]), float(angles.angle(answer.rotation_error[i, b]))]
+            yield [*row, " ".join(flags(answer.singular[i, b])), answer.names[i, b]]

@@ -1,0 +1,337 @@
+"""The ``urdf-ik`` command, see ``app`` for its parts."""
+
+from __future__ import annotations
+
+import sys
+
+import typer
+
+from urdf_ik.cli import options
+from urdf_ik.cli.chosen_arm import ChosenArm, TypedPose, angles_of, on_an_arm
+from urdf_ik.cli.errors import Commands, Status
+from urdf_ik.cli.options import Picture, ReportFormat, Value
+
+app = typer.Typer(
+    name="urdf-ik",
+    cls=Commands,
+    help="Every inverse-kinematics solution of an arm given as URDF, each one checked against Pinocchio.",
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    no_args_is_help=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _help(what: str, *examples: str) -> str:
+    """Help text; the marker before the examples keeps their lines as they are."""
+    return what + "\n\n\b\nExamples:\n" + "\n".join(f"  {line}" for line in examples)
+
+
+@app.callback()
+def root(version: options.Version = False) -> None:
+    """Take the options that stand before the command."""
+
+
+@app.command(
+    help=_help(
+        "Show an arm: its joints, how neighbouring axes lie to each other, and how it is solved.",
+        "urdf-ik info zyyzyz_6r",
+        "urdf-ik info my_arm.urdf --base base_link --tip tool0 --format json",
+        "urdf-ik info panda --lock panda_joint3=30deg",
+    )
+)
+@on_an_arm
+def info(
+    *,
+    chosen: ChosenArm,
+    degrees: options.Degrees = False,
+    format: options.TextFormat = ReportFormat.TABLE,
+) -> None:
+    """Print what is known of the arm."""
+    from urdf_ik.cli import console
+    from urdf_ik.cli.commands import info as info_command
+
+    arm = chosen.load()
+    write = info_command.as_json if format is ReportFormat.JSON else info_command.as_text
+    console.write(write(arm, angles_of(arm, degrees)), None)
+
+
+@app.command(
+    help=_help(
+        "Forward kinematics: the tip's pose in the base, for each joint vector.",
+        "urdf-ik fk zyyzyz_6r --q 0.1,-0.2,0.3,0,0.5,0",
+        "urdf-ik fk ur5 --file vectors.csv --degrees --format csv",
+        "urdf-ik fk ur5 --q 0,-1,1,0,1,0 -f json | urdf-ik ik ur5 --poses -",
+    )
+)
+@on_an_arm
+def fk(
+    *,
+    q: options.Vectors = None,
+    file: options.VectorFile = None,
+    chosen: ChosenArm,
+    degrees: options.Degrees = False,
+    format: options.DataFormat = None,
+    output: options.Output = None,
+) -> None:
+    """Print the tip's pose."""
+    from urdf_ik.cli.commands import fk as fk_command
+
+    written = options.format_for(format, output, terminal=options.is_terminal(sys.stdout))
+    fk_command.run(chosen, q or (), file, degrees, written, output)
+
+
+@app.command(
+    help=_help(
+        "Inverse kinematics: every solution of a pose, with its branch, checks and error as Pinocchio measures it.\n\n"
+        "The target is a typed pose (--xyz with an orientation), the tip at a joint vector (--q), poses from a file "
+        "(--poses) or random ones (--random). With none of them it is the arm's example: among 256 seeded joint "
+        "vectors inside the limits, the one whose pose has most solutions.\n\n"
+        "A file holds 4x4 matrices or x,y,z,qx,qy,qz,qw, as npy, npz, json or csv. More than 20 poses are summed up "
+        "in the table; csv, json and npz hold them all. The status is 1 when a pose has no solution.",
+        "urdf-ik ik zyyzyz_6r",
+        "urdf-ik ik dh_6r --xyz 0.5,0.11,0.26 --quat-xyzw 0,0,0.8,0.6",
+        "urdf-ik ik ur5 --q 0.1,-1,1,0.2,0.3,0 --within-limits --collision-free",
+        "urdf-ik ik ur5 --random 1000 --format npz --output solutions.npz",
+        "urdf-ik ik panda --xyz 0.4,0,0.3 --rpy 3.14,0,0 --redundancy 0,0.4,0.8",
+    )
+)
+@on_an_arm
+def ik(
+    *,
+    typed: TypedPose,
+    q: options.Planted = None,
+    poses: options.PoseFile = None,
+    random: options.Random = None,
+    seed: options.Seed = 0,
+    redundancy: options.Redundancy = None,
+    turns: options.Turns = False,
+    within_limits: options.WithinLimits = False,
+    collision_free: options.CollisionFree = False,
+    nearest: options.Nearest = None,
+    check: options.Checked = None,
+    chosen: ChosenArm,
+    degrees: options.Degrees = False,
+    format: options.DataFormat = None,
+    output: options.Output = None,
+) -> None:
+    """Print every solution."""
+    from urdf_ik.cli import targets
+    from urdf_ik.cli.commands import ik as ik_command
+
+    written = options.format_for(format, output, terminal=options.is_terminal(sys.stdout))
+    chosen.without_stdin(poses, "--poses")
+    target = targets.Asked(typed, q or (), poses, random, seed)
+    asked = ik_command.Asked(target, redundancy, within_limits, collision_free, turns, nearest, check)
+    arm = chosen.load()
+    ik_command.run(arm, angles_of(arm, degrees), asked, written, output)
+
+
+@app.command(
+    help=_help(
+        "Check an arm against Pinocchio: kinematics, every solution of random poses, collision. "
+        "The status is 1 when a check failed.\n\n"
+        "With --complete it looks for solutions that the solver missed: the general elimination, and Newton's method "
+        "from random starts where the solver uses the elimination itself, answer the same poses, random ones and some "
+        "1e-1 to 1e-8 rad from a singularity. Every difference is printed. The status is 1 when the solver lacks a "
+        "solution or has one that Pinocchio does not confirm.",
+        "urdf-ik check zyyzyz_6r -n 200",
+        "urdf-ik check ur5 --complete -n 80",
+        "urdf-ik check my_arm.urdf --tip tool0 --no-collision --format json",
+    )
+)
+@on_an_arm
+def check(
+    *,
+    n: options.Count = 200,
+    seed: options.Seed = 0,
+    complete: options.Complete = False,
+    collision: options.Collision = None,
+    chosen: ChosenArm,
+    format: options.TextFormat = ReportFormat.TABLE,
+) -> None:
+    """Print the report of the cross-check, or of the comparison of two ways to all solutions."""
+    from urdf_ik import completeness, crosscheck
+    from urdf_ik.cli import console
+    from urdf_ik.cli.progress import Progress
+
+    if complete and collision is not None:
+        raise console.usage("--complete compares solutions and nothing else", "--collision")
+    arm = chosen.load()
+    report: crosscheck.Report | completeness.Completeness
+    if complete:
+        with Progress("comparing poses", "solving in two ways") as progress:
+            report = completeness.compare(arm, n=n, seed=seed, progress=progress.tick)
+    else:
+        with Progress("checking poses", "checking against Pinocchio") as progress:
+            report = crosscheck.check(arm, n=n, seed=seed, collision=collision, progress=progress.tick)
+    console.write(report.to_json() if format is ReportFormat.JSON else f"{report}\n", None)
+    if not report.passed:
+        raise typer.Exit(Status.FAILED)
+
+
+@app.command(
+    help=_help(
+        "Compare two arms, or two URDFs of one arm (another tool, a calibrated copy): structure, frames, limits, "
+        "reach, number of solutions for the same poses, joint values branch by branch, and how far B's tool is off "
+        "when it is given A's joint vectors.",
+        "urdf-ik compare zyyzyz_6r puma_560",
+        "urdf-ik compare zyyzyz_6r my_arm.urdf --tip-b tool0 -n 100",
+        "urdf-ik compare planar_2r planar_2r_unit -f json",
+    )
+)
+def compare(
+    a: options.RobotA,
+    b: options.RobotB,
+    base_a: options.BaseA = None,
+    tip_a: options.TipA = None,
+    lock_a: options.LockA = None,
+    base_b: options.BaseB = None,
+    tip_b: options.TipB = None,
+    lock_b: options.LockB = None,
+    n: options.Each = 200,
+    seed: options.Seed = 0,
+    format: options.TextFormat = ReportFormat.TABLE,
+) -> None:
+    """Print the comparison."""
+    from urdf_ik import comparison
+    from urdf_ik.cli import console
+    from urdf_ik.cli.commands import compare as compare_command
+    from urdf_ik.cli.progress import Progress
+
+    first = ChosenArm(a, base_a, tip_a, lock_a, lock_option="--lock-a")
+    second = ChosenArm(b, base_b, tip_b, lock_b, lock_option="--lock-b")
+    first.without_stdin(b, "B")
+    arms = first.load(), second.load()
+    with Progress("comparing", "solving") as progress:
+        found = comparison.compare(*arms, n=n, seed=seed, progress=progress.tick)
+    console.write(found.to_json() if format is ReportFormat.JSON else compare_command.as_text(found), None)
+
+
+@app.command(
+    help=_help(
+        "Denavit-Hartenberg table of an arm, or an arm from a table (CSV or JSON).",
+        "urdf-ik dh dh_6r --convention modified",
+        "urdf-ik dh ur5 --degrees -o ur5.csv",
+        "urdf-ik dh ur5 --degrees -f csv",
+        "urdf-ik dh ur5.csv -o my_ur5.urdf",
+    )
+)
+def dh(
+    file: options.TableOrRobot,
+    convention: options.Convention = None,
+    snap: options.Snap = None,
+    base: options.Base = None,
+    tip: options.Tip = None,
+    degrees: options.Degrees = False,
+    format: options.TableFormat = None,
+    output: options.Output = None,
+) -> None:
+    """Print or write the table, or the URDF."""
+    from urdf_ik.cli.commands import dh as dh_command
+
+    dh_command.run(ChosenArm(file, base, tip), convention, snap, degrees, format, output)
+
+
+@app.command(
+    help=_help(
+        "Where the tip can be. Two turning joints in a plane: the exact regions of both elbows, bounded by arcs. Any "
+        "other arm: a map of voxels x orientations, with the number of solutions, how many are within limits, and the "
+        "share that each branch covers. `urdf-ik plot --map` draws it.",
+        "urdf-ik workspace planar_2r --degrees",
+        "urdf-ik workspace zyyzyz_6r --voxel 0.2 --orientations 50 -o map.npz",
+    )
+)
+@on_an_arm
+def workspace(
+    *,
+    voxel: options.Voxel = None,
+    orientations: options.Orientations = None,
+    bounds: options.Bounds = None,
+    collision_free: options.MapFree = False,
+    manipulability: options.Manipulability = False,
+    margin: options.Margin = False,
+    threads: options.Threads = 1,
+    chosen: ChosenArm,
+    degrees: options.Degrees = False,
+    format: options.TextFormat = ReportFormat.TABLE,
+    output: options.MapFile = None,
+) -> None:
+    """Print the region, or the map's sums, and save the map."""
+    from urdf_ik.cli import console
+    from urdf_ik.cli.commands import workspace as workspace_command
+
+    arm = chosen.load()
+    corners = ("x0", "y0", "z0", "x1", "y1", "z1")
+    box = None if bounds is None else console.numbers(bounds, "--bounds", corners).reshape(2, 3).tolist()
+    given = {"voxel": voxel, "orientations": orientations, "bounds": box, "collision_free": collision_free}
+    given |= {"manipulability": manipulability, "margin": margin, "threads": None if threads == 1 else threads}
+    workspace_command.run(arm, angles_of(arm, degrees), output, format is ReportFormat.JSON, given)
+
+
+@app.command(
+    help=_help(
+        "Draw an arm, all branches of a pose side by side or overlaid, joint limits with all turns of the solutions, "
+        "the workspace, or the arm with sliders for its joints. Without --output it opens a window.\n\n"
+        "Branches are those of a typed pose, of the tip at a joint vector (--q), or of the arm's example. The "
+        "workspace of two turning joints is exact; any other is one layer of a map.",
+        "urdf-ik plot zyyzyz_6r branches -o all_branches.png",
+        "urdf-ik plot planar_2r workspace --q 0.5,-1 -o two_link_workspace.png",
+        "urdf-ik plot dh_6r limits -o limits.svg",
+        "urdf-ik plot planar_2r sliders -o sliders.png",
+    )
+)
+@on_an_arm
+def plot(
+    *,
+    what: options.What = Picture.ARM,
+    q: options.At = None,
+    typed: TypedPose,
+    seed: options.Seed = 0,
+    shapes: options.Shapes = False,
+    map: options.Map = None,
+    axis: options.Across = "z",
+    at: options.Layer = 0.0,
+    show: options.Shown = Value.REACH,
+    chosen: ChosenArm,
+    degrees: options.Degrees = False,
+    output: options.PictureFile = None,
+) -> None:
+    """Write a picture, or open a window."""
+    from urdf_ik.cli import targets
+    from urdf_ik.cli.commands import plot as plot_command
+
+    arm = chosen.load()
+    target = targets.Asked(typed, () if q is None else (q,), None, None, seed)
+    asked = plot_command.Asked(target, shapes, map, axis, at, show.value)
+    plot_command.run(arm, angles_of(arm, degrees), what, asked, output)
+
+
+@app.command(
+    help=_help(
+        "Show an arm in the browser: every solution of a target to drag, sliders for the joints. Ctrl-C ends it.",
+        "urdf-ik view ur5",
+        "urdf-ik view my_arm.urdf --tip tool0 --mesh-root meshes --port 9000",
+        "urdf-ik view panda -o panda.html",
+    )
+)
+@on_an_arm
+def view(
+    *,
+    chosen: ChosenArm,
+    host: options.Host = "127.0.0.1",
+    port: options.Port = None,
+    output: options.Page = None,
+) -> None:
+    """Serve the page."""
+    from urdf_ik.cli.commands import view as view_command
+
+    view_command.run(chosen.load(), host, port, chosen.mesh_root, output)
+
+
+def main() -> None:
+    """Entry point of the ``urdf-ik`` command."""
+    try:
+        app()
+    except KeyboardInterrupt:
+        sys.exit(Status.INTERRUPTED)

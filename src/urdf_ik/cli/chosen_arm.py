@@ -1,0 +1,118 @@
+"""What several commands take, once: the arm that they are about and how it is loaded, and a pose as it is typed."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from urdf_ik.cli import options
+
+if TYPE_CHECKING:
+    from urdf_ik.arm import Arm
+    from urdf_ik.cli.console import Angles
+
+
+@dataclass(frozen=True)
+class ChosenArm:
+    """The options as typed: a URDF file, a name or '-', and what is asked of it."""
+
+    robot: str
+    base: str | None = None
+    tip: str | None = None
+    lock: list[str] | None = None
+    mesh_root: list[Path] | None = None
+    lock_option: str = "--lock"
+
+    def load(self) -> Arm:
+        """The arm.
+
+        Raises:
+            typer.BadParameter: standard input is closed, or a lock is no NAME=VALUE.
+            UrdfIkError: there is no such arm.
+        """
+        import urdf_ik
+        from urdf_ik.cli import free_value
+
+        if self.robot == "-" and sys.stdin is None:
+            raise typer.BadParameter("standard input is closed", param_hint="ROBOT")
+        locked = free_value.locked(self.lock or (), self.lock_option)
+        source = sys.stdin.buffer if self.robot == "-" else self.robot
+        return urdf_ik.load(source, base=self.base, tip=self.tip, locked=locked, mesh_roots=self.mesh_root or ())
+
+    def without_stdin(self, source: str | None, option: str) -> None:
+        """Refuse that ``source``, which ``option`` names, is standard input too."""
+        if self.robot == "-" and source == "-":
+            raise typer.BadParameter("the robot is read from standard input already", param_hint=option)
+
+
+@dataclass(frozen=True)
+class TypedPose:
+    """A position and an orientation as typed; None where one was not given."""
+
+    xyz: str | None
+    quat_xyzw: str | None
+    quat_wxyz: str | None
+    rpy: str | None
+    rotvec: str | None
+
+    @property
+    def orientations(self) -> Mapping[str, str | None]:
+        """Each orientation by its option."""
+        return {
+            "--quat-xyzw": self.quat_xyzw,
+            "--quat-wxyz": self.quat_wxyz,
+            "--rpy": self.rpy,
+            "--rotvec": self.rotvec,
+        }
+
+
+_CHOSEN = {"base": options.Base, "tip": options.Tip, "lock": options.Lock, "mesh_root": options.MeshRoot}
+_TYPED = {
+    "xyz": options.Position,
+    "quat_xyzw": options.QuatXyzw,
+    "quat_wxyz": options.QuatWxyz,
+    "rpy": options.Rpy,
+    "rotvec": options.Rotvec,
+}
+_GROUPS: Mapping[str, Mapping[str, Any]] = {"chosen": _CHOSEN, "typed": _TYPED}
+
+
+def on_an_arm(command: Callable[..., None]) -> Callable[..., None]:
+    """``command`` with ROBOT as first argument, and options in the places of its parameters.
+
+    ``chosen``, a ``ChosenArm``, stands for those that say which arm; ``typed``, a ``TypedPose``, for those of a pose.
+    """
+    signature = inspect.signature(command, eval_str=True)
+
+    @functools.wraps(command)
+    def run(robot: str, **given: Any) -> None:
+        given["chosen"] = ChosenArm(robot, **{name: given.pop(name) for name in _CHOSEN})
+        if "typed" in signature.parameters:
+            given["typed"] = TypedPose(**{name: given.pop(name) for name in _TYPED})
+        command(**given)
+
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    parameters = [inspect.Parameter("robot", inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=options.Robot)]
+    for name, parameter in signature.parameters.items():
+        if name in _GROUPS:
+            parameters += [inspect.Parameter(n, keyword, default=None, annotation=a) for n, a in _GROUPS[name].items()]
+        else:
+            parameters.append(parameter)
+    run.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+    return run
+
+
+def angles_of(arm: Arm, degrees: bool) -> Angles:
+    """How the arm's joint values are typed and shown."""
+    import numpy as np
+
+    from urdf_ik.cli.console import Angles
+
+    return Angles(degrees, np.array([kind != "prismatic" for kind in arm.chain.joint_types]))

@@ -1,0 +1,1 @@
+"""What the commands of ``urdf-ik`` do, one file each."""

@@ -1,0 +1,189 @@
+"""What ``urdf-ik info`` tells of an arm: joints, relations of the axes, and how it is solved."""
+
+from __future__ import annotations
+
+import textwrap
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from urdf_ik.cli import console, tables
+from urdf_ik.structure import AxisPair, AxisTriple, sentences
+
+if TYPE_CHECKING:
+    from urdf_ik.arm import Arm
+    from urdf_ik.cli.console import Angles
+
+_UNSOLVED = "none: no solver takes this structure"
+
+
+def as_json(arm: Arm, angles: Angles) -> str:
+    """The same facts as data; a limit that is not there is null."""
+    structure = arm.structure
+    angle, distance = structure.imperfection
+    limits = angles.shown(arm.limits.T).T
+    return console.json_text(
+        {
+            "robot": arm.name,
+            "source": arm.model.source,
+            "base": arm.base,
+            "tip": arm.tip,
+            "units": {"angle": angles.unit, "length": "m"},
+            "locked": arm.locked,
+            "joints": [
+                {"name": name, "type": kind, "axis": axis, "lower": lower, "upper": upper}
+                for name, kind, axis, (lower, upper) in zip(
+                    arm.joint_names, arm.chain.joint_types, arm.chain.directions, limits, strict=True
+                )
+            ],
+            "mimics": [follower._asdict() for follower in arm.chain.followers],
+            "structure": {
+                "pairs": [
+                    {
+                        "axes": [pair.first, pair.first + 1],
+                        "relation": pair.relation,
+                        "angle": angles.angle(pair.angle),
+                        "distance": pair.distance,
+                        "off_angle": angles.angle(pair.off_angle),
+                        "off_distance": pair.off_distance,
+                    }
+                    for pair in structure.pairs
+                ],
+                "triples": [
+                    {
+                        "axes": _numbers(triple),
+                        "relation": triple.relation,
+                        "off_angle": angles.angle(triple.imperfection) if triple.relation == "parallel" else 0.0,
+                        "off_distance": triple.imperfection if triple.relation == "meet" else 0.0,
+                        "point": triple.point,
+                    }
+                    for triple in structure.triples
+                ],
+                "imperfection": {"angle": angles.angle(angle), "distance": distance},
+            },
+            "solver": {
+                "supported": bool(structure.family),
+                "redundancy": None if arm.redundancy is None else asdict(arm.redundancy),
+                "family": structure.family or None,
+                "task": arm.task,
+                "method": structure.method or None,
+                "exact": structure.is_exact if structure.family else None,
+                "cuspidal": structure.cuspidal,
+                "max_solutions": structure.max_solutions,
+                "branches": structure.branches,
+            },
+        }
+    )
+
+
+def as_text(arm: Arm, angles: Angles) -> str:
+    """Tables and lines for people."""
+    structure = arm.structure
+    unit = angles.unit
+    joints = tables.grid(
+        ["#", "joint", "type", "axis in base at q = 0", "lower", "upper", "unit"],
+        [
+            [i + 1, name, kind, _vector(axis), *(_limit(x) for x in limits), "m" if kind == "prismatic" else unit]
+            for i, (name, kind, axis, limits) in enumerate(
+                zip(
+                    arm.joint_names,
+                    arm.chain.joint_types,
+                    arm.chain.directions,
+                    angles.shown(arm.limits.T).T,
+                    strict=True,
+                )
+            )
+        ],
+        left=["joint", "type", "axis in base at q = 0", "unit"],
+    )
+    axes = tables.grid(
+        ["axes", "relation", f"angle [{unit}]", "distance [m]", "imperfection"],
+        [_pair_row(pair, angles) for pair in structure.pairs] + [_triple_row(t, angles) for t in structure.triples],
+        left=["axes", "relation", "imperfection"],
+    )
+    facts = [
+        ("robot", arm.name),
+        ("source", arm.model.source),
+        ("chain", f"{arm.base} to {arm.tip}, {arm.dof} joints"),
+        *[("mimics", str(follower)) for follower in arm.chain.followers],
+        *[("locked", f"{name} at {_held(arm, name, value, angles)}") for name, value in arm.locked.items()],
+    ]
+    solver = [("family", structure.family or _UNSOLVED)]
+    branches = []
+    if structure.family:
+        solver += [("controls", arm.task)] if arm.task != "pose" else []
+        solver += [
+            ("why", sentences.why(structure)),
+            ("solver", structure.method),
+            ("solutions", sentences.solutions(structure)),
+            ("imperfection", sentences.imperfection(structure)),
+            ("cuspidal", sentences.cuspidal(structure)),
+            *([] if arm.redundancy is None else [("redundancy", str(arm.redundancy))]),
+        ]
+        branches = [f"{'branches' if i == 0 else '':<14}{line}" for i, line in enumerate(_columns(structure.branches))]
+    solver = [(heading, text) for heading, text in solver if text]
+    return tables.render(_facts(facts), "", joints, "", axes, "", _facts(solver), *branches)
+
+
+def _columns(branches: tuple[str, ...]) -> list[str]:
+    """The columns of an answer: one line each, but one for a run of names that are only numbered."""
+    lines, start = [], 0
+    while start < len(branches):
+        kind, _, number = branches[start].rpartition(" ")
+        end = start + 1
+        while number.isdigit() and end < len(branches) and branches[end] == f"{kind} {int(number) + end - start}":
+            end += 1
+        if end - start == 1:
+            lines.append(f"{start + 1:>2}  {branches[start]}")
+        else:
+            lines.append(f"{start + 1:>2} to {end}  {branches[start]} to {branches[end - 1]}")
+        start = end
+    return lines
+
+
+def _facts(facts: list[tuple[str, str]]) -> str:
+    """Lines of a heading and its text, folded under itself."""
+    lines = []
+    for heading, text in facts:
+        folded = textwrap.wrap(text, 64, break_long_words=False, break_on_hyphens=False) or [""]
+        lines += [f"{heading if i == 0 else '':<14}{line}" for i, line in enumerate(folded)]
+    return "\n".join(lines)
+
+
+def _pair_row(pair: AxisPair, angles: Angles) -> list[str]:
+    distance = "0" if pair.off_distance else f"{pair.distance:.6g}"
+    off = {
+        "parallel": f"{angles.angle(pair.off_angle):.1e} {angles.unit}",
+        "coincident": f"{angles.angle(pair.off_angle):.1e} {angles.unit}, {pair.off_distance:.1e} m",
+        "intersecting": f"{pair.off_distance:.1e} m",
+    }
+    return [
+        f"{pair.first}, {pair.first + 1}",
+        pair.relation,
+        f"{angles.angle(pair.angle):.6g}",
+        distance,
+        off.get(pair.relation, "-"),
+    ]
+
+
+def _triple_row(triple: AxisTriple, angles: Angles) -> list[str]:
+    axes = ", ".join(map(str, _numbers(triple)))
+    if triple.relation == "meet":
+        return [axes, "meet in a point", "-", "-", f"{triple.imperfection:.1e} m"]
+    return [axes, triple.relation, "-", "-", f"{angles.angle(triple.imperfection):.1e} {angles.unit}"]
+
+
+def _numbers(triple: AxisTriple) -> list[int]:
+    return [triple.first, triple.first + 1, triple.first + 2]
+
+
+def _vector(axis: Any) -> str:
+    return " ".join(f"{tables.number(float(x), 4):>7}" for x in axis)
+
+
+def _held(arm: Arm, name: str, value: float, angles: Angles) -> str:
+    slides = any(joint.name == name and joint.type == "prismatic" for joint in arm.model.joints)
+    return f"{value:.6g} m" if slides else f"{angles.angle(value):.6g} {angles.unit}"
+
+
+def _limit(value: float) -> str:
+    return "none" if abs(value) == float("inf") else tables.number(float(value), 4)

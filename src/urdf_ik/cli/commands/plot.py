@@ -1,0 +1,104 @@
+"""What ``urdf-ik plot`` draws, and where it goes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik import plot
+from urdf_ik import workspace as rooms
+from urdf_ik.cli import console, targets
+from urdf_ik.cli.options import Picture
+from urdf_ik.cli.progress import Progress
+from urdf_ik.errors import PlotError
+from urdf_ik.plot.slider_panel import is_two_links, require_display
+from urdf_ik.workspace.grid import AXES, grid_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from urdf_ik.arm import Arm
+    from urdf_ik.cli.console import Angles
+    from urdf_ik.solutions import IKSolutions
+
+
+@dataclass(frozen=True)
+class Asked:
+    """The options as typed."""
+
+    target: targets.Asked
+    shapes: bool
+    map: Path | None
+    axis: str
+    at: float
+    value: str
+
+
+def run(arm: Arm, angles: Angles, what: Picture, asked: Asked, output: Path | None) -> None:
+    """Write the picture, or open a window and wait until it is closed.
+
+    Raises:
+        PlotError: there is no display, or the file cannot be written.
+    """
+    if output is None:
+        require_display()
+    elif output.suffix.lower() not in plot.SUFFIXES:
+        raise PlotError(f"{output}: pictures are written as {', '.join(plot.SUFFIXES)}; name the file so")
+    q = None
+    if asked.target.q:
+        q = angles.typed(console.numbers(asked.target.q[0], "--q", arm.joint_names))
+    if what is Picture.SLIDERS:
+        # The object that the sliders belong to must live as long as the window.
+        held = plot.sliders(arm, q, window=output is None)
+        figure = held.figure
+    elif what is Picture.ARM:
+        figure = plot.arm(arm, q, shapes=asked.shapes)
+    elif what is Picture.WORKSPACE:
+        figure = _workspace(arm, q, asked)
+    else:
+        solutions = _solutions(arm, angles, asked)
+        if what is Picture.LIMITS:
+            figure = plot.limits(solutions)
+        else:
+            figure = plot.branches(solutions, overlaid=what is Picture.OVERLAY, shapes=asked.shapes)
+    if output is None:
+        plot.show(figure)
+    else:
+        plot.save(figure, output)
+
+
+def _solutions(arm: Arm, angles: Angles, asked: Asked) -> IKSolutions:
+    target = targets.target(arm, asked.target, angles)
+    at = None if target.redundancy is None else float(target.redundancy[0])
+    return arm.ik(target.poses[0], redundancy=at)
+
+
+def _workspace(arm: Arm, q: NDArray[np.float64] | None, asked: Asked) -> Figure:
+    if asked.map is not None:
+        return plot.workspace_slice(rooms.read(asked.map), asked.axis, asked.at, asked.value)
+    if is_two_links(arm):
+        return plot.planar_workspace(rooms.planar(arm), q)
+    if asked.axis not in tuple(AXES):
+        raise console.usage(f"no axis is called {asked.axis!r}; there are x, y and z", "--axis")
+    grid = grid_of(arm, arm.chain.size / 30.0, None)
+    k = AXES.index(asked.axis)
+    if not grid.lower[k] <= asked.at <= grid.upper[k]:
+        raise console.usage(
+            f"{asked.axis} = {asked.at:g} m is out of reach, from {grid.lower[k]:g} to {grid.upper[k]:g} m", "--at"
+        )
+    bounds = np.array([grid.lower, grid.upper])
+    bounds[:, k] = asked.at - 0.5 * grid.voxel, asked.at + 0.5 * grid.voxel
+    with Progress("solving poses", "solving") as progress:
+        found = rooms.compute(
+            arm,
+            grid.voxel,
+            bounds=bounds,
+            manipulability=asked.value == "manipulability",
+            margin=asked.value == "margin",
+            progress=progress.tick,
+        )
+    return plot.workspace_slice(found, asked.axis, asked.at, asked.value)

@@ -1,0 +1,136 @@
+"""What ``urdf-ik workspace`` tells: the exact region of a planar arm, or a map's sums and shares."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik import workspace as rooms
+from urdf_ik.cli import console, tables
+from urdf_ik.cli.progress import Progress
+
+if TYPE_CHECKING:
+    from urdf_ik.arm import Arm
+    from urdf_ik.cli.console import Angles
+
+
+def run(arm: Arm, angles: Angles, output: Path | None, as_json: bool, options: dict[str, Any]) -> None:
+    """Print the exact region of two turning joints, or compute a map, print its sums and save it.
+
+    A map is made of any other arm, and wherever one of the ``options`` of ``workspace.compute``, or a file, asks for
+    it; None stands for an option that was not given.
+
+    Raises:
+        typer.BadParameter: ``output`` is a folder, a device or a pipe.
+        WorkspaceError: options of which no map can be made, or a file that cannot be written.
+    """
+    given = {name: value for name, value in options.items() if value is not None and value is not False}
+    if output is not None and output.exists() and not output.is_file():
+        # The map is written beside it and put in its place, which a device or a pipe would not survive.
+        raise console.usage(f"cannot write {output}: it is no regular file", "--output")
+    if arm.dof == 2 and arm.plane is not None and not arm.chain.prismatic.any() and output is None and not given:
+        region = rooms.planar(arm)
+        console.write(_region_json(region) if as_json else _region_text(region, angles), None)
+        return
+    with Progress("solving poses", "solving") as progress:
+        found = rooms.compute(arm, **given, output=output, progress=progress.tick)
+    console.write(_map_json(found) if as_json else _map_text(found, output), None)
+
+
+def _region_text(region: rooms.PlanarWorkspace, angles: Angles) -> str:
+    areas = [(name, part.area) for name, part in _parts(region).items()]
+    total = region.boundary.area
+    table = tables.grid(
+        ["region", "area [m2]", "share [%]"],
+        [[name, f"{area:.6f}", f"{100.0 * area / total:.1f}"] for name, area in areas],
+        left=["region"],
+    )
+    rows = [
+        [
+            name,
+            *(tables.number(float(x), 6) for x in (*arc.centre, arc.radius)),
+            *(tables.number(float(angles.angle(x)), 4) for x in (arc.start, arc.start + arc.sweep)),
+            arc.name,
+        ]
+        for name, part in _parts(region).items()
+        for arc in part.arcs
+    ]
+    header = ["arc of", "x [m]", "y [m]", "radius [m]", f"from [{angles.unit}]", f"to [{angles.unit}]", "where"]
+    head = f"{region.name}: exact workspace of two turning joints, links {region.lengths[0]:g} and "
+    return tables.render(
+        f"{head}{region.lengths[1]:g} m",
+        "",
+        table,
+        "",
+        tables.grid(header, rows, left=["arc of", "where"]),
+    )
+
+
+def _parts(region: rooms.PlanarWorkspace) -> dict[str, rooms.Region]:
+    return {"either elbow": region.boundary, **region.regions, "both, two solutions": region.overlap}
+
+
+def _region_json(region: rooms.PlanarWorkspace) -> str:
+    return console.json_text(
+        {
+            "robot": region.name,
+            "lengths": region.lengths,
+            "axes": region.plane.axes,
+            "units": {"angle": "rad", "length": "m"},
+            "regions": {
+                name: {
+                    "area": part.area,
+                    "arcs": [
+                        {"centre": arc.centre, "radius": arc.radius, "start": arc.start, "sweep": arc.sweep}
+                        for arc in part.arcs
+                    ],
+                }
+                for name, part in _parts(region).items()
+            },
+        }
+    )
+
+
+def _map_text(found: rooms.WorkspaceMap, output: Path | None) -> str:
+    about, unit = found.about, "m2" if found.about.task.startswith("planar") else "m3"
+    counts = found.counts
+    reached = int((counts > 0).sum())
+    shape = " x ".join(map(str, found.grid.shape))
+    lines = [
+        f"{about.robot}: {about.base} to {about.tip}, {about.task}",
+        f"{shape} voxels of {found.grid.voxel:g} m, {len(found.samples)} at each: {about.sampled}",
+        f"reached: {reached} of {counts.size} poses, {int(found.reached.sum())} of {found.grid.count} voxels",
+        f"volume: {found.volume:.4f} {unit}, in every orientation {found.dexterous_volume:.4f} {unit}",
+    ]
+    names = {"solutions": "solutions", "within": "within limits", "free": "free of self-collision"}
+    for name, words in names.items():
+        if (stored := getattr(found, name)) is not None:
+            lines.append(f"{words}: {int(stored.sum(dtype=np.int64))}")
+    if output is not None:
+        lines.append(f"map written to {output}")
+    rows = [
+        [name, f"{100.0 * share.voxels:.1f}", f"{100.0 * share.poses:.1f}"]
+        for name, share in found.branch_shares().items()
+    ]
+    table = tables.grid(["branch", "voxels [%]", "poses [%]"], rows, left=["branch"])
+    return tables.render(*lines, "", table)
+
+
+def _map_json(found: rooms.WorkspaceMap) -> str:
+    about = found.about
+    return console.json_text(
+        {
+            "robot": about.robot,
+            "urdf_sha256": about.urdf_sha256,
+            "task": about.task,
+            "counted": about.counted,
+            "grid": {"lower": found.grid.lower, "voxel": found.grid.voxel, "shape": list(found.grid.shape)},
+            "poses": {"all": found.counts.size, "reached": int((found.counts > 0).sum())},
+            "voxels": {"all": found.grid.count, "reached": int(found.reached.sum())},
+            "volume": found.volume,
+            "dexterous_volume": found.dexterous_volume,
+            "branches": {name: share._asdict() for name, share in found.branch_shares().items()},
+        }
+    )

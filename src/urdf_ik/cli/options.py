@@ -1,0 +1,270 @@
+"""Arguments and options of the commands of ``urdf-ik``."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import IO, Annotated
+
+import typer
+from typer import Argument, Option
+
+from urdf_ik import __version__
+
+
+class Format(StrEnum):
+    """Output of solutions and poses."""
+
+    TABLE = "table"
+    JSON = "json"
+    CSV = "csv"
+    NPZ = "npz"
+
+
+class ReportFormat(StrEnum):
+    """Output of reports."""
+
+    TABLE = "table"
+    JSON = "json"
+
+
+class Picture(StrEnum):
+    """What is drawn."""
+
+    ARM = "arm"
+    BRANCHES = "branches"
+    OVERLAY = "overlay"
+    LIMITS = "limits"
+    WORKSPACE = "workspace"
+    SLIDERS = "sliders"
+
+
+class Value(StrEnum):
+    """What a layer of a workspace map shows."""
+
+    REACH = "reach"
+    SOLUTIONS = "solutions"
+    MANIPULABILITY = "manipulability"
+    MARGIN = "margin"
+
+
+class DHFormat(StrEnum):
+    """Output of Denavit-Hartenberg tables."""
+
+    TABLE = "table"
+    JSON = "json"
+    CSV = "csv"
+    URDF = "urdf"
+
+
+# What every command takes.
+Robot = Annotated[
+    str, Argument(metavar="ROBOT", help="URDF file, a catalogue name (zyyzyz_6r, dh_6r, ur5, ...), or - for stdin.")
+]
+Base = Annotated[str | None, Option("--base", metavar="LINK", help="Base link; poses are given in its frame.")]
+Tip = Annotated[str | None, Option("--tip", metavar="LINK", help="Tip link, whose pose is meant.")]
+MeshRoot = Annotated[
+    list[Path] | None,
+    Option(
+        "--mesh-root",
+        metavar="DIR",
+        exists=True,
+        file_okay=False,
+        help="Where meshes may be read from; repeatable.",
+    ),
+]
+Degrees = Annotated[bool, Option("--degrees", help="Angles in degrees, in and out, instead of rad.")]
+Lock = Annotated[
+    list[str] | None,
+    Option("--lock", metavar="NAME=VALUE", help="Hold a joint there: rad or m, or 30deg; repeatable."),
+]
+Output = Annotated[Path | None, Option("--output", "-o", metavar="FILE", help="Write here instead of stdout.")]
+DataFormat = Annotated[
+    Format | None, Option("--format", "-f", help="Default: by the name of --output, else table.", show_default=False)
+]
+TextFormat = Annotated[ReportFormat, Option("--format", "-f", help="How to print it.")]
+Seed = Annotated[int, Option("--seed", min=0, help="Seed of everything that is drawn.")]
+
+# Joint vectors of fk.
+Vectors = Annotated[list[str] | None, Option("--q", metavar="Q1,Q2,...", help="Joint vector, rad or m; repeatable.")]
+VectorFile = Annotated[
+    str | None, Option("--file", metavar="FILE", help="Joint vectors: csv, json, npy, npz, or - for stdin.")
+]
+
+# Targets of ik.
+Position = Annotated[str | None, Option("--xyz", metavar="X,Y,Z", help="Position of the tip [m].")]
+QuatXyzw = Annotated[str | None, Option("--quat-xyzw", metavar="X,Y,Z,W", help="Orientation, scalar last.")]
+QuatWxyz = Annotated[str | None, Option("--quat-wxyz", metavar="W,X,Y,Z", help="Orientation, scalar first.")]
+Rpy = Annotated[str | None, Option("--rpy", metavar="R,P,Y", help="Roll, pitch, yaw about fixed x, y, z.")]
+Rotvec = Annotated[str | None, Option("--rotvec", metavar="X,Y,Z", help="Rotation axis times angle.")]
+Planted = Annotated[
+    list[str] | None, Option("--q", metavar="Q1,Q2,...", help="The tip at this joint vector; repeatable.")
+]
+PoseFile = Annotated[str | None, Option("--poses", metavar="FILE", help="Poses from a file, or - for stdin.")]
+Random = Annotated[int | None, Option("--random", metavar="N", min=1, help="N poses of random joint vectors.")]
+
+Redundancy = Annotated[
+    str | None,
+    Option(
+        "--redundancy",
+        metavar="V1,V2,...",
+        help="Of seven joints: solve each pose at these values of the parameter that `info` names. "
+        "Default: what it is at the joint vector that a pose was made of, else the arm's default.",
+        show_default=False,
+    ),
+]
+
+# What becomes of the solutions of ik.
+Turns = Annotated[bool, Option("--turns", help="Add the +-2 pi images inside the limits.")]
+WithinLimits = Annotated[bool, Option("--within-limits", help="Keep those inside the limits.")]
+CollisionFree = Annotated[bool, Option("--collision-free", help="Keep those free of self-collision.")]
+Nearest = Annotated[
+    str | None, Option("--nearest", metavar="Q1,Q2,...", help="Keep the one nearest to this joint vector.")
+]
+Checked = Annotated[
+    bool | None,
+    Option(
+        "--check/--no-check",
+        help="Pinocchio's error and self-collision of each solution, or leave Pinocchio out. "
+        "Default: both up to 20 poses, beyond that only the error.",
+        show_default=False,
+    ),
+]
+
+# What check compares.
+Count = Annotated[int, Option("-n", "--poses", min=1, help="Number of random poses.")]
+Complete = Annotated[
+    bool,
+    Option(
+        "--complete",
+        help="Instead: look for solutions in a second way too, for N random poses and N near singularities.",
+    ),
+]
+Collision = Annotated[
+    bool | None,
+    Option(
+        "--collision/--no-collision",
+        help="Compare collision checks, too. Default: where the URDF has collision shapes that can be read.",
+        show_default=False,
+    ),
+]
+
+
+# The two arms of compare.
+RobotA = Annotated[str, Argument(metavar="A", help="URDF file, a catalogue name, or - for stdin: the arm before.")]
+RobotB = Annotated[str, Argument(metavar="B", help="The same for the other arm, the one after.")]
+BaseA = Annotated[str | None, Option("--base-a", metavar="LINK", help="Base link of A.")]
+TipA = Annotated[str | None, Option("--tip-a", metavar="LINK", help="Tip link of A.")]
+LockA = Annotated[list[str] | None, Option("--lock-a", metavar="NAME=VALUE", help="Hold a joint of A; repeatable.")]
+BaseB = Annotated[str | None, Option("--base-b", metavar="LINK", help="Base link of B.")]
+TipB = Annotated[str | None, Option("--tip-b", metavar="LINK", help="Tip link of B.")]
+LockB = Annotated[list[str] | None, Option("--lock-b", metavar="NAME=VALUE", help="Hold a joint of B; repeatable.")]
+Each = Annotated[int, Option("-n", "--poses", min=1, help="Number of random poses that each arm makes.")]
+
+
+# Tables.
+TableOrRobot = Annotated[
+    str, Argument(metavar="FILE", help="URDF file, a catalogue name, - for a URDF on stdin, or a table: .csv or .json.")
+]
+Convention = Annotated[
+    str | None,
+    Option(
+        "--convention",
+        metavar="standard|modified",
+        help="Convention of what is printed; also of a table file that does not say its own. "
+        "Default: the table's own, standard for a URDF.",
+    ),
+]
+Snap = Annotated[
+    float | None,
+    Option(
+        "--snap",
+        metavar="TOLERANCE",
+        min=0.0,
+        help="Take neighbouring axes that are nearer than this to parallel [rad] or to meeting [share of the arm's "
+        "size] for exactly so. Default: the URDF as written.",
+    ),
+]
+TableFormat = Annotated[
+    DHFormat | None, Option("--format", "-f", help="Default: by the name of --output, else table.", show_default=False)
+]
+
+# Workspaces.
+Voxel = Annotated[
+    float | None, Option("--voxel", metavar="M", help="Edge of a voxel [m]. Default: 0.1.", show_default=False)
+]
+Orientations = Annotated[
+    int | None,
+    Option("--orientations", metavar="N", min=1, help="Of them at each voxel. Default: 200.", show_default=False),
+]
+Bounds = Annotated[
+    str | None,
+    Option("--bounds", metavar="X0,Y0,Z0,X1,Y1,Z1", help="Box to look at [m]. Default: all that the links reach."),
+]
+MapFree = Annotated[bool, Option("--collision-free", help="Count those free of self-collision, too; slow.")]
+Manipulability = Annotated[bool, Option("--manipulability", help="Keep each pose's greatest manipulability.")]
+Margin = Annotated[bool, Option("--margin", help="Keep each pose's greatest limit margin.")]
+Threads = Annotated[int, Option("--threads", min=1, help="Threads that solve.")]
+MapFile = Annotated[Path | None, Option("--output", "-o", metavar="FILE", help="Write the map here, as .npz.")]
+
+# Pictures.
+What = Annotated[Picture, Argument(metavar="[WHAT]", help="arm, branches, overlay, limits, workspace or sliders.")]
+At = Annotated[
+    str | None, Option("--q", metavar="Q1,Q2,...", help="Joint vector: the posture, or the tip's pose to solve.")
+]
+Shapes = Annotated[bool, Option("--shapes/--no-shapes", help="The shapes of the links, too, meshes among them.")]
+Map = Annotated[
+    Path | None, Option("--map", metavar="FILE", help="Map that `urdf-ik workspace -o` wrote, to cut a layer from.")
+]
+Across = Annotated[str, Option("--axis", metavar="x|y|z", help="Axis that the layer of the workspace lies across.")]
+Layer = Annotated[float, Option("--at", metavar="M", help="Where on that axis [m].")]
+Shown = Annotated[Value, Option("--show", help="Value of a layer's voxels.")]
+PictureFile = Annotated[
+    Path | None,
+    Option("--output", "-o", metavar="FILE", help="PNG, SVG or PDF. Default: a window.", show_default=False),
+]
+
+
+def print_version(wanted: bool) -> None:
+    """Print the version and leave, where that is wanted."""
+    if wanted:
+        typer.echo(f"urdf-ik {__version__}")
+        raise typer.Exit
+
+
+Version = Annotated[
+    bool, Option("--version", callback=print_version, is_eager=True, help="Print the version and leave.")
+]
+
+# Where the viewer listens.
+Host = Annotated[
+    str, Option("--host", metavar="ADDRESS", help="Listen there; 0.0.0.0 lets everybody in the network in.")
+]
+Port = Annotated[
+    int | None,
+    Option("--port", metavar="PORT", help="Default: 8080, or the first free one after it.", show_default=False),
+]
+Page = Annotated[
+    Path | None, Option("--output", "-o", metavar="FILE", help="Write the scene there as one HTML page, and leave.")
+]
+
+
+def is_terminal(stream: IO[str] | None) -> bool:
+    """Whether a person reads there; a stream that was closed before the program began is None."""
+    return stream is not None and stream.isatty()
+
+
+def format_for(chosen: Format | None, output: Path | None, *, terminal: bool) -> Format:
+    """The format that was asked for, by the file's name where none was.
+
+    Raises:
+        typer.BadParameter: binary data would go to a terminal.
+    """
+    if chosen is None:
+        suffix = "" if output is None else output.suffix.lstrip(".").lower()
+        chosen = Format(suffix) if suffix in tuple(Format) else Format.TABLE
+    if chosen is Format.NPZ and output is None and terminal:
+        raise typer.BadParameter(
+            "npz is binary: give --output FILE, or redirect standard output", param_hint="--format"
+        )
+    return chosen

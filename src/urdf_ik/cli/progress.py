@@ -1,0 +1,70 @@
+"""Progress of long work on standard error; short work leaves nothing there."""
+
+from __future__ import annotations
+
+import sys
+import threading
+import time
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+from urdf_ik.cli.options import is_terminal
+
+if TYPE_CHECKING:
+    from rich.progress import Progress as Bar
+    from rich.progress import TaskID
+
+BAR_AFTER = 0.5
+WORD_AFTER = 2.0
+WORD_EVERY = 5.0
+
+
+class Progress:
+    """A bar on a terminal, else a line every few seconds; ``tick(done, total)`` moves it."""
+
+    def __init__(self, what: str, waiting: str) -> None:
+        """``what`` heads the bar; ``waiting`` is said once when nothing has moved for two seconds."""
+        self._what = what
+        self._waiting = waiting
+        self._start = time.monotonic()
+        self._next_word = self._start + WORD_AFTER
+        self._bar: Bar | None = None
+        self._task: TaskID | None = None
+        self._timer = threading.Timer(WORD_AFTER, self._say, args=(f"{waiting} ...",))
+        self._timer.daemon = True
+
+    def __enter__(self) -> Progress:
+        self._timer.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._timer.cancel()
+        if self._bar is not None:
+            self._bar.stop()
+
+    def tick(self, done: int, total: int) -> None:
+        """Show that ``done`` of ``total`` steps are behind us."""
+        self._timer.cancel()
+        now = time.monotonic()
+        if is_terminal(sys.stderr):
+            if now - self._start > BAR_AFTER:
+                self._move_bar(done, total)
+        elif now > self._next_word:
+            self._next_word = now + WORD_EVERY
+            self._say(f"{self._what}: {done} of {total}")
+
+    def _move_bar(self, done: int, total: int) -> None:
+        if self._bar is None or self._task is None:
+            from rich.console import Console
+            from rich.progress import Progress as Bar
+
+            self._bar = Bar(console=Console(stderr=True), transient=True)
+            self._task = self._bar.add_task(self._what, total=total)
+            self._bar.start()
+        self._bar.update(self._task, completed=done, total=total)
+
+    @staticmethod
+    def _say(line: str) -> None:
+        print(line, file=sys.stderr, flush=True)

@@ -1,0 +1,155 @@
+"""Where the poses of ``urdf-ik ik`` come from: typed, planted, read, drawn, or the arm's example."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik.cli import console, free_value
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.arm import Arm
+    from urdf_ik.cli.chosen_arm import TypedPose
+    from urdf_ik.cli.console import Angles
+
+ORIENTATIONS: Mapping[str, tuple[str, ...]] = {
+    "--quat-xyzw": ("x", "y", "z", "w"),
+    "--quat-wxyz": ("w", "x", "y", "z"),
+    "--rpy": ("roll", "pitch", "yaw"),
+    "--rotvec": ("rx", "ry", "rz"),
+}
+# The example is drawn from the middle of each joint's range, where its joint values are easy to picture.
+EXAMPLE_DRAWS = 256
+EXAMPLE_SHARE = 0.6
+
+
+@dataclass(frozen=True)
+class Target:
+    """Poses (N, 4, 4) to solve, and a sentence on where they come from.
+
+    ``redundancy``: (N,) rad or m, the redundancy parameter of each; None: the arm's default, or none to give.
+    """
+
+    poses: NDArray[np.float64]
+    note: str
+    redundancy: NDArray[np.float64] | None = None
+
+
+@dataclass(frozen=True)
+class Asked:
+    """The target options as typed; None where one was not given."""
+
+    typed: TypedPose
+    q: Sequence[str]
+    poses: str | None
+    random: int | None
+    seed: int
+
+
+def target(arm: Arm, asked: Asked, angles: Angles) -> Target:
+    """The poses that were asked for.
+
+    Raises:
+        typer.BadParameter: options that exclude each other, or values that are no pose.
+    """
+    oriented = [option for option, text in asked.typed.orientations.items() if text is not None]
+    given = {
+        "--xyz": asked.typed.xyz is not None or bool(oriented),
+        "--q": bool(asked.q),
+        "--poses": asked.poses is not None,
+        "--random": asked.random is not None,
+    }
+    chosen = [option for option, there in given.items() if there]
+    if len(chosen) > 1:
+        raise console.usage(f"{' and '.join(chosen)} exclude each other; give one kind of target")
+    if not chosen:
+        return _example(arm, angles, asked.seed)
+    if asked.q:
+        return _planted(arm, asked.q, angles)
+    if asked.poses is not None:
+        poses = console.read_poses(asked.poses, "--poses")
+        return Target(poses, f"poses: {len(poses)} from {console.place(asked.poses)}")
+    if asked.random is not None:
+        note = f"poses: {asked.random} of random joint vectors inside the limits, seed {asked.seed}"
+        return _of_vectors(arm, _draws(arm, asked.random, asked.seed), note)
+    return _typed(asked.typed, oriented, angles)
+
+
+def spread(arm: Arm, target: Target, typed: str | None, angles: Angles) -> Target:
+    """``target`` with the values of the redundancy parameter: each pose at every value typed, else as it is.
+
+    Raises:
+        typer.BadParameter: values that are none, or an arm without such a parameter.
+    """
+    if typed is None:
+        return target
+    parameter = arm.redundancy
+    if parameter is None:
+        raise console.usage(f"this arm's {arm.dof} joints leave nothing free in a pose", "--redundancy")
+    values = console.numbers(typed, "--redundancy", ["value"] * len(typed.replace(",", " ").split()))
+    if not len(values):
+        raise console.usage(f"a value is needed, of the {parameter}", "--redundancy")
+    values = np.deg2rad(values) if angles.degrees and parameter.unit == "rad" else values
+    poses = np.repeat(target.poses, len(values), axis=0)
+    return replace(target, poses=poses, redundancy=np.tile(values, len(target.poses)))
+
+
+def _typed(typed: TypedPose, oriented: Sequence[str], angles: Angles) -> Target:
+    from urdf_ik.poses import pose
+
+    if typed.xyz is None:
+        raise console.usage(f"{oriented[0]} needs a position with it: --xyz x,y,z", "--xyz")
+    if len(oriented) != 1:
+        raise console.usage(
+            f"--xyz needs one orientation with it, of {', '.join(ORIENTATIONS)}; "
+            f"{' and '.join(oriented) if oriented else 'none'} given",
+            "--xyz",
+        )
+    option = oriented[0]
+    position = console.numbers(typed.xyz, "--xyz", ("x", "y", "z"))
+    values = console.numbers(str(typed.orientations[option]), option, ORIENTATIONS[option])
+    if angles.degrees and not option.startswith("--quat"):
+        values = np.deg2rad(values)
+    T = pose(position, **{option.removeprefix("--").replace("-", "_"): values})
+    return Target(T.reshape(1, 4, 4), "target: as typed")
+
+
+def _planted(arm: Arm, typed: Sequence[str], angles: Angles) -> Target:
+    q = angles.typed(np.array([console.numbers(text, "--q", arm.joint_names) for text in typed]))
+    return _of_vectors(arm, q, "target: the tip at the joint vector that was given")
+
+
+def _of_vectors(arm: Arm, q: NDArray[np.float64], note: str) -> Target:
+    """The poses of joint vectors (N, n), with what the redundancy parameter is there."""
+    return Target(arm.fk(q), note, free_value.own_values(arm, q))
+
+
+def _example(arm: Arm, angles: Angles, seed: int) -> Target:
+    """The pose with most solutions among seeded draws, of joint values that are short to write."""
+    q = _draws(arm, EXAMPLE_DRAWS, seed, EXAMPLE_SHARE)
+    lower, upper = arm.limits.T
+    rounded = np.round(q, 1)
+    q = np.where((rounded >= lower) & (rounded <= upper), rounded, q)
+    solutions = arm.ik(arm.fk(q), redundancy=free_value.own_values(arm, q))
+    regular = (solutions.valid & (solutions.singular == 0)).sum(axis=-1)
+    inside = solutions.within_limits().valid.sum(axis=-1)
+    best = int(np.lexsort((-inside, -regular))[0])
+    shown = ",".join(f"{x:.6g}" for x in angles.shown(q[best]))
+    return _of_vectors(arm, q[best : best + 1], f"target: this arm's example, the tip at q = {shown}")
+
+
+def _draws(arm: Arm, count: int, seed: int, share: float = 1.0) -> NDArray[np.float64]:
+    """Joint vectors (count, n) from the middle ``share`` of the limits, within half a turn or a metre of zero."""
+    turning = np.array([kind != "prismatic" for kind in arm.chain.joint_types])
+    reach = np.where(turning, np.pi, 1.0)
+    lower, upper = np.clip(arm.limits.T, -reach, reach)
+    # A joint whose whole range lies beyond half a turn is left as it is: clipping would leave its limits.
+    outside = (arm.limits[:, 0] > reach) | (arm.limits[:, 1] < -reach)
+    lower, upper = np.where(outside, arm.limits[:, 0], lower), np.where(outside, arm.limits[:, 1], upper)
+    middle, half = 0.5 * (lower + upper), 0.5 * share * (upper - lower)
+    return middle + half * np.random.default_rng(seed).uniform(-1.0, 1.0, size=(count, len(lower)))

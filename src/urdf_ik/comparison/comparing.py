@@ -1,0 +1,161 @@
+"""Two arms, or two URDFs of one arm: what is different, and what it does to the solutions and to the tool."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik.comparison import asking
+from urdf_ik.comparison.report import AxisChange, Comparison, Fact, LimitChange, Side
+from urdf_ik.errors import UrdfIkError
+from urdf_ik.structure import sentences
+from urdf_ik.tolerances import DEFAULT
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from urdf_ik.arm import Arm
+
+    Array = NDArray[np.float64]
+
+_SAMPLES = 20_000
+
+
+def compare(
+    a: Arm, b: Arm, n: int = 200, seed: int = 0, *, progress: Callable[[int, int], None] | None = None
+) -> Comparison:
+    """What is different between two arms.
+
+    Both arms draw ``n`` joint vectors within their limits; both are asked for all poses that these make. Joints are
+    paired by name where both arms have the same names, else by their order from base to tip. Arms with different
+    numbers of joints, or of which one cannot be solved, are compared as far as that makes sense; ``notes`` tells in
+    words what was left out.
+
+    Args:
+        a: the first arm, such as the nominal one.
+        b: the second arm, such as the calibrated one.
+        n: number of poses that each arm makes.
+        seed: the same seed gives the same comparison.
+        progress: called with (steps done, steps).
+
+    Returns:
+        The comparison; ``print`` it, or take its fields.
+
+    Raises:
+        UrdfIkError: n is below 1, or the seed is negative.
+    """
+    if n < 1:
+        raise UrdfIkError(f"n = {n}: at least one pose must be compared")
+    if seed < 0:
+        raise UrdfIkError(f"seed = {seed}: a seed is zero or more")
+    notes: list[str] = []
+    order, reason = asking.paired(a, b)
+    if reason:
+        notes.append(f"axes, limits, joint differences and the tool error: {reason}")
+    first, second = asking.Drawn(a, n, seed), asking.Drawn(b, n, seed)
+    answers: list[asking.Answers] = []
+    try:
+        for drawn in (first, second):
+            answers.append(asking.Answers(a, b, drawn))
+            if progress is not None:
+                progress(len(answers), 2)
+    except UrdfIkError as error:
+        notes.append(f"reach, numbers of solutions and branches: {error}")
+    both = len(answers) == 2
+    if both:
+        notes += asking.cautions(a, b)
+    tried = answers[0].of_a if answers else first.q
+    axes = () if order is None else _axes(a, b, order)
+    signs = np.array([-1.0 if axis.flipped else 1.0 for axis in axes])
+    return Comparison(
+        a=_side(a),
+        b=_side(b),
+        n=n,
+        seed=seed,
+        structure=_structure(a, b),
+        axes=axes,
+        tip=asking.apart(a.fk(np.zeros(a.dof)), b.fk(np.zeros(b.dof))),
+        limits=() if order is None else _limits(a, b, order),
+        farthest=(_farthest(a, seed), _farthest(b, seed)),
+        reach=tuple(each.reach("AB"[k]) for k, each in enumerate(answers)) if both else (),
+        branches=answers[0].branches(order, signs) if both and order is not None else (),
+        tool=None if order is None else asking.tool_error(first.judge, second.judge, tried, order),
+        notes=tuple(notes),
+    )
+
+
+def _side(arm: Arm) -> Side:
+    prismatic = tuple(bool(slides) for slides in arm.chain.prismatic)
+    return Side(arm.name, arm.model.source, arm.base, arm.tip, arm.joint_names, prismatic)
+
+
+def _structure(a: Arm, b: Arm) -> tuple[Fact, ...]:
+    """What is known of the arms, and the relations between axes that are not the same."""
+
+    def known(arm: Arm) -> dict[str, str]:
+        structure = arm.structure
+        kinds = "".join("P" if slides else "R" for slides in arm.chain.prismatic)
+        words = {None: "not known", True: "yes", False: "no"}
+        facts = {
+            "joints": f"{arm.dof} ({kinds})",
+            "family": structure.family or "none that is solved",
+            "controls": arm.task,
+            "solutions at most": str(structure.max_solutions),
+            "cuspidal": words[structure.cuspidal],
+        }
+        if structure.family:
+            facts["exact"] = "yes" if structure.is_exact or structure.is_general else _off(arm)
+        if arm.redundancy is not None:
+            facts["free"] = f"{arm.redundancy.kind}, {arm.redundancy.joint}"
+        return facts
+
+    def related(arm: Arm) -> dict[str, str]:
+        out = {}
+        for relation in (*arm.structure.triples, *arm.structure.pairs):
+            axes, _, what = str(relation).partition(" are " if " are " in str(relation) else " meet ")
+            out[axes] = what if " are " in str(relation) else f"meet {what}"
+        return out
+
+    left, right = known(a), known(b)
+    facts = [Fact(what, left.get(what, "-"), right.get(what, "-")) for what in {**left, **right}]
+    left, right = related(a), related(b)
+    relations = [Fact(what, left.get(what, "-"), right.get(what, "-")) for what in {**left, **right}]
+    return (*facts, *(fact for fact in relations if not fact.same))
+
+
+def _off(arm: Arm) -> str:
+    angle, distance = arm.structure.imperfection
+    if max(angle, distance) == 0.0:
+        return sentences.imperfection(arm.structure)
+    return f"off by {angle:.2g} rad, {distance:.2g} m"
+
+
+def _axes(a: Arm, b: Arm, order: list[int]) -> tuple[AxisChange, ...]:
+    out = []
+    for i, k in enumerate(order):
+        u, v = a.chain.H[i], b.chain.H[k]
+        angle = float(np.arctan2(np.linalg.norm(np.cross(u, v)), u @ v))
+        slides = bool(a.chain.prismatic[i])
+        distance = 0.0 if slides else float(np.linalg.norm(np.cross(a.chain.points[i] - b.chain.points[k], v)))
+        flipped = angle > np.pi - DEFAULT.near_angle
+        out.append(AxisChange(a.joint_names[i], b.joint_names[k], angle, distance, flipped))
+    return tuple(out)
+
+
+def _limits(a: Arm, b: Arm, order: list[int]) -> tuple[LimitChange, ...]:
+    def bounds(arm: Arm, i: int) -> tuple[float, float]:
+        lower, upper = arm.limits[i]
+        return float(lower), float(upper)
+
+    return tuple(
+        LimitChange(a.joint_names[i], b.joint_names[k], bounds(a, i), bounds(b, k)) for i, k in enumerate(order)
+    )
+
+
+def _farthest(arm: Arm, seed: int) -> float:
+    """Greatest distance of the tip from the base's origin over sampled joint vectors."""
+    Q = asking.Drawn(arm, _SAMPLES, seed).q
+    return float(np.linalg.norm(arm.fk(Q)[:, :3, 3], axis=1).max())

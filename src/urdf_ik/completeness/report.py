@@ -1,0 +1,183 @@
+"""What a comparison of two ways to all solutions found."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+from urdf_ik.crosscheck.properties import EXACT
+from urdf_ik.crosscheck.report import plain
+
+if TYPE_CHECKING:
+    from urdf_ik.completeness.sameness import Unmatched
+
+SOLVER, SECOND, BOTH = "the solver", "the second way", "both"
+
+_HEADER = ("poses", "number", "solver", "second way", "one double root", "one continuum", "differences")
+
+
+@dataclass
+class Group:
+    """The poses at one distance from a singularity.
+
+    Attributes:
+        near: how far [rad] from a singularity they were planted; None: random ones.
+        poses: how many.
+        solver: solutions that the arm's solver found.
+        second: solutions that the second way found.
+        double_roots: solutions of one that are a double root of the other.
+        continua: representatives of a continuum that the other represents elsewhere.
+        differences: solutions that only one of them has, and planted joint vectors that neither has.
+    """
+
+    near: float | None
+    poses: int = 0
+    solver: int = 0
+    second: int = 0
+    double_roots: int = 0
+    continua: int = 0
+    differences: int = 0
+
+    def add(self, solver: int, second: int, answer: Unmatched) -> None:
+        """Count one pose."""
+        self.poses += 1
+        self.solver += solver
+        self.second += second
+        self.double_roots += answer.double_roots
+        self.continua += answer.continua
+        self.differences += len(answer.only_first) + len(answer.only_second) + answer.planted_lost
+
+    def cells(self) -> tuple[str, ...]:
+        """The row of a table."""
+        place = "random" if self.near is None else f"{self.near:.0e} rad from a singularity"
+        numbers = self.poses, self.solver, self.second, self.double_roots, self.continua, self.differences
+        return place, *map(str, numbers)
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One solution that not both ways found.
+
+    Attributes:
+        index: number of the pose.
+        near: how far [rad] from a singularity it was planted; None: a random one.
+        planted: (6,) rad, the joint vector that made it.
+        q: (6,) rad, the solution.
+        missed_by: ``SOLVER``, ``SECOND``, or ``BOTH``, which is said of planted joint vectors.
+        branch: its branch, or what else it is called.
+        nearest: largest angle [rad] to the nearest other solution of the pose; infinite where there is none.
+        sigma_min: smallest singular value of the Jacobian there, lengths as shares of the arm's size.
+        position_error: [m] under Pinocchio.
+        rotation_error: [rad] under Pinocchio.
+    """
+
+    index: int
+    near: float | None
+    planted: tuple[float, ...]
+    q: tuple[float, ...]
+    missed_by: str
+    branch: str
+    nearest: float
+    sigma_min: float
+    position_error: float
+    rotation_error: float
+
+    @property
+    def counts(self) -> bool:
+        """Whether it speaks against the solver: a solution that it missed, or one that does not hold."""
+        return self.missed_by != SECOND or max(self.position_error, self.rotation_error) > EXACT
+
+    def place(self) -> str:
+        """The pose, in words."""
+        where = "random" if self.near is None else f"{self.near:.0e} rad from a singularity"
+        return f"pose {self.index}, {where}, planted q = [{', '.join(map(repr, self.planted))}]"
+
+    def __str__(self) -> str:
+        return (
+            f"missed by {self.missed_by}: {self.branch}, nearest other {self.nearest:.1e} rad, "
+            f"sigma_min {self.sigma_min:.1e}, error {self.position_error:.1e} m, {self.rotation_error:.1e} rad, "
+            f"q = [{', '.join(map(repr, self.q))}]"
+        )
+
+
+@dataclass(frozen=True)
+class Completeness:
+    """Two ways to all solutions of an arm, compared.
+
+    Attributes:
+        robot: the robot's name.
+        base: base link.
+        tip: tip link.
+        joint_names: joints of a joint vector, base to tip.
+        n: number of random poses, and of poses near singularities.
+        seed: seed of the joint vectors that made them.
+        judge: who measured the errors, with the version.
+        solver: the arm's solver.
+        second: what it was compared with.
+        groups: counts by distance from a singularity, random ones first.
+        differences: every one.
+    """
+
+    robot: str
+    base: str
+    tip: str
+    joint_names: tuple[str, ...]
+    n: int
+    seed: int
+    judge: str
+    solver: str
+    second: str
+    groups: tuple[Group, ...]
+    differences: tuple[Difference, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing speaks against the solver.
+
+        It must have every solution that the second way found and every planted joint vector, and what only it has must
+        reach the pose under Pinocchio. What the second way missed is reported, but no fault of the solver.
+        """
+        return not any(difference.counts for difference in self.differences)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The report as plain lists, numbers and text; infinite numbers are the text 'inf'."""
+        out: dict[str, Any] = plain(asdict(self))
+        return {"passed": self.passed, **out}
+
+    def to_json(self) -> str:
+        """:meth:`to_dict` as strict JSON."""
+        return json.dumps(self.to_dict(), indent=2, allow_nan=False) + "\n"
+
+    def __str__(self) -> str:
+        table = [_HEADER, *(group.cells() for group in self.groups)]
+        widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+        lines = [
+            "  ".join(
+                cell.rjust(width) if i else cell.ljust(width)
+                for i, (cell, width) in enumerate(zip(cells, widths, strict=True))
+            ).rstrip()
+            for cells in table
+        ]
+        lines.insert(1, "  ".join("-" * width for width in widths))
+        title = f"{self.robot}, {self.base} to {self.tip}: all solutions by two ways, seed {self.seed}, {self.judge}"
+        ways = [f"solver:     {self.solver}", f"second way: {self.second}"]
+        return "\n".join([title, *ways, "", *lines, "", *self._details(), self.verdict()])
+
+    def _details(self) -> list[str]:
+        """Every difference under its pose, those that speak against the solver first."""
+        lines, pose = [], None
+        for difference in sorted(self.differences, key=lambda d: (not d.counts, d.index)):
+            if (difference.counts, difference.index) != pose:
+                pose = difference.counts, difference.index
+                lines.append(difference.place())
+            lines.append(f"    {difference}")
+        return [*lines, ""] if lines else []
+
+    def verdict(self) -> str:
+        """The last line: who missed how many."""
+        poses = sum(group.poses for group in self.groups)
+        missed = [difference.missed_by for difference in self.differences]
+        parts = [f"{missed.count(who)} missed by {who}" for who in (SOLVER, SECOND, BOTH) if who in missed]
+        verdict = "PASSED" if self.passed else "FAILED"
+        return f"{verdict}: {poses} poses, {', '.join(parts) or 'no difference'}"

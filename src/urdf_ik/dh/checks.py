@@ -1,0 +1,155 @@
+"""What a Denavit-Hartenberg table must hold, checked with errors that name row, column and value."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.errors import DHError, PoseError
+from urdf_ik.poses import check_poses
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from urdf_ik.dh.table import DHTable
+
+    Array = NDArray[np.float64]
+
+CONVENTIONS = ("standard", "modified")
+COLUMNS = ("alpha", "a", "d", "theta")
+JOINT_TYPES = ("revolute", "continuous", "prismatic")
+LETTERS = {"R": "revolute", "C": "continuous", "P": "prismatic"}
+
+
+def check(table: DHTable) -> None:
+    """Check every field of the table, and freeze its arrays.
+
+    Raises:
+        DHError: something is missing, of the wrong shape, not finite or senseless.
+    """
+    check_convention(table.convention)
+    n = table.alpha.size
+    if n == 0:
+        raise DHError("the table has no rows; one row a joint is needed")
+    for column in COLUMNS:
+        values = getattr(table, column)
+        if values.shape != (n,):
+            raise DHError(f"column {column!r} has the shape {values.shape}, {n} numbers are needed")
+        for row in np.flatnonzero(~np.isfinite(values)):
+            raise DHError(f"{values[row]} is no finite number", row=int(row) + 1, column=column)
+    joint_types_of(table.joint_types, n)
+    _check_names(table.joint_names, n)
+    _check_limits(table)
+    for name in ("base", "tool"):
+        transform(getattr(table, name), name)
+    if not isinstance(table.name, str) or not table.name.strip():
+        raise DHError(f"{table.name!r} is no name of a robot")
+    for array in (*(getattr(table, column) for column in COLUMNS), table.limits, table.base, table.tool):
+        array.setflags(write=False)
+
+
+def numbers(values: ArrayLike, field: str) -> Array:
+    """A copy of ``values`` as an array.
+
+    Raises:
+        DHError: they are no numbers.
+    """
+    try:
+        return np.array(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise DHError(f"{field!r} is no array of numbers: {error}") from None
+
+
+def check_convention(convention: Any) -> None:
+    """Refuse what is no convention.
+
+    Raises:
+        DHError: it is none of :data:`CONVENTIONS`.
+    """
+    if convention not in CONVENTIONS:
+        raise DHError(f"unknown convention {convention!r}; there are {' and '.join(CONVENTIONS)} (Craig's)")
+
+
+def joint_types_of(kinds: str | Sequence[str], n: int) -> tuple[str, ...]:
+    """Types of ``n`` joints from words, letters such as 'RRP', or nothing (all revolute).
+
+    Raises:
+        DHError: a word or letter that is none, or too many or too few of them.
+    """
+    if len(kinds) == 0:
+        return ("revolute",) * n
+    words = []
+    for row, kind in enumerate(kinds, start=1):
+        word = LETTERS.get(kind, kind)
+        if word not in JOINT_TYPES:
+            raise DHError(
+                f"unknown joint type {kind!r}; there are {', '.join(JOINT_TYPES)} ({', '.join(LETTERS)})",
+                row=row,
+                column="type",
+            )
+        words.append(word)
+    if len(words) != n:
+        raise DHError(f"{len(words)} joint types for {n} rows; one a row is needed")
+    return tuple(words)
+
+
+def table_array(rows: ArrayLike, columns: Sequence[str] = COLUMNS) -> Array:
+    """A writable array (n, number of columns) of numbers.
+
+    Raises:
+        DHError: a row has more or fewer columns, or an entry is no number.
+    """
+    try:
+        given = list(rows)  # type: ignore[arg-type]
+    except TypeError:
+        raise DHError(f"{rows!r} is no table; rows of {', '.join(columns)} are needed") from None
+    out = np.empty((len(given), len(columns)))
+    for i, row in enumerate(given):
+        values = np.atleast_1d(np.asarray(row, dtype=object))
+        if values.shape != (len(columns),):
+            raise DHError(f"{values.size} columns given, {len(columns)} are needed: {', '.join(columns)}", row=i + 1)
+        for k, value in enumerate(values):
+            try:
+                out[i, k] = float(value)
+            except (TypeError, ValueError):
+                raise DHError(f"{value!r} is no number", row=i + 1, column=columns[k]) from None
+    return out
+
+
+def transform(value: ArrayLike | None, name: str) -> Array:
+    """One pose (4, 4) of its own; the identity for None.
+
+    Raises:
+        DHError: it is no pose.
+    """
+    try:
+        T = np.eye(4) if value is None else check_poses(value).copy()
+    except PoseError as error:
+        raise DHError(f"{name} transform: {error}") from None
+    if T.shape != (4, 4):
+        raise DHError(f"{name} transform of shape {T.shape} given; one pose (4, 4) is needed")
+    return T
+
+
+def _check_names(names: Sequence[str], n: int) -> None:
+    if len(names) != n:
+        raise DHError(f"{len(names)} joint names for {n} rows; one a row is needed")
+    for row, name in enumerate(names, start=1):
+        if not isinstance(name, str) or not name.strip():
+            raise DHError(f"{name!r} is no name of a joint", row=row, column="name")
+        if name in names[: row - 1]:
+            raise DHError(f"{name!r} is the name of row {names.index(name) + 1}, too", row=row, column="name")
+
+
+def _check_limits(table: DHTable) -> None:
+    if table.limits.shape != (len(table.alpha), 2):
+        raise DHError(f"limits of shape {table.limits.shape} given; ({len(table.alpha)}, 2) is needed")
+    for row, (kind, (lower, upper)) in enumerate(zip(table.joint_types, table.limits, strict=True), start=1):
+        for column, value in (("lower", lower), ("upper", upper)):
+            if kind != "continuous" and not np.isfinite(value):
+                needs = "give both" if kind == "prismatic" else "give both, or neither for a continuous joint"
+                raise DHError(f"a {kind} joint needs a finite limit, not {value}; {needs}", row=row, column=column)
+        if lower > upper:
+            raise DHError(f"lower limit {lower} is above the upper one, {upper}", row=row, column="lower")

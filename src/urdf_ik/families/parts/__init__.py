@@ -1,0 +1,1 @@
+"""What families share: plans, the elimination's set-up, explanations."""

@@ -1,0 +1,246 @@
+"""What a family makes of an arm: its solver, its branches, and how far the arm is off."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.dh.frames import denavit_hartenberg
+from urdf_ik.tolerances import DEFAULT
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from urdf_ik._core import Solver
+    from urdf_ik.chain import Chain
+    from urdf_ik.chain.mimic import CoupledChain
+    from urdf_ik.chain.redundancy import Redundancy
+    from urdf_ik.dh.frames import DHFrames
+    from urdf_ik.structure import Structure
+
+    Array = NDArray[np.float64]
+
+# The eight branches of shoulder, elbow and wrist: the signs of their roots, and their names in the same order.
+SIGNS = np.array([[front, up, flip] for front in (1, -1) for up in (1, -1) for flip in (1, -1)], dtype=np.float64)
+NAMES = tuple(
+    f"shoulder {front}, elbow {up}, wrist {flip}"
+    for front in ("front", "back")
+    for up in ("up", "down")
+    for flip in ("noflip", "flip")
+)
+
+# Below this a cosine or sine of a twist is rounding of zero: eight units in the last place of 1.
+_ROUNDING = 2e-15
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A family's answer to an arm.
+
+    Attributes:
+        family: its name.
+        method: how it is solved, in words.
+        branches: names of the columns.
+        imperfection: (rad, m) of the relations that the family rests on.
+        error: greatest difference between the poses of the ideal arm and of the arm as written, over sampled
+            joint vectors [rad, share of size].
+        solver: the compiled solver.
+        explain: (pose (4, 4) without a solution) -> why there is none.
+        mirrored: whether the solver sees the chain from tip to base.
+        by_quartic: whether its branches are the roots of a quartic.
+        by_elimination: whether there is no closed form at all.
+    """
+
+    family: str
+    method: str
+    branches: tuple[str, ...]
+    imperfection: tuple[float, float]
+    error: float
+    solver: Solver
+    explain: Callable[[Array], str]
+    mirrored: bool = False
+    by_quartic: bool = False
+    by_elimination: bool = False
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether the arm as written is the ideal one, to rounding."""
+        return self.error <= DEFAULT.exact_structure
+
+
+@dataclass(frozen=True)
+class RedundantPlan:
+    """What solves an arm with seven joints, for given values of its redundancy parameter.
+
+    Attributes:
+        family: see ``Plan``, as method, branches, imperfection, error and solver.
+        parameter: what is given.
+        value_of: joint vectors (m, 7) -> their values (m,).
+        explain_at: (T (4, 4), value) -> why there is no solution.
+    """
+
+    family: str
+    method: str
+    branches: tuple[str, ...]
+    imperfection: tuple[float, float]
+    error: float
+    solver: Solver
+    parameter: Redundancy
+    value_of: Callable[[Array], Array]
+    explain_at: Callable[[Array, float], str]
+
+
+def cheapest(plans: Iterable[Plan]) -> Plan:
+    """The first exact one of plans, made as they are asked for; else the one with the least error.
+
+    A quartic is no help to an arm that it does not fit exactly: its roots part with the root of the error.
+    """
+    made: list[Plan] = []
+    for plan in plans:
+        if plan.is_exact:
+            return plan
+        made.append(plan)
+    return min(made, key=lambda plan: (plan.by_quartic, plan.error))
+
+
+def ideal_frames(
+    chain: Chain,
+    directions: Array,
+    points: Array,
+    parallel: Sequence[bool],
+    meet: Sequence[bool],
+) -> tuple[DHFrames, float]:
+    """DH frames of the ideal arm, and how far its poses are from those of the arm as written."""
+    # Measured from the first axis: how far from its base the arm is mounted has no part in its structure.
+    mount = chain.P[0]
+    local = replace(chain, P=np.vstack([np.zeros(3), chain.P[1:]]))
+    home = np.eye(4)
+    home[:3, :3], home[:3, 3] = local.R_tip, local.P.sum(axis=0)
+    frames = denavit_hartenberg(directions, points - mount, home, parallel, meet)
+    Q = np.random.default_rng(0).uniform(-np.pi, np.pi, (12, chain.n))
+    apart = frames.fk(Q) - local.fk(Q)
+    apart[:, :3, 3] /= chain.size
+    frames.base[:3, 3] += mount
+    return frames, float(np.abs(apart).max())
+
+
+def written_values(chain: Chain) -> dict[str, Any]:
+    """The arm as the URDF has it, as the compiled solvers take it: the steps between frames on the joint axes."""
+    return {
+        "steps": chain.motion.steps,
+        "slides": chain.prismatic.astype(np.float64),
+        "size": chain.size,
+        "tolerances": DEFAULT.for_solvers(),
+    }
+
+
+def driven_values(chain: CoupledChain, units: Array) -> dict[str, Any]:
+    """The arm whose joints drive several axes each, as the compiled solvers take it.
+
+    Args:
+        chain: the arm.
+        units: (n,) rad or m, what the solver's scaled joints count in.
+    """
+    written = written_values(chain.axes)
+    return {
+        **{name: written[name] for name in ("steps", "slides", "tolerances")},
+        "size": chain.size,
+        "axes": chain.axes.n,
+        "gain": np.ascontiguousarray(chain.gain * units),
+        "unit": units,
+        "period": 2.0 * np.pi * chain.image_turns,
+    }
+
+
+def ideal_values(frames: DHFrames, error: float, signs: Array, size: float) -> dict[str, Any]:
+    """The ideal arm, as the compiled solvers of closed forms take it."""
+    base, tool = frames.base, frames.tool
+    exact = error <= DEFAULT.exact_structure
+    return {
+        "base_rotation": np.ascontiguousarray(base[:3, :3].T),
+        "base_origin": base[:3, 3].copy(),
+        "tool_rotation": np.ascontiguousarray(tool[:3, :3].T),
+        "tool_point": -tool[:3, :3].T @ tool[:3, 3],
+        "cos_alpha": snapped(np.cos(frames.alpha)),
+        "sin_alpha": snapped(np.sin(frames.alpha)),
+        "a": np.array(frames.a, dtype=np.float64),
+        "d": np.array(frames.d[:4], dtype=np.float64),
+        "offset": np.array(frames.offset, dtype=np.float64),
+        "steps": np.ascontiguousarray(np.array(frames.steps())[:, :3]),
+        "size": size,
+        "clamp": 100.0 * DEFAULT.fold if exact else 100.0 * DEFAULT.fold + 50.0 * error,
+        "imperfection": 0.0 if exact else error,
+        "signs": signs,
+    }
+
+
+def seen_in_frame_1(ideal: dict[str, Any], explain: Callable[[Array, Array], str]) -> Callable[[Array], str]:
+    """``Plan.explain`` from one that takes the target's rotation (3, 3) and solved point (3,) in the ideal frame 1."""
+
+    def explain_pose(T: Array) -> str:
+        R, base = T[:3, :3], ideal["base_rotation"]
+        point = base @ (R @ ideal["tool_point"] + T[:3, 3] - ideal["base_origin"])
+        return explain(base @ R @ ideal["tool_rotation"], point)
+
+    return explain_pose
+
+
+def compared(*lengths: float) -> tuple[str, ...]:
+    """Lengths in words that are compared with one another: six digits, or as many as tell them apart."""
+    different = len(set(lengths))
+    texts = (tuple(f"{length:.{digits}g}" for length in lengths) for digits in range(6, 18))
+    return next(each for each in texts if len(set(each)) == different)
+
+
+def distances_of(solver: Solver, rotation: Array, point: Array) -> Array:
+    """What a pose, seen from frame 1, asks of the distance of two axes [m]: one for each way that there is."""
+    seen = np.eye(4)
+    seen[:3, :3], seen[:3, 3] = rotation, point
+    distances: Array = np.array(solver.distances(seen))
+    finite: Array = distances[np.isfinite(distances)]
+    return finite
+
+
+def snapped(values: Array) -> Array:
+    """Values with the rounding of 0 and +-1 taken away."""
+    nearest = np.round(values)
+    return np.where(np.abs(values - nearest) < _ROUNDING, nearest, values)
+
+
+def imperfection(structure: Structure, parallel: Sequence[int], meet: Sequence[int]) -> tuple[float, float]:
+    """Greatest angle [rad] and distance [m] by which these pairs, named by their first axis, are off."""
+    angles = [structure.pairs[i - 1].off_angle for i in parallel]
+    distances = [structure.pairs[i - 1].off_distance for i in meet]
+    return max(angles, default=0.0), max(distances, default=0.0)
+
+
+def mean_direction(directions: Array) -> Array:
+    """Directions (k, 3) replaced by their common one, each with its own sign."""
+    signs = np.where(directions @ directions[0] < 0.0, -1.0, 1.0)
+    mean = (signs[:, None] * directions).sum(axis=0)
+    common: Array = signs[:, None] * (mean / np.linalg.norm(mean))
+    return common
+
+
+def straightened(structure: Structure, directions: Array) -> tuple[Array, list[bool]]:
+    """Directions (n, 3) with neighbours that are parallel, or nearly, made exactly so; and which those are."""
+    parallel = [structure.is_parallel(i) for i in range(1, len(directions))]
+    straight = directions.copy()
+    start = 0
+    for end in range(1, len(directions) + 1):
+        if end == len(directions) or not parallel[end - 1]:
+            straight[start:end] = mean_direction(directions[start:end])
+            start = end
+    return straight, parallel
+
+
+def method_in_words(steps: str, error: float) -> str:
+    """``steps``, with what is done about an imperfect arm."""
+    if error <= DEFAULT.exact_structure:
+        return f"Closed form: {steps}"
+    return f"Nearest ideal arm in closed form ({steps}), refined by Newton's method on the URDF as written"

@@ -1,0 +1,103 @@
+"""Seven joints, of which the first or the last is the redundancy parameter and the six others have a solver.
+
+Holding an end joint at a value moves the target and leaves the six-joint arm as it is: T' = E1(v)^-1 T for the first
+one, and the tip moved back by the last one. One plan therefore serves every value. Holding a joint in the middle
+would make another arm of every value, for which everything that is prepared at load would have to be prepared anew.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik._core import Solver
+from urdf_ik.chain.redundancy import locked_joint
+from urdf_ik.families.parts.elimination import doubts
+from urdf_ik.families.parts.plan import RedundantPlan
+from urdf_ik.structure import analyse
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from urdf_ik.chain import Chain
+    from urdf_ik.families.parts.plan import Plan
+    from urdf_ik.structure import Structure
+
+    Array = NDArray[np.float64]
+    Choose = Callable[[Structure, Chain], Plan | None]
+
+# Poses by which the eliminations of both ends are compared: some 10 ms for each end.
+_TRIED = 200
+
+
+def prepare(chain: Chain, choosers: Sequence[Choose]) -> RedundantPlan | None:
+    """The plan that holds the end joint whose six others have the cheaper solver; None where neither has one.
+
+    Args:
+        chain: seven joints.
+        choosers: find the plan of six joints, the cheaper plans first; what comes later is only asked for where
+            what comes before knows neither end.
+    """
+    ends = [(k, chain.lock({chain.joint_names[k]: 0.0})) for k in (6, 0)]
+    for choose in choosers:
+        plans = [(k, plan) for k, rest in ends if (plan := choose(analyse(rest), rest)) is not None]
+        if plans:
+            rests = dict(ends)
+            return _held(chain, *min(plans, key=lambda entry: _cost(entry[1], rests[entry[0]])))
+    return None
+
+
+def _cost(plan: Plan, chain: Chain) -> tuple[int, int]:
+    """Order of the solvers: exact closed form, exact quartic, near an ideal arm; of eliminations the surer one."""
+    if plan.by_elimination:
+        # What the elimination's first variant misses without a doubt is rare, and goes along with them.
+        return 3, doubts(plan.solver, chain.fk(np.random.default_rng(0).uniform(-np.pi, np.pi, (_TRIED, 6))))
+    return int(plan.by_quartic) if plan.is_exact else 2, 0
+
+
+def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
+    parameter = locked_joint(chain, k)
+    motion, turns, last = _motion_back(chain, k), not bool(chain.prismatic[k]), k > 0
+    values = {"motion": motion, "turns": turns, "last": last, "value": parameter.default, "solver": plan.solver}
+
+    def explain_at(T: Array, value: float) -> str:
+        back = np.eye(4)
+        back[:3] = np.tensordot([1.0, np.cos(value), np.sin(value)] if turns else [1.0, value, 0.0], motion, 1)
+        why = plan.explain(T @ back if last else back @ T)
+        return f"with {parameter.joint!r} at {value:.6g} {parameter.unit}: {why}"
+
+    return RedundantPlan(
+        family=f"7R, joint {k + 1} given: {plan.family}" if turns else f"6R on a slide: {plan.family}",
+        method=f"Joint {k + 1} ({parameter.joint}) is given, the six others are solved. {plan.method}",
+        branches=plan.branches,
+        imperfection=plan.imperfection,
+        error=plan.error,
+        solver=Solver("one joint given", values),
+        parameter=parameter,
+        value_of=lambda Q: parameter.wrapped(Q[:, k]),
+        explain_at=explain_at,
+    )
+
+
+def _motion_back(chain: Chain, k: int) -> Array:
+    """(3, 3, 4) the inverse of the motion of joint ``k``, in the base's frame or, of the last joint, in the tip's."""
+    h, p = chain.H[k], chain.points[k]
+    if k:
+        h, p = chain.R_tip.T @ h, chain.R_tip.T @ (p - chain.P.sum(axis=0))
+    motion = np.zeros((3, 3, 4))
+    if chain.prismatic[k]:
+        motion[0, :, :3] = np.eye(3)
+        motion[1, :, 3] = -h
+        return motion
+    x, y, z = h
+    along = np.outer(h, h)
+    # Rodrigues' formula for the angle's negative.
+    across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    for part, R in zip(motion, (along, np.eye(3) - along, -across), strict=True):
+        part[:, :3] = R
+        part[:, 3] = -R @ p
+    motion[0, :, 3] += p
+    return motion

@@ -1,0 +1,38 @@
+"""Pictures of an arm, its branches, limits and workspace; matplotlib is imported in this room alone.
+
+>>> import urdf_ik
+>>> from urdf_ik import plot
+>>> arm = urdf_ik.load("zyyzyz_6r")
+>>> figure = plot.branches(arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])))
+>>> plot.save(figure, "all_branches.png")
+
+Every function returns a ``matplotlib.figure.Figure`` that no window knows of: it is drawn without a display, and a
+notebook shows it. ``sliders`` opens a window; see :mod:`urdf_ik.plot.slider_panel`.
+"""
+
+from __future__ import annotations
+
+from urdf_ik.plot.pictures import (
+    SUFFIXES,
+    arm,
+    branches,
+    limits,
+    planar_workspace,
+    save,
+    workspace_slice,
+)
+from urdf_ik.plot.slider_panel import Sliders, interact, show, sliders
+
+__all__ = [
+    "SUFFIXES",
+    "Sliders",
+    "arm",
+    "branches",
+    "interact",
+    "limits",
+    "planar_workspace",
+    "save",
+    "show",
+    "sliders",
+    "workspace_slice",
+]

@@ -1,0 +1,221 @@
+"""Pictures of an arm, its branches, limits and workspace; matplotlib is imported in this room alone."""
+
+from __future__ import annotations
+
+import math
+import os
+import textwrap
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.errors import MissingPackage, PlotError
+from urdf_ik.solutions import limits as joint_limits
+
+try:
+    from urdf_ik.plot import axes as draw
+except ImportError:
+    raise MissingPackage("pictures need matplotlib: pip install 'urdf-ik[plot]'") from None
+except ValueError as error:  # the environment names a backend that there is not
+    raise PlotError(f"matplotlib does not start: {error}") from None
+
+from urdf_ik.plot import figures
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike
+
+    from urdf_ik.arm import Arm
+    from urdf_ik.solutions import IKSolutions
+    from urdf_ik.workspace import PlanarWorkspace, WorkspaceMap
+
+SUFFIXES = (".png", ".svg", ".pdf")
+_COLUMNS = 4
+_DPI = 110
+
+
+def arm(arm: Arm, q: ArrayLike | None = None, *, shapes: bool = True) -> Figure:
+    """The arm at ``q`` (n,) rad or m, as a stick figure and with the shapes of its links, meshes among them.
+
+    Default: zero, or the nearest to it within the limits.
+
+    Raises:
+        JointVectorError: ``q`` is no joint vector.
+    """
+    at = draw.posture(arm, q)
+    figure = draw.Picture(figsize=(5.0, 5.0), layout="constrained")
+    bodies = _bodies(figure, arm, shapes)
+    triangles = figures.placed(arm, bodies, at)
+    points = np.concatenate([figures.stick(arm, at), *(body.reshape(-1, 3) for body in triangles)])
+    axes = draw.space(figure.add_subplot(projection="3d"), draw.box(points))
+    draw.shapes(axes, triangles)
+    draw.stick(axes, arm, at, "0.15")
+    draw.frame(axes, arm.fk(at), 0.12 * arm.chain.size)
+    axes.set_title(draw.words(arm.name))
+    return figure
+
+
+def branches(solutions: IKSolutions, *, overlaid: bool = False, shapes: bool = False) -> Figure:
+    """All solutions of a single pose, side by side or overlaid, each in the colour of its branch, with its name.
+
+    Overlaid, later ones are drawn thinner, so that one that lies on another hides nothing.
+
+    Raises:
+        PlotError: there is no solution.
+        TypeError: the solutions are those of a batch.
+    """
+    found = list(solutions)
+    if not found:
+        raise PlotError(f"no solution to draw: {solutions.explain()}")
+    owner = _owner(solutions)
+    around = draw.box(figures.stick(owner, np.stack([one.q for one in found])))
+    colours = draw.colours(solutions.branches)
+    columns = 1 if overlaid else min(_COLUMNS, len(found))
+    rows = 1 if overlaid else math.ceil(len(found) / columns)
+    size = (8.0, 5.0) if overlaid else (2.7 * columns, 2.9 * rows + 0.4)
+    figure = draw.Picture(figsize=size, layout="constrained")
+    bodies = _bodies(figure, owner, shapes)
+    widths = np.linspace(min(2.0 + len(found), 10.0), 1.5, len(found)) if overlaid else np.full(len(found), 2.0)
+    axes: Any = None
+    for k, one in enumerate(found):
+        if axes is None or not overlaid:
+            axes = draw.space(figure.add_subplot(rows, columns, k + 1, projection="3d"), around, small=not overlaid)
+        # Each has its own: what is asked of an arm with few joints may be less than a pose.
+        draw.frame(axes, owner.link_poses(one.q)[owner.tip], 0.12 * owner.chain.size)
+        colour = colours[solutions.branches[one.index]]
+        draw.shapes(axes, figures.placed(owner, bodies, one.q), colour, 0.35 if not overlaid else 0.15)
+        draw.stick(axes, owner, one.q, colour, label=one.branch, width=widths[k])
+        if not overlaid:
+            axes.set_title(one.branch.replace(", ", "\n"), fontsize=8, color=colour)
+    if overlaid:
+        figure.legend(*axes.get_legend_handles_labels(), loc="outside right center", fontsize=8)
+    tips = owner.link_poses(np.stack([one.q for one in found]))[owner.tip]
+    target = "pose" if np.allclose(tips, tips[0], rtol=0.0, atol=1e-6) else "position"
+    title = f"{draw.words(owner.name)}: {len(found)} solution{'' if len(found) == 1 else 's'} of one {target}"
+    figure.suptitle(title, fontsize=10)
+    return figure
+
+
+def limits(solutions: IKSolutions, *, degrees: bool = True) -> Figure:
+    """The joints' limits as bars, with all turns of all solutions of a single pose; a cross where no turn is inside.
+
+    Joints that slide are drawn in m, below those that turn.
+
+    Raises:
+        PlotError: there is no solution.
+        UrdfIkError: the turns are too many for one array.
+    """
+    owner, found = _owner(solutions), list(solutions)
+    if not found:
+        raise PlotError(f"no solution to draw: {solutions.explain()}")
+    colours = draw.colours(solutions.branches)
+    prismatic = owner.chain.prismatic
+    # Angles and lengths have no scale in common: joints that slide stand in axes of their own.
+    kinds = [(np.flatnonzero(~prismatic), "deg" if degrees else "rad"), (np.flatnonzero(prismatic), "m")]
+    kinds = [(joints, unit) for joints, unit in kinds if len(joints)]
+    size = (8.0, 0.8 * owner.dof + 0.6 * len(kinds) + 0.27 * math.ceil(len(found) / 2))
+    figure = draw.Picture(figsize=size, layout="constrained")
+    ratios = [len(joints) for joints, _ in kinds]
+    parts = figure.subplots(len(kinds), 1, squeeze=False, height_ratios=ratios)[:, 0]
+    shift = np.linspace(-0.32, 0.32, len(found)) if len(found) > 1 else np.zeros(1)
+    for axes, (joints, unit) in zip(parts, kinds, strict=True):
+        scale = 180.0 / np.pi if unit == "deg" else 1.0
+        for row, (lower, upper) in enumerate(joint_limits.bounded(owner.limits[joints])):
+            if np.isfinite(lower) and np.isfinite(upper):
+                axes.barh(row, scale * (upper - lower), left=scale * lower, height=0.8, color="0.9")
+            else:
+                axes.axhspan(row - 0.4, row + 0.4, color="0.95")
+        for k, one in enumerate(found):
+            rows, values, inside = _images(owner, one.q, joints)
+            colour, heights = colours[solutions.branches[one.index]], rows + shift[k]
+            axes.plot(scale * values[inside], heights[inside], "o", color=colour, markersize=4, label=one.branch)
+            axes.plot(scale * values[~inside], heights[~inside], "x", color=colour, markersize=5)
+        axes.set_yticks(range(len(joints)), [draw.words(owner.joint_names[i]) for i in joints])
+        axes.invert_yaxis()
+        axes.use_sticky_edges = False
+        axes.margins(x=0.04)
+        axes.set_xlabel(f"joint value [{unit}]")
+    title = "limits, and the solutions with all their turns (x: none inside)"
+    parts[0].set_title(f"{draw.words(owner.name)}: {title}", fontsize=9)
+    figure.legend(*parts[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=7)
+    return figure
+
+
+def workspace_slice(found: WorkspaceMap, axis: str = "z", at: float = 0.0, what: str = "reach") -> Figure:
+    """One layer of a workspace map; see :meth:`urdf_ik.workspace.WorkspaceMap.slice`.
+
+    Raises:
+        WorkspaceError: there is no such layer or value.
+    """
+    from urdf_ik.workspace import VALUES
+
+    layer = found.slice(axis, at, what)
+    figure = draw.Picture(figsize=(5.6, 4.6), layout="constrained")
+    axes = figure.add_subplot()
+    image = axes.imshow(layer.values.T, origin="lower", extent=layer.extent, cmap="viridis", vmin=0.0)
+    figure.colorbar(image, ax=axes, label=VALUES[what])
+    axes.set_xlabel(f"{layer.axes[0]} [m]")
+    axes.set_ylabel(f"{layer.axes[1]} [m]")
+    axes.locator_params(nbins=6)
+    axes.set_title(f"{draw.words(found.about.robot)}: {axis} = {layer.at:.3g} m")
+    return figure
+
+
+def planar_workspace(region: PlanarWorkspace, q: ArrayLike | None = None) -> Figure:
+    """The regions of both elbows and their overlap, with their boundary, and the arm at ``q`` (2,) rad."""
+    figure = draw.Picture(figsize=(6.4, 5.0), layout="constrained")
+    axes = figure.add_subplot()
+    draw.regions(axes, region)
+    if q is not None:
+        draw.two_links(axes, region, np.asarray(q, dtype=np.float64))
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=8)
+    axes.set_title(f"{draw.words(region.name)}: where the tip can be")
+    return figure
+
+
+def save(figure: Figure, path: str | os.PathLike[str], dpi: float = _DPI) -> None:
+    """Write a PNG, SVG or PDF file, by the path's ending.
+
+    Raises:
+        PlotError: the ending is another one, or the file cannot be written.
+    """
+    target = Path(path)
+    if target.suffix.lower() not in SUFFIXES:
+        raise PlotError(f"{target}: pictures are written as {', '.join(SUFFIXES)}; name the file so")
+    try:
+        figure.savefig(target, dpi=dpi)
+    except OSError as error:
+        raise PlotError(f"cannot write {target}: {error.strerror}") from None
+
+
+def _bodies(figure: Figure, owner: Arm, wanted: bool) -> figures.Bodies:
+    """What the links look like, if that is wanted; the picture says how many shapes it lacks, and why the first one."""
+    if not wanted:
+        return figures.Bodies((), ())
+    found = figures.bodies(owner)
+    if found.missing:
+        count = len(found.missing)
+        words = f"{count} shape{'' if count == 1 else 's'} not drawn; {found.missing[0]}"
+        figure.supxlabel(draw.words(textwrap.shorten(words, 150)), fontsize=6, color="tab:red", wrap=True)
+    return found
+
+
+def _owner(solutions: IKSolutions) -> Arm:
+    """The arm that was solved: that of a task's solver, too, has all that is drawn."""
+    owner: Arm = solutions.arm
+    return owner
+
+
+def _images(owner: Arm, q: Any, joints: Any) -> tuple[Any, Any, Any]:
+    """Row, value and whether it is inside, (k,) each: every turn inside the limits, or the value itself."""
+    bounds = joint_limits.bounded(owner.limits)
+    first, last = joint_limits.image_range(q, bounds, ~owner.chain.prismatic)
+    rows, values, inside = [], [], []
+    for row, i in enumerate(joints):
+        within = bool(first[i] <= last[i])
+        turns = (first[i] if within else 0.0) + np.arange(last[i] - first[i] + 1.0 if within else 1.0)
+        values += list(q[i] + turns * joint_limits.TURN)
+        rows += [float(row)] * len(turns)
+        inside += [within] * len(turns)
+    return np.array(rows), np.array(values), np.array(inside)

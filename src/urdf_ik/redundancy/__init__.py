@@ -1,0 +1,8 @@
+"""Arms with seven joints: the redundancy parameter, and solutions along it."""
+
+from __future__ import annotations
+
+from urdf_ik.chain.redundancy import Redundancy
+from urdf_ik.redundancy.self_motion import Sweep
+
+__all__ = ["Redundancy", "Sweep"]

@@ -1,0 +1,44 @@
+"""The arm as its solutions see it, which lets them do without the room that makes arms."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from urdf_ik.chain import Chain
+    from urdf_ik.chain.redundancy import Redundancy
+    from urdf_ik.collision import CollisionModel
+
+
+class SolvedArm(Protocol):
+    """What solutions ask of the arm that they belong to."""
+
+    @property
+    def name(self) -> str:
+        """The robot's name."""
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Movable joints, base to tip."""
+
+    @property
+    def limits(self) -> NDArray[np.float64]:
+        """(n, 2) rad or m."""
+
+    @property
+    def collision_model(self) -> CollisionModel:
+        """What ``collision_free`` asks."""
+
+    @property
+    def chain(self) -> Chain:
+        """The joints and their types."""
+
+    @property
+    def redundancy(self) -> Redundancy | None:
+        """The parameter of an arm with seven joints."""
+
+    def explain(self, T: Any, redundancy: float | None = None) -> str:
+        """Why a pose has no solution."""

@@ -1,0 +1,12 @@
+"""Reading a URDF: hardened XML in, a checked kinematic tree out, with line and element in every refusal."""
+
+from __future__ import annotations
+
+from urdf_ik.urdf.model import Joint, UrdfModel, read, resolve_mesh
+
+__all__ = [
+    "Joint",
+    "UrdfModel",
+    "read",
+    "resolve_mesh",
+]

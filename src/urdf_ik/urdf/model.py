@@ -1,0 +1,316 @@
+"""Reading a URDF: hardened XML in, a checked kinematic tree out, with line and element in every refusal."""
+
+from __future__ import annotations
+
+import difflib
+import io
+import os
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any
+
+import numpy as np
+from lxml import etree
+
+from urdf_ik.errors import ChainError, UrdfError
+from urdf_ik.urdf import bodies, checks, meshes, tree
+from urdf_ik.urdf.checks import MOVABLE
+from urdf_ik.urdf.xml import open_source, parse
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """One joint of a URDF.
+
+    Attributes:
+        name: unique among the joints.
+        type: 'revolute', 'continuous', 'prismatic', 'fixed', 'floating' or 'planar'.
+        parent: link that the joint hangs on.
+        child: link that it carries.
+        origin: (4, 4) pose of the joint, and of the child link at zero, in the parent link [m], read-only.
+        axis: (3,) unit direction in the joint's frame, read-only; (1, 0, 0) where the type has none.
+        lower: lower bound [rad or m]; -inf where the type has none.
+        upper: upper bound [rad or m]; inf where the type has none.
+        velocity: greatest speed [rad/s or m/s], or None where none is given.
+        effort: greatest torque or force [N m or N], or None where none is given.
+        mimic: (joint followed, multiplier, offset [rad or m]), or None.
+        line: line of its tag in the source.
+    """
+
+    name: str
+    type: str
+    parent: str
+    child: str
+    origin: NDArray[np.float64]
+    axis: NDArray[np.float64]
+    lower: float
+    upper: float
+    velocity: float | None
+    effort: float | None
+    mimic: tuple[str, float, float] | None
+    line: int
+
+
+@dataclass(frozen=True, eq=False)
+class UrdfModel:
+    """A URDF that has been read and found sound: its links and joints form one tree.
+
+    Attributes:
+        name: the robot's name; may be empty.
+        source: what messages call it: the path, or ``<text>``.
+        path: the file it was read from, absolute, or None.
+        xml: the clean URDF (UTF-8), links and joints and nothing else, which yourdfpy and Pinocchio read alike.
+        links: names of the links, in the file's order.
+        joints: in the file's order.
+        root: the link without a parent.
+        mesh_roots: folders that meshes may come from, besides the URDF's own.
+        left_out: errors of the shapes and inertias that no reader could use and that ``xml`` is without;
+            kinematics does not touch them, but a collision check would miss them.
+        robot: yourdfpy's model of ``xml``, without meshes and without a scene.
+    """
+
+    name: str
+    source: str
+    path: Path | None
+    xml: bytes = field(repr=False)
+    links: tuple[str, ...] = field(repr=False)
+    joints: tuple[Joint, ...] = field(repr=False)
+    root: str
+    mesh_roots: tuple[Path, ...] = ()
+    left_out: tuple[UrdfError, ...] = field(repr=False, default=())
+
+    @cached_property
+    def robot(self) -> Any:
+        """The yourdfpy.URDF of ``xml``, without meshes and without a scene."""
+        return _yourdfpy(self.xml)
+
+    @property
+    def package_dirs(self) -> tuple[str, ...]:
+        """Folders that meshes may come from, the URDF's own first."""
+        own = () if self.path is None else (self.path.parent,)
+        return tuple(dict.fromkeys(str(folder) for folder in (*own, *self.mesh_roots)))
+
+    def parent_joint(self, link: str) -> Joint | None:
+        """The joint that carries ``link``, or None for the root.
+
+        Raises:
+            ChainError: there is no such link.
+        """
+        self._require(link)
+        return self._carrier.get(link)
+
+    def children(self, link: str) -> tuple[Joint, ...]:
+        """The joints that hang on ``link``, in the file's order.
+
+        Raises:
+            ChainError: there is no such link.
+        """
+        self._require(link)
+        return self._hanging.get(link, ())
+
+    def path_between(self, base: str, tip: str) -> tuple[Joint, ...]:
+        """The joints from ``base`` to ``tip``: up to the link that both hang below, and down from there.
+
+        Raises:
+            ChainError: there is no such link.
+        """
+        up = self._up_from(self._require(base, "base"))
+        down = self._up_from(self._require(tip, "tip"))
+        while up and down and up[-1] is down[-1]:
+            up.pop()
+            down.pop()
+        return (*up, *reversed(down))
+
+    def default_chain(self) -> tuple[str, str]:
+        """Base and tip of the only movable chain: from the root to the leaf that its last joint carries.
+
+        Raises:
+            ChainError: no joint moves, or several leaves could be the tip; the candidates are these leaves,
+                the deepest first.
+        """
+        return self.root, self._only_tip(self.root)
+
+    def resolve_chain(self, base: str | None = None, tip: str | None = None) -> tuple[str, str]:
+        """Base and tip with what is missing filled in: the root, and the only movable chain below the base.
+
+        Both may be any links of the tree: the tip need not lie below the base when both are given.
+
+        Raises:
+            ChainError: there is no such link, or the tip is ambiguous; the candidates say what is valid.
+        """
+        base = self.root if base is None else self._require(base, "base")
+        return base, self._only_tip(base) if tip is None else self._require(tip, "tip")
+
+    @cached_property
+    def _carrier(self) -> dict[str, Joint]:
+        return {joint.child: joint for joint in self.joints}
+
+    @cached_property
+    def _hanging(self) -> dict[str, tuple[Joint, ...]]:
+        hanging: dict[str, tuple[Joint, ...]] = {}
+        for joint in self.joints:
+            hanging[joint.parent] = (*hanging.get(joint.parent, ()), joint)
+        return hanging
+
+    def _require(self, link: str, role: str = "link") -> str:
+        if link == self.root or link in self._carrier:
+            return link
+        close = difflib.get_close_matches(str(link), self.links, n=3)
+        hint = f"; did you mean {' or '.join(map(repr, close))}?" if close else ""
+        what = "link" if role == "link" else f"{role} link"
+        raise ChainError(f"{self.source}: there is no {what} {link!r}{hint}", dict.fromkeys([*close, *self.links]))
+
+    def _up_from(self, link: str) -> list[Joint]:
+        """The joints from ``link`` to the root."""
+        joints = []
+        while (joint := self._carrier.get(link)) is not None:
+            joints.append(joint)
+            link = joint.parent
+        return joints
+
+    def _below(self, base: str) -> dict[str, int]:
+        """``base`` and the links below it, with the number of joints down to each."""
+        depth = {base: 0}
+        waiting = [base]
+        while waiting:
+            link = waiting.pop()
+            for joint in self.children(link):
+                depth[joint.child] = depth[link] + 1
+                waiting.append(joint.child)
+        return depth
+
+    def _only_tip(self, base: str) -> str:
+        depth = self._below(base)
+        last_moving: dict[str, set[str]] = {}
+        for leaf in depth:
+            if self.children(leaf):
+                continue
+            link = leaf
+            while link != base and self._carrier[link].type not in MOVABLE:
+                link = self._carrier[link].parent
+            if link != base:
+                last_moving.setdefault(link, set()).add(leaf)
+        leaves = sorted(set().union(*last_moving.values()), key=lambda leaf: (-depth[leaf], self.links.index(leaf)))
+        if len(leaves) == 1:
+            return leaves[0]
+        if not leaves:
+            raise ChainError(
+                f"{self.source}: no {', '.join(MOVABLE)} joint below base {base!r}: there is no movable chain",
+                [] if base == self.root else [self.root],
+            )
+        if len(last_moving) == 1:
+            moving = next(iter(last_moving))
+            why = f"{len(leaves)} links end the chain, all fixed to {moving!r}"
+        else:
+            why = f"{len(last_moving)} movable chains begin at {base!r}"
+        raise ChainError(f"{self.source}: the tip is ambiguous: {why}; name one with tip=...", leaves)
+
+
+def read(
+    source: str | os.PathLike[str] | bytes | IO[str] | IO[bytes],
+    *,
+    mesh_roots: Sequence[str | os.PathLike[str]] = (),
+) -> UrdfModel:
+    """Read a URDF and refuse what is broken.
+
+    Args:
+        source: a path, XML text, or an open text or binary file.
+        mesh_roots: folders that meshes may come from besides the URDF's own; meshes need not exist.
+
+    Returns:
+        The model, with every joint's origin and axis as yourdfpy reads them.
+
+    Raises:
+        UrdfError: the URDF cannot be read, or is broken; the message names file, line, element and mend.
+    """
+    opened = open_source(source)
+    original = parse(opened)
+    name = tree.check_robot(original, opened.name)
+    links = tree.check_links(original, opened.name)
+    raw = tree.check_joints(original, links, opened.name)
+    root = tree.check_tree(raw, links, opened.name)
+
+    # URDF 1.1 is the first in which urdfdom reads capsules, and the last in which both readers know rpy only.
+    clean, bare = (etree.Element("robot", name=name, version="1.1") for _ in range(2))
+    bodies.write_materials(clean, original, opened.name)
+    left_out = bodies.write_links(clean, links, opened.name)
+    for link in links:
+        etree.SubElement(bare, "link", name=link)
+    for robot in (clean, bare):
+        for joint in raw:
+            joint.write(robot)
+    xml = etree.tostring(clean, encoding="utf-8", xml_declaration=True, pretty_print=True)
+    # Kinematics need no shapes: reading them, too, takes most of yourdfpy's time.
+    theirs = _yourdfpy(etree.tostring(bare)).joint_map
+    return UrdfModel(
+        name=name,
+        source=opened.name,
+        path=opened.path,
+        xml=xml,
+        links=tuple(links),
+        joints=tuple(_joint(each, theirs[each.name]) for each in raw),
+        root=root,
+        mesh_roots=_folders(mesh_roots),
+        left_out=left_out,
+    )
+
+
+def resolve_mesh(model: UrdfModel, filename: str) -> Path:
+    """Find the file of a mesh, only inside the URDF's own folder and the model's mesh roots.
+
+    Args:
+        model: the URDF that names the mesh.
+        filename: as written: ``package://package/path``, ``file://path`` or a path.
+
+    Returns:
+        The file's path, absolute, with symbolic links followed.
+
+    Raises:
+        UrdfError: the name leads outside these folders, or is not found there; the message lists them.
+    """
+    return meshes.resolve(filename, [Path(folder) for folder in model.package_dirs], model.source)
+
+
+def _yourdfpy(xml: bytes) -> Any:
+    import yourdfpy  # slow to import, and only reading needs it
+
+    tree = etree.fromstring(xml)
+    capsules = [shape.getparent().getparent() for shape in tree.iter("capsule")]
+    for body in capsules:  # yourdfpy knows no capsules, and would refuse the file
+        body.getparent().remove(body)
+    return yourdfpy.URDF.load(
+        io.BytesIO(etree.tostring(tree) if capsules else xml), build_scene_graph=False, load_meshes=False
+    )
+
+
+def _joint(raw: checks.RawJoint, theirs: Any) -> Joint:
+    origin = np.eye(4) if theirs.origin is None else np.array(theirs.origin, dtype=np.float64)
+    axis = np.array(theirs.axis, dtype=np.float64)
+    axis /= np.linalg.norm(axis)
+    for array in (origin, axis):
+        array.setflags(write=False)
+    return Joint(
+        name=raw.name,
+        type=raw.type,
+        parent=raw.parent,
+        child=raw.child,
+        origin=origin,
+        axis=axis,
+        lower=raw.lower,
+        upper=raw.upper,
+        velocity=raw.velocity,
+        effort=raw.effort,
+        mimic=raw.mimic,
+        line=raw.line,
+    )
+
+
+def _folders(roots: Iterable[str | os.PathLike[str]] | str | os.PathLike[str]) -> tuple[Path, ...]:
+    each = [roots] if isinstance(roots, str | os.PathLike) else roots
+    return tuple(Path(root).absolute() for root in each)

@@ -1,0 +1,136 @@
+"""What the links and joints of a URDF must hold together: names of their own, and one tree."""
+
+from __future__ import annotations
+
+import difflib
+from typing import TYPE_CHECKING, Any
+
+from urdf_ik.urdf.checks import MOVABLE, Place, RawJoint, check_joint, check_name, label_of
+from urdf_ik.urdf.xml import XACRO_MEND, child, children, is_xacro, show, written_tag
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+MAX_LINKS = 500
+"""Pinocchio crashes on chains of a few thousand links and yourdfpy hangs before that."""
+VERSIONS = ("1.0", "1.1", "1.2")
+
+
+def check_robot(robot: Any, source: str) -> str:
+    """Name of the robot, which may be empty but not missing; its version and its parts' namespaces are known.
+
+    Raises:
+        UrdfError: no name, another version of the format, or an instruction of xacro that could have made
+            links or joints.
+    """
+    place = Place(source, robot, "<robot>")
+    name: str | None = robot.get("name")
+    if name is None:
+        place.fail("the robot has no name", mend='write <robot name="...">')
+    if (version := robot.get("version", "1.0")) not in VERSIONS:
+        place.fail(f"unknown version {show(version)}", mend=f"one of {', '.join(VERSIONS)}, or none")
+    for element in robot:
+        if is_xacro(element):
+            label = f"<{written_tag(element)}>"
+            Place(source, element, label).fail("an unresolved xacro instruction", mend=XACRO_MEND)
+    return name
+
+
+def check_links(robot: Any, source: str) -> dict[str, Any]:
+    """Link elements by name, in the file's order.
+
+    Raises:
+        UrdfError: a link without a name of its own, no link, or too many.
+    """
+    links: dict[str, Any] = {}
+    for element in children(robot, "link"):
+        place = Place(source, element, label_of(element))
+        name = check_name(place)
+        if name in links:
+            first = links[name].sourceline
+            place.fail(f"the link name {show(name)} is taken by line {first}", mend="give each link a name of its own")
+        links[name] = element
+        if len(links) > MAX_LINKS:
+            place.fail(f"more than {MAX_LINKS} links", mend=f"keep to {MAX_LINKS} links: split the robot")
+    if not links:
+        Place(source, robot, "<robot>").fail("there is no <link>", mend="a robot has one <link> at least")
+    return links
+
+
+def check_joints(robot: Any, links: dict[str, Any], source: str) -> list[RawJoint]:
+    """Joints with sound attributes, in the file's order; their tree is not checked yet.
+
+    Raises:
+        UrdfError: a joint that is broken, or whose name or mimic clashes with another's.
+    """
+    joints: dict[str, RawJoint] = {}
+    for element in children(robot, "joint"):
+        joint = check_joint(Place(source, element, label_of(element)), links)
+        if joint.name in joints:
+            problem = f"the joint name {show(joint.name)} is taken by line {joints[joint.name].line}"
+            joint.place.fail(problem, mend="give each joint a name of its own")
+        joints[joint.name] = joint
+    _check_mimics(joints)
+    return list(joints.values())
+
+
+def check_tree(joints: Sequence[RawJoint], links: dict[str, Any], source: str) -> str:
+    """Check that the joints make one tree of all links; gives its root link.
+
+    Raises:
+        UrdfError: a link with two parents, a cycle, or several roots.
+    """
+    parent_of: dict[str, RawJoint] = {}
+    for joint in joints:
+        other = parent_of.setdefault(joint.child, joint)
+        if other is not joint:
+            joint.place.fail(
+                f"link {show(joint.child)} has two parents: this joint and {show(other.name)} at line {other.line}",
+                mend="a link is the child of one joint only; a closed loop cannot be written as a URDF",
+                at=child(joint.place.element, "child"),
+            )
+    sound: set[str] = set()
+    for link in links:
+        walked: dict[str, None] = {}
+        while link in parent_of and link not in sound:
+            if link in walked:
+                loop = list(walked)[list(walked).index(link) :]
+                shown = " <- ".join([*loop[:8], *(["..."] if len(loop) > 8 else []), link])
+                problem = f"the links form a cycle: {shown}"
+                mend = "remove the joint that closes the cycle, so that the links form a tree"
+                parent_of[link].place.fail(problem, mend=mend)
+            walked[link] = None
+            link = parent_of[link].parent
+        sound.update(walked)
+    roots = [link for link in links if link not in parent_of]
+    if len(roots) > 1:
+        listed = ", ".join(roots[:10]) + (", ..." if len(roots) > 10 else "")
+        Place(source, links[roots[1]], label_of(links[roots[1]])).fail(
+            f"{len(roots)} links have no parent ({listed}), so the robot falls into parts",
+            mend="join them with fixed joints, or remove all but one",
+        )
+    return roots[0]
+
+
+def _check_mimics(joints: dict[str, RawJoint]) -> None:
+    for joint in joints.values():
+        if joint.mimic is None:
+            continue
+        element = child(joint.place.element, "mimic")
+        followed, driver = [joint.name], joint.mimic[0]
+        if driver not in joints:
+            close = difflib.get_close_matches(driver, joints, n=3)
+            mend = "name a joint of this URDF" + (f"; did you mean {', '.join(close)}?" if close else "")
+            joint.place.fail(f"it mimics {show(driver)}, and there is no such joint", mend=mend, at=element)
+        if joints[driver].type in ("floating", "planar"):
+            problem = f"it mimics {show(driver)}, a {joints[driver].type} joint, which has no single value"
+            joint.place.fail(problem, mend=f"mimic a {', '.join(MOVABLE)} joint", at=element)
+        while driver in joints:
+            followed.append(driver)
+            if driver == joint.name:
+                problem = "it mimics itself" + (f", through {' -> '.join(followed)}" if len(followed) > 2 else "")
+                joint.place.fail(problem, mend="let one joint of the circle move by itself", at=element)
+            mimic = joints[driver].mimic
+            if mimic is None or driver in followed[:-1]:
+                break
+            driver = mimic[0]

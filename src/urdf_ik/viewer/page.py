@@ -1,0 +1,296 @@
+"""The viewer: a page in the browser with an arm, every solution of a target to drag, and sliders for its joints."""
+
+from __future__ import annotations
+
+import io
+import threading
+from collections.abc import Callable, Hashable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik import catalogue
+from urdf_ik.arm import load
+from urdf_ik.errors import MissingPackage, UrdfIkError
+from urdf_ik.poses import pose
+from urdf_ik.viewer import address
+from urdf_ik.viewer import state as states
+from urdf_ik.viewer.latest import Latest
+
+if TYPE_CHECKING:
+    import os
+
+    from numpy.typing import NDArray
+
+    from urdf_ik.arm import Arm
+    from urdf_ik.viewer.scene import Drawing
+    from urdf_ik.viewer.state import State
+
+INSTALL = "pip install 'urdf-ik[viewer]'"
+
+_NO_CHOICE = "catalogue ..."
+_NAMED = 2
+"""Shapes that could not be read of which the page tells one by one."""
+
+
+class Viewer:
+    """A running server, its page and what it shows.
+
+    Attributes:
+        state: the arm, its target and their solutions; replaced as a whole, never changed.
+        server: the viser server.
+        drawing: what stands in the scene.
+        panel: the widgets of the arm.
+        message: what the last request for another arm came to.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        *,
+        host: str = "127.0.0.1",
+        port: int | None = None,
+        mesh_roots: Sequence[str | os.PathLike[str]] = (),
+    ) -> None:
+        """Start the server.
+
+        Args:
+            arm: what to show first.
+            host: interface to listen on; '0.0.0.0' lets everybody in the network in.
+            port: None: 8080, or the first free one after it; 0: any free one.
+            mesh_roots: folders that meshes of arms that the page asks for may be read from.
+
+        Raises:
+            MissingPackage: viser is not installed.
+            UrdfIkError: the port is in use, or the host is not this machine.
+        """
+        try:
+            import viser
+        except ImportError:
+            raise MissingPackage(f"the viewer needs viser, which is not installed: {INSTALL}") from None
+        from urdf_ik.viewer import panel, scene
+
+        address.check(host, port)
+        self._parts, self._plain = (panel.Panel, scene.Drawing), panel.plain
+        self._host, self._mesh_roots = host, tuple(mesh_roots)
+        self.message = ""
+        self.state = states.start(arm)
+        self._latest = Latest()
+        first = address.DEFAULT_PORT if port is None else port
+        with _quiet():
+            self.server = viser.ViserServer(host=host, port=first, label="urdf-ik", verbose=False)
+        if port and self.port != port:  # somebody took it since it was looked at
+            self.close()
+            raise UrdfIkError(f"port {port} on {host} is in use; name another one, or leave it out")
+        self.server.gui.configure_theme(control_width="large")
+        self.server.scene.add_grid("/grid", width=4.0, height=4.0, cell_size=0.1, section_size=0.5)
+        self._message = self.server.gui.add_markdown("")
+        self._show_arm(self.state)
+        self._add_sources()
+
+    def __enter__(self) -> Viewer:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    @property
+    def port(self) -> int:
+        """The port that the server really listens on."""
+        return int(self.server.get_port())
+
+    @property
+    def url(self) -> str:
+        """Address of the page, for a browser on this machine."""
+        return address.url(self._host, self.port)
+
+    def close(self) -> None:
+        """Stop the server."""
+        self._latest.close()
+        with _quiet():
+            self.server.stop()
+
+    def show(self, height: int = 640) -> Any:
+        """The page inside a notebook, ``height`` pixels high; a viewer that ends a cell shows itself so, too.
+
+        The browser must reach the address of the page: where the notebook runs on another machine, forward its port.
+
+        Raises:
+            MissingPackage: there is no notebook, as IPython is not installed.
+        """
+        try:
+            from IPython.display import IFrame
+        except ImportError:
+            raise MissingPackage("a page in a notebook needs IPython: pip install 'urdf-ik[notebooks]'") from None
+        return IFrame(self.url, "100%", height)
+
+    def _repr_html_(self) -> str:
+        return str(self.show()._repr_html_())
+
+    def wait(self) -> None:
+        """Wait until the program is interrupted (Ctrl-C), then stop the server."""
+        try:
+            threading.Event().wait()
+        except KeyboardInterrupt:
+            pass
+        finally:
+            self.close()
+
+    def settle(self, timeout: float | None = None) -> bool:
+        """Wait until all that was asked for is shown; false if that takes longer than ``timeout`` [s]."""
+        return self._latest.settle(timeout)
+
+    def html(self) -> str:
+        """The scene as it stands, as one HTML page that needs no server."""
+        target = self.drawing.target
+        target.visible = False  # handles that would move nothing
+        try:
+            return str(self.server.scene.as_html())
+        finally:
+            target.visible = True
+
+    def move_target(self, T: NDArray[np.float64]) -> None:
+        """Move the target to the pose (4, 4) [m]; the arm follows to the nearest solution inside its limits."""
+        self._update("target", lambda state: states.with_target(state, T))
+
+    def move_joint(self, index: int, value: float) -> None:
+        """Set one joint [rad or m], and the target with the arm."""
+        self._update(("joint", index), lambda state: states.with_joint(state, index, value))
+
+    def choose(self, column: int) -> None:
+        """Move the arm to the solution of that branch."""
+        self._update("branch", lambda state: states.with_branch(state, column))
+
+    def set_redundancy(self, value: float) -> None:
+        """Set the redundancy parameter [rad or m] of an arm with seven joints."""
+        self._update("redundancy", lambda state: states.with_redundancy(state, value))
+
+    def open(self, source: str | bytes, base: str | None = None, tip: str | None = None) -> None:
+        """Show another arm: a path, a catalogue name, or a URDF's text as bytes; what goes wrong stands in the page."""
+        self._latest.put("arm", lambda: self._open(source, base, tip))
+
+    def _open(self, source: str | bytes, base: str | None, tip: str | None) -> None:
+        self._say("Loading ...")
+        try:
+            given = io.BytesIO(source) if isinstance(source, bytes) else source
+            state = states.start(load(given, base, tip, mesh_roots=self._mesh_roots))
+        except (UrdfIkError, OSError) as error:
+            return self._say(str(error))
+        except Exception as error:
+            self._say(f"a defect of this program; the terminal tells more: {error!r}")
+            raise
+        self.drawing.remove()
+        self.panel.remove()
+        self._show_arm(state)
+        return None
+
+    def _say(self, text: str) -> None:
+        self.message = text
+        self._message.content = "\n\n".join(self._plain(line) for line in text.splitlines())
+
+    def _show_arm(self, state: State) -> None:
+        """Build scene and panel of another arm."""
+        panel, drawing = self._parts
+        self.state, arm = state, state.arm
+        self.drawing = drawing(self.server.scene, arm)
+        self.panel = panel(self.server.gui, arm, self.choose, self._slid, self._turned)
+        self._say("\n".join(_unseen(self.drawing)))
+        self.drawing.target.on_update(self._dragged)
+        cameras: list[Any] = [self.server.initial_camera]
+        cameras += [client.camera for client in self.server.get_clients().values()]
+        for camera in cameras:
+            camera.position, camera.look_at = self.drawing.camera(state, camera.fov)
+        self._show(state)
+
+    def _show(self, state: State, held: object = None) -> None:
+        """Show ``state`` in everything but ``held``, which the reader is moving and which may be further on."""
+        self.state = state
+        with self.server.atomic():
+            self.drawing.show(state, keep_target=held is self.drawing.target)
+            self.panel.show(state, keep=held)
+        self.server.flush()
+
+    def _update(self, key: Hashable, step: Callable[[State], State], held: object = None) -> None:
+        arm = self.state.arm
+
+        def do() -> None:
+            if self.state.arm is arm:  # else the page has gone on to another one
+                self._show(step(self.state), held)
+
+        self._latest.put(key, do)
+
+    def _dragged(self, _: Any) -> None:
+        handle = self.drawing.target
+        T = pose(np.array(handle.position), quat_wxyz=np.array(handle.wxyz))
+        if not np.allclose(T, self.state.target, rtol=0.0, atol=1e-9):  # a click moves nothing
+            self._update("target", lambda state: states.with_target(state, T), handle)
+
+    def _slid(self, index: int, value: float) -> None:
+        step = partial(states.with_joint, index=index, value=value)
+        self._update(("joint", index), step, self.panel.sliders[index])
+
+    def _turned(self, value: float) -> None:
+        self._update("redundancy", partial(states.with_redundancy, value=value), self.panel.redundancy)
+
+    def _add_sources(self) -> None:
+        """The widgets that stay: another arm, and the scene as a file."""
+        gui = self.server.gui
+        with gui.add_folder("Another arm", expand_by_default=False, order=1e9):
+            names = gui.add_dropdown("Catalogue", (_NO_CHOICE, *catalogue.names()))
+            upload = gui.add_upload_button("URDF from this computer", mime_type=".urdf,.xml")
+            typed = gui.add_text("Name or path", "")
+            base, tip = gui.add_text("Base link", ""), gui.add_text("Tip link", "")
+            go = gui.add_button("Load")
+        save = gui.add_button("Save the scene as HTML", order=1e9 + 1.0)
+        self.sources = names, upload, typed, base, tip, go, save
+
+        @names.on_update
+        def _(event: Any) -> None:
+            if event.client_id is not None and names.value != _NO_CHOICE:
+                self.open(names.value)
+
+        @upload.on_upload
+        def _(_: Any) -> None:
+            self.open(upload.value.content, base.value or None, tip.value or None)
+
+        @go.on_click
+        def _(_: Any) -> None:
+            source = typed.value.strip()
+            if source in catalogue.names() or address.is_local(self._host):
+                self.open(source, base.value or None, tip.value or None)
+            else:  # whoever reaches the page from elsewhere has no business in this machine's files
+                self._say(f"{source!r} is not in the catalogue; paths are only read for a page on 127.0.0.1")
+
+        @save.on_click
+        def _(event: Any) -> None:
+            if event.client is not None:
+                event.client.send_file_download(
+                    f"{Path(self.state.arm.name).name}.html", self.html().encode(), save_immediately=True
+                )
+
+
+def _unseen(drawing: Drawing) -> list[str]:
+    """That there are frames and lines for want of shapes, and why some cannot be read; of many the first ones."""
+    lines, missing = [], drawing.missing
+    if not drawing.has_shapes:
+        lines.append("No link has a shape that can be shown: the arm is drawn as frames and lines.")
+    elif missing:
+        lines.append("Not all shapes can be shown: frames and lines are drawn, too.")
+    lines += missing[:_NAMED]
+    return [*lines, f"and {len(missing) - _NAMED} more"] if len(missing) > _NAMED else lines
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep viser from printing: it does so when it starts and stops, whatever it is told."""
+    import rich
+
+    console = rich.get_console()
+    before, console.quiet = console.quiet, True
+    try:
+        yield
+    finally:
+        console.quiet = before

@@ -1,0 +1,146 @@
+"""The viewer's panel: status, branches, redundancy and joints of one arm; it mirrors a State and decides nothing."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from urdf_ik.solutions import limits
+from urdf_ik.viewer.scene import colours
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from urdf_ik.arm import Arm
+    from urdf_ik.viewer.state import State
+
+_STEP, _DIGITS = 0.001, 3
+_LETTERS = 54
+"""As many fit on a button."""
+
+
+class Panel:
+    """Widgets of an arm in the panel of a viser server.
+
+    Attributes:
+        status: text above the branches.
+        branches: one button a branch.
+        sliders: one a joint.
+        redundancy: slider of the redundancy parameter, or None.
+    """
+
+    def __init__(
+        self,
+        gui: Any,
+        arm: Arm,
+        on_branch: Callable[[int], None],
+        on_joint: Callable[[int, float], None],
+        on_redundancy: Callable[[float], None],
+    ) -> None:
+        """Add the widgets; the functions are called with what the reader of the page chose."""
+        self._arm = arm
+        self.status = gui.add_markdown("")
+        self._folders = [gui.add_folder("Branches")]
+        with self._folders[-1]:
+            self.branches = [
+                gui.add_button(name, color=colour, visible=False)
+                for name, colour in zip(arm.structure.branches, colours(len(arm.structure.branches)), strict=True)
+            ]
+        for column, button in enumerate(self.branches):
+            button.on_click(_calling(partial(on_branch, column)))
+        self.redundancy = None
+        if arm.redundancy is not None:
+            low, high = arm.redundancy.range
+            self._folders.append(gui.add_folder("Redundancy"))
+            with self._folders[-1]:
+                name = f"{arm.redundancy.kind} {arm.redundancy.joint} [{arm.redundancy.unit}]"
+                self.redundancy = _slider(gui, name, low, high)
+            _on_change(self.redundancy, on_redundancy)
+        self._folders.append(gui.add_folder("Joints"))
+        with self._folders[-1]:
+            self.sliders = [
+                _slider(gui, f"{name} [{'m' if slides else 'rad'}]", float(low), float(high))
+                for name, (low, high), slides in zip(
+                    arm.joint_names, limits.drawn(arm.limits, ~arm.chain.prismatic), arm.chain.prismatic, strict=True
+                )
+            ]
+        for index, slider in enumerate(self.sliders):
+            _on_change(slider, partial(on_joint, index))
+
+    def show(self, state: State, *, keep: object = None) -> None:
+        """Set every widget to what ``state`` says, except for ``keep``, which is being moved."""
+        self.status.content = _status(state)
+        chosen, by_column = state.chosen, {ghost.column: k for k, ghost in enumerate(state.ghosts)}
+        for column, button in enumerate(self.branches):
+            k = by_column.get(column)
+            button.visible = k is not None
+            if k is not None:
+                ghost = state.ghosts[k]
+                button.label = _label(ghost.branch, ghost.marks, k == chosen)
+        for slider, value in zip(self.sliders, state.q, strict=True):
+            if slider is not keep:
+                _set(slider, float(value))
+        if self.redundancy is not None and self.redundancy is not keep and state.redundancy is not None:
+            _set(self.redundancy, state.redundancy)
+
+    def remove(self) -> None:
+        """Take the widgets out of the panel again."""
+        self.status.remove()
+        for folder in self._folders:
+            folder.remove()
+
+
+def _label(branch: str, marks: tuple[str, ...], chosen: bool) -> str:
+    """A branch and its marks on one button; where that is too long, 'shoulder front, elbow up' becomes 'front, up'."""
+    dot, tail = "● " * chosen, f" ({'; '.join(marks)})" if marks else ""
+    for name in (branch, ", ".join(part.split(" ")[-1] for part in branch.split(", "))):
+        text = dot + name + tail
+        if len(text) <= _LETTERS:
+            break
+    return text
+
+
+def _status(state: State) -> str:
+    """Markdown: the arm, how many solutions, why there are none."""
+    arm, count = state.arm, len(state.ghosts)
+    inside = sum(not ghost.outside for ghost in state.ghosts)
+    solutions = f"{count} solution{'s' if count != 1 else ''}, {inside} inside the limits"
+    lines = [f"**{plain(arm.name)}**, {plain(arm.structure.family or f'{arm.dof} joints')}"]
+    lines.append(f"**No solution{' inside the limits' if count else ''}:** {plain(state.reason)}" if state.reason
+                 else solutions)  # fmt: skip
+    return "\n\n".join([*lines, *[plain(state.note)] * bool(state.note)])
+
+
+def plain(text: str) -> str:
+    """``text`` without meaning to Markdown: names come from files of unknown origin."""
+    return "".join(f"\\{c}" if c in "\\`*_{}[]<>#|!~$&" else c for c in text)
+
+
+def _slider(gui: Any, name: str, low: float, high: float) -> Any:
+    # Whole steps, since the page writes as many digits as the ends have; at least one, or there is no slider.
+    low, high = math.ceil(low / _STEP) * _STEP, math.floor(high / _STEP) * _STEP
+    low, high = round(low, _DIGITS), round(max(high, low + _STEP), _DIGITS)
+    return gui.add_slider(name, low, high, _STEP, low)
+
+
+def _set(slider: Any, value: float) -> None:
+    """Move a slider; one end gives way to a value beyond it, as a solution outside the limits has."""
+    shown = round(value, _DIGITS)
+    if shown < slider.min:
+        slider.min = shown
+    if shown > slider.max:
+        slider.max = shown
+    slider.value = shown
+
+
+def _on_change(slider: Any, call: Callable[[float], None]) -> None:
+    def changed(event: Any) -> None:
+        if event.client_id is not None:  # not what this program set itself
+            call(float(slider.value))
+
+    slider.on_update(changed)
+
+
+def _calling(call: Callable[[], None]) -> Callable[[Any], None]:
+    return lambda _: call()

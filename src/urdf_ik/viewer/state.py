@@ -1,0 +1,182 @@
+"""What the viewer shows, without the viewer: an arm, its target, every solution with its marks.
+
+A :class:`State` does not change; each of the functions below returns the one that follows. The page mirrors it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik.errors import UnsupportedArm, UrdfIkError
+from urdf_ik.solutions import Singular, select
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.arm import Arm
+    from urdf_ik.solutions import IKSolutions
+
+    Array = NDArray[np.float64]
+
+# rad or m: the arm stands at a solution that is this close to it.
+_SAME = 1e-6
+# Joint vectors among which the first one is chosen, and their seed.
+_DRAWS, _SEED = 64, 0
+
+
+@dataclass(frozen=True, eq=False)
+class Ghost:
+    """One solution, with all that is to be said about it.
+
+    Attributes:
+        q: (n,) rad or m: the image inside the joint limits where there is one.
+        branch: its name.
+        column: index of the branch.
+        outside: whether a joint is outside its limits.
+        colliding: whether links touch that must not; None where the URDF has nothing to check.
+        singular: where the arm is singular there.
+    """
+
+    q: Array
+    branch: str
+    column: int
+    outside: bool
+    colliding: bool | None
+    singular: Singular
+
+    @property
+    def marks(self) -> tuple[str, ...]:
+        """What speaks against it: 'limits', 'collision', 'singular: wrist'."""
+        names = [flag.name.lower() for flag in Singular if flag in self.singular and flag.name]
+        singular = [f"singular: {', '.join(names)}"] if names else []
+        return (*["limits"] * self.outside, *["collision"] * bool(self.colliding), *singular)
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """An arm at a joint vector, a target, and the solutions that reach it.
+
+    Attributes:
+        arm: the arm.
+        q: (n,) rad or m, where it stands.
+        target: (4, 4) m, pose of the tip that is asked for, in the base.
+        redundancy: value of the redundancy parameter; None for an arm without one.
+        ghosts: every solution of the target, by branch.
+        reason: why there is none, or none inside the limits; else ''.
+        note: what could not be checked, in words; else ''.
+    """
+
+    arm: Arm
+    q: Array
+    target: Array
+    redundancy: float | None
+    ghosts: tuple[Ghost, ...]
+    reason: str
+    note: str
+
+    @property
+    def chosen(self) -> int | None:
+        """Index of the ghost that the arm stands at, if it does."""
+        at = self.nearest(self.ghosts)
+        return None if at is None or self._far(self.ghosts[at].q) > _SAME else at
+
+    def nearest(self, ghosts: tuple[Ghost, ...]) -> int | None:
+        """Index of the one that is nearest to where the arm stands."""
+        return min(range(len(ghosts)), key=lambda k: self._far(ghosts[k].q), default=None)
+
+    def _far(self, q: Array) -> float:
+        return float(select.distance(q[None], self.q, ~self.arm.chain.prismatic)[0])
+
+
+def start(arm: Arm) -> State:
+    """An arm where it shows most of what it can do: of seeded joint vectors, the one with most solutions."""
+    turning = ~arm.chain.prismatic
+    lower, upper = np.clip(arm.limits.T, *np.where(turning, np.pi, 1.0)[None] * [[-1.0], [1.0]])
+    lower, upper = np.minimum(lower, arm.limits[:, 1]), np.maximum(upper, arm.limits[:, 0])
+    draws = lower + (upper - lower) * np.random.default_rng(_SEED).uniform(0.2, 0.8, (_DRAWS, arm.dof))
+    note = ""
+    try:
+        at = None if arm.redundancy is None else arm.redundancy_of(draws)
+        solutions = arm.ik(arm.fk(draws), redundancy=at).within_limits()
+        best = draws[np.argmax((solutions.valid & (solutions.singular == 0)).sum(axis=-1))]
+    except UnsupportedArm:
+        best = draws[0]
+    if not arm.collision_model.has_geometry:
+        note = f"Self-collision is not checked: {arm.collision_model.missing}"
+    here = State(arm, best, arm.fk(best), None, (), "", note)
+    return with_joints(here, best)
+
+
+def with_target(state: State, target: Array) -> State:
+    """The target moved to the pose ``target`` (4, 4) [m]; the arm follows to the nearest solution inside its limits."""
+    return _followed(_solved(replace(state, target=target)))
+
+
+def with_redundancy(state: State, value: float) -> State:
+    """The redundancy parameter set to ``value`` [rad or m]; the arm follows."""
+    return _followed(_solved(replace(state, redundancy=value)))
+
+
+def with_joints(state: State, q: Array) -> State:
+    """The arm moved to ``q`` (n,) rad or m, and the target with it."""
+    arm = state.arm
+    value = None if arm.redundancy is None else float(arm.redundancy_of(q))
+    return _solved(replace(state, q=q, target=arm.fk(q), redundancy=value))
+
+
+def with_joint(state: State, index: int, value: float) -> State:
+    """One joint set to ``value`` [rad or m], and the target moved with the arm."""
+    q = state.q.copy()
+    q[index] = value
+    return with_joints(state, q)
+
+
+def with_branch(state: State, column: int) -> State:
+    """The arm moved to the solution of that branch; where the target has none, nothing changes."""
+    found = [ghost for ghost in state.ghosts if ghost.column == column]
+    return replace(state, q=found[0].q) if found else state
+
+
+def _followed(state: State) -> State:
+    """The arm at the nearest solution inside its limits; where there is none it stays."""
+    inside = tuple(ghost for ghost in state.ghosts if not ghost.outside)
+    at = state.nearest(inside)
+    return state if at is None else replace(state, q=inside[at].q)
+
+
+def _solved(state: State) -> State:
+    """The solutions of the state's target, marked."""
+    arm = state.arm
+    try:
+        found = _solve(state)
+    except UrdfIkError as error:  # no solver takes the arm: its joints can still be moved
+        return replace(state, ghosts=(), reason=str(error))
+    kept = found.within_limits()
+    valid = np.flatnonzero(found.valid)
+    inside = kept.valid[valid]
+    q = np.where(inside[:, None], kept.q[valid], found.q[valid])
+    model = arm.collision_model
+    hits = np.atleast_1d(model.in_collision(q)) if model.has_geometry and len(q) else None
+    ghosts = tuple(
+        Ghost(q[k], found.branches[column], int(column), not inside[k], None if hits is None else bool(hits[k]),
+              Singular(int(found.singular[column])))
+        for k, column in enumerate(valid)
+    )  # fmt: skip
+    return replace(state, ghosts=ghosts, reason="" if inside.any() else str(kept.explain()))
+
+
+def _solve(state: State) -> IKSolutions:
+    arm, T = state.arm, state.target
+    control = arm.control
+    if control.task == "pose":
+        return arm.ik(T, state.q, redundancy=state.redundancy)
+    if control.plane is not None:
+        planar = control.plane.coordinates(T)
+        return arm.ik(planar[:2] if control.task == "planar position" else planar, state.q, task=control.task)
+    point = T[:3, 3]
+    if control.aimed is not None:
+        return arm.ik(np.concatenate([point, T[:3, :3] @ control.aimed]), state.q, task=control.task)
+    return arm.ik(point, state.q, task=control.task)

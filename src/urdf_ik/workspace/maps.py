@@ -1,0 +1,239 @@
+"""WorkspaceMap: what the poses of a grid have as solutions, and questions about that."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from urdf_ik.errors import WorkspaceError
+from urdf_ik.workspace.grid import AXES, Grid
+
+if TYPE_CHECKING:
+    import os
+
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
+    Counts = NDArray[np.uint8]
+
+VALUES = {
+    "reach": "share of the orientations that are reached",
+    "solutions": "mean number of solutions",
+    "manipulability": "greatest manipulability",
+    "margin": "greatest limit margin",
+}
+"""What a voxel can be asked for, and what that is."""
+
+
+@dataclass(frozen=True)
+class About:
+    """What a map is of.
+
+    Attributes:
+        robot: the URDF's name.
+        urdf_sha256: of the URDF's links and joints, as they were read.
+        base: link in which positions are given.
+        tip: link whose positions they are.
+        joints: names, base to tip.
+        limits: (lower, upper) of each joint [rad or m], None where there is none.
+        locked: joints that are held, with their values [rad or m].
+        task: what the arm controls, see ``arm.task``.
+        sampled: what is sampled at each position.
+        branches: names of the family's branches.
+        counted: 'solutions', 'within' or 'free': which solutions count for reach, branches, manipulability and margin.
+        redundancy: value of the redundancy parameter [rad or m], None for an arm without one.
+        made_by: version of this package.
+    """
+
+    robot: str
+    urdf_sha256: str
+    base: str
+    tip: str
+    joints: tuple[str, ...]
+    limits: tuple[tuple[float | None, float | None], ...]
+    locked: dict[str, float]
+    task: str
+    sampled: str
+    branches: tuple[str, ...]
+    counted: str
+    redundancy: float | None
+    made_by: str
+
+
+class MapSlice(NamedTuple):
+    """Values in one layer of voxels.
+
+    Attributes:
+        values: (a, b), NaN where nothing is reached.
+        axes: names of the two axes.
+        extent: lower and upper edge along the first axis, then along the second one [m].
+        across: name of the axis that the layer lies across.
+        at: m, the layer's middle on it.
+        what: what the values are.
+    """
+
+    values: Array
+    axes: tuple[str, str]
+    extent: tuple[float, float, float, float]
+    across: str
+    at: float
+    what: str
+
+
+class BranchShare(NamedTuple):
+    """How much of the workspace one branch covers.
+
+    Attributes:
+        voxels: share of the voxels that are reached.
+        poses: share of the poses that are reached.
+    """
+
+    voxels: float
+    poses: float
+
+
+@dataclass(frozen=True, eq=False)
+class WorkspaceMap:
+    """Positions x orientations of an arm's tip, with what they have as solutions.
+
+    Attributes:
+        about: the arm and the question.
+        grid: the voxels (X, Y, Z).
+        samples: (S, ...) what was sampled at each position: rotation matrices, directions or angles.
+        solutions: (X, Y, Z, S) number of solutions.
+        branch_poses: (X, Y, Z, B) number of orientations in which a branch has a solution that counts.
+        within: (X, Y, Z, S) number within the limits, or None.
+        free: (X, Y, Z, S) number within the limits that are free of self-collision, or None.
+        manipulability: (X, Y, Z, S) greatest one of the solutions that count, NaN where there is none; or None.
+        margin: (X, Y, Z, S) greatest limit margin: the least of all joints' distances to their limits, as shares of
+            half their ranges, 0 at a limit and 1 in the middle of all; NaN where there is none; or None.
+    """
+
+    about: About
+    grid: Grid
+    samples: Array = field(repr=False)
+    solutions: Counts = field(repr=False)
+    branch_poses: NDArray[np.uint16] = field(repr=False)
+    within: Counts | None = field(repr=False, default=None)
+    free: Counts | None = field(repr=False, default=None)
+    manipulability: NDArray[np.float32] | None = field(repr=False, default=None)
+    margin: NDArray[np.float32] | None = field(repr=False, default=None)
+
+    @property
+    def counts(self) -> Counts:
+        """(X, Y, Z, S) number of the solutions that count, see ``about.counted``."""
+        return {"solutions": self.solutions, "within": self.within, "free": self.free}[self.about.counted]  # type: ignore[return-value]
+
+    @property
+    def reached(self) -> NDArray[np.bool_]:
+        """(X, Y, Z) whether a voxel's centre is reached in any orientation."""
+        return np.asarray(self.counts.any(axis=-1))
+
+    @property
+    def volume(self) -> float:
+        """Volume [m^3] of the voxels that are reached; area [m^2] for a planar arm."""
+        return float(self.reached.sum()) * self.grid.voxel**self._dimensions
+
+    @property
+    def dexterous_volume(self) -> float:
+        """The same of the voxels that are reached in every orientation that was sampled."""
+        return float((self.counts > 0).all(axis=-1).sum()) * self.grid.voxel**self._dimensions
+
+    def values(self, what: str = "reach") -> Array:
+        """One number a voxel (X, Y, Z), NaN where nothing is reached; ``what`` is a key of ``VALUES``.
+
+        'reach' is the reachability index of Zacharias, Borst and Hirzinger ("Capturing robot workspace structure",
+        IROS 2007) with orientations in place of directions.
+
+        Raises:
+            WorkspaceError: there is no such value, or it was not computed.
+        """
+        if what not in VALUES:
+            raise WorkspaceError(f"no value is called {what!r}; there are {', '.join(VALUES)}")
+        if what in ("reach", "solutions"):
+            counts = self.counts if what == "solutions" else self.counts > 0
+            values = counts.mean(axis=-1, dtype=np.float64)
+        else:
+            stored = self.manipulability if what == "manipulability" else self.margin
+            if stored is None:
+                raise WorkspaceError(f"the map holds no {what}; compute it with {what}=True")
+            values = np.where(np.isnan(stored), -np.inf, stored).max(axis=-1).astype(np.float64)
+        return np.where(self.reached, values, np.nan)
+
+    def slice(self, axis: str = "z", at: float = 0.0, what: str = "reach") -> MapSlice:
+        """The layer of voxels across an axis that holds the coordinate ``at`` [m].
+
+        Raises:
+            WorkspaceError: there is no such axis or value, or the coordinate is outside the grid.
+        """
+        if axis not in tuple(AXES):
+            raise WorkspaceError(f"no axis is called {axis!r}; there are x, y and z")
+        k = AXES.index(axis)
+        lower, upper = float(self.grid.lower[k]), float(self.grid.upper[k])
+        if not lower <= at <= upper:
+            raise WorkspaceError(f"{axis} = {at:g} m is outside the map, from {lower:g} to {upper:g} m")
+        layer = min(int((at - lower) / self.grid.voxel), self.grid.shape[k] - 1)
+        one, two = (i for i in range(3) if i != k)
+        edges = [float(edge[i]) for i in (one, two) for edge in (self.grid.lower, self.grid.upper)]
+        return MapSlice(
+            np.take(self.values(what), layer, axis=k),
+            (AXES[one], AXES[two]),
+            (edges[0], edges[1], edges[2], edges[3]),
+            axis,
+            float(self.grid.coordinates(k)[layer]),
+            what,
+        )
+
+    def reach(self, direction: ArrayLike, origin: ArrayLike = (0.0, 0.0, 0.0)) -> Array:
+        """Where a ray runs through voxels that are reached.
+
+        Args:
+            direction: (3,), of any length.
+            origin: (3,) m.
+
+        Returns:
+            (k, 2) m from the origin, each stretch's beginning and end; the last number is how far the arm reaches.
+
+        Raises:
+            WorkspaceError: the direction or the origin is none.
+        """
+        ray, start = np.asarray(direction, np.float64), np.asarray(origin, np.float64)
+        length = float(np.linalg.norm(ray)) if ray.shape == (3,) else 0.0
+        if start.shape != (3,) or not np.isfinite(start).all() or not (np.isfinite(length) and length > 0.0):
+            raise WorkspaceError(
+                f"direction {direction!r} from {origin!r}: three numbers each, not all zero, are needed"
+            )
+        ray = ray / length
+        edges = [self.grid.lower[i] + self.grid.voxel * np.arange(self.grid.shape[i] + 1) for i in range(3)]
+        crossings = [(edges[i] - start[i]) / ray[i] for i in range(3) if ray[i] != 0.0]
+        cuts = np.unique(np.concatenate([[0.0], *crossings]))
+        cuts = cuts[cuts >= 0.0]
+        middles = start + 0.5 * (cuts[:-1] + cuts[1:])[:, None] * ray
+        places = np.floor((middles - self.grid.lower) / self.grid.voxel).astype(int)
+        inside = ((places >= 0) & (places < self.grid.shape)).all(axis=1)
+        hit = np.zeros(len(places) + 2, dtype=np.int8)
+        hit[1:-1][inside] = self.reached[tuple(places[inside].T)]
+        change = np.diff(hit)
+        return np.stack([cuts[change[: len(cuts)] > 0], cuts[change[: len(cuts)] < 0]], axis=-1)
+
+    def branch_shares(self) -> dict[str, BranchShare]:
+        """How much of what is reached each branch covers, by name; zeros where nothing is reached."""
+        voxels, poses = max(1, int(self.reached.sum())), max(1, int((self.counts > 0).sum()))
+        flat = self.branch_poses.reshape(-1, len(self.about.branches))
+        covered, solved = (flat > 0).sum(axis=0), flat.sum(axis=0, dtype=np.int64)
+        return {
+            name: BranchShare(float(covered[b]) / voxels, float(solved[b]) / poses)
+            for b, name in enumerate(self.about.branches)
+        }
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a compressed ``.npz`` file; see :mod:`urdf_ik.workspace.files`."""
+        from urdf_ik.workspace import files
+
+        files.save(self, path)
+
+    @property
+    def _dimensions(self) -> int:
+        return 2 if self.about.task.startswith("planar") else 3
