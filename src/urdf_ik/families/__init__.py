@@ -12,6 +12,7 @@ from urdf_ik.families import (
     general_slides,
     parallel_shoulder,
     planar,
+    sampled,
     slides,
     spherical_middle,
     spherical_wrist,
@@ -50,6 +51,8 @@ def of_six(structure: Structure, chain: Chain) -> Plan | None:
     """What ``choose`` says of six joints."""
     if chain.prismatic.any():
         return _with_slides(structure, chain)
+    if sampled.matches(chain):
+        return sampled.prepare(chain)
     return _of_a_family(structure, chain) or _general(structure, chain)
 
 

@@ -82,9 +82,7 @@ def _extended(chain: Chain, H: Array, P: Array, *, behind: bool) -> Chain:
     )
 
 
-def _plan(
-    chain: Chain, whole: Chain, at: int, aim: Aim, choose: Choose, family: str, role: str
-) -> Plan | None:
+def _plan(chain: Chain, whole: Chain, at: int, aim: Aim, choose: Choose, family: str, role: str) -> Plan | None:
     six = choose(analyse(whole), whole)
     if six is None:
         return None

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 _NAMES = tuple(f"solution {k}" for k in range(1, 17))
 
+
 def matches(structure: Structure) -> bool:
     """Whether the arm has six revolute joints."""
     return len(structure.joint_types) == 6 and "prismatic" not in structure.joint_types
