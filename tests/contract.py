@@ -71,7 +71,7 @@ NOISES = (0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-4, 1e-2)  # rad
 
 
 def ends(case: Case, rng: np.random.Generator) -> list[list[float]]:
-    """Values [rad] of each joint at which the Jacobian is singular whatever the others do: elbows and wrists at their ends.
+    """Values [rad] of each joint at which the arm is singular whatever the others do: ends of elbows and wrists.
 
     Six joints. They are searched for with Pinocchio's Jacobian, so that no formula of any family enters.
     """
@@ -111,8 +111,18 @@ def corners(case: Case, rng: np.random.Generator, m: int) -> Array:
     return np.array(out)
 
 
+def round_vectors(n: int, slides: NDArray[np.bool_], rng: np.random.Generator, m: int) -> Array:
+    """Joint vectors (7 m, n) at quarter turns and decimetres, some with joints anywhere, with every noise."""
+    out = []
+    for k in range(m):
+        q = np.where(slides, 0.1 * rng.integers(-3, 4, n), ROUND[rng.integers(0, 4, n)])
+        q = np.where((k % 2 > 0) & (rng.random(n) < 0.4), rng.uniform(-1.0, 1.0, n), q)
+        out += [q + noise * rng.choice([-1.0, 0.0, 1.0], n) for noise in NOISES]
+    return np.array(out)
+
+
 def holds_at_corners(case: Case, poses: int, seed: int) -> None:
-    """At corners, exactly and nearly, there are solutions, all exact; the planted one is found where the pose tells it."""
+    """At corners there are solutions, all exact; the planted one is found where the pose decides it."""
     for q in corners(case, np.random.default_rng(seed), poses):
         target = case.oracle.pose(q)
         solutions = case.arm.ik(target)
