@@ -460,9 +460,9 @@ PART int carry(const Written<6>& arm, const KnownPose& from, int many, KnownPose
 
 // All solutions of the first of the poses of m joint vectors, by monodromy: paths that lead to other poses and back another
 // way end at other solutions than they began (Duff et al., Solving polynomial systems via homotopy continuation and
-// monodromy, 2019). It ends when all 16 are found, or when IDLE rounds have found no new one. Then those of the other poses.
+// monodromy, 2019). It ends when all 16 are found, or when IDLE_ROUNDS rounds have found no new one. Then those of the other poses.
 // A pose whose joint vector is singular is none of them: where all are, the arm is singular everywhere.
-inline constexpr int IDLE = 8, MOST_TRIED = 64;
+inline constexpr int IDLE_ROUNDS = 8, MOST_TRIED = 64;
 inline constexpr double REGULAR = 1e-3;
 PART void find_known_poses(const Written<6>& arm, const double (*all)[6], int m, Continuation& out) {
     double q[MOST_TRIED][6];
@@ -474,7 +474,7 @@ PART void find_known_poses(const Written<6>& arm, const double (*all)[6], int m,
     out.solutions = out.poses = 0, m = regular;
     if (m < 2) return;
     KnownPose base = known_pose(arm, q[0], many);
-    for (int round = 0, idle = 0; many < KnownPose::most && idle < IDLE && round < 60; ++round) {
+    for (int round = 0, idle = 0; many < KnownPose::most && idle < IDLE_ROUNDS && round < 60; ++round) {
         int many_there, before = many;
         KnownPose other = known_pose(arm, q[1 + round % (m - 1)], many_there);
         carry(arm, base, many, other, many_there, 0.5 + 0.37 * (round % 5));
