@@ -21,6 +21,8 @@ using CBlock = Complexes<Block>;
 // Greatest correction of a step: rad, and share of the step itself. A path that is taken for another is noticed at the end,
 // where two of them then meet.
 inline constexpr double LARGEST_CORRECTION = 0.05, LARGEST_SHARE = 0.15;
+// Next to a singularity rounding makes corrections of some 1e-8 rad: shorter steps count as long as this.
+inline constexpr double FLOOR = 3e-7;
 // A step longer than this [rad] is not tried. Steps are made as long as leads to corrections of the size AIM.
 inline constexpr double LONGEST = 0.7, AIM = 0.02, AIM_SHARE = 0.04;
 // A path that cannot be followed beyond this s, or in that many steps, ends at a singular solution.
@@ -28,8 +30,11 @@ inline constexpr double SHORTEST = 1e-15;
 inline constexpr double MOST_STEPS = 250.0;
 // A path leads to infinity where |e^(i angle)|^2 is beyond this, or below its inverse.
 inline constexpr double INFINITE = 1e16;
-// Correction [rad] below which Newton's method has converged at the end of a path, in so many rounds.
-inline constexpr double AT_END = 1e-9, MOST_AT_END = 8.0;
+// Correction [rad] below which Newton's method has converged at the end of a path. Next to a singularity rounding alone is
+// larger: then one below AT_WEAK_END after so many rounds.
+inline constexpr double AT_END = 1e-9, AT_WEAK_END = 1e-6, ROUNDS_AT_END = 8.0;
+// A path whose correction is still larger than this after so many rounds has left its way on its last step.
+inline constexpr double ASTRAY = 1e-4, ROUNDS_ASTRAY = 3.0;
 
 template <class V> struct Quaternion {
     V w;
@@ -150,13 +155,13 @@ STEP void advance(const Written<6>& arm, CBlock (&z)[6], const Six<CBlock>& by) 
     for (int k = 0; k < 6; ++k) z[k] = arm.slides[k] ? z[k] + by[k] : z[k] * small_turn(by[k]);
 }
 
-// The complex solutions of a pose: e^(i angle) or lengths as in KnownPose, which of them are regular, and the s at which
-// the paths of the others stopped.
+// The complex solutions of a pose: e^(i angle) or lengths as in KnownPose, which of them are regular, which of these next to a
+// singularity, and the s at which the paths of the others stopped.
 struct PathEnds {
     static constexpr int most = KnownPose::most;
     int many;
     double z[most][6][2], left[most];
-    bool regular[most];
+    bool regular[most], weak[most];
 };
 
 // A path in each lane, each with its own s and its own step. What is known of it: the last two places, one `way_back` apart,
@@ -184,9 +189,21 @@ STEP Six<CBlock> next_step(const Walk& walk) {
     return by;
 }
 
+// Back to the last place but one, for a shorter step: Newton's method at the end has not followed from where the last one led.
+STEP void go_back(const Written<6>& arm, Walk& walk, const MaskOf<Block>& astray) {
+    Six<CBlock> back;
+    for (int k = 0; k < 6; ++k) {
+        back[k] = select<Block>(astray, -walk.way_back[k], 0.0);
+        walk.tangent[k] = select<Block>(astray, walk.before[k], walk.tangent[k]);
+    }
+    advance(arm, walk.z, back);
+    walk.s = select(astray, walk.last, walk.s), walk.h = select(astray, 0.2 * walk.last, walk.h);
+    walk.last = select(astray, Block(0.0), walk.last), walk.at_end = select(astray, Block(0.0), walk.at_end);
+}
+
 // Ahead by a cubic, then one step of Newton's method, which gives the next tangent too. Returns the lanes that arrived at a
-// regular end, and those that came to an end at all.
-PART unsigned walk_on(const Written<6>& arm, const Way& way, Walk& walk, unsigned& ended) {
+// regular end, those of them next to a singularity, and those that came to an end at all.
+PART unsigned walk_on(const Written<6>& arm, const Way& way, Walk& walk, unsigned& weak, unsigned& ended) {
     const Block zero = 0.0;
     walk.h = min(walk.h, walk.s);
     const Six<CBlock> by = next_step(walk);
@@ -195,7 +212,7 @@ PART unsigned walk_on(const Written<6>& arm, const Way& way, Walk& walk, unsigne
     advance(arm, z, by);
     const Block ahead = select(walk.rests, walk.s, select(walk.h < walk.s, walk.s - walk.h, zero));
     const ComplexStep step = complex_step(arm, way, z, ahead);
-    const Block size = largest_square(step.correction), length = largest_square(by) + 1e-18;
+    const Block size = largest_square(step.correction), length = largest_square(by) + FLOOR * FLOOR;
     const Block largest = LARGEST_CORRECTION * LARGEST_CORRECTION, bound = min(LARGEST_SHARE * LARGEST_SHARE * length, largest);
     const auto arrived = walk.moves & !walk.rests & (size <= bound) & (length < Block(LONGEST * LONGEST));
     const auto good = arrived | (walk.moves & walk.rests & (size < largest));
@@ -213,16 +230,20 @@ PART unsigned walk_on(const Written<6>& arm, const Way& way, Walk& walk, unsigne
     const Block aim = min(AIM_SHARE * AIM_SHARE * length, Block(AIM * AIM));
     const Block grown = min(sqrt(sqrt(sqrt(aim / (size + TINY)))), Block(4.0));
     const Block shorter = select(walk.rests, Block(1.0), 0.8 * max(min(grown, Block(0.6)), Block(0.1)));
-    const unsigned regular = bits(walk.moves & walk.rests & (walk.s <= zero) & (size < Block(AT_END * AT_END)));
+    const auto at_end = walk.moves & walk.rests & (walk.s <= zero);
+    weak = bits(at_end & (size < Block(AT_WEAK_END * AT_WEAK_END)) & (walk.at_end >= Block(ROUNDS_AT_END)));
+    const unsigned regular = bits(at_end & (size < Block(AT_END * AT_END))) | weak;
+    const auto astray = at_end & (walk.at_end >= Block(ROUNDS_ASTRAY)) & (size > Block(ASTRAY * ASTRAY)) & (walk.last > zero);
     walk.last = select(arrived, walk.h, walk.last);
     walk.s = select(arrived, ahead, walk.s);
     walk.h = walk.h * select(arrived, max(grown, Block(0.5)), shorter);
     const auto there = walk.s <= zero;
     walk.rests = (walk.moves & !arrived & !walk.rests) | there;
+    if (any(astray)) go_back(arm, walk, astray);
     walk.steps += 1.0, walk.at_end += select(there, Block(1.0), 0.0);
     const auto stuck = (walk.s < Block(SHORTEST)) & !there;
     ended = regular | bits(walk.moves & (stuck | (far > Block(INFINITE)) | (walk.steps > Block(MOST_STEPS)) |
-                                         (walk.at_end > Block(MOST_AT_END))));
+                                         (walk.at_end > Block(ROUNDS_AT_END))));
     return regular;
 }
 
@@ -246,15 +267,15 @@ PART void follow_all(const Written<6>& arm, const Way& way, const double (*from)
     for (int l = 0; l < BLOCK; ++l) begin(l), moves[l] = path[l] >= 0, rests[l] = 1.0;
     walk.moves = load<Block>(moves) > Block(0.0), walk.rests = load<Block>(rests) > Block(0.0);
     while (any(walk.moves)) {
-        unsigned ended;
-        const unsigned regular = walk_on(arm, way, walk, ended);
+        unsigned weak, ended;
+        const unsigned regular = walk_on(arm, way, walk, weak, ended);
         if (!ended) continue;
         const unsigned resting = bits(walk.rests);
         for (int l = 0; l < BLOCK; ++l) {
             rests[l] = (resting | ended) >> l & 1;
             if (!(ended >> l & 1)) continue;
             const int i = path[l];
-            to.left[i] = walk.s[l], to.regular[i] = regular >> l & 1;
+            to.left[i] = walk.s[l], to.regular[i] = regular >> l & 1, to.weak[i] = weak >> l & 1;
             for (int k = 0; k < 6; ++k) to.z[i][k][0] = walk.z[k].re[l], to.z[i][k][1] = walk.z[k].im[l];
             begin(l), moves[l] = path[l] >= 0;
         }

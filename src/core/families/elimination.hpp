@@ -222,32 +222,26 @@ PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, Se
     int settled = 0;
     for (int from = 0; from < ends.many; from += BLOCK) {
         Candidates smooth = {{}, 0}, rough = {{}, 0};
-        unsigned singular = 0;
+        unsigned certain = 0;
         for (int l = 0; l < BLOCK; ++l) {
             const int i = from + l;
             for (int j = 0; j < 6; ++j) {
                 const double (&z)[2] = ends.z[i < ends.many ? i : from][j];
-                smooth.q[j].set(l, arm.written.slides[j] ? arm.written.size * z[0] : atan2(z[1], z[0]));
+                smooth.q[j].set(l, arm.written.slides[j] ? arm.written.size * z[0] : wrap(atan2(z[1], z[0])));
             }
             if (i >= ends.many) continue;
             const double off = imaginary_part(arm.written, ends.z[i]);
-            if (ends.regular[i]) {
-                ++settled;
-                if (off < IMAGINARY) smooth.lanes |= 1u << l;
-            } else if (ends.left[i] < AT_SINGULAR) {
-                if (!(off < IMAGINARY_SINGULAR)) ++settled;
-                else rough.lanes |= 1u << l;
-            }
+            const bool real = off < (ends.regular[i] ? IMAGINARY : IMAGINARY_SINGULAR);
+            if (ends.regular[i] && real) smooth.lanes |= 1u << l;
+            // A continuum has its ends anywhere; its real members are looked for from their real parts.
+            else if (ends.regular[i] ? ends.weak[i] : ends.left[i] < AT_SINGULAR) rough.lanes |= 1u << l;
+            certain |= unsigned(ends.regular[i] || (ends.left[i] < AT_SINGULAR && !real)) << l;
         }
         for (int j = 0; j < 6; ++j) rough.q[j] = smooth.q[j];
         int column[BLOCK];
         if (smooth.lanes) take_from<false>(arm, goal, search, smooth, 12, column);
-        if (!rough.lanes) continue;
-        take_from<true>(arm, goal, search, rough, 60, column);
-        for (int l = 0; l < BLOCK; ++l) {
-            if (rough.lanes >> l & 1) singular += column[l] >= 0;
-        }
-        settled += int(singular);
+        if (rough.lanes) take_from<true>(arm, goal, search, rough, 60, column);
+        for (int l = 0; l < BLOCK; ++l) settled += (certain >> l & 1) || ((rough.lanes >> l & 1) && column[l] >= 0);
     }
     return all ? Arrived::regular : settled == arm.paths.solutions ? Arrived::settled : Arrived::lost;
 }

@@ -50,6 +50,7 @@ struct Sampled {
             }
         }
         sort(columns);
+        columns.flags[0] |= UNCERTAIN;
     }
 };
 

@@ -1,0 +1,157 @@
+"""General arms where people work: joints at multiples of 90 degrees, the tool straight down, folded elbows.
+
+There the determinant of an elimination vanishes for every value of the hidden joint, or has roots of high multiplicity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from arms import DescribedArm, X, Y, Z
+from arms_general import crx_like, from_screws, hc10_like, irb140_like, jaco_like, unstructured
+from cases import Case, assert_exact, described
+from numpy.typing import NDArray
+from oracle import angle_distance
+
+Array = NDArray[np.float64]
+
+
+def folding() -> DescribedArm:
+    """Like Fanuc's CRX-10iA: upper arm and forearm are equally long, so at q3 = -90 degrees axis 5 meets axis 2."""
+    points = [(0, 0, 0.245), (0, 0, 0.245), (0, 0, 0.785), (0.3, 0, 0.785), (0.54, 0, 0.785), (0.54, -0.15, 0.785)]
+    return from_screws("folding", "1x2, 2||3, 3x4, 4x5, 5x6", [Z, Y, -Y, -X, -Y, -X], points, (0.7, -0.15, 0.785))
+
+
+MAKERS: dict[str, Callable[[], DescribedArm]] = {
+    "crx": crx_like,
+    "folding": folding,
+    "hc10": hc10_like,
+    "irb140": irb140_like,
+    "jaco": jaco_like,
+    "random": lambda: unstructured(3),
+}
+NOISES = (0.0, 1e-12, 1e-9, 1e-6, 1e-4, 1e-2)
+REGULAR = 0.01  # least singular value, lengths as shares of the size, of the joint vectors that must be found
+
+
+@lru_cache
+def named(name: str) -> Case:
+    """Load one of the arms."""
+    return described(MAKERS[name]())
+
+
+def least_singular_values(case: Case, Q: Array) -> Array:
+    """(m,) of the Jacobians at Q (m, 6), lengths as shares of the size."""
+    J = case.arm.jacobian(Q).copy()
+    J[:, :3] /= case.arm.chain.size
+    return np.linalg.svd(J, compute_uv=False)[:, -1]
+
+
+def round_vectors(rng: np.random.Generator, count: int) -> Array:
+    """(count, 6) rad, joints at 0, +-90 and 180 degrees."""
+    return rng.integers(-1, 3, (count, 6)) * (np.pi / 2.0)
+
+
+def assert_found(case: Case, Q: Array) -> None:
+    """Every one of the joint vectors is among the solutions of its pose, which are certain to be all."""
+    solutions = case.arm.ik(case.arm.fk(Q))
+    lost = np.nan_to_num(angle_distance(solutions.q, Q[:, None, :]), nan=np.inf).min(axis=1) > 1e-6
+    assert not lost.any(), f"{lost.sum()} of {len(Q)} lost, the first at {Q[lost][0].tolist()}"
+    assert solutions.certain.all()
+
+
+@pytest.mark.parametrize("noise", NOISES)
+@pytest.mark.parametrize("name", MAKERS)
+def test_round_joint_vectors_are_found(name: str, noise: float) -> None:
+    case, rng = named(name), np.random.default_rng(1)
+    Q = round_vectors(rng, 500)
+    Q = Q[least_singular_values(case, Q) > REGULAR][:60]
+    assert_found(case, Q + noise * rng.uniform(-1.0, 1.0, Q.shape))
+
+
+@pytest.mark.parametrize("name", MAKERS)
+def test_rounding_does_not_change_the_number(name: str) -> None:
+    """Some units in the last place of position and rotation: a regular pose keeps its solutions."""
+    case, rng = named(name), np.random.default_rng(2)
+    Q = np.vstack([round_vectors(rng, 300), rng.uniform(-np.pi, np.pi, (60, 6))])
+    targets = case.arm.fk(Q)
+    solutions = case.arm.ik(targets)
+    least = np.array([least_singular_values(case, s.to_array()).min(initial=1.0) for s in (solutions[k] for k in range(len(targets)))])
+    targets, counts = targets[least > REGULAR], solutions.count[least > REGULAR]
+    assert len(targets) > 50
+    for _ in range(3):
+        moved = targets.copy()
+        moved[:, :3] *= 1.0 + rng.integers(-3, 4, moved[:, :3].shape) * 2.0**-52
+        assert np.array_equal(case.arm.ik(moved).count, counts)
+
+
+@pytest.mark.parametrize("distance", [1e-1, 1e-3, 1e-4, 1e-5, 1e-6])
+def test_near_the_folded_elbow(distance: float) -> None:
+    case, rng = named("folding"), np.random.default_rng(3)
+    Q = rng.uniform(-np.pi, np.pi, (150, 6))
+    Q[:, 2] = -np.pi / 2.0 + distance * rng.choice([-1.0, 1.0], len(Q))
+    solutions = case.arm.ik(case.arm.fk(Q))
+    assert (np.nan_to_num(angle_distance(solutions.q, Q[:, None, :]), nan=np.inf).min(axis=1) < 1e-6).all()
+
+
+def test_at_the_folded_elbow() -> None:
+    """Exactly there the arm is singular whatever the others do: a solution that says so must be among the answers."""
+    case, rng = named("folding"), np.random.default_rng(4)
+    Q = rng.uniform(-np.pi, np.pi, (150, 6))
+    Q[:, 2] = -np.pi / 2.0
+    solutions = case.arm.ik(case.arm.fk(Q))
+    assert (solutions.singular > 0).any(axis=1).all()
+
+
+# The flange's axes at q = 0 in the maker's URDF of the CRX-10iA/L.
+FLANGE = np.array([[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]])
+
+
+def straight_down(case: Case, position: Array) -> Array:
+    """The pose (4, 4) in which the flange points straight down at a position (3,) [m]."""
+    target = np.eye(4)
+    target[:3, :3] = np.diag([1.0, -1.0, -1.0]) @ FLANGE.T @ case.arm.fk(np.zeros(6))[:3, :3]
+    target[:3, 3] = position
+    return target
+
+
+def test_known_numbers_of_a_crx() -> None:
+    """Fanuc's CRX-10iA/L: twelve solutions straight down in front of it, eight at a round joint vector."""
+    case = named("crx")
+    target = straight_down(case, np.array([0.74, 0.0, 0.52]))
+    assert len(assert_exact(case, case.arm.ik(target), target)) == 12
+    assert len(case.arm.ik(case.arm.fk(np.radians([180.0, 90.0, -90.0, 90.0, -90.0, 90.0])))) == 8
+
+
+@pytest.mark.parametrize("place", range(6))
+def test_straight_down_on_a_grid(place: int) -> None:
+    """Multi-start Newton on Pinocchio's model finds no solution that is not there."""
+    case, rng = named("crx"), np.random.default_rng([5, place])
+    position = np.array([0.05, 0.05, 0.05]) * rng.integers([6, -10, 0], [18, 10, 14])
+    target = straight_down(case, position)
+    solutions = case.arm.ik(target)
+    found = assert_exact(case, solutions, target)
+    assert solutions.certain
+    for q in case.oracle.solutions(target, rng, starts=150):
+        if case.oracle.sigma_min(q) > REGULAR:
+            assert angle_distance(found, q).min(initial=np.inf) < 1e-6
+
+
+def test_certainty_has_the_shape_of_the_poses_and_survives_filters() -> None:
+    case = named("crx")
+    solutions = case.arm.ik(case.arm.fk(round_vectors(np.random.default_rng(6), 12)).reshape(3, 4, 4, 4))
+    assert solutions.certain.shape == (3, 4)
+    assert np.array_equal(solutions.within_limits().certain, solutions.certain)
+    assert np.array_equal(solutions[1, 2:].certain, solutions.certain[1, 2:])
+
+
+def test_not_certain_where_the_arm_is_singular_everywhere() -> None:
+    """Axes 1 and 2 coincide: every pose leaves their difference free, and no count of solutions means anything."""
+    points = [(0, 0, 0), (0, 0, 0), (0, 0, 0.5), (0.3, 0, 0.5), (0.5, 0.1, 0.5), (0.6, -0.15, 0.7)]
+    case = described(from_screws("coaxial", "1 = 2", [Z, Z, -Y, -X, -Y, -X], points, (0.7, -0.15, 0.9)))
+    solutions = case.arm.ik(case.arm.fk(np.random.default_rng(7).uniform(-3.0, 3.0, (5, 6))))
+    assert (solutions.singular > 0).any(axis=1).all()
+    assert not solutions.certain.any()
