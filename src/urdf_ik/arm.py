@@ -11,7 +11,7 @@ from typing import IO, TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik import families, velocity
-from urdf_ik.chain import Chain
+from urdf_ik.chain import Chain, from_urdf
 from urdf_ik.chain.mimic import CoupledChain
 from urdf_ik.cuspidality import is_cuspidal
 from urdf_ik.errors import JointVectorError, PoseError, UnsupportedArm
@@ -438,7 +438,7 @@ def load(
         base, tip = entry.base if base is None else base, entry.tip if tip is None else tip
         mesh_roots = (*mesh_roots, *entry.package_dirs)
     model = urdf.read(source, mesh_roots=mesh_roots)
-    return Arm(model, Chain.from_urdf(model, base, tip).lock(locked or {}))
+    return Arm(model, from_urdf(model, base, tip).lock(locked or {}))
 
 
 def _is_name(source: str) -> bool:

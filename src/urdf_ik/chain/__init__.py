@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-from urdf_ik.chain.serial import MOVABLE, Chain, Follower, TreeJoint, followed, held_values
+from urdf_ik.chain.mimic import CoupledChain
+from urdf_ik.chain.reading import from_urdf
+from urdf_ik.chain.serial import Chain, Follower, TreeJoint
 
-__all__ = [
-    "MOVABLE",
-    "Chain",
-    "Follower",
-    "TreeJoint",
-    "followed",
-    "held_values",
-]
+__all__ = ["Chain", "CoupledChain", "Follower", "TreeJoint", "from_urdf"]

@@ -151,7 +151,7 @@ def as_json(answer: Answer, angles: Angles) -> str:
 
 def explanation(answer: Answer, pose: int) -> str:
     """Why a pose has no solution."""
-    return str(answer.solutions[pose].explain())
+    return answer.solutions[pose].explain()
 
 
 def as_csv(answer: Answer, angles: Angles) -> str:

@@ -10,7 +10,16 @@ if TYPE_CHECKING:
 
     from urdf_ik.chain import Chain
     from urdf_ik.chain.redundancy import Redundancy
-    from urdf_ik.collision import CollisionModel
+
+
+class Collisions(Protocol):
+    """What ``collision_free`` asks whether the arm touches anything."""
+
+    def in_collision(self, q: NDArray[np.float64]) -> Any:
+        """(k, n) rad or m to (k,): whether two bodies touch or overlap."""
+
+    def distance(self, q: NDArray[np.float64]) -> Any:
+        """(k, n) rad or m to (k,) m: how far the nearest two bodies are apart."""
 
 
 class SolvedArm(Protocol):
@@ -29,7 +38,7 @@ class SolvedArm(Protocol):
         """(n, 2) rad or m."""
 
     @property
-    def collision_model(self) -> CollisionModel:
+    def collision_model(self) -> Collisions:
         """What ``collision_free`` asks."""
 
     @property
