@@ -16,7 +16,7 @@ INSTALL = $(WITH_COMPILER) --here $(PIP) install --no-build-isolation --editable
 BUILD_NEEDS = import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], "cmake", "ninja")
 
 CORE = $(wildcard src/core/*.[ch]pp src/core/*/*.[ch]pp)
-SANITIZED_LEVEL = $(if $(filter x86_64,$(shell uname -m)),v3,arm64)
+SANITIZED_LEVEL = $(if $(filter x86_64,$(shell uname -m)),v2,arm64)
 SANITIZED_TESTS = tests/test_families.py tests/test_closed_forms.py tests/test_singular.py tests/test_arm.py
 
 .DELETE_ON_ERROR:

@@ -18,6 +18,14 @@ template <int N> struct Columns {
         for (int b = 0; b < many; ++b) n += valid(b);
         return n;
     }
+    STEP void swap(int a, int b) const {
+        for (int j = 0; j < N; ++j) {
+            const double x = row(a)[j];
+            row(a)[j] = row(b)[j], row(b)[j] = x;
+        }
+        const std::uint8_t f = flags[a];
+        flags[a] = flags[b], flags[b] = f;
+    }
     STEP void clear(int b) const {
         for (int j = 0; j < N; ++j) row(b)[j] = __builtin_nan("");
         flags[b] = 0;
@@ -86,14 +94,7 @@ template <int N> PART void sort(const Columns<N>& columns) {
         return false;
     };
     for (int i = 1; i < columns.many; ++i) {
-        for (int k = i; k > 0 && before(k, k - 1); --k) {
-            for (int j = 0; j < N; ++j) {
-                const double x = columns.row(k)[j];
-                columns.row(k)[j] = columns.row(k - 1)[j], columns.row(k - 1)[j] = x;
-            }
-            const std::uint8_t f = columns.flags[k];
-            columns.flags[k] = columns.flags[k - 1], columns.flags[k - 1] = f;
-        }
+        for (int k = i; k > 0 && before(k, k - 1); --k) columns.swap(k, k - 1);
     }
 }
 

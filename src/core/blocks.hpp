@@ -14,9 +14,8 @@
 //   load       load(arm, from, t): a block of targets as poses
 // and, where a pose leaves one number free,
 //   redundant  true; Arm::value is the number where none is given; fast, closely and solve take it behind what they see
-// A family without a fast path is a struct with Arm and branches as above and
+// A family without a fast path goes through solve_singly; it has closely, or instead of it
 //   solve      solve(arm, goal, reference, columns): all solutions of one pose
-// and goes through solve_singly.
 #pragma once
 
 #include "answer.hpp"
@@ -28,6 +27,13 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // 2 and 1 of its number), and the least squared arm that fixes its angles (dimensionless). Imperfect arms ask for it.
 template <class V> struct Clearance {
     V shoulder, elbow, wrist, arms;
+};
+
+// What of a branch, or of several, is settled besides the angles: the lanes in which it is no solution, and those in which that
+// is in doubt.
+struct State {
+    MaskOf<Block> lost, doubt;
+    Clearance<Block> clear;
 };
 
 // A block's answers: angles of each branch; the lanes in which it is a solution, and those in which that is in doubt.
@@ -51,6 +57,11 @@ template <int B, int N = 6> struct Found {
     }
 };
 
+// So many angles of a block, given by (cos, sin), that are to be taken together.
+template <int N> struct AnglesOf {
+    Block y[N], x[N];
+    STEP void set(int i, const Turn<Block>& t) { y[i] = t.s, x[i] = t.c; }
+};
 // Angles of y[FROM..TO) and x, to y: four at a time, so that the processor finds independent work.
 template <int FROM, int TO> PART void angles(Block* __restrict y, const Block* __restrict x) {
     static_assert((TO - FROM) % 4 == 0);
@@ -273,8 +284,11 @@ template <class Family> long solve_singly(const typename Family::Arm& arm, const
         columns.clear();
         if constexpr (redundant_of<Family>()) {
             Family::solve(arm, goal_of(proper), batch.values ? batch.values[i] : arm.value, reference, columns);
-        } else {
+        } else if constexpr (requires { &Family::solve; }) {
             Family::solve(arm, goal_of(proper), reference, columns);
+        } else {
+            const Goal<double> goal = goal_of(proper);
+            Family::closely(arm, goal, to_frame_1(goal, arm.ideal), reference, columns, ~0u);
         }
     }
     return -1;

@@ -213,21 +213,28 @@ template <int L, int K> STEP Pack<L, K> sqrt(Pack<L, K> a) {
     return a;
 }
 
-// 1 / a and 1 / sqrt(a) for a > 0, to about one unit in the last place. With AVX-512 from 14 bits and two steps of
-// Newton's method, a fifth of the time of a division or a root.
-template <int L, int K> STEP Pack<L, K> inverse(Pack<L, K> a) {
-#if defined(__AVX512F__)
+// Roughly one over a: to four digits where the processor has an instruction for that.
+template <int L, int K> STEP Pack<L, K> rough_inverse(Pack<L, K> a) {
     for (int k = 0; k < K; ++k) {
+#if defined(__AVX512F__)
         using R [[maybe_unused]] = typename Register<L>::type;
-        const R x = a.r[k];
-        R y;
-        if constexpr (L == 8) y = (R)_mm512_rcp14_pd((__m512d)x);
-        else if constexpr (L == 4) y = (R)_mm256_rcp14_pd((__m256d)x);
-        else y = (R)_mm_rcp14_pd((__m128d)x);
-        y = y + y * (1.0 - x * y);
-        a.r[k] = y + y * (1.0 - x * y);
+        if constexpr (L == 8) a.r[k] = (R)_mm512_maskz_rcp14_pd(0xff, (__m512d)a.r[k]);
+        else if constexpr (L == 4) a.r[k] = (R)_mm256_rcp14_pd((__m256d)a.r[k]);
+        else a.r[k] = (R)_mm_rcp14_pd((__m128d)a.r[k]);
+#else
+        a.r[k] = 1.0 / a.r[k];
+#endif
     }
     return a;
+}
+
+// 1 / a and 1 / sqrt(a) for a > 0, to about one unit in the last place. With AVX-512 from 14 bits and two steps of
+// Newton's method, a fifth of the time of a division or a root.
+template <int L, int K> STEP Pack<L, K> inverse(const Pack<L, K>& a) {
+#if defined(__AVX512F__)
+    Pack<L, K> y = rough_inverse(a);
+    y = y + y * (1.0 - a * y);
+    return y + y * (1.0 - a * y);
 #else
     return 1.0 / a;
 #endif
@@ -280,21 +287,6 @@ template <int L, int K> STEP Pack<L, K> copysign(Pack<L, K> a, const Pack<L, K>&
     using B = typename Register<L>::bits;
     const B magnitude = B{} + 0x7fffffffffffffffLL;
     for (int k = 0; k < K; ++k) a.r[k] = (typename Register<L>::type)(((B)a.r[k] & magnitude) | ((B)b.r[k] & ~magnitude));
-    return a;
-}
-
-// Roughly one over a: to four digits where the processor has an instruction for that.
-template <int L, int K> STEP Pack<L, K> rough_inverse(Pack<L, K> a) {
-    for (int k = 0; k < K; ++k) {
-#if defined(__AVX512F__)
-        using R [[maybe_unused]] = typename Register<L>::type;
-        if constexpr (L == 8) a.r[k] = (R)_mm512_maskz_rcp14_pd(0xff, (__m512d)a.r[k]);
-        else if constexpr (L == 4) a.r[k] = (R)_mm256_rcp14_pd((__m256d)a.r[k]);
-        else a.r[k] = (R)_mm_rcp14_pd((__m128d)a.r[k]);
-#else
-        a.r[k] = 1.0 / a.r[k];
-#endif
-    }
     return a;
 }
 

@@ -25,13 +25,11 @@ template <class V> STEP V pose_defect(const V (&t)[16]) {
 }
 
 template <class V> STEP Seen<V> to_frame_1(const Frame<V>& target, const Ends& arm) {
-    const auto& L = arm.tool_rotation;
     const double *l = arm.tool_point, *o = arm.base_origin;
     const Rot<V>& R = target.R;
     const Vec<V> p = combine(R, l[0], l[1], l[2]) + Vec<V>{target.p.x - o[0], target.p.y - o[1], target.p.z - o[2]};
-    const Rot<V> S = {times(arm.base_rotation, R.x), times(arm.base_rotation, R.y), times(arm.base_rotation, R.z)};
-    return {{combine(S, L[0][0], L[1][0], L[2][0]), combine(S, L[0][1], L[1][1], L[2][1]), combine(S, L[0][2], L[1][2], L[2][2])},
-            times(arm.base_rotation, p)};
+    const Rot<V> S = each(R, [&](const Vec<V>& v) { return times(arm.base_rotation, v); });
+    return {S * arm.tool_rotation, times(arm.base_rotation, p)};
 }
 // t: the sixteen numbers of a pose, row by row.
 template <class V> STEP Seen<V> to_frame_1(const V (&t)[16], const Ends& arm) {

@@ -43,12 +43,16 @@ template <class V> STEP Vec<V> combine(const Rot<V>& R, double a, double b, doub
     return {R.x.x * a + R.y.x * b + R.z.x * c, R.x.y * a + R.y.y * b + R.z.y * c, R.x.z * a + R.y.z * b + R.z.z * c};
 }
 
+// A rotation times a constant one, given by rows.
+template <class V> STEP Rot<V> operator*(const Rot<V>& R, const double (&L)[3][3]) {
+    return {combine(R, L[0][0], L[1][0], L[2][0]), combine(R, L[0][1], L[1][1], L[2][1]), combine(R, L[0][2], L[1][2], L[2][2])};
+}
+// f(column) of each column.
+template <class V, class F> STEP Rot<V> each(const Rot<V>& R, const F& f) { return {f(R.x), f(R.y), f(R.z)}; }
+
 // The frame moved by a constant step, seen from the frame itself.
 template <class V> STEP Frame<V> beyond(const Frame<V>& at, const Motion& step) {
-    const auto& R = step.R;
-    return {{combine(at.R, R[0][0], R[1][0], R[2][0]), combine(at.R, R[0][1], R[1][1], R[2][1]),
-             combine(at.R, R[0][2], R[1][2], R[2][2])},
-            at.p + combine(at.R, step.t[0], step.t[1], step.t[2])};
+    return {at.R * step.R, at.p + combine(at.R, step.t[0], step.t[1], step.t[2])};
 }
 // The frame turned about its own z axis.
 template <class V> STEP Frame<V> turned(const Frame<V>& at, const Turn<V>& t) {

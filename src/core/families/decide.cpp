@@ -19,22 +19,11 @@ inline constexpr double ROUNDED_MARGIN = 1e-12;
 // How often a target is corrected before the pose is given to the elimination.
 inline constexpr int CORRECTIONS = 4;
 
-STEP Block block_at(const double* from) {
-    Block x;
-    constexpr int L = sizeof(x.r[0]) / sizeof(double);
-    for (int k = 0; k < BLOCK / L; ++k) x.r[k] = *(const Register<L>::unaligned*)(from + L * k);
-    return x;
-}
-STEP void put_block(const Block& x, double* to) {
-    constexpr int L = sizeof(x.r[0]) / sizeof(double);
-    for (int k = 0; k < BLOCK / L; ++k) *(Register<L>::unaligned*)(to + L * k) = x.r[k];
-}
-
 // I(q) W(q)^-1 goal.
 PART Seen<Block> corrected(const BothArms& arm, const Goal<Block>& goal, const Block (&q)[6]) {
     const Frame<Block> W = place(arm.written, q).tip, I = place(arm.ideal, q).tip;
     const auto through = [&](const Vec<Block>& a) { return I.R * Vec<Block>{dot(W.R.x, a), dot(W.R.y, a), dot(W.R.z, a)}; };
-    return {{through(goal.R.x), through(goal.R.y), through(goal.R.z)}, I.p + through(goal.p - W.p)};
+    return {each(goal.R, through), I.p + through(goal.p - W.p)};
 }
 
 // Whether branch b is beyond an end, after a correction that moved it by `last` [rad].
@@ -55,7 +44,7 @@ PART void follow(const BothArms& arm, const Goal<Block>& goal, const Answers& no
     inside = inside >> first & all;
     if (!inside) return;
     Block q[6], start[6], chosen, moved = 0.0;
-    for (int j = 0; j < 6; ++j) q[j] = start[j] = block_at(now.q[j] + first);
+    for (int j = 0; j < 6; ++j) q[j] = start[j] = load<Block>(now.q[j] + first);
     for (int l = 0; l < BLOCK; ++l) chosen.set(l, inside >> l & 1);
     const Polished<Block> end = polish<false>(arm.written, goal, q, {5, CONVERGED, 2}, chosen > Block(0.5));
     for (int j = 0; j < 6; ++j) moved = max(moved, abs(wrap(q[j] - start[j])));
@@ -73,10 +62,10 @@ PART void decide(const BothArms& arm, const Goal<Block>& goal, const IdealAnswer
     double last[8];
     for (int first = 0; first < 8; first += BLOCK) {
         Block q[6], moved = 0.0;
-        for (int j = 0; j < 6; ++j) q[j] = block_at(before.q[j] + first);
+        for (int j = 0; j < 6; ++j) q[j] = load<Block>(before.q[j] + first);
         family.answer(family.arm, corrected(arm, goal, q), first, now);
-        for (int j = 0; j < 6; ++j) moved = max(moved, abs(wrap(block_at(now.q[j] + first) - q[j])));
-        put_block(moved, last + first);
+        for (int j = 0; j < 6; ++j) moved = max(moved, abs(wrap(load<Block>(now.q[j] + first) - q[j])));
+        store(moved, last + first);
     }
     const double fixed = FIXED_BY_DRIFT * arm.drift;
     unsigned inside = 0;

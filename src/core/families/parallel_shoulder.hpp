@@ -351,11 +351,6 @@ template <LastAxes kind> struct ParallelShoulder {
         if (crowded && !free) search_beside_folds(arm.written, goal, columns);
     }
 
-    // All solutions of one pose of an arm that has no fast path.
-    static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
-        closely(arm, goal, to_frame_1(goal, arm.ideal), reference, columns, ~0u);
-    }
-
     // See ParallelShoulderSolvers.
     static void distances(const Arm& arm, const double* numbers, double (&out)[4]) {
         const Goal<double> target = goal_of(numbers);

@@ -59,18 +59,10 @@ template <int N, bool of_points = false> struct Planar {
         FewJoints<N, 2>::solve(arm, goal, reference, columns);
         // Which way the elbow bends; where it does not, the first column has it.
         const auto bend = [&](int b) { return wrap(arm.sign[1] * columns.row(b)[arm.joint[1]] + arm.bend); };
-        if (columns.valid(0) && bend(0) > 0.0 && (!columns.valid(1) || bend(1) <= 0.0)) swap(columns);
+        if (columns.valid(0) && bend(0) > 0.0 && (!columns.valid(1) || bend(1) <= 0.0)) columns.swap(0, 1);
         for (int b = 0; b < 2; ++b) {
             if (columns.flags[b] & OTHER) columns.flags[b] = VALID | ELBOW;
         }
-    }
-    static STEP void swap(const Columns<N>& columns) {
-        for (int j = 0; j < N; ++j) {
-            const double x = columns.row(0)[j];
-            columns.row(0)[j] = columns.row(1)[j], columns.row(1)[j] = x;
-        }
-        const std::uint8_t f = columns.flags[0];
-        columns.flags[0] = columns.flags[1], columns.flags[1] = f;
     }
 };
 

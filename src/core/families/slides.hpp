@@ -14,31 +14,24 @@ inline constexpr double FLIPS[2] = {1.0, -1.0};
 
 // a' b
 STEP Rot<double> seen_from(const Rot<double>& a, const Rot<double>& b) {
-    const auto seen = [&](const Vec<double>& v) { return Vec<double>{dot(a.x, v), dot(a.y, v), dot(a.z, v)}; };
-    return {seen(b.x), seen(b.y), seen(b.z)};
+    return each(b, [&](const Vec<double>& v) { return Vec<double>{dot(a.x, v), dot(a.y, v), dot(a.z, v)}; });
 }
 STEP Rot<double> rotation(const double (&R)[3][3]) {
     return {{R[0][0], R[1][0], R[2][0]}, {R[0][1], R[1][1], R[2][1]}, {R[0][2], R[1][2], R[2][2]}};
 }
-STEP Rot<double> operator*(const Rot<double>& a, const Rot<double>& b) { return {a * b.x, a * b.y, a * b.z}; }
 
 // The three turns that make the rotation E, measured from home, into their places of q. sign chooses the flip. Whether there
 // is one: not beyond the reach of a wrist with oblique axes, nor twice where the target leaves the first turn free; that is
 // then shared with the last one as the reference would have it.
 PART bool turn_wrist(const SlidesArm& arm, const Rot<double>& E, double sign, const Reference<6>& reference, double (&q)[6]) {
     const Twists t = {arm.ca, arm.sa, arm.cb, arm.sb};
-    const Rot<double> M = seen_from(rotation(arm.first), E * rotation(arm.last));
+    const Rot<double> M = seen_from(rotation(arm.first), E * arm.last);
     const Bend<double> bend = wrist_bend(M.z, t, sign);
     if (!(bend.margin >= -max(ROUGH, arm.clamp))) return false;
     WristTurns<double> turns = wrist_turns(M, bend.turn, t);
     if (turns.fixed <= arm.written.tolerances.continuum) {
         if (sign < 0.0) return false;
-        double held = reference.q[arm.turn[0]];
-        for (int round = 0; round < 2; ++round) {
-            turns = wrist_turns(M, bend.turn, t, true, cos_sin(wrap(held)));
-            const double aligned = t.ca * t.cb - t.sa * t.sb * bend.turn.c > 0.0 ? 1.0 : -1.0;
-            held += 0.5 * reference.given * aligned * wrap(angle(turns.last) - reference.q[arm.turn[2]]);
-        }
+        turns = shared_turns(M, bend.turn, t, reference.q[arm.turn[0]], reference.q[arm.turn[2]], reference.given);
     }
     q[arm.turn[0]] = angle(turns.first), q[arm.turn[1]] = wrap(angle(bend.turn) - arm.bend), q[arm.turn[2]] = angle(turns.last);
     return true;

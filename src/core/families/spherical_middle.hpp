@@ -100,11 +100,10 @@ template <class V> STEP Rot<V> turned_back(const Rot<V>& R, const Turn<V>& t, do
 template <class V>
 STEP Rot<V> middle_rotation(const IdealFrames& arm, const Rot<V>& R, const Turn<V>& t1, const Turn<V>& t5, const Turn<V>& t6) {
     const Rot<V> M = turned_back(turned_back(R, t6, arm.cos_alpha[4], arm.sin_alpha[4]), t5, arm.cos_alpha[3], arm.sin_alpha[3]);
-    const auto seen = [&](Vec<V> v) {
+    return each(M, [&](Vec<V> v) {
         unturn(v.x, v.y, t1), unturn(v.y, v.z, Turn<double>{arm.cos_alpha[0], arm.sin_alpha[0]});
         return v;
-    };
-    return {seen(M.x), seen(M.y), seen(M.z)};
+    });
 }
 
 template <LastPair kind> struct SphericalMiddle {
@@ -264,11 +263,6 @@ template <LastPair kind> struct SphericalMiddle {
         }
         // Two roots of the quartic are so close that both may have led to the same solution.
         if (crowded && !free) search_beside_folds(arm.written, goal, columns);
-    }
-
-    // All solutions of one pose of an arm that has no fast path.
-    static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
-        closely(arm, goal, to_frame_1(goal, arm.ideal), reference, columns, ~0u);
     }
 };
 

@@ -12,13 +12,12 @@ namespace urdf_ik::URDF_IK_LEVEL {
 template <class V> STEP Rot<V> wrist_rotation(const Rot<V>& R, const IdealFrames& arm, const Place<V>& at) {
     const Turn<double> a1 = {arm.cos_alpha[0], arm.sin_alpha[0]}, a2 = {arm.cos_alpha[1], arm.sin_alpha[1]};
     const Turn<double> a3 = {arm.cos_alpha[2], arm.sin_alpha[2]};
-    const auto seen = [&](Vec<V> v) {
+    return each(R, [&](Vec<V> v) {
         unturn(v.x, v.y, at.t1), unturn(v.y, v.z, a1);
         unturn(v.x, v.y, at.t2), unturn(v.y, v.z, a2);
         unturn(v.x, v.y, at.t3), unturn(v.y, v.z, a3);
         return v;
-    };
-    return {seen(R.x), seen(R.y), seen(R.z)};
+    });
 }
 
 template <Shoulder kind> struct SphericalWrist {
@@ -27,18 +26,10 @@ template <Shoulder kind> struct SphericalWrist {
 
     // Angles of a block that are taken together, so that the processor finds independent work: t1 of both fronts and the
     // bend of their elbows (parallel_23), or t3 of both elbows and t1 of each pair; t2, and the wrist's turns, of each pair.
-    struct Angles {
-        Block y[32], x[32];
-        STEP void set(int i, const Turn<Block>& t) { y[i] = t.s, x[i] = t.c; }
-    };
+    using Angles = AnglesOf<32>;
     // Margins and squared arms of a place of the first three joints, and the squared error of its position.
     struct Margins {
         Block shoulder, elbow, arms, error;
-    };
-    // What of a pair of branches is settled besides the angles.
-    struct State {
-        MaskOf<Block> lost, doubt;
-        Clearance<Block> clear;
     };
     static constexpr int OUTER = 0, BEND = 2, SECOND = 4, FIFTH = 8, FOURTH = 12, SIXTH = 16, FOURTH_FLIPPED = 20,
                          SIXTH_FLIPPED = 24;
@@ -68,28 +59,26 @@ template <Shoulder kind> struct SphericalWrist {
     static STEP void one_front(const Arm& arm, const Seen<Block>& seen, int outer, Angles& at, State (&state)[4]) {
         const auto& ideal = arm.ideal;
         const double side = ideal.cos_alpha[1], size2 = 1.0 / (ideal.size * ideal.size);
-        const double a = ideal.a[1], b = arm.rho, w = 0.5 / (a * b), inner = a - b, longest = a + b;
         const Front<Block> front = face<Block>(arm, seen.p, ideal.signs[4 * outer][0]);
         at.set(OUTER + outer, front.t1);
-        const Rot<Block> R = {before_second(ideal, seen.R.x, front.t1), before_second(ideal, seen.R.y, front.t1),
-                              before_second(ideal, seen.R.z, front.t1)};
+        const Rot<Block> R = each(seen.R, [&](const Vec<Block>& v) { return before_second(ideal, v, front.t1); });
         // Where the angle of joint 1 brings the wrist's plane, against where it should be.
         const Vec<Block> p = before_second(ideal, seen.p, front.t1) - Vec<Block>{Block(ideal.a[0]), Block(0.0), Block(0.0)};
         const Block off_plane = p.z - arm.height, off_x = p.x - front.ux, off_y = p.y - front.uy;
         const Block off1 = off_plane * off_plane + off_x * off_x + off_y * off_y;
         const Block uu = front.ux * front.ux + front.uy * front.uy, arm2 = uu * size2;
-        const Block folded = (uu - inner * inner) * w, stretched = (longest * longest - uu) * w, margin = folded * stretched;
-        const Block c = min(max(0.5 * (folded - stretched), -1.0), Block(1.0)), s = margin_root(margin);
-        at.set(BEND + outer, {c, s});
-        const Block wx = inner + b * max(folded, 0.0), wy = (side * b) * s, along = a + b * c;
-        const Block c_even = wx * front.ux, c_odd = wy * front.uy, s_even = wx * front.uy, s_odd = wy * front.ux;
+        const Fold<Block> f = fold<Block>(uu, ideal.a[1], arm.rho, side, 1.0);
+        const auto& [c, s] = f.bend;
+        at.set(BEND + outer, f.bend);
+        const Block along = ideal.a[1] + arm.rho * c;
+        const Block c_even = f.wx * front.ux, c_odd = f.wy * front.uy, s_even = f.wx * front.uy, s_odd = f.wy * front.ux;
         const Block arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * size2;
-        Margins margins = {front.margin, margin, min(arm1, arm2), 0.0};
+        Margins margins = {front.margin, f.margin, min(arm1, arm2), 0.0};
         for (int e = 0; e < 2; ++e) {
             const int pair = 2 * outer + e;
             const double up = ideal.signs[2 * pair][1];
             const Turn<Block> t2 = unit(c_even + up * c_odd, s_even - up * s_odd);
-            const Block us = up * s, across = up * wy;
+            const Block us = up * s, across = up * f.wy;
             const Turn<Block> t3 = {c * arm.cos_phi + us * arm.sin_phi, us * arm.cos_phi - c * arm.sin_phi};
             const Turn<Block> t23 = {t2.c * t3.c - side * (t2.s * t3.s), t2.s * t3.c + side * (t2.c * t3.s)};
             const Block ex = t2.c * along - t2.s * across - front.ux, ey = t2.s * along + t2.c * across - front.uy;
@@ -108,11 +97,10 @@ template <Shoulder kind> struct SphericalWrist {
     static STEP Rot<Block> after_third(const IdealFrames& arm, const Rot<Block>& R, const Turn<Block>& t23) {
         const double side = arm.cos_alpha[1];
         const Turn<double> a3 = {side * arm.cos_alpha[2], side * arm.sin_alpha[2]};
-        const auto seen = [&](Vec<Block> v) {
+        return each(R, [&](Vec<Block> v) {
             unturn(v.x, v.y, t23), unturn(v.y, v.z, a3);
             return v;
-        };
-        return {seen(R.x), seen(R.y), seen(R.z)};
+        });
     }
 
     // Both fronts of one elbow.
@@ -136,14 +124,9 @@ template <Shoulder kind> struct SphericalWrist {
         const Twists t = {ideal.cos_alpha[3], ideal.sin_alpha[3], ideal.cos_alpha[4], ideal.sin_alpha[4]};
         Block margin, fixed, off;
         if constexpr (square) {
-            // wrist_bend and wrist_turns with cos(alpha) = cos(beta) = 0.
-            fixed = M.z.x * M.z.x + M.z.y * M.z.y, margin = fixed;
-            const Block over = inverse_sqrt(fixed + TINY), c = (-1.0 / (t.sa * t.sb)) * M.z.z, s = fixed * over;
-            const Turn<Block> first = {t.sb * M.z.x * over, t.sb * M.z.y * over};
-            const Vec<Block> v = {first.c * c, first.s * c, t.sa * s};
-            const Block along = dot(v, M.z), length = fixed + M.z.z * M.z.z - 1.0;
-            off = along * along + length * length;
-            at.set(FIFTH + pair, {c, s}), at.set(FOURTH + pair, first), at.set(SIXTH + pair, {dot(v, M.x), -dot(v, M.y)});
+            const SquareWrist<Block> wrist = square_wrist(M, t);
+            margin = fixed = wrist.fixed, off = wrist.error;
+            at.set(FIFTH + pair, wrist.bend), at.set(FOURTH + pair, wrist.first), at.set(SIXTH + pair, wrist.last);
         } else {
             const Bend<Block> bend = wrist_bend<Block>(M.z, t, 1.0);
             const WristTurns<Block> turns = wrist_turns(M, bend.turn, t), flipped = wrist_turns(M, {bend.turn.c, -bend.turn.s}, t);

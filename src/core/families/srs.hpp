@@ -15,23 +15,18 @@ STEP Twists twists_of(const MeetingAxes& axes) { return {axes.cos_alpha, axes.si
 
 // The rotations that the two triples are to bring about: of the shoulder, seen from frame 1; of the wrist, seen from
 // frame 5.
-template <class V> STEP Rot<V> shoulder_rotation(const SrsArm& arm, const UpperArm<V>& elbow) {
-    const auto& K = arm.to_frame_3;
-    return {combine(elbow.R, K[0][0], K[1][0], K[2][0]), combine(elbow.R, K[0][1], K[1][1], K[2][1]),
-            combine(elbow.R, K[0][2], K[1][2], K[2][2])};
-}
+template <class V> STEP Rot<V> shoulder_rotation(const SrsArm& arm, const UpperArm<V>& elbow) { return elbow.R * arm.to_frame_3; }
 template <class V> STEP Turn<V> fourth_turn(const SrsArm& arm, const UpperArm<V>& elbow) {
     Turn<V> t = elbow.bend;
     unturn(t.c, t.s, exact_turn(arm.zero_4));
     return t;
 }
 template <class V> STEP Rot<V> wrist_rotation(const SrsArm& arm, const UpperArm<V>& elbow, const Turn<V>& t4, const Rot<V>& R) {
-    const auto seen = [&](const Vec<V>& v) {
+    return each(R, [&](const Vec<V>& v) {
         Vec<V> e = {dot(elbow.R.x, v), dot(elbow.R.y, v), dot(elbow.R.z, v)};
         unturn(e.x, e.y, t4);
         return times(arm.from_frame_5, e);
-    };
-    return {seen(R.x), seen(R.y), seen(R.z)};
+    });
 }
 
 // The two ways in which three meeting axes bring a rotation about: angles of joints, the margin below which there is
@@ -160,13 +155,7 @@ struct Srs {
             turns = wrist_turns(M, bend.turn, t);
         }
         if (turns.fixed <= tol.continuum) {
-            // The sum (or difference) of the turns is what counts: its distance from the reference is shared.
-            double first = task.reference.q[at];
-            for (int round = 0; round < 2; ++round) {
-                turns = wrist_turns(M, bend.turn, t, true, exact_turn(first));
-                const double aligned = t.ca * t.cb - t.sa * t.sb * bend.turn.c > 0.0 ? 1.0 : -1.0;
-                first += 0.5 * task.reference.given * aligned * wrap(angle(turns.last) - task.reference.q[at + 2]);
-            }
+            turns = shared_turns(M, bend.turn, t, task.reference.q[at], task.reference.q[at + 2], task.reference.given);
         }
         q[at] = wrap(angle(turns.first)), q[at + 1] = wrap(angle(bend.turn) - axes.shift), q[at + 2] = wrap(angle(turns.last));
         return marked;

@@ -25,7 +25,7 @@ template <class V> STEP Vec<V> seen_along(const ThreeParallelArm& arm, Vec<V> v,
 template <class V> STEP Seen<V> seen_along(const ThreeParallelArm& arm, const Seen<V>& at, const Turn<V>& t1) {
     Vec<V> p = seen_along(arm, at.p, t1);
     p.x = p.x - arm.ideal.a[0];
-    return {{seen_along(arm, at.R.x, t1), seen_along(arm, at.R.y, t1), seen_along(arm, at.R.z, t1)}, p};
+    return {each(at.R, [&](const Vec<V>& v) { return seen_along(arm, v, t1); }), p};
 }
 
 // Joint 1 of an arm whose axes 5 and 6 meet, in a point at a known height along the parallel axes.
@@ -82,16 +82,8 @@ template <Hand kind> struct ThreeParallel {
 
     // Angles of a block that are taken together, so that the processor finds independent work: joints 1 and 5 of both
     // shoulders, phi and joint 6 of both, or of all four wrists, the elbow's bend of these, joint 2 of all branches.
-    struct Angles {
-        Block y[28], x[28];
-        STEP void set(int i, const Turn<Block>& t) { y[i] = t.s, x[i] = t.c; }
-    };
+    using Angles = AnglesOf<28>;
     static constexpr int FIRST = 0, FIFTH = 2, PHI = 4, SIXTH = 6, BEND = 8, SECOND = 12, PHI_FLIPPED = 20, SIXTH_FLIPPED = 22;
-    // What of a pair of branches, both elbows of one wrist, is settled besides the angles.
-    struct State {
-        MaskOf<Block> lost, doubt;
-        Clearance<Block> clear;
-    };
     // What shoulder and wrist leave to the elbow.
     struct Upstream {
         Block margin1, margin5, arm1, fixed, error;
@@ -197,11 +189,6 @@ template <Hand kind> struct ThreeParallel {
             const Settled& at = settled[2 * (b / 4) + b % 2];
             if (at.kept && wanted >> b & 1u) elbow_closely(arm, goal, reference, at, b, columns);
         }
-    }
-
-    // All solutions of one pose of an arm that has no fast path.
-    static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
-        closely(arm, goal, to_frame_1(goal, arm.ideal), reference, columns, ~0u);
     }
 
     // A shoulder and a wrist.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -162,6 +163,10 @@ def cross(a: Vector, b: Vector) -> Vector:
     return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
 
 
+def _length(v: Vector) -> float:
+    return math.hypot(*v.tolist())
+
+
 def closest_points(p: Vector, u: Vector, q: Vector, v: Vector) -> tuple[Vector, Vector]:
     """Feet of the common normal of the lines p + s u and q + t v, unit directions that are not parallel."""
     normal = cross(u, v)
@@ -183,17 +188,17 @@ def meeting_point(points: Vector, directions: Vector) -> Vector:
 def _pair(chain: Chain, i: int, size: float) -> AxisPair:
     u, v = chain.H[i], chain.H[i + 1]
     p, q = chain.points[i], chain.points[i + 1]
-    across = float(np.linalg.norm(cross(u, v)))
-    angle = float(np.arctan2(across, u @ v))
+    across = _length(cross(u, v))
+    angle = math.atan2(across, float(u @ v))
     off_angle = min(angle, np.pi - angle)
     rotary = chain.joint_types[i] != "prismatic" and chain.joint_types[i + 1] != "prismatic"
     if off_angle < DEFAULT.near_angle:
-        distance = float(np.linalg.norm(cross(q - p, u)))
+        distance = _length(cross(q - p, u))
         if distance < DEFAULT.near_distance * size and rotary:
             return AxisPair(i + 1, "coincident", angle, distance, off_angle, distance)
         return AxisPair(i + 1, "parallel", angle, distance, off_angle, 0.0)
     a, b = closest_points(p, u, q, v)
-    distance = float(np.linalg.norm(b - a))
+    distance = _length(b - a)
     if distance < DEFAULT.near_distance * size:
         return AxisPair(i + 1, "intersecting", angle, distance, 0.0, distance)
     return AxisPair(i + 1, "skew", angle, distance, 0.0, 0.0)
@@ -205,12 +210,12 @@ def _triple(chain: Chain, i: int, size: float) -> AxisTriple | None:
     directions, points = chain.H[i : i + 3], chain.points[i : i + 3]
     signs = np.where(directions @ directions[1] < 0.0, -1.0, 1.0)
     mean = (signs[:, None] * directions).sum(axis=0)
-    off = float(np.linalg.norm(np.cross(directions, mean / np.linalg.norm(mean)), axis=1).max())
+    mean /= _length(mean)
+    off = max(_length(cross(direction, mean)) for direction in directions)
     if off < DEFAULT.near_angle:
         return AxisTriple(i + 1, "parallel", off)
-    bends = np.linalg.norm(np.cross(directions[:-1], directions[1:]), axis=1)
-    if bends.min() < DEFAULT.near_angle:
+    if min(_length(cross(directions[k], directions[k + 1])) for k in (0, 1)) < DEFAULT.near_angle:
         return None
     centre = meeting_point(points, directions)
-    off = float(np.linalg.norm(np.cross(points - centre, directions), axis=1).max())
+    off = max(_length(cross(point - centre, direction)) for point, direction in zip(points, directions, strict=True))
     return AxisTriple(i + 1, "meet", off, centre) if off < DEFAULT.near_distance * size else None

@@ -19,8 +19,10 @@ MOVABLE = ("revolute", "continuous", "prismatic")
 TYPES = (*MOVABLE, "fixed", "floating", "planar")
 
 # Decimal numbers only, as urdfdom takes them: float() would also take nan, inf, 1_000 and other scripts' digits.
-_NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+_DECIMAL = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
+_NUMBER = re.compile(_DECIMAL, re.ASCII)
 _SPACE = re.compile(r"[ \t\r\n]+")
+_NUMBERS = re.compile(rf"[ \t\r\n]*{_DECIMAL}(?:[ \t\r\n]+{_DECIMAL})*[ \t\r\n]*", re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,10 @@ class Place:
     def numbers(self, element: Any, attribute: str, count: int, default: str | None = None) -> list[str]:
         """The attribute's ``count`` finite decimal numbers, as written."""
         text = element.get(attribute, default)
+        if text is not None and _NUMBERS.fullmatch(text):
+            good: list[str] = text.split()
+            if len(good) == count and all(map(math.isfinite, map(float, good))):
+                return good
         written = "a number" if count == 1 else f"{count} numbers"
         mend = f'write {attribute}="..." with {written}, such as "{" ".join(["0.5"] * count)}"'
         if text is None:

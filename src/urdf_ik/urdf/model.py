@@ -248,26 +248,28 @@ def read(
     root = tree.check_tree(raw, links, opened.name)
 
     # URDF 1.1 is the first in which urdfdom reads capsules, and the last in which both readers know rpy only.
-    clean = etree.Element("robot", name=name, version="1.1")
+    clean, bare = (etree.Element("robot", name=name, version="1.1") for _ in range(2))
     bodies.write_materials(clean, original, opened.name)
     left_out = bodies.write_links(clean, links, opened.name)
-    for joint in raw:
-        joint.write(clean)
+    for link in links:
+        etree.SubElement(bare, "link", name=link)
+    for robot in (clean, bare):
+        for joint in raw:
+            joint.write(robot)
     xml = etree.tostring(clean, encoding="utf-8", xml_declaration=True, pretty_print=True)
-    robot = _yourdfpy(xml)
-    model = UrdfModel(
+    # Kinematics need no shapes: reading them, too, takes most of yourdfpy's time.
+    theirs = _yourdfpy(etree.tostring(bare)).joint_map
+    return UrdfModel(
         name=name,
         source=opened.name,
         path=opened.path,
         xml=xml,
         links=tuple(links),
-        joints=tuple(_joint(each, robot.joint_map[each.name]) for each in raw),
+        joints=tuple(_joint(each, theirs[each.name]) for each in raw),
         root=root,
         mesh_roots=_folders(mesh_roots),
         left_out=left_out,
     )
-    model.__dict__["robot"] = robot  # fill the cache: it has just been built
-    return model
 
 
 def resolve_mesh(model: UrdfModel, filename: str) -> Path:

@@ -111,7 +111,7 @@ def tag(element: Any) -> str:
 
 def children(element: Any, name: str) -> Iterator[Any]:
     """Direct children called ``name``, in the file's order."""
-    return (child for child in element if tag(child) == name)
+    return (child for child in element.iterchildren("{*}" + name) if child.prefix is None)
 
 
 def child(element: Any, name: str) -> Any:
