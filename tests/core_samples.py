@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from urdf_ik import _core, urdf
 from urdf_ik.chain import Chain, from_urdf
-from urdf_ik.families.parts.plan import written_values
+from urdf_ik.families.parts.values import written_values
 
 Array = NDArray[np.float64]
 PI = math.pi

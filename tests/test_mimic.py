@@ -320,7 +320,7 @@ def test_the_cross_check_passes(name: str) -> None:
     assert report.passed, str(report)
     q = drawn(Reference(text, "base", "tool"), 3)
     assert arm.ik(arm.fk(q)).collision_free().valid.shape == arm.ik(arm.fk(q)).valid.shape
-    assert arm.structure.cuspidal is None
+    assert arm.cuspidal is None
     assert arm.manipulability(q).shape == (3,)
 
 

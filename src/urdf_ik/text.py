@@ -9,9 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 
-def aligned(
-    rows: Sequence[Sequence[str]], *, left: Collection[int] = (), rule: bool = False
-) -> list[str]:
+def aligned(rows: Sequence[Sequence[str]], *, left: Collection[int] = (), rule: bool = False) -> list[str]:
     """Rows of cells as lines with columns of equal width, two blanks between them.
 
     Args:

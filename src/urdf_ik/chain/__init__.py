@@ -3,7 +3,18 @@
 from __future__ import annotations
 
 from urdf_ik.chain.mimic import CoupledChain
+from urdf_ik.chain.rank import is_redundant, kinds_of, least_stretches, sampled
 from urdf_ik.chain.reading import from_urdf
 from urdf_ik.chain.serial import Chain, Follower, TreeJoint
 
-__all__ = ["Chain", "CoupledChain", "Follower", "TreeJoint", "from_urdf"]
+__all__ = [
+    "Chain",
+    "CoupledChain",
+    "Follower",
+    "TreeJoint",
+    "from_urdf",
+    "is_redundant",
+    "kinds_of",
+    "least_stretches",
+    "sampled",
+]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik.errors import UrdfIkError
+from urdf_ik.errors import ArgumentError
 from urdf_ik.solutions import limits, select, sentences
 from urdf_ik.solutions.kept import KeptSolutions, Singular, Solution, Step, frozen
 from urdf_ik.solutions.turn_names import suffix, turned_branches
@@ -41,7 +41,7 @@ class IKSolutions(KeptSolutions):
             tol: rad or m that a returned value may exceed a limit by; negative: the margin to keep.
 
         Raises:
-            UrdfIkError: ``tol`` is not finite.
+            ArgumentError: ``tol`` is not finite.
         """
         q, inside = limits.nearest_image(self._q, self.arm.limits, self._turning, tol)
         info = np.where(inside, self._info, np.uint8(0))
@@ -59,7 +59,7 @@ class IKSolutions(KeptSolutions):
             tol: rad or m that a returned value may exceed a limit by.
 
         Raises:
-            UrdfIkError: ``tol`` is not finite, or there are too many images for one array; see ``iter_turns``.
+            ArgumentError: ``tol`` is not finite, or there are too many images for one array; see ``iter_turns``.
         """
         if "turns" in self.filters:
             return self
@@ -86,7 +86,9 @@ class IKSolutions(KeptSolutions):
                 name = names[column] if is_turned else names[column] + suffix(self._turns_of(q))
                 yield Solution(frozen(q), name, Singular(int(self._info[column]) >> 1), int(column))
 
-    def nearest(self, q_ref: ArrayLike, weights: ArrayLike | None = None, n: int = 1) -> IKSolutions:
+    def nearest(
+        self, q_ref: ArrayLike, weights: ArrayLike | None = None, n: int = 1, *, within_limits: bool = False
+    ) -> IKSolutions:
         """The solution nearest to a joint vector, for every pose: one column, or ``n`` of them, nearest first.
 
         The distance is sqrt(sum of weight * difference^2), the difference of an angle on the circle, at most
@@ -97,22 +99,31 @@ class IKSolutions(KeptSolutions):
             q_ref: (n,) or one for each pose (..., n), rad or m.
             weights: (n,) not negative; default: 1 for every joint.
             n: number of columns, at most B.
+            within_limits: whether only what lies inside the joint limits counts, each solution by its image there that
+                is nearest to ``q_ref``; the difference is then the way that the joint has to go.
 
         Raises:
             JointVectorError: ``q_ref`` or ``weights`` do not fit the arm, or are not finite.
+            ArgumentError: ``n`` is not a number of columns.
         """
         reference = select.reference(q_ref, self.arm.joint_names, self.shape)
         factors = None if weights is None else select.factors(weights, self.arm.joint_names)
         if not 1 <= n <= self._q.shape[-2]:
-            raise UrdfIkError(f"the {n} nearest of {self._q.shape[-2]} columns asked for")
-        round_for_ever = np.isinf(self.arm.limits).any(axis=1)
-        on_circle = np.where(round_for_ever, self.arm.chain.image_turns, self._turning)
-        far = select.distance(self._q, reference, on_circle, factors)
-        columns = select.nearest_columns(far, n)
-        q = np.take_along_axis(self._q, columns[..., None], axis=-2)
-        info = np.take_along_axis(self._info, columns, axis=-1)
+            raise ArgumentError(f"the {n} nearest of {self._q.shape[-2]} columns asked for")
+        kept: IKSolutions = self
+        on_circle: Array = np.zeros(len(self.rotary))
+        if within_limits:
+            q, inside = limits.image_near(self._q, reference[..., None, :], self.arm.limits, self._turning)
+            info = np.where(inside, self._info, np.uint8(0))
+            kept = self._derived(q, info, self._branches, Step("limits", self, amount=limits.LIMIT_TOLERANCE))
+        else:
+            round_for_ever = np.isinf(self.arm.limits).any(axis=1)
+            on_circle = np.where(round_for_ever, self.arm.chain.image_turns, self._turning)
+        columns = select.nearest_columns(select.distance(kept._q, reference, on_circle, factors), n)
+        q = np.take_along_axis(kept._q, columns[..., None], axis=-2)
+        info = np.take_along_axis(kept._info, columns, axis=-1)
         names = tuple("nearest" if k == 0 else f"nearest {k + 1}" for k in range(n))
-        return self._derived(q, info, names, Step("nearest", self, columns))
+        return self._derived(q, info, names, Step("nearest", kept, columns))
 
     def collision_free(self, model: Collisions | None = None, margin: float = 0.0) -> IKSolutions:
         """The solutions in which the arm collides with nothing.
@@ -123,10 +134,10 @@ class IKSolutions(KeptSolutions):
             margin: m that the bodies must stay apart.
 
         Raises:
-            UrdfIkError: ``margin`` is negative or not finite, or the URDF has no collision shapes.
+            ArgumentError: ``margin`` is negative or not finite, or the URDF has no collision shapes.
         """
         if not 0.0 <= margin < np.inf:
-            raise UrdfIkError(f"a margin of {margin} given; it must be zero or a positive number of m")
+            raise ArgumentError(f"a margin of {margin} given; it must be zero or a positive number of m")
         body = self.arm.collision_model if model is None else model
         q, info = self._q.copy(), self._info.copy()
         places = np.nonzero(info & 1)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeVar, overload
 import numpy as np
 
 from urdf_ik._core import Answer
-from urdf_ik.solutions import limits
+from urdf_ik.angles import TURN
 from urdf_ik.solutions.turn_names import suffix
 
 if TYPE_CHECKING:
@@ -249,7 +249,7 @@ class KeptSolutions(Answer):
     def _turns_of(self, q: Array) -> Array:
         """Turns (..., n) that joint vectors are away from where the solver gives them, (-pi, pi]."""
         apart = self.arm.chain.image_turns
-        turns: Array = apart * np.ceil((q - np.pi * apart) / (limits.TURN * np.where(apart, apart, 1.0)))
+        turns: Array = apart * np.ceil((q - np.pi * apart) / (TURN * np.where(apart, apart, 1.0)))
         return turns
 
     def _columns(self, what: str) -> Columns:
