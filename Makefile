@@ -15,6 +15,9 @@ WITH_COMPILER = $(BIN)/python tools/with_compiler.py
 INSTALL = $(WITH_COMPILER) --here $(PIP) install --no-build-isolation --editable
 BUILD_NEEDS = import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], "cmake", "ninja")
 
+# A process a core, and a file's tests in one of them: they share a browser, or the folder that a wheel is built in.
+IN_PARALLEL = -n logical --dist loadfile --no-loadscope-reorder
+
 CORE = $(wildcard src/core/*.[ch]pp src/core/*/*.[ch]pp)
 SANITIZED_LEVEL = $(if $(filter x86_64,$(shell uname -m)),v2,arm64)
 SANITIZED_TESTS = tests/test_families.py tests/test_closed_forms.py tests/test_singular.py tests/test_arm.py
@@ -24,7 +27,7 @@ SANITIZED_TESTS = tests/test_families.py tests/test_closed_forms.py tests/test_s
 
 help:
 	@echo "make run      all solutions of the bundled arm, each with its branch, limits, collisions and Pinocchio's error"
-	@echo "make test     the tests and the notebooks; ARGS='-k name' narrows them down"
+	@echo "make test     the tests and the notebooks, a process a core; ARGS='-k name' narrows them down, ARGS='-n 0' takes one process"
 	@echo "make lint     ruff, mypy, clang-format, and notebooks without outputs"
 	@echo "make format   lays out the core's sources as make lint wants them"
 	@echo "make stub     writes src/urdf_ik/_core.pyi, the types of the compiled core"
@@ -39,7 +42,7 @@ run: $(VENV)/.run-installed
 	@$(BIN)/urdf-ik ik zyyzyz_6r $(ARGS)
 
 test: $(VENV)/.dev-installed
-	$(BIN)/python -m pytest $(ARGS)
+	$(BIN)/python -m pytest $(IN_PARALLEL) $(ARGS)
 
 lint: $(VENV)/.dev-installed
 	$(BIN)/ruff check .
@@ -63,7 +66,7 @@ sanitize: $(VENV)/.dev-installed
 		-DURDF_IK_SANITIZE=ON -DURDF_IK_LEVELS=$(SANITIZED_LEVEL)
 	$(WITH_COMPILER) cmake --build build/sanitize
 	URDF_IK_BUILD=$(abspath build/sanitize) LD_PRELOAD=$$(sed -n 's/^URDF_IK_ASAN:.*=//p' build/sanitize/CMakeCache.txt) \
-		ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1 $(BIN)/python -m pytest $(SANITIZED_TESTS) $(ARGS)
+		ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1 $(BIN)/python -m pytest $(IN_PARALLEL) $(SANITIZED_TESTS) $(ARGS)
 
 nightly: test sanitize million
 

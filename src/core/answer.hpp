@@ -39,12 +39,19 @@ template <int N> struct Columns {
 template <int N> struct Reference {
     double q[N];
     double given;  // 1, or 0 where it stands for zeros
+    // How far the target that a closed form sees stands off the one that is to be reached [rad, share of size].
+    double displaced = 0.0;
 };
 template <int N> STEP Reference<N> reference_of(const double* q_ref) {
     Reference<N> r;
     for (int j = 0; j < N; ++j) r.q[j] = q_ref ? q_ref[j] : 0.0;
     r.given = q_ref ? 1.0 : 0.0;
     return r;
+}
+
+// Margins and squared arms up to here may be those of a singular solution, whose Jacobian then decides.
+template <int N> STEP double marked(const Tolerances& tolerances, const Reference<N>& reference) {
+    return max(tolerances.fold, 10.0 * reference.displaced);
 }
 
 // Whether q differs from every solution that the columns hold. Two vectors half way between which the arm is still in
@@ -118,8 +125,9 @@ inline constexpr double DOUBTFUL = 1e-12;
 
 // Whether Newton's method makes a solution of q, a candidate whose margins say that there is none: by what rounding may
 // have done to them. q is replaced.
-template <class Model> STEP bool holds(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints]) {
-    return polish_one<true>(arm, goal, q, {60, CONVERGED, LONG_PATIENCE}).error <= DOUBTFUL;
+template <class Model>
+STEP bool holds(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints], int patience = LONG_PATIENCE) {
+    return polish_one<true>(arm, goal, q, {60, CONVERGED, patience}).error <= DOUBTFUL;
 }
 
 // The k-th of STARTS_AROUND_CANDIDATE fixed starts around q: itself, then 1e-2 to 1e-6 rad away. A linear congruential generator

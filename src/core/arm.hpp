@@ -66,7 +66,8 @@ template <class Arm> using SolveArm = long (*)(const Arm&, const Batch&);
 // NaN where there is none.
 template <class Arm> using DistancesOf = void (*)(const Arm&, const double* seen, double (&out)[4]);
 
-// Bits of a solution's flags.
-enum Flag : std::uint8_t { VALID = 1, SHOULDER = 2, ELBOW = 4, WRIST = 8, OTHER = 16 };
+// Bits of a solution's flags. UNCERTAIN stands in the first column of a pose, whether it is a solution or not: others may be
+// missing.
+enum Flag : std::uint8_t { VALID = 1, SHOULDER = 2, ELBOW = 4, WRIST = 8, OTHER = 16, UNCERTAIN = 32 };
 
 }  // namespace urdf_ik

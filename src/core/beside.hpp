@@ -12,11 +12,12 @@ inline constexpr double BESIDE_FOLD[16] = {0.3,  0.094868,  0.03, 0.0094868, 3e-
                                            3e-5, 9.4868e-6, 3e-6, 9.4868e-7, 3e-7, 9.4868e-8, 3e-8, 9.4868e-9};
 
 // Newton's method starts on both sides of every solution near a fold, along what the Jacobian all but loses; what it finds
-// is kept if it is new. Solutions that are singular are flagged.
-template <class Model> PART void search_beside_folds(const Model& arm, const Goal<double>& goal,
+// is kept if it is new. Solutions that are singular are flagged. Returns whether there was one near a fold.
+template <class Model> PART bool search_beside_folds(const Model& arm, const Goal<double>& goal,
                                                      const Columns<Model::joints>& columns) {
     constexpr int N = Model::joints;
     const Goal<Block> goals = spread<Block>(goal);
+    bool near = false;
     for (int b = 0; b < columns.many; ++b) {
         if (!columns.valid(b)) continue;
         double q[N];
@@ -24,6 +25,7 @@ template <class Model> PART void search_beside_folds(const Model& arm, const Goa
         const Weakest<N> fold = weakest_at(arm, goal, q);
         if (fold.value <= arm.tolerances.singular) columns.flags[b] |= OTHER;
         if (fold.value > SECOND_NEXT_DOOR) continue;
+        near = true;
         for (int k = 0; k < 32; k += BLOCK) {
             Block start[N];
             for (int l = 0; l < BLOCK; ++l) {
@@ -40,6 +42,7 @@ template <class Model> PART void search_beside_folds(const Model& arm, const Goa
             }
         }
     }
+    return near;
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -8,7 +8,8 @@
 //              arms want to know of them (families/imperfect.hpp), which asks for finite angles beyond a branch's end
 //              too (see margin_root)
 //   closely    closely(arm, goal, seen, reference, columns, wanted): the branches of one pose whose bit is set in
-//              `wanted`, added to the columns
+//              `wanted`, added to the columns. Where it returns a number, that has the bit set of each branch that
+//              it is not sure of (see around.hpp)
 // and, where its targets are not poses of sixteen numbers,
 //   numbers    how many numbers a target has
 //   load       load(arm, from, t): a block of targets as poses
@@ -18,7 +19,10 @@
 //   solve      solve(arm, goal, reference, columns): all solutions of one pose
 #pragma once
 
+#include <type_traits>
+
 #include "answer.hpp"
+#include "around.hpp"
 #include "target.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
@@ -177,11 +181,30 @@ template <class Family> constexpr bool redundant_of() {
     return requires { Family::redundant; };
 }
 
+// Whether the family's careful path returns what it is not sure of.
+template <class Family> constexpr bool knows_doubt() {
+    constexpr int N = joints_of<Family>;
+    if constexpr (redundant_of<Family>()) return false;
+    else
+        return std::is_same_v<decltype(Family::closely(std::declval<const typename Family::Arm&>(),
+                                                       std::declval<const Goal<double>&>(), std::declval<const Seen<double>&>(),
+                                                       std::declval<const Reference<N>&>(), std::declval<const Columns<N>&>(), 0u)),
+                              unsigned>;
+}
+
 // The redundancy parameter of a block of poses.
 template <class Arm> STEP Block load_values(const Arm& arm, const double* values) {
     Block v = arm.value;
     for (int i = 0; values && i < BLOCK; ++i) v.set(i, values[i]);
     return v;
+}
+
+// The careful path of one pose, and what is around it where the family says so.
+template <class Family, int N>
+STEP void look(const typename Family::Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<N>& reference,
+               const Columns<N>& columns, unsigned wanted) {
+    if constexpr (knows_doubt<Family>()) closely_and_around<Family>(arm, goal, seen, reference, columns, wanted);
+    else Family::closely(arm, goal, seen, reference, columns, wanted);
 }
 
 // Look closely at one pose's branches in doubt. value: of the redundancy parameter, where there is one.
@@ -198,7 +221,7 @@ PART void solve_in_doubt(const typename Family::Arm& arm, const double (&T)[16],
     const auto seen = to_frame_1<double>(proper, arm.ideal);
     const auto reference = reference_of<joints_of<Family>>(q_ref);
     if constexpr (redundant_of<Family>()) Family::closely(arm, goal_of(proper), seen, value, reference, columns, wanted);
-    else Family::closely(arm, goal_of(proper), seen, reference, columns, wanted);
+    else look<Family>(arm, goal_of(proper), seen, reference, columns, wanted);
 }
 
 // One block of targets, `part.m` of which count. Returns the index of the first that is no pose, -1 where all are.
@@ -288,7 +311,7 @@ template <class Family> long solve_singly(const typename Family::Arm& arm, const
             Family::solve(arm, goal_of(proper), reference, columns);
         } else {
             const Goal<double> goal = goal_of(proper);
-            Family::closely(arm, goal, to_frame_1(goal, arm.ideal), reference, columns, ~0u);
+            look<Family>(arm, goal, to_frame_1(goal, arm.ideal), reference, columns, ~0u);
         }
     }
     return -1;

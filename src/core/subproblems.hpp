@@ -146,6 +146,39 @@ STEP double free_turn(double wanted, double ox, double oy, double fx, double fy,
     return nearest_between(wanted, ox * fx + oy * fy, oy * fx - ox * fy, low, high, slack);
 }
 
+// How far rounding may have moved the angles that the steps so far have found [rad, or share of size]. Each step passes it on,
+// enlarged by the root or the lever that fixes its own angle: next to one singularity that is no more than half of the digits,
+// but a second one then lies within their reach.
+struct Drift {
+    double own = ROUNDING;  // what each step adds at least
+    double by = 0.0;
+    bool open = false;      // an angle that the pose leaves free stands at one of many places
+
+    // An angle whose sine is the root of `margin`; earlier angles change the margin by twice the root of `arm` a rad.
+    STEP void through_root(double margin, double arm = 1.0) { grow(of_root(own + by * (2.0 * sqrt(arm) + by), margin)); }
+    // An angle that a squared length fixes.
+    STEP void through_arm(double arm) { grow((own + by) / sqrt(max(arm, TINY))); }
+    // An angle between a vector of squared length `arm` and the root of a margin across a fixed offset: subproblem 4.
+    STEP void through_swing(double margin, double arm) {
+        const double length = sqrt(max(arm, TINY)), offset = sqrt(max(arm - margin, 0.0));
+        grow((own + by) / length + of_root((own + by) * length, margin) * offset / max(arm, TINY));
+    }
+
+    // By how much it may have moved a margin: links of unequal lengths enlarge it.
+    STEP double of_margin() const { return LEVERS * by; }
+    // Whether a margin may have either sign by what went before it. Rounding of its own is for its own step to handle.
+    STEP bool hides(double margin) const { return (open && margin < 0.0) || (by > DIGITS_LEFT && abs(margin) <= of_margin()); }
+    // Whether a squared arm cannot be told from zero, so that its angle may be free.
+    STEP bool frees(double arm) const { return arm <= by * by; }
+    STEP bool is_lost() const { return by > NO_DIGITS; }
+
+    static constexpr double LEVERS = 100.0, DIGITS_LEFT = 1e-11, NO_DIGITS = 1e-2;
+
+private:
+    STEP static double of_root(double error, double margin) { return error / sqrt(max(margin, error)); }
+    STEP void grow(double more) { by = min(by + more, 1.0); }
+};
+
 // Whether a margin cannot be told from zero: the two solutions are one double root. The margin is a difference of
 // squares; where the squared length `arm` that it belongs to is small, so is its rounding error, and the solutions part
 // by half a turn instead of meeting.

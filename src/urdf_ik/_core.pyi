@@ -13,7 +13,9 @@ def isa() -> str:
 def levels() -> list[str]:
     """The instruction sets that were built and that this processor runs."""
 
-def try_elimination(values: dict, T: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)], counts: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu')], doubts: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
+def try_elimination(values: dict, T: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)], counts: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu')], certain: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
+
+def known_poses(written: dict, q: Annotated[NDArray[numpy.float64], dict(shape=(None, 6), order='C', device='cpu', writable=False)]) -> dict: ...
 
 class Answer:
     """The numbers of solutions; arrays are made when they are asked for."""

@@ -31,40 +31,81 @@ static void read_common(const Values& values, EliminationArm& to) {
     for (const bool slides : to.written.slides) to.any_slide |= slides;
 }
 
+// Arrays with one entry a pose.
+static void read(const Values& values, Continuation& to) {
+    to.solutions = values.get<int>("solutions"), to.poses = values.get<int>("poses");
+    if (to.poses < 0 || to.poses > Continuation::most) throw nb::value_error("at most 16 known poses");
+    if (to.solutions < 0 || to.solutions > KnownPose::most) throw nb::value_error("at most 16 solutions of a known pose");
+    for (int i = 0; i < to.poses; ++i) {
+        read_part(values, "turn", to.poses, i, to.known[i].turn), read_part(values, "point", to.poses, i, to.known[i].point);
+        read_part(values, "solution", to.poses, i, to.known[i].solution);
+    }
+}
+
 void read(const Values& values, EliminationArm& to) {
     read_common(values, to);
-    to.variants = values.get<int>("variants");
-    if (to.variants < 1 || to.variants > EliminationArm::most) throw nb::value_error("one to five variants of the elimination");
-    for (int v = 0; v < to.variants; ++v) read(values, to.variants, v, to.variant[v]);
+    read(values.group("known"), to.paths);
+    read(values, 1, 0, to.variant);
 }
 
 void add_elimination(Makers& makers) { makers["general 6R"] = makers["general slides"] = maker(level().elimination->solve, 6, 16); }
 
 using Targets = nb::ndarray<const double, nb::shape<-1, 4, 4>, nb::c_contig, nb::device::cpu>;
-using Counts = nb::ndarray<long, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-using Doubts = nb::ndarray<std::uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using Bytes = nb::ndarray<std::uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using JointVectors = nb::ndarray<const double, nb::shape<-1, 6>, nb::c_contig, nb::device::cpu>;
 
-// How many solutions each variant finds of each pose, and whether it is in doubt.
-static void try_elimination(nb::dict dict, const Targets& T, const Counts& counts, const Doubts& doubts) {
+// How many solutions each variant alone finds of each pose, and whether it is certain of them.
+static void try_elimination(nb::dict dict, const Targets& T, const Bytes& counts, const Bytes& certain) {
     const Values values(dict, "elimination");
-    const int variants = values.get<int>("variants");
-    const std::size_t m = T.shape(0);
-    if (variants < 1 || variants > EliminationTrial::most) throw nb::value_error("one to 24 variants of the elimination");
-    if (counts.shape(0) != std::size_t(variants) || counts.shape(1) != m || doubts.shape(0) != counts.shape(0) ||
-        doubts.shape(1) != m) {
-        throw nb::value_error("arrays of poses and counts do not fit each other");
+    const int variants = int(certain.shape(0));
+    if (certain.shape(1) != T.shape(0) || counts.shape(0) != certain.shape(0) || counts.shape(1) != certain.shape(1)) {
+        throw nb::value_error("arrays of poses and answers do not fit each other");
     }
     const auto arm = std::make_unique<EliminationArm>();
     std::vector<EliminationVariant> all(variants);
     read_common(values, *arm);
     for (int v = 0; v < variants; ++v) read(values, variants, v, all[v]);
     nb::gil_scoped_release release;
-    level().elimination->trial(*arm, all.data(), variants, T.data(), long(m), {counts.data(), doubts.data()});
+    level().elimination->trial(*arm, all.data(), variants, T.data(), long(T.shape(0)), {counts.data(), certain.data()});
+}
+
+// A copy of numbers as an array that Python owns.
+static nb::object owned(const std::vector<double>& from, std::initializer_list<std::size_t> shape) {
+    auto* copy = new double[from.size()];
+    std::copy(from.begin(), from.end(), copy);
+    const nb::capsule owner(copy, [](void* p) noexcept { delete[] static_cast<double*>(p); });
+    return nb::cast(nb::ndarray<nb::numpy, double>(copy, shape, owner));
+}
+
+// Poses of which all solutions are known, as the group "known" of an elimination's values.
+static nb::dict known_poses(nb::dict written, const JointVectors& q) {
+    if (q.shape(0) < 2) throw nb::value_error("two joint vectors at least");
+    Written<6> arm;
+    read(Values(written, "written"), arm);
+    const auto found = std::make_unique<Continuation>();
+    {
+        nb::gil_scoped_release release;
+        level().elimination->find_known_poses(arm, reinterpret_cast<const double (*)[6]>(q.data()), int(q.shape(0)), *found);
+    }
+    std::vector<double> turn, point, solution;
+    for (int i = 0; i < found->poses; ++i) {
+        const KnownPose& each = found->known[i];
+        turn.insert(turn.end(), each.turn, each.turn + 4), point.insert(point.end(), each.point, each.point + 3);
+        const double* first = &each.solution[0][0][0];
+        solution.insert(solution.end(), first, first + KnownPose::most * 12);
+    }
+    const std::size_t poses = found->poses;
+    nb::dict out;
+    out["solutions"] = found->solutions, out["poses"] = found->poses;
+    out["turn"] = owned(turn, {poses, 4}), out["point"] = owned(point, {poses, 3});
+    out["solution"] = owned(solution, {poses, KnownPose::most, 6, 2});
+    return out;
 }
 
 void add_elimination(nb::module_& m) {
     m.def("try_elimination", &try_elimination, nb::arg("values"), nb::arg("T").noconvert(), nb::arg("counts").noconvert(),
-          nb::arg("doubts").noconvert());
+          nb::arg("certain").noconvert());
+    m.def("known_poses", &known_poses, nb::arg("written"), nb::arg("q").noconvert());
 }
 
 }  // namespace urdf_ik

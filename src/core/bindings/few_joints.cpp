@@ -38,6 +38,8 @@ static void read(const Values& v, SlidesArm& to) {
     v.read("clamp", to.clamp), v.read("imperfection", to.imperfection);
 }
 
+static void read(const Values& v, SampledArm& to) { read(v.group("written"), to.written); }
+
 // The maker of many that a value chooses.
 static Maker by(const char* name, std::map<int, Maker> choices) {
     return [=](const Values& v) {
@@ -96,6 +98,7 @@ void add_few_joints(Makers& makers) {
     makers["planar"] = by("number", {{2, maker(of.planar_2, 2, 2)}, {3, maker(of.planar_3, 3, 2)}, {4, maker(of.planar_4, 4, 2)}});
     makers["planar points"] = make_planar_points;
     makers["slides"] = by("columns", {{2, maker(of.slides_2, 6, 2)}, {4, maker(of.slides_4, 6, 4)}, {8, maker(of.slides_8, 6, 8)}});
+    makers["sampled"] = maker(of.sampled, 6, 16);
     makers["completed"] = make_completed;
 }
 

@@ -6,8 +6,7 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Adds to the columns the solutions of one pose that they lack. from_scratch: what they hold, if anything, is no closed
-// form's answer, whose folds are simple.
-void complete(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns, bool from_scratch);
+// Adds to the columns (16) the solutions of one pose that they lack. Returns whether they are certain to be all.
+bool complete(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns);
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -34,13 +34,14 @@ PART void take_real(const CompletedArm& arm, const Batch& batch, const OfSix& si
         for (int b = 0; b < six.columns; ++b) {
             const int flags = six.flags[six.columns * i + b];
             if (!(flags & VALID)) continue;
-            free |= flags != VALID;
+            free |= (flags & ~UNCERTAIN) != VALID;
             double q[5];
             for (int j = 0; j < 5; ++j) q[j] = six.q[6 * (six.columns * i + b) + arm.at + j];
             take(arm.written, goal, q, Origin::computed, arm.written.tolerances.reach, columns);
         }
         if (free && arm.written.task == Task::pose) take_all_over(arm.written, goal, columns);
         sort(columns);
+        columns.flags[0] |= six.flags[six.columns * i] & UNCERTAIN;
     }
 }
 

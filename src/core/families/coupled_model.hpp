@@ -1,9 +1,8 @@
-// Kinematics of arms whose joints drive several axes each, as Newton's method asks for them; and how a start becomes a
-// solution.
+// Kinematics of arms whose joints drive several axes each, as Newton's method asks for them.
 #pragma once
 
-#include "../answer.hpp"
 #include "coupled_arm.hpp"
+#include "take.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
@@ -62,38 +61,12 @@ template <int N> STEP double advanced(const Driven<N>& model, int k, double x, d
 }
 template <int N> STEP double gap(const Driven<N>& model, int k, double a, double b) { return centred(model.arm, k, a - b); }
 
-// Two solutions beside a fold are two as long as their singular values are above this share of a singular one's; on a
-// continuum they vanish.
-inline constexpr double APART = 0.1;
-
-// Polish x, keep it if it is verified and new, and look beside it near a fold. searched: it is no solution's neighbour for
-// sure, so it has to converge; of a continuum one representative is kept.
-template <class Model>
-PART void take(const Model& arm, const Goal<double>& goal, const double (&from)[Model::joints], bool searched,
-               const Columns<Model::joints>& columns) {
-    constexpr int N = Model::joints;
-    double x[N];
-    for (int j = 0; j < N; ++j) x[j] = from[j];
-    const double error = polish_one<true>(arm, goal, x, {40, FINISHED, searched ? PATIENCE : LONG_PATIENCE}).error;
-    if (!(error <= (searched ? CONVERGED : arm.tolerances.reach))) return;
-    const Weakest<N> weak = weakest_at(arm, goal, x);
-    const bool singular = weak.value <= arm.tolerances.singular;
-    for (int b = 0; searched && singular && b < columns.many; ++b) {
-        if (columns.flags[b] & OTHER) return;
-    }
-    if (!is_new(arm, goal, columns, x)) return;
-    keep(columns, 0, x, singular ? OTHER : 0);
-    if (weak.value > NEAR_FOLD) return;
-    double shift = 0.1;
-    for (int k = 0; k < 16; ++k) {
-        double start[N];
-        for (int j = 0; j < N; ++j) start[j] = advanced(arm, j, x[j], (k % 2 ? shift : -shift) * weak.direction[j]);
-        if (k % 2) shift *= 0.1;
-        if (polish_one<true>(arm, goal, start, {20, FINISHED, LONG_PATIENCE}).error <= CONVERGED &&
-            is_new(arm, goal, columns, start) && weakest_at(arm, goal, start).value > APART * arm.tolerances.singular) {
-            keep(columns, 0, start, 0);
-        }
-    }
+// Polish the start x, which is replaced, and keep it if it is verified and new. searched: it is no solution's neighbour for sure,
+// so it has to converge.
+template <int N> STEP void take(const Coupled<N>& arm, const Goal<double>& goal, double (&x)[N], bool searched,
+                                const Columns<N>& columns) {
+    take(driven(arm), goal, x, searched ? Origin::searched : Origin::doubtful, searched ? CONVERGED : arm.tolerances.reach,
+         columns);
 }
 
 // Scaled joints to joint values, in the order of the columns.

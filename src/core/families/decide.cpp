@@ -8,9 +8,10 @@ namespace urdf_ik::URDF_IK_LEVEL {
 inline constexpr double AGREE = 2.0;
 // The rounds have come to rest where the last move is less than half of x: the square of it, over the margin.
 inline constexpr double REST = 0.25;
-// An angle is fixed where its squared arm is above the square of this times the drift: the correction then turns it by less
-// than a quarter of what it has turned, and converges. Below, the ideal arm all but leaves it free, and the arm as written may
-// have more solutions.
+// An angle is fixed where its arm is above this times the drift, both as shares of the size. Joints that change by x change
+// the correction by drift x at most, and that turns an angle of arm a by drift x / a: by less than x / 4, so that every round
+// leaves a quarter of the one before, CORRECTIONS rounds 1/256 of the first. Below, the ideal arm all but leaves the angle free
+// (rounds converge slowly or not at all below 1, and the arm as written may have more solutions), and the elimination decides.
 inline constexpr double FIXED_BY_DRIFT = 4.0;
 // Kantorovich's share of the smallest singular value, see above.
 inline constexpr double KANTOROVICH = 0.5;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "../arm.hpp"
+#include "continuation_arm.hpp"
 
 namespace urdf_ik {
 
@@ -23,26 +24,25 @@ struct EliminationVariant {
 };
 
 struct EliminationArm {
-    static constexpr int most = 5;
     Written<6> written;
     Motion home_inverse;      // of the tip at zero, then moved to the midst of the axes
     double centre[3], scale;  // of the axes [m], and one over their mean distance from it
     bool any_slide;
-    int variants;
-    EliminationVariant variant[most];  // in the order in which they are tried
+    EliminationVariant variant;
+    Continuation paths;
 };
 
-// How many solutions each variant finds of poses, and whether it gives cause for doubt: (variants, poses) each.
+// How many solutions each variant alone finds of poses, and whether it is certain of them: (variants, poses) each.
 struct EliminationTrial {
-    static constexpr int most = 24;
-    long* counts;
-    std::uint8_t* doubts;
+    std::uint8_t *counts, *certain;
 };
 
 struct EliminationSolvers {
     long (*solve)(const EliminationArm&, const Batch&);
     // So many variants on m poses T.
     void (*trial)(const EliminationArm&, const EliminationVariant*, int variants, const double* T, long m, const EliminationTrial&);
+    // Poses of which all solutions are known, from m joint vectors (m, 6), two at least.
+    void (*find_known_poses)(const Written<6>&, const double (*q)[6], int m, Continuation&);
 };
 
 }  // namespace urdf_ik

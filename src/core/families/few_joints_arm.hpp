@@ -53,6 +53,11 @@ struct SlidesArm {
     double imperfection;      // how far the wrist is from meeting in a point [share of size]; 0: exact
 };
 
+// Six joints that are singular everywhere.
+struct SampledArm {
+    Written<6> written;
+};
+
 // Five joints, solved by way of six: the arm with a joint added in front or behind.
 struct CompletedArm {
     Written<5> written;
@@ -77,6 +82,7 @@ struct FewJointsSolvers {
     SolveArm<PlanarArm<3>> planar_3;
     SolveArm<PlanarArm<4>> planar_4;
     SolveArm<SlidesArm> slides_2, slides_4, slides_8;  // by the number of columns
+    SolveArm<SampledArm> sampled;
     void (*completed)(const CompletedArm&, const Batch&, const OfSix&);
 };
 

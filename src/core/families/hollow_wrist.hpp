@@ -162,7 +162,9 @@ struct HollowWrist {
             const Vec<double> turned = cross(R.x, G.x) + cross(R.y, G.y) + cross(R.z, G.z);
             const double trace = dot(R.x, G.x) + dot(R.y, G.y) + dot(R.z, G.z);
             x[5] = atan2(dot(wanted, turned), trace - 1.0) * written.gain[6][5];
-            take(driven(written), search.goal, x, searched || aligned, search.columns);
+            double from[6];
+            for (int j = 0; j < 6; ++j) from[j] = x[j];
+            take(written, search.goal, from, searched || aligned, search.columns);
         }
     }
 };

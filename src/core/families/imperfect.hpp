@@ -24,9 +24,8 @@
 namespace urdf_ik::URDF_IK_LEVEL {
 
 // Imperfection up to which the elimination has not come into its element, its equations being those of the ideal arm to many
-// digits: there the closed form's careful path, one branch at a time, helps it. And from which the found solutions are so
-// well apart that the elimination, missing none of them, is believed at once.
-inline constexpr double CLOSE_BY = 1e-4, FAR_OFF = 1e-3;
+// digits: there the closed form's careful path, one branch at a time, helps it.
+inline constexpr double CLOSE_BY = 1e-4;
 
 // All branches of a block of targets, beyond their ends too.
 struct AllBranches {
@@ -78,8 +77,10 @@ template <class Family, bool by_quartic = false> struct Imperfect {
         const double off = arm.family.ideal.imperfection;
         if (by_quartic || off < CLOSE_BY) Family::closely(arm.family, goal, seen, reference, columns, open);
         if (loose && !by_quartic) all_around(arm, goal, seen, columns);
-        complete(arm.elimination, goal, columns, by_quartic || off < FAR_OFF);
-        if (by_quartic && (columns.count() == 0 || columns.count() % 2 == 1)) all_around(arm, goal, seen, columns);
+        if (!complete(arm.elimination, goal, columns)) {
+            if (by_quartic) all_around(arm, goal, seen, columns);
+            columns.flags[0] |= UNCERTAIN;
+        }
     }
 
     // A joint that the ideal arm leaves free has a few values on the arm as written: from places all around the circle.

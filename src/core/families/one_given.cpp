@@ -57,7 +57,7 @@ template <int first> static STEP void insert_rows(const Batch& part, const doubl
         for (long row = branches * i; row < branches * (i + 1); ++row) {
             const double* from = six + 6 * row;
             double* to = part.q + 7 * row;
-            const double value = part.flags[row] ? values[i] : __builtin_nan("");
+            const double value = part.flags[row] & VALID ? values[i] : __builtin_nan("");
             to[first ? 0 : 6] = value;
             __builtin_memcpy(to + first, from, 6 * sizeof(double));
         }

@@ -23,6 +23,7 @@ template <class V> STEP Rot<V> wrist_rotation(const Rot<V>& R, const IdealFrames
 template <Shoulder kind> struct SphericalWrist {
     using Arm = SphericalWristArm;
     static constexpr int branches = 8;
+    static constexpr bool by_height = kind == Shoulder::parallel_23;  // the shoulder's margin comes before the elbow's
 
     // Angles of a block that are taken together, so that the processor finds independent work: t1 of both fronts and the
     // bend of their elbows (parallel_23), or t3 of both elbows and t1 of each pair; t2, and the wrist's turns, of each pair.
@@ -137,7 +138,11 @@ template <Shoulder kind> struct SphericalWrist {
         const Tolerances& tol = arm.written.tolerances;
         const Block least = min(min(place.shoulder, place.elbow), margin), arms = min(place.arms, fixed);
         const auto doubt = (min(least, arms) <= Block(tol.edge)) | !(place.error + off <= Block(tol.reach * tol.reach * 1e-2));
-        return {least < Block(-tol.edge), doubt, {place.shoulder, place.elbow, margin, arms}};
+        // What a later step says where an earlier one is at its end is rough.
+        const Block &first = by_height ? place.shoulder : place.elbow, &second = by_height ? place.elbow : place.shoulder;
+        const auto lost = (first < Block(-tol.edge)) | ((second < Block(-tol.edge)) & (min(first, place.arms) > Block(tol.edge))) |
+                          ((margin < Block(-tol.edge)) & (min(min(first, second), place.arms) > Block(tol.edge)));
+        return {lost, doubt, {place.shoulder, place.elbow, margin, arms}};
     }
 
     // Joint values from the angles, offsets taken off.
@@ -172,36 +177,75 @@ template <Shoulder kind> struct SphericalWrist {
 
     // A margin within `fold` of zero is a double root, of which one branch is kept; a joint that the target leaves free
     // (squared arm below `continuum`) takes the reference's value.
-    static PART void closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
-                             const Columns<6>& columns, unsigned wanted) {
+    static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
+                                 const Columns<6>& columns, unsigned wanted) {
         Quartic roots = {};
         roots.count = 4;
         if constexpr (kind == Shoulder::general) roots = shoulder_roots(arm, seen.p);
+        unsigned unsure = 0;
         for (int pair = 0; pair < roots.count && pair < 4; ++pair) {
-            if (wanted >> 2 * pair & 3u) wrists_closely(arm, goal, seen, reference, columns, wanted, pair, roots);
+            if (!(wanted >> 2 * pair & 3u)) continue;
+            const Settled place = settle(arm, seen.p, reference, pair, roots);
+            if (place.unsure) unsure |= 3u << 2 * pair;
+            if (!place.kept) continue;
+            const Rot<double> M = wrist_rotation(seen.R, arm.ideal, place.at);
+            for (int b = 2 * pair; b < 2 * pair + 2; ++b) {
+                if (wanted >> b & 1u) unsure |= unsigned(wrist_closely(arm, goal, M, place, reference, b, columns)) << b;
+            }
         }
+        return unsure;
     }
 
     // What is known of a place of the first three joints, its root settled.
     struct Settled {
         Place<double> at;
+        Drift drift;
         int marks;
-        bool near, kept;
+        bool near, kept, unsure;
     };
+
+    // The margins of a place one after the other, each by what the ones before leave of its digits. False where one is beyond
+    // its end.
+    static STEP bool is_inside(const Arm& arm, double m1, double m2, Settled& to) {
+        const Tolerances& tol = arm.written.tolerances;
+        const double clamp = arm.ideal.clamp, arm1 = to.at.arm1, arm2 = to.at.arm2;
+        const auto beyond = [&](double margin) {
+            to.unsure = to.unsure || to.drift.hides(margin);
+            return margin < -max(clamp, to.drift.of_margin());
+        };
+        if constexpr (by_height) {
+            if (m1 < -clamp) return false;
+            if (arm1 > tol.continuum) to.drift.through_swing(m1, arm1);
+            if (beyond(m2)) return false;
+            to.drift.through_root(m2);
+            if (arm2 > tol.continuum) to.drift.through_arm(arm2);
+        } else {
+            if (kind != Shoulder::general && m2 < -clamp) return false;
+            to.drift.through_root(kind == Shoulder::general ? m1 : m2);
+            if (kind != Shoulder::general && beyond(m1)) return false;
+            if (kind == Shoulder::parallel_12) to.drift.through_root(m1);
+            else if (arm2 > tol.continuum) to.drift.through_swing(m1, arm2);
+            if (arm1 > tol.continuum) to.drift.through_arm(arm1);
+        }
+        to.drift.open = min(arm1, arm2) <= tol.continuum;
+        return true;
+    }
 
     static STEP Settled settle(const Arm& arm, const Vec<double>& p, const Reference<6>& reference, int pair,
                                const Quartic& roots) {
         const auto& ideal = arm.ideal;
         const Tolerances& tol = arm.written.tolerances;
-        constexpr bool by_height = kind == Shoulder::parallel_23, quartic = kind == Shoulder::general;
+        constexpr bool quartic = kind == Shoulder::general;
         double front = ideal.signs[2 * pair][0], up = ideal.signs[2 * pair][1];
-        Settled out = {position<kind>(arm, p, front, up, roots.root[pair]), 0, false, false};
+        Settled out = {position<kind>(arm, p, front, up, roots.root[pair]), {}, 0, false, false, false};
+        out.drift.own = max(out.drift.own, reference.displaced);
         const double m1 = quartic ? roots.gap(pair) : out.at.margin1, m2 = out.at.margin2, arm1 = out.at.arm1, arm2 = out.at.arm2;
         out.near = min(abs(m1), abs(m2)) < NEAR || min(arm1, arm2) < NEAR;
-        if (m1 < -ideal.clamp || m2 < -ideal.clamp) return out;
+        if (!is_inside(arm, m1, m2, out)) return out;
         const bool free1 = arm1 <= tol.continuum, free2 = arm2 <= tol.continuum;
-        if ((m1 <= tol.fold && !quartic) || free1 || (free2 && !by_height)) out.marks |= SHOULDER;
-        if (m2 <= tol.fold || (free2 && by_height)) out.marks |= ELBOW;
+        const double fold = marked(tol, reference), loose = max(tol.continuum, fold * fold);
+        if ((m1 <= fold && !quartic) || arm1 <= loose || (arm2 <= loose && !by_height)) out.marks |= SHOULDER;
+        if (m2 <= fold || (arm2 <= loose && by_height)) out.marks |= ELBOW;
         if (!quartic) {
             // Of two signs that stand for the same root, or the same continuum, the positive one is kept, as zero.
             const double swung = by_height ? arm1 : kind == Shoulder::intersecting_12 ? min(arm1, arm2) : 1.0;
@@ -220,39 +264,50 @@ template <Shoulder kind> struct SphericalWrist {
         return out;
     }
 
-    static PART void wrists_closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen,
-                                    const Reference<6>& reference, const Columns<6>& columns, unsigned wanted, int pair,
-                                    const Quartic& roots) {
+    // One wrist. Returns whether rounding leaves the branch in doubt.
+    static PART bool wrist_closely(const Arm& arm, const Goal<double>& goal, const Rot<double>& M, const Settled& place,
+                                   const Reference<6>& reference, int b, const Columns<6>& columns) {
         const auto& ideal = arm.ideal;
         const Tolerances& tol = arm.written.tolerances;
         const Twists t = {ideal.cos_alpha[3], ideal.sin_alpha[3], ideal.cos_alpha[4], ideal.sin_alpha[4]};
-        const Settled place = settle(arm, seen.p, reference, pair, roots);
-        if (!place.kept) return;
-        const Rot<double> M = wrist_rotation(seen.R, ideal, place.at);
-        for (int b = 2 * pair; b < 2 * pair + 2; ++b) {
-            if (!(wanted >> b & 1u)) continue;
-            const double flip = ideal.signs[b][2];
-            Bend<double> bend = wrist_bend(M.z, t, flip);
-            // The quartic's roots are rough where it is ill-conditioned: let Newton's method decide.
-            if (bend.margin < -(kind == Shoulder::general ? max(ideal.clamp, ROUGH) : ideal.clamp)) continue;
-            WristTurns<double> turns = wrist_turns(M, bend.turn, t);
-            const int marks = place.marks | (min(turns.fixed, bend.margin) <= tol.fold ? WRIST : 0);
-            const bool double3 = is_double(bend.margin, turns.fixed, ROUNDING / (t.sb * t.sb));
-            if (flip < 0.0 && (double3 || turns.fixed <= tol.continuum)) continue;
-            if (double3) {
-                bend.turn = wrist_bend(M.z, t, 0.0).turn;
-                turns = wrist_turns(M, bend.turn, t);
-            }
-            const bool near = place.near || abs(bend.margin) < NEAR || turns.fixed < NEAR;
-            if (turns.fixed <= tol.continuum) {
-                turns = shared_turns(M, bend.turn, t, reference.q[3] + ideal.offset[3], reference.q[5] + ideal.offset[5],
-                                     reference.given);
-            }
-            const Turn<double> found[6] = {place.at.t1, place.at.t2, place.at.t3, turns.first, bend.turn, turns.last};
-            double q[6];
+        const double flip = ideal.signs[b][2];
+        Bend<double> bend = wrist_bend(M.z, t, flip);
+        // The quartic's roots are rough where it is ill-conditioned: let Newton's method decide.
+        const double rough = kind == Shoulder::general ? ROUGH : 0.0;
+        if (bend.margin < -max(max(ideal.clamp, rough), place.drift.of_margin())) return place.drift.hides(bend.margin);
+        WristTurns<double> turns = wrist_turns(M, bend.turn, t);
+        Drift drift = place.drift;
+        drift.through_arm(turns.fixed);
+        const bool free = turns.fixed <= tol.continuum, loose = !free && place.drift.frees(turns.fixed);
+        const bool unsure = loose || place.drift.hides(bend.margin) || (!free && place.drift.by > 0.0 && drift.is_lost());
+        const int marks = place.marks | (min(turns.fixed, bend.margin) <= marked(tol, reference) ? WRIST : 0);
+        const bool double3 = is_double(bend.margin, turns.fixed, ROUNDING / (t.sb * t.sb));
+        if (flip < 0.0 && (double3 || free)) return unsure;
+        if (double3) {
+            bend.turn = wrist_bend(M.z, t, 0.0).turn;
+            turns = wrist_turns(M, bend.turn, t);
+        }
+        const bool near = place.near || abs(bend.margin) < NEAR || turns.fixed < NEAR;
+        const bool sure = reference.displaced == 0.0 && !place.unsure && !unsure && bend.margin >= -ideal.clamp;
+        const auto candidate = [&](const WristTurns<double>& ends, double (&q)[6]) {
+            const Turn<double> found[6] = {place.at.t1, place.at.t2, place.at.t3, ends.first, bend.turn, ends.last};
             for (int j = 0; j < 6; ++j) q[j] = wrap(angle(found[j]) - ideal.offset[j]);
+        };
+        const auto shared = [&] {
+            return shared_turns(M, bend.turn, t, reference.q[3] + ideal.offset[3], reference.q[5] + ideal.offset[5],
+                                reference.given);
+        };
+        double q[6];
+        candidate(free ? shared() : turns, q);
+        if (kind == Shoulder::general || sure || !arm.written.exact ||
+            holds(arm.written, goal, q, reference.displaced > 0.0 ? PATIENCE : LONG_PATIENCE)) {
             accept(arm.written, goal, q, b, marks, near, columns);
         }
+        if (loose && !columns.valid(b) && !columns.valid(b & ~1)) {
+            candidate(shared(), q);
+            take_unless_represented(arm.written, goal, q, b, marks, columns);
+        }
+        return unsure;
     }
 
     // Third angles of a general shoulder: the length of p and its height fix u_x and u_y as affine functions of (cos,

@@ -15,6 +15,9 @@ inline constexpr double HOPELESS = 0.05;
 // Starts beside a solution near a fold: so many on each side along the direction that the Jacobian all but loses, from 0.1 rad
 // (or share of the size), each a tenth of the one before.
 inline constexpr int STARTS_BESIDE = 8;
+// Two solutions beside a fold are two as long as their singular values are above this share of a singular one's; on a
+// continuum they vanish.
+inline constexpr double APART = 0.1;
 
 // A solution beside q, if there is one. What is singular again belongs to the same double root, or to the same continuum.
 template <class Model>
@@ -27,7 +30,7 @@ PART void take_beside(const Model& arm, const Goal<double>& goal, const double (
         if (k % 2) away *= 0.1;
         if (polish_one<true>(arm, goal, start, {20, FINISHED, LONG_PATIENCE}).error > CONVERGED) continue;
         if (!is_new(arm, goal, columns, start)) continue;
-        if (weakest_at(arm, goal, start).value > arm.tolerances.singular) keep(columns, 0, start, 0);
+        if (weakest_at(arm, goal, start).value > APART * arm.tolerances.singular) keep(columns, 0, start, 0);
     }
 }
 

@@ -146,8 +146,10 @@ template <Hand kind> struct ThreeParallel {
         const Block arms = min(min(up.arm1, uu * scale), up.fixed), before = min(up.margin1, up.margin5);
         const Block xx = f.wx * u.x, xy = f.wx * u.y, yx = f.wy * u.x, yy = f.wy * u.y;
         at.set(BEND + k, f.bend), at.set(SECOND + 2 * k, {xx + yy, xy - yx}), at.set(SECOND + 2 * k + 1, {xx - yy, xy + yx});
-        // Where the wrist leaves phi free, another phi may bring the elbow within reach.
-        const auto lost = (before < Block(-edge)) | ((f.margin < Block(-edge)) & (up.fixed > Block(edge)));
+        // Where the wrist leaves phi free, another phi may bring the elbow within reach;
+        // and what a later step says where an earlier one is at its end is rough.
+        const auto lost = (up.margin1 < Block(-edge)) | ((up.margin5 < Block(-edge)) & (up.margin1 > Block(edge))) |
+                          ((f.margin < Block(-edge)) & (min(before, min(up.fixed, up.arm1)) > Block(edge)));
         const auto doubt = (min(min(before, f.margin), arms) <= Block(edge)) |
                            !(miss * miss * scale + up.error * uu <= (reach * reach * 1e-2) * uu);
         return {lost, doubt, {up.margin1, f.margin, up.margin5, arms}};
@@ -173,8 +175,8 @@ template <Hand kind> struct ThreeParallel {
         }
     }
 
-    static PART void closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
-                             const Columns<6>& columns, unsigned wanted) {
+    static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
+                                 const Columns<6>& columns, unsigned wanted) {
         Quartic roots = {};
         roots.count = 4;
         if constexpr (kind == Hand::general) roots = first_angles(arm, seen);
@@ -182,13 +184,25 @@ template <Hand kind> struct ThreeParallel {
         Settled settled[4];
         for (int k = 0; k < 4; ++k) {
             const int b = 4 * (k / 2) + k % 2;
-            settled[k].kept = false;
+            settled[k] = {};
             if (k < roots.count && wanted >> b & 5u) settled[k] = settle(arm, seen, reference, b, k, roots);
         }
+        unsigned unsure = 0;
         for (int b = 0; b < 8; ++b) {
             const Settled& at = settled[2 * (b / 4) + b % 2];
-            if (at.kept && wanted >> b & 1u) elbow_closely(arm, goal, reference, at, b, columns);
+            if (!(wanted >> b & 1u)) continue;
+            unsure |= unsigned(at.unsure) << b;
+            if (at.kept) unsure |= unsigned(elbow_closely(arm, goal, reference, at, b, columns)) << b;
         }
+        for (int k = 0; k < 4; ++k) {
+            if (!settled[k].loose) continue;
+            for (int b = 4 * (k / 2) + k % 2, last = b + 2; b <= last; b += 2) {
+                if (!(wanted >> b & 1u) || columns.valid(b) || columns.valid(b & ~1)) continue;
+                const Settled at = settle(arm, seen, reference, b, k, roots, true);
+                if (at.kept) elbow_closely(arm, goal, reference, at, b, columns);
+            }
+        }
+        return unsure;
     }
 
     // A shoulder and a wrist.
@@ -196,8 +210,10 @@ template <Hand kind> struct ThreeParallel {
         Turn<double> t1, t5, phi, t6;
         Across<double> axis_4;
         double margin1, margin5, arm1, fixed;
+        Drift drift;
         int marks;
-        bool kept;
+        bool kept, unsure;
+        bool loose;  // phi may be free
     };
 
     // Joint 1 of branch b. A margin within `fold` of zero is a double root, of which one branch is kept; a joint that the
@@ -209,22 +225,25 @@ template <Hand kind> struct ThreeParallel {
         const Swing<double> s = face(arm, seen.p, front);
         to.t1 = s.turn, to.margin1 = s.margin * scale;
         if (to.margin1 < -ideal.clamp) return false;
-        if (to.margin1 <= tol.fold || to.arm1 <= tol.fold) to.marks |= SHOULDER;
+        if (min(to.margin1, to.arm1) <= marked(tol, reference)) to.marks |= SHOULDER;
         const bool twice = is_double(to.margin1, to.arm1, ROUNDING);
         if (front < 0.0 && (twice || to.arm1 <= tol.continuum)) return false;
         if (twice) to.t1 = face(arm, seen.p, 0.0).turn;
-        if (to.arm1 <= tol.continuum) to.t1 = exact_turn(reference.q[0] + ideal.offset[0]);
+        if (to.arm1 > tol.continuum) to.drift.through_swing(to.margin1, to.arm1);
+        else to.t1 = exact_turn(reference.q[0] + ideal.offset[0]), to.drift.open = true;
         return true;
     }
 
+    // freely: phi takes a representative's value where rounding may have made up what the pose says.
     static PART Settled settle(const Arm& arm, const Seen<double>& seen, const Reference<6>& reference, int b, int root,
-                               const Quartic& roots) {
+                               const Quartic& roots, bool freely = false) {
         const auto& ideal = arm.ideal;
         const Tolerances& tol = arm.written.tolerances;
         const Twists t = twists(arm);
         const double flip = ideal.signs[b][2], scale = 1.0 / (ideal.size * ideal.size);
         Settled out = {};
         out.arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * scale;
+        out.drift.own = max(out.drift.own, reference.displaced);
         if constexpr (kind == Hand::general) out.t1 = roots.root[root], out.margin1 = roots.gap(root);
         else if (!settle_first(arm, seen, reference, b, out)) return out;
         const Seen<double> at = seen_along(arm, seen, out.t1);
@@ -234,14 +253,17 @@ template <Hand kind> struct ThreeParallel {
         } else {
             const Bend<double> bend = wrist_bend(at.R.z, t, flip);
             out.t5 = bend.turn, out.margin5 = bend.margin;
-            if (bend.margin < -ideal.clamp) return out;
         }
         WristTurns<double> turns = wrist_turns(at.R, out.t5, t);
         out.fixed = turns.fixed;
-        if (out.fixed <= tol.fold || out.margin5 <= tol.fold) out.marks |= WRIST;
+        out.unsure = out.drift.hides(out.margin5);
+        if (out.margin5 < -max(ideal.clamp, out.drift.of_margin())) return out;
+        if (min(out.fixed, out.margin5) <= marked(tol, reference)) out.marks |= WRIST;
+        const bool free = out.fixed <= tol.continuum || (freely && out.drift.frees(out.fixed));
+        out.loose = out.fixed > tol.continuum && out.drift.frees(out.fixed), out.unsure = out.unsure || out.loose;
         if constexpr (kind != Hand::general) {
             const bool twice = is_double(out.margin5, out.fixed, ROUNDING / (t.sb * t.sb));
-            if (flip < 0.0 && (twice || out.fixed <= tol.continuum)) return out;
+            if (flip < 0.0 && (twice || free)) return out;
             if (twice) {
                 out.t5 = wrist_bend(at.R.z, t, 0.0).turn;
                 turns = wrist_turns(at.R, out.t5, t);
@@ -249,7 +271,9 @@ template <Hand kind> struct ThreeParallel {
             }
         }
         const Across<double> f = forearm(arm, out.t5);
-        out.kept = out.fixed > tol.continuum || free_wrist(arm, at, reference, out.t5, f, turns);
+        out.kept = !free || free_wrist(arm, at, reference, out.t5, f, turns);
+        out.drift.through_root(out.margin5, out.fixed);
+        if (!free) out.drift.through_arm(out.fixed);
         out.phi = turns.first, out.t6 = turns.last;
         out.axis_4 = to_axis_4(at.p, out.phi, f);
         return out;
@@ -271,7 +295,8 @@ template <Hand kind> struct ThreeParallel {
         return true;
     }
 
-    static PART void elbow_closely(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Settled& at,
+    // Returns whether rounding leaves the branch in doubt.
+    static PART bool elbow_closely(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Settled& at,
                                    int b, const Columns<6>& columns) {
         const auto& ideal = arm.ideal;
         const Tolerances& tol = arm.written.tolerances;
@@ -282,17 +307,24 @@ template <Hand kind> struct ThreeParallel {
         const bool near =
             min(abs(at.margin1), min(abs(margin), abs(at.margin5))) < NEAR || min(at.fixed, min(at.arm1, arm2)) < NEAR;
         // A root next to an aligned wrist is rough, and phi with it: let Newton's method decide.
-        if (margin < -(kind == Hand::general ? max(ideal.clamp, ROUGH_BY_ROOT / (at.fixed + 1e-8)) : ideal.clamp)) return;
-        const int marks = at.marks | (margin <= tol.fold || arm2 <= tol.fold ? ELBOW : 0);
+        const double rough = kind == Hand::general ? ROUGH_BY_ROOT / (at.fixed + 1e-8) : at.drift.of_margin();
+        const bool unsure = at.drift.hides(margin) || at.drift.is_lost();
+        if (margin < -max(ideal.clamp, rough)) return unsure;
+        const int marks = at.marks | (min(margin, arm2) <= marked(tol, reference) ? ELBOW : 0);
         const bool twice = is_double(margin, arm2, ROUNDING / (2.0 * upper * lower * scale));
-        if (up < 0.0 && (twice || arm2 <= tol.continuum)) return;
+        if (up < 0.0 && (twice || arm2 <= tol.continuum)) return unsure;
         if (twice) e = elbow(ux, uy, upper, lower, arm.turn_3, 0.0);
         if (arm2 <= tol.continuum) e.second = exact_turn(reference.q[1] + ideal.offset[1]);
         const double t2 = angle(e.second), t3 = angle(e.bend), t4 = arm.turn_4 * (angle(at.phi) - t2 - arm.turn_3 * t3);
         double q[6] = {wrap(angle(at.t1) - ideal.offset[0]), wrap(t2 - ideal.offset[1]),
                        wrap(t3 - ideal.offset[2]),           wrap(wrap(t4 - ideal.offset[3])),
                        wrap(angle(at.t5) - ideal.offset[4]), wrap(angle(at.t6) - ideal.offset[5])};
-        accept(arm.written, goal, q, b, marks, near, columns);
+        const bool sure = reference.displaced == 0.0 && !unsure && min(at.margin5, margin) >= -ideal.clamp;
+        if (kind == Hand::general || sure || !arm.written.exact ||
+            holds(arm.written, goal, q, reference.displaced > 0.0 ? PATIENCE : LONG_PATIENCE)) {
+            accept(arm.written, goal, q, b, marks, near, columns);
+        }
+        return unsure;
     }
 
     // See ThreeParallelSolvers.

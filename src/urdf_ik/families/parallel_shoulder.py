@@ -10,6 +10,7 @@ from urdf_ik._core import Solver
 from urdf_ik.families.parts.family import Family, Plan, in_words
 from urdf_ik.families.parts.values import (
     SIGNS,
+    compared,
     distances_of,
     ideal_frames,
     ideal_values,
@@ -143,15 +144,18 @@ def _explain(ideal: dict[str, Any], solver: Solver, rotation: Array, point: Arra
     across = float(np.hypot(rotation[2, 0], rotation[2, 1]))
     links = abs(a[3] * sa[2]) + abs(d[3]) + a[4] * across
     if abs(level) > links:
+        far, reach = compared(abs(level), links)
         return (
-            f"along axes 1 to 3, axis 6 would have to be {abs(level):.6g} m from axis 4, and the links between them "
-            f"reach no further than {links:.6g} m in the wanted direction"
+            f"along axes 1 to 3, axis 6 would have to be {far} m from axis 4, and the links between them reach no "
+            f"further than {reach} m in the wanted direction"
         )
     distances = distances_of(solver, rotation, point)
     if len(distances) and distances.min() > longest:
-        return f"axis 3 would have to be {distances.min():.6g} m or more from axis 1, reach {longest:.6g} m"
+        far, reach = compared(distances.min(), longest)
+        return f"axis 3 would have to be {far} m or more from axis 1, reach {reach} m"
     if len(distances) and distances.max() < shortest:
-        return f"axis 3 would be {distances.max():.6g} m or less from axis 1, the folded links' {shortest:.6g} m away"
+        near, folded = compared(distances.max(), shortest)
+        return f"axis 3 would be {near} m or less from axis 1, the folded links' {folded} m away"
     if len(distances):
         return (
             f"axis 3 would be {distances.min():.6g} to {distances.max():.6g} m from axis 1, "

@@ -13,7 +13,7 @@ from urdf_ik.chain import kinds_of
 from urdf_ik.chain.plane import axes_across
 from urdf_ik.families import few_joints
 from urdf_ik.families.parts.family import Family, Plan
-from urdf_ik.families.parts.values import seen_in_frame_1
+from urdf_ik.families.parts.values import compared, seen_in_frame_1
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
@@ -137,9 +137,11 @@ def _explain(chain: Chain, values: dict[str, Any], rotation: Array | None, point
     far = math.hypot(point[0], point[1])
     end = "axis 3" if values["joints"][2] >= 0.0 else "the tip"
     if far > a + b:
-        return f"{end} is {far:.6g} m from axis 1, reach {a + b:.6g} m"
+        at, reach = compared(far, a + b)
+        return f"{end} is {at} m from axis 1, reach {reach} m"
     if far < abs(a - b):
-        return f"{end} is {far:.6g} m from axis 1, closer than the folded arm's {abs(a - b):.6g} m"
+        at, folded = compared(far, abs(a - b))
+        return f"{end} is {at} m from axis 1, closer than the folded arm's {folded} m"
     # Two joints: whichever way the elbow bends, the tip is turned as they have it.
     turn = 0.0 if rotation is None else math.atan2(rotation[1, 0], rotation[0, 0])
     ahead = math.atan2(point[1], point[0])

@@ -15,6 +15,7 @@ from urdf_ik.families import (
     hollow_wrist,
     parallel_shoulder,
     planar,
+    sampled,
     slides,
     spherical_middle,
     spherical_wrist,
@@ -54,6 +55,9 @@ SIX_TURNING: list[Family] = [
 SIX_WITH_SLIDES: list[Family] = [slides.THREE_SLIDES, slides.SPHERICAL_WRIST]
 """Closed forms of six joints with slides, which are tried from either end."""
 
+SINGULAR_EVERYWHERE: list[Family] = [sampled.FAMILY]
+"""Six joints that a pose leaves a continuum of solutions."""
+
 BY_ELIMINATION: list[Family] = [general_6r.FAMILY, general_slides.FAMILY]
 """Six joints of no other family."""
 
@@ -66,7 +70,15 @@ MIMICKING: list[Family] = [coupled.FAMILY, hollow_wrist.FAMILY]
 
 def every() -> list[Family]:
     """Every family, in the order of cost among those that an arm may belong to."""
-    return [*FEW_JOINTS, *SIX_TURNING, *SIX_WITH_SLIDES, *BY_ELIMINATION, *SEVEN_JOINTS, *MIMICKING]
+    return [
+        *FEW_JOINTS,
+        *SIX_TURNING,
+        *SIX_WITH_SLIDES,
+        *SINGULAR_EVERYWHERE,
+        *BY_ELIMINATION,
+        *SEVEN_JOINTS,
+        *MIMICKING,
+    ]
 
 
 def choose(structure: Structure, chain: Chain) -> Plan | None:
@@ -86,6 +98,8 @@ def choose(structure: Structure, chain: Chain) -> Plan | None:
 
 def of_six(structure: Structure, chain: Chain) -> Plan | None:
     """How six joints are solved: in closed form from either end, else by elimination."""
+    if singular := _first(SINGULAR_EVERYWHERE, structure, chain):
+        return singular
     if structure.slides:
         return _with_slides(structure, chain) or _elimination(structure, chain)
     return _closed_form(structure, chain) or _elimination(structure, chain)

@@ -11,6 +11,7 @@ from urdf_ik._core import Solver
 from urdf_ik.families.parts.family import Family, Plan, in_words
 from urdf_ik.families.parts.values import (
     SIGNS,
+    compared,
     ideal_frames,
     ideal_values,
     imperfection,
@@ -124,19 +125,18 @@ def _explain(values: dict[str, Any], wrist: str, rotation: Array, point: Array) 
         across = math.hypot(point[0], point[1])
         low, high = math.hypot(across - radius, up), math.hypot(across + radius, up)
         if not low <= wanted <= high:
-            return (
-                f"{name} is {wanted:.6g} m from where axes 5 and 6 meet, and joint 1 can bring it {low:.6g} to "
-                f"{high:.6g} m near"
-            )
+            at, least, most = compared(wanted, low, high)
+            return f"{name} is {at} m from where axes 5 and 6 meet, and joint 1 can bring it {least} to {most} m near"
     if wrist == "5||6":
         axis = rotation[:, 2]
         level, swing = float(axis @ [-point[0], -point[1], up]), radius * math.hypot(axis[0], axis[1])
         low, high = level - swing, level + swing
         wanted = values["ideal"]["cos_alpha"][4] * centre_5[2]
         if not low <= wanted <= high:
+            at, least, most = compared(wanted, low, high)
             return (
-                f"{name} is {wanted:.6g} m along axis 6 from the origin of its frame, and joint 1 can bring it to "
-                f"{low:.6g} to {high:.6g} m"
+                f"{name} is {at} m along axis 6 from the origin of its frame, and joint 1 can bring it to {least} to "
+                f"{most} m"
             )
     far = float(np.linalg.norm(point))
     if far > 2.0 * size:

@@ -12,6 +12,7 @@ from urdf_ik.families.parts.family import Family, Plan, in_words
 from urdf_ik.families.parts.values import (
     NAMES,
     SIGNS,
+    compared,
     ideal_frames,
     ideal_values,
     imperfection,
@@ -198,33 +199,29 @@ def _explain(values: dict[str, Any], shoulder: str, rotation: Array, point: Arra
         side = ca * up - sa * height
         radius = math.hypot(point[0], point[1])
         if radius < abs(side):
-            return (
-                f"the wrist centre is {radius:.6g} m from axis 1, and joints 2 and 3 cannot bring it closer "
-                f"than {abs(side):.6g} m"
-            )
+            near, off = compared(radius, abs(side))
+            return f"the wrist centre is {near} m from axis 1, and joints 2 and 3 cannot bring it closer than {off} m"
         ahead = math.sqrt(radius**2 - side**2)
         reach = [math.hypot(sign * ahead - a[0], up) for sign in (1.0, -1.0)]
         longest = a[1] + rho
         shortest = abs(a[1] - rho)
         if min(reach) > longest:
-            return f"wrist centre {min(reach):.6g} m from the shoulder (axis 2), reach {longest:.6g} m"
+            far, most = compared(min(reach), longest)
+            return f"wrist centre {far} m from the shoulder (axis 2), reach {most} m"
         if max(reach) < shortest:
-            return (
-                f"wrist centre {max(reach):.6g} m from the shoulder (axis 2), closer than the folded arm's "
-                f"{shortest:.6g} m"
-            )
+            near, folded = compared(max(reach), shortest)
+            return f"wrist centre {near} m from the shoulder (axis 2), closer than the folded arm's {folded} m"
     elif shoulder in ("1x2", "1||2"):
         square = float(point @ point) if shoulder == "1x2" else ca * point[2]
         if abs(square * swing + shift) > 1.0:
             low, high = sorted(((-1.0 - shift) / swing, (1.0 - shift) / swing))
             if shoulder == "1x2":
                 low, high = math.sqrt(max(low, 0.0)), math.sqrt(max(high, 0.0))
-                return (
-                    f"wrist centre {math.sqrt(square):.6g} m from the shoulder (where axes 1 and 2 meet), "
-                    f"reach {low:.6g} to {high:.6g} m"
-                )
-            return f"wrist centre at {square:.6g} m along axis 1, which joint 3 moves from {low:.6g} to {high:.6g} m"
-    far = float(np.linalg.norm(point))
-    if far > 2.0 * size:
-        return f"the wrist centre is {far:.6g} m from axis 1, and all links together measure {size:.6g} m"
+                at, least, most = compared(math.sqrt(square), low, high)
+                return f"wrist centre {at} m from the shoulder (where axes 1 and 2 meet), reach {least} to {most} m"
+            at, least, most = compared(square, low, high)
+            return f"wrist centre at {at} m along axis 1, which joint 3 moves from {least} to {most} m"
+    distance = float(np.linalg.norm(point))
+    if distance > 2.0 * size:
+        return f"the wrist centre is {distance:.6g} m from axis 1, and all links together measure {size:.6g} m"
     return "no angles of the first three joints bring the wrist centre there and leave the wrist its turn"

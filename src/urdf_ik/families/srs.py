@@ -11,7 +11,7 @@ import numpy as np
 from urdf_ik._core import Solver
 from urdf_ik.chain.redundancy import swivel_of
 from urdf_ik.families.parts.family import Family, RedundantPlan, in_words
-from urdf_ik.families.parts.values import snapped, written_values
+from urdf_ik.families.parts.values import compared, snapped, written_values
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
@@ -164,7 +164,9 @@ def _explain(values: dict[str, Any], T: Array, value: float) -> str:
     a, b, c = values["upper"], values["fore"], values["along"]
     longest, shortest = math.hypot(a + b, c), math.hypot(a - b, c)
     if far > longest:
-        return f"wrist centre {far:.6g} m from the shoulder, reach {longest:.6g} m"
+        at, reach = compared(far, longest)
+        return f"wrist centre {at} m from the shoulder, reach {reach} m"
     if far < shortest:
-        return f"wrist centre {far:.6g} m from the shoulder, closer than the folded arm's {shortest:.6g} m"
+        at, folded = compared(far, shortest)
+        return f"wrist centre {at} m from the shoulder, closer than the folded arm's {folded} m"
     return f"at a swivel angle of {value:.6g} rad shoulder or wrist would have to bend more than their axes allow"

@@ -12,6 +12,7 @@ from urdf_ik.families.parts.family import Family, Plan, in_words
 from urdf_ik.families.parts.values import (
     NAMES,
     SIGNS,
+    compared,
     distances_of,
     ideal_frames,
     ideal_values,
@@ -109,14 +110,17 @@ def _explain(values: dict[str, Any], solver: Solver, crossing: bool, rotation: A
         side = (ideal["cos_alpha"][0] * point[2] - values["along"]) / ideal["sin_alpha"][0]
         radius = math.hypot(point[0], point[1])
         if radius < abs(side):
+            near, off = compared(radius, abs(side))
             return (
-                f"the point where axes 5 and 6 meet is {radius:.6g} m from axis 1, and the arm's sideways offset "
-                f"keeps it {abs(side):.6g} m away"
+                f"the point where axes 5 and 6 meet is {near} m from axis 1, and the arm's sideways offset keeps it "
+                f"{off} m away"
             )
     distances = distances_of(solver, rotation, point)
     longest, shortest = upper + lower, abs(upper - lower)
     if len(distances) and distances.min() > longest:
-        return f"axis 4 would have to be {distances.min():.6g} m or more from axis 2, reach {longest:.6g} m"
+        far, reach = compared(distances.min(), longest)
+        return f"axis 4 would have to be {far} m or more from axis 2, reach {reach} m"
     if len(distances) and distances.max() < shortest:
-        return f"axis 4 would be {distances.max():.6g} m or less from axis 2, the folded links' {shortest:.6g} m away"
+        near, folded = compared(distances.max(), shortest)
+        return f"axis 4 would be {near} m or less from axis 2, the folded links' {folded} m away"
     return "no turn of joint 1 gives the last axis both its direction and its height along axes 2 to 4"

@@ -84,7 +84,7 @@ class IKSolutions(KeptSolutions):
         for column in columns:
             for q in limits.iter_turns(self._q[column], self.arm.limits, turning, tol):
                 name = names[column] if is_turned else names[column] + suffix(self._turns_of(q))
-                yield Solution(frozen(q), name, Singular(int(self._info[column]) >> 1), int(column))
+                yield Solution(frozen(q), name, Singular(int(self._info[column]) >> 1 & 15), int(column))
 
     def nearest(
         self, q_ref: ArrayLike, weights: ArrayLike | None = None, n: int = 1, *, within_limits: bool = False

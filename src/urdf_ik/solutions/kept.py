@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     Columns = NDArray[np.intp]
     Places = slice | tuple[int | slice, ...] | list[int] | NDArray[Any]
 
+# The bit of a pose's first column that says that other solutions may be missing.
+_UNCERTAIN = np.uint8(32)
+
 _Number = TypeVar("_Number", bound=np.generic)
 
 
@@ -95,7 +98,8 @@ class KeptSolutions(Answer):
             arm: the arm that was solved.
             T: (..., 4, 4) m, the poses.
             q: (..., B, n) rad or m, NaN rows where there is no solution.
-            info: (..., B), bit 0: valid, bits 1 to 4: ``Singular``.
+            info: (..., B), bit 0: valid, bits 1 to 4: ``Singular``; bit 5 of the first column: other solutions of the
+                pose may be missing.
             branches: B names.
             origin: (B,) each column's branch of the family; default: its own index.
             step: how they were made from other solutions; None: solved.
@@ -129,7 +133,21 @@ class KeptSolutions(Answer):
     @property
     def singular(self) -> NDArray[np.uint8]:
         """(..., B) bits of ``Singular``, 0 where there is no solution."""
-        return frozen(self._info >> np.uint8(1))
+        return frozen(self._info >> np.uint8(1) & np.uint8(15))
+
+    @property
+    def certain(self) -> NDArray[np.bool_]:
+        """(...) whether the solver is certain that it has found every solution of the pose.
+
+        A closed form is: each of its steps has all of its branches followed. The general solver is where every root of
+        its elimination that may be real led to a solution of its own, or where all complex solutions of the pose were
+        counted, as many as the arm has at almost every pose. Both are computed in floating point; neither is a proof.
+        What filters drop does not change it.
+        """
+        solved: KeptSolutions = self
+        while solved.step is not None:
+            solved = solved.step.parent
+        return frozen(np.asarray(solved._info[..., 0] & _UNCERTAIN == 0))
 
     @property
     def branches(self) -> tuple[str, ...]:
@@ -262,7 +280,7 @@ class KeptSolutions(Answer):
         return np.flatnonzero(self._info & 1)
 
     def _solution(self, column: np.intp, name: str) -> Solution:
-        return Solution(frozen(self._q[column]), name, Singular(int(self._info[column]) >> 1), int(column))
+        return Solution(frozen(self._q[column]), name, Singular(int(self._info[column]) >> 1 & 15), int(column))
 
 
 def frozen(array: NDArray[_Number]) -> NDArray[_Number]:

@@ -3,8 +3,9 @@
 It can be set up in eight ways that need nothing of the pose: four places to cut the loop, on the chain and on the
 reversed chain. Which of them keeps its digits depends on the arm, and on arms with parallel or meeting neighbours every
 one may be singular at all angles; moving the axes by a millionth cures that, since solutions are polished on the arm as
-written. The choice is made by planted poses when the arm is loaded. The equations are those of src/core/families/
-hidden_joint.hpp.
+written. The one that is certain of most poses is chosen when the arm is loaded, by trying. The equations are those of
+src/core/families/hidden_joint.hpp. Where it is not certain, continuation from a pose of which all solutions are known
+takes over (continuation.hpp there).
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik._core import Solver, try_elimination
+from urdf_ik._core import Solver, known_poses, try_elimination
 from urdf_ik.families.parts.values import written_values
 
 if TYPE_CHECKING:
@@ -26,10 +27,8 @@ if TYPE_CHECKING:
 
 _LINE = 15
 _SHIFTS = (0.0, 1e-6, 1e-5)
-_KEPT = 5
-# The names of what each variant has.
-_VARIANT = ("first", "reversed", "left", "right", "left_inverse", "axes", "points", "across", "slides")
-_PLANTED = 24
+# Poses by which variants are chosen, and from which those are taken whose solutions are all known.
+_KNOWN = 32
 # How many numbers the core leaves room for: rows of the left factor, columns of the right one.
 _ROWS, _COLUMNS = 168, 32
 # From parts of 1, cos t, sin t to parts of 1, d, d^2, for d = tan(t / 2): both sides times cos^2(t / 2).
@@ -37,35 +36,46 @@ _POWERS = np.array([[1.0, 1.0, 0.0], [0.0, 0.0, 2.0], [1.0, -1.0, 0.0]])
 
 
 def elimination_values(chain: Chain) -> dict[str, Any]:
-    """The ways to set the elimination up that find most, in the order in which they are to be tried, for the core."""
+    """What the core needs of the arm.
+
+    That is the way to set the elimination up that is certain of most poses, and poses of which all solutions are known.
+    """
     H, points, centre, scale = _scaled(chain)
     home = np.eye(4)
     home[:3, :3], home[:3, 3] = chain.R_tip, chain.P.sum(axis=0)
     to_centre = np.eye(4)
     to_centre[:3, 3] = centre
-    common = {
+    common: dict[str, Any] = {
         "written": written_values(chain),
         "home_inverse": np.ascontiguousarray((np.linalg.inv(home) @ to_centre)[:3]),
         "centre": centre,
         "scale": scale,
     }
     rng = np.random.default_rng(0)
-    targets = np.ascontiguousarray(chain.fk(_planted(chain, rng)))
+    Q = rng.uniform(-math.pi, math.pi, (_KNOWN, 6))
+    Q[:, chain.prismatic] *= chain.size / (2.0 * math.pi)
     rows = _all_variants(H, points, chain.prismatic, rng)
-    counts = np.empty((len(rows["first"]), len(targets)), np.int64)
-    doubts = np.empty(counts.shape, np.uint8)
-    try_elimination({**common, **rows, "variants": len(counts)}, targets, counts, doubts)
-    chosen = _chosen(counts, doubts > 0)
-    return {**common, **{name: values[chosen] for name, values in rows.items()}, "variants": len(chosen)}
+    counts, certain = _tried({**common, **rows}, chain.fk(Q))
+    best = int(np.lexsort((counts.sum(axis=1), certain.sum(axis=1)))[-1])
+    chosen = {name: values[best : best + 1] for name, values in rows.items()}
+    return {**common, **chosen, "known": known_poses(common["written"], Q)}
 
 
 def doubts(solver: Solver, targets: Array) -> int:
-    """Number of poses (m, 4, 4) at which the elimination's first variant gives cause for doubt."""
-    values = solver.values
-    marks = np.empty((1, len(targets)), np.uint8)
-    first = {name: values[name][:1] for name in _VARIANT}
-    try_elimination({**values, **first, "variants": 1}, targets, np.empty(marks.shape, np.int64), marks)
-    return int(np.count_nonzero(marks))
+    """Number of poses (m, 4, 4) of which the elimination alone is not certain."""
+    return int(np.count_nonzero(_tried(solver.values, targets)[1] == 0))
+
+
+def _tried(values: dict[str, Any], targets: Array) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+    """What each variant alone does with the poses (m, 4, 4).
+
+    Returns:
+        (variants, m): how many solutions it finds, and whether it is certain that they are all.
+    """
+    counts = np.empty((len(values["first"]), len(targets)), np.uint8)
+    certain = np.empty_like(counts)
+    try_elimination(values, np.ascontiguousarray(targets), counts, certain)
+    return counts, certain
 
 
 def _scaled(chain: Chain) -> tuple[Array, Array, Array, float]:
@@ -76,63 +86,6 @@ def _scaled(chain: Chain) -> tuple[Array, Array, Array, float]:
     length = float(np.sqrt((points**2).sum(axis=1).mean()))
     scale = 1.0 / length if length > 0.0 else 1.0
     return chain.H, points * scale, centre, scale
-
-
-def _chosen(counts: NDArray[np.int64], doubt: NDArray[np.bool_]) -> list[int]:
-    """Which variants to keep, by what they found of planted poses and at which of these they were in doubt.
-
-    What counts most is that a variant does not miss a solution without giving cause for doubt, then that it gives
-    little cause; those after the first are chosen by the poses that were left in doubt.
-    """
-    missed = counts.max(axis=0) - counts
-    chosen: list[int] = []
-    left = np.ones(counts.shape[1], np.bool_)
-    while len(chosen) < min(_KEPT, len(counts)):
-        silent = (missed * ~doubt)[:, left].sum(axis=1)
-        rest = (missed + doubt)[:, left].sum(axis=1)
-        order = np.lexsort((np.arange(len(counts)), rest, silent))
-        best = next(int(k) for k in order if k not in chosen)
-        chosen.append(best)
-        if (left & doubt[best]).any():
-            left &= doubt[best]
-    return chosen
-
-
-def _planted(chain: Chain, rng: np.random.Generator) -> Array:
-    """(_PLANTED, 6) rad or m: half at random, half 1e-2 to 1e-7 from a singularity found along one turning joint."""
-    Q = rng.uniform(-math.pi, math.pi, (_PLANTED, 6))
-    Q[:, chain.prismatic] *= chain.size / (2.0 * math.pi)
-    half = _PLANTED // 2
-    inner = np.flatnonzero(~chain.prismatic[1:5]) + 1
-    joints = inner[np.arange(half) % len(inner)]
-    rows = np.arange(half)
-
-    def determinant(values: Array) -> Array:
-        moved = np.broadcast_to(Q[:half], (*values.shape, 6)).copy()
-        moved[..., rows, joints] = values
-        J = chain.jacobian(moved.reshape(-1, 6))
-        J[:, :3] /= chain.size
-        signs: Array = np.linalg.det(J).reshape(values.shape)
-        return signs
-
-    grid = np.linspace(-math.pi, math.pi, 25)
-    values = determinant(np.broadcast_to(grid[:, None], (25, half)))
-    changes = values[:-1] * values[1:] < 0.0
-    k = changes.argmax(axis=0)
-    low, high, at_low = grid[k], grid[k + 1], values[k, rows]
-    # The Illinois variant of regula falsi: an end that stays twice counts half.
-    at_high, last = values[k + 1, rows], np.zeros(half)
-    for _ in range(12):
-        middle = (low * at_high - high * at_low) / np.where(at_high == at_low, 1.0, at_high - at_low)
-        at_middle = determinant(middle)
-        side = np.where(at_middle * at_low > 0.0, 1.0, -1.0)
-        at_high = np.where(side > 0.0, np.where(last > 0.0, 0.5 * at_high, at_high), at_middle)
-        at_low = np.where(side > 0.0, at_middle, np.where(last < 0.0, 0.5 * at_low, at_low))
-        low, high, last = np.where(side > 0.0, middle, low), np.where(side > 0.0, high, middle), side
-    found = changes.any(axis=0)
-    near = middle + 10.0 ** -(2.0 + rows % 6)
-    Q[rows[found], joints[found]] = near[found]
-    return Q
 
 
 def _all_variants(H: Array, points: Array, slides: NDArray[np.bool_], rng: np.random.Generator) -> dict[str, Any]:

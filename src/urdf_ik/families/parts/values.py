@@ -119,6 +119,13 @@ def seen_in_frame_1(ideal: dict[str, Any], explain: Callable[[Array, Array], str
     return explain_pose
 
 
+def compared(*lengths: float) -> tuple[str, ...]:
+    """Lengths in words that are compared with one another: six digits, or as many as tell them apart."""
+    different = len(set(lengths))
+    texts = (tuple(f"{length:.{digits}g}" for length in lengths) for digits in range(6, 18))
+    return next(each for each in texts if len(set(each)) == different)
+
+
 def distances_of(solver: Solver, rotation: Array, point: Array) -> Array:
     """What a pose, seen from frame 1, asks of the distance of two axes [m]: one for each way that there is."""
     seen = np.eye(4)

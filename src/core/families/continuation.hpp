@@ -1,0 +1,494 @@
+// All complex solutions of a pose, from those of another pose by continuation.
+//
+// The joints' equations with complex angles have the same number of solutions at almost every pose, and each isolated
+// solution of any pose is the end of a path of solutions that begins at such a pose and moves with it, on almost every path
+// of complex poses between the two (Sommese and Wampler, The Numerical Solution of Systems of Polynomials, 2005, chapter 7:
+// coefficient-parameter homotopy). Paths that end at a singular solution, or at infinity, are seen as such: so where all
+// paths end apart from each other at regular solutions, no solution is missing, however round the pose is.
+//
+// The path of poses, at s from 1 (known) to 0 (asked for): quaternions (1 - s) q0 + s g q1, which need no length, and
+// positions ((1 - s) p0 + s g p1) / (1 - s + s g), with a complex number g off the real line.
+#pragma once
+
+#include "../answer.hpp"
+#include "../complex.hpp"
+#include "continuation_arm.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+using CBlock = Complexes<Block>;
+
+// Greatest correction of a step: rad, and share of the step itself. A path that is taken for another is noticed at the end,
+// where two of them then meet.
+inline constexpr double LARGEST_CORRECTION = 0.05, LARGEST_SHARE = 0.15;
+// Steps are made as long as leads to corrections of this size.
+inline constexpr double AIM = 0.02, AIM_SHARE = 0.04;
+// A path that cannot be followed beyond this s, or in that many steps, ends at a singular solution.
+inline constexpr double SHORTEST = 1e-15;
+inline constexpr int MOST_STEPS = 250;
+// A path leads to infinity where |e^(i angle)|^2 is beyond this, or below its inverse.
+inline constexpr double INFINITE = 1e16;
+// Correction [rad] below which Newton's method has converged at the end of a path, from CLOSE_ENOUGH on by squares.
+inline constexpr double AT_END = 1e-9;
+
+template <class V> struct Quaternion {
+    V w;
+    Vec<V> v;
+};
+
+template <class V> STEP Rot<V> rotation_of(const Quaternion<V>& q, const V& inverse_norm) {
+    const V s = 2.0 * inverse_norm;
+    const Vec<V>& v = q.v;
+    const V xx = s * v.x * v.x, yy = s * v.y * v.y, zz = s * v.z * v.z;
+    const V xy = s * v.x * v.y, yz = s * v.y * v.z, zx = s * v.z * v.x;
+    const V wx = s * q.w * v.x, wy = s * q.w * v.y, wz = s * q.w * v.z;
+    return {{V(1.0) - yy - zz, xy + wz, zx - wy}, {xy - wz, V(1.0) - zz - xx, yz + wx}, {zx + wy, yz - wx, V(1.0) - xx - yy}};
+}
+
+// A way from a known pose, s = 1, to the target, s = 0.
+struct Way {
+    Quaternion<double> from, to;
+    Vec<double> from_point, to_point;
+    double g_re, g_im;
+};
+
+// The pose at s, and how it moves with s: a spatial twist, with the velocity of its own origin.
+struct OnWay {
+    Rot<CBlock> R;
+    Vec<CBlock> p;
+    Six<CBlock> twist;
+};
+
+STEP OnWay on_way(const Way& way, const Block& s, double inverse_size) {
+    const Block t = 1.0 - s;
+    const CBlock g = {Block(way.g_re), Block(way.g_im)}, a = {t, Block(0.0)}, b = scaled(s, g);
+    const auto mixed = [&](double to, double from) { return CBlock(a.re * to + b.re * from, b.im * from); };
+    const auto change = [&](double to, double from) { return CBlock(g.re * from - to, g.im * from); };
+    const auto &q0 = way.to, &q1 = way.from;
+    const Quaternion<CBlock> q = {mixed(q0.w, q1.w), {mixed(q0.v.x, q1.v.x), mixed(q0.v.y, q1.v.y), mixed(q0.v.z, q1.v.z)}};
+    const Quaternion<CBlock> d = {change(q0.w, q1.w), {change(q0.v.x, q1.v.x), change(q0.v.y, q1.v.y), change(q0.v.z, q1.v.z)}};
+    const CBlock inverse_norm = inverse(q.w * q.w + dot(q.v, q.v)), weight = inverse(a + b);
+    OnWay at;
+    at.R = rotation_of(q, inverse_norm);
+    const auto &p0 = way.to_point, &p1 = way.from_point;
+    at.p = weight * Vec<CBlock>{mixed(p0.x, p1.x), mixed(p0.y, p1.y), mixed(p0.z, p1.z)};
+    // d q^-1, its vector part.
+    const Vec<CBlock> w = (2.0 * inverse_norm) * (q.w * d.v - d.w * q.v - cross(d.v, q.v));
+    const CBlock speed = inverse_size * (g * weight * weight);
+    const Vec<double> apart = p1 - p0;
+    at.twist = {{apart.x * speed, apart.y * speed, apart.z * speed, w.x, w.y, w.z}};
+    return at;
+}
+
+// J x = a and J y = b by Gram and Schmidt's orthogonalisation; a and b become x and y.
+STEP void solve_both(Six<CBlock> (&J)[6], Six<CBlock>& a, Six<CBlock>& b) {
+    const auto along = [](const Six<CBlock>& u, const Six<CBlock>& v) {
+        CBlock sum = conj(u[0]) * v[0];
+        for (int i = 1; i < 6; ++i) sum += conj(u[i]) * v[i];
+        return sum;
+    };
+    CBlock R[6][6], x[6], y[6];
+    Block w[6];
+#pragma GCC unroll 1
+    for (int k = 0; k < 6; ++k) {
+        Block length = TINY;
+        for (int i = 0; i < 6; ++i) length += square(J[k][i]);
+        w[k] = 1.0 / sqrt(length);
+        for (int i = 0; i < 6; ++i) J[k][i] = scaled(w[k], J[k][i]);
+#pragma GCC unroll 1
+        for (int l = k + 1; l < 6; ++l) {
+            R[k][l] = along(J[k], J[l]);
+            for (int i = 0; i < 6; ++i) J[l][i] = J[l][i] - R[k][l] * J[k][i];
+        }
+        x[k] = along(J[k], a), y[k] = along(J[k], b);
+        for (int i = 0; i < 6; ++i) a[i] = a[i] - x[k] * J[k][i], b[i] = b[i] - y[k] * J[k][i];
+    }
+#pragma GCC unroll 1
+    for (int k = 5; k >= 0; --k) {
+        for (int l = k + 1; l < 6; ++l) x[k] = x[k] - R[k][l] * a[l], y[k] = y[k] - R[k][l] * b[l];
+        a[k] = scaled(w[k], x[k]), b[k] = scaled(w[k], y[k]);
+    }
+}
+
+// Newton's step at the joints z towards the pose at s, and how the solution moves with s.
+struct ComplexStep {
+    Six<CBlock> correction, tangent;
+};
+
+PART ComplexStep complex_step(const Written<6>& arm, const Way& way, const CBlock (&z)[6], const Block& s) {
+    Frame<CBlock> at = {{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}, {0.0, 0.0, 0.0}};
+    Vec<CBlock> axis[6], point[6];
+    const double inverse_size = 1.0 / arm.size;
+#pragma GCC unroll 1
+    for (int k = 0; k < 6; ++k) {
+        axis[k] = at.R.z, point[k] = at.p;
+        at = arm.slides[k] ? Frame<CBlock>{at.R, at.p + (arm.size * z[k]) * at.R.z} : turned(at, turn_of(z[k]));
+        if (k < 5) at = beyond(at, arm.step[k + 1]);
+    }
+    Six<CBlock> J[6];
+#pragma GCC unroll 1
+    for (int k = 0; k < 6; ++k) {
+        const Vec<CBlock>& h = axis[k];
+        const Vec<CBlock> v = cross(h, CBlock(inverse_size) * (at.p - point[k]));
+        J[k] = {{v.x, v.y, v.z, h.x, h.y, h.z}};
+        if (arm.slides[k]) J[k] = {{h.x, h.y, h.z, 0.0, 0.0, 0.0}};
+    }
+    const OnWay goal = on_way(way, s, inverse_size);
+    const Vec<CBlock> p = CBlock(inverse_size) * (goal.p - at.p);
+    const Vec<CBlock> w = CBlock(0.5) * (cross(at.R.x, goal.R.x) + cross(at.R.y, goal.R.y) + cross(at.R.z, goal.R.z));
+    ComplexStep out = {{{p.x, p.y, p.z, w.x, w.y, w.z}}, goal.twist};
+    solve_both(J, out.correction, out.tangent);
+    return out;
+}
+
+STEP Block largest_square(const Six<CBlock>& a) {
+    Block most = square(a[0]);
+    for (int k = 1; k < 6; ++k) most = max(most, square(a[k]));
+    return most;
+}
+
+STEP void advance(const Written<6>& arm, CBlock (&z)[6], const Six<CBlock>& by) {
+    for (int k = 0; k < 6; ++k) z[k] = arm.slides[k] ? z[k] + by[k] : z[k] * small_turn(by[k]);
+}
+
+// Where the paths end. left: the s at which a path could not be followed further, 0 for those that arrived.
+struct Paths {
+    CBlock z[6];
+    Block left;
+    unsigned regular;  // the lanes that arrived, and where Newton's method converged
+};
+
+// A cubic through the last two places and their tangents, then one step of Newton's method, which gives the next tangent
+// too. Each lane has its own s and its own step.
+PART void follow_paths(const Written<6>& arm, const Way& way, Paths& paths, unsigned lanes) {
+    const Block zero = 0.0;
+    Block s = 1.0, h = 0.1, last = 0.0;
+    Six<CBlock> tangent = complex_step(arm, way, paths.z, s).tangent, before = tangent, way_back = {};
+    paths.left = 1.0;
+    double live[BLOCK];
+    for (int l = 0; l < BLOCK; ++l) live[l] = lanes >> l & 1;
+    auto moves = load<Block>(live) > zero;
+    auto rests = moves & !moves;
+    for (int round = 0; round < MOST_STEPS && any(moves); ++round) {
+        h = min(h, s);
+        // Places beyond: u in steps, from where it is (0) to where it was (1).
+        const auto first = last <= zero;
+        const Block u = -(h / select(first, h, last)), uu = u * u;
+        const Block at_last = select(first, zero, (3.0 - 2.0 * u) * uu);
+        const Block slope = select(first, -h, (uu - 2.0 * u + 1.0) * u * last),
+                    slope_last = select(first, zero, (u - 1.0) * uu * last);
+        Six<CBlock> by;
+        for (int k = 0; k < 6; ++k) {
+            const CBlock each = scaled(slope, tangent[k]) + scaled(slope_last, before[k]) - scaled(at_last, way_back[k]);
+            by[k] = {select(rests, zero, each.re), select(rests, zero, each.im)};
+        }
+        CBlock z[6];
+        for (int k = 0; k < 6; ++k) z[k] = paths.z[k];
+        advance(arm, z, by);
+        const Block ahead = select(rests, s, select(h < s, s - h, zero));
+        const ComplexStep step = complex_step(arm, way, z, ahead);
+        const Block size = largest_square(step.correction), length = largest_square(by) + 1e-18;
+        const Block bound = min(LARGEST_SHARE * LARGEST_SHARE * length, Block(LARGEST_CORRECTION * LARGEST_CORRECTION));
+        const auto arrived = moves & !rests & (size <= bound) & (length < Block(0.5));
+        const auto good = arrived | (moves & rests & (size < Block(LARGEST_CORRECTION * LARGEST_CORRECTION)));
+        advance(arm, z, step.correction);
+        Block far = 0.0;
+        for (int k = 0; k < 6; ++k) {
+            paths.z[k] = select<Block>(good, z[k], paths.z[k]);
+            way_back[k] = select<Block>(arrived, by[k], way_back[k]) + select<Block>(good, step.correction[k], 0.0);
+            before[k] = select<Block>(arrived, tangent[k], before[k]);
+            tangent[k] = select<Block>(good, step.tangent[k], tangent[k]);
+            const Block each = square(paths.z[k]);
+            far = max(far, arm.slides[k] ? each : max(each, 1.0 / (each + TINY)));
+        }
+        const Block aim = min(AIM_SHARE * AIM_SHARE * length, Block(AIM * AIM));
+        // The correction grows with the fourth power of the step, its square with the eighth.
+        const Block grown = min(sqrt(sqrt(sqrt(aim / (size + TINY)))), Block(4.0));
+        last = select(arrived, h, last);
+        s = select(arrived, ahead, s);
+        h = h * select(arrived, max(grown, Block(0.5)), select(rests, Block(1.0), 0.8 * max(min(grown, Block(0.6)), Block(0.1))));
+        rests = moves & !arrived & !rests;
+        moves = moves & (s > zero) & (s > Block(SHORTEST)) & (far < Block(INFINITE)) & (h > 1e-4 * s * Block(SHORTEST));
+    }
+    paths.left = s;
+    paths.regular = 0;
+    Block error = __builtin_inf();
+    for (int round = 0; round < 6; ++round) {
+        const ComplexStep step = complex_step(arm, way, paths.z, zero);
+        const Block size = largest_square(step.correction);
+        const auto better = (s <= zero) & (size < error) & (size < Block(0.01));
+        CBlock z[6];
+        for (int k = 0; k < 6; ++k) z[k] = paths.z[k];
+        advance(arm, z, step.correction);
+        for (int k = 0; k < 6; ++k) paths.z[k] = select<Block>(better, z[k], paths.z[k]);
+        error = select(better, size, error);
+        paths.regular = bits(error < Block(AT_END * AT_END)) & lanes;
+        if (round > 0 && paths.regular == (bits(s <= zero) & lanes)) break;
+    }
+}
+
+// ---- all paths of a pose ---------------------------------------------------------------------------------------------
+
+// Frame 6 in frame 1; see KnownPose.
+struct Inner {
+    Rot<double> R;
+    Vec<double> p;
+};
+
+STEP Inner inner_pose(const Written<6>& arm, const Goal<double>& goal) {
+    const auto &first = arm.step[0], &last = arm.step[6];
+    const auto rotated = [](const double (&R)[3][3], const Vec<double>& a) {  // by the transpose
+        return Vec<double>{R[0][0] * a.x + R[1][0] * a.y + R[2][0] * a.z, R[0][1] * a.x + R[1][1] * a.y + R[2][1] * a.z,
+                           R[0][2] * a.x + R[1][2] * a.y + R[2][2] * a.z};
+    };
+    const auto& L = last.R;
+    const auto& G = goal.R;
+    // The rotation of frame 6 is that of the goal times the last step's transpose.
+    const Rot<double> R = {combine(G, L[0][0], L[0][1], L[0][2]), combine(G, L[1][0], L[1][1], L[1][2]),
+                           combine(G, L[2][0], L[2][1], L[2][2])};
+    const Vec<double> p = goal.p - combine(R, last.t[0], last.t[1], last.t[2]) - vec<double>(first.t);
+    return {{rotated(first.R, R.x), rotated(first.R, R.y), rotated(first.R, R.z)}, rotated(first.R, p)};
+}
+
+// Shepperd's method (1978), from the greatest of the four.
+STEP Quaternion<double> quaternion_of(const Rot<double>& R) {
+    const double t[4] = {R.x.x + R.y.y + R.z.z, R.x.x, R.y.y, R.z.z};
+    int most = 0;
+    for (int i = 1; i < 4; ++i) most = t[i] > t[most] ? i : most;
+    const double a = R.y.z - R.z.y, b = R.z.x - R.x.z, c = R.x.y - R.y.x;  // 4 w (x, y, z)
+    const double xy = R.x.y + R.y.x, yz = R.y.z + R.z.y, zx = R.z.x + R.x.z;
+    const double own = 1.0 + 2.0 * t[most] - t[0];
+    Quaternion<double> q;
+    if (most == 0) q = {1.0 + t[0], {a, b, c}};
+    else if (most == 1) q = {a, {own, xy, zx}};
+    else if (most == 2) q = {b, {xy, own, yz}};
+    else q = {c, {zx, yz, own}};
+    const double w = 1.0 / sqrt(q.w * q.w + dot(q.v, q.v));
+    return {w * q.w, w * q.v};
+}
+
+// The complex solutions of a pose: e^(i angle) or lengths as in KnownPose, which of them are regular, and the s at which
+// the paths of the others stopped.
+struct PathEnds {
+    static constexpr int most = KnownPose::most;
+    int many;
+    double z[most][6][2], left[most];
+    bool regular[most];
+};
+
+PART void follow_all(const Written<6>& arm, const Way& way, const double (*from)[6][2], int many, PathEnds& to) {
+    to.many = many;
+    for (int start = 0; start < many; start += BLOCK) {
+        const int here = many - start < BLOCK ? many - start : BLOCK;
+        Paths paths;
+        for (int k = 0; k < 6; ++k) {
+            for (int l = 0; l < BLOCK; ++l) {
+                const double (&z)[2] = from[start + (l < here ? l : 0)][k];
+                paths.z[k].re.set(l, z[0]), paths.z[k].im.set(l, z[1]);
+            }
+        }
+        follow_paths(arm, way, paths, (1u << here) - 1);
+        for (int l = 0; l < here; ++l) {
+            to.left[start + l] = paths.left[l], to.regular[start + l] = paths.regular >> l & 1;
+            for (int k = 0; k < 6; ++k) to.z[start + l][k][0] = paths.z[k].re[l], to.z[start + l][k][1] = paths.z[k].im[l];
+        }
+    }
+}
+
+// How far apart two complex solutions are: the greatest difference of a joint, rad or sizes.
+STEP double apart(const Written<6>& arm, const double (&a)[6][2], const double (&b)[6][2]) {
+    double most = 0.0;
+    for (int k = 0; k < 6; ++k) {
+        const double re = a[k][0] - b[k][0], im = a[k][1] - b[k][1];
+        const double length = arm.slides[k] ? 1.0 : b[k][0] * b[k][0] + b[k][1] * b[k][1];
+        most = max(most, (re * re + im * im) / length);
+    }
+    return sqrt(most);
+}
+
+// Paths that ended at the same solution, of which one left its own on the way: both count as lost. Returns how many paths
+// have a regular end of their own.
+PART int separate(const Written<6>& arm, PathEnds& ends) {
+    bool met[PathEnds::most] = {};
+    for (int i = 0; i < ends.many; ++i) {
+        for (int k = 0; k < i; ++k) {
+            if (ends.regular[i] && ends.regular[k] && apart(arm, ends.z[i], ends.z[k]) < arm.tolerances.duplicate) met[i] = true;
+        }
+    }
+    int count = 0;
+    for (int i = 0; i < ends.many; ++i) ends.regular[i] &= !met[i], count += ends.regular[i];
+    return count;
+}
+
+// Cosine and sine that make a c + b s greatest.
+STEP Turn<double> greatest(double a, double b) { return unit(a + TINY, b); }
+
+// The known pose, turned about axes 1 and 6, which turns joints 1 and 6 of its solutions, so that it is as near as can be to
+// the target: distance, the pose, the turns.
+struct Nearby {
+    double gain;
+    Inner pose;
+    Turn<double> first, last;
+};
+
+STEP Rot<double> rotation_of_known(const KnownPose& known) {
+    const Quaternion<double> q = {known.turn[0], {known.turn[1], known.turn[2], known.turn[3]}};
+    return rotation_of(q, 1.0);
+}
+
+PART Nearby turned_to(const Written<6>& arm, const KnownPose& known, const Inner& target) {
+    const double weight = 4.0 / (arm.size * arm.size);
+    const Rot<double> K = rotation_of_known(known);
+    const Vec<double> k = vec<double>(known.point);
+    Nearby out = {0.0, {K, k}, {1.0, 0.0}, {1.0, 0.0}};
+    const Rot<double>& G = target.R;
+    const Vec<double>& g = target.p;
+    for (int round = 0; round < 2; ++round) {
+        // Turned about axis 6, then how far about axis 1: rows of both rotations.
+        const Turn<double> t = out.last;
+        const Rot<double> L = {t.c * K.x + t.s * K.y, t.c * K.y - t.s * K.x, K.z};
+        if (!arm.slides[0]) {
+            const double along = L.x.x * G.x.x + L.y.x * G.y.x + L.z.x * G.z.x + L.x.y * G.x.y + L.y.y * G.y.y + L.z.y * G.z.y;
+            const double across = L.x.x * G.x.y + L.y.x * G.y.y + L.z.x * G.z.y - L.x.y * G.x.x - L.y.y * G.y.x - L.z.y * G.z.x;
+            out.first = greatest(along + weight * (k.x * g.x + k.y * g.y), across + weight * (k.x * g.y - k.y * g.x));
+        }
+        const Turn<double> f = out.first;
+        const auto about = [&](const Vec<double>& a) { return Vec<double>{f.c * a.x - f.s * a.y, f.s * a.x + f.c * a.y, a.z}; };
+        const Rot<double> F = {about(K.x), about(K.y), about(K.z)};
+        if (!arm.slides[5]) out.last = greatest(dot(G.x, F.x) + dot(G.y, F.y), dot(G.x, F.y) - dot(G.y, F.x));
+        const Turn<double> e = out.last;
+        out.pose = {{e.c * F.x + e.s * F.y, e.c * F.y - e.s * F.x, F.z}, about(k)};
+    }
+    const Vec<double> d = out.pose.p - g;
+    out.gain = dot(out.pose.R.x, G.x) + dot(out.pose.R.y, G.y) + dot(out.pose.R.z, G.z) - 0.5 * weight * dot(d, d);
+    return out;
+}
+
+STEP Way way_between(const Inner& from, const Inner& to, double angle) {
+    Way way = {quaternion_of(from.R), quaternion_of(to.R), from.p, to.p, 0.0, 0.0};
+    const double sign = way.from.w * way.to.w + dot(way.from.v, way.to.v) < 0.0 ? -1.0 : 1.0;
+    way.from = {sign * way.from.w, sign * way.from.v};
+    const Turn<double> g = exact_turn(angle);
+    way.g_re = g.c, way.g_im = g.s;
+    return way;
+}
+
+// The complex solutions of the goal by continuation from the known pose that is nearest to it; a further attempt starts
+// from the next one, and takes another way. Returns how many of them are regular.
+PART int continue_from_nearest(const Written<6>& arm, const Continuation& by, const Goal<double>& goal, int attempt,
+                               PathEnds& ends) {
+    const Inner target = inner_pose(arm, goal);
+    Nearby best;
+    const KnownPose* from = nullptr;
+    double bound = __builtin_inf();
+    for (int skip = 0; skip <= attempt && skip < by.poses; ++skip) {
+        from = nullptr;
+        for (int i = 0; i < by.poses; ++i) {
+            const Nearby now = turned_to(arm, by.known[i], target);
+            if (now.gain < bound && (!from || now.gain > best.gain)) best = now, from = &by.known[i];
+        }
+        if (!from) return 0;
+        bound = best.gain;
+    }
+    double z[KnownPose::most][6][2];
+    const auto turn = [](const double (&a)[2], const Turn<double>& t, double (&to)[2]) {
+        to[0] = a[0] * t.c - a[1] * t.s, to[1] = a[0] * t.s + a[1] * t.c;
+    };
+    for (int i = 0; i < by.solutions; ++i) {
+        for (int k = 0; k < 6; ++k) z[i][k][0] = from->solution[i][k][0], z[i][k][1] = from->solution[i][k][1];
+        turn(from->solution[i][0], best.first, z[i][0]), turn(from->solution[i][5], best.last, z[i][5]);
+    }
+    const double angle = (attempt % 2 ? -1.0 : 1.0) * (0.8 + 0.3 * (attempt / 2));
+    follow_all(arm, way_between(best.pose, target, angle), z, by.solutions, ends);
+    return separate(arm, ends);
+}
+
+// ---- known poses -------------------------------------------------------------------------------------------------------
+
+// Adds a solution that is not there yet; returns whether it was new.
+STEP bool add_solution(const Written<6>& arm, KnownPose& pose, int& many, const double (&z)[6][2], bool conjugate) {
+    double own[6][2];
+    for (int k = 0; k < 6; ++k) {
+        // Of the conjugate angle: one over the conjugate of e^(i angle).
+        const double w = conjugate && !arm.slides[k] ? 1.0 / (z[k][0] * z[k][0] + z[k][1] * z[k][1]) : 1.0;
+        const double sign = conjugate && arm.slides[k] ? -1.0 : 1.0;
+        own[k][0] = w * z[k][0], own[k][1] = sign * w * z[k][1];
+    }
+    for (int i = 0; i < many; ++i) {
+        if (apart(arm, own, pose.solution[i]) < 1e-6) return false;
+    }
+    if (many == KnownPose::most) return false;
+    for (int k = 0; k < 6; ++k) pose.solution[many][k][0] = own[k][0], pose.solution[many][k][1] = own[k][1];
+    ++many;
+    return true;
+}
+
+STEP Inner pose_of(const Written<6>& arm, const double (&q)[6]) {
+    const auto at = place(arm, q);
+    return inner_pose(arm, at.tip);
+}
+
+STEP KnownPose known_pose(const Written<6>& arm, const double (&q)[6], int& many) {
+    const Inner at = pose_of(arm, q);
+    const Quaternion<double> turn = quaternion_of(at.R);
+    KnownPose pose = {{turn.w, turn.v.x, turn.v.y, turn.v.z}, {at.p.x, at.p.y, at.p.z}, {}};
+    double z[6][2];
+    for (int k = 0; k < 6; ++k) {
+        const Turn<double> t = exact_turn(q[k]);
+        z[k][0] = arm.slides[k] ? q[k] / arm.size : t.c, z[k][1] = arm.slides[k] ? 0.0 : t.s;
+    }
+    many = 0;
+    add_solution(arm, pose, many, z, false);
+    return pose;
+}
+
+STEP Inner pose_of(const KnownPose& known) { return {rotation_of_known(known), vec<double>(known.point)}; }
+
+// Adds to `to` what the paths from `from` lead to, and its conjugates, since the pose is real. Returns how many paths have
+// an end of their own.
+PART int carry(const Written<6>& arm, const KnownPose& from, int many, KnownPose& to, int& many_to, double angle) {
+    PathEnds ends;
+    follow_all(arm, way_between(pose_of(from), pose_of(to), angle), from.solution, many, ends);
+    const int count = separate(arm, ends);
+    for (int i = 0; i < many; ++i) {
+        if (!ends.regular[i]) continue;
+        add_solution(arm, to, many_to, ends.z[i], false);
+        add_solution(arm, to, many_to, ends.z[i], true);
+    }
+    return count;
+}
+
+// All solutions of the first of the poses of m joint vectors, by monodromy: paths that lead to other poses and back another
+// way end at other solutions than they began (Duff et al., Solving polynomial systems via homotopy continuation and
+// monodromy, 2019). It ends when all 16 are found, or when IDLE_ROUNDS rounds have found no new one. Then those of the other poses.
+// A pose whose joint vector is singular is none of them: where all are, the arm is singular everywhere.
+inline constexpr int IDLE_ROUNDS = 8, MOST_TRIED = 64;
+inline constexpr double REGULAR = 1e-3;
+PART void find_known_poses(const Written<6>& arm, const double (*all)[6], int m, Continuation& out) {
+    double q[MOST_TRIED][6];
+    int regular = 0, many;
+    for (int i = 0; i < m && regular < MOST_TRIED; ++i) {
+        for (int j = 0; j < 6; ++j) q[regular][j] = all[i][j];
+        regular += weakest_at(arm, place(arm, q[regular]).tip, q[regular]).value > REGULAR;
+    }
+    out.solutions = out.poses = 0, m = regular;
+    if (m < 2) return;
+    KnownPose base = known_pose(arm, q[0], many);
+    for (int round = 0, idle = 0; many < KnownPose::most && idle < IDLE_ROUNDS && round < 60; ++round) {
+        int many_there, before = many;
+        KnownPose other = known_pose(arm, q[1 + round % (m - 1)], many_there);
+        carry(arm, base, many, other, many_there, 0.5 + 0.37 * (round % 5));
+        carry(arm, other, many_there, base, many, -0.6 - 0.31 * (round % 7));
+        idle = many > before ? 0 : idle + 1;
+    }
+    out.solutions = many;
+    for (int i = 0; i < m && out.poses < Continuation::most; ++i) {
+        int there;
+        KnownPose other = known_pose(arm, q[i], there);
+        if (i > 0) carry(arm, base, many, other, there, 0.9);
+        else other = base, there = many;
+        if (there == many) out.known[out.poses++] = other;
+    }
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL
