@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from cases import Case, assert_exact, closest_pair, nearest, rows
+from cases import Case, assert_exact, closest_pair, flags, indistinct_pairs, nearest, rows
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -64,3 +64,88 @@ def batch_equals_single_but_for_one(case: Case, seed: int) -> None:
     targets[7, :3, 3] += 100.0
     batch_equals_single(case, targets)
     assert not case.arm.ik(targets).valid[7].any()
+
+
+ROUND = np.array([0.0, 0.5 * np.pi, -0.5 * np.pi, np.pi])
+NOISES = (0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-4, 1e-2)  # rad
+
+
+def ends(case: Case, rng: np.random.Generator) -> list[list[float]]:
+    """Values [rad] of each joint at which the arm is singular whatever the others do: ends of elbows and wrists.
+
+    Six joints. They are searched for with Pinocchio's Jacobian, so that no formula of any family enters.
+    """
+    found: list[list[float]] = [[] for _ in range(case.oracle.dof)]
+    for joint, values in enumerate(found):
+        for _ in range(12):
+            try:
+                q, _ = case.oracle.singular(rng, joint, attempts=1)
+            except AssertionError:
+                continue
+            other = case.oracle.draw(rng, 1)[0]
+            other[joint] = q[joint]
+            if case.oracle.sigma_min(other) < 1e-12 and all(abs(q[joint] - x) > 1e-9 for x in values):
+                values.append(float(q[joint]))
+    return found
+
+
+def corners(case: Case, rng: np.random.Generator, m: int) -> Array:
+    """Joint vectors (7 m, n) as people teach them, each with every noise of ``NOISES``.
+
+    By turns all joints at quarter turns; one to three joints at their ends, the others anywhere or at quarter turns;
+    and of the last kind one joint moved to where the arm is singular by all of them together.
+    """
+    n = case.oracle.dof
+    singular = ends(case, rng) if n == 6 else [[] for _ in range(n)]
+    candidates = [joint for joint, values in enumerate(singular) if values]
+    out = []
+    for k in range(m):
+        q = ROUND[rng.integers(0, 4, n)]
+        if k % 4 > 0:
+            q = np.where(rng.random(n) < (0.7 if k % 2 else 0.0), q, case.oracle.draw(rng, 1)[0])
+            for joint in rng.permutation(candidates)[: rng.integers(1, 4)]:
+                q[joint] = rng.choice(singular[joint])
+        if k % 4 == 3 and n == 6:
+            q = case.oracle.singular(rng, at=q)[0]
+        out += [q + noise * rng.choice([-1.0, 0.0, 1.0], n) for noise in NOISES]
+    return np.array(out)
+
+
+def round_vectors(n: int, slides: NDArray[np.bool_], rng: np.random.Generator, m: int) -> Array:
+    """Joint vectors (7 m, n) at quarter turns and decimetres, some with joints anywhere, with every noise."""
+    out = []
+    for k in range(m):
+        q = np.where(slides, 0.1 * rng.integers(-3, 4, n), ROUND[rng.integers(0, 4, n)])
+        q = np.where((k % 2 > 0) & (rng.random(n) < 0.4), rng.uniform(-1.0, 1.0, n), q)
+        out += [q + noise * rng.choice([-1.0, 0.0, 1.0], n) for noise in NOISES]
+    return np.array(out)
+
+
+def holds_at_corners(case: Case, poses: int, seed: int) -> None:
+    """At corners there are solutions, all exact; the planted one is found where the pose decides it."""
+    for q in corners(case, np.random.default_rng(seed), poses):
+        target = case.oracle.pose(q)
+        solutions = case.arm.ik(target)
+        found = assert_exact(case, solutions, target)
+        assert len(found) > 0, (case.name, q.tolist())
+        assert solutions.explain() == "", (case.name, q.tolist())
+        assert indistinct_pairs(case, found, target) == 0, (case.name, q.tolist())
+        tolerance = case.oracle.tolerance(q)
+        if tolerance < 1e-3:
+            assert nearest(found, q) <= tolerance, (case.name, q.tolist())
+        elif case.oracle.sigma_min(q) < 1e-12:
+            assert flags(solutions).any(), (case.name, q.tolist())
+
+
+def holds_at_round_poses(case: Case, poses: int, seed: int) -> None:
+    """Positions in steps of 5 cm, the tip along the base's axes: what multi-start Newton finds is there, all exact."""
+    rng = np.random.default_rng(seed)
+    for _ in range(poses):
+        target = case.oracle.pose(ROUND[rng.integers(0, 4, case.oracle.dof)])
+        target[:3, 3] = 0.05 * np.round(target[:3, 3] / 0.05)
+        turned = np.eye(3)[rng.permutation(3)] * rng.choice([-1.0, 1.0], 3)
+        target[:3, :3] = turned * np.linalg.det(turned)
+        found = assert_exact(case, case.arm.ik(target), target)
+        for x in case.oracle.solutions(target, rng, 40):
+            if case.oracle.sigma_min(x) > 1e-3:
+                assert nearest(found, x) <= 1e-5, (case.name, target.tolist(), x.tolist())

@@ -112,13 +112,16 @@ class Oracle:
         """How far [rad] an answer may lie from a q on a singularity: rounding of the pose moves a fold's solutions."""
         return 1e-6 + 4.0 * math.sqrt(1e-15 / max(self.curvature(q), 1e-8))
 
-    def singular(self, rng: np.random.Generator, joint: int | None = None) -> tuple[Array, int]:
+    def singular(
+        self, rng: np.random.Generator, joint: int | None = None, *, at: Array | None = None, attempts: int = 200
+    ) -> tuple[Array, int]:
         """A joint vector (n,) at which the Jacobian's determinant changes sign along one joint, and that joint.
 
-        By bisection, so that no formula of any family enters. ``joint`` fixes the joint that crosses.
+        By bisection, so that no formula of any family enters. ``joint`` fixes the joint that crosses, ``at`` the others
+        as long as one of them will do.
         """
-        for _ in range(200):
-            q = self.draw(rng, 1)[0]
+        for attempt in range(attempts):
+            q = at.copy() if at is not None and attempt < 6 else self.draw(rng, 1)[0]
             j = int(rng.integers(self.dof)) if joint is None else joint
 
             def determinant(value: float, q: Array = q, j: int = j) -> float:
