@@ -1,4 +1,4 @@
-"""The registry of families: every record is whole, every arm has a reason, and a family is added by a record and a row."""
+"""The registry of families: records are whole, every arm has a reason, and a family is added by a record and a row."""
 
 from __future__ import annotations
 
@@ -8,10 +8,13 @@ from dataclasses import replace
 import contract
 import numpy as np
 import pytest
-from cases import described, member
+from arms import industrial, random_arm
+from arms_closed_forms import KINDS as CLOSED_FORMS
+from cases import described
 
 import urdf_ik
 from urdf_ik import catalogue
+from urdf_ik.cuspidality import nonsingular_change
 from urdf_ik.families import Family, every, registry, spherical_wrist
 from urdf_ik.structure import Structure
 
@@ -54,13 +57,14 @@ def test_every_bundled_arm_has_a_reason(name: str) -> None:
     assert not re.search(r"[{}]|  ", structure.reason)
 
 
-def test_an_arm_whose_joints_follow_from_quadratics_has_no_nonsingular_change() -> None:
-    """The proof of ``cuspidality`` holds for every family that claims it: no path is found in a random member."""
-    from urdf_ik.cuspidality import nonsingular_change
-
-    for kind in ("wrist, 2||3", "three parallel"):
-        arm = member(kind, 1).arm
-        assert arm.structure.by_quadratics and nonsingular_change(arm) is None
+@pytest.mark.parametrize("kind", [kind for kind in CLOSED_FORMS if "reversed" not in kind])
+def test_an_arm_whose_joints_follow_from_quadratics_has_no_nonsingular_change(kind: str) -> None:
+    """The proof of ``cuspidality`` holds where a family claims it: no path is found in a random member."""
+    arm = described(random_arm(kind, 4, kinds=CLOSED_FORMS)).arm
+    assert arm.structure.by_quadratics == ("position" not in arm.structure.branches[0])
+    if arm.structure.by_quadratics:
+        assert arm.cuspidal is False
+        assert nonsingular_change(arm) is None
 
 
 def test_a_toy_family_is_added_by_a_record_and_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -80,8 +84,6 @@ def test_a_toy_family_is_added_by_a_record_and_a_row(monkeypatch: pytest.MonkeyP
         matches=lambda structure, chain: whole.matches(structure, chain) and is_square(structure),
     )
     monkeypatch.setattr(registry, "SIX_TURNING", [toy, *registry.SIX_TURNING])
-    from arms import industrial
-
     case = described(industrial())
     assert case.arm.structure.family.startswith("6R toy")
     assert case.arm.structure.reason == "axes 4, 5 and 6 meet at right angles"
