@@ -60,13 +60,14 @@ wheel: $(VENV)/.build-installed
 	$(WITH_COMPILER) $(PIP) wheel --no-build-isolation --no-deps --wheel-dir dist .
 
 # One instruction set, since sanitizers make units long to compile. The library of the address sanitizer comes first in
-# every process; Python itself never frees all that it has.
+# every process, then the C++ library whose exceptions it watches; Python itself never frees all that it has. Reports go by
+# pytest's capture, or they would be lost with the process that they end.
 sanitize: $(VENV)/.dev-installed
 	$(WITH_COMPILER) cmake -S . -B build/sanitize -G Ninja -DPython_EXECUTABLE=$(abspath $(BIN))/python \
 		-DURDF_IK_SANITIZE=ON -DURDF_IK_LEVELS=$(SANITIZED_LEVEL)
 	$(WITH_COMPILER) cmake --build build/sanitize
-	URDF_IK_BUILD=$(abspath build/sanitize) LD_PRELOAD=$$(sed -n 's/^URDF_IK_ASAN:.*=//p' build/sanitize/CMakeCache.txt) \
-		ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1 $(BIN)/python -m pytest $(IN_PARALLEL) $(SANITIZED_TESTS) $(ARGS)
+	URDF_IK_BUILD=$(abspath build/sanitize) LD_PRELOAD="$$(sed -n 's/^URDF_IK_PRELOAD:.*=//p' build/sanitize/CMakeCache.txt)" \
+		ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1 $(BIN)/python -m pytest --capture=sys $(IN_PARALLEL) $(SANITIZED_TESTS) $(ARGS)
 
 nightly: test sanitize million
 

@@ -7,9 +7,16 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// A margin (a squared sine) of m moves the ideal arm's solution by error / sqrt(m); the start is sure where that is small
-// beside the distance sqrt(m) itself from the other solution, that is where m is UNSURE times the error. Below it
-// starts are taken from all around, where the margin is BESIDE_UNSURE times the error.
+// A bend is the root x of a margin, x^2 = m on the ideal arm and m + e on the arm as written. Newton's method from sqrt(m) finds
+// it, and none but it, where |e| < m (Kantorovich: |x^2 - m - e| times the second derivative, 2, over the square of the first,
+// 4 m, is below one half). An error of the ideal arm changes the bend's cosine by that error over the product of the twists'
+// sines, a stretched elbow's by size^2 / (2 upper fore) times it, and the margin by twice that: 16 times the error where each
+// link is a quarter of the size, and the other triple adds its own. So a start is sure where m is UNSURE times the error. Below,
+// starts are taken from all around, too, at a margin BESIDE_UNSURE times the error beyond the ideal one: from outside Newton's
+// method comes down on the root, however small it is.
+// Measured on the four nearly S-R-S arms of a corpus (errors 2e-6 to 2e-3), 1500 poses each at 16 columns, half of them 1e-1 to
+// 1e-7 rad from a singularity: with UNSURE 10 two solutions of 46,459 more are lost, with 160 none less at two to four times the
+// time; with BESIDE_UNSURE 1 47 more are lost, 16 finds as many as 4.
 inline constexpr double UNSURE = 40.0, BESIDE_UNSURE = 4.0;
 // Where the wrist is nearer to the shoulder than this share of the size, the same error turns the line between them more.
 inline constexpr double SHORT_LINE = 0.3;

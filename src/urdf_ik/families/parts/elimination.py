@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik._core import Solver, known_poses, try_elimination
-from urdf_ik.families.parts.plan import written_values
+from urdf_ik.families.parts.values import written_values
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -45,7 +45,7 @@ def elimination_values(chain: Chain) -> dict[str, Any]:
     home[:3, :3], home[:3, 3] = chain.R_tip, chain.P.sum(axis=0)
     to_centre = np.eye(4)
     to_centre[:3, 3] = centre
-    common = {
+    common: dict[str, Any] = {
         "written": written_values(chain),
         "home_inverse": np.ascontiguousarray((np.linalg.inv(home) @ to_centre)[:3]),
         "centre": centre,
