@@ -50,6 +50,7 @@ struct Sampled {
             }
         }
         sort(columns);
+        // Samples of what a search has found.
         columns.flags[0] |= UNCERTAIN;
     }
 };
