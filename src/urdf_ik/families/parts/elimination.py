@@ -47,7 +47,7 @@ def elimination_values(chain: Chain) -> dict[str, Any]:
     home[:3, :3], home[:3, 3] = chain.R_tip, chain.P.sum(axis=0)
     to_centre = np.eye(4)
     to_centre[:3, 3] = centre
-    common = {
+    common: dict[str, Any] = {
         "written": written_values(chain),
         "home_inverse": np.ascontiguousarray((np.linalg.inv(home) @ to_centre)[:3]),
         "centre": centre,
