@@ -12,6 +12,7 @@ from cases import Case, assert_exact, closest_pair, described, flags, indistinct
 from numpy.typing import NDArray
 
 from urdf_ik.families import general_6r
+from urdf_ik.structure import analyse
 
 Array = NDArray[np.float64]
 
@@ -38,7 +39,7 @@ def members(kind: str) -> list[Case]:
 
 def by_elimination(case: Case, target: Array) -> Array:
     """The solutions (k, 6) of one pose that the general elimination finds."""
-    solver = general_6r.prepare(case.arm.chain).solver
+    solver = general_6r.FAMILY.plan(analyse(case.arm.chain), case.arm.chain).solver
     Q, marks = np.empty((1, 16, 6)), np.empty((1, 16), np.uint8)
     assert solver.solve(np.ascontiguousarray(target[None]), None, Q, marks) == -1
     return Q[marks & 1 != 0]
@@ -95,9 +96,10 @@ def agrees_with_elimination(case: Case, poses: int, seed: int) -> None:
 def at_quarter_turns(case: Case, poses: int, seed: int) -> None:
     """All joints on multiples of a quarter turn from where neighbouring axes lie in a plane: exact solutions."""
     plan = case.arm._plan
-    values = plan.solver.values["solver"].values if plan.mirrored else plan.solver.values
+    from_tip = plan.solver.kind == "reversed"
+    values = plan.solver.values["solver"].values if from_tip else plan.solver.values
     offset = values["ideal"]["offset"]
-    offset = offset[::-1] if plan.mirrored else offset
+    offset = offset[::-1] if from_tip else offset
     rng = np.random.default_rng(seed)
     for quarters in rng.integers(-2, 3, (poses, 6)):
         target = case.oracle.pose(0.5 * np.pi * quarters - offset)

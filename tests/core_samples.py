@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from urdf_ik import _core, urdf
-from urdf_ik.chain import Chain
-from urdf_ik.families.parts.plan import written_values
+from urdf_ik.chain import Chain, from_urdf
+from urdf_ik.families.parts.values import written_values
 
 Array = NDArray[np.float64]
 PI = math.pi
@@ -39,7 +39,7 @@ def step(name: str, *numbers: float) -> list[float]:
 
 def written(urdf_text: str) -> tuple[dict[str, Any], Chain]:
     """The arm as the URDF has it, as the solvers take it, and its chain."""
-    chain = Chain.from_urdf(urdf.read(urdf_text), "base", "tool")
+    chain = from_urdf(urdf.read(urdf_text), "base", "tool")
     return written_values(chain), chain
 
 

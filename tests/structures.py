@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 import urdf_ik
 from urdf_ik import urdf
-from urdf_ik.chain import Chain
+from urdf_ik.chain import from_urdf
 from urdf_ik.structure import Structure, analyse
 
 Array = NDArray[np.float64]
@@ -29,7 +29,7 @@ def text_of(axes: Array, points: Array, *, mount: tuple[Array, Array] | None = N
 
 def relations(axes: Array, points: Array) -> Structure:
     """What the package finds out about these axes, the family aside."""
-    return analyse(Chain.from_urdf(urdf.read(text_of(np.asarray(axes, float), np.asarray(points, float)))))
+    return analyse(from_urdf(urdf.read(text_of(np.asarray(axes, float), np.asarray(points, float)))))
 
 
 def structure_of(axes: Array, points: Array, **how: tuple[Array, Array]) -> Structure:

@@ -12,7 +12,7 @@ from chains import HAND, RIGHT, Judge, joint, random_tree, robot, serial
 from numpy.typing import NDArray
 
 from urdf_ik import urdf
-from urdf_ik.chain import Chain
+from urdf_ik.chain import Chain, from_urdf
 from urdf_ik.errors import ChainError, UnsupportedArm
 
 Array = NDArray[np.float64]
@@ -45,7 +45,7 @@ def test_any_base_and_tip_of_a_tree(seed: int) -> None:
     model, judge = urdf.read(xml), Judge(xml)
     rng = np.random.default_rng(seed)
     for base, tip in itertools.product(model.links, repeat=2):
-        chain = Chain.from_urdf(model, base, tip)
+        chain = from_urdf(model, base, tip)
         if not chain.n:
             continue
         q = rng.uniform(-2.5, 2.5, chain.n)
@@ -66,7 +66,7 @@ def test_only_joints_between_base_and_tip_move_the_tip(seed: int) -> None:
     for base, tip in itertools.product(model.links, repeat=2):
         columns = judge.jacobian(base, tip, movable)
         moving = {name for name, column in zip(movable, columns.T, strict=True) if np.abs(column).max() > 1e-9}
-        assert set(Chain.from_urdf(model, base, tip).joint_names) == moving
+        assert set(from_urdf(model, base, tip).joint_names) == moving
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -75,7 +75,7 @@ def test_swapped_base_and_tip(seed: int) -> None:
     model = urdf.read(random_tree(seed))
     rng = np.random.default_rng(seed)
     for base, tip in itertools.combinations(model.links, 2):
-        there, back = Chain.from_urdf(model, base, tip), Chain.from_urdf(model, tip, base)
+        there, back = from_urdf(model, base, tip), from_urdf(model, tip, base)
         assert back.joint_names == there.joint_names[::-1]
         np.testing.assert_array_equal(back.limits, there.limits[::-1])
         if not there.n:
@@ -88,7 +88,7 @@ def test_swapped_base_and_tip(seed: int) -> None:
 def test_joint_types_and_fixed_joints(kinds: str) -> None:
     """Any mix of joints, with fixed ones before, between and behind them: as Pinocchio and differences have it."""
     xml = serial(kinds)
-    chain, judge = Chain.from_urdf(urdf.read(xml), "l0", f"l{len(kinds)}"), Judge(xml)
+    chain, judge = from_urdf(urdf.read(xml), "l0", f"l{len(kinds)}"), Judge(xml)
     assert "".join({"revolute": "R", "continuous": "C", "prismatic": "P"}[k] for k in chain.joint_types) == (
         kinds.replace("F", "")
     )
@@ -100,7 +100,7 @@ def test_joint_types_and_fixed_joints(kinds: str) -> None:
 @pytest.mark.parametrize("route", [("l7", "l0"), ("l7", "l3"), ("l2", "l6")])
 def test_jacobian_by_differences_on_other_routes(route: tuple[str, str]) -> None:
     """Joints walked upwards and prismatic ones move the tip as the differences of poses say."""
-    chain = Chain.from_urdf(urdf.read(serial("RPRFCRP")), *route)
+    chain = from_urdf(urdf.read(serial("RPRFCRP")), *route)
     for q in np.random.default_rng(2).uniform(-2.0, 2.0, (4, chain.n)):
         np.testing.assert_allclose(chain.jacobian(q), by_differences(chain, q), atol=3e-9)
 
@@ -108,7 +108,7 @@ def test_jacobian_by_differences_on_other_routes(route: tuple[str, str]) -> None
 def test_many_fixed_joints_fold_into_one_step() -> None:
     """Runs of fixed joints at the start, in the middle and at the end leave no trace but their product."""
     xml = serial("FFFRFFRFFPFF", seed=3)
-    chain, judge = Chain.from_urdf(urdf.read(xml)), Judge(xml)
+    chain, judge = from_urdf(urdf.read(xml)), Judge(xml)
     assert (chain.base, chain.tip) == ("l0", "l12")
     assert chain.joint_names == ("j3", "j6", "j9")
     assert_agrees(chain, judge, np.array([0.4, -1.2, 0.7]))
@@ -119,7 +119,7 @@ def test_many_fixed_joints_fold_into_one_step() -> None:
 def test_axes_of_any_length_and_direction(kind: str, axis: str) -> None:
     """An axis need not be a unit vector, or along a coordinate: it is a direction, for sliding joints as well."""
     xml = robot(joint("j", kind, "a", "b", "0.1 0.2 0.3", "0.4 0.5 0.6", axis), joint("f", "fixed", "b", "c", "1 2 3"))
-    chain, judge = Chain.from_urdf(urdf.read(xml), "a", "c"), Judge(xml)
+    chain, judge = from_urdf(urdf.read(xml), "a", "c"), Judge(xml)
     for value in (-2.0, 0.0, 1.3):
         assert_agrees(chain, judge, np.array([value]))
     np.testing.assert_allclose(np.linalg.norm(chain.H, axis=1), 1.0, atol=1e-15)
@@ -128,7 +128,7 @@ def test_axes_of_any_length_and_direction(kind: str, axis: str) -> None:
 def test_screw_axes_are_pinocchios_zero_configuration() -> None:
     """H are directions of the joints, P steps between points on them, and R_tip the tip's rotation, all at q = 0."""
     xml = serial("FRPRCRF", seed=5)
-    chain, judge = Chain.from_urdf(urdf.read(xml)), Judge(xml)
+    chain, judge = from_urdf(urdf.read(xml)), Judge(xml)
     judge.place({})
     home = judge.pose("l0", "l7")
     jacobian = judge.jacobian("l0", "l7", chain.joint_names)
@@ -146,7 +146,7 @@ def test_screw_axes_are_pinocchios_zero_configuration() -> None:
 
 def test_a_chain_does_not_change() -> None:
     """Its arrays are read-only: fk and ik rest on the same numbers for as long as they are used."""
-    chain = Chain.from_urdf(urdf.read(serial("RRR")))
+    chain = from_urdf(urdf.read(serial("RRR")))
     for array in (chain.H, chain.P, chain.R_tip, chain.limits):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 0.0
@@ -158,7 +158,7 @@ def test_base_and_tip_without_a_joint_between_them() -> None:
     model, judge = urdf.read(xml), Judge(xml)
     judge.place({})
     for base, tip in (("a", "b"), ("b", "a"), ("c", "c")):
-        chain = Chain.from_urdf(model, base, tip)
+        chain = from_urdf(model, base, tip)
         assert (chain.n, chain.jacobian([]).shape, chain.limits.shape) == (0, (6, 0), (0, 2))
         np.testing.assert_allclose(chain.fk([]), judge.pose(base, tip), atol=1e-15)
         assert chain.fk(np.empty((3, 0))).shape == (3, 4, 4)
@@ -169,7 +169,7 @@ def test_links_beside_the_chain(base: str, tip: str) -> None:
     """Joints outside the chain stay at zero, floating ones too; those that mimic one of its joints follow it."""
     xml = HAND.format(RIGHT)
     model, judge = urdf.read(xml), Judge(xml)
-    chain = Chain.from_urdf(model, base, tip)
+    chain = from_urdf(model, base, tip)
     for q in np.random.default_rng(4).uniform(-2.0, 2.0, (5, chain.n)):
         judge.place(dict(zip(chain.joint_names, q, strict=True)))
         poses = chain.link_poses(q)
@@ -186,7 +186,7 @@ def test_mimics_of_mimics_and_of_continuous_joints(driver: str, factor: float, s
     """
     plain = HAND.format("")
     xml = HAND.format(f'<mimic joint="{driver}" multiplier="{factor}" offset="{shift}"/>')
-    chain, judge = Chain.from_urdf(urdf.read(xml), "base", "tool"), Judge(plain)
+    chain, judge = from_urdf(urdf.read(xml), "base", "tool"), Judge(plain)
     q = np.array([0.8, -0.6])
     follows = {"b": q[1], "left": 0.1 * q[0], "lid": 0.7}[driver]
     judge.place({"a": q[0], "b": q[1], "right": factor * follows + shift})
@@ -204,7 +204,7 @@ def test_mimics_of_mimics_and_of_continuous_joints(driver: str, factor: float, s
 def test_joints_that_cannot_be_solved(base: str, tip: str, kind: str, name: str) -> None:
     """Floating and planar joints in the chain are refused, by name and with the reason."""
     with pytest.raises(UnsupportedArm, match=f"'{name}'.*{kind}"):
-        Chain.from_urdf(urdf.read(HAND.format(RIGHT)), base, tip)
+        from_urdf(urdf.read(HAND.format(RIGHT)), base, tip)
 
 
 def test_unknown_links() -> None:
@@ -212,7 +212,7 @@ def test_unknown_links() -> None:
     model = urdf.read(serial("RR"))
     for base, tip in (("nope", "l2"), ("l0", "nope")):
         with pytest.raises(ChainError, match="nope") as error:
-            Chain.from_urdf(model, base, tip)
+            from_urdf(model, base, tip)
         assert error.value.candidates == ("l0", "l1", "l2")
 
 
@@ -228,15 +228,15 @@ def test_limits() -> None:
     )
     model = urdf.read(xml)
     np.testing.assert_array_equal(
-        Chain.from_urdf(model, "l0", "l4").limits, [[-np.inf, np.inf], [-0.5, 1.5], [0.0, 0.2], [-np.inf, np.inf]]
+        from_urdf(model, "l0", "l4").limits, [[-np.inf, np.inf], [-0.5, 1.5], [0.0, 0.2], [-np.inf, np.inf]]
     )
     # Walked upwards a joint's value means the same, and so do its limits.
-    np.testing.assert_array_equal(Chain.from_urdf(model, "l3", "l1").limits, [[0.0, 0.2], [-0.5, 1.5]])
+    np.testing.assert_array_equal(from_urdf(model, "l3", "l1").limits, [[0.0, 0.2], [-0.5, 1.5]])
 
 
 def test_size_is_the_length_of_the_links() -> None:
     """Tolerances are relative to the steps from axis 1 to the tip: the place of the base does not matter."""
-    chain = Chain.from_urdf(urdf.read(serial("RRPR")))
+    chain = from_urdf(urdf.read(serial("RRPR")))
     assert chain.size == pytest.approx(sum(math.hypot(*step) for step in chain.P[1:]), rel=1e-14)
     assert replace(chain, P=np.concatenate([[[9.0, 9.0, 9.0]], chain.P[1:]])).size == chain.size
     assert replace(chain, P=np.zeros((5, 3))).size == 1.0

@@ -41,7 +41,7 @@ def case(name: str) -> Case:
 def test_known_cuspidal_arms(name: str) -> None:
     """Wenger's orthogonal arm, Kinova's JACO and Fanuc's CRX: the path joins two solutions and meets no singularity."""
     arm, oracle = case(name).arm, case(name).oracle
-    assert arm.structure.cuspidal is True
+    assert arm.cuspidal is True
     path = nonsingular_change(arm)
     assert path is not None
     start, end = path[0], path[-1]
@@ -59,7 +59,7 @@ def test_known_cuspidal_arms(name: str) -> None:
 def test_named_arms_that_are_not_cuspidal(name: str) -> None:
     """Arms solved by quadratics are proven not cuspidal, and the search finds no path that would contradict that."""
     arm = from_catalogue(name).arm
-    assert arm.structure.cuspidal is False
+    assert arm.cuspidal is False
     assert nonsingular_change(arm) is None
 
 
@@ -67,7 +67,7 @@ def test_named_arms_that_are_not_cuspidal(name: str) -> None:
 def test_the_search_finds_nothing_where_there_is_nothing(kind: str) -> None:
     """Random members of the families with a proof: no path, from either end."""
     arm = member(kind, 4).arm
-    assert arm.structure.cuspidal is False
+    assert arm.cuspidal is False
     assert nonsingular_change(arm) is None
 
 
@@ -89,7 +89,7 @@ def test_a_perturbed_arm_is_never_called_proven() -> None:
     axes[2] = rotation(X, 1e-3) @ axes[2]
     arm = described(from_screws("off", "2||3||4", axes, described_arm.points, described_arm.points[-1] + 0.1)).arm
     assert not arm.structure.is_exact
-    assert arm.structure.cuspidal is not False
+    assert arm.cuspidal is not False
 
 
 def test_an_arm_that_is_singular_everywhere_is_not_cuspidal_by_rounding() -> None:
@@ -122,9 +122,9 @@ def test_a_move_across_a_singularity_is_refused() -> None:
     assert not keeps_its_sign(chain, q, 2, 0.0)
 
 
-def test_unsolved_arms_are_left_open_and_structures_survive_pickling() -> None:
-    """Two joints: None, at no cost. A structure with its question open travels between processes."""
+def test_unsolved_arms_are_left_open_and_pickled_ones_can_be_asked() -> None:
+    """Two joints: None, at no cost. An arm that travelled between processes can be asked."""
     text = serial_urdf("two", [(np.zeros(3), (0, 0, 0)), (Z, (0, 0, 0)), (X, (0, 0, 0))], [Z, X, None])
-    assert urdf_ik.load(text, base="base", tip="tool").structure.cuspidal is None
-    structure = pickle.loads(pickle.dumps(from_catalogue("zyyzyz_6r").arm.structure))
-    assert structure.cuspidal is False
+    assert urdf_ik.load(text, base="base", tip="tool").cuspidal is None
+    arm = pickle.loads(pickle.dumps(from_catalogue("zyyzyz_6r").arm))
+    assert arm.cuspidal is False

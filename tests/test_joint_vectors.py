@@ -7,14 +7,14 @@ import pytest
 from chains import HAND, RIGHT, serial
 
 from urdf_ik import urdf
-from urdf_ik.chain import Chain
+from urdf_ik.chain import from_urdf
 from urdf_ik.errors import JointVectorError
 
 
 @pytest.mark.parametrize("shape", [(), (5,), (2, 3), (1,), (0,), (2, 0, 3), (2, 1, 2, 2)])
 def test_batches_of_any_shape(shape: tuple[int, ...]) -> None:
     """A batch gives, in its own shape, what each of its joint vectors gives, bit for bit."""
-    chain = Chain.from_urdf(urdf.read(HAND.format(RIGHT)), "drawer", "tool")
+    chain = from_urdf(urdf.read(HAND.format(RIGHT)), "drawer", "tool")
     q = np.random.default_rng(6).uniform(-2.0, 2.0, (*shape, chain.n))
     poses, jacobians, links = chain.fk(q), chain.jacobian(q), chain.link_poses(q)
     assert poses.shape == (*shape, 4, 4)
@@ -30,7 +30,7 @@ def test_batches_of_any_shape(shape: tuple[int, ...]) -> None:
 
 def test_joint_vectors_of_any_number_type() -> None:
     """Lists, tuples, integers, single precision and strided arrays mean the numbers that they hold."""
-    chain = Chain.from_urdf(urdf.read(serial("RPR")))
+    chain = from_urdf(urdf.read(serial("RPR")))
     expected = chain.fk(np.array([1.0, -2.0, 0.5])), chain.jacobian(np.array([1.0, -2.0, 0.5]))
     strided = np.array([[1.0, 9.0, -2.0], [9.0, 9.0, 9.0], [0.5, 9.0, 9.0]])
     for q in (
@@ -51,7 +51,7 @@ def test_joint_vectors_of_any_number_type() -> None:
 
 def test_joint_vectors_are_not_modified() -> None:
     """What was handed in is still the same afterwards, and what comes out belongs to the caller."""
-    chain = Chain.from_urdf(urdf.read(HAND.format(RIGHT)), "base", "tool")
+    chain = from_urdf(urdf.read(HAND.format(RIGHT)), "base", "tool")
     q = np.array([[0.3, 7.0], [-0.2, -8.0]])
     before = q.copy()
     first = chain.fk(q), chain.jacobian(q), chain.link_poses(q)["tool"]
@@ -89,7 +89,7 @@ def test_joint_vectors_are_not_modified() -> None:
 )
 def test_what_is_no_joint_vector(q: object, words: str) -> None:
     """A wrong shape, or what is not a finite number, raises JointVectorError, which names joint and place."""
-    chain = Chain.from_urdf(urdf.read(serial("RPR")))
+    chain = from_urdf(urdf.read(serial("RPR")))
     for ask in (chain.fk, chain.jacobian, chain.link_poses):
         with pytest.raises(JointVectorError, match=words):
             ask(q)  # type: ignore[arg-type]

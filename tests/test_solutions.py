@@ -397,13 +397,15 @@ def test_explain_tells_the_image_that_is_least_far_out() -> None:
     assert f"'turn' at {2 * PI - 1:.4f} rad, 0.2832 rad beyond its upper limit of 5.0000 rad" in why
 
 
-def test_explain_of_a_batch_is_a_list_like_it() -> None:
-    """A batch gives one sentence a pose, in lists of its shape, empty where there are solutions."""
+def test_explain_of_a_batch_has_a_line_for_each_pose_without_solution() -> None:
+    """A batch gives a line for each pose that has no solution, which begins with the pose's index; '' without one."""
     q = np.full((2, 2, 4, 3), np.nan)
     q[0, 1, 0] = 0.0
-    texts = made(q, x=[[1, 2], [3, 4]]).explain()
-    assert texts == [["x = 1 m is out of reach", ""], ["x = 3 m is out of reach", "x = 4 m is out of reach"]]
-    assert made(q[0], x=[1, 2]).explain() == texts[0]
+    lines = made(q, x=[[1, 2], [3, 4]]).explain().splitlines()
+    out = "x = {} m is out of reach"
+    assert lines == [f"pose {[i, j]}: {out.format(x)}" for i, j, x in ((0, 0, 1), (1, 0, 3), (1, 1, 4))]
+    assert made(q[0], x=[1, 2]).explain() == f"pose [0]: {out.format(1)}"
+    assert made(q[0, 1:], x=[2]).explain() == ""
 
 
 def test_text() -> None:

@@ -25,7 +25,7 @@ def test_text_of_the_article_arm() -> None:
         "intersecting at 90 deg; axes 2 and 3 are parallel, 1 m apart; axes 3 and 4 are intersecting at 90 deg; axes 4 "
         "and 5 are intersecting at 90 deg; axes 5 and 6 are intersecting at 90 deg. "
         f"{structure.method}. Up to 8 solutions. Imperfection: none: the URDF as written is of this family, exact to "
-        "rounding. Cuspidal: no: every change from one solution of a pose to another crosses a singularity."
+        "rounding."
     )
 
 
@@ -37,7 +37,7 @@ def test_text_of_every_kind(kind: str) -> None:
     for part in (*structure.pairs, *structure.triples, structure.method, structure.family, "Up to 8 solutions."):
         assert str(part).lower() in text.lower()
     sentences = re.split(r"(?<=\.) (?=[A-Z])", text)
-    assert len(sentences) == (5 if structure.cuspidal is None else 6)
+    assert len(sentences) == 5
     assert all(re.fullmatch(r"[A-Z0-9].*[^.]\.", sentence) for sentence in sentences), sentences
     assert "  " not in text and "None" not in text and "nan" not in text
 

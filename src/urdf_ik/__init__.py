@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from urdf_ik.comparison import Comparison, compare
     from urdf_ik.dh import DHTable
     from urdf_ik.errors import (
+        ArgumentError,
         CatalogueError,
         ChainError,
         DHError,
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "ArgumentError",
     "Arm",
     "CatalogueError",
     "Chain",
@@ -92,6 +94,7 @@ _NAMES = {
     ),
     "dh": ("DHTable",),
     "errors": (
+        "ArgumentError",
         "CatalogueError",
         "ChainError",
         "DHError",

@@ -22,25 +22,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.angles import shortest
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from numpy.typing import NDArray
 
-    from urdf_ik.arm import Arm
     from urdf_ik.chain import Chain
+    from urdf_ik.solutions.solved_arm import SolvingArm
 
     Array = NDArray[np.float64]
     Node = tuple[int, ...]
-
-# The families that the proof was made for, from either end.
-_BY_QUADRATICS = (
-    "6R spherical wrist, 2||3",
-    "6R spherical wrist, 2||3 and 1x2",
-    "6R spherical wrist, 1x2",
-    "6R spherical wrist, 1||2",
-    "6R 2||3||4 and 5x6",
-)
 
 _MOVING = (1, 2, 3, 4)
 _NODES = 16  # along each of these joints
@@ -51,17 +44,26 @@ _CLEAR, _LEAST = 1e-9, 1e-12  # of the polynomial's greatest coefficient, and as
 _DISTINCT = 1e-3  # rad
 
 
-def is_cuspidal(arm: Arm) -> bool | None:
+def is_cuspidal(arm: SolvingArm) -> bool | None:
     """Whether an arm can change solutions without crossing a singularity; None where that is not known."""
     structure = arm.structure
-    if arm.dof != 6 or "prismatic" in structure.joint_types:
+    if not structure.is_6r or not structure.family or arm.chain.axes is not arm.chain:
         return None
-    if structure.is_exact and structure.family.removesuffix(", reversed") in _BY_QUADRATICS:
+    if structure.by_quadratics:
         return False
     return True if nonsingular_change(arm) is not None else None
 
 
-def nonsingular_change(arm: Arm) -> Array | None:
+def in_words(cuspidal: bool | None) -> str:
+    """Whether it changes solution without crossing a singularity, after "cuspidal"."""
+    if cuspidal is None:
+        return "not known: no change of solution around the singularities was found, which does not rule one out"
+    if cuspidal:
+        return "yes: limits aside, it can change from one solution of a pose to another without crossing a singularity"
+    return "no: every change from one solution of a pose to another crosses a singularity"
+
+
+def nonsingular_change(arm: SolvingArm) -> Array | None:
     """A path that proves an arm of six turning joints cuspidal.
 
     Args:
@@ -85,7 +87,7 @@ def nonsingular_change(arm: Arm) -> Array | None:
                 by_region[region] = x, ramp
                 continue
             other, other_ramp = by_region[region]
-            if np.abs(_turn(x - other)).max() < _DISTINCT:
+            if np.abs(shortest(x - other)).max() < _DISTINCT:
                 continue
             return np.array([*other_ramp, *grid.path(other_ramp[-1], ramp[-1]), *_with_ends(ramp[::-1], other), x])
     return None
@@ -105,7 +107,7 @@ def keeps_its_sign(chain: Chain, start: Array, joint: int, end: float) -> bool:
     Q[:, joint] = start[joint] + circle
     values = _determinants(chain, Q)
     harmonics = np.fft.rfft(values) / 5.0
-    step = float(_turn(np.asarray(end - start[joint])))
+    step = float(shortest(np.asarray(end - start[joint])))
     along = np.linspace(0.0, step, 17)
     f = harmonics[0].real + 2.0 * np.real(harmonics[1] * np.exp(1j * along) + harmonics[2] * np.exp(2j * along))
     bend = 2.0 * abs(harmonics[1]) + 8.0 * abs(harmonics[2])
@@ -210,8 +212,3 @@ def _determinants(chain: Chain, Q: Array) -> Array:
 def _with_ends(Q: list[Array], like: Array) -> list[Array]:
     """The joint vectors Q with joints 1 and 6 of another one, which have no part in the determinant."""
     return [np.array([like[0], *q[1:5], like[5]]) for q in Q]
-
-
-def _turn(step: Array) -> Array:
-    turned: Array = (step + np.pi) % (2.0 * np.pi) - np.pi
-    return turned

@@ -9,7 +9,11 @@ class UrdfIkError(Exception):
     """Root of every error that this package raises on purpose."""
 
 
-class UrdfError(UrdfIkError):
+class ArgumentError(UrdfIkError, ValueError):
+    """An argument that is out of its range, such as a negative tolerance or ``threads=0``."""
+
+
+class UrdfError(UrdfIkError, ValueError):
     """A URDF that is broken, with the place and the mend.
 
     Attributes:
@@ -34,7 +38,7 @@ class UrdfError(UrdfIkError):
         super().__init__(": ".join(parts) + (f" ({mend})" if mend else ""))
 
 
-class ChainError(UrdfIkError):
+class ChainError(UrdfIkError, ValueError):
     """The chain from base to tip is unknown or ambiguous; ``candidates`` lists the valid names."""
 
     def __init__(self, problem: str, candidates: Iterable[str] = ()) -> None:
@@ -81,15 +85,15 @@ class WorkspaceError(UrdfIkError, ValueError):
     """A grid, a question about a workspace, or a file of a map that makes no sense or does not fit."""
 
 
-class PlotError(UrdfIkError):
+class PlotError(UrdfIkError, ValueError):
     """A picture that cannot be drawn, written or shown; the message says what would be valid."""
 
 
-class UnsupportedArm(UrdfIkError):
+class UnsupportedArm(UrdfIkError, ValueError):
     """The arm was read, but no solver of this package can solve it completely."""
 
 
-class CatalogueError(UrdfIkError):
+class CatalogueError(UrdfIkError, ValueError):
     """A name that the catalogue does not hold, or whose package is not installed."""
 
 

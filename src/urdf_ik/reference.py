@@ -153,6 +153,38 @@ class Reference:
                 full[drive.idx_q] = value
         return full
 
+    def configurations(self, q: ArrayLike) -> Array:
+        """Pinocchio's configurations (..., nq) of joint vectors (..., n), in an array of their own.
+
+        Raises:
+            JointVectorError: the last dimension is not n.
+        """
+        Q = self.vectors(q)
+        out = np.empty((*Q.shape[:-1], self.pin_model.nq))
+        for index in np.ndindex(Q.shape[:-1]):
+            out[index] = self.configuration(Q[index])
+        return out
+
+    def joint_vectors(self, q_pin: ArrayLike) -> Array:
+        """Joint vectors (..., n) of Pinocchio's configurations (..., nq); continuous joints in (-pi, pi].
+
+        Raises:
+            JointVectorError: the last dimension is not nq, or a value is not finite.
+        """
+        try:
+            full = np.asarray(q_pin, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise JointVectorError(f"a configuration must be an array of numbers: {error}") from None
+        nq = self.pin_model.nq
+        if full.shape[-1:] != (nq,) or not np.isfinite(full).all():
+            raise JointVectorError(f"configurations of shape {full.shape} given; (..., {nq}) finite numbers are needed")
+        out = np.empty((*full.shape[:-1], self.dof))
+        for column, name in enumerate(self.joint_names):
+            joint = self._joint(name)
+            value = full[..., joint.idx_q]
+            out[..., column] = np.arctan2(full[..., joint.idx_q + 1], value) if joint.nq == 2 else value
+        return out
+
     def pose(self, q: ArrayLike) -> Array:
         """Pose of the tip in the base.
 

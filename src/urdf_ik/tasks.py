@@ -12,18 +12,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik import families
-from urdf_ik.arm import Arm
+from urdf_ik.chain import least_stretches, sampled
 from urdf_ik.chain.plane import Plane, plane_of
 from urdf_ik.errors import PoseError, TaskError, UnsupportedArm
-from urdf_ik.families import completed, few_joints, planar
-from urdf_ik.families.parts.plan import Plan
-from urdf_ik.solutions import IKSolutions
+from urdf_ik.families import Plan, few_joints, planar
+from urdf_ik.families.wrappers import axis_added
 from urdf_ik.structure import analyse
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import NDArray
 
     from urdf_ik.chain import Chain
+    from urdf_ik.structure import Structure
 
     Array = NDArray[np.float64]
 
@@ -67,10 +67,10 @@ def control_of(chain: Chain) -> Control:
     plane = plane_of(chain)
     if chain.n > 5 or chain.n < 2:
         return Control("pose", plane)
-    J = chain.jacobian(few_joints.sampled(chain))
+    J = chain.jacobian(sampled(chain))
 
     def controls(rows: Array) -> bool:
-        return float(np.median(few_joints.least_stretches(chain, rows))) > _CONTROL
+        return float(np.median(least_stretches(chain, rows))) > _CONTROL
 
     if plane is not None:
         linear, turn = plane.axes @ J[:, :3], plane.normal @ J[:, 3:]
@@ -82,7 +82,7 @@ def control_of(chain: Chain) -> Control:
     elif chain.n == 3 and controls(J[:, :3]):
         return Control("position")
     elif chain.n == 5 and not chain.prismatic.any():
-        R = chain.fk(few_joints.sampled(chain))[:, :3, :3]
+        R = chain.fk(sampled(chain))[:, :3, :3]
         for aimed in np.eye(3)[[2, 0, 1]]:
             along = R @ aimed
             across = J[:, 3:] - along[:, :, None] * np.einsum("ki,kij->kj", along, J[:, 3:])[:, None, :]
@@ -91,80 +91,55 @@ def control_of(chain: Chain) -> Control:
     return Control("pose", plane)
 
 
-class TaskArm(Arm):
-    """An arm that is asked for its task instead of for a pose; ``arm.ik(target, task=...)`` makes one.
+class Targets:
+    """How an arm is asked for a task instead of for a pose: what reads its targets, and what solves for them.
 
-    Its solutions hold the targets as ``poses``, in the task's own numbers.
+    Attributes:
+        task: one of ``TASKS``, but 'pose'.
     """
 
-    def __init__(self, arm: Arm, task: str) -> None:
-        """Prepare the solver of a task.
+    def __init__(self, name: str, chain: Chain, control: Control, task: str) -> None:
+        """Take a task of an arm.
+
+        Args:
+            name: the robot's name.
+            chain: its joints.
+            control: what they control.
+            task: what targets are.
 
         Raises:
             TaskError: there is no such task, or the arm cannot control it.
-            UnsupportedArm: no solver takes this arm.
         """
         if task not in TASKS:
             raise TaskError(f"no task is called {task!r}; tasks: {', '.join(map(repr, TASKS))}")
-        if task != arm.task or task == "pose":
-            fitting = "the whole pose" if arm.task == "pose" else f"the whole pose, or the task {arm.task!r}"
-            raise TaskError(
-                f"{arm.name}: its {arm.dof} joints do not control {task!r} and nothing else; give {fitting}"
-            )
-        self.__dict__.update(arm.__dict__)
-        self._arm, self._task = arm, task
-        plan = _plan(arm.chain, arm.control)
+        if task != control.task or task == "pose":
+            fitting = "the whole pose" if control.task == "pose" else f"the whole pose, or the task {control.task!r}"
+            raise TaskError(f"{name}: its {chain.n} joints do not control {task!r} and nothing else; give {fitting}")
+        self.task = task
+        self._name, self._chain, self._control = name, chain, control
+        self._takes_points = False
+
+    def plan(self, structure: Structure) -> Plan:
+        """How the task is solved.
+
+        Raises:
+            UnsupportedArm: no solver takes this arm.
+        """
+        plan = _plan(self._chain, self._control)
         if plan is None:
-            raise UnsupportedArm(f"{arm.name}: no solver for the task {task!r} of this arm. {arm.structure}")
-        self.structure = replace(
-            arm.structure, family=plan.family, method=plan.method, branches=plan.branches, imperfection=(0.0, 0.0)
-        )
-        self._plan = plan
+            raise UnsupportedArm(f"{self._name}: no solver for the task {self.task!r} of this arm. {structure}")
         self._takes_points = plan.solver.numbers == _WIDTH["planar position"]
-        self._adopt(plan)
+        return replace(plan, imperfection=(0.0, 0.0))
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        return TaskArm, (self._arm, self._task)
+    def for_solver(self, targets: Array) -> Array:
+        """Targets (m, k) as the compiled solver takes them: as they are, or as poses (m, 4, 4)."""
+        return targets if self._takes_points else self.poses(targets)
 
-    def ik(
-        self,
-        T: Any,
-        q_ref: ArrayLike | None = None,
-        *,
-        redundancy: ArrayLike | None = None,
-        threads: int = 1,
-        task: str | None = None,
-    ) -> IKSolutions:
-        """Every joint vector that brings the tip to the target ``T``: see :meth:`Arm.ik`."""
-        if (task is not None and task != self._task) or redundancy is not None:
-            return self._arm.ik(T, q_ref, redundancy=redundancy, threads=threads, task=task)
-        target = self._target(T)
-        batch = target.shape[:-1]
-        stack = target.reshape(-1, target.shape[-1])
-        if not self._takes_points:
-            stack = self._poses(stack)
-        reference = None if q_ref is None else self._reference(q_ref)
-        q, flags = self._room(len(stack))
-        if self._fill(stack, None, reference, q, flags, threads) >= 0:
-            raise PoseError(f"a target for the task {self._task!r} that is not finite, or points nowhere")
-        return IKSolutions(
-            self, target, q.reshape(*batch, *q.shape[1:]), flags.reshape(*batch, flags.shape[1]), self._branches
-        )
-
-    def explain(self, T: Any, redundancy: float | None = None) -> str:
-        """Why the single target ``T`` has no solution: see :meth:`Arm.explain`."""
-        target = self._target(T)
-        if target.ndim != 1:
-            raise PoseError(f"an array of shape {target.shape} given; explain takes a single target")
-        assert isinstance(self._plan, Plan)
-        pose = self._poses(target[None])[0]
-        return self._plan.explain(pose)
-
-    def _target(self, T: Any) -> Array:
+    def read(self, T: Any) -> Array:
         """A target, or a stack of them, as (..., k) float64 that nobody else writes to."""
-        width = _WIDTH[self._task]
-        if self._task == "position and axis" and isinstance(T, tuple | list) and len(T) == 2:
-            point, direction = (_numbers(part, self._task, "") for part in T)
+        width = _WIDTH[self.task]
+        if self.task == "position and axis" and isinstance(T, tuple | list) and len(T) == 2:
+            point, direction = (_numbers(part, self.task, "") for part in T)
             if point.shape[-1:] == direction.shape[-1:] == (3,):
                 shape = np.broadcast_shapes(point.shape[:-1], direction.shape[:-1])
                 T = np.concatenate([np.broadcast_to(a, (*shape, 3)) for a in (point, direction)], axis=-1)
@@ -173,13 +148,13 @@ class TaskArm(Arm):
             "position and axis": "x, y, z [m] and a direction, or a pair (position, direction)",
             "planar position": "x, y [m] in the arm's plane, see Arm.plane",
             "planar pose": "x, y [m] and angle [rad] in the arm's plane, see Arm.plane",
-        }[self._task]
-        target = _numbers(T, self._task, words)
+        }[self.task]
+        target = _numbers(T, self.task, words)
         if target.ndim == 0 or target.shape[-1] != width:
             raise PoseError(
-                f"a target of shape {target.shape} given; the task {self._task!r} takes (..., {width}): {words}"
+                f"a target of shape {target.shape} given; the task {self.task!r} takes (..., {width}): {words}"
             )
-        if self._task == "position and axis":
+        if self.task == "position and axis":
             target = target.copy()
             length = np.linalg.norm(target[..., 3:], axis=-1, keepdims=True)
             with np.errstate(invalid="ignore", divide="ignore"):
@@ -189,18 +164,18 @@ class TaskArm(Arm):
         if not np.isfinite(target).all():
             place = tuple(np.argwhere(~np.isfinite(target))[0][:-1].tolist())
             raise PoseError(
-                f"the target {target[place].tolist()} for the task {self._task!r} is not finite, or its direction has "
+                f"the target {target[place].tolist()} for the task {self.task!r} is not finite, or its direction has "
                 "no length",
                 place or None,
             )
         return target
 
-    def _poses(self, target: Array) -> Array:
+    def poses(self, target: Array) -> Array:
         """The target (m, k) as poses (m, 4, 4), of which the solver heeds what the task fixes."""
-        control = self.control
+        control = self._control
         T = np.zeros((len(target), 4, 4))
         T[:, range(4), range(4)] = 1.0
-        if self._task == "position":
+        if self.task == "position":
             T[:, :3, 3] = target
         elif control.aimed is not None:
             T[:, :3, 3] = target[:, :3]
@@ -209,9 +184,9 @@ class TaskArm(Arm):
             plane = control.plane
             # Number by number, not as a product of matrices: its digits depend on how many there are.
             T[:, :3, 3] = plane.origin + target[:, :1] * plane.axes[0] + target[:, 1:2] * plane.axes[1]
-            if self._task == "planar pose":
+            if self.task == "planar pose":
                 home = np.eye(4)
-                home[:3, :3] = self.chain.R_tip
+                home[:3, :3] = self._chain.R_tip
                 T[:, :3, :3] = _turned(home[:3, :3], plane.normal, target[:, 2] - plane.coordinates(home)[2])
         return T
 
@@ -220,12 +195,12 @@ def _plan(chain: Chain, control: Control) -> Plan | None:
     if control.task == "position":
         return few_joints.prepare_position(chain)
     if control.aimed is not None:
-        return completed.prepare_aimed(chain, control.aimed, families.of_six)
+        return axis_added.prepare_aimed(chain, control.aimed, families.of_six)
     if control.plane is None:
         return None
     if control.task == "planar pose":
         # In an arm that is planar exactly, the whole pose follows from the one in the plane.
-        exact = planar.prepare(analyse(chain), chain)
+        exact = planar.FAMILY.plan(analyse(chain), chain)
         return exact or few_joints.prepare_planar(chain, control.plane.normal, control.plane.heading)
     plan = few_joints.prepare_planar(chain, control.plane.normal, None)
     return None if plan is None else planar.for_points(chain, plan)

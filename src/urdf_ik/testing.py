@@ -10,8 +10,7 @@ from __future__ import annotations
 
 from typing import IO, TYPE_CHECKING, Any
 
-import urdf_ik
-from urdf_ik.arm import Arm
+from urdf_ik.arm import Arm, load
 from urdf_ik.crosscheck import check
 from urdf_ik.crosscheck.report import Report
 
@@ -59,7 +58,7 @@ def assert_agrees_with_pinocchio(
     __tracebackhide__ = True  # pytest shows the caller's line instead
     arm = urdf
     if not isinstance(arm, Arm):
-        arm = urdf_ik.load(arm, base=base, tip=tip, locked=locked, mesh_roots=mesh_roots)
+        arm = load(arm, base=base, tip=tip, locked=locked, mesh_roots=mesh_roots)
     report = check(arm, n=n, seed=seed, collision=collision)
     if not report.passed or any(name in _ESSENTIAL for name, _ in report.skipped):
         raise AssertionError(f"urdf-ik and Pinocchio do not agree:\n{report}")

@@ -21,15 +21,15 @@ using CBlock = Complexes<Block>;
 // Greatest correction of a step: rad, and share of the step itself. A path that is taken for another is noticed at the end,
 // where two of them then meet.
 inline constexpr double LARGEST_CORRECTION = 0.05, LARGEST_SHARE = 0.15;
-// Steps are made as long as leads to corrections of this size.
-inline constexpr double AIM = 0.02, AIM_SHARE = 0.04;
+// A step longer than this [rad] is not tried. Steps are made as long as leads to corrections of the size AIM.
+inline constexpr double LONGEST = 0.7, AIM = 0.02, AIM_SHARE = 0.04;
 // A path that cannot be followed beyond this s, or in that many steps, ends at a singular solution.
 inline constexpr double SHORTEST = 1e-15;
-inline constexpr int MOST_STEPS = 250;
+inline constexpr double MOST_STEPS = 250.0;
 // A path leads to infinity where |e^(i angle)|^2 is beyond this, or below its inverse.
 inline constexpr double INFINITE = 1e16;
-// Correction [rad] below which Newton's method has converged at the end of a path, from CLOSE_ENOUGH on by squares.
-inline constexpr double AT_END = 1e-9;
+// Correction [rad] below which Newton's method has converged at the end of a path, in so many rounds.
+inline constexpr double AT_END = 1e-9, MOST_AT_END = 8.0;
 
 template <class V> struct Quaternion {
     V w;
@@ -101,7 +101,6 @@ STEP void solve_both(Six<CBlock> (&J)[6], Six<CBlock>& a, Six<CBlock>& b) {
             for (int i = 0; i < 6; ++i) J[l][i] = J[l][i] - R[k][l] * J[k][i];
         }
         x[k] = along(J[k], a), y[k] = along(J[k], b);
-        for (int i = 0; i < 6; ++i) a[i] = a[i] - x[k] * J[k][i], b[i] = b[i] - y[k] * J[k][i];
     }
 #pragma GCC unroll 1
     for (int k = 5; k >= 0; --k) {
@@ -151,79 +150,115 @@ STEP void advance(const Written<6>& arm, CBlock (&z)[6], const Six<CBlock>& by) 
     for (int k = 0; k < 6; ++k) z[k] = arm.slides[k] ? z[k] + by[k] : z[k] * small_turn(by[k]);
 }
 
-// Where the paths end. left: the s at which a path could not be followed further, 0 for those that arrived.
-struct Paths {
-    CBlock z[6];
-    Block left;
-    unsigned regular;  // the lanes that arrived, and where Newton's method converged
+// The complex solutions of a pose: e^(i angle) or lengths as in KnownPose, which of them are regular, and the s at which
+// the paths of the others stopped.
+struct PathEnds {
+    static constexpr int most = KnownPose::most;
+    int many;
+    double z[most][6][2], left[most];
+    bool regular[most];
 };
 
-// A cubic through the last two places and their tangents, then one step of Newton's method, which gives the next tangent
-// too. Each lane has its own s and its own step.
-PART void follow_paths(const Written<6>& arm, const Way& way, Paths& paths, unsigned lanes) {
-    const Block zero = 0.0;
-    Block s = 1.0, h = 0.1, last = 0.0;
-    Six<CBlock> tangent = complex_step(arm, way, paths.z, s).tangent, before = tangent, way_back = {};
-    paths.left = 1.0;
-    double live[BLOCK];
-    for (int l = 0; l < BLOCK; ++l) live[l] = lanes >> l & 1;
-    auto moves = load<Block>(live) > zero;
-    auto rests = moves & !moves;
-    for (int round = 0; round < MOST_STEPS && any(moves); ++round) {
-        h = min(h, s);
-        // Places beyond: u in steps, from where it is (0) to where it was (1).
-        const auto first = last <= zero;
-        const Block u = -(h / select(first, h, last)), uu = u * u;
-        const Block at_last = select(first, zero, (3.0 - 2.0 * u) * uu);
-        const Block slope = select(first, -h, (uu - 2.0 * u + 1.0) * u * last),
-                    slope_last = select(first, zero, (u - 1.0) * uu * last);
-        Six<CBlock> by;
-        for (int k = 0; k < 6; ++k) {
-            const CBlock each = scaled(slope, tangent[k]) + scaled(slope_last, before[k]) - scaled(at_last, way_back[k]);
-            by[k] = {select(rests, zero, each.re), select(rests, zero, each.im)};
-        }
-        CBlock z[6];
-        for (int k = 0; k < 6; ++k) z[k] = paths.z[k];
-        advance(arm, z, by);
-        const Block ahead = select(rests, s, select(h < s, s - h, zero));
-        const ComplexStep step = complex_step(arm, way, z, ahead);
-        const Block size = largest_square(step.correction), length = largest_square(by) + 1e-18;
-        const Block bound = min(LARGEST_SHARE * LARGEST_SHARE * length, Block(LARGEST_CORRECTION * LARGEST_CORRECTION));
-        const auto arrived = moves & !rests & (size <= bound) & (length < Block(0.5));
-        const auto good = arrived | (moves & rests & (size < Block(LARGEST_CORRECTION * LARGEST_CORRECTION)));
-        advance(arm, z, step.correction);
-        Block far = 0.0;
-        for (int k = 0; k < 6; ++k) {
-            paths.z[k] = select<Block>(good, z[k], paths.z[k]);
-            way_back[k] = select<Block>(arrived, by[k], way_back[k]) + select<Block>(good, step.correction[k], 0.0);
-            before[k] = select<Block>(arrived, tangent[k], before[k]);
-            tangent[k] = select<Block>(good, step.tangent[k], tangent[k]);
-            const Block each = square(paths.z[k]);
-            far = max(far, arm.slides[k] ? each : max(each, 1.0 / (each + TINY)));
-        }
-        const Block aim = min(AIM_SHARE * AIM_SHARE * length, Block(AIM * AIM));
-        // The correction grows with the fourth power of the step, its square with the eighth.
-        const Block grown = min(sqrt(sqrt(sqrt(aim / (size + TINY)))), Block(4.0));
-        last = select(arrived, h, last);
-        s = select(arrived, ahead, s);
-        h = h * select(arrived, max(grown, Block(0.5)), select(rests, Block(1.0), 0.8 * max(min(grown, Block(0.6)), Block(0.1))));
-        rests = moves & !arrived & !rests;
-        moves = moves & (s > zero) & (s > Block(SHORTEST)) & (far < Block(INFINITE)) & (h > 1e-4 * s * Block(SHORTEST));
+// A path in each lane, each with its own s and its own step. What is known of it: the last two places, one `way_back` apart,
+// and the tangents there. A path that rests is corrected where it is: at its start, at its end, and where a step failed.
+struct Walk {
+    CBlock z[6];
+    Six<CBlock> tangent, before, way_back;
+    Block s, h, last, steps, at_end;
+    MaskOf<Block> moves, rests;
+};
+
+STEP Six<CBlock> next_step(const Walk& walk) {
+    // A cubic through both places: u in steps, from where it is (0) to where it was (1).
+    const Block zero = 0.0, &h = walk.h, &last = walk.last;
+    const auto first = last <= zero;
+    const Block u = -(h / select(first, h, last)), uu = u * u;
+    const Block at_last = select(first, zero, (3.0 - 2.0 * u) * uu);
+    const Block slope = select(first, -h, (uu - 2.0 * u + 1.0) * u * last);
+    const Block slope_last = select(first, zero, (u - 1.0) * uu * last);
+    Six<CBlock> by;
+    for (int k = 0; k < 6; ++k) {
+        const CBlock each = scaled(slope, walk.tangent[k]) + scaled(slope_last, walk.before[k]) - scaled(at_last, walk.way_back[k]);
+        by[k] = {select(walk.rests, zero, each.re), select(walk.rests, zero, each.im)};
     }
-    paths.left = s;
-    paths.regular = 0;
-    Block error = __builtin_inf();
-    for (int round = 0; round < 6; ++round) {
-        const ComplexStep step = complex_step(arm, way, paths.z, zero);
-        const Block size = largest_square(step.correction);
-        const auto better = (s <= zero) & (size < error) & (size < Block(0.01));
-        CBlock z[6];
-        for (int k = 0; k < 6; ++k) z[k] = paths.z[k];
-        advance(arm, z, step.correction);
-        for (int k = 0; k < 6; ++k) paths.z[k] = select<Block>(better, z[k], paths.z[k]);
-        error = select(better, size, error);
-        paths.regular = bits(error < Block(AT_END * AT_END)) & lanes;
-        if (round > 0 && paths.regular == (bits(s <= zero) & lanes)) break;
+    return by;
+}
+
+// Ahead by a cubic, then one step of Newton's method, which gives the next tangent too. Returns the lanes that arrived at a
+// regular end, and those that came to an end at all.
+PART unsigned walk_on(const Written<6>& arm, const Way& way, Walk& walk, unsigned& ended) {
+    const Block zero = 0.0;
+    walk.h = min(walk.h, walk.s);
+    const Six<CBlock> by = next_step(walk);
+    CBlock z[6];
+    for (int k = 0; k < 6; ++k) z[k] = walk.z[k];
+    advance(arm, z, by);
+    const Block ahead = select(walk.rests, walk.s, select(walk.h < walk.s, walk.s - walk.h, zero));
+    const ComplexStep step = complex_step(arm, way, z, ahead);
+    const Block size = largest_square(step.correction), length = largest_square(by) + 1e-18;
+    const Block largest = LARGEST_CORRECTION * LARGEST_CORRECTION, bound = min(LARGEST_SHARE * LARGEST_SHARE * length, largest);
+    const auto arrived = walk.moves & !walk.rests & (size <= bound) & (length < Block(LONGEST * LONGEST));
+    const auto good = arrived | (walk.moves & walk.rests & (size < largest));
+    advance(arm, z, step.correction);
+    Block far = 0.0;
+    for (int k = 0; k < 6; ++k) {
+        walk.z[k] = select<Block>(good, z[k], walk.z[k]);
+        walk.way_back[k] = select<Block>(arrived, by[k], walk.way_back[k]) + select<Block>(good, step.correction[k], 0.0);
+        walk.before[k] = select<Block>(arrived, walk.tangent[k], walk.before[k]);
+        walk.tangent[k] = select<Block>(good, step.tangent[k], walk.tangent[k]);
+        const Block each = square(walk.z[k]);
+        far = max(far, arm.slides[k] ? each : max(each, 1.0 / (each + TINY)));
+    }
+    // The correction grows with the fourth power of the step, its square with the eighth.
+    const Block aim = min(AIM_SHARE * AIM_SHARE * length, Block(AIM * AIM));
+    const Block grown = min(sqrt(sqrt(sqrt(aim / (size + TINY)))), Block(4.0));
+    const Block shorter = select(walk.rests, Block(1.0), 0.8 * max(min(grown, Block(0.6)), Block(0.1)));
+    const unsigned regular = bits(walk.moves & walk.rests & (walk.s <= zero) & (size < Block(AT_END * AT_END)));
+    walk.last = select(arrived, walk.h, walk.last);
+    walk.s = select(arrived, ahead, walk.s);
+    walk.h = walk.h * select(arrived, max(grown, Block(0.5)), shorter);
+    const auto there = walk.s <= zero;
+    walk.rests = (walk.moves & !arrived & !walk.rests) | there;
+    walk.steps += 1.0, walk.at_end += select(there, Block(1.0), 0.0);
+    const auto stuck = (walk.s < Block(SHORTEST)) & !there;
+    ended = regular | bits(walk.moves & (stuck | (far > Block(INFINITE)) | (walk.steps > Block(MOST_STEPS)) |
+                                         (walk.at_end > Block(MOST_AT_END))));
+    return regular;
+}
+
+// All paths that begin at the solutions `from` of the known pose. A lane whose path has ended takes the next one.
+PART void follow_all(const Written<6>& arm, const Way& way, const double (*from)[6][2], int many, PathEnds& to) {
+    Walk walk = {};
+    int path[BLOCK], next = 0;
+    Six<CBlock>* const vectors[3] = {&walk.tangent, &walk.before, &walk.way_back};
+    const auto begin = [&](int l) {
+        path[l] = next < many ? next++ : -1;
+        for (int k = 0; k < 6; ++k) {
+            const double (&z)[2] = from[path[l] < 0 ? 0 : path[l]][k];
+            walk.z[k].re.set(l, z[0]), walk.z[k].im.set(l, z[1]);
+            for (Six<CBlock>* each : vectors) (*each)[k].re.set(l, 0.0), (*each)[k].im.set(l, 0.0);
+        }
+        walk.s.set(l, 1.0), walk.h.set(l, 0.1);
+        walk.last.set(l, 0.0), walk.steps.set(l, 0.0), walk.at_end.set(l, 0.0);
+    };
+    to.many = many;
+    double moves[BLOCK], rests[BLOCK];
+    for (int l = 0; l < BLOCK; ++l) begin(l), moves[l] = path[l] >= 0, rests[l] = 1.0;
+    walk.moves = load<Block>(moves) > Block(0.0), walk.rests = load<Block>(rests) > Block(0.0);
+    while (any(walk.moves)) {
+        unsigned ended;
+        const unsigned regular = walk_on(arm, way, walk, ended);
+        if (!ended) continue;
+        const unsigned resting = bits(walk.rests);
+        for (int l = 0; l < BLOCK; ++l) {
+            rests[l] = (resting | ended) >> l & 1;
+            if (!(ended >> l & 1)) continue;
+            const int i = path[l];
+            to.left[i] = walk.s[l], to.regular[i] = regular >> l & 1;
+            for (int k = 0; k < 6; ++k) to.z[i][k][0] = walk.z[k].re[l], to.z[i][k][1] = walk.z[k].im[l];
+            begin(l), moves[l] = path[l] >= 0;
+        }
+        walk.moves = load<Block>(moves) > Block(0.0), walk.rests = load<Block>(rests) > Block(0.0);
     }
 }
 
@@ -265,34 +300,6 @@ STEP Quaternion<double> quaternion_of(const Rot<double>& R) {
     else q = {c, {zx, yz, own}};
     const double w = 1.0 / sqrt(q.w * q.w + dot(q.v, q.v));
     return {w * q.w, w * q.v};
-}
-
-// The complex solutions of a pose: e^(i angle) or lengths as in KnownPose, which of them are regular, and the s at which
-// the paths of the others stopped.
-struct PathEnds {
-    static constexpr int most = KnownPose::most;
-    int many;
-    double z[most][6][2], left[most];
-    bool regular[most];
-};
-
-PART void follow_all(const Written<6>& arm, const Way& way, const double (*from)[6][2], int many, PathEnds& to) {
-    to.many = many;
-    for (int start = 0; start < many; start += BLOCK) {
-        const int here = many - start < BLOCK ? many - start : BLOCK;
-        Paths paths;
-        for (int k = 0; k < 6; ++k) {
-            for (int l = 0; l < BLOCK; ++l) {
-                const double (&z)[2] = from[start + (l < here ? l : 0)][k];
-                paths.z[k].re.set(l, z[0]), paths.z[k].im.set(l, z[1]);
-            }
-        }
-        follow_paths(arm, way, paths, (1u << here) - 1);
-        for (int l = 0; l < here; ++l) {
-            to.left[start + l] = paths.left[l], to.regular[start + l] = paths.regular >> l & 1;
-            for (int k = 0; k < 6; ++k) to.z[start + l][k][0] = paths.z[k].re[l], to.z[start + l][k][1] = paths.z[k].im[l];
-        }
-    }
 }
 
 // How far apart two complex solutions are: the greatest difference of a joint, rad or sizes.

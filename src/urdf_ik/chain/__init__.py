@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from urdf_ik.chain.serial import MOVABLE, Chain, Follower, TreeJoint, followed, held_values
+from urdf_ik.chain.mimic import CoupledChain
+from urdf_ik.chain.rank import is_redundant, kinds_of, least_stretches, sampled
+from urdf_ik.chain.reading import from_urdf
+from urdf_ik.chain.serial import Chain, Follower, TreeJoint
 
 __all__ = [
-    "MOVABLE",
     "Chain",
+    "CoupledChain",
     "Follower",
     "TreeJoint",
-    "followed",
-    "held_values",
+    "from_urdf",
+    "is_redundant",
+    "kinds_of",
+    "least_stretches",
+    "sampled",
 ]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik.chain.serial import Chain, followed, held_values
+from urdf_ik.chain.serial import Chain, held_values
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -131,7 +131,7 @@ def coupled(model: UrdfModel, axes: Chain, movable: list[Joint]) -> Chain:
         axes: chain of all movable joints, mimicking ones too, as if each were free; its tree is the URDF's.
         movable: these joints of the URDF.
     """
-    rows = [followed(model, joint) for joint in movable]
+    rows = [model.driver(joint) for joint in movable]
     drivers = list({driver.name: driver for driver, _, _ in rows}.values())
     names = tuple(driver.name for driver in drivers)
     gain = np.zeros((len(rows), len(names)))

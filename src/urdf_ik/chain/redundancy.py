@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.angles import wrapped
 from urdf_ik.errors import JointVectorError
 
 if TYPE_CHECKING:
@@ -97,11 +98,6 @@ class Redundancy:
     def wrapped(self, values: Array) -> Array:
         """``values`` with angles in (-pi, pi], as joint vectors of solutions hold them."""
         return values if self.unit == "m" else wrapped(values)
-
-
-def wrapped(angles: Array) -> Array:
-    """``angles`` [rad] in (-pi, pi]; those that are there already keep their digits."""
-    return np.where(np.abs(angles) < np.pi, angles, np.pi - np.remainder(np.pi - angles, 2.0 * np.pi))
 
 
 def swivel_of(joint: str) -> Redundancy:

@@ -10,16 +10,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from urdf_ik import _core
-from urdf_ik.errors import ChainError, JointVectorError, UnsupportedArm
+from urdf_ik.errors import ChainError, JointVectorError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.urdf import Joint, UrdfModel
-
-MOVABLE = ("revolute", "continuous", "prismatic")
 
 
 @dataclass(frozen=True)
@@ -147,54 +143,6 @@ class Chain:
     def size(self) -> float:
         """Length that tolerances are relative to [m]: the sum of the steps between the axes and to the tip."""
         return float(np.linalg.norm(self.P[1:], axis=1).sum()) or 1.0
-
-    @classmethod
-    def from_urdf(cls, model: UrdfModel, base: str | None = None, tip: str | None = None) -> Chain:
-        """Build the chain from ``base`` to ``tip``.
-
-        Raises:
-            ChainError: base or tip is unknown, ambiguous, or not on one chain.
-            UnsupportedArm: a joint of the chain is of a type that cannot be solved.
-        """
-        base, tip = model.resolve_chain(base, tip)
-        movable: list[Joint] = []
-        H: list[NDArray[np.float64]] = []
-        points: list[NDArray[np.float64]] = [np.zeros(3)]
-        frame, link = np.eye(4), base
-        for joint in model.path_between(base, tip):
-            upwards = joint.child == link
-            link = joint.parent if upwards else joint.child
-            if not upwards:
-                frame = frame @ joint.origin
-            if joint.type != "fixed":
-                _require_supported(model, joint)
-                direction = frame[:3, :3] @ joint.axis
-                movable.append(joint)
-                H.append((-1.0 if upwards else 1.0) * direction / np.linalg.norm(direction))
-                points.append(frame[:3, 3].copy())
-            if upwards:
-                frame = frame @ np.linalg.inv(joint.origin)
-        points.append(frame[:3, 3].copy())
-        names = tuple(dict.fromkeys(followed(model, joint)[0].name for joint in movable))
-        limits = [(-np.inf, np.inf) if joint.type == "continuous" else (joint.lower, joint.upper) for joint in movable]
-        chain = cls(
-            base=base,
-            tip=tip,
-            joint_names=tuple(joint.name for joint in movable),
-            joint_types=tuple(joint.type for joint in movable),
-            H=np.array(H, dtype=np.float64).reshape(-1, 3),
-            P=np.diff(np.array(points), axis=0),
-            R_tip=np.ascontiguousarray(frame[:3, :3]),
-            limits=np.array(limits, dtype=np.float64).reshape(-1, 2),
-            tree=_tree(model, names),
-            root=model.root,
-            followers=tuple(_follower(model, joint) for joint in movable if joint.mimic is not None),
-        )
-        if not chain.followers:
-            return chain
-        from urdf_ik.chain.mimic import coupled
-
-        return coupled(model, chain, movable)
 
     def reversed(self) -> Chain:
         """The same joints from tip to base: its poses are the inverses, its joint vectors run backwards."""
@@ -349,53 +297,3 @@ def _held_at(name: str, value: float) -> float:
     if not math.isfinite(held):
         raise JointVectorError(f"joint {name!r} cannot be locked at {value!r}; one finite number is needed, rad or m")
     return held
-
-
-def _require_supported(model: UrdfModel, joint: Joint) -> None:
-    if joint.type not in MOVABLE:
-        raise UnsupportedArm(
-            f"{model.source}: joint {joint.name!r} of the chain is {joint.type}; "
-            f"only fixed, {', '.join(MOVABLE)} joints can be solved"
-        )
-
-
-def followed(model: UrdfModel, joint: Joint) -> tuple[Joint, float, float]:
-    """The joint at the end of a row of mimics, itself for one that is free, with multiplier and offset."""
-    by_name = {each.name: each for each in model.joints} if joint.mimic else {}
-    multiplier, offset = 1.0, 0.0
-    while joint.mimic is not None and joint.mimic[0] in by_name:
-        name, factor, shift = joint.mimic
-        offset += multiplier * shift
-        multiplier *= factor
-        joint = by_name[name]
-    return joint, multiplier, offset
-
-
-def _follower(model: UrdfModel, joint: Joint) -> Follower:
-    driver, multiplier, offset = followed(model, joint)
-    return Follower(joint.name, driver.name, multiplier, offset)
-
-
-def _tree(model: UrdfModel, names: tuple[str, ...]) -> tuple[TreeJoint, ...]:
-    """Every joint of the URDF, parents before children."""
-    out: list[TreeJoint] = []
-    waiting = [model.root]
-    while waiting:
-        for joint in model.children(waiting.pop()):
-            driver, multiplier, offset = followed(model, joint)
-            moves = joint.type in MOVABLE
-            column = names.index(driver.name) if moves and driver.name in names else None
-            out.append(
-                TreeJoint(
-                    parent=joint.parent,
-                    child=joint.child,
-                    origin=joint.origin,
-                    axis=np.ascontiguousarray(joint.axis, dtype=np.float64),
-                    prismatic=joint.type == "prismatic",
-                    column=column,
-                    multiplier=multiplier,
-                    offset=offset if moves else 0.0,
-                )
-            )
-            waiting.append(joint.child)
-    return tuple(out)

@@ -2,4 +2,5 @@
 
 from urdf_ik.cli.application import main
 
-main()
+if __name__ == "__main__":
+    main()

@@ -151,7 +151,8 @@ def as_json(answer: Answer, angles: Angles) -> str:
 
 def explanation(answer: Answer, pose: int) -> str:
     """Why a pose has no solution."""
-    return str(answer.solutions[pose].explain())
+    one: IKSolutions = answer.solutions[pose]
+    return one.explain()
 
 
 def as_csv(answer: Answer, angles: Angles) -> str:

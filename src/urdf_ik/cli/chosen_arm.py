@@ -37,14 +37,14 @@ class ChosenArm:
             typer.BadParameter: standard input is closed, or a lock is no NAME=VALUE.
             UrdfIkError: there is no such arm.
         """
-        import urdf_ik
+        from urdf_ik.arm import load
         from urdf_ik.cli import free_value
 
         if self.robot == "-" and sys.stdin is None:
             raise typer.BadParameter("standard input is closed", param_hint="ROBOT")
         locked = free_value.locked(self.lock or (), self.lock_option)
         source = sys.stdin.buffer if self.robot == "-" else self.robot
-        return urdf_ik.load(source, base=self.base, tip=self.tip, locked=locked, mesh_roots=self.mesh_root or ())
+        return load(source, base=self.base, tip=self.tip, locked=locked, mesh_roots=self.mesh_root or ())
 
     def without_stdin(self, source: str | None, option: str) -> None:
         """Refuse that ``source``, which ``option`` names, is standard input too."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-import math
 import sys
 import zipfile
 import zlib
@@ -16,6 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import typer
+
+from urdf_ik import text as texts
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -157,8 +158,8 @@ def csv_text(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
 
 
 def json_text(value: Any) -> str:
-    """JSON with a line for every list of plain values; numbers that it does not have (infinities, NaN) become null."""
-    return _json_lines(_plain(value), "\n") + "\n"
+    """JSON text of an answer; numbers that it does not have (infinities, NaN) become null."""
+    return texts.json_text(value, nulls=True)
 
 
 def npz_bytes(arrays: dict[str, Any]) -> bytes:
@@ -170,30 +171,6 @@ def npz_bytes(arrays: dict[str, Any]) -> bytes:
 
 def _encoding() -> str:
     return getattr(sys.stdout, "encoding", None) or "utf-8"
-
-
-def _json_lines(value: Any, newline: str) -> str:
-    items = list(value.values()) if isinstance(value, dict) else value if isinstance(value, list) else []
-    if not items or (isinstance(value, list) and not any(isinstance(item, dict | list) for item in items)):
-        return json.dumps(value, allow_nan=False)
-    inner = newline + "  "
-    texts = [_json_lines(item, inner) for item in items]
-    if isinstance(value, list):
-        return "[" + inner + ("," + inner).join(texts) + newline + "]"
-    members = [f"{json.dumps(key)}: {text}" for key, text in zip(value, texts, strict=True)]
-    return "{" + inner + ("," + inner).join(members) + newline + "}"
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, np.ndarray | np.generic):
-        return _plain(value.tolist())
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
 
 
 def place(source: str) -> str:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.angles import shortest
 from urdf_ik.comparison.report import BranchChange, Reach, ToolError
 
 if TYPE_CHECKING:
@@ -112,7 +113,7 @@ class Answers:
     def _gap(self, q: Array, other: Array) -> Array:
         """Difference of each joint (..., n), that of an angle on the circle."""
         difference = np.abs(q - other)
-        out: Array = np.where(self.a.rotary, np.abs(np.remainder(difference + np.pi, 2.0 * np.pi) - np.pi), difference)
+        out: Array = np.where(self.a.rotary, np.abs(shortest(difference)), difference)
         return out
 
 

@@ -8,8 +8,7 @@ import numpy as np
 
 from urdf_ik.comparison import asking
 from urdf_ik.comparison.report import AxisChange, Comparison, Fact, LimitChange, Side
-from urdf_ik.errors import UrdfIkError
-from urdf_ik.structure import sentences
+from urdf_ik.errors import ArgumentError, UrdfIkError
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
@@ -45,12 +44,12 @@ def compare(
         The comparison; ``print`` it, or take its fields.
 
     Raises:
-        UrdfIkError: n is below 1, or the seed is negative.
+        ArgumentError: n is below 1, or the seed is negative.
     """
     if n < 1:
-        raise UrdfIkError(f"n = {n}: at least one pose must be compared")
+        raise ArgumentError(f"n = {n}: at least one pose must be compared")
     if seed < 0:
-        raise UrdfIkError(f"seed = {seed}: a seed is zero or more")
+        raise ArgumentError(f"seed = {seed}: a seed is zero or more")
     notes: list[str] = []
     order, reason = asking.paired(a, b)
     if reason:
@@ -104,7 +103,7 @@ def _structure(a: Arm, b: Arm) -> tuple[Fact, ...]:
             "family": structure.family or "none that is solved",
             "controls": arm.task,
             "solutions at most": str(structure.max_solutions),
-            "cuspidal": words[structure.cuspidal],
+            "cuspidal": words[arm.cuspidal],
         }
         if structure.family:
             facts["exact"] = "yes" if structure.is_exact or structure.is_general else _off(arm)
@@ -129,7 +128,7 @@ def _structure(a: Arm, b: Arm) -> tuple[Fact, ...]:
 def _off(arm: Arm) -> str:
     angle, distance = arm.structure.imperfection
     if max(angle, distance) == 0.0:
-        return sentences.imperfection(arm.structure)
+        return arm.structure.imperfection_in_words()
     return f"off by {angle:.2g} rad, {distance:.2g} m"
 
 

@@ -10,8 +10,7 @@ import pinocchio as pin
 from urdf_ik.completeness.report import BOTH, SECOND, SOLVER, Completeness, Difference, Group
 from urdf_ik.completeness.sameness import Judge, Unmatched, distance_to_singularity, plant
 from urdf_ik.completeness.second_way import SecondWay
-from urdf_ik.errors import UnsupportedArm, UrdfIkError
-from urdf_ik.families import general_6r
+from urdf_ik.errors import ArgumentError, UnsupportedArm
 from urdf_ik.reference import Reference
 
 if TYPE_CHECKING:
@@ -45,13 +44,13 @@ def compare(
 
     Raises:
         UnsupportedArm: the arm has no solver, or is not one of six turning joints.
-        UrdfIkError: n is below 1, or the seed is negative.
+        ArgumentError: n is below 1, or the seed is negative.
     """
     if n < 1:
-        raise UrdfIkError(f"n = {n}: at least one pose must be compared")
+        raise ArgumentError(f"n = {n}: at least one pose must be compared")
     if seed < 0:
-        raise UrdfIkError(f"seed = {seed}: a seed is zero or more")
-    if arm.dof != 6 or not general_6r.matches(arm.structure):
+        raise ArgumentError(f"seed = {seed}: a seed is zero or more")
+    if arm.dof != 6 or not arm.structure.is_6r:
         kinds = ", ".join(arm.chain.joint_types)
         raise UnsupportedArm(f"{arm.name}: completeness is compared for six turning joints, and this arm has {kinds}")
     judge = Judge(arm.chain, Reference(arm.model, arm.base, arm.tip))

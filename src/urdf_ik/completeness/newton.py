@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.angles import shortest
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -68,7 +70,7 @@ def descend(
         J[:, :3] /= chain.size
         step = _damped(J, e[on], np.minimum(1e-2 * error[on], 1e-2) + _LEAST_DAMPING)
         step *= np.minimum(1.0, 0.5 / (np.abs(step).max(axis=1, keepdims=True) + 1e-300))
-        q = turn(q + step)
+        q = shortest(q + step)
     return best, least
 
 
@@ -86,15 +88,3 @@ def _damped(J: Array, e: Array, damping: Array) -> Array:
         along = (e[weak, None, :] @ U)[:, 0] * s / (s**2 + damping[weak, None] ** 2)
         step[weak] = (along[:, None, :] @ V)[:, 0]
     return step
-
-
-def turn(step: Array) -> Array:
-    """Angles [rad], or differences of them, modulo 2 pi to [-pi, pi)."""
-    turned: Array = (step + np.pi) % (2.0 * np.pi) - np.pi
-    return turned
-
-
-def apart(a: Array, b: Array) -> Array:
-    """Largest angle (...) [rad] between joint vectors (..., 6)."""
-    largest: Array = np.abs(turn(a - b)).max(axis=-1, initial=0.0)
-    return largest

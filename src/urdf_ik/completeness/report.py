@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from urdf_ik.crosscheck.properties import EXACT
-from urdf_ik.crosscheck.report import plain
+from urdf_ik.text import aligned, json_text, plain
 
 if TYPE_CHECKING:
     from urdf_ik.completeness.sameness import Unmatched
@@ -147,19 +146,10 @@ class Completeness:
 
     def to_json(self) -> str:
         """:meth:`to_dict` as strict JSON."""
-        return json.dumps(self.to_dict(), indent=2, allow_nan=False) + "\n"
+        return json_text(self.to_dict())
 
     def __str__(self) -> str:
-        table = [_HEADER, *(group.cells() for group in self.groups)]
-        widths = [max(map(len, column)) for column in zip(*table, strict=True)]
-        lines = [
-            "  ".join(
-                cell.rjust(width) if i else cell.ljust(width)
-                for i, (cell, width) in enumerate(zip(cells, widths, strict=True))
-            ).rstrip()
-            for cells in table
-        ]
-        lines.insert(1, "  ".join("-" * width for width in widths))
+        lines = aligned([_HEADER, *(group.cells() for group in self.groups)], left=(0,), rule=True)
         title = f"{self.robot}, {self.base} to {self.tip}: all solutions by two ways, seed {self.seed}, {self.judge}"
         ways = [f"solver:     {self.solver}", f"second way: {self.second}"]
         return "\n".join([title, *ways, "", *lines, "", *self._details(), self.verdict()])

@@ -19,7 +19,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik.completeness.newton import apart, descend, errors, turn
+from urdf_ik.angles import largest_apart, shortest
+from urdf_ik.completeness.newton import descend, errors
 from urdf_ik.crosscheck.properties import EXACT
 from urdf_ik.tolerances import DEFAULT
 
@@ -131,21 +132,21 @@ class Judge:
 
     def to_nearest(self, q: Array, others: Array) -> float:
         """Largest angle [rad] from q to the nearest of the others that is not q itself; infinite without one."""
-        far = apart(others, q)
+        far = largest_apart(others, q)
         return float(far[far > SAME].min(initial=np.inf))
 
     def _has(self, T: Array, q: Array, others: Array, count: Unmatched | None) -> bool:
         """Whether q (6,) is one of the others (k, 6); ``count`` is told where that took more than closeness."""
-        if (apart(others, q) <= SAME).any():
+        if (largest_apart(others, q) <= SAME).any():
             return True
         q = descend(self._chain, T, q[None], 20, 0.0)[0][0]
         tolerance = SAME + min(ROUNDING / max(self.sigma_min(q), 1e-300), LOOSEST)
         others = descend(self._chain, T, others, 20, 0.0)[0]
-        far = apart(others, q)
+        far = largest_apart(others, q)
         if (far <= tolerance).any():
             return True
         near = others[far < NEIGHBOURS]
-        if any(self._error(T, q + 0.5 * turn(other - q)) <= DEFAULT.fold for other in near):
+        if any(self._error(T, q + 0.5 * shortest(other - q)) <= DEFAULT.fold for other in near):
             if count is not None:
                 count.double_roots += 1
             return True
@@ -165,12 +166,12 @@ class Judge:
                 there = here + STEP * ahead
                 if not self._correct(T, there):
                     break
-                ahead = turn(there - here)
+                ahead = shortest(there - here)
                 ahead /= np.linalg.norm(ahead)
                 here = there
-                if (apart(others, here) < STEP).any():
+                if (largest_apart(others, here) < STEP).any():
                     return True
-                if np.abs(turn(here - q)).max() < 0.5 * STEP:
+                if np.abs(shortest(here - q)).max() < 0.5 * STEP:
                     return False  # all the way round
         return False
 

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik.completeness.newton import CONVERGED, apart, descend, errors, turn
+from urdf_ik.angles import largest_apart, shortest
+from urdf_ik.completeness.newton import CONVERGED, descend, errors
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
@@ -72,11 +73,11 @@ class SecondWay:
 
     def _is_new(self, T: Array, q: Array, others: Array) -> bool:
         """Whether q (6,) is neither among the others (k, 6) nor a double root with one of them."""
-        far = apart(others, q)
+        far = largest_apart(others, q)
         if (far <= _SAME).any():
             return False
         near = others[far < _BESIDE]
-        return not (errors(self.chain, T, q + 0.5 * turn(near - q))[1] <= DEFAULT.fold).any()
+        return not (errors(self.chain, T, q + 0.5 * shortest(near - q))[1] <= DEFAULT.fold).any()
 
     def name_of(self, column: int) -> str:
         """What the report calls a solution of its."""
@@ -146,7 +147,7 @@ def _roots(h: Array, a: Array, G: Array, shifts: Array) -> Array:
         goal = _rotated(h[k], -q[:, k], goal)
     seen[:] = across
     q[:, 5] = np.arctan2(np.cross(seen, goal) @ h[5], np.einsum("ij,ij->i", seen, goal))
-    return turn(q)
+    return shortest(q)
 
 
 def _equations(p: Array, d: Array) -> Array:

@@ -10,7 +10,7 @@ import pinocchio as pin
 from urdf_ik.collision import CollisionModel
 from urdf_ik.crosscheck.properties import Collision, Inverse, Kinematics, limits
 from urdf_ik.crosscheck.report import Report
-from urdf_ik.errors import UrdfError, UrdfIkError
+from urdf_ik.errors import ArgumentError, UrdfError
 from urdf_ik.reference import Reference
 
 if TYPE_CHECKING:
@@ -75,10 +75,10 @@ def check(
 
     Raises:
         UrdfError: ``collision`` is true, and there are no collision shapes or not all of them can be read.
-        UrdfIkError: n is below 1, or the seed is negative.
+        ArgumentError: n is below 1, or the seed is negative.
     """
     if n < 1:
-        raise UrdfIkError(f"n = {n}: at least one pose must be checked")
+        raise ArgumentError(f"n = {n}: at least one pose must be checked")
     _require_seed(seed)
     judge = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
     names = limits(arm, judge)
@@ -126,11 +126,11 @@ def replay(arm: Arm, seed: int, index: int) -> tuple[Array, Array]:
         The planted joint vector (n,) [rad or m] and Pinocchio's pose for it, (4, 4) [m].
 
     Raises:
-        UrdfIkError: the seed or the index is negative.
+        ArgumentError: the seed or the index is negative.
     """
     _require_seed(seed)
     if index < 0:
-        raise UrdfIkError(f"index = {index}: poses are counted from 0")
+        raise ArgumentError(f"index = {index}: poses are counted from 0")
     judge = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
     q = _draw(judge, seed, index)
     return q, judge.pose(q)
@@ -145,7 +145,7 @@ def _draw(judge: Reference, seed: int, index: int) -> Array:
 
 def _require_seed(seed: int) -> None:
     if seed < 0:
-        raise UrdfIkError(f"seed = {seed}: a seed is zero or more")
+        raise ArgumentError(f"seed = {seed}: a seed is zero or more")
 
 
 def _collision(arm: Arm, wanted: bool | None, most: int | None) -> tuple[Collision | None, str]:

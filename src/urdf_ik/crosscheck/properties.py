@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdf_ik.angles import shortest
 from urdf_ik.crosscheck.report import Row
 from urdf_ik.errors import PoseError, UnsupportedArm
 from urdf_ik.reference import finite, pose_errors
@@ -237,8 +238,7 @@ class Inverse:
     def _apart(self, a: Array, b: Array) -> Array:
         """Largest difference (...) [rad or m] between joint vectors (..., n), revolute joints modulo 2 pi."""
         step = np.asarray(a - b)
-        turned = (step + np.pi) % (2.0 * np.pi) - np.pi
-        apart: Array = np.abs(np.where(self._judge.prismatic, step, turned)).max(axis=-1, initial=0.0)
+        apart: Array = np.abs(np.where(self._judge.prismatic, step, shortest(step))).max(axis=-1, initial=0.0)
         return apart
 
     def _sigma_min(self, Q: Array) -> Array:
@@ -261,8 +261,7 @@ class Inverse:
         """Central differences (k, n) of the redundancy parameter at Q (k, n)."""
         step = 1e-6 * np.eye(Q.shape[-1])
         ahead, behind = (self._arm.redundancy_of(Q[:, None] + side * step) for side in (1.0, -1.0))
-        turned: Array = (ahead - behind + np.pi) % (2.0 * np.pi) - np.pi
-        return turned / 2e-6
+        return shortest(ahead - behind) / 2e-6
 
 
 class Collision:

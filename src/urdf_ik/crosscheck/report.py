@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
-import math
 from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any
+
+from urdf_ik.text import aligned, json_text, plain
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -112,7 +113,7 @@ class Report:
 
     def to_json(self) -> str:
         """:meth:`to_dict` as strict JSON."""
-        return json.dumps(self.to_dict(), indent=2, allow_nan=False) + "\n"
+        return json_text(self.to_dict())
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Report:
@@ -157,17 +158,7 @@ class Report:
         return tuple(lines)
 
     def __str__(self) -> str:
-        table = [_HEADER, *(row.cells() for row in self.rows)]
-        widths = [max(map(len, column)) for column in zip(*table, strict=True)]
-        numbers = (1, 2, 4)
-        lines = [
-            "  ".join(
-                cell.rjust(width) if i in numbers else cell.ljust(width)
-                for i, (cell, width) in enumerate(zip(cells, widths, strict=True))
-            ).rstrip()
-            for cells in table
-        ]
-        lines.insert(1, "  ".join("-" * width for width in widths))
+        lines = aligned([_HEADER, *(row.cells() for row in self.rows)], left=(0, 3, 5), rule=True)
         return "\n".join([self.title(), "", *lines, "", *self.remarks()])
 
     def __rich__(self) -> Table:
@@ -181,14 +172,3 @@ class Report:
             *cells, result = row.cells()
             table.add_row(*map(Text, cells), Text(result, style="green" if row.passed else "bold red"))
         return table
-
-
-def plain(value: Any) -> Any:
-    """``value`` with tuples as lists and infinite numbers as text, which JSON can hold."""
-    if isinstance(value, dict):
-        return {key: plain(each) for key, each in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(each) for each in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return str(value)
-    return value

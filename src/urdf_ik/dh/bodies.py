@@ -18,7 +18,7 @@ from urdf_ik.poses import pose
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from urdf_ik.dh.table import DHTable
+    from urdf_ik.dh.fields import TableFields
 
     Array = NDArray[np.float64]
 
@@ -53,7 +53,7 @@ class Body:
     collides: bool = True
 
 
-def bodies(table: DHTable) -> list[list[Body]]:
+def bodies(table: TableFields) -> list[list[Body]]:
     """Primitives of the base link and of each joint's link."""
     origins = table.origins()
     ends = np.linalg.norm(origins[:, :3, 3], axis=1)
@@ -86,7 +86,7 @@ def _hub(slides: bool, radius: float, collides: bool) -> Body:
     return Body("cylinder", (radius, 2.0 * _HALF_HUB * radius), np.eye(4), "orange", collides=collides)
 
 
-def _legs(table: DHTable, link: int, to: Array, radius: float, extent: float) -> list[Body]:
+def _legs(table: TableFields, link: int, to: Array, radius: float, extent: float) -> list[Body]:
     """Legs from the origin of a link's frame along x and z, as the convention has it, to the next joint."""
     end = to[:3, 3]
     corner = np.array([0.0, 0.0, end[2]])

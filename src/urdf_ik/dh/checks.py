@@ -13,7 +13,7 @@ from urdf_ik.poses import check_poses
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from urdf_ik.dh.table import DHTable
+    from urdf_ik.dh.fields import TableFields
 
     Array = NDArray[np.float64]
 
@@ -23,7 +23,7 @@ JOINT_TYPES = ("revolute", "continuous", "prismatic")
 LETTERS = {"R": "revolute", "C": "continuous", "P": "prismatic"}
 
 
-def check(table: DHTable) -> None:
+def check(table: TableFields) -> None:
     """Check every field of the table, and freeze its arrays.
 
     Raises:
@@ -143,7 +143,7 @@ def _check_names(names: Sequence[str], n: int) -> None:
             raise DHError(f"{name!r} is the name of row {names.index(name) + 1}, too", row=row, column="name")
 
 
-def _check_limits(table: DHTable) -> None:
+def _check_limits(table: TableFields) -> None:
     if table.limits.shape != (len(table.alpha), 2):
         raise DHError(f"limits of shape {table.limits.shape} given; ({len(table.alpha)}, 2) is needed")
     for row, (kind, (lower, upper)) in enumerate(zip(table.joint_types, table.limits, strict=True), start=1):

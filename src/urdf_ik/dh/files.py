@@ -17,13 +17,14 @@ import numpy as np
 from urdf_ik.dh.checks import COLUMNS
 from urdf_ik.errors import DHError, PoseError
 from urdf_ik.poses import pose, to_rpy
+from urdf_ik.text import aligned
 
 if TYPE_CHECKING:
     import os
 
     from numpy.typing import NDArray
 
-    from urdf_ik.dh.table import DHTable
+    from urdf_ik.dh.fields import TableFields
 
     Array = NDArray[np.float64]
 
@@ -35,7 +36,7 @@ _FRAME_FORM = "x y z roll pitch yaw: three numbers in m, three angles"
 
 
 def read(path: str | os.PathLike[str], convention: str | None, degrees: bool) -> dict[str, Any]:
-    """Arguments of :meth:`DHTable.from_array` from a file.
+    """Arguments of :meth:`urdf_ik.DHTable.from_array` from a file.
 
     Raises:
         DHError: the file cannot be read or holds no table; the error names row, column and value.
@@ -66,7 +67,7 @@ def read(path: str | os.PathLike[str], convention: str | None, degrees: bool) ->
     }
 
 
-def as_csv(table: DHTable, degrees: bool) -> str:
+def as_csv(table: TableFields, degrees: bool) -> str:
     """CSV text with every digit."""
     out = io.StringIO()
     for key, value in _whole(table, degrees).items():
@@ -79,22 +80,21 @@ def as_csv(table: DHTable, degrees: bool) -> str:
     return out.getvalue()
 
 
-def as_json(table: DHTable, degrees: bool) -> str:
+def as_json(table: TableFields, degrees: bool) -> str:
     """JSON text with every digit, a line for every joint."""
     whole = [f"  {json.dumps(key)}: {json.dumps(value)}," for key, value in _whole(table, degrees).items()]
     joints = ",\n".join(f"    {json.dumps(joint)}" for joint in _joints(table, degrees))
     return "\n".join(["{", *whole, '  "joints": [', joints, "  ]", "}", ""])
 
 
-def as_text(table: DHTable) -> str:
+def as_text(table: TableFields) -> str:
     """A table for people, in rad and m."""
     header, rows = cells(table, degrees=False)
-    widths = [max(map(len, column)) for column in zip(header, *rows, strict=True)]
-    lines = ["  ".join(cell.rjust(w) for cell, w in zip(row, widths, strict=True)) for row in (header, *rows)]
+    lines = aligned([header, *rows])
     return "\n".join([f"{table.name}: {table.convention} Denavit-Hartenberg table", *lines, *frames(table, False)])
 
 
-def cells(table: DHTable, degrees: bool) -> tuple[list[str], list[list[str]]]:
+def cells(table: TableFields, degrees: bool) -> tuple[list[str], list[list[str]]]:
     """Header and rows of texts; the joint's variable stands where it acts."""
     unit = "deg" if degrees else "rad"
     header = ["#", "joint", "type", f"alpha [{unit}]", "a [m]", "d [m]", f"theta [{unit}]", "lower", "upper"]
@@ -108,7 +108,7 @@ def cells(table: DHTable, degrees: bool) -> tuple[list[str], list[list[str]]]:
     return header, rows
 
 
-def frames(table: DHTable, degrees: bool) -> list[str]:
+def frames(table: TableFields, degrees: bool) -> list[str]:
     """A line for base and tool each, where they are not the identity."""
     whole = _whole(table, degrees)
     unit = whole["angles"]
@@ -120,7 +120,7 @@ def frames(table: DHTable, degrees: bool) -> list[str]:
     return lines
 
 
-def _whole(table: DHTable, degrees: bool) -> dict[str, Any]:
+def _whole(table: TableFields, degrees: bool) -> dict[str, Any]:
     out: dict[str, Any] = {"name": table.name, "convention": table.convention, "angles": "deg" if degrees else "rad"}
     for key in ("base", "tool"):
         T = getattr(table, key)
@@ -130,7 +130,7 @@ def _whole(table: DHTable, degrees: bool) -> dict[str, Any]:
     return out
 
 
-def _joints(table: DHTable, degrees: bool) -> list[dict[str, Any]]:
+def _joints(table: TableFields, degrees: bool) -> list[dict[str, Any]]:
     """One dictionary a row, keys in the order of the columns; a limit that is not there is None."""
 
     def angle(value: float) -> float:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdf_ik.angles import wrapped
 from urdf_ik.dh.frames import denavit_hartenberg, rotation_z, slide_z, step_x
 from urdf_ik.structure import closest_points
 
@@ -66,7 +67,7 @@ def fields_of(frames: DHFrames, chain: Chain, modified: bool) -> dict[str, Any]:
         if a[i] == 0.0 and alpha[i] in (0.0, np.pi):
             theta[i + 1] += np.cos(alpha[i]) * theta[i]
             theta[i] = 0.0
-        elif np.abs(_wrapped(theta[i])) > 0.5 * np.pi + 1e-9:
+        elif np.abs(wrapped(theta[i])) > 0.5 * np.pi + 1e-9:
             alpha[i], a[i] = -alpha[i], -a[i]
             theta[i : i + 2] += np.pi, -np.pi
     step = _as_step(np.linalg.inv(tool).astype(np.float64), chain.size)
@@ -77,10 +78,10 @@ def fields_of(frames: DHFrames, chain: Chain, modified: bool) -> dict[str, Any]:
     if modified:
         alpha, a = np.append(first[0], alpha[:-1]), np.append(first[1], a[:-1])
     return {
-        "alpha": _wrapped(_rounded(_wrapped(alpha), 1.0)),
+        "alpha": wrapped(_rounded(wrapped(alpha), 1.0)),
         "a": _rounded(a, chain.size),
         "d": _rounded(d, chain.size),
-        "theta": _wrapped(_rounded(_wrapped(theta), 1.0)),
+        "theta": wrapped(_rounded(wrapped(theta), 1.0)),
         "base": base,
         "tool": tool,
     }
@@ -96,12 +97,6 @@ def _as_step(T: Array, size: float) -> tuple[float, float, float, float] | None:
     apart = step_x(a, alpha) @ rotation_z(theta) @ slide_z(d) - T
     apart[:3, 3] /= size
     return (float(alpha), float(a), float(theta), float(d)) if np.abs(apart).max() < _ROUNDING_OF_STEP else None
-
-
-def _wrapped(angles: Array) -> Array:
-    """Angles in (-pi, pi]."""
-    inside = (angles > -np.pi) & (angles <= np.pi)
-    return np.where(inside, angles, np.pi - np.remainder(np.pi - angles, 2.0 * np.pi))
 
 
 def _rounded(values: Array, scale: float) -> Array:

@@ -11,12 +11,13 @@ from urdf_ik.dh import files
 from urdf_ik.dh.bodies import bodies
 from urdf_ik.errors import DHError
 from urdf_ik.poses import to_rpy
+from urdf_ik.text import aligned
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.dh.bodies import Body
-    from urdf_ik.dh.table import DHTable
+    from urdf_ik.dh.fields import TableFields
 
     Array = NDArray[np.float64]
 
@@ -24,7 +25,7 @@ _COLOURS = {"graphite": "0.18 0.19 0.21", "silver": "0.78 0.80 0.83", "orange": 
 _EFFORT, _VELOCITY = 100, {"revolute": 3, "continuous": 3, "prismatic": 1}
 
 
-def write(table: DHTable, base_link: str, tip_link: str) -> str:
+def write(table: TableFields, base_link: str, tip_link: str) -> str:
     """URDF text with the links ``base_link``, ``link_1`` ... ``link_n`` and ``tip_link``.
 
     Raises:
@@ -57,16 +58,15 @@ def write(table: DHTable, base_link: str, tip_link: str) -> str:
     return "\n".join(lines)
 
 
-def _remark(table: DHTable) -> list[str]:
+def _remark(table: TableFields) -> list[str]:
     step = "Rz(theta) Tz(d) Tx(a) Rx(alpha)" if table.convention == "standard" else "Rx(alpha) Tx(a) Rz(theta) Tz(d)"
     header, rows = files.cells(table, degrees=True)
     wanted = [header.index(name) for name in ("joint", "alpha [deg]", "a [m]", "d [m]", "theta [deg]")]
-    grid = [[row[k] for k in wanted] for row in (header, *rows)]
-    widths = [max(map(len, column)) for column in zip(*grid, strict=True)]
+    lines = aligned([[row[k] for k in wanted] for row in (header, *rows)])
     text = [
         f"From a Denavit-Hartenberg table in the {table.convention} convention, T(i-1, i) = {step}:",
         "",
-        *("  " + "  ".join(cell.rjust(w) for cell, w in zip(row, widths, strict=True)) for row in grid),
+        *("  " + line for line in lines),
         *("  " + line for line in files.frames(table, degrees=True)),
         "",
         "Every joint's axis is the z axis of its frame. Units: m, rad.",
@@ -75,7 +75,7 @@ def _remark(table: DHTable) -> list[str]:
     return ["<!--", *(f"  {escape(line)}".rstrip().replace("--", "- -") for line in text), "-->"]
 
 
-def _joint(table: DHTable, i: int, parent: str, child: str, origin: Array) -> list[str]:
+def _joint(table: TableFields, i: int, parent: str, child: str, origin: Array) -> list[str]:
     kind = table.joint_types[i]
     lower, upper = table.limits[i]
     bounds = "" if kind == "continuous" else f'lower="{number(lower)}" upper="{number(upper)}" '

@@ -11,15 +11,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik._core import Solver
+from urdf_ik.chain import is_redundant
 from urdf_ik.chain.mimic import MOST_TURNS, CoupledChain
 from urdf_ik.families import hollow_wrist
-from urdf_ik.families.few_joints import columns, is_redundant
-from urdf_ik.families.parts.plan import Plan, driven_values
+from urdf_ik.families.parts.family import Family, Plan, columns
+from urdf_ik.families.parts.values import driven_values
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.chain import Chain
+    from urdf_ik.structure import Structure
 
     Array = NDArray[np.float64]
 
@@ -30,27 +32,36 @@ _PARALLEL = 1e-10
 _COLUMNS, _MOST_COLUMNS, _TOO_WIDE = 16, 96, 1e3
 
 
-def prepare(chain: Chain) -> Plan | None:
-    """The plan for poses of a chain whose joints mimic others; None where ``why_not`` has a reason."""
-    if not isinstance(chain, CoupledChain) or why_not(chain):
-        return None
-    if chain.n > MOST_JOINTS:
-        return hollow_wrist.prepare(chain)
+def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
+    """The plan of an arm for which ``why_not`` has no reason."""
+    assert isinstance(chain, CoupledChain)
     kinds = "".join("P" if slides else "R" for slides in chain.axes.prismatic)
     kinds = kinds if "P" in kinds else f"{len(kinds)}R"
     turns = int(np.prod(np.maximum(chain.image_turns, 1.0)))
     names = columns(min(_MOST_COLUMNS, _COLUMNS * turns))
-    solver = Solver(f"coupled, {chain.n}", _values(chain, len(names)))
+    solver = Solver(f"{family.solver}, {chain.n}", _values(chain, len(names)))
     return Plan(
-        family=f"{kinds} driven by {chain.n} joint{'s' * (chain.n > 1)}",
+        family=family,
+        name=f"{kinds} driven by {chain.n} joint{'s' * (chain.n > 1)}",
+        reason=f"{family.reason}: {', '.join(map(str, chain.followers))}",
         method="Bisection of the joint space with proven bounds: every part is shown to hold no solution, or one, "
         "which Newton's method finds on the URDF as written" + _searched_within_limits(chain),
         branches=names,
-        imperfection=(0.0, 0.0),
-        error=0.0,
         explain=lambda T: _out_of_reach(chain, T[:3, 3]),
         solver=solver,
     )
+
+
+FAMILY = Family(
+    name="joints that mimic others",
+    reason="joints mimic others, and at most four are independent",
+    steps="bisection of the joint space with proven bounds",
+    branches=columns(_MOST_COLUMNS),
+    by_quadratics=False,
+    matches=lambda structure, chain: isinstance(chain, CoupledChain) and chain.n <= MOST_JOINTS and not why_not(chain),
+    prepare=_prepare,
+    solver="coupled",
+)
 
 
 def why_not(chain: CoupledChain) -> str:

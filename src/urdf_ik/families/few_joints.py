@@ -15,8 +15,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik._core import Solver
+from urdf_ik.chain import is_redundant, kinds_of
+from urdf_ik.families.parts.aim import PLANAR_POSE, PLANAR_POSITION, POSITION, Aim
+from urdf_ik.families.parts.family import Family, Plan, columns
 from urdf_ik.families.parts.nearest import off_by
-from urdf_ik.families.parts.plan import Plan, written_values
 from urdf_ik.structure import closest_points
 from urdf_ik.tolerances import DEFAULT
 
@@ -33,27 +35,8 @@ if TYPE_CHECKING:
 # A position step worth having: its smallest singular value at the middle one of sampled joint vectors.
 _CONDITION = 3e-3
 _SAMPLES = 60
-# What is asked for of the tip, in the order of the compiled solvers' ``Task``.
-POSE, POSITION, AXIS, PLANAR_POSITION, PLANAR_POSE = range(5)
 # Most solutions of a pose, by the number of joints; of a position.
 _COLUMNS = {1: 1, 2: 2, 3: 4, 4: 4, 5: 8}
-
-
-@dataclass(frozen=True)
-class Aim:
-    """What is asked for of the tip: ``kind``, the tip's axis that is aimed, in the tip, the plane's normal."""
-
-    kind: int = POSE
-    axis: Array | None = None
-    normal: Array | None = None
-
-    def written(self, chain: Chain) -> dict[str, Any]:
-        """The arm as the URDF has it, and what is asked for, as the compiled solvers take them."""
-        values = written_values(chain) | {"task": self.kind}
-        for name, vector in (("aimed", self.axis), ("normal", self.normal)):
-            if vector is not None:
-                values[name] = np.array(vector, dtype=np.float64)
-        return values
 
 
 @dataclass(frozen=True)
@@ -80,16 +63,8 @@ class _Way:
     X: Array
 
 
-def kinds_of(chain: Chain) -> str:
-    """The joints in letters, base to tip: '4R' or 'RRPR'."""
-    letters = "".join("P" if slides else "R" for slides in chain.prismatic)
-    return letters if "P" in letters else f"{chain.n}R"
-
-
-def prepare(structure: Structure, chain: Chain) -> Plan | None:
-    """The plan for poses; None where no position step serves, or a joint never moves the tip on its own."""
-    if not 1 <= chain.n <= 5 or is_redundant(chain):
-        return None
+def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan | None:
+    """The plan for poses; None where no three joints place a point well."""
     ways = sorted(_ways(chain), key=lambda entry: -entry[0])
     # Ways in coordinates of the chain itself, if nearly as good.
     good = [way for score, way in ways if score > max(_CONDITION, 0.5 * ways[0][0])]
@@ -102,7 +77,9 @@ def prepare(structure: Structure, chain: Chain) -> Plan | None:
     last = "axis 5, then joint 5" if turns == 2 else f"axis {chain.n}"
     added = sum(joint.index < 0 for joint in best.joints)
     return Plan(
-        family=kinds_of(chain) + (" 1x2" if best.is_reversed and turns == 2 else " 4x5" if turns == 2 else ""),
+        family=family,
+        name=kinds_of(chain) + (" 1x2" if best.is_reversed and turns == 2 else " 4x5" if turns == 2 else ""),
+        reason=_reason(chain, best.is_reversed and turns == 2, turns == 2),
         method="Closed form: "
         + (
             f"a point on {last} is placed by three joints, the turns behind follow"
@@ -112,11 +89,27 @@ def prepare(structure: Structure, chain: Chain) -> Plan | None:
         + (f", with {added} joint{'s' * (added > 1)} added that must stay at zero" if added else "")
         + "; verified and polished on the URDF as written",
         branches=columns(_COLUMNS[chain.n]),
-        imperfection=(0.0, 0.0),
-        error=0.0,
         explain=lambda T: off_by(chain, Aim(), T[:3, :3], T[:3, 3]),
         solver=_solver(chain, Aim(), chosen, _COLUMNS[chain.n]),
     )
+
+
+def _reason(chain: Chain, crosses_first: bool, crosses_last: bool) -> str:
+    if crosses_first or crosses_last:
+        return f"axes {'1 and 2' if crosses_first else '4 and 5'} meet, in a point that three joints place"
+    return "a point of the last axis is placed by three joints at most"
+
+
+FAMILY = Family(
+    name="one to five joints",
+    reason="three joints at most place a point that the others leave in place",
+    steps="a point is placed by three joints, the turns behind follow",
+    branches=columns(8),
+    by_quadratics=False,
+    matches=lambda structure, chain: 1 <= chain.n <= 5 and not is_redundant(chain),
+    prepare=_prepare,
+    solver="few joints",
+)
 
 
 def prepare_position(chain: Chain) -> Plan:
@@ -152,12 +145,12 @@ def prepare_planar(chain: Chain, normal: Array, heading: Array | None) -> Plan |
 def _task_plan(chain: Chain, aim: Aim, task: str, ways: list[_Way]) -> Plan:
     count = 4 if aim.kind == POSITION else 2
     return Plan(
-        family=f"{kinds_of(chain)} {task}",
+        family=FAMILY,
+        name=f"{kinds_of(chain)} {task}",
+        reason=f"the task {task!r} asks for no more than the joints control",
         method="Closed form: two equations without the first joint, one of them without the second; verified and "
         "polished on the URDF as written",
         branches=columns(count),
-        imperfection=(0.0, 0.0),
-        error=0.0,
         explain=lambda T: off_by(chain, aim, T[:3, :3], T[:3, 3]),
         solver=_solver(chain, aim, ways, count),
     )
@@ -166,30 +159,6 @@ def _task_plan(chain: Chain, aim: Aim, task: str, ways: list[_Way]) -> Plan:
 def _tip(chain: Chain, size: float) -> Array:
     tip: Array = chain.P.sum(axis=0) / size
     return tip
-
-
-def columns(count: int) -> tuple[str, ...]:
-    """Names of the columns where geometry gives none."""
-    return tuple(f"solution {k}" for k in range(1, count + 1))
-
-
-def is_redundant(chain: Chain) -> bool:
-    """Whether the Jacobian loses rank everywhere."""
-    return float(np.median(least_stretches(chain, chain.jacobian(sampled(chain))))) < 1e-9
-
-
-def sampled(chain: Chain) -> Array:
-    """Joint vectors (k, n) all over."""
-    q = np.random.default_rng(0).uniform(-math.pi, math.pi, (_SAMPLES, chain.n))
-    return np.where(chain.prismatic, q * chain.size / math.pi, q)
-
-
-def least_stretches(chain: Chain, J: Array) -> Array:
-    """Smallest singular values (k,) of Jacobians (k, rows, n), lengths as shares of the arm's size."""
-    scaled = J / chain.size
-    scaled[:, 3:] = J[:, 3:]
-    scaled[:, :, chain.prismatic] *= chain.size
-    return np.asarray(np.linalg.svd(scaled, compute_uv=False)[:, -1], dtype=np.float64)
 
 
 def _joints(chain: Chain, size: float, is_reversed: bool = False) -> list[Joint]:
@@ -270,7 +239,7 @@ def _turned(v: Array, h: Array, angles: Array) -> Array:
 
 
 def _solver(chain: Chain, aim: Aim, ways: list[_Way], count: int) -> Solver:
-    return Solver("few joints", solver_values(chain, aim, ways) | {"joints": chain.n, "columns": count})
+    return Solver(FAMILY.solver, solver_values(chain, aim, ways) | {"joints": chain.n, "columns": count})
 
 
 def solver_values(chain: Chain, aim: Aim, ways: list[_Way]) -> dict[str, Any]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.families.parts.elimination import elimination_values
-from urdf_ik.families.parts.plan import Plan
+from urdf_ik.families.parts.family import Family, Plan, columns
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -18,26 +18,33 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-_NAMES = tuple(f"solution {k}" for k in range(1, 17))
 
-
-def matches(structure: Structure) -> bool:
-    """Whether the arm has six revolute joints."""
-    return len(structure.joint_types) == 6 and "prismatic" not in structure.joint_types
-
-
-def prepare(chain: Chain) -> Plan:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
     """The elimination's constant matrices, for the ways of setting it up that find most."""
+    triples = " and ".join(map(str, structure.triples))
+    none = "no three neighbouring axes meet in a point or are parallel, so no closed form applies"
     return Plan(
-        family="6R general",
-        method="Elimination to one joint's angle (Raghavan and Roth), Newton's method on the URDF as written",
-        branches=_NAMES,
-        imperfection=(0.0, 0.0),
-        error=0.0,
-        solver=Solver("general 6R", elimination_values(chain)),
+        family=family,
+        name=family.name,
+        reason=f"{triples}, but no closed form applies to these six axes" if triples else none,
+        method=family.steps,
+        branches=family.branches,
+        solver=Solver(family.solver, elimination_values(chain)),
         explain=lambda T: _explain(chain, T[:3, 3]),
-        by_elimination=True,
     )
+
+
+FAMILY = Family(
+    name="6R general",
+    reason="six turning joints, whatever their axes",
+    steps="Elimination to one joint's angle (Raghavan and Roth), Newton's method on the URDF as written",
+    branches=columns(16),
+    by_quadratics=False,
+    by_elimination=True,
+    matches=lambda structure, chain: structure.is_6r,
+    prepare=_prepare,
+    solver="general 6R",
+)
 
 
 def _explain(chain: Chain, point: Array) -> str:

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.families.few_joints import Aim, columns, is_redundant, kinds_of
+from urdf_ik.chain import is_redundant, kinds_of
+from urdf_ik.families.parts.aim import Aim
 from urdf_ik.families.parts.elimination import elimination_values
+from urdf_ik.families.parts.family import Family, Plan, columns
 from urdf_ik.families.parts.nearest import off_by
-from urdf_ik.families.parts.plan import Plan
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
-def matches(structure: Structure) -> bool:
+def _matches(structure: Structure) -> bool:
     """Whether six joints have one slide, or two that are not opposite in the loop: joints 1 and 4, 2 and 5, 3 and 6.
 
     However a loop is cut, opposite slides stand on both sides, and the elimination then has a solution with both at
@@ -32,21 +33,31 @@ def matches(structure: Structure) -> bool:
     return len(structure.joint_types) == 6 and len(slides) in (1, 2) and slides[-1] - slides[0] != 3
 
 
-def prepare(chain: Chain) -> Plan | None:
-    """The plan by elimination alone; None where the arm is redundant."""
-    if is_redundant(chain):
-        return None
+def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
+    """The plan by elimination alone."""
     return Plan(
-        family=f"{kinds_of(chain)} general",
-        method="Elimination to one joint's value (Raghavan and Roth), a slide as tan(t / 2), Newton's method on the "
-        "URDF as written",
-        branches=columns(16),
-        imperfection=(0.0, 0.0),
-        error=0.0,
-        solver=Solver("general slides", elimination_values(chain)),
+        family=family,
+        name=f"{kinds_of(chain)} general",
+        reason=family.reason,
+        method=family.steps,
+        branches=family.branches,
+        solver=Solver(family.solver, elimination_values(chain)),
         explain=lambda T: off_by(chain, Aim(), T[:3, :3], T[:3, 3]),
-        by_elimination=True,
     )
+
+
+FAMILY = Family(
+    name="six joints with slides, general",
+    reason="one or two of six joints slide, and no three axes at an end meet in a point, so no closed form applies",
+    steps="Elimination to one joint's value (Raghavan and Roth), a slide as tan(t / 2), Newton's method on the URDF as "
+    "written",
+    branches=columns(16),
+    by_quadratics=False,
+    by_elimination=True,
+    matches=lambda structure, chain: _matches(structure) and not is_redundant(chain),
+    prepare=_prepare,
+    solver="general slides",
+)
 
 
 def behind(plan: Plan, chain: Chain) -> Plan:

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik._core import Solver
+from urdf_ik.chain import CoupledChain
 from urdf_ik.families import spherical_wrist
-from urdf_ik.families.few_joints import columns
-from urdf_ik.families.parts.plan import Plan, driven_values
+from urdf_ik.families.parts.family import Family, Plan, columns
+from urdf_ik.families.parts.values import driven_values
 from urdf_ik.structure import analyse
 from urdf_ik.tolerances import DEFAULT
 
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.chain import Chain
-    from urdf_ik.chain.mimic import CoupledChain
+    from urdf_ik.structure import Structure
 
     Array = NDArray[np.float64]
 
@@ -33,15 +34,18 @@ _SAMPLES, _MOST_TURNS = 128, 4
 _ALIGNED = 1e-3
 
 
-def prepare(chain: CoupledChain) -> Plan:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan | None:
     """The plan of an arm for which ``why_not`` has no reason."""
+    assert isinstance(chain, CoupledChain)
     axes, values = _signed(chain), _samples(chain)
     cosine, along_4, along_7, apart = _crossings(axes, chain.gain, values)
-    position = spherical_wrist.prepare(*_with_centre(axes, along_4[0]))
+    position = spherical_wrist.TWO_PARALLEL.plan(*_with_centre(axes, along_4[0]))
+    if position is None:
+        return None
     tip = axes.points[6]
     home = axes.P.sum(axis=0)
     solver = Solver(
-        "hollow wrist",
+        family.solver,
         {
             "written": driven_values(chain, np.ones(6)),
             "position": position.solver.values,
@@ -57,16 +61,29 @@ def prepare(chain: CoupledChain) -> Plan:
     )
     names = chain.joint_names
     return Plan(
-        family="6R hollow wrist, 2||3",
+        family=family,
+        name=family.name,
+        reason=family.reason,
         method=f"Where axes 4 and 7 meet is known at a value of {names[4]}, and with it joints 1 to 3; the angle "
         "between the two axes is one equation for that value, solved on every branch and refined by Newton's method on "
         "the URDF as written",
-        branches=columns(_COLUMNS),
+        branches=family.branches,
         imperfection=(0.0, float(apart)),
-        error=0.0,
         explain=lambda T: _out_of_reach(chain, T[:3, 3]),
         solver=solver,
     )
+
+
+FAMILY = Family(
+    name="6R hollow wrist, 2||3",
+    reason="axes 4 and 7 meet at every value of the joint that turns axes 5 and 6, and axes 2 and 3 are parallel",
+    steps="where axes 4 and 7 meet is known at a value of the joint that turns axes 5 and 6, and with it joints 1 to 3",
+    branches=columns(_COLUMNS),
+    by_quadratics=False,
+    matches=lambda structure, chain: isinstance(chain, CoupledChain) and chain.n == 6 and not why_not(chain),
+    prepare=_prepare,
+    solver="hollow wrist",
+)
 
 
 def why_not(chain: CoupledChain) -> str:

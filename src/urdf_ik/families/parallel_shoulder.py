@@ -7,22 +7,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.families.parts.plan import (
+from urdf_ik.families.parts.family import Family, Plan, in_words
+from urdf_ik.families.parts.values import (
     SIGNS,
-    Plan,
-    cheapest,
     compared,
     distances_of,
     ideal_frames,
     ideal_values,
     imperfection,
-    method_in_words,
     seen_in_frame_1,
     straightened,
     written_values,
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from urdf_ik.chain import Chain
@@ -36,30 +36,19 @@ _NAMES = tuple(
     for up in ("up", "down")
     for flip in ("noflip", "flip")
 )
-_ROOTS = tuple(
-    f"position {root}, elbow {up}" for first in (1, 3) for up in ("up", "down") for root in (first, first + 1)
-)
 # Distance of axes 4 and 5 [of the arm's size] that can be divided by.
 _CLEAR = 1e-4
 _PLANAR = "the rest is a planar arm"
-_STEPS = {
-    "5x6": f"joint 4 by the height along axes 1 to 3, joint 6 by the tilt of axis 5 to them, {_PLANAR}",
-    "5||6": f"joint 4 by the tilt of axes 5 and 6 to axes 1 to 3, joint 6 by the height along these, {_PLANAR}",
-    "4x5": f"joint 6 by the height along axes 1 to 3, joint 4 by the tilt of axis 5 to them, {_PLANAR}",
-    "4||5": f"joint 6 by the tilt of axes 4 and 5 to axes 1 to 3, joint 4 by the height along these, {_PLANAR}",
-    "": f"a quartic in joint 6 from height and tilt along axes 1 to 3, {_PLANAR}",
-}
 
 
-def matches(structure: Structure) -> bool:
+def _matches(structure: Structure) -> bool:
     """Whether axes 1, 2 and 3 of a 6R arm are parallel, and neither the wrist nor a pair of axes is degenerate.
 
     A fourth parallel axis, three wrist axes that are parallel or meet, and two axes in one line make the arm
     singular everywhere.
     """
     return (
-        len(structure.joint_types) == 6
-        and "prismatic" not in structure.joint_types
+        structure.is_6r
         and structure.triple(1, "parallel") is not None
         and not structure.is_parallel(3)
         and structure.triple(4, "parallel") is None
@@ -68,37 +57,83 @@ def matches(structure: Structure) -> bool:
     )
 
 
-def prepare(structure: Structure, chain: Chain) -> Plan:
-    """Parameters of the nearest arm of this family, for the cheapest wrist that it has exactly, or has nearly."""
-    relations = {
-        "5x6": structure.is_intersecting(5),
-        "5||6": structure.is_parallel(5),
-        "4x5": structure.is_intersecting(4),
-        "4||5": structure.is_parallel(4),
-        # An offset to divide by.
-        "": not structure.is_parallel(4) and structure.pairs[3].distance > _CLEAR * chain.size,
-    }
-    return cheapest(_with_wrist(structure, chain, wrist) for wrist, holds in relations.items() if holds)
+def _has_offset(structure: Structure, chain: Chain) -> bool:
+    """Whether axes 4 and 5 are as far apart as the quartic needs."""
+    return not structure.is_parallel(4) and structure.pairs[3].distance > _CLEAR * chain.size
 
 
-def _with_wrist(structure: Structure, chain: Chain, wrist: str) -> Plan:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
+    """Parameters of the nearest arm with a parallel shoulder and this wrist."""
+    wrist = family.variant
     directions, parallel = straightened(structure, chain.H)
     meet = [False, False, False, wrist == "4x5", wrist == "5x6"]
     frames, error = ideal_frames(chain, directions, chain.points, parallel, meet)
     ideal = ideal_values(frames, error, SIGNS, chain.size)
-    values = {"ideal": ideal, "written": written_values(chain)}
-    solver = Solver(f"parallel shoulder, {wrist or 'general wrist'}", values)
+    solver = Solver(family.solver, {"ideal": ideal, "written": written_values(chain)})
     pairs = [i for i, holds in enumerate(parallel, start=1) if holds]
     return Plan(
-        family=f"6R 1||2||3 and {wrist}" if wrist else "6R 1||2||3",
-        method=method_in_words(_STEPS[wrist], error),
-        branches=_NAMES if wrist else _ROOTS,
+        **in_words(family, error),
+        branches=family.branches,
         imperfection=imperfection(structure, pairs, [i for i, holds in enumerate(meet, start=1) if holds]),
         error=error,
         solver=solver,
         explain=seen_in_frame_1(ideal, lambda rotation, point: _explain(ideal, solver, rotation, point)),
-        by_quartic=not wrist,
     )
+
+
+def _with_wrist(wrist: str, relation: str, steps: str, holds: Callable[[Structure], bool]) -> Family:
+    """The family of these arms whose wrist has a relation that makes every step a quadratic."""
+    return Family(
+        name=f"6R 1||2||3 and {wrist}",
+        reason=f"axes {{1, 2, 3}} are parallel, and {relation}",
+        steps=f"{steps}, {_PLANAR}",
+        branches=_NAMES,
+        by_quadratics=True,
+        matches=lambda structure, chain: _matches(structure) and holds(structure),
+        prepare=_prepare,
+        solver=f"parallel shoulder, {wrist}",
+        variant=wrist,
+    )
+
+
+WITH_WRIST = (
+    _with_wrist(
+        "5x6",
+        "axes {5, 6} meet",
+        "joint 4 by the height along axes 1 to 3, joint 6 by the tilt of axis 5 to them",
+        lambda structure: structure.is_intersecting(5),
+    ),
+    _with_wrist(
+        "5||6",
+        "axes {5, 6} are parallel",
+        "joint 4 by the tilt of axes 5 and 6 to axes 1 to 3, joint 6 by the height along these",
+        lambda structure: structure.is_parallel(5),
+    ),
+    _with_wrist(
+        "4x5",
+        "axes {4, 5} meet",
+        "joint 6 by the height along axes 1 to 3, joint 4 by the tilt of axis 5 to them",
+        lambda structure: structure.is_intersecting(4),
+    ),
+    _with_wrist(
+        "4||5",
+        "axes {4, 5} are parallel",
+        "joint 6 by the tilt of axes 4 and 5 to axes 1 to 3, joint 4 by the height along these",
+        lambda structure: structure.is_parallel(4),
+    ),
+)
+GENERAL = Family(
+    name="6R 1||2||3",
+    reason="axes {1, 2, 3} are parallel",
+    steps=f"a quartic in joint 6 from height and tilt along axes 1 to 3, {_PLANAR}",
+    branches=tuple(
+        f"position {root}, elbow {up}" for first in (1, 3) for up in ("up", "down") for root in (first, first + 1)
+    ),
+    by_quadratics=False,
+    matches=lambda structure, chain: _matches(structure) and _has_offset(structure, chain),
+    prepare=_prepare,
+    solver="parallel shoulder, general wrist",
+)
 
 
 def _explain(ideal: dict[str, Any], solver: Solver, rotation: Array, point: Array) -> str:

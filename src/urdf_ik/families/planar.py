@@ -9,16 +9,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik._core import Solver
+from urdf_ik.chain import kinds_of
 from urdf_ik.chain.plane import axes_across
 from urdf_ik.families import few_joints
-from urdf_ik.families.parts.plan import compared, seen_in_frame_1
+from urdf_ik.families.parts.family import Family, Plan
+from urdf_ik.families.parts.values import compared, seen_in_frame_1
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.chain import Chain
-    from urdf_ik.families.parts.plan import Plan
     from urdf_ik.structure import Structure
 
     Array = NDArray[np.float64]
@@ -28,26 +29,36 @@ _ELBOW = ("elbow left", "elbow right")
 _SHORT = 1e-3
 
 
-def prepare(structure: Structure, chain: Chain) -> Plan | None:
-    """The plan for poses, None for arms of another build."""
-    if not _matches(chain):
-        return None
-    plan = few_joints.prepare(structure, chain)
-    if plan is None:
-        return None
+def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan | None:
+    """The plan for poses; None where a link is too short."""
+    plan = few_joints.FAMILY.plan(structure, chain)
     values = _values(chain)
-    if values is None:
+    if plan is None or values is None:
         return None
     slide = "height by the slide, " if chain.prismatic.any() else ""
     last = ", the last joint turns the tip" if np.count_nonzero(~chain.prismatic) == 3 else ""
     return replace(
         plan,
-        family=f"{few_joints.kinds_of(chain)} {'SCARA' if slide else 'planar'}",
+        family=family,
+        name=f"{kinds_of(chain)} {'SCARA' if slide else 'planar'}",
+        reason=family.reason,
         method=f"Closed form: {slide}elbow by the law of cosines{last}",
         branches=_ELBOW,
-        solver=Solver("planar", plan.solver.values | values),
+        solver=Solver(family.solver, plan.solver.values | values),
         explain=seen_in_frame_1(values["ideal"], lambda rotation, point: _explain(chain, values, rotation, point)),
     )
+
+
+FAMILY = Family(
+    name="planar",
+    reason="two or three joints turn about parallel axes, and no other joint but a slide along them moves the tip",
+    steps="elbow by the law of cosines",
+    branches=_ELBOW,
+    by_quadratics=True,
+    matches=lambda structure, chain: _matches(chain),
+    prepare=_prepare,
+    solver="planar",
+)
 
 
 def for_points(chain: Chain, plan: Plan) -> Plan:
@@ -69,7 +80,7 @@ def for_points(chain: Chain, plan: Plan) -> Plan:
 def _matches(chain: Chain) -> bool:
     """Whether two or three joints turn about exactly parallel axes, and at most one slides along them."""
     turning = ~chain.prismatic
-    if np.count_nonzero(turning) not in (2, 3) or np.count_nonzero(chain.prismatic) > 1:
+    if chain.axes is not chain or np.count_nonzero(turning) not in (2, 3) or np.count_nonzero(chain.prismatic) > 1:
         return False
     normal = np.cross(*axes_across(chain.H[np.argmax(turning)]))
     return bool(np.linalg.norm(np.cross(chain.H, normal), axis=1).max() < DEFAULT.exact_structure)

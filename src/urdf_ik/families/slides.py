@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.families.few_joints import Aim, Joint, columns, is_redundant, kinds_of, step_values
+from urdf_ik.chain import is_redundant, kinds_of
+from urdf_ik.families.few_joints import Joint, step_values
+from urdf_ik.families.parts.aim import Aim
+from urdf_ik.families.parts.family import Family, Plan, columns
 from urdf_ik.families.parts.nearest import off_by
-from urdf_ik.families.parts.plan import Plan
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
@@ -24,25 +26,23 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
-def matches(structure: Structure) -> bool:
-    """Whether six joints have slides and end in three axes that meet, or have three slides."""
-    slides = structure.joint_types.count("prismatic")
-    if len(structure.joint_types) != 6 or slides == 0:
-        return False
-    return slides == 3 or structure.triple(4, "meet") is not None
+def _has_wrist(structure: Structure) -> bool:
+    """Whether one or two of six joints slide, and the last three axes meet in a point."""
+    return structure.slides in (1, 2) and len(structure.joint_types) == 6 and structure.triple(4, "meet") is not None
 
 
-def prepare(structure: Structure, chain: Chain) -> Plan | None:
-    """The plan of such an arm; None where it is redundant."""
-    if is_redundant(chain):
-        return None
+def _three(structure: Structure) -> bool:
+    """Whether three of six joints slide."""
+    return structure.slides == 3 and len(structure.joint_types) == 6
+
+
+def _prepare_wrist(family: Family, structure: Structure, chain: Chain) -> Plan | None:
+    """The plan of an arm whose wrist meets, exactly or nearly."""
     wrist = structure.triple(4, "meet")
-    if wrist is None or wrist.point is None or chain.prismatic.sum() == 3:
-        return _three_slides(chain)
-    return _wrist(chain, wrist.imperfection, wrist.point)
+    return None if wrist is None or wrist.point is None else _wrist(family, chain, wrist.imperfection, wrist.point)
 
 
-def _wrist(chain: Chain, off: float, centre: Array) -> Plan | None:
+def _wrist(family: Family, chain: Chain, off: float, centre: Array) -> Plan | None:
     most = 8 if chain.prismatic.sum() == 1 else 4
     error = off / chain.size
     exact = error <= DEFAULT.exact_structure
@@ -56,31 +56,56 @@ def _wrist(chain: Chain, off: float, centre: Array) -> Plan | None:
     values["step"] = step_values(joints, centre / chain.size)
     values["in_tip"] = chain.R_tip.T @ (centre - chain.P.sum(axis=0)) / chain.size
     return Plan(
-        family=f"{kinds_of(chain)} spherical wrist",
-        method=f"{'Closed form' if exact else 'Closed form of the arm whose wrist meets in a point'}: the first three "
-        "joints place the wrist's centre, two flips of the wrist; verified and polished on the URDF as written",
+        family=family,
+        name=f"{kinds_of(chain)} spherical wrist",
+        reason=family.why() if exact else f"{family.why()}, exactly or nearly",
+        method=f"{'Closed form' if exact else 'Closed form of the arm whose wrist meets in a point'}: {family.steps}",
         branches=columns(most),
         imperfection=(0.0, off),
         error=0.0 if exact else error,
         explain=lambda T: off_by(chain, Aim(), T[:3, :3], T[:3, 3]),
-        solver=Solver("slides", values),
+        solver=Solver(family.solver, values),
     )
 
 
-def _three_slides(chain: Chain) -> Plan | None:
+def _prepare_three(family: Family, structure: Structure, chain: Chain) -> Plan | None:
+    """The plan of an arm with three slides; None where two of the turns are parallel."""
     values = _values(chain, np.flatnonzero(~chain.prismatic), 2, 0.0)
     if values is None:
         return None
     return Plan(
-        family=f"{kinds_of(chain)} three slides",
-        method="Closed form: the turning joints make the orientation, two ways, the slides follow from a linear "
-        "system; verified and polished on the URDF as written",
-        branches=columns(2),
-        imperfection=(0.0, 0.0),
-        error=0.0,
+        family=family,
+        name=f"{kinds_of(chain)} three slides",
+        reason=family.why(),
+        method=f"Closed form: {family.steps}",
+        branches=family.branches,
         explain=lambda T: off_by(chain, Aim(), T[:3, :3], T[:3, 3]),
-        solver=Solver("slides", values),
+        solver=Solver(family.solver, values),
     )
+
+
+SPHERICAL_WRIST = Family(
+    name="six joints with slides, spherical wrist",
+    reason="axes {4, 5, 6} meet in a point, and one or two of the other joints slide",
+    steps="the first three joints place the wrist's centre, two flips of the wrist; verified and polished on the URDF "
+    "as written",
+    branches=columns(8),
+    by_quadratics=False,
+    matches=lambda structure, chain: _has_wrist(structure) and not is_redundant(chain),
+    prepare=_prepare_wrist,
+    solver="slides",
+)
+THREE_SLIDES = Family(
+    name="six joints, three slides",
+    reason="three of the six joints slide, so that the other three make the orientation on their own",
+    steps="the turning joints make the orientation, two ways, the slides follow from a linear system; verified and "
+    "polished on the URDF as written",
+    branches=columns(2),
+    by_quadratics=True,
+    matches=lambda structure, chain: _three(structure) and not is_redundant(chain),
+    prepare=_prepare_three,
+    solver="slides",
+)
 
 
 def _values(chain: Chain, turns: NDArray[np.intp], most: int, error: float) -> dict[str, Any] | None:

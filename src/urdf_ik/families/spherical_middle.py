@@ -8,15 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.families.parts.plan import (
+from urdf_ik.families.parts.family import Family, Plan, in_words
+from urdf_ik.families.parts.values import (
     SIGNS,
-    Plan,
-    cheapest,
     compared,
     ideal_frames,
     ideal_values,
     imperfection,
-    method_in_words,
     seen_in_frame_1,
     straightened,
     written_values,
@@ -36,26 +34,17 @@ _NAMES = tuple(
     for up in ("up", "down")
     for flip in ("noflip", "flip")
 )
-_ROOTS = tuple(f"position {k}, {flip}" for k in (1, 2, 3, 4) for flip in ("noflip", "flip"))
 _MIDDLE = "then joints 2 to 4 like a wrist"
-_STEPS = {
-    "5x6": f"where axes 2 to 4 meet is at a known distance from where 5 and 6 do: joint 1, joints 5 and 6, {_MIDDLE}",
-    "5||6": f"where axes 2 to 4 meet is in a known plane across axes 5 and 6: joint 1, a planar arm, {_MIDDLE}",
-    "": (
-        f"where axes 2 to 4 meet is on a circle about axis 1 and on a torus about axes 5 and 6: a quartic in joint 1, "
-        f"{_MIDDLE}"
-    ),
-}
+_CENTRE = "where axes 2 to 4 meet is"
 
 
-def matches(structure: Structure) -> bool:
+def _matches(structure: Structure) -> bool:
     """Whether axes 2, 3 and 4 of a 6R arm meet, and neither axis 1 nor axis 5 in the same point.
 
     A fourth axis there and two axes in one line make the arm singular everywhere.
     """
     return (
-        len(structure.joint_types) == 6
-        and "prismatic" not in structure.joint_types
+        structure.is_6r
         and structure.triple(2, "meet") is not None
         and structure.triple(1, "meet") is None
         and structure.triple(3, "meet") is None
@@ -63,14 +52,9 @@ def matches(structure: Structure) -> bool:
     )
 
 
-def prepare(structure: Structure, chain: Chain) -> Plan:
-    """Parameters of the nearest arm of this family, for the cheapest wrist that it has exactly, or has nearly."""
-    relation = structure.pairs[4].relation
-    wrists = {"intersecting": ["5x6"], "parallel": ["5||6"]}.get(relation, [""])
-    return cheapest(_with_wrist(structure, chain, wrist) for wrist in wrists)
-
-
-def _with_wrist(structure: Structure, chain: Chain, wrist: str) -> Plan:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
+    """Parameters of the nearest arm with a spherical middle and this wrist."""
+    wrist = family.variant
     middle = structure.triple(2, "meet")
     directions, parallel = straightened(structure, chain.H)
     points = chain.points.copy()
@@ -89,15 +73,47 @@ def _with_wrist(structure: Structure, chain: Chain, wrist: str) -> Plan:
     pairs = [i for i, holds in enumerate(parallel, start=1) if holds]
     angle, distance = imperfection(structure, pairs, [5] if wrist == "5x6" else [])
     return Plan(
-        family=f"6R 2x3x4 and {wrist}" if wrist else "6R 2x3x4",
-        method=method_in_words(_STEPS[wrist], error),
-        branches=_NAMES if wrist else _ROOTS,
+        **in_words(family, error),
+        branches=family.branches,
         imperfection=(angle, max(distance, middle.imperfection if middle else 0.0)),
         error=error,
-        solver=Solver(f"spherical middle, {wrist or 'general wrist'}", values),
+        solver=Solver(family.solver, values),
         explain=seen_in_frame_1(ideal, lambda rotation, point: _explain(values, wrist, rotation, point)),
-        by_quartic=not wrist,
     )
+
+
+CROSSING = Family(
+    name="6R 2x3x4 and 5x6",
+    reason="axes {2, 3, 4} meet in a point, and axes {5, 6} meet",
+    steps=f"{_CENTRE} at a known distance from where 5 and 6 do: joint 1, joints 5 and 6, {_MIDDLE}",
+    branches=_NAMES,
+    by_quadratics=True,
+    matches=lambda structure, chain: _matches(structure) and structure.pairs[4].relation == "intersecting",
+    prepare=_prepare,
+    solver="spherical middle, 5x6",
+    variant="5x6",
+)
+PARALLEL = Family(
+    name="6R 2x3x4 and 5||6",
+    reason="axes {2, 3, 4} meet in a point, and axes {5, 6} are parallel",
+    steps=f"{_CENTRE} in a known plane across axes 5 and 6: joint 1, a planar arm, {_MIDDLE}",
+    branches=_NAMES,
+    by_quadratics=True,
+    matches=lambda structure, chain: _matches(structure) and structure.pairs[4].relation == "parallel",
+    prepare=_prepare,
+    solver="spherical middle, 5||6",
+    variant="5||6",
+)
+GENERAL = Family(
+    name="6R 2x3x4",
+    reason="axes {2, 3, 4} meet in a point",
+    steps=f"{_CENTRE} on a circle about axis 1 and on a torus about axes 5 and 6: a quartic in joint 1, {_MIDDLE}",
+    branches=tuple(f"position {k}, {flip}" for k in (1, 2, 3, 4) for flip in ("noflip", "flip")),
+    by_quadratics=False,
+    matches=lambda structure, chain: _matches(structure) and structure.pairs[4].relation == "skew",
+    prepare=_prepare,
+    solver="spherical middle, general wrist",
+)
 
 
 def _explain(values: dict[str, Any], wrist: str, rotation: Array, point: Array) -> str:

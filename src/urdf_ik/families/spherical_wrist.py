@@ -8,17 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.families.parts.plan import (
+from urdf_ik.families.parts.family import Family, Plan, in_words
+from urdf_ik.families.parts.values import (
     NAMES,
     SIGNS,
-    Plan,
-    cheapest,
     compared,
     ideal_frames,
     ideal_values,
     imperfection,
     mean_direction,
-    method_in_words,
     seen_in_frame_1,
     written_values,
 )
@@ -32,22 +30,15 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-_ROOTS = tuple(f"position {k}, wrist {flip}" for k in (1, 2, 3, 4) for flip in ("noflip", "flip"))
 # An offset [of the arm's size] or an angle [rad] that can be divided by.
 _CLEAR = 3e-3
-_STEPS = {
-    "2||3": "wrist centre first: joint 1 by the plane it lies in, elbow by the law of cosines; then the wrist",
-    "1x2": "wrist centre first: joint 3 by its distance, joints 2 and 1 by its height; then the wrist",
-    "1||2": "wrist centre first: joint 3 by its height, joints 1 and 2 in the plane; then the wrist",
-    "": "wrist centre first, by a quartic in joint 3; then the wrist",
-}
+_FLIPS = "then the wrist"
 
 
-def matches(structure: Structure) -> bool:
+def _matches(structure: Structure) -> bool:
     """Whether axes 4, 5 and 6 of a 6R arm meet, and its position problem is not degenerate."""
     return (
-        len(structure.joint_types) == 6
-        and "prismatic" not in structure.joint_types
+        structure.is_6r
         and structure.triple(4, "meet") is not None
         and structure.triple(1, "meet") is None
         and structure.triple(1, "parallel") is None
@@ -55,12 +46,21 @@ def matches(structure: Structure) -> bool:
     )
 
 
-def prepare(structure: Structure, chain: Chain) -> Plan:
-    """Parameters of the arm with a spherical wrist, for the cheapest shoulder that it has exactly, or has nearly."""
-    return cheapest(_with_shoulder(structure, chain, shoulder) for shoulder in _shoulders(structure, chain))
+def _oblique(structure: Structure) -> bool:
+    """Whether the angle between axes 2 and 3 can be divided by."""
+    return bool(np.sin(structure.pairs[1].angle) >= _CLEAR)
 
 
-def _with_shoulder(structure: Structure, chain: Chain, shoulder: str) -> Plan:
+def _has_no_other(structure: Structure, chain: Chain) -> bool:
+    """Whether the quartic is needed, or has a real offset and angle to divide by."""
+    first = structure.pairs[0]
+    kinds = structure.is_parallel(2) or structure.is_parallel(1) or structure.is_intersecting(1)
+    return not kinds or (first.distance > _CLEAR * chain.size and bool(np.sin(first.angle) > _CLEAR))
+
+
+def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
+    """Parameters of the nearest arm with a spherical wrist and this shoulder."""
+    shoulder = family.variant
     wrist = structure.triple(4, "meet")
     directions, points = chain.H.copy(), chain.points.copy()
     if wrist is not None and wrist.point is not None:
@@ -77,31 +77,64 @@ def _with_shoulder(structure: Structure, chain: Chain, shoulder: str) -> Plan:
     meet[0] = crossing or shoulder == "1x2"
     frames, error = ideal_frames(chain, directions, points, parallel, meet)
     angle, distance = imperfection(structure, pairs, [1] if shoulder == "1x2" else [])
-    name = {"2||3": "2||3 and 1x2" if crossing else "2||3", "": "general shoulder"}.get(shoulder, shoulder)
     ideal = ideal_values(frames, error, SIGNS, chain.size)
     values = _values(ideal, shoulder, _front(chain, frames, points[3])) | {"written": written_values(chain)}
+    words = in_words(family, error)
+    if shoulder == "2||3" and crossing:
+        words["name"] += " and 1x2"
     return Plan(
-        family=f"6R spherical wrist, {name}",
-        method=method_in_words(_STEPS[shoulder], error),
-        branches=NAMES if shoulder else _ROOTS,
+        **words,
+        branches=family.branches,
         imperfection=(angle, max(distance, wrist.imperfection if wrist else 0.0)),
         error=error,
-        solver=Solver(f"spherical wrist, {shoulder or 'general shoulder'}", values),
+        solver=Solver(family.solver, values),
         explain=seen_in_frame_1(ideal, lambda rotation, point: _explain(values, shoulder, rotation, point)),
-        by_quartic=not shoulder,
     )
 
 
-def _shoulders(structure: Structure, chain: Chain) -> list[str]:
-    """Relations that hold, exactly or nearly, cheapest first; '' for none, which asks for a real offset and angle."""
-    kinds = ["2||3"] * structure.is_parallel(2) + ["1||2"] * structure.is_parallel(1)
-    first, second = structure.pairs[:2]
-    if np.sin(second.angle) < _CLEAR:
-        return kinds
-    kinds += ["1x2"] * structure.is_intersecting(1)
-    if not kinds or (first.distance > _CLEAR * chain.size and np.sin(first.angle) > _CLEAR):
-        kinds.append("")
-    return kinds
+TWO_PARALLEL = Family(
+    name="6R spherical wrist, 2||3",
+    reason="axes {4, 5, 6} meet in a point, and axes {2, 3} are parallel",
+    steps=f"wrist centre first: joint 1 by the plane it lies in, elbow by the law of cosines; {_FLIPS}",
+    branches=NAMES,
+    by_quadratics=True,
+    matches=lambda structure, chain: _matches(structure) and structure.is_parallel(2),
+    prepare=_prepare,
+    solver="spherical wrist, 2||3",
+    variant="2||3",
+)
+FIRST_PARALLEL = Family(
+    name="6R spherical wrist, 1||2",
+    reason="axes {4, 5, 6} meet in a point, and axes {1, 2} are parallel",
+    steps=f"wrist centre first: joint 3 by its height, joints 1 and 2 in the plane; {_FLIPS}",
+    branches=NAMES,
+    by_quadratics=True,
+    matches=lambda structure, chain: _matches(structure) and structure.is_parallel(1),
+    prepare=_prepare,
+    solver="spherical wrist, 1||2",
+    variant="1||2",
+)
+CROSSING = Family(
+    name="6R spherical wrist, 1x2",
+    reason="axes {4, 5, 6} meet in a point, and axes {1, 2} meet",
+    steps=f"wrist centre first: joint 3 by its distance, joints 2 and 1 by its height; {_FLIPS}",
+    branches=NAMES,
+    by_quadratics=True,
+    matches=lambda structure, chain: _matches(structure) and structure.is_intersecting(1) and _oblique(structure),
+    prepare=_prepare,
+    solver="spherical wrist, 1x2",
+    variant="1x2",
+)
+GENERAL = Family(
+    name="6R spherical wrist, general shoulder",
+    reason="axes {4, 5, 6} meet in a point",
+    steps=f"wrist centre first, by a quartic in joint 3; {_FLIPS}",
+    branches=tuple(f"position {k}, wrist {flip}" for k in (1, 2, 3, 4) for flip in ("noflip", "flip")),
+    by_quadratics=False,
+    matches=lambda structure, chain: _matches(structure) and _oblique(structure) and _has_no_other(structure, chain),
+    prepare=_prepare,
+    solver="spherical wrist, general shoulder",
+)
 
 
 def _front(chain: Chain, frames: DHFrames, centre: Array) -> float:

@@ -10,7 +10,8 @@ import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.chain.redundancy import swivel_of
-from urdf_ik.families.parts.plan import RedundantPlan, compared, method_in_words, snapped, written_values
+from urdf_ik.families.parts.family import Family, RedundantPlan, in_words
+from urdf_ik.families.parts.values import compared, snapped, written_values
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
@@ -29,17 +30,22 @@ NAMES = tuple(
 )
 # Axis 4 must be this far [of the arm's size] from shoulder and wrist.
 _CLEAR = 1e-3
-_STEPS = "the elbow by the law of cosines, its place by the swivel angle, then shoulder and wrist"
 # How far below zero a squared sine may fall for an arm that is off by 1 [share of size]: its solutions may still exist.
 _CLAMP = 50.0
 # Sine of the angle below which the wrist counts as lying on axis 1, as in src/core/families/swivel.hpp.
 _ON_AXIS = 1e-7
 
 
-def prepare(structure: Structure, chain: Chain) -> RedundantPlan | None:
-    """The plan of an arm that is of this family, exactly or nearly; None where it is not."""
+def _matches(structure: Structure) -> bool:
+    """Whether seven joints turn, and the first three axes meet in a point, the last three in another."""
+    meeting = structure.triple(1, "meet") is not None and structure.triple(5, "meet") is not None
+    return meeting and structure.joint_types.count("prismatic") == 0 and len(structure.joint_types) == 7
+
+
+def _prepare(family: Family, structure: Structure, chain: Chain) -> RedundantPlan | None:
+    """The plan of such an arm; None where the elbow is too near to shoulder or wrist."""
     shoulder, wrist = structure.triple(1, "meet"), structure.triple(5, "meet")
-    if "prismatic" in structure.joint_types or shoulder is None or wrist is None:
+    if shoulder is None or wrist is None:
         return None
     S, W = shoulder.point, wrist.point
     if S is None or W is None:
@@ -75,19 +81,31 @@ def prepare(structure: Structure, chain: Chain) -> RedundantPlan | None:
         "imperfection": 0.0 if exact else error,
         "value": 0.0,
     }
-    solver = Solver("S-R-S" if exact else "S-R-S, nearly", values)
+    solver = Solver(family.solver if exact else f"{family.solver}, nearly", values)
 
     return RedundantPlan(
-        family="7R S-R-S",
-        method=method_in_words(_STEPS, error),
-        branches=NAMES if exact else NAMES + tuple(f"further {k}" for k in range(1, 9)),
+        **in_words(family, error),
+        branches=family.branches if exact else family.branches + tuple(f"further {k}" for k in range(1, 9)),
         imperfection=(0.0, max(shoulder.imperfection, wrist.imperfection)),
         error=error,
         solver=solver,
         parameter=swivel_of(chain.joint_names[3]),
         value_of=lambda Q: _swivels(chain, ends, Q),
+        explain=lambda T: _explain(values, T, 0.0),
         explain_at=lambda T, value: _explain(values, T, value),
     )
+
+
+FAMILY = Family(
+    name="7R S-R-S",
+    reason="axes {1, 2, 3} meet in the shoulder, and axes {5, 6, 7} in the wrist",
+    steps="the elbow by the law of cosines, its place by the swivel angle, then shoulder and wrist",
+    branches=NAMES,
+    by_quadratics=True,
+    matches=lambda structure, chain: _matches(structure),
+    prepare=_prepare,
+    solver="S-R-S",
+)
 
 
 def _meeting(twists: Array) -> dict[str, Any]:

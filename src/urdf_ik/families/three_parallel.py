@@ -8,17 +8,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.families.parts.plan import (
+from urdf_ik.families.parts.family import Family, Plan, in_words
+from urdf_ik.families.parts.values import (
     NAMES,
     SIGNS,
-    Plan,
     compared,
     distances_of,
     ideal_frames,
     ideal_values,
     imperfection,
     mean_direction,
-    method_in_words,
     seen_in_frame_1,
     written_values,
 )
@@ -31,16 +30,13 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-_ROOTS = tuple(
-    f"position {root}, elbow {up}" for first in (1, 3) for up in ("up", "down") for root in (first, first + 1)
-)
+_PLANAR = "the rest is a planar arm"
 
 
-def matches(structure: Structure) -> bool:
+def _matches(structure: Structure) -> bool:
     """Whether axes 2, 3 and 4 of a 6R arm are parallel, and neither axis 1 nor axis 5 is parallel to them."""
     return (
-        len(structure.joint_types) == 6
-        and "prismatic" not in structure.joint_types
+        structure.is_6r
         and structure.triple(2, "parallel") is not None
         and structure.triple(1, "parallel") is None
         and structure.triple(3, "parallel") is None
@@ -50,9 +46,9 @@ def matches(structure: Structure) -> bool:
     )
 
 
-def prepare(structure: Structure, chain: Chain) -> Plan:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
     """Parameters of the nearest arm with three parallel axes, whose axes 5 and 6 meet or do not."""
-    crossing = structure.is_intersecting(5)
+    crossing = family.variant == "5x6"
     parallel = structure.triple(2, "parallel")
     directions, points = chain.H.copy(), chain.points.copy()
     directions[1:4] = mean_direction(directions[1:4])
@@ -72,22 +68,40 @@ def prepare(structure: Structure, chain: Chain) -> Plan:
         "square_wrist": bool(crossing and ca[3] == 0.0 and ca[4] == 0.0),
     }
     _, distance = imperfection(structure, [], [5] if crossing else [])
-    steps = (
-        "height along the parallel axes gives joint 1, the last axis joint 5 and joint 6, the rest is a planar arm"
-        if crossing
-        else "a quartic in joint 1 from height and direction along the parallel axes, the rest is a planar arm"
-    )
-    solver = Solver(f"three parallel axes, {'5x6' if crossing else 'general hand'}", values)
+    solver = Solver(family.solver, values)
     return Plan(
-        family="6R 2||3||4 and 5x6" if crossing else "6R 2||3||4",
-        method=method_in_words(steps, error),
-        branches=NAMES if crossing else _ROOTS,
+        **in_words(family, error),
+        branches=family.branches,
         imperfection=(parallel.imperfection if parallel else 0.0, distance),
         error=error,
         solver=solver,
         explain=seen_in_frame_1(ideal, lambda rotation, point: _explain(values, solver, crossing, rotation, point)),
-        by_quartic=not crossing,
     )
+
+
+CROSSING = Family(
+    name="6R 2||3||4 and 5x6",
+    reason="axes {2, 3, 4} are parallel, and axes {5, 6} meet",
+    steps=f"height along the parallel axes gives joint 1, the last axis joint 5 and joint 6, {_PLANAR}",
+    branches=NAMES,
+    by_quadratics=True,
+    matches=lambda structure, chain: _matches(structure) and structure.is_intersecting(5),
+    prepare=_prepare,
+    solver="three parallel axes, 5x6",
+    variant="5x6",
+)
+GENERAL = Family(
+    name="6R 2||3||4",
+    reason="axes {2, 3, 4} are parallel",
+    steps=f"a quartic in joint 1 from height and direction along the parallel axes, {_PLANAR}",
+    branches=tuple(
+        f"position {root}, elbow {up}" for first in (1, 3) for up in ("up", "down") for root in (first, first + 1)
+    ),
+    by_quadratics=False,
+    matches=lambda structure, chain: _matches(structure) and not structure.is_intersecting(5),
+    prepare=_prepare,
+    solver="three parallel axes, general hand",
+)
 
 
 def _explain(values: dict[str, Any], solver: Solver, crossing: bool, rotation: Array, point: Array) -> str:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdf_ik.angles import TURN
 from urdf_ik.errors import MissingPackage, PlotError
 from urdf_ik.solutions import limits as joint_limits
 
@@ -215,7 +216,7 @@ def _images(owner: Arm, q: Any, joints: Any) -> tuple[Any, Any, Any]:
     for row, i in enumerate(joints):
         within = bool(first[i] <= last[i])
         turns = (first[i] if within else 0.0) + np.arange(last[i] - first[i] + 1.0 if within else 1.0)
-        values += list(q[i] + turns * joint_limits.TURN)
+        values += list(q[i] + turns * TURN)
         rows += [float(row)] * len(turns)
         inside += [within] * len(turns)
     return np.array(rows), np.array(values), np.array(inside)

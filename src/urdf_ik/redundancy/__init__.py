@@ -3,6 +3,6 @@
 from __future__ import annotations
 
 from urdf_ik.chain.redundancy import Redundancy
-from urdf_ik.redundancy.self_motion import Sweep
+from urdf_ik.redundancy.sweep import Sweep
 
 __all__ = ["Redundancy", "Sweep"]

@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-from urdf_ik.solutions.ik_solutions import IKSolutions, Singular, Solution, Step
+from urdf_ik.solutions.ik_solutions import IKSolutions
+from urdf_ik.solutions.kept import Singular, Solution, Step
 
-__all__ = [
-    "IKSolutions",
-    "Singular",
-    "Solution",
-    "Step",
-]
+__all__ = ["IKSolutions", "Singular", "Solution", "Step"]

@@ -12,12 +12,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from urdf_ik.errors import UrdfIkError
+from urdf_ik.angles import TURN
+from urdf_ik.errors import ArgumentError
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-TURN = 2.0 * np.pi
 LIMIT_TOLERANCE = 1e-9
 """How far [rad or m] a value may lie beyond a limit: the error that the contract grants to a solution."""
 FAR = 50.0 * TURN
@@ -78,10 +78,10 @@ def image_range(q: Array, limits: Array, turning: Mask | Array, tol: float = LIM
         Two arrays (..., n) of whole numbers; first > last where no image is inside.
 
     Raises:
-        UrdfIkError: ``tol`` is not finite.
+        ArgumentError: ``tol`` is not finite.
     """
     if not np.isfinite(tol):
-        raise UrdfIkError(f"a limit tolerance of {tol} given; it must be a finite number of rad or m")
+        raise ArgumentError(f"a limit tolerance of {tol} given; it must be a finite number of rad or m")
     lower, upper = limits[:, 0] - tol, limits[:, 1] + tol
     turning, turn = _turns(turning)
     with np.errstate(invalid="ignore", over="ignore"):  # NaN rows, and limits like 1e308 for "none"
@@ -120,6 +120,27 @@ def nearest_image(q: Array, limits: Array, turning: Mask | Array, tol: float = L
     return image, inside
 
 
+def image_near(q: Array, q_ref: Array, limits: Array, turning: Mask | Array) -> tuple[Array, Mask]:
+    """The image inside the limits that is nearest to a reference, joint by joint.
+
+    Args:
+        q: (..., n) rad or m.
+        q_ref: (..., n) rad or m, which broadcasts against ``q``.
+        limits: (n, 2) rad or m.
+        turning: (n,) see :func:`nearest_image`.
+
+    Returns:
+        q (..., n), NaN rows where a joint has no image inside; (...) bool.
+    """
+    first, last = image_range(q, limits, turning)
+    inside = np.asarray((first <= last).all(axis=-1))
+    on_circle, turn = _turns(turning)
+    wanted = np.where(on_circle, np.round((q_ref - q) / turn), 0.0)
+    endless = on_circle & np.isinf(limits).all(axis=1)
+    count = np.where(endless, wanted, np.clip(wanted, first, np.maximum(first, last)))
+    return np.where(inside[..., None], q + count * turn, np.nan), inside
+
+
 def turns(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TOLERANCE) -> Turned:
     """Every combination of images inside the limits; arguments as :func:`nearest_image`.
 
@@ -127,7 +148,7 @@ def turns(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TOL
     joint has in ``q``.
 
     Raises:
-        UrdfIkError: more than ``MAX_ENTRIES`` joint values.
+        ArgumentError: more than ``MAX_ENTRIES`` joint values.
     """
     first, last = image_range(q, limits, turning, tol)
     inside = (first <= last).all(axis=-1, keepdims=True)
@@ -136,7 +157,7 @@ def turns(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TOL
     entries = q.size * float(np.prod(per_joint))
     if entries > MAX_ENTRIES:
         images = " x ".join(f"{count:.4g}" for count in per_joint)
-        raise UrdfIkError(
+        raise ArgumentError(
             f"the joints have {images} images inside their limits: {entries:.3g} joint values, more than "
             f"{MAX_ENTRIES:.3g} in one array; iter_turns() gives the images of one pose one by one"
         )

@@ -1,54 +1,21 @@
-"""Words for solutions: names of images, the reason why there are none, a table."""
+"""Solutions in words: why there are none, and a table."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdf_ik.solutions import limits
+from urdf_ik.text import aligned
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from urdf_ik.solutions.ik_solutions import IKSolutions
-
-    Array = NDArray[np.float64]
+    from urdf_ik.solutions.kept import KeptSolutions
 
 _MOST_ROWS = 32
 
 
-def suffix(turns: Array) -> str:
-    """Turns (n,) of an image as ' [q1+360°, q6-360°]'; '' without any."""
-    parts = [f"q{i + 1}{360 * int(k):+d}°" for i, k in enumerate(turns) if k]
-    return f" [{', '.join(parts)}]" if parts else ""
-
-
-def turned_branches(branches: Sequence[str], turns: Sequence[Array], ranks: NDArray[np.intp]) -> tuple[str, ...]:
-    """Names of the columns of ``limits.turns``: the turns where all poses share them, else the image's number.
-
-    Args:
-        branches: B names.
-        turns: one array (..., B, m_i) a joint: turns of each of its images, NaN where there are fewer.
-        ranks: (M, n) which image each joint has in the M columns of a branch.
-    """
-    parts: list[list[list[str]]] = []
-    for i, k in enumerate(turns):
-        rows = k.reshape(-1, *k.shape[-2:])
-        # fmin and fmax pass over NaN; an image that no pose has stays at the starting values.
-        least, most = np.fmin.reduce(rows, axis=0, initial=np.inf), np.fmax.reduce(rows, axis=0, initial=-np.inf)
-        parts.append([[_image(i, r, *ends) for r, ends in enumerate(zip(*row, strict=True))]
-                      for row in zip(least.tolist(), most.tolist(), strict=True)])  # fmt: skip
-    names = []
-    for b, branch in enumerate(branches):
-        for rank in ranks.tolist():
-            turned = [part for i, r in enumerate(rank) if (part := parts[i][b][r])]
-            names.append(f"{branch} [{', '.join(turned)}]" if turned else branch)
-    return tuple(names)
-
-
-def explanation(solutions: IKSolutions) -> str:
+def explanation(solutions: KeptSolutions) -> str:
     """Why a single pose has no solution; '' where it has one."""
     if solutions.count:
         return ""
@@ -66,7 +33,7 @@ def explanation(solutions: IKSolutions) -> str:
     return f"{found} the pose{inside}, and every one is in collision{near}"
 
 
-def table(solutions: IKSolutions, degrees: bool = False) -> str:
+def table(solutions: KeptSolutions, degrees: bool = False) -> str:
     """The solutions of a single pose, a line each; a batch in one sentence."""
     name = solutions.arm.name
     how = f" ({', '.join(solutions.filters)})" if solutions.filters else ""
@@ -84,26 +51,14 @@ def table(solutions: IKSolutions, degrees: bool = False) -> str:
         values = [f"{x:.{2 if s != 1.0 else 4}f}" for x, s in zip(one.q * scale, scale, strict=True)]
         flag = f"singular: {one.singular.name}".lower() if one.singular else ""
         rows.append([str(one.index), one.branch, *values, flag])
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = [f"{name}: {len(shown)} solution{'s' if len(shown) != 1 else ''}{how}"]
-    for row in rows:
-        cells = [cell.ljust(w) if i in (1, len(row) - 1) else cell.rjust(w)
-                 for i, (cell, w) in enumerate(zip(row, widths, strict=True))]  # fmt: skip
-        lines.append("  ".join(cells).rstrip())
+    lines += aligned(rows, left=(1, len(rows[0]) - 1))
     if len(shown) > _MOST_ROWS:
         lines.append(f"... and {len(shown) - _MOST_ROWS} more")
     return "\n".join(lines)
 
 
-def _image(joint: int, rank: int, least: float, most: float) -> str:
-    """One joint's part of a column's name."""
-    if least == most:
-        return f"q{joint + 1}{360 * int(least):+d}°" if least else ""
-    # A first image that differs between the poses is still the first one: the branch itself.
-    return f"q{joint + 1} image {rank + 1}" if rank else ""
-
-
-def _out_of_limits(solutions: IKSolutions, tol: float) -> str:
+def _out_of_limits(solutions: KeptSolutions, tol: float) -> str:
     """The solution that is least far outside the limits, and its joints that are."""
     arm = solutions.arm
     turning = arm.chain.image_turns * ("turns" not in solutions.filters)

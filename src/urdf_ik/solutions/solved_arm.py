@@ -10,7 +10,17 @@ if TYPE_CHECKING:
 
     from urdf_ik.chain import Chain
     from urdf_ik.chain.redundancy import Redundancy
-    from urdf_ik.collision import CollisionModel
+    from urdf_ik.structure import Structure
+
+
+class Collisions(Protocol):
+    """What ``collision_free`` asks whether the arm touches anything."""
+
+    def in_collision(self, q: NDArray[np.float64]) -> Any:
+        """(k, n) rad or m to (k,): whether two bodies touch or overlap."""
+
+    def distance(self, q: NDArray[np.float64]) -> Any:
+        """(k, n) rad or m to (k,) m: how far the nearest two bodies are apart."""
 
 
 class SolvedArm(Protocol):
@@ -29,7 +39,7 @@ class SolvedArm(Protocol):
         """(n, 2) rad or m."""
 
     @property
-    def collision_model(self) -> CollisionModel:
+    def collision_model(self) -> Collisions:
         """What ``collision_free`` asks."""
 
     @property
@@ -42,3 +52,24 @@ class SolvedArm(Protocol):
 
     def explain(self, T: Any, redundancy: float | None = None) -> str:
         """Why a pose has no solution."""
+
+
+class SolvingArm(SolvedArm, Protocol):
+    """What searches ask of an arm: solutions, too."""
+
+    @property
+    def dof(self) -> int:
+        """Number of joints."""
+
+    @property
+    def structure(self) -> Structure:
+        """Its axes, and how it is solved."""
+
+    def fk(self, q: Any) -> NDArray[np.float64]:
+        """Pose of the tip."""
+
+    def ik(self, T: Any, *, redundancy: Any = None, threads: int = 1) -> Any:
+        """The solutions of poses, as ``IKSolutions``."""
+
+    def redundancy_of(self, q: Any) -> NDArray[np.float64]:
+        """Values of the redundancy parameter."""

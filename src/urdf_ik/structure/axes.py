@@ -4,17 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik.structure import sentences
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     from urdf_ik.chain import Chain
@@ -22,8 +18,8 @@ if TYPE_CHECKING:
     Vector = NDArray[np.float64]
 
 
-_GENERAL = "6R general"  # the family that assumes nothing
 
+_KINDS = {"revolute": "R", "continuous": "R", "prismatic": "P"}
 # Below this [rad or m] a deviation is not worth a word.
 _ROUNDING = 1e-12
 
@@ -84,31 +80,42 @@ class Structure:
     """What is known of an arm before it is solved; ``str()`` gives it in sentences.
 
     Attributes:
+        joint_types: 'revolute', 'continuous' or 'prismatic', base to tip.
         pairs: relations of neighbouring axes.
         triples: triples of neighbouring axes that meet or are parallel.
         family: name of the family, such as '6R spherical wrist, 2||3'; '' where no solver takes the arm.
-        method: how it is solved, and why, in words.
+        reason: why it is solved as one of this family, in words.
+        method: how it is solved, in words.
         branches: names of the columns of its solutions.
         imperfection: (rad, m) how far the URDF as written is from the family.
         error: the same as greatest difference between poses of the ideal arm and of the arm as written [rad, share
             of the arm's size]; what decides whether it counts as exact.
-        find_cuspidal: what ``cuspidal`` asks.
+        is_general: whether the arm is solved by elimination alone, without a closed form.
+        by_quadratics: whether each joint follows from the root of a quadratic, one step after the other, of the arm
+            as written.
     """
 
     joint_types: tuple[str, ...]
     pairs: tuple[AxisPair, ...]
     triples: tuple[AxisTriple, ...]
     family: str = ""
+    reason: str = ""
     method: str = ""
     branches: tuple[str, ...] = ()
     imperfection: tuple[float, float] = (0.0, 0.0)
     error: float = 0.0
-    find_cuspidal: Callable[[], bool | None] | None = field(default=None, repr=False, compare=False)
+    is_general: bool = False
+    by_quadratics: bool = False
 
     @property
-    def is_general(self) -> bool:
-        """Whether the arm is solved by elimination alone, without a closed form."""
-        return self.family == _GENERAL
+    def slides(self) -> int:
+        """Number of joints that slide."""
+        return self.joint_types.count("prismatic")
+
+    @property
+    def is_6r(self) -> bool:
+        """Whether there are six joints, and all of them turn."""
+        return len(self.joint_types) == 6 and not self.slides
 
     @property
     def is_exact(self) -> bool:
@@ -132,17 +139,39 @@ class Structure:
         """The triple that begins with axis ``first``, if its relation is this one."""
         return next((t for t in self.triples if t.first == first and t.relation == relation), None)
 
-    @cached_property
-    def cuspidal(self) -> bool | None:
-        """Whether the arm can change from one solution of a pose to another without crossing a singularity.
+    def solutions_in_words(self) -> str:
+        """How many solutions there can be, and how the columns are counted."""
+        further = sum(name.startswith("further ") for name in self.branches)
+        most = f"up to {self.max_solutions} solutions"
+        if not further:
+            return most
+        ideal = self.max_solutions - further
+        return f"{most}: {ideal} next to those of the ideal arm, and {further} that only the arm as written can have"
 
-        False and True are proven, joint limits aside; None where neither a proof nor a path was found, and where no
-        solver takes the arm. Found when first asked for, which takes up to a second.
-        """
-        return None if self.find_cuspidal is None else self.find_cuspidal()
+    def imperfection_in_words(self) -> str:
+        """How far the URDF as written is off its family, and what is done about it."""
+        if self.is_general:
+            return (
+                "none, since no relation between the axes is made use of; solutions are verified on the URDF as written"
+            )
+        if self.is_exact:
+            return "none: the URDF as written is of this family, exact to rounding"
+        angle, distance = self.imperfection
+        off = f"the URDF as written is {angle:.2g} rad and {distance:.2g} m off this family"
+        if max(angle, distance) == 0.0:
+            off = f"the URDF as written is off this family by {self.error:.1g} of its size"
+        return f"{off}; the ideal arm gives starting points only, and solutions are verified on the URDF as written"
 
     def __str__(self) -> str:
-        return sentences.in_sentences(self)
+        kinds = "".join(_KINDS[kind] for kind in self.joint_types)
+        name = f"{len(self.joint_types)} joints ({kinds})"
+        sentences = [f"{name}: {self.family}" if self.family else f"{name}, of no family that is solved here"]
+        sentences.append("; ".join([*map(str, self.triples), *map(str, self.pairs)]))
+        if self.family:
+            # The relations above say why, unless there are none that help.
+            sentences += [self.reason if self.is_general else "", self.method, self.solutions_in_words()]
+            sentences.append(f"imperfection: {self.imperfection_in_words()}")
+        return " ".join(f"{text[0].upper()}{text[1:]}." for text in sentences if text)
 
 
 def analyse(chain: Chain) -> Structure:

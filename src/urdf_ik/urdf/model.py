@@ -147,6 +147,17 @@ class UrdfModel:
         base = self.root if base is None else self._require(base, "base")
         return base, self._only_tip(base) if tip is None else self._require(tip, "tip")
 
+    def driver(self, joint: Joint) -> tuple[Joint, float, float]:
+        """The joint at the end of a row of mimics, itself for one that is free, with multiplier and offset."""
+        by_name = {each.name: each for each in self.joints} if joint.mimic else {}
+        multiplier, offset = 1.0, 0.0
+        while joint.mimic is not None and joint.mimic[0] in by_name:
+            name, factor, shift = joint.mimic
+            offset += multiplier * shift
+            multiplier *= factor
+            joint = by_name[name]
+        return joint, multiplier, offset
+
     @cached_property
     def _carrier(self) -> dict[str, Joint]:
         return {joint.child: joint for joint in self.joints}

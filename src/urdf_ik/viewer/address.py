@@ -6,7 +6,7 @@ import errno
 import ipaddress
 import socket
 
-from urdf_ik.errors import UrdfIkError
+from urdf_ik.errors import ArgumentError
 
 DEFAULT_PORT = 8080
 
@@ -19,10 +19,10 @@ def check(host: str, port: int | None) -> None:
         port: None: any port will do.
 
     Raises:
-        UrdfIkError: the port is none or in use, or the host is not this machine.
+        ArgumentError: the port is none or in use, or the host is not this machine.
     """
     if port is not None and not 0 <= port <= 65535:
-        raise UrdfIkError(f"port {port} given; a port is a whole number from 0 (any free one) to 65535")
+        raise ArgumentError(f"port {port} given; a port is a whole number from 0 (any free one) to 65535")
     try:
         family, kind, protocol, _, address = socket.getaddrinfo(host, port or 0, type=socket.SOCK_STREAM)[0]
         with socket.socket(family, kind, protocol) as probe:
@@ -30,12 +30,12 @@ def check(host: str, port: int | None) -> None:
             probe.bind(address)
     except OSError as error:
         if error.errno == errno.EADDRINUSE:
-            raise UrdfIkError(
+            raise ArgumentError(
                 f"port {port} on {host} is in use; name another one, or leave it out for the first free one"
             ) from None
         if error.errno == errno.EACCES:
-            raise UrdfIkError(f"port {port} on {host} is not allowed: {error.strerror}; 1024 and above are") from None
-        raise UrdfIkError(
+            raise ArgumentError(f"port {port} on {host} is not allowed: {error.strerror}; 1024 and above are") from None
+        raise ArgumentError(
             f"cannot listen on {host!r}: {error.strerror or error}; 127.0.0.1 is this machine alone, 0.0.0.0 everybody"
         ) from None
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from urdf_ik import catalogue
 from urdf_ik.arm import load
-from urdf_ik.errors import MissingPackage, UrdfIkError
+from urdf_ik.errors import ArgumentError, MissingPackage, UrdfIkError
 from urdf_ik.poses import pose
 from urdf_ik.viewer import address
 from urdf_ik.viewer import state as states
@@ -65,7 +65,7 @@ class Viewer:
 
         Raises:
             MissingPackage: viser is not installed.
-            UrdfIkError: the port is in use, or the host is not this machine.
+            ArgumentError: the port is in use, or the host is not this machine.
         """
         try:
             import viser
@@ -84,7 +84,7 @@ class Viewer:
             self.server = viser.ViserServer(host=host, port=first, label="urdf-ik", verbose=False)
         if port and self.port != port:  # somebody took it since it was looked at
             self.close()
-            raise UrdfIkError(f"port {port} on {host} is in use; name another one, or leave it out")
+            raise ArgumentError(f"port {port} on {host} is in use; name another one, or leave it out")
         self.server.gui.configure_theme(control_width="large")
         self.server.scene.add_grid("/grid", width=4.0, height=4.0, cell_size=0.1, section_size=0.5)
         self._message = self.server.gui.add_markdown("")

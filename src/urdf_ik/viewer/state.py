@@ -165,7 +165,7 @@ def _solved(state: State) -> State:
               Singular(int(found.singular[column])))
         for k, column in enumerate(valid)
     )  # fmt: skip
-    return replace(state, ghosts=ghosts, reason="" if inside.any() else str(kept.explain()))
+    return replace(state, ghosts=ghosts, reason="" if inside.any() else kept.explain())
 
 
 def _solve(state: State) -> IKSolutions:

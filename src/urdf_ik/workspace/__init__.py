@@ -14,9 +14,8 @@ from __future__ import annotations
 
 from urdf_ik.workspace.arcs import Arc, Region
 from urdf_ik.workspace.building import CHUNK, MAX_SAMPLES, compute
-from urdf_ik.workspace.files import read
 from urdf_ik.workspace.grid import Grid
-from urdf_ik.workspace.maps import VALUES, About, BranchShare, MapSlice, WorkspaceMap
+from urdf_ik.workspace.maps import VALUES, About, BranchShare, MapSlice, WorkspaceMap, read
 from urdf_ik.workspace.regions import ELBOWS, PlanarWorkspace, planar
 
 __all__ = [

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from urdf_ik.angles import TURN
+
 Array = NDArray[np.float64]
 Inside = Callable[[Array], NDArray[np.bool_]]
 
-TURN = 2.0 * np.pi
 NUDGE = 1e-6
 """How far [share of the size] to either side of an arc it is asked whether a point is inside."""
 SAME = 1e-7

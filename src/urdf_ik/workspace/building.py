@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdf_ik.angles import TURN
 from urdf_ik.errors import UnsupportedArm, WorkspaceError
 from urdf_ik.solutions import limits as joint_limits
 from urdf_ik.workspace.grid import grid_of, require_room
@@ -141,7 +142,7 @@ def _sum_over_samples(kept: Mask, count: int) -> NDArray[np.uint16]:
 
 
 def _about(arm: Arm, branches: tuple[str, ...], counted: str, redundancy: float | None) -> About:
-    import urdf_ik
+    from urdf_ik import __version__
 
     free = arm.redundancy
     return About(
@@ -160,7 +161,7 @@ def _about(arm: Arm, branches: tuple[str, ...], counted: str, redundancy: float 
         branches=branches,
         counted=counted,
         redundancy=None if free is None else float(free.default if redundancy is None else redundancy),
-        made_by=urdf_ik.__version__,
+        made_by=__version__,
     )
 
 
@@ -174,7 +175,7 @@ class _Counting:
         turning = ~arm.chain.prismatic
         lower, upper = arm.limits.T
         # A joint that turns all the way round has an image inside whatever its value.
-        self._limited = np.flatnonzero(~(turning & (upper - lower >= joint_limits.TURN)))
+        self._limited = np.flatnonzero(~(turning & (upper - lower >= TURN)))
         self._turning = turning
 
     @property

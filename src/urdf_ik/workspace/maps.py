@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from urdf_ik.errors import WorkspaceError
+from urdf_ik.workspace import files
 from urdf_ik.workspace.grid import AXES, Grid
 
 if TYPE_CHECKING:
@@ -18,6 +19,10 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
     Counts = NDArray[np.uint8]
 
+# Arrays of a file, those that every map has and those that were asked for, and their types other than uint8.
+_ALWAYS = ("samples", "solutions", "branch_poses")
+_PERHAPS = ("within", "free", "manipulability", "margin")
+_TYPES = {"samples": np.float64, "branch_poses": np.uint16, "manipulability": np.float32, "margin": np.float32}
 VALUES = {
     "reach": "share of the orientations that are reached",
     "solutions": "mean number of solutions",
@@ -229,11 +234,50 @@ class WorkspaceMap:
         }
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write a compressed ``.npz`` file; see :mod:`urdf_ik.workspace.files`."""
-        from urdf_ik.workspace import files
+        """Write a compressed ``.npz`` file, which :func:`read` reads: see :mod:`urdf_ik.workspace.files`.
 
-        files.save(self, path)
+        Raises:
+            WorkspaceError: the file cannot be written.
+        """
+        grid = {"lower": self.grid.lower.tolist(), "voxel": self.grid.voxel, "shape": list(self.grid.shape)}
+        arrays = {name: getattr(self, name) for name in _ALWAYS + _PERHAPS if getattr(self, name) is not None}
+        files.write(path, {**asdict(self.about), "grid": grid}, arrays)
 
     @property
     def _dimensions(self) -> int:
         return 2 if self.about.task.startswith("planar") else 3
+
+
+def read(path: str | os.PathLike[str]) -> WorkspaceMap:
+    """Read a map that :meth:`WorkspaceMap.save` wrote.
+
+    Raises:
+        WorkspaceError: the file cannot be read, or is no such map; the message says why.
+    """
+    return files.read(path, _built)
+
+
+def _built(header: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> WorkspaceMap:
+    grid = header["grid"]
+    rows, columns, layers = (int(count) for count in grid["shape"])
+    voxels = Grid(np.array(grid["lower"], dtype=np.float64), float(grid["voxel"]), (rows, columns, layers))
+    fields = {name: header[name] for name in About.__dataclass_fields__}
+    for name in ("joints", "branches"):
+        fields[name] = tuple(fields[name])
+    fields["limits"] = tuple((lower, upper) for lower, upper in fields["limits"])
+    for name in _ALWAYS:
+        if name not in arrays:
+            raise ValueError(f"the array {name!r} is missing")
+    if fields["counted"] != "solutions" and fields["counted"] not in arrays:
+        raise ValueError(f"the array {fields['counted']!r} is missing")
+    arrays = {name: array for name, array in arrays.items() if name in _ALWAYS + _PERHAPS}
+    for name, array in arrays.items():
+        last = len(fields["branches"]) if name == "branch_poses" else len(arrays["samples"])
+        shape = array.shape if name == "samples" else (*voxels.shape, last)
+        kind = _TYPES.get(name, np.uint8)
+        if array.shape != shape or array.dtype != kind:
+            raise ValueError(
+                f"{name} is of shape {array.shape} and type {array.dtype}, not {shape} and {kind.__name__}"
+            )
+        array.setflags(write=False)
+    return WorkspaceMap(About(**fields), voxels, **arrays)

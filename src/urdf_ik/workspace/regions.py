@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.angles import TURN
 from urdf_ik.errors import WorkspaceError
 from urdf_ik.solutions import limits
 from urdf_ik.tolerances import DEFAULT
-from urdf_ik.workspace.arcs import TURN, Circle, Region, region
+from urdf_ik.workspace.arcs import Circle, Region, region
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

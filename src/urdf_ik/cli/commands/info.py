@@ -7,7 +7,8 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from urdf_ik.cli import console, tables
-from urdf_ik.structure import AxisPair, AxisTriple, sentences
+from urdf_ik.cuspidality import in_words
+from urdf_ik.structure import AxisPair, AxisTriple
 
 if TYPE_CHECKING:
     from urdf_ik.arm import Arm
@@ -67,7 +68,7 @@ def as_json(arm: Arm, angles: Angles) -> str:
                 "task": arm.task,
                 "method": structure.method or None,
                 "exact": structure.is_exact if structure.family else None,
-                "cuspidal": structure.cuspidal,
+                "cuspidal": arm.cuspidal,
                 "max_solutions": structure.max_solutions,
                 "branches": structure.branches,
             },
@@ -112,11 +113,11 @@ def as_text(arm: Arm, angles: Angles) -> str:
     if structure.family:
         solver += [("controls", arm.task)] if arm.task != "pose" else []
         solver += [
-            ("why", sentences.why(structure)),
+            ("why", structure.reason),
             ("solver", structure.method),
-            ("solutions", sentences.solutions(structure)),
-            ("imperfection", sentences.imperfection(structure)),
-            ("cuspidal", sentences.cuspidal(structure)),
+            ("solutions", structure.solutions_in_words()),
+            ("imperfection", structure.imperfection_in_words()),
+            ("cuspidal", in_words(arm.cuspidal)),
             *([] if arm.redundancy is None else [("redundancy", str(arm.redundancy))]),
         ]
         branches = [f"{'branches' if i == 0 else '':<14}{line}" for i, line in enumerate(_columns(structure.branches))]

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik._core import Solver, known_poses, try_elimination
-from urdf_ik.families.parts.plan import written_values
+from urdf_ik.families.parts.values import written_values
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.families.parts.aim import Aim
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.chain import Chain
-    from urdf_ik.families.few_joints import Aim
 
     Array = NDArray[np.float64]
 

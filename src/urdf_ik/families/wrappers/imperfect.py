@@ -9,12 +9,12 @@ import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.families.parts.elimination import elimination_values
+from urdf_ik.families.parts.family import Plan
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.chain import Chain
-    from urdf_ik.families.parts.plan import Plan
 
     Array = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ import numpy as np
 from urdf_ik._core import Solver
 from urdf_ik.chain.redundancy import locked_joint
 from urdf_ik.families.parts.elimination import doubts
-from urdf_ik.families.parts.plan import RedundantPlan
+from urdf_ik.families.parts.family import Plan, RedundantPlan
 from urdf_ik.structure import analyse
 
 if TYPE_CHECKING:
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.chain import Chain
-    from urdf_ik.families.parts.plan import Plan
     from urdf_ik.structure import Structure
 
     Array = NDArray[np.float64]
@@ -52,10 +51,10 @@ def prepare(chain: Chain, choosers: Sequence[Choose]) -> RedundantPlan | None:
 
 def _cost(plan: Plan, chain: Chain) -> tuple[int, int]:
     """Order of the solvers: exact closed form, exact quartic, near an ideal arm; of eliminations the surer one."""
-    if plan.by_elimination:
+    if plan.family.by_elimination:
         # What the elimination's first variant misses without a doubt is rare, and goes along with them.
         return 3, doubts(plan.solver, chain.fk(np.random.default_rng(0).uniform(-np.pi, np.pi, (_TRIED, 6))))
-    return int(plan.by_quartic) if plan.is_exact else 2, 0
+    return int(not plan.family.by_quadratics) if plan.is_exact else 2, 0
 
 
 def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
@@ -70,7 +69,9 @@ def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
         return f"with {parameter.joint!r} at {value:.6g} {parameter.unit}: {why}"
 
     return RedundantPlan(
-        family=f"7R, joint {k + 1} given: {plan.family}" if turns else f"6R on a slide: {plan.family}",
+        family=plan.family,
+        name=f"7R, joint {k + 1} given: {plan.name}" if turns else f"6R on a slide: {plan.name}",
+        reason=f"with joint {k + 1} given, of the six others {plan.reason}",
         method=f"Joint {k + 1} ({parameter.joint}) is given, the six others are solved. {plan.method}",
         branches=plan.branches,
         imperfection=plan.imperfection,
@@ -78,6 +79,7 @@ def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
         solver=Solver("one joint given", values),
         parameter=parameter,
         value_of=lambda Q: parameter.wrapped(Q[:, k]),
+        explain=lambda T: explain_at(T, parameter.default),
         explain_at=explain_at,
     )
 

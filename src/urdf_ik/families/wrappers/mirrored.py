@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik._core import Solver
+from urdf_ik.families.parts.family import Plan
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from urdf_ik.families.parts.plan import Plan
 
     Array = NDArray[np.float64]
 
@@ -25,13 +24,14 @@ def mirrored(plan: Plan) -> Plan:
     def explain(T: Array) -> str:
         return f"seen from the tip, {plan.explain(np.asarray(np.linalg.inv(T), dtype=np.float64))}"
 
+    why = plan.family.why(from_tip=True)
     return replace(
         plan,
-        family=f"{plan.family}, reversed",
+        name=f"{plan.name}, reversed",
+        reason=why if plan.is_exact else f"{why}, exactly or nearly",
         method=f"{plan.method}; on the chain from tip to base",
         branches=tuple(_renamed(name) for name in plan.branches),
         explain=explain,
-        mirrored=True,
         solver=Solver("reversed", {"solver": plan.solver}),
     )
 

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.families.few_joints import AXIS, POSE, Aim, columns, is_redundant
+from urdf_ik.chain import is_redundant
+from urdf_ik.families.parts.aim import AXIS, POSE, Aim
+from urdf_ik.families.parts.family import Plan, columns
 from urdf_ik.families.parts.nearest import off_by
-from urdf_ik.families.parts.plan import Plan
 from urdf_ik.structure import analyse
 
 if TYPE_CHECKING:
@@ -82,7 +83,7 @@ def _extended(chain: Chain, H: Array, P: Array, *, behind: bool) -> Chain:
     )
 
 
-def _plan(chain: Chain, whole: Chain, at: int, aim: Aim, choose: Choose, family: str, role: str) -> Plan | None:
+def _plan(chain: Chain, whole: Chain, at: int, aim: Aim, choose: Choose, name: str, role: str) -> Plan | None:
     six = choose(analyse(whole), whole)
     if six is None:
         return None
@@ -91,11 +92,12 @@ def _plan(chain: Chain, whole: Chain, at: int, aim: Aim, choose: Choose, family:
     most = 8 if aim.kind == POSE else count
     values = {"written": aim.written(chain), "six": six.solver, "at": at, "columns": most}
     return Plan(
-        family=f"{family} ({six.family.removeprefix('6R ')} with an added axis)",
+        family=six.family,
+        name=f"{name} (six joints with an added axis: {six.name})",
+        reason=f"with a sixth axis {role}, {six.reason}",
         method=f"With a sixth axis {role}: {six.method[0].lower()}{six.method[1:]}; verified on the five joints",
         branches=columns(most),
         imperfection=six.imperfection,
-        error=0.0,
         explain=lambda T: off_by(chain, aim, T[:3, :3], T[:3, 3]),
         solver=Solver("completed", values),
     )

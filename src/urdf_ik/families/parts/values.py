@@ -1,9 +1,9 @@
-"""What a family makes of an arm: its solver, its branches, and how far the arm is off."""
+"""The numbers that compiled solvers take: the arm as written, the nearest ideal arm, and how far it is off."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from urdf_ik._core import Solver
     from urdf_ik.chain import Chain
     from urdf_ik.chain.mimic import CoupledChain
-    from urdf_ik.chain.redundancy import Redundancy
     from urdf_ik.dh.frames import DHFrames
     from urdf_ik.structure import Structure
 
@@ -36,76 +35,6 @@ NAMES = tuple(
 
 # Below this a cosine or sine of a twist is rounding of zero: eight units in the last place of 1.
 _ROUNDING = 2e-15
-
-
-@dataclass(frozen=True)
-class Plan:
-    """A family's answer to an arm.
-
-    Attributes:
-        family: its name.
-        method: how it is solved, in words.
-        branches: names of the columns.
-        imperfection: (rad, m) of the relations that the family rests on.
-        error: greatest difference between the poses of the ideal arm and of the arm as written, over sampled
-            joint vectors [rad, share of size].
-        solver: the compiled solver.
-        explain: (pose (4, 4) without a solution) -> why there is none.
-        mirrored: whether the solver sees the chain from tip to base.
-        by_quartic: whether its branches are the roots of a quartic.
-        by_elimination: whether there is no closed form at all.
-    """
-
-    family: str
-    method: str
-    branches: tuple[str, ...]
-    imperfection: tuple[float, float]
-    error: float
-    solver: Solver
-    explain: Callable[[Array], str]
-    mirrored: bool = False
-    by_quartic: bool = False
-    by_elimination: bool = False
-
-    @property
-    def is_exact(self) -> bool:
-        """Whether the arm as written is the ideal one, to rounding."""
-        return self.error <= DEFAULT.exact_structure
-
-
-@dataclass(frozen=True)
-class RedundantPlan:
-    """What solves an arm with seven joints, for given values of its redundancy parameter.
-
-    Attributes:
-        family: see ``Plan``, as method, branches, imperfection, error and solver.
-        parameter: what is given.
-        value_of: joint vectors (m, 7) -> their values (m,).
-        explain_at: (T (4, 4), value) -> why there is no solution.
-    """
-
-    family: str
-    method: str
-    branches: tuple[str, ...]
-    imperfection: tuple[float, float]
-    error: float
-    solver: Solver
-    parameter: Redundancy
-    value_of: Callable[[Array], Array]
-    explain_at: Callable[[Array, float], str]
-
-
-def cheapest(plans: Iterable[Plan]) -> Plan:
-    """The first exact one of plans, made as they are asked for; else the one with the least error.
-
-    A quartic is no help to an arm that it does not fit exactly: its roots part with the root of the error.
-    """
-    made: list[Plan] = []
-    for plan in plans:
-        if plan.is_exact:
-            return plan
-        made.append(plan)
-    return min(made, key=lambda plan: (plan.by_quartic, plan.error))
 
 
 def ideal_frames(
@@ -237,10 +166,3 @@ def straightened(structure: Structure, directions: Array) -> tuple[Array, list[b
             straight[start:end] = mean_direction(directions[start:end])
             start = end
     return straight, parallel
-
-
-def method_in_words(steps: str, error: float) -> str:
-    """``steps``, with what is done about an imperfect arm."""
-    if error <= DEFAULT.exact_structure:
-        return f"Closed form: {steps}"
-    return f"Nearest ideal arm in closed form ({steps}), refined by Newton's method on the URDF as written"

@@ -1,0 +1,141 @@
+"""What an arm is before it is solved: its joints and links, its kinematics, and Pinocchio's view of both."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik import velocity
+from urdf_ik.tolerances import DEFAULT
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from urdf_ik.chain import Chain
+    from urdf_ik.reference import Reference
+    from urdf_ik.urdf import UrdfModel
+
+    Array = NDArray[np.float64]
+
+
+class Kinematics:
+    """A URDF and a chain of it.
+
+    Attributes:
+        model: the URDF as it was read.
+        chain: screw axes of the joints from base to tip.
+    """
+
+    def __init__(self, model: UrdfModel, chain: Chain) -> None:
+        self.model = model
+        self.chain = chain
+
+    @property
+    def name(self) -> str:
+        """The robot's name in the URDF."""
+        return self.model.name
+
+    @property
+    def base(self) -> str:
+        """Base link; poses are expressed in it."""
+        return self.chain.base
+
+    @property
+    def tip(self) -> str:
+        """Tip link, whose pose is solved for."""
+        return self.chain.tip
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Movable joints, base to tip."""
+        return self.chain.joint_names
+
+    @property
+    def dof(self) -> int:
+        """Number of movable joints."""
+        return self.chain.n
+
+    @property
+    def limits(self) -> Array:
+        """(n, 2) rad or m; a continuous joint has (-inf, inf)."""
+        return self.chain.limits
+
+    @property
+    def locked(self) -> dict[str, float]:
+        """Joints that ``load`` holds still, with their values [rad or m]."""
+        return dict(self.chain.locked)
+
+    def fk(self, q: ArrayLike) -> Array:
+        """Pose of the tip in the base: (..., n) rad or m to (..., 4, 4); see :meth:`Chain.fk`."""
+        return self.chain.fk(q)
+
+    def jacobian(self, q: ArrayLike) -> Array:
+        """Geometric Jacobian at the tip in base axes: (..., n) to (..., 6, n); see :meth:`Chain.jacobian`."""
+        return self.chain.jacobian(q)
+
+    def manipulability(self, q: ArrayLike, part: str = "all") -> Array:
+        """Yoshikawa's manipulability: (..., n) to (...); see :func:`urdf_ik.velocity.manipulability`."""
+        return velocity.manipulability(self.chain, q, part)
+
+    def condition_number(self, q: ArrayLike, part: str = "all", length: float | None = None) -> Array:
+        """Condition of the Jacobian: (..., n) to (...); see :func:`urdf_ik.velocity.condition_number`."""
+        return velocity.condition_number(self.chain, q, part, length)
+
+    def singular_directions(
+        self, q: ArrayLike, *, length: float | None = None, tolerance: float = DEFAULT.singular
+    ) -> velocity.SingularDirections:
+        """Twists lost, motions that do nothing at ``q`` (..., n); see :func:`urdf_ik.velocity.singular_directions`."""
+        return velocity.singular_directions(self.chain, q, length=length, tolerance=tolerance)
+
+    def joint_velocities(
+        self,
+        q: ArrayLike,
+        twist: ArrayLike,
+        *,
+        part: str = "all",
+        damping: float | None = None,
+        weights: ArrayLike | None = None,
+        limits: ArrayLike | None = None,
+        length: float | None = None,
+    ) -> Array:
+        """Joint velocities (..., n) for a twist (..., 6) of the tip; see :func:`urdf_ik.velocity.joint_velocities`."""
+        return velocity.joint_velocities(
+            self.chain, q, twist, part=part, damping=damping, weights=weights, limits=limits, length=length
+        )
+
+    @cached_property
+    def _pinocchio(self) -> Reference:
+        from urdf_ik.reference import Reference
+
+        return Reference(self.model, self.base, self.tip, locked=self.locked)
+
+    def to_pinocchio(self, q: ArrayLike) -> Array:
+        """Configurations (..., nq) of Pinocchio's model of the whole URDF: joints by name, continuous ones (cos, sin).
+
+        Joints beside the chain stay at zero, those that mimic others follow them.
+
+        Args:
+            q: (..., n) rad or m.
+
+        Raises:
+            JointVectorError: the last dimension is not n, or a value is not finite.
+            UrdfError: Pinocchio refuses the URDF.
+        """
+        return self._pinocchio.configurations(self.chain.check(q))
+
+    def from_pinocchio(self, q_pin: ArrayLike) -> Array:
+        """Joint vectors (..., n) rad or m of configurations (..., nq), the inverse of :meth:`to_pinocchio`.
+
+        Angles of continuous joints come back in (-pi, pi].
+
+        Raises:
+            JointVectorError: the last dimension is not nq, or a value is not finite.
+            UrdfError: Pinocchio refuses the URDF.
+        """
+        return self._pinocchio.joint_vectors(q_pin)
+
+    def link_poses(self, q: ArrayLike) -> dict[str, Array]:
+        """Pose of every link in the base: (..., n) to (..., 4, 4) each; see :meth:`Chain.link_poses`."""
+        return self.chain.link_poses(q)

@@ -1,0 +1,155 @@
+"""Every family, in the order of cost, and which one an arm is solved as.
+
+A new family is a row here: see docs/families.md.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from urdf_ik.families import (
+    coupled,
+    few_joints,
+    general_6r,
+    general_slides,
+    hollow_wrist,
+    parallel_shoulder,
+    planar,
+    sampled,
+    slides,
+    spherical_middle,
+    spherical_wrist,
+    srs,
+    three_parallel,
+)
+from urdf_ik.families.wrappers import axis_added, imperfect, joint_given
+from urdf_ik.families.wrappers.mirrored import mirrored
+from urdf_ik.structure import analyse
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from urdf_ik.chain import Chain
+    from urdf_ik.families.parts.family import Family, Plan
+    from urdf_ik.structure import Structure
+
+FEW_JOINTS: list[Family] = [planar.FAMILY, few_joints.FAMILY]
+"""Families of one to five joints."""
+
+SIX_TURNING: list[Family] = [
+    spherical_wrist.TWO_PARALLEL,
+    spherical_wrist.FIRST_PARALLEL,
+    spherical_wrist.CROSSING,
+    three_parallel.CROSSING,
+    *parallel_shoulder.WITH_WRIST,
+    spherical_middle.CROSSING,
+    spherical_middle.PARALLEL,
+    # By a quartic.
+    spherical_wrist.GENERAL,
+    three_parallel.GENERAL,
+    parallel_shoulder.GENERAL,
+    spherical_middle.GENERAL,
+]
+"""Closed forms of six turning joints, which are tried from either end."""
+
+SIX_WITH_SLIDES: list[Family] = [slides.THREE_SLIDES, slides.SPHERICAL_WRIST]
+"""Closed forms of six joints with slides, which are tried from either end."""
+
+SINGULAR_EVERYWHERE: list[Family] = [sampled.FAMILY]
+"""Six joints that a pose leaves a continuum of solutions."""
+
+BY_ELIMINATION: list[Family] = [general_6r.FAMILY, general_slides.FAMILY]
+"""Six joints of no other family."""
+
+SEVEN_JOINTS: list[Family] = [srs.FAMILY]
+"""Families of seven joints."""
+
+MIMICKING: list[Family] = [coupled.FAMILY, hollow_wrist.FAMILY]
+"""Arms in which joints mimic others."""
+
+
+def every() -> list[Family]:
+    """Every family, in the order of cost among those that an arm may belong to."""
+    return [
+        *FEW_JOINTS,
+        *SIX_TURNING,
+        *SIX_WITH_SLIDES,
+        *SINGULAR_EVERYWHERE,
+        *BY_ELIMINATION,
+        *SEVEN_JOINTS,
+        *MIMICKING,
+    ]
+
+
+def choose(structure: Structure, chain: Chain) -> Plan | None:
+    """How an arm is solved; None where no solver takes it.
+
+    Of fewer joints than six, and of those that mimic others, the first family that takes the arm. Five turning joints
+    of no family get an added axis; of seven joints one is given where they are of no family.
+    """
+    if chain.axes is not chain:
+        return _first(MIMICKING, structure, chain)
+    if chain.n < 6:
+        return _first(FEW_JOINTS, structure, chain) or axis_added.prepare(structure, chain, of_six)
+    if chain.n == 7:
+        return _first(SEVEN_JOINTS, structure, chain) or joint_given.prepare(chain, (_closed_form, _elimination))
+    return of_six(structure, chain)
+
+
+def of_six(structure: Structure, chain: Chain) -> Plan | None:
+    """How six joints are solved: in closed form from either end, else by elimination."""
+    if singular := _first(SINGULAR_EVERYWHERE, structure, chain):
+        return singular
+    if structure.slides:
+        return _with_slides(structure, chain) or _elimination(structure, chain)
+    return _closed_form(structure, chain) or _elimination(structure, chain)
+
+
+def _closed_form(structure: Structure, chain: Chain) -> Plan | None:
+    """The first family that takes six turning joints exactly, from either end, quartics last; else the nearest one.
+
+    The nearest one gives starting points for the arm as written. A quartic is no help to an arm that it does not fit
+    exactly: its roots part with the root of the error.
+    """
+    back = chain.reversed()
+    quartic: Plan | None = None
+    near: list[tuple[Plan, Chain]] = []
+    for seen, relations in ((chain, structure), (back, analyse(back))):
+        for family in SIX_TURNING:
+            plan = family.plan(relations, seen)
+            if plan is None:
+                continue
+            if not plan.is_exact:
+                near.append((plan, seen))
+                continue
+            plan = mirrored(plan) if seen is back else plan
+            if family.by_quadratics:
+                return plan
+            quartic = quartic or plan
+    if quartic or not near:
+        return quartic
+    plan, seen = min(near, key=lambda entry: (not entry[0].family.by_quadratics, entry[0].error))
+    plan = imperfect.prepare(plan, seen)
+    return mirrored(plan) if seen is back else plan
+
+
+def _with_slides(structure: Structure, chain: Chain) -> Plan | None:
+    """The closed form of six joints with slides that fits best, from either end."""
+    back = chain.reversed()
+    plans: list[Plan] = []
+    for seen, relations in ((chain, structure), (back, analyse(back))):
+        plan = _first(SIX_WITH_SLIDES, relations, seen)
+        if plan is not None:
+            plan = plan if plan.is_exact else general_slides.behind(plan, seen)
+            plans.append(mirrored(plan) if seen is back else plan)
+    return min(plans, key=lambda plan: plan.error, default=None)
+
+
+def _elimination(structure: Structure, chain: Chain) -> Plan | None:
+    return _first(BY_ELIMINATION, structure, chain)
+
+
+def _first(families: Sequence[Family], structure: Structure, chain: Chain) -> Plan | None:
+    """The plan of the first family that has one."""
+    plans = (family.plan(structure, chain) for family in families)
+    return next((plan for plan in plans if plan is not None), None)

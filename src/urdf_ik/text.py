@@ -1,0 +1,89 @@
+"""Tables of plain text and strict JSON, as every report writes them."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+
+def aligned(rows: Sequence[Sequence[str]], *, left: Collection[int] = (), rule: bool = False) -> list[str]:
+    """Rows of cells as lines with columns of equal width, two blanks between them.
+
+    Args:
+        rows: texts, all rows of the same length; the header is the first one.
+        left: indices of the columns that are aligned to the left.
+        rule: whether a line of hyphens stands below the first row.
+    """
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    ruled = [rows[0], ["-" * width for width in widths], *rows[1:]] if rule else rows
+    return [
+        "  ".join(
+            cell.ljust(width) if k in left else cell.rjust(width)
+            for k, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in ruled
+    ]
+
+
+@dataclass(frozen=True)
+class Section:
+    """A table with a line above it and lines below it.
+
+    Attributes:
+        title: what the table shows.
+        header: names of the columns.
+        rows: texts, one a column; without rows there is no table.
+        remarks: lines below the table.
+        left: names of the columns that are aligned to the left.
+    """
+
+    title: str
+    header: tuple[str, ...] = ()
+    rows: tuple[tuple[str, ...], ...] = ()
+    remarks: tuple[str, ...] = ()
+    left: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        lines = [self.title]
+        if self.rows:
+            left = [k for k, name in enumerate(self.header) if name in self.left]
+            lines += aligned([self.header, *self.rows], left=left, rule=True)
+        return "\n".join([*lines, *self.remarks])
+
+
+def plain(value: Any, *, nulls: bool = False) -> Any:
+    """``value`` as what JSON can hold: tuples and arrays as lists, numbers that are not finite as text.
+
+    Args:
+        value: numbers, text, arrays, and lists, tuples and dictionaries of these.
+        nulls: numbers that are not finite become null instead of the text 'inf' or 'nan'.
+    """
+    if isinstance(value, dict):
+        return {key: plain(each, nulls=nulls) for key, each in value.items()}
+    if hasattr(value, "tolist"):  # NumPy's arrays and numbers
+        return plain(value.tolist(), nulls=nulls)
+    if isinstance(value, list | tuple):
+        return [plain(each, nulls=nulls) for each in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None if nulls else str(value)
+    return value
+
+
+def json_text(value: Any, *, nulls: bool = False) -> str:
+    """Strict JSON with a line for every list of plain values; see :func:`plain`."""
+    return _json_lines(plain(value, nulls=nulls), "\n") + "\n"
+
+
+def _json_lines(value: Any, newline: str) -> str:
+    items = list(value.values()) if isinstance(value, dict) else value if isinstance(value, list) else []
+    if not items or (isinstance(value, list) and not any(isinstance(item, dict | list) for item in items)):
+        return json.dumps(value, allow_nan=False)
+    inner = newline + "  "
+    texts = [_json_lines(item, inner) for item in items]
+    if isinstance(value, list):
+        return "[" + inner + ("," + inner).join(texts) + newline + "]"
+    members = [f"{json.dumps(key)}: {text}" for key, text in zip(value, texts, strict=True)]
+    return "{" + inner + ("," + inner).join(members) + newline + "}"
