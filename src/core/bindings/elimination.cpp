@@ -78,14 +78,15 @@ static nb::object owned(const std::vector<double>& from, std::initializer_list<s
 }
 
 // Poses of which all solutions are known, as the group "known" of an elimination's values.
-static nb::dict known_poses(nb::dict written, const JointVectors& q) {
+static nb::dict known_poses(nb::dict written, const JointVectors& q, bool near) {
     if (q.shape(0) < 2) throw nb::value_error("two joint vectors at least");
     Written<6> arm;
     read(Values(written, "written"), arm);
     const auto found = std::make_unique<Continuation>();
     {
         nb::gil_scoped_release release;
-        level().elimination->find_known_poses(arm, reinterpret_cast<const double (*)[6]>(q.data()), int(q.shape(0)), *found);
+        level().elimination->find_known_poses(arm, reinterpret_cast<const double (*)[6]>(q.data()), int(q.shape(0)), near,
+                                              *found);
     }
     std::vector<double> turn, point, solution;
     for (int i = 0; i < found->poses; ++i) {
@@ -105,7 +106,7 @@ static nb::dict known_poses(nb::dict written, const JointVectors& q) {
 void add_elimination(nb::module_& m) {
     m.def("try_elimination", &try_elimination, nb::arg("values"), nb::arg("T").noconvert(), nb::arg("counts").noconvert(),
           nb::arg("certain").noconvert());
-    m.def("known_poses", &known_poses, nb::arg("written"), nb::arg("q").noconvert());
+    m.def("known_poses", &known_poses, nb::arg("written"), nb::arg("q").noconvert(), nb::arg("near"));
 }
 
 }  // namespace urdf_ik

@@ -27,9 +27,12 @@ inline constexpr double FLOOR = 3e-7;
 inline constexpr double LONGEST = 0.7, AIM = 0.02, AIM_SHARE = 0.04;
 // A path that cannot be followed beyond this s, or in that many steps, ends at a singular solution.
 inline constexpr double SHORTEST = 1e-15;
-inline constexpr double MOST_STEPS = 250.0;
+inline constexpr double MOST_STEPS = 150.0;
 // A path leads to infinity where |e^(i angle)|^2 is beyond this, or below its inverse.
 inline constexpr double INFINITE = 1e16;
+// A path that was lost with an imaginary part above this is not taken for one that leads to a real solution. Arms near a special
+// one have half of their solutions so far out, or farther, and these are left out: many cannot be followed.
+inline constexpr double DISTANT = 4.0;
 // Correction [rad] below which Newton's method has converged at the end of a path. Next to a singularity rounding alone is
 // larger: then one below AT_WEAK_END after so many rounds.
 inline constexpr double AT_END = 1e-9, AT_WEAK_END = 1e-6, ROUNDS_AT_END = 8.0;
@@ -334,6 +337,16 @@ STEP double apart(const Written<6>& arm, const double (&a)[6][2], const double (
     return sqrt(most);
 }
 
+// How far from real a solution is: the greatest imaginary part of a joint [rad, sizes].
+STEP double imaginary_part(const Written<6>& arm, const double (&z)[6][2]) {
+    double most = 0.0;
+    for (int k = 0; k < 6; ++k) {
+        const double square = z[k][0] * z[k][0] + z[k][1] * z[k][1];
+        most = max(most, arm.slides[k] ? abs(z[k][1]) : 0.5 * abs(__builtin_log(square + TINY)));
+    }
+    return most;
+}
+
 // Paths that ended at the same solution, of which one left its own on the way: both count as lost. Returns how many paths
 // have a regular end of their own.
 PART int separate(const Written<6>& arm, PathEnds& ends) {
@@ -486,13 +499,26 @@ PART int carry(const Written<6>& arm, const KnownPose& from, int many, KnownPose
     return count;
 }
 
+STEP void leave_out_distant(const Written<6>& arm, KnownPose& pose, int& many) {
+    const KnownPose all = pose;
+    int kept = 0;
+    for (int i = 0; i < many; ++i) {
+        if (imaginary_part(arm, all.solution[i]) > DISTANT) continue;
+        for (int k = 0; k < 6; ++k) {
+            pose.solution[kept][k][0] = all.solution[i][k][0], pose.solution[kept][k][1] = all.solution[i][k][1];
+        }
+        ++kept;
+    }
+    many = kept;
+}
+
 // All solutions of the first of the poses of m joint vectors, by monodromy: paths that lead to other poses and back another
 // way end at other solutions than they began (Duff et al., Solving polynomial systems via homotopy continuation and
-// monodromy, 2019). It ends when all 16 are found, or when IDLE_ROUNDS rounds have found no new one. Then those of the other poses.
+// monodromy, 2019). It ends when all 16 are found, or when IDLE_ROUNDS rounds have found no new one. Then those of the other poses. near: whether the arm is near a special one.
 // A pose whose joint vector is singular is none of them: where all are, the arm is singular everywhere.
 inline constexpr int IDLE_ROUNDS = 8, MOST_TRIED = 64;
 inline constexpr double REGULAR = 1e-3;
-PART void find_known_poses(const Written<6>& arm, const double (*all)[6], int m, Continuation& out) {
+PART void find_known_poses(const Written<6>& arm, const double (*all)[6], int m, bool near, Continuation& out) {
     double q[MOST_TRIED][6];
     int regular = 0, many;
     for (int i = 0; i < m && regular < MOST_TRIED; ++i) {
@@ -509,6 +535,7 @@ PART void find_known_poses(const Written<6>& arm, const double (*all)[6], int m,
         carry(arm, other, many_there, base, many, -0.6 - 0.31 * (round % 7));
         idle = many > before ? 0 : idle + 1;
     }
+    if (near) leave_out_distant(arm, base, many);
     out.solutions = many;
     for (int i = 0; i < m && out.poses < Continuation::most; ++i) {
         int there;

@@ -42,6 +42,7 @@ struct Search {
     Columns<6> columns;
     double enough;  // error at which a candidate is a solution
     double error = __builtin_inf(), best[6] = {};  // the best of the candidates that came to rest above that
+    bool all_known = false;  // whether all complex solutions were accounted for, the distant ones too
 };
 
 // A block of joint vectors, and which of its lanes count.
@@ -158,7 +159,7 @@ PART void follow_slowly(const EliminationArm& arm, const Goal<double>& goal, Sea
 }
 
 // Add the solutions that one variant finds. Returns whether they are certain to be all: each root that may be real led to a
-// solution of its own, and no other is known.
+// solution of its own, and no other is known. A determinant that no solution confirms is not believed.
 PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, const Goal<double>& goal, Search& search) {
     Equations A;
     double D[SAMPLES];
@@ -197,29 +198,20 @@ PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, c
             owned |= 1u << column[l], ++settled;
         }
     }
-    return !noisy && settled == roots.many && settled == search.columns.count();
+    return !noisy && settled > 0 && settled == roots.many && settled == search.columns.count();
 }
 
 // ---- continuation --------------------------------------------------------------------------------------------------------
 
-// How far from real the end of a path is: the greatest imaginary part of a joint [rad, sizes].
-STEP double imaginary_part(const Written<6>& arm, const double (&z)[6][2]) {
-    double most = 0.0;
-    for (int k = 0; k < 6; ++k) {
-        const double square = z[k][0] * z[k][0] + z[k][1] * z[k][1];
-        most = max(most, arm.slides[k] ? abs(z[k][1]) : 0.5 * abs(__builtin_log(square + TINY)));
-    }
-    return most;
-}
-
-// Whether each path ended at a regular solution of its own, or some of them at singular ones, which are known or not real.
+// Whether each path ended at a regular solution of its own or was lost far from real, or some of them ended at singular ones,
+// which are known or not real.
 enum class Arrived { lost, settled, regular };
 
 // Add the real ends of all paths that lead to the goal.
 PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, Search& search, int attempt) {
     PathEnds ends;
-    const bool all = continue_from_nearest(arm.written, arm.paths, goal, attempt, ends) == arm.paths.solutions;
-    int settled = 0;
+    const int regular = continue_from_nearest(arm.written, arm.paths, goal, attempt, ends);
+    int settled = 0, distant = 0;
     for (int from = 0; from < ends.many; from += BLOCK) {
         Candidates smooth = {{}, 0}, rough = {{}, 0};
         unsigned certain = 0;
@@ -235,7 +227,9 @@ PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, Se
             if (ends.regular[i] && real) smooth.lanes |= 1u << l;
             // A continuum has its ends anywhere; its real members are looked for from their real parts.
             else if (ends.regular[i] ? ends.weak[i] : ends.left[i] < AT_SINGULAR) rough.lanes |= 1u << l;
-            certain |= unsigned(ends.regular[i] || (ends.left[i] < AT_SINGULAR && !real)) << l;
+            const bool lost = !ends.regular[i] && off > DISTANT;
+            distant += lost;
+            certain |= unsigned(ends.regular[i] || lost || (ends.left[i] < AT_SINGULAR && !real)) << l;
         }
         for (int j = 0; j < 6; ++j) rough.q[j] = smooth.q[j];
         int column[BLOCK];
@@ -243,7 +237,9 @@ PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, Se
         if (rough.lanes) take_from<true>(arm, goal, search, rough, 60, column);
         for (int l = 0; l < BLOCK; ++l) settled += (certain >> l & 1) || ((rough.lanes >> l & 1) && column[l] >= 0);
     }
-    return all ? Arrived::regular : settled == arm.paths.solutions ? Arrived::settled : Arrived::lost;
+    search.all_known &= distant == 0;
+    if (regular + distant == arm.paths.solutions) return Arrived::regular;
+    return settled == arm.paths.solutions ? Arrived::settled : Arrived::lost;
 }
 
 // ---- starts where nothing else helps ---------------------------------------------------------------------------------------
@@ -293,6 +289,7 @@ bool complete(const EliminationArm& arm, const Goal<double>& goal, const Columns
     // A slide far out carries its rounding to the tip.
     const double far = arm.any_slide ? 1.0 + sqrt(dot(goal.p, goal.p)) / arm.written.size : 1.0;
     Search search = {columns, CONVERGED * far};
+    search.all_known = all_known(arm);
     bool certain = find_all(arm, goal, search);
     if (columns.count() == 0 && search.error < NEARLY) {
         const Course held = {8, FINISHED, LONG_PATIENCE, HELD};
@@ -302,7 +299,7 @@ bool complete(const EliminationArm& arm, const Goal<double>& goal, const Columns
         }
     }
     // Where not all are known, others may be next to a singular solution.
-    return certain & (all_known(arm) || !search_beside_folds(arm.written, goal, columns));
+    return certain & (search.all_known || !search_beside_folds(arm.written, goal, columns));
 }
 
 struct General6 {

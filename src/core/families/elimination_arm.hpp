@@ -41,8 +41,9 @@ struct EliminationSolvers {
     long (*solve)(const EliminationArm&, const Batch&);
     // So many variants on m poses T.
     void (*trial)(const EliminationArm&, const EliminationVariant*, int variants, const double* T, long m, const EliminationTrial&);
-    // Poses of which all solutions are known, from m joint vectors (m, 6), two at least.
-    void (*find_known_poses)(const Written<6>&, const double (*q)[6], int m, Continuation&);
+    // Poses of which all solutions are known, from m joint vectors (m, 6), two at least. near: without those far from real, for
+    // an arm near a special one.
+    void (*find_known_poses)(const Written<6>&, const double (*q)[6], int m, bool near, Continuation&);
 };
 
 }  // namespace urdf_ik

@@ -26,6 +26,9 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // Imperfection up to which the elimination has not come into its element, its equations being those of the ideal arm to many
 // digits: there the closed form's careful path, one branch at a time, helps it.
 inline constexpr double CLOSE_BY = 1e-4;
+// Imperfection from which the few values of a joint that the ideal arm leaves free stand apart, so that elimination and
+// continuation find them without looks from all around.
+inline constexpr double FAR_OFF = 1e-3;
 
 // All branches of a block of targets, beyond their ends too.
 struct AllBranches {
@@ -76,7 +79,7 @@ template <class Family, bool by_quartic = false> struct Imperfect {
         }
         const double off = arm.family.ideal.imperfection;
         if (by_quartic || off < CLOSE_BY) Family::closely(arm.family, goal, seen, reference, columns, open);
-        if (loose && !by_quartic) all_around(arm, goal, seen, columns);
+        if (loose && !by_quartic && off < FAR_OFF) all_around(arm, goal, seen, columns);
         if (!complete(arm.elimination, goal, columns)) {
             if (by_quartic) all_around(arm, goal, seen, columns);
             columns.flags[0] |= UNCERTAIN;

@@ -37,10 +37,14 @@ _ROWS, _COLUMNS = 168, 32
 _POWERS = np.array([[1.0, 1.0, 0.0], [0.0, 0.0, 2.0], [1.0, -1.0, 0.0]])
 
 
-def elimination_values(chain: Chain) -> dict[str, Any]:
+def elimination_values(chain: Chain, *, near: bool = False) -> dict[str, Any]:
     """What the core needs of the arm.
 
     That is the way to set the elimination up that is certain of most poses, and poses of which all solutions are known.
+
+    Args:
+        chain: six joints.
+        near: whether the arm is near a special one: complex solutions far from real are then left out.
     """
     H, points, centre, scale = _scaled(chain)
     home = np.eye(4)
@@ -60,7 +64,7 @@ def elimination_values(chain: Chain) -> dict[str, Any]:
     targets = chain.fk(Q)
     few = _best(common, rows, targets[:_FIRST], _FEW)
     chosen = _best(common, few, targets, 1)
-    return {**common, **chosen, "known": known_poses(common["written"], Q)}
+    return {**common, **chosen, "known": known_poses(common["written"], Q, near)}
 
 
 def _best(common: dict[str, Any], rows: dict[str, Any], targets: Array, many: int) -> dict[str, Any]:

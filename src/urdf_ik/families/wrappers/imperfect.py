@@ -31,7 +31,7 @@ def prepare(plan: Plan, chain: Chain) -> Plan:
 
 
 def _solver(ideal: Solver, chain: Chain) -> Solver:
-    values = {"family": ideal.values, "elimination": elimination_values(chain)}
+    values = {"family": ideal.values, "elimination": elimination_values(chain, near=True)}
     return Solver(f"imperfect {ideal.kind}", values | _both_arms(ideal.values["ideal"], chain))
 
 
