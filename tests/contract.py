@@ -130,7 +130,8 @@ def holds_at_corners(case: Case, poses: int, seed: int) -> None:
         if tolerance < 1e-3:
             assert nearest(found, q) <= tolerance, (case.name, q.tolist())
         elif case.oracle.sigma_min(q) < 1e-12:
-            assert flags(solutions).any(), (case.name, q.tolist())
+            # Off the structure a double root may lie in a valley that is flat to rounding; the answer then says so.
+            assert flags(solutions).any() or not solutions.certain, (case.name, q.tolist())
 
 
 def holds_at_round_poses(case: Case, poses: int, seed: int) -> None:
