@@ -13,7 +13,7 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // How far off [rad, share of size]; at how many targets at most, in pairs on opposite sides; and how many of them in a row may
 // tell nothing new about a pose that has a solution.
 inline constexpr double DISPLACED = 1e-6;
-inline constexpr int DISPLACEMENTS = 16, IDLE = 4;
+inline constexpr int DISPLACEMENTS = 16, IN_VAIN = 4;
 
 // The k-th of them. A linear congruential generator makes them, so that the same target always has the same answer.
 STEP Seen<double> displaced(const Seen<double>& seen, int k, double size) {
@@ -31,6 +31,9 @@ STEP Seen<double> displaced(const Seen<double>& seen, int k, double size) {
     y = (1.0 / sqrt(dot(y, y))) * y;
     return {{x, y, cross(x, y)}, seen.p + Vec<double>{size * by[3], size * by[4], size * by[5]}};
 }
+
+// The flags that say where a solution is singular.
+inline constexpr unsigned KINDS = SHOULDER | ELBOW | WRIST | OTHER;
 
 // Whether two solutions lie on one continuum: Newton's method from half way between them then stays about there.
 template <class Model> PART bool is_joined(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints],
@@ -53,8 +56,8 @@ template <class Model> PART bool is_joined(const Model& arm, const Goal<double>&
 template <class Model> PART bool is_represented(const Model& arm, const Goal<double>& goal, const Columns<Model::joints>& columns,
                                                 int b, unsigned marks, const double (&q)[Model::joints]) {
     for (int c = 0; c < columns.many; ++c) {
-        if (!columns.valid(c) || columns.flags[c] == VALID) continue;
-        const unsigned kinds = marks | (columns.flags[c] & ~unsigned(VALID));
+        const unsigned known = columns.flags[c] & KINDS, kinds = marks | known;
+        if (!columns.valid(c) || !known) continue;
         const unsigned free = (kinds & SHOULDER ? 4u : 0u) | (kinds & ELBOW ? 2u : 0u) | (kinds & WRIST ? 1u : 0u);
         if ((kinds & OTHER || !(unsigned(b ^ c) & ~free)) && is_joined(arm, goal, q, columns.row(c))) return true;
     }
@@ -74,9 +77,9 @@ template <class Family, int N>
 PART void closely_and_around(const typename Family::Arm& arm, const Goal<double>& goal, const Seen<double>& seen,
                              const Reference<N>& reference, const Columns<N>& columns, unsigned wanted) {
     const unsigned unsure = Family::closely(arm, goal, seen, reference, columns, wanted);
-    int idle = 0;
-    for (int k = 0; unsure && k < DISPLACEMENTS && (idle < IDLE || !columns.count()); ++k) {
-        ++idle;
+    int vain = 0;
+    for (int k = 0; unsure && k < DISPLACEMENTS && (vain < IN_VAIN || !columns.count()); ++k) {
+        ++vain;
         double room[N * Family::branches];
         std::uint8_t flags[Family::branches];
         const Columns<N> there = {room, flags, Family::branches};
@@ -88,11 +91,11 @@ PART void closely_and_around(const typename Family::Arm& arm, const Goal<double>
             if (!there.valid(b)) continue;
             double q[N];
             for (int j = 0; j < N; ++j) q[j] = there.row(b)[j];
-            const unsigned marks = flags[b] & ~unsigned(VALID);
+            const unsigned marks = flags[b] & KINDS;
             if (!is_new(arm.written, goal, columns, q)) continue;
             if (marks && is_represented(arm.written, goal, columns, b, marks, q)) continue;
             keep(columns, b, q, int(marks));
-            idle = 0;
+            vain = 0;
         }
     }
 }

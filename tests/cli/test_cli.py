@@ -141,7 +141,7 @@ def test_one_pose_of_a_batch_without_a_solution_is_status_1() -> None:
 def test_check_complete_ends_with_the_reports_verdict(monkeypatch: pytest.MonkeyPatch) -> None:
     """With --complete two ways to all solutions are compared; the status is 1 where the report says so."""
     assert strict_json(succeed("check", ARM, "--complete", "-n", "3", "-f", "json"))["second"]
-    assert "PASSED: 6 poses" in succeed("check", ARM, "--complete", "-n", "3")
+    assert "PASSED: 9 poses" in succeed("check", ARM, "--complete", "-n", "3")
     failed = SimpleNamespace(passed=False, to_json=lambda: '{"passed": false}')
     monkeypatch.setattr(completeness, "compare", lambda *_, **__: failed)
     assert call("check", ARM, "--complete", "-f", "json").exit_code == 1

@@ -16,7 +16,7 @@ from cases import described, from_catalogue
 import urdf_ik
 from urdf_ik import completeness
 from urdf_ik.completeness.report import BOTH, SECOND, SOLVER, Completeness, Difference, Group
-from urdf_ik.completeness.sameness import DISTANCES, Sameness, distance_to_singularity
+from urdf_ik.completeness.sameness import CORNER, DISTANCES, Sameness, distance_to_singularity
 from urdf_ik.errors import UnsupportedArm, UrdfIkError
 from urdf_ik.reference import Reference
 
@@ -62,8 +62,8 @@ def test_a_closed_form_is_complete(name: str) -> None:
     report = completeness.compare(loaded(name), FEW, seed=2)
     assert report.passed, str(report)
     assert "elimination" in report.second and "Newton" in report.second
-    assert [group.near for group in report.groups] == [None, *DISTANCES]
-    assert report.groups[0].poses == FEW and sum(group.poses for group in report.groups) == 2 * FEW
+    assert [group.near for group in report.groups] == [None, *DISTANCES, CORNER]
+    assert report.groups[0].poses == FEW and sum(group.poses for group in report.groups) == 3 * FEW
     assert report.groups[0].solver == report.groups[0].second > 4 * FEW
     assert report.groups[0].differences == 0
 
@@ -188,7 +188,7 @@ def test_progress_counts_up_to_the_end() -> None:
     """Progress ends with all poses done."""
     seen: list[tuple[int, int]] = []
     completeness.compare(loaded("zyyzyz_6r"), 10, progress=lambda done, total: seen.append((done, total)))
-    assert seen[-1] == (20, 20) and seen == sorted(seen)
+    assert seen[-1] == (30, 30) and seen == sorted(seen)
 
 
 def test_senseless_requests_are_refused() -> None:

@@ -9,9 +9,10 @@ import contract
 import numpy as np
 import pytest
 from arms_few import BUILDS, SLIDES, apart, few
+from arms_general import near_member
 from arms_mimic import LINKAGES
 from arms_seven import SEVEN
-from cases import MEMBERS_OF, assert_exact, from_catalogue, named, nearest, rows, worst_error
+from cases import MEMBERS_OF, assert_exact, described, from_catalogue, named, nearest, rows, worst_error
 from test_mimic import arm_and_reference, distances, scaled_jacobian
 from test_seven_joints import member as seven
 from test_seven_joints import tolerance as tolerance_of_seven
@@ -39,6 +40,13 @@ def test_closed_forms(kind: str) -> None:
     """Three parallel axes at one end, a spherical triple in the middle."""
     for case in closed_forms.members(kind)[:2]:
         contract.holds_at_corners(case, 8, 3)
+
+
+@pytest.mark.parametrize("kind", FAMILIES)
+@pytest.mark.parametrize("eps", [1e-9, 1e-5, 1e-3])
+def test_imperfect_members(kind: str, eps: float) -> None:
+    """Members that are off by rounded decimals or a calibration."""
+    contract.holds_at_corners(described(near_member(kind, eps, 1)), 5, 8)
 
 
 @pytest.mark.parametrize("name", CATALOGUE)

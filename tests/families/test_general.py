@@ -174,7 +174,7 @@ def test_planted_near_singularities(name: str) -> None:
 
     All solutions are exact, and none is given twice.
     """
-    contract.holds_near_most_singularities(named(name), 30, 5)
+    contract.holds_near_singularities(named(name), 30, 5)
 
 
 @pytest.mark.parametrize("name", ["random-0", "random-1", "random-2", *STRUCTURED])

@@ -19,10 +19,9 @@ def holds(case: Case, poses: int, seed: int) -> None:
         assert len(found) % 2 == 0 or min(case.oracle.sigma_min(x) for x in found) < 1e-6, (case.name, q)
 
 
-def holds_near_most_singularities(case: Case, singularities: int, seed: int) -> None:
-    """At 1e-1 to 1e-7 rad from a singularity at least 99 % of the planted ones are found; all exact, none twice."""
+def holds_near_singularities(case: Case, singularities: int, seed: int) -> None:
+    """At 1e-1 to 1e-7 rad from a singularity the planted ones are found; all exact, none twice."""
     rng = np.random.default_rng(seed)
-    lost, planted = [], 0
     for _ in range(singularities):
         q0, joint = case.oracle.singular(rng)
         for k in range(1, 8):
@@ -31,10 +30,7 @@ def holds_near_most_singularities(case: Case, singularities: int, seed: int) -> 
             target = case.oracle.pose(q)
             found = assert_exact(case, case.arm.ik(target), target)
             assert closest_pair(found) > 1e-8, (case.name, q)
-            planted += 1
-            if nearest(found, q) > case.oracle.tolerance(q):
-                lost.append((k, q.tolist()))
-    assert len(lost) <= 0.01 * planted, (case.name, lost)
+            assert nearest(found, q) <= case.oracle.tolerance(q), (case.name, k, q.tolist())
 
 
 def is_complete(case: Case, poses: int, seed: int) -> None:
@@ -134,7 +130,8 @@ def holds_at_corners(case: Case, poses: int, seed: int) -> None:
         if tolerance < 1e-3:
             assert nearest(found, q) <= tolerance, (case.name, q.tolist())
         elif case.oracle.sigma_min(q) < 1e-12:
-            assert flags(solutions).any(), (case.name, q.tolist())
+            # Off the structure a double root may lie in a valley that is flat to rounding; the answer then says so.
+            assert flags(solutions).any() or not solutions.certain, (case.name, q.tolist())
 
 
 def holds_at_round_poses(case: Case, poses: int, seed: int) -> None:

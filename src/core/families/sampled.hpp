@@ -50,6 +50,8 @@ struct Sampled {
             }
         }
         sort(columns);
+        // A search that finds nothing proves nothing.
+        if (!columns.count()) columns.flags[0] |= UNCERTAIN;
     }
 };
 

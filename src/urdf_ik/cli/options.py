@@ -137,7 +137,7 @@ Complete = Annotated[
     bool,
     Option(
         "--complete",
-        help="Instead: look for solutions in a second way too, for N random poses and N near singularities.",
+        help="Instead: look for solutions in a second way too, at N random, N near singular, N right-angled poses.",
     ),
 ]
 Collision = Annotated[

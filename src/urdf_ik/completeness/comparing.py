@@ -31,11 +31,11 @@ def compare(
     """Hold an arm's solver against a second way to all solutions.
 
     Joint vectors are drawn over the whole torus, whatever the limits: n at random, and n more 1e-1 to 1e-8 rad from a
-    singularity, in turn. Pinocchio makes the poses.
+    singularity, in turn, and n more at right angles, exactly and nearly. Pinocchio makes the poses.
 
     Args:
         arm: what :func:`urdf_ik.load` returned; six turning joints.
-        n: number of random poses, and of those near singularities.
+        n: number of random poses, of those near singularities, and of those at right angles.
         seed: the same seed gives the same report; :func:`replay` gives pose i of it again.
         progress: called with (poses done, poses).
 
@@ -57,8 +57,8 @@ def compare(
     second = SecondWay.of(arm)
     groups: dict[float | None, Group] = {}
     differences: list[Difference] = []
-    for start in range(0, 2 * n, _CHUNK):
-        indices = range(start, min(start + _CHUNK, 2 * n))
+    for start in range(0, 3 * n, _CHUNK):
+        indices = range(start, min(start + _CHUNK, 3 * n))
         planted = [plant(arm.chain, n, seed, index) for index in indices]
         T = sameness.reference.pose(np.array(planted))
         mine = arm.ik(T)
@@ -72,7 +72,7 @@ def compare(
             group.add(int(valid[i].sum()), len(theirs), answer)
             differences += _records(sameness, answer, T[i], planted[i], index, near, list(names), second)
         if progress is not None:
-            progress(indices.stop, 2 * n)
+            progress(indices.stop, 3 * n)
     return Completeness(
         robot=arm.name,
         base=arm.base,
@@ -93,7 +93,7 @@ def replay(arm: Arm, n: int, seed: int, index: int) -> tuple[Array, Array]:
 
     Args:
         arm: the arm that was compared.
-        n: the report's n; poses n and above are those near singularities.
+        n: the report's n; poses n to 2 n are those near singularities, those above are at right angles.
         seed: the report's seed.
         index: the difference's index.
 

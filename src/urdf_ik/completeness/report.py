@@ -16,12 +16,19 @@ SOLVER, SECOND, BOTH = "the solver", "the second way", "both"
 _HEADER = ("poses", "number", "solver", "second way", "one double root", "one continuum", "differences")
 
 
+def in_words(near: float | None) -> str:
+    """Where poses were planted."""
+    if near is None:
+        return "random"
+    return f"{near:.0e} rad from a singularity" if near else "at right angles"
+
+
 @dataclass
 class Group:
     """The poses at one distance from a singularity.
 
     Attributes:
-        near: how far [rad] from a singularity they were planted; None: random ones.
+        near: how far [rad] from a singularity they were planted; None: random ones; 0: at right angles.
         poses: how many.
         solver: solutions that the arm's solver found.
         second: solutions that the second way found.
@@ -49,7 +56,7 @@ class Group:
 
     def cells(self) -> tuple[str, ...]:
         """The row of a table."""
-        place = "random" if self.near is None else f"{self.near:.0e} rad from a singularity"
+        place = in_words(self.near)
         numbers = self.poses, self.solver, self.second, self.double_roots, self.continua, self.differences
         return place, *map(str, numbers)
 
@@ -60,7 +67,7 @@ class Difference:
 
     Attributes:
         index: number of the pose.
-        near: how far [rad] from a singularity it was planted; None: a random one.
+        near: how far [rad] from a singularity it was planted; None: a random one; 0: at right angles.
         planted: (6,) rad, the joint vector that made it.
         q: (6,) rad, the solution.
         missed_by: ``SOLVER``, ``SECOND``, or ``BOTH``, which is said of planted joint vectors.
@@ -89,7 +96,7 @@ class Difference:
 
     def place(self) -> str:
         """The pose, in words."""
-        where = "random" if self.near is None else f"{self.near:.0e} rad from a singularity"
+        where = in_words(self.near)
         return f"pose {self.index}, {where}, planted q = [{', '.join(map(repr, self.planted))}]"
 
     def __str__(self) -> str:
@@ -109,7 +116,7 @@ class Completeness:
         base: base link.
         tip: tip link.
         joint_names: joints of a joint vector, base to tip.
-        n: number of random poses, and of poses near singularities.
+        n: number of random poses, of poses near singularities, and of poses at right angles.
         seed: seed of the joint vectors that made them.
         reference: who measured the errors, with the version.
         solver: the arm's solver.

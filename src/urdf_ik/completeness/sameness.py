@@ -46,9 +46,23 @@ STEP, STEPS = 0.02, 2000
 DISTANCES = tuple(10.0**-k for k in range(1, 9))
 """How far [rad] from a singularity the poses near one are, in turn."""
 
+CORNER = 0.0
+"""What stands for that distance of poses whose joints are at right angles."""
+
+NOISES = (0.0, 1e-9, 1e-6, 1e-4, 1e-2)
+"""How far [rad] from right angles their joints are, in turn. Nearer to one, rounding of the pose decides."""
+
+REGULAR = 1e-2
+"""Smallest singular value of their Jacobians, lengths as shares of the arm's size."""
+
 
 def distance_to_singularity(n: int, index: int) -> float | None:
-    """How far [rad] from a singularity pose ``index`` is planted, or None for the n random ones that come first."""
+    """How far [rad] from a singularity pose ``index`` is planted.
+
+    None for the n random ones that come first, ``CORNER`` for those at right angles, from 2 n on.
+    """
+    if index >= 2 * n:
+        return CORNER
     return None if index < n else DISTANCES[(index - n) % len(DISTANCES)]
 
 
@@ -56,7 +70,24 @@ def plant(chain: Chain, n: int, seed: int, index: int) -> Array:
     """Joint vector (6,) [rad] of pose ``index``, over the whole torus."""
     rng = np.random.default_rng([seed, index])
     near = distance_to_singularity(n, index)
+    if near == CORNER:
+        return _at_right_angles(chain, rng, NOISES[index % len(NOISES)])
     return rng.uniform(-np.pi, np.pi, chain.n) if near is None else _beside_singularity(chain, rng, near)
+
+
+def _at_right_angles(chain: Chain, rng: np.random.Generator, noise: float) -> Array:
+    """A regular joint vector (6,) of quarter turns, up to three joints anywhere; each up to ``noise`` [rad] off."""
+    q: Array = rng.uniform(-np.pi, np.pi, chain.n)
+    for _ in range(200):
+        q[:] = 0.5 * np.pi * rng.integers(-1, 3, chain.n)
+        anywhere = rng.permutation(chain.n)[: rng.integers(0, 4)]
+        q[anywhere] = rng.uniform(-np.pi, np.pi, len(anywhere))
+        J = np.array(chain.jacobian(q))
+        J[:3] /= chain.size
+        if np.linalg.svd(J, compute_uv=False)[-1] > REGULAR:
+            break
+    q += noise * rng.uniform(-1.0, 1.0, chain.n)
+    return q
 
 
 def _beside_singularity(chain: Chain, rng: np.random.Generator, near: float) -> Array:

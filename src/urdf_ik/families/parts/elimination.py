@@ -29,6 +29,8 @@ _LINE = 15
 _SHIFTS = (0.0, 1e-6, 1e-5)
 # Poses by which variants are chosen, and from which those are taken whose solutions are all known.
 _KNOWN = 32
+# So many of these poses decide which few variants are tried on all.
+_FIRST, _FEW = 8, 6
 # How many numbers the core leaves room for: rows of the left factor, columns of the right one.
 _ROWS, _COLUMNS = 168, 32
 # From parts of 1, cos t, sin t to parts of 1, d, d^2, for d = tan(t / 2): both sides times cos^2(t / 2).
@@ -55,10 +57,17 @@ def elimination_values(chain: Chain) -> dict[str, Any]:
     Q = rng.uniform(-math.pi, math.pi, (_KNOWN, 6))
     Q[:, chain.prismatic] *= chain.size / (2.0 * math.pi)
     rows = _all_variants(H, points, chain.prismatic, rng)
-    counts, certain = _tried({**common, **rows}, chain.fk(Q))
-    best = int(np.lexsort((counts.sum(axis=1), certain.sum(axis=1)))[-1])
-    chosen = {name: values[best : best + 1] for name, values in rows.items()}
+    targets = chain.fk(Q)
+    few = _best(common, rows, targets[:_FIRST], _FEW)
+    chosen = _best(common, few, targets, 1)
     return {**common, **chosen, "known": known_poses(common["written"], Q)}
+
+
+def _best(common: dict[str, Any], rows: dict[str, Any], targets: Array, many: int) -> dict[str, Any]:
+    """So many of the variants in ``rows``, those that are certain of most of the poses (m, 4, 4); the best one last."""
+    counts, certain = _tried({**common, **rows}, targets)
+    best = np.lexsort((counts.sum(axis=1), certain.sum(axis=1)))[-many:]
+    return {name: np.ascontiguousarray(each[best]) for name, each in rows.items()}
 
 
 def doubts(solver: Solver, targets: Array) -> int:
