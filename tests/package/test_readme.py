@@ -9,18 +9,32 @@ import subprocess
 import sys
 from pathlib import Path
 
-README = (Path(__file__).parents[2] / "README.md").read_text()
+import pytest
+
+ROOT = Path(__file__).parents[2]
+README = (ROOT / "README.md").read_text()
+COMMAND = (ROOT / "docs" / "command.md").read_text()
 
 
-def test_the_tour_prints_what_it_shows() -> None:
+def test_the_readme_is_short() -> None:
+    """What a newcomer needs: the rest is in docs/, and every link leads to a file."""
+    assert len(README.splitlines()) < 200
+    for page in (ROOT / "README.md", *(ROOT / "docs").glob("*.md")):
+        for link in re.findall(r"\]\(([^)#:]+)\)", page.read_text()):
+            assert (page.parent / link).exists(), (page.name, link)
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/python.md"])
+def test_the_tour_prints_what_it_shows(page: str) -> None:
     """The Python blocks, run one after the other, print the text blocks that follow them."""
-    pairs = re.findall(r"```python\n(.*?)```\n\n```text\n(.*?)```", README, re.DOTALL)
-    assert len(pairs) == README.count("```python") > 3
+    text = (ROOT / page).read_text()
+    pairs = re.findall(r"```python\n(.*?)```\n\n```text\n(.*?)```", text, re.DOTALL)
+    assert len(pairs) == text.count("```python") > 2
     names: dict[str, object] = {}
     for code, shown in pairs:
         printed = io.StringIO()
         with contextlib.redirect_stdout(printed):
-            exec(compile(code, "README.md", "exec"), names)
+            exec(compile(code, page, "exec"), names)
         assert printed.getvalue() == shown
 
 
@@ -40,9 +54,9 @@ def test_the_command_prints_what_is_shown() -> None:
 
 
 def test_the_shortened_outputs_are_lines_of_the_whole() -> None:
-    """`info` and `check` print the lines that the README shows of them, in that order, up to digits of rounding."""
+    """`info` and `check` print the lines that docs/command.md shows, in that order, up to digits of rounding."""
     for command in ("info", "check"):
-        shown = re.search(rf"`urdf-ik {command} zyyzyz_6r`[^`]*```text\n(.*?)```", README, re.DOTALL)
+        shown = re.search(rf"`urdf-ik {command} zyyzyz_6r`[^`]*```text\n(.*?)```", COMMAND, re.DOTALL)
         assert shown is not None
         arguments = [sys.executable, "-m", "urdf_ik.cli", command, "zyyzyz_6r"]
         printed = subprocess.run(arguments, capture_output=True, text=True, check=True).stdout
