@@ -14,13 +14,13 @@ class ArgumentError(UrdfIkError, ValueError):
 
 
 class UrdfError(UrdfIkError, ValueError):
-    """A URDF that is broken, with the place and the mend.
+    """A URDF that is broken, with the place and the hint.
 
     Attributes:
         source: the file's path, or ``<text>`` for XML that was given as a string or stream.
         line: line number in the source, or None where the defect has no line.
         element: the XML element at fault, such as ``<joint name="j2">``, or None.
-        mend: what would be valid.
+        hint: what would be valid.
     """
 
     def __init__(
@@ -30,12 +30,12 @@ class UrdfError(UrdfIkError, ValueError):
         source: str,
         line: int | None = None,
         element: str | None = None,
-        mend: str | None = None,
+        hint: str | None = None,
     ) -> None:
-        self.problem, self.source, self.line, self.element, self.mend = problem, source, line, element, mend
+        self.problem, self.source, self.line, self.element, self.hint = problem, source, line, element, hint
         where = source if line is None else f"{source}:{line}"
         parts = [where, *([element] if element else []), problem]
-        super().__init__(": ".join(parts) + (f" ({mend})" if mend else ""))
+        super().__init__(": ".join(parts) + (f" ({hint})" if hint else ""))
 
 
 class ChainError(UrdfIkError, ValueError):

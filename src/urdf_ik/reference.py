@@ -1,4 +1,4 @@
-"""Pinocchio's own model of a URDF: the judge of this package's kinematics. Shares no code with ``chain.py``."""
+"""Pinocchio's own model of a URDF, which this package's kinematics are held to. It shares no code with ``chain``."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ def load(
         mesh_roots: folders that meshes may be read from, besides the URDF's own.
 
     Raises:
-        UrdfError: the URDF is broken; the error names line, element and mend.
+        UrdfError: the URDF is broken; the error names line, element and hint.
         ChainError: base, tip or a locked joint is unknown, or base or tip ambiguous; the error lists the candidates.
         JointVectorError: a locked joint's value is no finite number.
         CatalogueError: a name that the catalogue does not hold.

@@ -81,7 +81,7 @@ def compare(
         farthest=(_farthest(a, seed), _farthest(b, seed)),
         reach=tuple(each.reach("AB"[k]) for k, each in enumerate(answers)) if both else (),
         branches=answers[0].branches(order, signs) if both and order is not None else (),
-        tool=None if order is None else asking.tool_error(first.judge, second.judge, tried, order),
+        tool=None if order is None else asking.tool_error(first.reference, second.reference, tried, order),
         notes=tuple(notes),
     )
 

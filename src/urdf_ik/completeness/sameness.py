@@ -137,7 +137,7 @@ class Unmatched:
     continua: int = 0
 
 
-class Judge:
+class Sameness:
     """Tells whether joint vectors are one solution; lengths count as shares of the arm's size."""
 
     def __init__(self, chain: Chain, reference: Reference) -> None:

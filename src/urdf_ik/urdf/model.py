@@ -238,7 +238,7 @@ def read(
         The model, with every joint's origin and axis as yourdfpy reads them.
 
     Raises:
-        UrdfError: the URDF cannot be read, or is broken; the message names file, line, element and mend.
+        UrdfError: the URDF cannot be read, or is broken; the message names file, line, element and hint.
     """
     opened = open_source(source)
     original = parse(opened)

@@ -118,12 +118,12 @@ def require_room(grid: Grid, samples: int, results: int, scratch: int, output: P
         WorkspaceError: with the numbers.
     """
     what = f"{' x '.join(map(str, grid.shape))} voxels of {grid.voxel:g} m x {samples} orientations"
-    mend = "take larger voxels, fewer orientations or narrower bounds"
+    hint = "take larger voxels, fewer orientations or narrower bounds"
     free = available_memory()
     if results + scratch > free:
         raise WorkspaceError(
             f"{what} = {grid.count * samples:.4g} poses take {_size(results + scratch)} of memory, and "
-            f"{_size(free)} are free; {mend}"
+            f"{_size(free)} are free; {hint}"
         )
     if output is not None:
         folder = output.resolve().parent
@@ -133,7 +133,7 @@ def require_room(grid: Grid, samples: int, results: int, scratch: int, output: P
         if results > free:
             raise WorkspaceError(
                 f"{what} = {grid.count * samples:.4g} poses take up to {_size(results)} on the disk, and {folder} has "
-                f"{_size(free)} free; {mend}"
+                f"{_size(free)} free; {hint}"
             )
 
 
