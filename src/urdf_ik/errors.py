@@ -14,7 +14,7 @@ class ArgumentError(UrdfIkError, ValueError):
 
 
 class UrdfError(UrdfIkError, ValueError):
-    """A URDF that is broken, with the place and the hint.
+    """A URDF that is broken: where, and what to change.
 
     Attributes:
         source: the file's path, or ``<text>`` for XML that was given as a string or stream.
@@ -48,7 +48,7 @@ class ChainError(UrdfIkError, ValueError):
 
 
 class PoseError(UrdfIkError, ValueError):
-    """A target that is no pose; ``index`` is the place of the first bad one in a batch, else None."""
+    """An invalid pose or target; ``index`` is the place of the first bad one in a batch, else None."""
 
     def __init__(self, problem: str, index: tuple[int, ...] | None = None) -> None:
         self.index = index
@@ -64,7 +64,7 @@ class JointVectorError(UrdfIkError, ValueError):
 
 
 class DHError(UrdfIkError, ValueError):
-    """A Denavit-Hartenberg table that is none; ``row`` counts from 1, ``column`` is its name, where there is one.
+    """An invalid Denavit-Hartenberg table; ``row`` counts from 1, ``column`` is its name, where there is one.
 
     ``source`` is the file that it was read from; None for a table that came from no file.
     """
@@ -78,7 +78,7 @@ class DHError(UrdfIkError, ValueError):
 
 
 class VelocityError(UrdfIkError, ValueError):
-    """A twist, damping, weight, velocity limit or length that is none."""
+    """An invalid twist, damping, weight, velocity limit or length."""
 
 
 class WorkspaceError(UrdfIkError, ValueError):

@@ -39,6 +39,10 @@ def load(
         JointVectorError: a locked joint's value is no finite number.
         CatalogueError: a name that the catalogue does not hold.
         UnsupportedArm: a joint of the chain cannot be handled.
+
+    Example:
+        >>> load("zyyzyz_6r")
+        <Arm 'zyyzyz_6r': base_link to tool0, 6R spherical wrist, 2||3 and 1x2>
     """
     if isinstance(source, str) and _is_name(source):
         entry = catalogue.resolve(source)

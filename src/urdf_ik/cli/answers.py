@@ -85,7 +85,7 @@ def solve(
     collisions: bool,
     tick: Callable[[int, int], None],
 ) -> Answer:
-    """Solve, filter with ``pick`` and check; ``tick(done, total)`` is told how far the checks are.
+    """Solve, filter with ``pick`` and check; ``tick(done, total)`` reports how far the checks are.
 
     ``redundancy``: (N,) rad or m, or None for the arm's default.
     """

@@ -76,6 +76,11 @@ def check(
     Raises:
         UrdfError: ``collision`` is true, and there are no collision shapes or not all of them can be read.
         ArgumentError: n is below 1, or the seed is negative.
+
+    Example:
+        >>> import urdf_ik
+        >>> check(urdf_ik.load("planar_2r"), n=5).passed
+        True
     """
     if n < 1:
         raise ArgumentError(f"n = {n}: at least one pose must be checked")

@@ -29,7 +29,7 @@ class Row:
         passed: whether every value was accepted.
         checked: how many values were compared.
         index: number of the pose in which the worst value, or the first counted case, was found; None where there is
-            none.
+            no such pose.
         q: joint vector (n,) [rad or m] at which it was found.
         detail: branch, link or joint that it belongs to, or what was missing.
     """

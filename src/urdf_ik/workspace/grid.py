@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import math
-import os
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
@@ -138,15 +137,10 @@ def require_room(grid: Grid, samples: int, results: int, scratch: int, output: P
 
 
 def available_memory() -> int:
-    """Bytes of memory that can be had without swapping, as far as the system tells; else a great number."""
-    found = [2**62]
-    try:
-        lines = Path("/proc/meminfo").read_text().splitlines()
-        found += [1024 * int(line.split()[1]) for line in lines if line.startswith("MemAvailable:")]
-    except OSError:  # not Linux
-        pages = os.sysconf_names.keys() & {"SC_PHYS_PAGES", "SC_PAGE_SIZE"}
-        if len(pages) == 2:
-            found.append(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    """Bytes of memory that can be had without swapping."""
+    import psutil  # only maps need it
+
+    found = [int(psutil.virtual_memory().available)]
     group = Path("/sys/fs/cgroup")
     with contextlib.suppress(OSError, ValueError):  # a container's own limit, where there is one
         found.append(int((group / "memory.max").read_text()) - int((group / "memory.current").read_text()))
