@@ -20,7 +20,8 @@ IN_PARALLEL = -n logical --dist loadfile --no-loadscope-reorder
 
 CORE = $(wildcard src/core/*.[ch]pp src/core/*/*.[ch]pp)
 SANITIZED_LEVEL = $(if $(filter x86_64,$(shell uname -m)),v2,arm64)
-SANITIZED_TESTS = tests/test_families.py tests/test_closed_forms.py tests/test_singular.py tests/test_arm.py
+SANITIZED_TESTS = tests/families/test_families.py tests/families/test_closed_forms.py tests/families/test_singular.py \
+	tests/arm/test_arm.py
 
 .DELETE_ON_ERROR:
 .PHONY: help run test lint format stub wheel sanitize nightly bench million clean

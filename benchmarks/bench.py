@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Compare urdf-ik with its peers: the same poses, the same process, judged by Pinocchio.
+"""Compare urdf-ik with its peers: the same poses, the same process, measured by Pinocchio.
 
     python benchmarks/bench.py [--md] [--poses N] [--repeats R] [--seed S] [--robot NAME ...] [--peer NAME ...]
 
@@ -109,17 +109,17 @@ def measure(robot: Robot, wanted: list[type[Peer]], poses: int, repeats: int, se
             peers.append(kind(robot))
         except Unavailable as reason:
             missing.append([kind.name, str(reason), *["-"] * (len(COLUMNS) - 2)])
-    judge, rng = robot.judge, np.random.default_rng(seed)
-    planted = complete.draw_random(judge, max(poses, BATCH), rng)
-    targets = np.array([judge.pose(q) for q in planted])
+    reference, rng = robot.reference, np.random.default_rng(seed)
+    planted = complete.draw_random(reference, max(poses, BATCH), rng)
+    targets = np.array([reference.pose(q) for q in planted])
     speed = _speed(peers, targets, repeats, general=robot.structure == "general")
     base = next((speed[p.name] for p in peers if isinstance(p, _base(robot))), {})
     if base and "batch 1" not in base:
         # A solver without a batch takes a call for each pose, whatever the threads.
         base |= {f"batch {threads}": 1e3 / base["us"] for threads in (1, 2)}
-    random = complete.tally(peers, judge, planted[:poses])
-    near = complete.tally(peers, judge, complete.draw_singular(judge, poses, rng, complete.NEAR))
-    exact = complete.tally(peers, judge, complete.draw_singular(judge, max(1, poses // 4), rng, (0.0,)))
+    random = complete.tally(peers, reference, planted[:poses])
+    near = complete.tally(peers, reference, complete.draw_singular(reference, poses, rng, complete.NEAR))
+    exact = complete.tally(peers, reference, complete.draw_singular(reference, max(1, poses // 4), rng, (0.0,)))
     rows = []
     for peer, a, b, c in zip(peers, random, near, exact, strict=True):
         row = speed[peer.name] if peer.batch_call else {"us": speed[peer.name]["us"]}
@@ -143,9 +143,9 @@ def _base(robot: Robot) -> type[Peer]:
 
 def calibration(repeats: int, seed: int) -> list[list[str]]:
     """Rows of the arm as designed and as calibrated: this package alone, one pose and in batch, in one run."""
-    arms = {robot.name: (UrdfIk(robot), robot.judge) for robot in (UR10E, CALIBRATED_UR10E)}
+    arms = {robot.name: (UrdfIk(robot), robot.reference) for robot in (UR10E, CALIBRATED_UR10E)}
     planted = np.random.default_rng(seed).uniform(-np.pi, np.pi, (CALIBRATED_BATCH, 6))
-    batches = {name: judge.poses(planted) for name, (_, judge) in arms.items()}
+    batches = {name: reference.poses(planted) for name, (_, reference) in arms.items()}
     calls = {name: np.full(SINGLE_CALLS, np.inf) for name in arms}
     best = dict.fromkeys(arms, np.inf)
     for repetition in range(repeats + 1):  # the first one warms up and is thrown away

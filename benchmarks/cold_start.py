@@ -84,7 +84,7 @@ def first_solutions(robots: list[Robot], repeats: int, *, slow: bool) -> list[li
         with tempfile.TemporaryDirectory() as folder:
             urdf, pose = Path(folder, "arm.urdf"), Path(folder, "pose.npy")
             urdf.write_text(robot.urdf)
-            np.save(pose, robot.judge.pose(np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])))
+            np.save(pose, robot.reference.pose(np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])))
             for name, code in _SOLVE.items():
                 general = robot.structure == "general"
                 if name == "ssik" and general and not slow:

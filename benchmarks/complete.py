@@ -1,4 +1,4 @@
-"""Which share of poses does a solver answer completely? Judged by Pinocchio alone."""
+"""Which share of poses does a solver answer completely? Measured by Pinocchio alone."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 from peers import Peer
-from robots import Judge
+from robots import ReferenceModel
 
 RESIDUAL = 1e-9  # m and rad: a joint vector further off than this reaches another pose
 NEAR = tuple(10.0**-k for k in range(1, 8))  # rad from a singularity
@@ -30,12 +30,14 @@ class Tally:
     wrong: int = 0
 
 
-def draw_random(judge: Judge, n: int, rng: np.random.Generator) -> np.ndarray:
+def draw_random(reference: ReferenceModel, n: int, rng: np.random.Generator) -> np.ndarray:
     """Draw n joint vectors (n, 6) over the whole torus."""
     return rng.uniform(-np.pi, np.pi, (n, 6))
 
 
-def draw_singular(judge: Judge, n: int, rng: np.random.Generator, offsets: tuple[float, ...]) -> np.ndarray:
+def draw_singular(
+    reference: ReferenceModel, n: int, rng: np.random.Generator, offsets: tuple[float, ...]
+) -> np.ndarray:
     """Draw n joint vectors (n, 6), each one of the offsets [rad] away from a singularity along one joint.
 
     The singularity is where the determinant of the Jacobian changes sign along one joint, by bisection.
@@ -47,7 +49,7 @@ def draw_singular(judge: Judge, n: int, rng: np.random.Generator, offsets: tuple
         def determinant(x: float, q: np.ndarray = q, joint: int = joint) -> float:
             moved = q.copy()
             moved[joint] = x
-            return float(np.linalg.det(judge.jacobian(moved)))
+            return float(np.linalg.det(reference.jacobian(moved)))
 
         grid = np.linspace(-np.pi, np.pi, 24)
         values = [determinant(x) for x in grid]
@@ -74,48 +76,48 @@ def _distance(solutions: np.ndarray, q: np.ndarray) -> np.ndarray:
     return apart
 
 
-def _tolerance(judge: Judge, q: np.ndarray) -> float:
+def _tolerance(reference: ReferenceModel, q: np.ndarray) -> float:
     """How far apart two polished answers may be and still be one solution: rounding over the conditioning."""
-    smallest = float(np.linalg.svd(judge.jacobian(q), compute_uv=False)[-1])
+    smallest = float(np.linalg.svd(reference.jacobian(q), compute_uv=False)[-1])
     return 1e-6 + min(1e-11 / max(smallest, 1e-12), 1e-2)
 
 
-def _polished(judge: Judge, q: np.ndarray, target: np.ndarray) -> np.ndarray:
+def _polished(reference: ReferenceModel, q: np.ndarray, target: np.ndarray) -> np.ndarray:
     """The solution (6,) that an answer stands for, by Newton's method on Pinocchio's model.
 
     Near a singularity an answer with an error of 1e-9 may lie 1e-2 rad from the solution; without this it would count
     as one more solution, which all other solvers had missed.
     """
-    best, least, here = q, judge.error(q, target), q
+    best, least, here = q, reference.error(q, target), q
     for _ in range(6):
-        pose = judge.pose(here)
+        pose = reference.pose(here)
         motion = pin.log6(pin.SE3(pose).actInv(pin.SE3(target)))  # by name: .vector of a temporary dangles
-        here = here + np.linalg.lstsq(judge.jacobian(here), np.array(motion.vector), rcond=1e-13)[0]
-        error = judge.error(here, target)
+        here = here + np.linalg.lstsq(reference.jacobian(here), np.array(motion.vector), rcond=1e-13)[0]
+        error = reference.error(here, target)
         if error < least:
             best, least = here, error
     return best
 
 
-def tally(peers: list[Peer], judge: Judge, planted: np.ndarray) -> list[Tally]:
+def tally(peers: list[Peer], reference: ReferenceModel, planted: np.ndarray) -> list[Tally]:
     """Give every solver the pose of each planted joint vector (n, 6) and count what comes back."""
     tallies = [Tally() for _ in peers]
     for q in planted:
-        target = judge.pose(q)
+        target = reference.pose(q)
         valid: list[np.ndarray] = []
         for peer, row in zip(peers, tallies, strict=True):
             found, approximate = peer.claims(peer.prepare(target))
             none = np.isnan(found).any(axis=1)
             found, approximate = found[~none], approximate[~none]
-            right = np.array([judge.error(x, target) <= RESIDUAL for x in found], dtype=bool)
+            right = np.array([reference.error(x, target) <= RESIDUAL for x in found], dtype=bool)
             row.poses += 1
             row.wrong += not (right | approximate).all()
             row.answered += bool(right.any())
-            valid.append(np.array([_polished(judge, x, target) for x in found[right]]).reshape(-1, 6))
-        union = [(q, _tolerance(judge, q))]
+            valid.append(np.array([_polished(reference, x, target) for x in found[right]]).reshape(-1, 6))
+        union = [(q, _tolerance(reference, q))]
         for x in np.concatenate(valid):
             if all(_distance(x, member) > tolerance for member, tolerance in union):
-                union.append((x, _tolerance(judge, x)))
+                union.append((x, _tolerance(reference, x)))
         for found, row in zip(valid, tallies, strict=True):
             row.complete += len(found) > 0 and all((_distance(found, m) <= tolerance).any() for m, tolerance in union)
     return tallies

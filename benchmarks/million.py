@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Count what urdf-ik loses: a million random poses an arm, every returned solution judged by Pinocchio.
+"""Count what urdf-ik loses: a million random poses an arm, every returned solution measured by Pinocchio.
 
     python benchmarks/million.py [--md] [--poses N] [--processes P] [--seed S] [--robot NAME ...]
 
@@ -24,7 +24,7 @@ import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
-from robots import CALIBRATED_UR10E, CRX, HC10, KINOVA, RANDOM_6R, Judge
+from robots import CALIBRATED_UR10E, CRX, HC10, KINOVA, RANDOM_6R, ReferenceModel
 
 CHUNK = 1000  # poses
 EXACT = 1e-9  # m and rad: the contract of ik
@@ -50,13 +50,13 @@ class Tally:
 
     Attributes:
         poses: how many.
-        solutions: how many solutions were returned, each of them judged.
+        solutions: how many solutions were returned, each of them measured.
         lost: planted joint vectors (6,) [rad] that are not among the solutions, each with the distance [rad] to the
             nearest one and the Jacobian's smallest singular value.
         duplicates: pairs of solutions that are one.
         position: greatest position error [m].
         rotation: greatest rotation error [rad].
-        seconds: time that the solver took, of the judge's not a part.
+        seconds: time that the solver took, of the reference's not a part.
     """
 
     poses: int = 0
@@ -84,33 +84,33 @@ class Tally:
 
 
 @lru_cache(maxsize=1)
-def _prepared(name: str) -> tuple[Any, Judge]:
+def _prepared(name: str) -> tuple[Any, ReferenceModel]:
     """The arm and Pinocchio's model of the same URDF; once a process."""
     import urdf_ik
 
     source, _ = ARMS[name]
     arm = urdf_ik.load(source)
     arm.ik(arm.fk(np.zeros(6)))  # loads the kernels, which is not to be timed
-    return arm, Judge(arm.model.xml.decode(), arm.base, arm.tip)
+    return arm, ReferenceModel(arm.model.xml.decode(), arm.base, arm.tip)
 
 
 def measure(task: tuple[str, int, int, int]) -> Tally:
     """One chunk: (arm's name, seed, number of the chunk, poses in it)."""
     name, seed, chunk, size = task
-    arm, judge = _prepared(name)
+    arm, reference = _prepared(name)
     Q = np.random.default_rng([seed, chunk]).uniform(-np.pi, np.pi, (size, 6))
-    T = judge.poses(Q)
+    T = reference.poses(Q)
     start = time.perf_counter()
     solutions = arm.ik(T)
     seconds = time.perf_counter() - start
     q, valid = np.asarray(solutions.q), np.asarray(solutions.valid)
     pose_of, _ = np.nonzero(valid)
-    position, rotation = _errors(judge.poses(q[valid]), T[pose_of])
+    position, rotation = _errors(reference.poses(q[valid]), T[pose_of])
     gap = np.where(valid, _apart(q, Q[:, None]), np.inf).min(axis=1)
     lost = []
     for i in np.flatnonzero(gap > SAME):
         # Near a singularity rounding in the pose moves the solutions by more: by 1e-11 over the conditioning.
-        sigma = judge.sigma_min(Q[i])
+        sigma = reference.sigma_min(Q[i])
         if gap[i] > SAME + min(1e-11 / max(sigma, 1e-300), 1e-2):
             lost.append((Q[i], float(gap[i]), sigma))
     return Tally(
@@ -147,7 +147,7 @@ def _errors(ours: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarray, np.ndarra
 COLUMNS = (
     "arm",
     "poses",
-    "solutions, all judged",
+    "solutions, all measured",
     "planted ones lost",
     "duplicates",
     "greatest error [m]",

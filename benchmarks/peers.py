@@ -102,7 +102,7 @@ class Eaik(Peer):
             from eaik.IK_Robot import IKRobot
         except ImportError as error:
             raise Unavailable("not installed") from error
-        axes, offsets, home = robot.judge.screws()
+        axes, offsets, home = robot.reference.screws()
         self.name = f"EAIK {version('eaik')}"
         self.bot = IKRobot()
         self.bot._robot = binding.Robot(axes.T, offsets.T, home, [], True)
@@ -136,7 +136,7 @@ class IkGeo(Peer):
             import ik_geo
         except ImportError as error:
             raise Unavailable("not installed") from error
-        axes, offsets, self.home = robot.judge.screws()
+        axes, offsets, self.home = robot.reference.screws()
         if robot.structure == "wrist":  # it wants the points of axes 4, 5 and 6 in the wrist's centre, the origin of 5
             offsets[3], offsets[4] = offsets[3] + offsets[4], 0.0
             offsets[6], offsets[5] = offsets[6] + offsets[5], 0.0
@@ -224,7 +224,7 @@ class Ssik(Peer):
                 file=sys.stderr,
                 flush=True,
             )
-            self.solve(robot.judge.pose(np.full(6, 0.3)))
+            self.solve(robot.reference.pose(np.full(6, 0.3)))
 
     def solve(self, prepared: Any) -> np.ndarray:
         """One pose."""

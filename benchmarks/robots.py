@@ -53,12 +53,12 @@ class Robot:
     ortho_parallel: OrthoParallel | None = None
 
     @cached_property
-    def judge(self) -> Judge:
+    def reference(self) -> ReferenceModel:
         """Pinocchio's model of the same text."""
-        return Judge(self.urdf)
+        return ReferenceModel(self.urdf)
 
 
-class Judge:
+class ReferenceModel:
     """Pinocchio's view of a benchmarked arm: poses, errors, axes. It shares no code with any solver."""
 
     def __init__(self, urdf: str, base: str = "base", tip: str = "tool") -> None:

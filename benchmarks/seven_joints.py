@@ -122,7 +122,7 @@ class UrdfIkAtValues(Peer):
 def measure(robot: Robot, poses: int = 200, repeats: int = 7, seed: int = 0) -> list[Row]:
     """All rows of one arm; ssik's are missing where it is."""
     rng = np.random.default_rng(seed)
-    targets = np.array([robot.judge.pose(q) for q in rng.uniform(-2.0, 2.0, (poses, 7))])
+    targets = np.array([robot.reference.pose(q) for q in rng.uniform(-2.0, 2.0, (poses, 7))])
     ours = UrdfIkAtValues(robot)
     ways: dict[str, Callable[[], Any]] = {
         "urdf-ik, one pose a call": lambda: [ours.solve(target) for target in targets],
@@ -149,7 +149,7 @@ def measure(robot: Robot, poses: int = 200, repeats: int = 7, seed: int = 0) -> 
             name,
             1e6 * best[name],
             counts[name],
-            max(robot.judge.error(q, target) for qs, target in zip(found[name], targets, strict=False) for q in qs),
+            max(robot.reference.error(q, target) for qs, target in zip(found[name], targets, strict=False) for q in qs),
         )
         for name in ways
     ]

@@ -79,7 +79,12 @@ class Entry:
 
 
 def names() -> tuple[str, ...]:
-    """Every name of the catalogue, bundled arms first, whether or not example-robot-data is installed."""
+    """Every name of the catalogue, bundled arms first, whether or not example-robot-data is installed.
+
+    Example:
+        >>> names()[0]
+        'zyyzyz_6r'
+    """
     return (*BUNDLED, *EXAMPLE_ROBOT_DATA)
 
 
@@ -89,6 +94,10 @@ def resolve(name: str) -> Entry:
     Raises:
         CatalogueError: the catalogue has no such name (the message lists the nearest), or the name belongs to
             example-robot-data, which is not installed (the message says how to install it).
+
+    Example:
+        >>> resolve("zyyzyz_6r").tip
+        'tool0'
     """
     if name in BUNDLED:
         return Entry(name, _bundled_folder() / f"{name}.urdf", "base_link", "tool0", description=BUNDLED[name])
@@ -119,7 +128,7 @@ def _bundled_folder() -> Path:
 def _example_robot_data_share() -> Path | None:
     """The ``share`` folder of example-robot-data, or None where it is not installed.
 
-    Its wheel holds no Python module, so only the list of its files tells where it lies.
+    Its wheel holds no Python module, so only the list of its files says where it lies.
     """
     from importlib import metadata  # 10 ms that ``import urdf_ik`` need not pay
 

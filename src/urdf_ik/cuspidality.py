@@ -45,7 +45,14 @@ _DISTINCT = 1e-3  # rad
 
 
 def is_cuspidal(arm: SolvingArm) -> bool | None:
-    """Whether an arm can change solutions without crossing a singularity; None where that is not known."""
+    """Whether an arm can change solutions without crossing a singularity; None where that is not known.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> is_cuspidal(arm)
+        False
+    """
     structure = arm.structure
     if not structure.is_6r or not structure.family or arm.chain.axes is not arm.chain:
         return None

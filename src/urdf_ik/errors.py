@@ -14,13 +14,13 @@ class ArgumentError(UrdfIkError, ValueError):
 
 
 class UrdfError(UrdfIkError, ValueError):
-    """A URDF that is broken, with the place and the mend.
+    """A URDF that is broken: where, and what to change.
 
     Attributes:
         source: the file's path, or ``<text>`` for XML that was given as a string or stream.
         line: line number in the source, or None where the defect has no line.
         element: the XML element at fault, such as ``<joint name="j2">``, or None.
-        mend: what would be valid.
+        hint: what would be valid.
     """
 
     def __init__(
@@ -30,12 +30,12 @@ class UrdfError(UrdfIkError, ValueError):
         source: str,
         line: int | None = None,
         element: str | None = None,
-        mend: str | None = None,
+        hint: str | None = None,
     ) -> None:
-        self.problem, self.source, self.line, self.element, self.mend = problem, source, line, element, mend
+        self.problem, self.source, self.line, self.element, self.hint = problem, source, line, element, hint
         where = source if line is None else f"{source}:{line}"
         parts = [where, *([element] if element else []), problem]
-        super().__init__(": ".join(parts) + (f" ({mend})" if mend else ""))
+        super().__init__(": ".join(parts) + (f" ({hint})" if hint else ""))
 
 
 class ChainError(UrdfIkError, ValueError):
@@ -48,7 +48,7 @@ class ChainError(UrdfIkError, ValueError):
 
 
 class PoseError(UrdfIkError, ValueError):
-    """A target that is no pose; ``index`` is the place of the first bad one in a batch, else None."""
+    """An invalid pose or target; ``index`` is the place of the first bad one in a batch, else None."""
 
     def __init__(self, problem: str, index: tuple[int, ...] | None = None) -> None:
         self.index = index
@@ -64,7 +64,7 @@ class JointVectorError(UrdfIkError, ValueError):
 
 
 class DHError(UrdfIkError, ValueError):
-    """A Denavit-Hartenberg table that is none; ``row`` counts from 1, ``column`` is its name, where there is one.
+    """An invalid Denavit-Hartenberg table; ``row`` counts from 1, ``column`` is its name, where there is one.
 
     ``source`` is the file that it was read from; None for a table that came from no file.
     """
@@ -78,7 +78,7 @@ class DHError(UrdfIkError, ValueError):
 
 
 class VelocityError(UrdfIkError, ValueError):
-    """A twist, damping, weight, velocity limit or length that is none."""
+    """An invalid twist, damping, weight, velocity limit or length."""
 
 
 class WorkspaceError(UrdfIkError, ValueError):

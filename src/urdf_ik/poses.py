@@ -50,6 +50,10 @@ def pose(
     Raises:
         PoseError: more than one orientation, values that are not finite numbers, a quaternion of zeros,
             or shapes that do not fit together.
+
+    Example:
+        >>> pose([0.5, 0.0, 0.2]).tolist()[0]
+        [1.0, 0.0, 0.0, 0.5]
     """
     given = {
         "quat_xyzw": quat_xyzw, "quat_wxyz": quat_wxyz, "rotvec": rotvec, "rpy": rpy, "euler_zyx": euler_zyx
@@ -89,6 +93,10 @@ def to_quat_xyzw(T: Any) -> Array:
 
     Raises:
         PoseError: ``T`` holds something that is no pose.
+
+    Example:
+        >>> (to_quat_xyzw(pose([0.5, 0.0, 0.2], rpy=[0.0, 0.0, 1.0])).round(4) + 0.0).tolist()
+        [0.0, 0.0, 0.4794, 0.8776]
     """
     R = check_poses(T)[..., :3, :3]
     d0, d1, d2 = R[..., 0, 0], R[..., 1, 1], R[..., 2, 2]
@@ -110,7 +118,12 @@ def to_quat_xyzw(T: Any) -> Array:
 
 
 def to_quat_wxyz(T: Any) -> Array:
-    """Orientation as a unit quaternion (..., 4), scalar first; else as :func:`to_quat_xyzw`."""
+    """Orientation as a unit quaternion (..., 4), scalar first; else as :func:`to_quat_xyzw`.
+
+    Example:
+        >>> (to_quat_wxyz(pose([0.5, 0.0, 0.2], rpy=[0.0, 0.0, 1.0])).round(4) + 0.0).tolist()
+        [0.8776, 0.0, 0.0, 0.4794]
+    """
     return np.roll(to_quat_xyzw(T), 1, axis=-1)
 
 
@@ -128,6 +141,10 @@ def to_rotvec(T: Any) -> Array:
 
     Raises:
         PoseError: ``T`` holds something that is no pose.
+
+    Example:
+        >>> (to_rotvec(pose([0.5, 0.0, 0.2], rpy=[0.0, 0.0, 1.0])).round(4) + 0.0).tolist()
+        [0.0, 0.0, 1.0]
     """
     q = to_quat_xyzw(T)
     sine = np.linalg.norm(q[..., :3], axis=-1, keepdims=True)
@@ -153,6 +170,10 @@ def to_rpy(T: Any) -> Array:
 
     Raises:
         PoseError: ``T`` holds something that is no pose.
+
+    Example:
+        >>> (to_rpy(pose([0.5, 0.0, 0.2], rpy=[0.0, 0.0, 1.0])).round(4) + 0.0).tolist()
+        [0.0, 0.0, 1.0]
     """
     R = check_poses(T)[..., :3, :3]
     cosine = np.hypot(R[..., 0, 0], R[..., 1, 0])
@@ -165,7 +186,12 @@ def to_rpy(T: Any) -> Array:
 
 
 def to_euler_zyx(T: Any) -> Array:
-    """Orientation as (..., 3) yaw, pitch, roll about the moving z, y, x axes [rad]: :func:`to_rpy` reversed."""
+    """Orientation as (..., 3) yaw, pitch, roll about the moving z, y, x axes [rad]: :func:`to_rpy` reversed.
+
+    Example:
+        >>> (to_euler_zyx(pose([0.5, 0.0, 0.2], rpy=[0.0, 0.0, 1.0])).round(4) + 0.0).tolist()
+        [1.0, 0.0, 0.0]
+    """
     return np.ascontiguousarray(to_rpy(T)[..., ::-1])
 
 

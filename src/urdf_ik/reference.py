@@ -1,4 +1,4 @@
-"""Pinocchio's own model of a URDF: the judge of this package's kinematics. Shares no code with ``chain.py``."""
+"""Pinocchio's own model of a URDF, which this package's kinematics are held to. It shares no code with ``chain``."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ HALF_SLIDE = 1.0
 """Joint vectors are drawn from +-these [rad, m] where a joint has no limit."""
 
 FAR = 100.0
-"""A limit beyond this [rad, m] stands for none: some URDFs write 1e9 or 1e16."""
+"""A limit beyond this [rad, m] stands for no limit: some URDFs write 1e9 or 1e16."""
 
 
 class _Drive(NamedTuple):
@@ -59,7 +59,7 @@ class Reference:
             it, the latter's name.
         prismatic: (n,) true for joints that slide.
         ranges: (n, 2) rad or m, the joint limits, with a turn [-pi, pi] or [-1, 1] m in place of missing ones.
-        limits: (n, 2) rad or m, infinite where there are none; those of mimicking joints of the chain count, unless
+        limits: (n, 2) rad or m, infinite where there is no limit; those of mimicking joints of the chain count, unless
             they leave nothing.
         size: length that rounding errors are relative to [m]: the sum of all steps between the model's joints.
         pin_model: the ``pinocchio.Model``.
@@ -365,7 +365,13 @@ class Reference:
 
 
 def pose_errors(A: Array, B: Array) -> tuple[Array, Array]:
-    """Distance (...) [m] and angle (...) [rad] between poses A (..., 4, 4) and B (..., 4, 4), which broadcast."""
+    """Distance (...) [m] and angle (...) [rad] between poses A (..., 4, 4) and B (..., 4, 4), which broadcast.
+
+    Example:
+        >>> position, rotation = pose_errors(np.eye(4), np.eye(4))
+        >>> float(position), float(rotation)
+        (0.0, 0.0)
+    """
     position = np.linalg.norm(A[..., :3, 3] - B[..., :3, 3], axis=-1)
     turn = np.swapaxes(A[..., :3, :3], -1, -2) @ B[..., :3, :3]
     # From sine and cosine together: the cosine alone knows no angle below 1e-8.

@@ -53,7 +53,7 @@ def assert_agrees_with_pinocchio(
     Raises:
         AssertionError: a property does not hold, or the arm cannot be solved; the message is the report, with the pose
             and joint vector of each failure.
-        UrdfIkError: the URDF, a link or a number is none; see :func:`urdf_ik.load`.
+        UrdfIkError: the URDF, a link or a number is invalid; see :func:`urdf_ik.load`.
     """
     __tracebackhide__ = True  # pytest shows the caller's line instead
     arm = urdf

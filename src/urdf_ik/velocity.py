@@ -29,7 +29,7 @@ PARTS = {"all": slice(0, 6), "translation": slice(0, 3), "rotation": slice(3, 6)
 
 @dataclass(frozen=True)
 class SingularDirections:
-    """Gains between joint motions and twists, and the directions in which there is none.
+    """Gains between joint motions and twists, and the directions that have no gain.
 
     Twists and motions have the length 1 when their lengths are counted as shares of the characteristic length;
     they are given in m, rad and m/s, rad/s.
@@ -77,8 +77,14 @@ def manipulability(chain: Chain, q: ArrayLike, part: str = "all") -> Array:
         (...) in m to the power of the linear rows.
 
     Raises:
-        JointVectorError: ``q`` is no joint vector.
+        JointVectorError: ``q`` is not a joint vector of this chain.
         VelocityError: an unknown part.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> float(manipulability(arm.chain, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]).round(4)) > 0.0
+        True
     """
     J = chain.jacobian(q)[..., _rows(part), :]
     if chain.n == 0:
@@ -99,8 +105,14 @@ def condition_number(chain: Chain, q: ArrayLike, part: str = "all", length: floa
         (...) of the first min(rows, n) singular values.
 
     Raises:
-        JointVectorError: ``q`` is no joint vector.
-        VelocityError: an unknown part, or a length that is none.
+        JointVectorError: ``q`` is not a joint vector of this chain.
+        VelocityError: an unknown part, or an invalid length.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> float(condition_number(arm.chain, [0.1, 0.2, 0.3, 0.4, 0.0, 0.6]))
+        inf
     """
     J = _scaled_jacobian(chain, q, _length(chain, length))[..., _rows(part), :]
     if chain.n == 0:
@@ -123,8 +135,14 @@ def singular_directions(
         tolerance: singular value below which a direction counts as lost or idle.
 
     Raises:
-        JointVectorError: ``q`` is no joint vector.
-        VelocityError: a length or tolerance that is none.
+        JointVectorError: ``q`` is not a joint vector of this chain.
+        VelocityError: an invalid length or tolerance.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> int(singular_directions(arm.chain, [0.1, 0.2, 0.3, 0.4, 0.0, 0.6]).lost.sum())
+        1
     """
     L = _length(chain, length)
     bound = _number("tolerance", tolerance, zero=True)
@@ -161,7 +179,7 @@ def joint_velocities(
         q: (..., n) rad or m.
         twist: (..., 6) m/s and rad/s at the tip, in base axes; (..., 3) for a part. The leading dimensions broadcast.
         part: 'all', 'translation' or 'rotation': the Jacobian's rows that matter.
-        damping: of all joint vectors, against a Jacobian in shares of ``length``; 0 for none.
+        damping: of all joint vectors, against a Jacobian in shares of ``length``; 0 for no damping.
         weights: (n,) positive: a joint of greater weight moves less. Only their ratios matter.
         limits: (n,) greatest speed of each joint, rad/s or m/s. Where one would be exceeded, all joints slow down
             together, and the tip with them in the same direction.
@@ -171,8 +189,14 @@ def joint_velocities(
         (..., n) rad/s or m/s.
 
     Raises:
-        JointVectorError: ``q`` is no joint vector.
-        VelocityError: a twist, damping, weight, limit, length or part that is none.
+        JointVectorError: ``q`` is not a joint vector of this chain.
+        VelocityError: an invalid twist, damping, weight, limit, length or part.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> joint_velocities(arm.chain, [0.1] * 6, [0.0, 0.0, 0.1, 0.0, 0.0, 0.0]).shape
+        (6,)
     """
     rows, L = _rows(part), _length(chain, length)
     units = np.where(np.arange(6) < 3, L, 1.0)[rows]

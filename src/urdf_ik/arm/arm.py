@@ -63,6 +63,7 @@ class Arm(Kinematics):
         self.structure: Structure = analyse(chain)
         self._by_task: dict[str, Arm] = {task: self}
         self._core: Solver | None = None
+        self._task = task
         # How targets of a task other than a pose are read.
         self._targets: Targets | None = None if task == "pose" else Targets(self.name, chain, self.control, task)
         plan = families.choose(self.structure, chain) if self._targets is None else self._targets.plan(self.structure)
@@ -81,12 +82,14 @@ class Arm(Kinematics):
             )
             self._core = plan.solver
             self._branches, self._shape = plan.branches, (1, len(plan.branches), chain.n)
+        # The solver where targets are poses: it takes a single one without detours.
+        self._of_single_poses = None if self._targets else self._core
 
     def __repr__(self) -> str:
         return f"<Arm {self.name!r}: {self.base} to {self.tip}, {self.structure.family or f'{self.dof} joints'}>"
 
     def __reduce__(self) -> tuple[type[Arm], tuple[UrdfModel, Chain, str]]:
-        return Arm, (self.model, self.chain, "pose" if self._targets is None else self._targets.task)
+        return Arm, (self.model, self.chain, self._task)
 
     @property
     def redundancy(self) -> Redundancy | None:
@@ -171,7 +174,7 @@ class Arm(Kinematics):
 
         Returns:
             The solutions, (..., B, n), one column a branch. Those of seven joints are all there are at the value that
-            is given, and ``singular`` tells where the Jacobian drops rank while it is kept.
+            is given, and ``singular`` says where the Jacobian drops rank while it is kept.
 
         Raises:
             PoseError: a target is no pose, or no target of the task; the error holds its index in the batch.
@@ -179,34 +182,31 @@ class Arm(Kinematics):
             TaskError: there is no such task, or the arm cannot control it.
             UnsupportedArm: no solver takes this arm.
         """
-        targets = self._targets
-        if task is not None and task != ("pose" if targets is None else targets.task):
+        if task is not None and task != self._task:
             return self.for_task(task).ik(T, q_ref, redundancy=redundancy, threads=threads)
-        core = self._core
-        if targets is not None:
-            if redundancy is not None:
-                raise UnsupportedArm(f"{self.name}: targets of the task {targets.task!r} leave nothing free")
-        elif (
-            core is not None
+        single: Any = self._of_single_poses
+        if (
+            single is not None
             and redundancy is None
             and threads == 1
             and T is not None
             and (q_ref is None or type(T) is np.ndarray)
         ):
             solutions: IKSolutions | None  # which the compiled core makes; None where the target is a batch or no array
-            compiled: Any = core
             if q_ref is None:
-                solutions = compiled.one(IKSolutions, self, self._branches, T)
+                solutions = single.one(IKSolutions, self, self._branches, T)
             else:
-                solutions = compiled.one_near(IKSolutions, self, self._branches, T, self._reference(q_ref))
+                solutions = single.one_near(IKSolutions, self, self._branches, T, self._reference(q_ref))
             if solutions is not None:
                 return solutions
         if self._plan is None:
             raise unsupported(self.name, self.chain, self.structure)
         if threads < 1:
             raise ArgumentError(f"threads={threads} given; a batch is shared by one or more")
-        if targets is not None:
-            return self._ik_of_task(targets, T, q_ref, threads)
+        if self._targets is not None:
+            if redundancy is not None:
+                raise UnsupportedArm(f"{self.name}: targets of the task {self._task!r} leave nothing free")
+            return self._ik_of_task(self._targets, T, q_ref, threads)
         if type(T) is np.ndarray and T.shape == (4, 4) and T.dtype == np.float64:
             # A copy, so that the answer does not change when the caller's array does.
             target = T.copy()
@@ -291,6 +291,13 @@ class Arm(Kinematics):
             PoseError: a target is no pose.
             JointVectorError: ``q_ref`` does not fit.
             UnsupportedArm: no solver takes this arm.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> q = [0.3, -0.5, 0.8, 0.4, 0.7, -0.2]
+            >>> arm.ik_nearest(arm.fk(q), q).q.round(6).tolist()
+            [[0.3, -0.5, 0.8, 0.4, 0.7, -0.2]]
         """
         if isinstance(self._plan, RedundantPlan):
             return nearest.nearest(self, self._plan.parameter, T, q_ref, within_limits, threads)
@@ -326,6 +333,12 @@ class Arm(Kinematics):
         Raises:
             PoseError: ``T`` is no pose, or more than one.
             UnsupportedArm: no solver takes this arm.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> arm.explain(urdf_ik.pose([0.0, 0.0, 4.0]))
+            'wrist centre 2.8 m from the shoulder (axis 2), reach 2.1 m'
         """
         if self._targets is not None:
             target = self._targets.read(T)

@@ -122,6 +122,12 @@ class Kinematics:
         Raises:
             JointVectorError: the last dimension is not n, or a value is not finite.
             UrdfError: Pinocchio refuses the URDF.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> arm.to_pinocchio([0.1, 0.2, 0.3, 0.4, 0.5, 0.6]).tolist()
+            [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
         """
         return self._pinocchio.configurations(self.chain.check(q))
 

@@ -34,11 +34,15 @@ def load(
         mesh_roots: folders that meshes may be read from, besides the URDF's own.
 
     Raises:
-        UrdfError: the URDF is broken; the error names line, element and mend.
+        UrdfError: the URDF is broken; the error names line, element and hint.
         ChainError: base, tip or a locked joint is unknown, or base or tip ambiguous; the error lists the candidates.
         JointVectorError: a locked joint's value is no finite number.
         CatalogueError: a name that the catalogue does not hold.
         UnsupportedArm: a joint of the chain cannot be handled.
+
+    Example:
+        >>> load("zyyzyz_6r")
+        <Arm 'zyyzyz_6r': base_link to tool0, 6R spherical wrist, 2||3 and 1x2>
     """
     if isinstance(source, str) and _is_name(source):
         entry = catalogue.resolve(source)

@@ -30,7 +30,7 @@ class Redundancy:
     that holds axis 1 and W (axis 1 times SW) to the direction of axis 4, less its part along SW. Where axis 4 is at
     right angles to upper arm and forearm, this is the angle between that plane and the arm's own; at zero the elbow
     lies in the plane of axis 1 and W, above SW as axis 1 points or below. Where W lies on axis 1, to 1e-7 rad, the
-    plane is none, and the common normal of axes 1 and 2 at q = 0 stands in for its normal: there the angle jumps.
+    plane is undefined, and the common normal of axes 1 and 2 at q = 0 stands in for its normal: there the angle jumps.
 
     Attributes:
         kind: 'swivel' or 'locked joint'.
@@ -66,7 +66,7 @@ class Redundancy:
         """``value`` as an array (...) of finite numbers.
 
         Raises:
-            JointVectorError: it is none.
+            JointVectorError: a value is not a finite number.
         """
         try:
             values = np.asarray(value, dtype=np.float64)

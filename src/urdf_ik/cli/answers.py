@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from urdf_ik.solutions.limits import LIMIT_TOLERANCE
 from urdf_ik.solutions import IKSolutions
 
-# Solutions that Pinocchio judges between two reports of progress.
+# Solutions that Pinocchio measures between two reports of progress.
 _AT_ONCE = 512
 
 
@@ -85,7 +85,7 @@ def solve(
     collisions: bool,
     tick: Callable[[int, int], None],
 ) -> Answer:
-    """Solve, filter with ``pick`` and check; ``tick(done, total)`` is told how far the checks are.
+    """Solve, filter with ``pick`` and check; ``tick(done, total)`` reports how far the checks are.
 
     ``redundancy``: (N,) rad or m, or None for the arm's default.
     """
@@ -101,11 +101,11 @@ def solve(
     if errors:
         from urdf_ik.reference import Reference
 
-        judge = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
+        reference = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
         position, rotation = np.full(valid.shape, np.nan), np.full(valid.shape, np.nan)
         for start in range(0, len(todo), _AT_ONCE):
             i, b = todo[start : start + _AT_ONCE].T
-            position[i, b], rotation[i, b] = judge.errors(q[i, b], poses[i])
+            position[i, b], rotation[i, b] = reference.errors(q[i, b], poses[i])
             tick(start + len(i), len(todo))
     if collisions:
         body = arm.collision_model

@@ -137,7 +137,7 @@ Complete = Annotated[
     bool,
     Option(
         "--complete",
-        help="Instead: look for solutions in a second way too, at N poses each: random, near singular, at right angles.",
+        help="Instead: look for solutions in a second way too, at N random, N near singular, N right-angled poses.",
     ),
 ]
 Collision = Annotated[

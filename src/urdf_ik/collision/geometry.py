@@ -43,7 +43,7 @@ def build(model: UrdfModel, pin_model: Any) -> Any:
         raise UrdfError(
             "no link has a collision shape",
             source=model.source,
-            mend="add <collision> to the links that must not touch",
+            hint="add <collision> to the links that must not touch",
         )
     return geometry
 

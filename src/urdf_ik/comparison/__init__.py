@@ -1,7 +1,7 @@
 """Two arms, or two URDFs of one arm: what is different, and what it does to the solutions and to the tool.
 
 For swaps: another arm, another tool, a calibrated copy of a nominal arm. Each arm is asked for what it controls of a
-pose (see ``Arm.task``); the judge of where a tip really is, is Pinocchio.
+pose (see ``Arm.task``); where a tip really is, Pinocchio says.
 """
 
 from __future__ import annotations

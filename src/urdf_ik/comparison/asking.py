@@ -29,21 +29,21 @@ class Drawn:
 
     Attributes:
         q: (n, dof) rad or m.
-        judge: Pinocchio's model of the arm.
+        reference: Pinocchio's model of the arm.
     """
 
     def __init__(self, arm: Arm, n: int, seed: int) -> None:
         from urdf_ik.reference import Reference  # brings in Pinocchio
 
-        self.judge = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
-        lower, upper = self.judge.ranges.T
+        self.reference = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
+        lower, upper = self.reference.ranges.T
         self.arm = arm
         self.q: Array = np.random.default_rng(seed).uniform(lower, upper, (n, arm.dof))
 
     @cached_property
     def T(self) -> Array:
         """(n, 4, 4) their poses, as Pinocchio has them."""
-        return self.judge.pose(self.q)
+        return self.reference.pose(self.q)
 
 
 class Answers:

@@ -30,7 +30,7 @@ def compare(
 
     Both arms draw ``n`` joint vectors within their limits; both are asked for all poses that these make. Joints are
     paired by name where both arms have the same names, else by their order from base to tip. Arms with different
-    numbers of joints, or of which one cannot be solved, are compared as far as that makes sense; ``notes`` tells in
+    numbers of joints, or of which one cannot be solved, are compared as far as that makes sense; ``notes`` says in
     words what was left out.
 
     Args:
@@ -45,6 +45,12 @@ def compare(
 
     Raises:
         ArgumentError: n is below 1, or the seed is negative.
+
+    Example:
+        >>> import urdf_ik
+        >>> a, b = urdf_ik.load("zyyzyz_6r"), urdf_ik.load("dh_6r")
+        >>> len(compare(a, b, n=10).structure) > 0
+        True
     """
     if n < 1:
         raise ArgumentError(f"n = {n}: at least one pose must be compared")
@@ -81,7 +87,7 @@ def compare(
         farthest=(_farthest(a, seed), _farthest(b, seed)),
         reach=tuple(each.reach("AB"[k]) for k, each in enumerate(answers)) if both else (),
         branches=answers[0].branches(order, signs) if both and order is not None else (),
-        tool=None if order is None else asking.tool_error(first.judge, second.judge, tried, order),
+        tool=None if order is None else asking.tool_error(first.reference, second.reference, tried, order),
         notes=tuple(notes),
     )
 

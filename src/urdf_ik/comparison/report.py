@@ -70,7 +70,7 @@ class AxisChange:
 
 @dataclass(frozen=True)
 class LimitChange:
-    """The limits of a joint, lower and upper [rad or m], infinite where there are none."""
+    """The limits of a joint, lower and upper [rad or m], infinite where there is no limit."""
 
     joint: str
     joint_b: str

@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from urdf_ik.completeness.report import BOTH, SECOND, SOLVER, Completeness, Difference, Group
-from urdf_ik.completeness.sameness import Judge, Unmatched, distance_to_singularity, plant
+from urdf_ik.completeness.sameness import Sameness, Unmatched, distance_to_singularity, plant
 from urdf_ik.completeness.second_way import SecondWay
 from urdf_ik.errors import ArgumentError, UnsupportedArm
 from urdf_ik.reference import Reference
@@ -53,24 +53,24 @@ def compare(
     if arm.dof != 6 or not arm.structure.is_6r:
         kinds = ", ".join(arm.chain.joint_types)
         raise UnsupportedArm(f"{arm.name}: completeness is compared for six turning joints, and this arm has {kinds}")
-    judge = Judge(arm.chain, Reference(arm.model, arm.base, arm.tip))
+    sameness = Sameness(arm.chain, Reference(arm.model, arm.base, arm.tip))
     second = SecondWay.of(arm)
     groups: dict[float | None, Group] = {}
     differences: list[Difference] = []
     for start in range(0, 3 * n, _CHUNK):
         indices = range(start, min(start + _CHUNK, 3 * n))
         planted = [plant(arm.chain, n, seed, index) for index in indices]
-        T = judge.reference.pose(np.array(planted))
+        T = sameness.reference.pose(np.array(planted))
         mine = arm.ik(T)
         q, valid = np.asarray(mine.q), np.asarray(mine.valid)
         for i, index in enumerate(indices):
             near = distance_to_singularity(n, index)
             group = groups.setdefault(near, Group(near))
             theirs = second.solve(T[i], np.random.default_rng([seed, index, 1]))
-            answer = judge.unmatched(T[i], planted[i], q[i, valid[i]], theirs)
+            answer = sameness.unmatched(T[i], planted[i], q[i, valid[i]], theirs)
             names = np.asarray(mine.branches, dtype=object)[valid[i]]
             group.add(int(valid[i].sum()), len(theirs), answer)
-            differences += _records(judge, answer, T[i], planted[i], index, near, list(names), second)
+            differences += _records(sameness, answer, T[i], planted[i], index, near, list(names), second)
         if progress is not None:
             progress(indices.stop, 3 * n)
     return Completeness(
@@ -80,7 +80,7 @@ def compare(
         joint_names=arm.joint_names,
         n=n,
         seed=seed,
-        judge=f"Pinocchio {pin.__version__}",
+        reference=f"Pinocchio {pin.__version__}",
         solver=arm.structure.family,
         second=second.name,
         groups=tuple(groups[key] for key in sorted(groups, key=lambda near: -np.inf if near is None else -near)),
@@ -105,7 +105,7 @@ def replay(arm: Arm, n: int, seed: int, index: int) -> tuple[Array, Array]:
 
 
 def _records(
-    judge: Judge,
+    sameness: Sameness,
     answer: Unmatched,
     T: Array,
     planted: Array,
@@ -118,7 +118,7 @@ def _records(
     found += [(second.name_of(i), SOLVER, q) for i, q in answer.only_second]
     found += [("planted", BOTH, planted)] * answer.planted_lost
     for branch, missed_by, q in found:
-        position, rotation = judge.reference.error(q, T)
+        position, rotation = sameness.reference.error(q, T)
         yield Difference(
             index=index,
             near=near,
@@ -126,8 +126,8 @@ def _records(
             q=tuple(map(float, q)),
             missed_by=missed_by,
             branch=branch,
-            nearest=judge.to_nearest(q, answer.everything),
-            sigma_min=judge.sigma_min(q),
+            nearest=sameness.to_nearest(q, answer.everything),
+            sigma_min=sameness.sigma_min(q),
             position_error=position,
             rotation_error=rotation,
         )

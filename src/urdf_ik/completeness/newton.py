@@ -1,4 +1,4 @@
-"""Newton's method on a chain, many joint vectors at a time: what the second way and its judge polish with.
+"""Newton's method on a chain, many joint vectors at a time: what the second way and its comparison polish with.
 
 It shares nothing with the solvers but the chain's forward kinematics, so that a fault of theirs is not repeated here.
 """

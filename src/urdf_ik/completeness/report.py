@@ -118,7 +118,7 @@ class Completeness:
         joint_names: joints of a joint vector, base to tip.
         n: number of random poses, of poses near singularities, and of poses at right angles.
         seed: seed of the joint vectors that made them.
-        judge: who measured the errors, with the version.
+        reference: who measured the errors, with the version.
         solver: the arm's solver.
         second: what it was compared with.
         groups: counts by distance from a singularity, random ones first.
@@ -131,7 +131,7 @@ class Completeness:
     joint_names: tuple[str, ...]
     n: int
     seed: int
-    judge: str
+    reference: str
     solver: str
     second: str
     groups: tuple[Group, ...]
@@ -157,7 +157,8 @@ class Completeness:
 
     def __str__(self) -> str:
         lines = aligned([_HEADER, *(group.cells() for group in self.groups)], left=(0,), rule=True)
-        title = f"{self.robot}, {self.base} to {self.tip}: all solutions by two ways, seed {self.seed}, {self.judge}"
+        arm = f"{self.robot}, {self.base} to {self.tip}"
+        title = f"{arm}: all solutions by two ways, seed {self.seed}, {self.reference}"
         ways = [f"solver:     {self.solver}", f"second way: {self.second}"]
         return "\n".join([title, *ways, "", *lines, "", *self._details(), self.verdict()])
 

@@ -137,7 +137,7 @@ class Unmatched:
     continua: int = 0
 
 
-class Judge:
+class Sameness:
     """Tells whether joint vectors are one solution; lengths count as shares of the arm's size."""
 
     def __init__(self, chain: Chain, reference: Reference) -> None:
@@ -167,7 +167,7 @@ class Judge:
         return float(far[far > SAME].min(initial=np.inf))
 
     def _has(self, T: Array, q: Array, others: Array, count: Unmatched | None) -> bool:
-        """Whether q (6,) is one of the others (k, 6); ``count`` is told where that took more than closeness."""
+        """Whether q (6,) is one of the others (k, 6); ``count`` is called where that took more than closeness."""
         if (largest_apart(others, q) <= SAME).any():
             return True
         q = descend(self._chain, T, q[None], 20, 0.0)[0][0]

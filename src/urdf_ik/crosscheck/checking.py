@@ -76,22 +76,27 @@ def check(
     Raises:
         UrdfError: ``collision`` is true, and there are no collision shapes or not all of them can be read.
         ArgumentError: n is below 1, or the seed is negative.
+
+    Example:
+        >>> import urdf_ik
+        >>> check(urdf_ik.load("planar_2r"), n=5).passed
+        True
     """
     if n < 1:
         raise ArgumentError(f"n = {n}: at least one pose must be checked")
     _require_seed(seed)
-    judge = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
-    names = limits(arm, judge)
+    reference = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
+    names = limits(arm, reference)
     tallies, skipped = [names], []
-    if tuple(arm.joint_names) != judge.joint_names:
+    if tuple(arm.joint_names) != reference.joint_names:
         skipped.append(("all else", "the arm's joints are not Pinocchio's"))
     else:
-        kinematics, inverse = Kinematics(arm, judge), Inverse(arm, judge)
+        kinematics, inverse = Kinematics(arm, reference), Inverse(arm, reference)
         touching, reason = _collision(arm, collision, collision_poses)
         for start in range(0, n, _CHUNK):
             indices = range(start, min(start + _CHUNK, n))
-            Q = np.array([_draw(judge, seed, index) for index in indices])
-            T = judge.pose(Q)
+            Q = np.array([_draw(reference, seed, index) for index in indices])
+            T = reference.pose(Q)
             kinematics.take(indices, Q, T)
             solutions = inverse.take(indices, Q, T)
             if touching is not None:
@@ -103,12 +108,12 @@ def check(
         skipped += inverse.skipped + ([("collision", reason)] if reason else [])
     return Report(
         robot=arm.name,
-        base=judge.base,
-        tip=judge.tip,
-        joint_names=judge.joint_names,
+        base=reference.base,
+        tip=reference.tip,
+        joint_names=reference.joint_names,
         n=n,
         seed=seed,
-        judge=f"Pinocchio {pin.__version__}",
+        reference=f"Pinocchio {pin.__version__}",
         rows=tuple(tally.row() for tally in tallies),
         skipped=tuple(skipped),
     )
@@ -131,14 +136,14 @@ def replay(arm: Arm, seed: int, index: int) -> tuple[Array, Array]:
     _require_seed(seed)
     if index < 0:
         raise ArgumentError(f"index = {index}: poses are counted from 0")
-    judge = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
-    q = _draw(judge, seed, index)
-    return q, judge.pose(q)
+    reference = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
+    q = _draw(reference, seed, index)
+    return q, reference.pose(q)
 
 
-def _draw(judge: Reference, seed: int, index: int) -> Array:
+def _draw(reference: Reference, seed: int, index: int) -> Array:
     """Joint vector (n,) of pose ``index``, within the limits or one turn."""
-    lower, upper = judge.ranges.T
+    lower, upper = reference.ranges.T
     q: Array = np.random.default_rng([seed, index]).uniform(lower, upper)
     return q
 

@@ -108,13 +108,13 @@ class Tally:
         )
 
 
-def limits(arm: Arm, judge: Reference) -> Tally:
+def limits(arm: Arm, reference: Reference) -> Tally:
     """Joint names in order, and limits."""
     tally = Tally("joints and limits", "rad, m", 0.0)
-    if tuple(arm.joint_names) != judge.joint_names:
-        tally.add(np.inf, None, None, f"joints {', '.join(arm.joint_names)}, not {', '.join(judge.joint_names)}")
+    if tuple(arm.joint_names) != reference.joint_names:
+        tally.add(np.inf, None, None, f"joints {', '.join(arm.joint_names)}, not {', '.join(reference.joint_names)}")
         return tally
-    for name, ours, theirs in zip(judge.joint_names, np.asarray(arm.limits), judge.limits, strict=True):
+    for name, ours, theirs in zip(reference.joint_names, np.asarray(arm.limits), reference.limits, strict=True):
         same = ours == theirs  # inf - inf would be no number
         tally.add(float(np.abs(np.where(same, 0.0, ours) - np.where(same, 0.0, theirs)).max()), None, None, name)
     return tally
@@ -123,9 +123,9 @@ def limits(arm: Arm, judge: Reference) -> Tally:
 class Kinematics:
     """Forward kinematics, Jacobian, the pose of every link; batch against single."""
 
-    def __init__(self, arm: Arm, judge: Reference) -> None:
-        self._arm, self._judge = arm, judge
-        length = ROUNDING * max(1.0, judge.size)
+    def __init__(self, arm: Arm, reference: Reference) -> None:
+        self._arm, self._reference = arm, reference
+        length = ROUNDING * max(1.0, reference.size)
         self._fk = (
             Tally("forward kinematics, position", "m", length),
             Tally("forward kinematics, rotation", "rad", ROUNDING),
@@ -141,8 +141,8 @@ class Kinematics:
         F, J = np.asarray(arm.fk(Q)), np.asarray(arm.jacobian(Q))
         for tally, values in zip(self._fk, _difference(F, T), strict=True):
             tally.add_each(values, indices, Q)
-        self._jacobian.add_each(np.abs(J - self._judge.jacobian(Q)).max(axis=(-2, -1), initial=0.0), indices, Q)
-        ours, theirs = arm.link_poses(Q), self._judge.link_poses(Q)
+        self._jacobian.add_each(np.abs(J - self._reference.jacobian(Q)).max(axis=(-2, -1), initial=0.0), indices, Q)
+        ours, theirs = arm.link_poses(Q), self._reference.link_poses(Q)
         for link in sorted(set(ours) ^ set(theirs)):
             for tally in self._links:
                 tally.add(np.inf, indices[0], Q[0], f"link {link!r} {'too many' if link in ours else 'is missing'}")
@@ -163,8 +163,8 @@ class Inverse:
         skipped: (property, reason) of what cannot be checked.
     """
 
-    def __init__(self, arm: Arm, judge: Reference) -> None:
-        self._arm, self._judge = arm, judge
+    def __init__(self, arm: Arm, reference: Reference) -> None:
+        self._arm, self._reference = arm, reference
         self._error = Tally("solutions, position", "m", EXACT), Tally("solutions, rotation", "rad", EXACT)
         self._planted = Tally("planted joint vector", "rad, m", PLANTED)
         self._single = Tally("batch = single, solutions", "rad, m", SAME)
@@ -172,9 +172,9 @@ class Inverse:
         self.tallies = [*self._error, self._planted, self._single, self._duplicates]
         self.skipped: list[tuple[str, str]] = []
         # An arm with a redundancy parameter is asked for the planted vector's own value of it.
-        if judge.dof > 6 and arm.redundancy is None:
+        if reference.dof > 6 and arm.redundancy is None:
             self.tallies.remove(self._planted)
-            reason = f"with {judge.dof} joints a pose has infinitely many solutions"
+            reason = f"with {reference.dof} joints a pose has infinitely many solutions"
             self.skipped.append((self._planted.name, reason))
 
     def take(self, indices: Sequence[int], Q: Array, T: Array) -> list[Array]:
@@ -190,7 +190,7 @@ class Inverse:
             self.tallies = []
             return nothing
         found, valid, names = np.asarray(solutions.q), np.asarray(solutions.valid), solutions.branches
-        errors = self._judge.errors(found, T[:, None])
+        errors = self._reference.errors(found, T[:, None])
         sigma = self._sigma_min(np.where(valid[..., None], found, np.nan))
         planted = CONDITIONING / np.maximum(self._sigma_min(Q), 1e-300)
         for i, index in enumerate(indices):
@@ -238,7 +238,7 @@ class Inverse:
     def _apart(self, a: Array, b: Array) -> Array:
         """Largest difference (...) [rad or m] between joint vectors (..., n), revolute joints modulo 2 pi."""
         step = np.asarray(a - b)
-        apart: Array = np.abs(np.where(self._judge.prismatic, step, shortest(step))).max(axis=-1, initial=0.0)
+        apart: Array = np.abs(np.where(self._reference.prismatic, step, shortest(step))).max(axis=-1, initial=0.0)
         return apart
 
     def _sigma_min(self, Q: Array) -> Array:
@@ -246,8 +246,8 @@ class Inverse:
 
         Of an arm with a redundancy parameter, the parameter's gradient is a row, too.
         """
-        J = self._judge.jacobian(Q)
-        J[..., :3, :] /= max(self._judge.size, 1e-300)
+        J = self._reference.jacobian(Q)
+        J[..., :3, :] /= max(self._reference.size, 1e-300)
         out = np.full(Q.shape[:-1], np.nan)
         known = np.isfinite(Q).all(axis=-1)
         if self._arm.redundancy is not None:

@@ -29,7 +29,7 @@ class Row:
         passed: whether every value was accepted.
         checked: how many values were compared.
         index: number of the pose in which the worst value, or the first counted case, was found; None where there is
-            none.
+            no such pose.
         q: joint vector (n,) [rad or m] at which it was found.
         detail: branch, link or joint that it belongs to, or what was missing.
     """
@@ -70,7 +70,7 @@ class Report:
         joint_names: joints of a joint vector, base to tip.
         n: number of random poses.
         seed: seed of the joint vectors that made them.
-        judge: who was asked, with the version.
+        reference: who was asked, with the version.
         rows: one a property.
         skipped: (property, reason) of what could not be checked.
     """
@@ -81,7 +81,7 @@ class Report:
     joint_names: tuple[str, ...]
     n: int
     seed: int
-    judge: str
+    reference: str
     rows: tuple[Row, ...]
     skipped: tuple[tuple[str, str], ...] = ()
 
@@ -142,7 +142,7 @@ class Report:
     def title(self) -> str:
         """What was checked against whom."""
         poses = "1 random pose" if self.n == 1 else f"{self.n} random poses"
-        return f"{self.robot}, {self.base} to {self.tip}: {poses}, seed {self.seed}, judged by {self.judge}"
+        return f"{self.robot}, {self.base} to {self.tip}: {poses}, seed {self.seed}, against {self.reference}"
 
     def remarks(self) -> tuple[str, ...]:
         """Lines below the table: what was not checked, where each failure is, how to replay it, the verdict."""

@@ -63,10 +63,10 @@ def numbers(values: ArrayLike, field: str) -> Array:
 
 
 def check_convention(convention: Any) -> None:
-    """Refuse what is no convention.
+    """Refuse an unknown convention.
 
     Raises:
-        DHError: it is none of :data:`CONVENTIONS`.
+        DHError: it is not one of :data:`CONVENTIONS`.
     """
     if convention not in CONVENTIONS:
         raise DHError(f"unknown convention {convention!r}; there are {' and '.join(CONVENTIONS)} (Craig's)")
@@ -76,7 +76,7 @@ def joint_types_of(kinds: str | Sequence[str], n: int) -> tuple[str, ...]:
     """Types of ``n`` joints from words, letters such as 'RRP', or nothing (all revolute).
 
     Raises:
-        DHError: a word or letter that is none, or too many or too few of them.
+        DHError: an unknown word or letter, or too many or too few of them.
     """
     if len(kinds) == 0:
         return ("revolute",) * n
@@ -122,7 +122,7 @@ def transform(value: ArrayLike | None, name: str) -> Array:
     """One pose (4, 4) of its own; the identity for None.
 
     Raises:
-        DHError: it is no pose.
+        DHError: it is not a pose.
     """
     try:
         T = np.eye(4) if value is None else check_poses(value).copy()

@@ -84,7 +84,7 @@ def why_not(chain: CoupledChain) -> str:
                 f"the limits {lower:g} to {upper:g}, between which no search ends: give it limits"
             )
     if is_redundant(chain):
-        return "the joints cannot be told from the pose: its Jacobian loses rank everywhere"
+        return "the joints are redundant: the Jacobian loses rank everywhere"
     return ""
 
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 _COLUMNS = 32
 # Samples of the wrist's joint a turn, and turns at most.
 _SAMPLES, _MOST_TURNS = 128, 4
-# Sine of the angle between axes 4 and 7 below which it cannot be told where they meet.
+# Sine of the angle between axes 4 and 7 below which the point where they meet is lost to rounding.
 _ALIGNED = 1e-3
 
 

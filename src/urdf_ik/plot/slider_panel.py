@@ -229,7 +229,7 @@ def require_display() -> Any:
     """The class of the canvas that a window has.
 
     Raises:
-        PlotError: there is no display, or matplotlib was told to draw without one, or it lacks its toolkit.
+        PlotError: there is no display, or matplotlib is set to draw without one, or it lacks its toolkit.
     """
     import matplotlib
     from matplotlib.backends.registry import BackendFilter, backend_registry
@@ -240,7 +240,7 @@ def require_display() -> Any:
     backend = matplotlib.get_backend().lower()
     if backend not in backend_registry.list_builtin(BackendFilter.INTERACTIVE):  # type: ignore[no-untyped-call]
         raise PlotError(
-            f"matplotlib draws with {backend!r}, which opens no windows: it was told so, no toolkit such as PyQt6 is "
+            f"matplotlib draws with {backend!r}, which opens no windows: it is set to, no toolkit such as PyQt6 is "
             f"installed, or the display {display or ''} does not answer; {_INSTEAD}"
         )
     try:

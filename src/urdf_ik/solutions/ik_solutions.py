@@ -50,9 +50,9 @@ class IKSolutions(KeptSolutions):
     def turns(self, tol: float = limits.LIMIT_TOLERANCE) -> IKSolutions:
         """Every +-2 pi image inside the joint limits: up to 8 x 64 for six joints of +-2 pi.
 
-        The columns of one branch lie together, the image of fewest turns first. A column's name tells its
+        The columns of one branch lie together, the image of fewest turns first. A column's name gives its
         turns, '... [q1+360°]', where they are the same for every pose, which they are for a single one,
-        else the number of the image; ``names`` and ``Solution.branch`` always tell the turns. A prismatic
+        else the number of the image; ``names`` and ``Solution.branch`` always give the turns. A prismatic
         or continuous joint has only the value it has. Filter collisions first: images do not change them.
 
         Args:

@@ -21,7 +21,7 @@ Mask = NDArray[np.bool_]
 LIMIT_TOLERANCE = 1e-9
 """How far [rad or m] a value may lie beyond a limit: the error that the contract grants to a solution."""
 FAR = 50.0 * TURN
-"""rad or m: a limit that is further off is drawn as none."""
+"""rad or m: a limit that is further off is drawn as if there were no limit."""
 MAX_ENTRIES = 2**27
 """Greatest number of joint values that :func:`turns` puts into one array: one gigabyte."""
 
@@ -45,12 +45,12 @@ class Turned(NamedTuple):
 
 
 def bounded(limits: Array) -> Array:
-    """(n, 2) rad or m, the limits; infinite where they are so far off that they only say that there is none."""
+    """(n, 2) rad or m, the limits; infinite where they are so far off that they only mean that there is no limit."""
     return np.where(np.abs(limits) > FAR, np.copysign(np.inf, limits), limits)
 
 
 def drawn(limits: Array, turning: Mask) -> Array:
-    """(n, 2) rad or m, the limits; where there is none, half a turn or a metre from zero or from the other one.
+    """(n, 2) rad or m, the limits; where a limit is missing, half a turn or a metre from zero or from the other one.
 
     Args:
         limits: (n, 2) lower and upper, rad or m.
@@ -196,7 +196,7 @@ def excess(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TO
     """
     first, last = image_range(q, limits, turning, tol)
     inside = first <= last
-    # Where none is inside, last is the image below the limits and the next one lies above them.
+    # Where no image is inside, last is the image below the limits and the next one lies above them.
     turning, turn = _turns(turning)
     low = q + np.where(turning, last, 0.0) * turn
     high = low + np.where(turning, turn, 0.0)
@@ -213,7 +213,7 @@ def _turns(turning: Mask | Array) -> tuple[Mask, Array]:
 
 
 def _fewest(first: Array, last: Array) -> Array:
-    """The whole number nearest to zero of first..last; 0 where there is none."""
+    """The whole number nearest to zero of first..last; 0 where the range is empty."""
     return np.where(first <= last, np.clip(0.0, first, np.maximum(first, last)), 0.0)
 
 

@@ -1,4 +1,4 @@
-"""Solutions in words: why there are none, and a table."""
+"""Solutions in words: why a pose has no solution, and a table."""
 
 from __future__ import annotations
 

@@ -168,14 +168,21 @@ class Structure:
         sentences = [f"{name}: {self.family}" if self.family else f"{name}, of no family that is solved here"]
         sentences.append("; ".join([*map(str, self.triples), *map(str, self.pairs)]))
         if self.family:
-            # The relations above say why, unless there are none that help.
+            # The relations above say why, unless no relation helps.
             sentences += [self.reason if self.is_general else "", self.method, self.solutions_in_words()]
             sentences.append(f"imperfection: {self.imperfection_in_words()}")
         return " ".join(f"{text[0].upper()}{text[1:]}." for text in sentences if text)
 
 
 def analyse(chain: Chain) -> Structure:
-    """Relations between the axes of ``chain``, mimicking ones too; the family is left open."""
+    """Relations between the axes of ``chain``, mimicking ones too; the family is left open.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> analyse(arm.chain).triple(4, "meet").first
+        4
+    """
     chain = chain.axes
     size = chain.size
     n = chain.n

@@ -65,7 +65,7 @@ def _inertial(place: Place, out: Any) -> None:
     for name, attributes in (("mass", ("value",)), ("inertia", _INERTIA)):
         element = child(place.element, name)
         if element is None:
-            place.fail(f"<{name}> is missing", mend=f"write <{name} .../> or leave out the <inertial>")
+            place.fail(f"<{name}> is missing", hint=f"write <{name} .../> or leave out the <inertial>")
         etree.SubElement(out, name, {each: place.numbers(element, each, 1)[0] for each in attributes})
 
 
@@ -84,19 +84,19 @@ def _shape(place: Place, out: Any) -> None:
     geometry = child(place.element, "geometry")
     shape: Any = None if geometry is None else next((each for each in geometry if isinstance(each.tag, str)), None)
     if shape is None:
-        place.fail("it has no shape", mend=f"write <geometry> with one of {', '.join(_SHAPES)}, mesh")
+        place.fail("it has no shape", hint=f"write <geometry> with one of {', '.join(_SHAPES)}, mesh")
     if tag(shape) == "mesh":
         attributes = _mesh(place, shape)
     elif tag(shape) in _SHAPES:
         attributes = {name: _lengths(place, shape, name, count) for name, count in _SHAPES[tag(shape)].items()}
     else:
-        place.fail(f"unknown shape <{written_tag(shape)}>", mend=f"one of {', '.join(_SHAPES)}, mesh")
+        place.fail(f"unknown shape <{written_tag(shape)}>", hint=f"one of {', '.join(_SHAPES)}, mesh")
     etree.SubElement(etree.SubElement(out, "geometry"), tag(shape), attributes)
 
 
 def _mesh(place: Place, shape: Any) -> dict[str, str]:
     if not shape.get("filename"):
-        place.fail("a mesh without a filename", mend='write <mesh filename="..."/>', at=shape)
+        place.fail("a mesh without a filename", hint='write <mesh filename="..."/>', at=shape)
     scale = {} if shape.get("scale") is None else {"scale": " ".join(place.numbers(shape, "scale", 3))}
     return {"filename": shape.get("filename"), **scale}
 
@@ -104,7 +104,7 @@ def _mesh(place: Place, shape: Any) -> dict[str, str]:
 def _lengths(place: Place, shape: Any, attribute: str, count: int) -> str:
     values = place.numbers(shape, attribute, count)
     if any(float(value) < 0 for value in values):
-        place.fail(f"{attribute}={show(shape.get(attribute))} is negative", mend="write lengths in metres", at=shape)
+        place.fail(f"{attribute}={show(shape.get(attribute))} is negative", hint="write lengths in metres", at=shape)
     return " ".join(values)
 
 

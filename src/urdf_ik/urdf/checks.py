@@ -11,7 +11,7 @@ from typing import Any, NoReturn
 from lxml import etree
 
 from urdf_ik.errors import UrdfError
-from urdf_ik.urdf.xml import XACRO_MEND, child, has_xacro, is_xacro, show, tag, written_tag
+from urdf_ik.urdf.xml import XACRO_HINT, child, has_xacro, is_xacro, show, tag, written_tag
 
 MIN_AXIS = 1e-12
 """A shorter axis is what rounding leaves of zero, and gives no direction."""
@@ -33,12 +33,12 @@ class Place:
     element: Any
     label: str
 
-    def fail(self, problem: str, *, mend: str, at: Any = None) -> NoReturn:
+    def fail(self, problem: str, *, hint: str, at: Any = None) -> NoReturn:
         """Raise the error, at a child of the place where ``at`` is given."""
         where, label = self.element, self.label
         if at is not None and at is not self.element:
             where, label = at, f"<{written_tag(at)}> of {self.label}"
-        raise UrdfError(problem, source=self.source, line=where.sourceline, element=label, mend=mend)
+        raise UrdfError(problem, source=self.source, line=where.sourceline, element=label, hint=hint)
 
     def numbers(self, element: Any, attribute: str, count: int, default: str | None = None) -> list[str]:
         """The attribute's ``count`` finite decimal numbers, as written."""
@@ -48,18 +48,18 @@ class Place:
             if len(good) == count and all(map(math.isfinite, map(float, good))):
                 return good
         written = "a number" if count == 1 else f"{count} numbers"
-        mend = f'write {attribute}="..." with {written}, such as "{" ".join(["0.5"] * count)}"'
+        hint = f'write {attribute}="..." with {written}, such as "{" ".join(["0.5"] * count)}"'
         if text is None:
-            self.fail(f"{attribute} is missing", mend=mend, at=element)
+            self.fail(f"{attribute} is missing", hint=hint, at=element)
         if has_xacro(text):
-            self.fail(f"{attribute}={show(text)} holds an unresolved xacro expression", mend=XACRO_MEND, at=element)
+            self.fail(f"{attribute}={show(text)} holds an unresolved xacro expression", hint=XACRO_HINT, at=element)
         values = [value for value in _SPACE.split(text) if value]
         for value in values:
             if not _NUMBER.fullmatch(value) or not math.isfinite(float(value)):
-                mend = f"write {written}, finite and decimal, with spaces between them"
-                self.fail(f"{attribute}={show(text)}: {show(value)} is no finite number", mend=mend, at=element)
+                hint = f"write {written}, finite and decimal, with spaces between them"
+                self.fail(f"{attribute}={show(text)}: {show(value)} is no finite number", hint=hint, at=element)
         if len(values) != count:
-            self.fail(f"{attribute}={show(text)} has {len(values)} values instead of {count}", mend=mend, at=element)
+            self.fail(f"{attribute}={show(text)} has {len(values)} values instead of {count}", hint=hint, at=element)
         return values
 
     def origin(self, element: Any) -> dict[str, str]:
@@ -70,7 +70,7 @@ class Place:
         if origin.get("quat_xyzw") is not None:
             # URDF 1.2 only: Pinocchio would read it there, and yourdfpy never.
             problem = f"quat_xyzw={show(origin.get('quat_xyzw'))} is read by some URDF readers only"
-            self.fail(problem, mend="write the rotation as rpy, in rad", at=origin)
+            self.fail(problem, hint="write the rotation as rpy, in rad", at=origin)
         return {name: " ".join(self.numbers(origin, name, 3, "0 0 0")) for name in ("xyz", "rpy")}
 
 
@@ -124,13 +124,13 @@ def check_joint(place: Place, links: dict[str, Any]) -> RawJoint:
     """
     element, name, kind = place.element, check_name(place), place.element.get("type")
     if name == "universe":
-        place.fail("the joint name 'universe' is Pinocchio's own", mend="give the joint another name")
+        place.fail("the joint name 'universe' is Pinocchio's own", hint="give the joint another name")
     if kind not in TYPES:
         problem = "type is missing" if kind is None else f"unknown type {show(kind)}"
-        place.fail(problem, mend=f"one of {', '.join(TYPES)}")
+        place.fail(problem, hint=f"one of {', '.join(TYPES)}")
     for part in element:
         if is_xacro(part):
-            place.fail("an unresolved xacro instruction", mend=XACRO_MEND, at=part)
+            place.fail("an unresolved xacro instruction", hint=XACRO_HINT, at=part)
     parent, below = (_end(place, end, links) for end in ("parent", "child"))
     lower, upper, velocity, effort = _limits(place, kind)
     return RawJoint(
@@ -153,9 +153,9 @@ def check_name(place: Place) -> str:
     """Name of a link or joint."""
     name: str | None = place.element.get("name")
     if not name:
-        place.fail("it has no name", mend='write name="...", different from all others')
+        place.fail("it has no name", hint='write name="...", different from all others')
     if has_xacro(name):
-        place.fail("its name holds an unresolved xacro expression", mend=XACRO_MEND)
+        place.fail("its name holds an unresolved xacro expression", hint=XACRO_HINT)
     return name
 
 
@@ -168,18 +168,18 @@ def label_of(element: Any) -> str:
 def _end(place: Place, end: str, links: dict[str, Any]) -> str:
     element = child(place.element, end)
     if element is None:
-        place.fail(f"<{end}> is missing", mend=f'write <{end} link="..."/>')
+        place.fail(f"<{end}> is missing", hint=f'write <{end} link="..."/>')
     name: str | None = element.get("link")
     if not name:
-        place.fail("link is missing", mend=f'write <{end} link="..."/>', at=element)
+        place.fail("link is missing", hint=f'write <{end} link="..."/>', at=element)
     if has_xacro(name):
-        place.fail(f"link={show(name)} holds an unresolved xacro expression", mend=XACRO_MEND, at=element)
+        place.fail(f"link={show(name)} holds an unresolved xacro expression", hint=XACRO_HINT, at=element)
     if name not in links:
         close = difflib.get_close_matches(name, links, n=3)
-        mend = f"declare it with <link name={show(name)}/>" + (
+        hint = f"declare it with <link name={show(name)}/>" + (
             f", or did you mean {', '.join(close)}?" if close else ""
         )
-        place.fail(f"link {show(name)} is not declared", mend=mend, at=element)
+        place.fail(f"link {show(name)} is not declared", hint=hint, at=element)
     return name
 
 
@@ -193,7 +193,7 @@ def _axis(place: Place) -> str:
     length = math.hypot(x, y, z)
     if not length > MIN_AXIS:
         problem = f"xyz={show(element.get('xyz'))} is a zero axis"
-        place.fail(problem, mend='write a direction, such as "0 0 1"', at=element)
+        place.fail(problem, hint='write a direction, such as "0 0 1"', at=element)
     if abs(length - 1.0) < 1e-15:
         return " ".join(values)
     largest = max(abs(x), abs(y), abs(z))  # first, so that the length of a huge axis does not overflow
@@ -210,19 +210,19 @@ def _limits(place: Place, kind: str) -> tuple[float, float, float | None, float 
     if element is None:
         place.fail(
             f"a {kind} joint without <limit>",
-            mend='write <limit lower="..." upper="..." effort="..." velocity="..."/>'
+            hint='write <limit lower="..." upper="..." effort="..." velocity="..."/>'
             + (", or make it continuous" if kind == "revolute" else ""),
         )
     bounds = [float(place.numbers(element, name, 1, "0")[0]) for name in ("lower", "upper")]
     velocity, effort = (float(place.numbers(element, name, 1)[0]) for name in ("velocity", "effort"))
     for name, value in (("velocity", velocity), ("effort", effort)):
         if value < 0:
-            place.fail(f"{name}={show(element.get(name))} is negative", mend="write zero or more", at=element)
+            place.fail(f"{name}={show(element.get(name))} is negative", hint="write zero or more", at=element)
     if kind == "continuous":
         return -math.inf, math.inf, velocity, effort
     lower, upper = bounds
     if lower > upper:
-        place.fail(f"lower {lower:g} is greater than upper {upper:g}", mend="swap them, or correct a sign", at=element)
+        place.fail(f"lower {lower:g} is greater than upper {upper:g}", hint="swap them, or correct a sign", at=element)
     return lower, upper, velocity, effort
 
 
@@ -232,7 +232,7 @@ def _mimic(place: Place) -> tuple[str, float, float] | None:
         return None
     driver = element.get("joint")
     if not driver:
-        place.fail("joint is missing", mend='write <mimic joint="..."/> with the joint to follow', at=element)
+        place.fail("joint is missing", hint='write <mimic joint="..."/> with the joint to follow', at=element)
     multiplier, offset = (
         float(place.numbers(element, name, 1, default)[0]) for name, default in (("multiplier", "1"), ("offset", "0"))
     )

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdf_ik.errors import UrdfError
-from urdf_ik.urdf.xml import XACRO_MEND, has_xacro, show
+from urdf_ik.urdf.xml import XACRO_HINT, has_xacro, show
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,11 +17,11 @@ def resolve(filename: str, roots: Sequence[Path], source: str) -> Path:
     element = f"<mesh filename={show(filename)}>"
     searched = ", ".join(map(str, roots)) or "none"
 
-    def error(problem: str, mend: str) -> UrdfError:
-        return UrdfError(problem, source=source, element=element, mend=mend)
+    def error(problem: str, hint: str) -> UrdfError:
+        return UrdfError(problem, source=source, element=element, hint=hint)
 
     if has_xacro(filename):
-        raise error("the filename holds an unresolved xacro expression", XACRO_MEND)
+        raise error("the filename holds an unresolved xacro expression", XACRO_HINT)
     if not roots:
         raise error("there is no folder to look in", "give mesh_roots=[...]: this URDF did not come from a path")
     candidates = _candidates(filename, roots)

@@ -31,8 +31,8 @@ class Joint:
     Attributes:
         name: unique among the joints.
         type: 'revolute', 'continuous', 'prismatic', 'fixed', 'floating' or 'planar'.
-        parent: link that the joint hangs on.
-        child: link that it carries.
+        parent: link that carries the joint.
+        child: link that the joint carries.
         origin: (4, 4) pose of the joint, and of the child link at zero, in the parent link [m], read-only.
         axis: (3,) unit direction in the joint's frame, read-only; (1, 0, 0) where the type has none.
         lower: lower bound [rad or m]; -inf where the type has none.
@@ -106,16 +106,16 @@ class UrdfModel:
         return self._carrier.get(link)
 
     def children(self, link: str) -> tuple[Joint, ...]:
-        """The joints that hang on ``link``, in the file's order.
+        """The joints that ``link`` carries, in the file's order.
 
         Raises:
             ChainError: there is no such link.
         """
         self._require(link)
-        return self._hanging.get(link, ())
+        return self._carried.get(link, ())
 
     def path_between(self, base: str, tip: str) -> tuple[Joint, ...]:
-        """The joints from ``base`` to ``tip``: up to the link that both hang below, and down from there.
+        """The joints from ``base`` to ``tip``: up to the link that is above both, and down from there.
 
         Raises:
             ChainError: there is no such link.
@@ -163,11 +163,11 @@ class UrdfModel:
         return {joint.child: joint for joint in self.joints}
 
     @cached_property
-    def _hanging(self) -> dict[str, tuple[Joint, ...]]:
-        hanging: dict[str, tuple[Joint, ...]] = {}
+    def _carried(self) -> dict[str, tuple[Joint, ...]]:
+        carried: dict[str, tuple[Joint, ...]] = {}
         for joint in self.joints:
-            hanging[joint.parent] = (*hanging.get(joint.parent, ()), joint)
-        return hanging
+            carried[joint.parent] = (*carried.get(joint.parent, ()), joint)
+        return carried
 
     def _require(self, link: str, role: str = "link") -> str:
         if link == self.root or link in self._carrier:
@@ -238,7 +238,7 @@ def read(
         The model, with every joint's origin and axis as yourdfpy reads them.
 
     Raises:
-        UrdfError: the URDF cannot be read, or is broken; the message names file, line, element and mend.
+        UrdfError: the URDF cannot be read, or is broken; the message names file, line, element and hint.
     """
     opened = open_source(source)
     original = parse(opened)

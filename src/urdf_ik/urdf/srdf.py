@@ -31,7 +31,7 @@ def disabled_pairs(source: str | os.PathLike[str] | bytes, links: Collection[str
     opened = open_source(source)
     root = parse(opened)
     if child(root, "link") is not None or child(root, "joint") is not None:
-        raise UrdfError("this is a URDF, not an SRDF", source=opened.name, mend="give the SRDF that belongs to it")
+        raise UrdfError("this is a URDF, not an SRDF", source=opened.name, hint="give the SRDF that belongs to it")
     pairs = []
     for element in children(root, "disable_collisions"):
         pair = []
@@ -44,7 +44,7 @@ def disabled_pairs(source: str | os.PathLike[str] | bytes, links: Collection[str
                     source=opened.name,
                     line=element.sourceline,
                     element="<disable_collisions>",
-                    mend=f"did you mean {' or '.join(close)}?" if close else f"links: {', '.join(links)}",
+                    hint=f"did you mean {' or '.join(close)}?" if close else f"links: {', '.join(links)}",
                 )
             pair.append(name)
         pairs.append((pair[0], pair[1]))

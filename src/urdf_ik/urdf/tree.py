@@ -6,7 +6,7 @@ import difflib
 from typing import TYPE_CHECKING, Any
 
 from urdf_ik.urdf.checks import MOVABLE, Place, RawJoint, check_joint, check_name, label_of
-from urdf_ik.urdf.xml import XACRO_MEND, child, children, is_xacro, show, written_tag
+from urdf_ik.urdf.xml import XACRO_HINT, child, children, is_xacro, show, written_tag
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -26,13 +26,13 @@ def check_robot(robot: Any, source: str) -> str:
     place = Place(source, robot, "<robot>")
     name: str | None = robot.get("name")
     if name is None:
-        place.fail("the robot has no name", mend='write <robot name="...">')
+        place.fail("the robot has no name", hint='write <robot name="...">')
     if (version := robot.get("version", "1.0")) not in VERSIONS:
-        place.fail(f"unknown version {show(version)}", mend=f"one of {', '.join(VERSIONS)}, or none")
+        place.fail(f"unknown version {show(version)}", hint=f"one of {', '.join(VERSIONS)}, or none")
     for element in robot:
         if is_xacro(element):
             label = f"<{written_tag(element)}>"
-            Place(source, element, label).fail("an unresolved xacro instruction", mend=XACRO_MEND)
+            Place(source, element, label).fail("an unresolved xacro instruction", hint=XACRO_HINT)
     return name
 
 
@@ -48,12 +48,12 @@ def check_links(robot: Any, source: str) -> dict[str, Any]:
         name = check_name(place)
         if name in links:
             first = links[name].sourceline
-            place.fail(f"the link name {show(name)} is taken by line {first}", mend="give each link a name of its own")
+            place.fail(f"the link name {show(name)} is taken by line {first}", hint="give each link a name of its own")
         links[name] = element
         if len(links) > MAX_LINKS:
-            place.fail(f"more than {MAX_LINKS} links", mend=f"keep to {MAX_LINKS} links: split the robot")
+            place.fail(f"more than {MAX_LINKS} links", hint=f"keep to {MAX_LINKS} links: split the robot")
     if not links:
-        Place(source, robot, "<robot>").fail("there is no <link>", mend="a robot has one <link> at least")
+        Place(source, robot, "<robot>").fail("there is no <link>", hint="a robot has one <link> at least")
     return links
 
 
@@ -68,7 +68,7 @@ def check_joints(robot: Any, links: dict[str, Any], source: str) -> list[RawJoin
         joint = check_joint(Place(source, element, label_of(element)), links)
         if joint.name in joints:
             problem = f"the joint name {show(joint.name)} is taken by line {joints[joint.name].line}"
-            joint.place.fail(problem, mend="give each joint a name of its own")
+            joint.place.fail(problem, hint="give each joint a name of its own")
         joints[joint.name] = joint
     _check_mimics(joints)
     return list(joints.values())
@@ -86,7 +86,7 @@ def check_tree(joints: Sequence[RawJoint], links: dict[str, Any], source: str) -
         if other is not joint:
             joint.place.fail(
                 f"link {show(joint.child)} has two parents: this joint and {show(other.name)} at line {other.line}",
-                mend="a link is the child of one joint only; a closed loop cannot be written as a URDF",
+                hint="a link is the child of one joint only; a closed loop cannot be written as a URDF",
                 at=child(joint.place.element, "child"),
             )
     sound: set[str] = set()
@@ -97,8 +97,8 @@ def check_tree(joints: Sequence[RawJoint], links: dict[str, Any], source: str) -
                 loop = list(walked)[list(walked).index(link) :]
                 shown = " <- ".join([*loop[:8], *(["..."] if len(loop) > 8 else []), link])
                 problem = f"the links form a cycle: {shown}"
-                mend = "remove the joint that closes the cycle, so that the links form a tree"
-                parent_of[link].place.fail(problem, mend=mend)
+                hint = "remove the joint that closes the cycle, so that the links form a tree"
+                parent_of[link].place.fail(problem, hint=hint)
             walked[link] = None
             link = parent_of[link].parent
         sound.update(walked)
@@ -107,7 +107,7 @@ def check_tree(joints: Sequence[RawJoint], links: dict[str, Any], source: str) -
         listed = ", ".join(roots[:10]) + (", ..." if len(roots) > 10 else "")
         Place(source, links[roots[1]], label_of(links[roots[1]])).fail(
             f"{len(roots)} links have no parent ({listed}), so the robot falls into parts",
-            mend="join them with fixed joints, or remove all but one",
+            hint="join them with fixed joints, or remove all but one",
         )
     return roots[0]
 
@@ -120,16 +120,16 @@ def _check_mimics(joints: dict[str, RawJoint]) -> None:
         followed, driver = [joint.name], joint.mimic[0]
         if driver not in joints:
             close = difflib.get_close_matches(driver, joints, n=3)
-            mend = "name a joint of this URDF" + (f"; did you mean {', '.join(close)}?" if close else "")
-            joint.place.fail(f"it mimics {show(driver)}, and there is no such joint", mend=mend, at=element)
+            hint = "name a joint of this URDF" + (f"; did you mean {', '.join(close)}?" if close else "")
+            joint.place.fail(f"it mimics {show(driver)}, and there is no such joint", hint=hint, at=element)
         if joints[driver].type in ("floating", "planar"):
             problem = f"it mimics {show(driver)}, a {joints[driver].type} joint, which has no single value"
-            joint.place.fail(problem, mend=f"mimic a {', '.join(MOVABLE)} joint", at=element)
+            joint.place.fail(problem, hint=f"mimic a {', '.join(MOVABLE)} joint", at=element)
         while driver in joints:
             followed.append(driver)
             if driver == joint.name:
                 problem = "it mimics itself" + (f", through {' -> '.join(followed)}" if len(followed) > 2 else "")
-                joint.place.fail(problem, mend="let one joint of the circle move by itself", at=element)
+                joint.place.fail(problem, hint="let one joint of the circle move by itself", at=element)
             mimic = joints[driver].mimic
             if mimic is None or driver in followed[:-1]:
                 break

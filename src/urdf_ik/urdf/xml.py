@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 TEXT = "<text>"
 MAX_BYTES = 64 * 2**20
-XACRO_MEND = "run xacro first: `xacro robot.urdf.xacro > robot.urdf`"
+XACRO_HINT = "run xacro first: `xacro robot.urdf.xacro > robot.urdf`"
 
 _BOMS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
@@ -51,9 +51,9 @@ def open_source(source: object) -> Source:
         if start[:1] in ("<", b"<", "\ufeff"):
             return Source(_text(source, TEXT), TEXT, None)
         if not start:
-            raise UrdfError("the text is empty", source=TEXT, mend="give a URDF's path or its XML text")
+            raise UrdfError("the text is empty", source=TEXT, hint="give a URDF's path or its XML text")
         if not isinstance(source, str):
-            raise UrdfError(f"{show(start[:40])} is no XML", source=TEXT, mend="XML text begins with '<'")
+            raise UrdfError(f"{show(start[:40])} is no XML", source=TEXT, hint="XML text begins with '<'")
         return _open_path(source)
     if isinstance(source, os.PathLike):
         return _open_path(os.fspath(source))
@@ -62,16 +62,16 @@ def open_source(source: object) -> Source:
         raise UrdfError(
             f"cannot read a URDF from {type(source).__name__} {show(source)}",
             source=TEXT,
-            mend="give a path, XML text (str or bytes) or an open file",
+            hint="give a path, XML text (str or bytes) or an open file",
         )
     named = getattr(source, "name", None)
     name = named if isinstance(named, str) and named else TEXT
     try:
         content = reader()
     except (OSError, ValueError) as error:  # ValueError: a closed file; UnicodeDecodeError is one too
-        raise UrdfError(f"cannot read the open file: {error}", source=name, mend="open it as UTF-8 or 'rb'") from None
+        raise UrdfError(f"cannot read the open file: {error}", source=name, hint="open it as UTF-8 or 'rb'") from None
     if not isinstance(content, str | bytes):
-        raise UrdfError(f"read() gave {type(content).__name__}", source=name, mend="it must give str or bytes")
+        raise UrdfError(f"read() gave {type(content).__name__}", source=name, hint="it must give str or bytes")
     return Source(_text(content, name), name, None)
 
 
@@ -87,17 +87,17 @@ def parse(source: Source) -> Any:
         data = text.encode()
     except UnicodeEncodeError as error:
         line = text.count("\n", 0, error.start) + 1
-        raise UrdfError(f"not UTF-8: {error.reason}", source=source.name, line=line, mend="save as UTF-8") from None
+        raise UrdfError(f"not UTF-8: {error.reason}", source=source.name, line=line, hint="save as UTF-8") from None
     root = _tree(data, source.name)
     if root.getroottree().docinfo.internalDTD is not None:
-        raise UrdfError("a DOCTYPE is refused", source=source.name, mend="delete the DOCTYPE and its entities")
+        raise UrdfError("a DOCTYPE is refused", source=source.name, hint="delete the DOCTYPE and its entities")
     if tag(root) != "robot":
         raise UrdfError(
             f"the root element is <{root.tag}>, not <robot>",
             source=source.name,
             line=root.sourceline,
             element=f"<{root.tag}>",
-            mend="a URDF is one <robot name=...> element; for SDF or MJCF, convert it to URDF first",
+            hint="a URDF is one <robot name=...> element; for SDF or MJCF, convert it to URDF first",
         )
     return root
 
@@ -150,19 +150,21 @@ def _open_path(name: str | bytes) -> Source:
     try:
         if path.is_file():
             if path.stat().st_size > MAX_BYTES:
-                raise UrdfError("the file is larger than 64 MiB", source=label, mend="a URDF holds no meshes")
+                raise UrdfError("the file is larger than 64 MiB", source=label, hint="a URDF holds no meshes")
             return Source(_text(path.read_bytes(), label), label, path.absolute())
         directory = path.is_dir()
+    except UrdfError:
+        raise
     except (OSError, ValueError) as error:  # ValueError: a null byte in the name
         reason = getattr(error, "strerror", None) or str(error)
         name_shown = _shorten(label)
-        raise UrdfError(f"cannot read: {reason}", source=name_shown, mend="check its path and rights") from None
+        raise UrdfError(f"cannot read: {reason}", source=name_shown, hint="check its path and rights") from None
     if directory:
         found = ", ".join(sorted(each.name for each in path.glob("*.urdf"))[:5])
-        mend = f"choose one of its files: {found}" if found else "give the path of a .urdf file"
-        raise UrdfError("a directory, not a file", source=label, mend=mend)
+        hint = f"choose one of its files: {found}" if found else "give the path of a .urdf file"
+        raise UrdfError("a directory, not a file", source=label, hint=hint)
     raise UrdfError(
-        "neither an existing file nor XML text", source=_shorten(label), mend="check the path; XML text begins with '<'"
+        "neither an existing file nor XML text", source=_shorten(label), hint="check the path; XML text begins with '<'"
     )
 
 
@@ -181,7 +183,7 @@ def _without_bom(data: bytes) -> bytes:
 
 def _text(content: str | bytes | bytearray, name: str) -> str:
     if len(content) > MAX_BYTES:
-        raise UrdfError("the text is larger than 64 MiB", source=name, mend="a URDF holds no meshes")
+        raise UrdfError("the text is larger than 64 MiB", source=name, hint="a URDF holds no meshes")
     if isinstance(content, str):
         return content.removeprefix("\ufeff")
     data = bytes(content)
@@ -196,10 +198,10 @@ def _text(content: str | bytes | bytearray, name: str) -> str:
             f"not {encoding} text: byte 0x{data[error.start]:02x}",
             source=name,
             line=data.count(b"\n", 0, error.start) + 1,
-            mend="save the file as UTF-8, or declare its encoding in <?xml ... encoding=...?>",
+            hint="save the file as UTF-8, or declare its encoding in <?xml ... encoding=...?>",
         ) from None
     except (LookupError, ValueError) as error:
-        raise UrdfError(f"unusable encoding: {error}", source=name, line=1, mend="save the file as UTF-8") from None
+        raise UrdfError(f"unusable encoding: {error}", source=name, line=1, hint="save the file as UTF-8") from None
 
 
 def _without_declaration(text: str) -> str:
@@ -219,7 +221,7 @@ def _refuse_doctype(text: str, name: str) -> None:
             source=name,
             line=text.count("\n", 0, end) + 1,
             element="<!DOCTYPE>",
-            mend="delete the DOCTYPE and write out what its entities stand for",
+            hint="delete the DOCTYPE and write out what its entities stand for",
         )
 
 
@@ -245,13 +247,13 @@ def _tree(data: bytes, name: str) -> Any:
         worst = _first_fatal(parser.error_log)
         problem, line = (worst.message, worst.line) if worst else (error.msg or "unreadable", error.lineno)
     if not data.strip():
-        raise UrdfError("empty: it holds no XML", source=name, line=1, mend="a URDF is one <robot> element") from None
+        raise UrdfError("empty: it holds no XML", source=name, line=1, hint="a URDF is one <robot> element") from None
     early = b"<robot" in data and b"</robot" not in data
     raise UrdfError(
         f"malformed XML: {problem}",
         source=name,
         line=line,
-        mend="the text ends early: </robot> is missing" if early else "mend the XML at this line",
+        hint="the text ends early: </robot> is missing" if early else "hint the XML at this line",
     ) from None
 
 

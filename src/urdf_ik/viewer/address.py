@@ -19,7 +19,7 @@ def check(host: str, port: int | None) -> None:
         port: None: any port will do.
 
     Raises:
-        ArgumentError: the port is none or in use, or the host is not this machine.
+        ArgumentError: the port is invalid or in use, or the host is not this machine.
     """
     if port is not None and not 0 <= port <= 65535:
         raise ArgumentError(f"port {port} given; a port is a whole number from 0 (any free one) to 65535")

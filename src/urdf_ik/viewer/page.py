@@ -33,7 +33,7 @@ INSTALL = "pip install 'urdf-ik[viewer]'"
 
 _NO_CHOICE = "catalogue ..."
 _NAMED = 2
-"""Shapes that could not be read of which the page tells one by one."""
+"""Greatest number of shapes that could not be read which the page names one by one."""
 
 
 class Viewer:
@@ -180,7 +180,7 @@ class Viewer:
         except (UrdfIkError, OSError) as error:
             return self._say(str(error))
         except Exception as error:
-            self._say(f"a defect of this program; the terminal tells more: {error!r}")
+            self._say(f"a defect of this program; the terminal says more: {error!r}")
             raise
         self.drawing.remove()
         self.panel.remove()
@@ -285,7 +285,7 @@ def _unseen(drawing: Drawing) -> list[str]:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep viser from printing: it does so when it starts and stops, whatever it is told."""
+    """Keep viser from printing: it does so when it starts and stops, and has no setting for that."""
     import rich
 
     console = rich.get_console()

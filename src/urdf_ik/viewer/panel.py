@@ -102,7 +102,7 @@ def _label(branch: str, marks: tuple[str, ...], chosen: bool) -> str:
 
 
 def _status(state: State) -> str:
-    """Markdown: the arm, how many solutions, why there are none."""
+    """Markdown: the arm, how many solutions, why there is no solution."""
     arm, count = state.arm, len(state.ghosts)
     inside = sum(not ghost.outside for ghost in state.ghosts)
     solutions = f"{count} solution{'s' if count != 1 else ''}, {inside} inside the limits"

@@ -65,7 +65,7 @@ class State:
         target: (4, 4) m, pose of the tip that is asked for, in the base.
         redundancy: value of the redundancy parameter; None for an arm without one.
         ghosts: every solution of the target, by branch.
-        reason: why there is none, or none inside the limits; else ''.
+        reason: why there is no solution, or no solution inside the limits; else ''.
         note: what could not be checked, in words; else ''.
     """
 
@@ -135,13 +135,13 @@ def with_joint(state: State, index: int, value: float) -> State:
 
 
 def with_branch(state: State, column: int) -> State:
-    """The arm moved to the solution of that branch; where the target has none, nothing changes."""
+    """The arm moved to the solution of that branch; where the target has no such solution, nothing changes."""
     found = [ghost for ghost in state.ghosts if ghost.column == column]
     return replace(state, q=found[0].q) if found else state
 
 
 def _followed(state: State) -> State:
-    """The arm at the nearest solution inside its limits; where there is none it stays."""
+    """The arm at the nearest solution inside its limits; where there is no such solution it stays."""
     inside = tuple(ghost for ghost in state.ghosts if not ghost.outside)
     at = state.nearest(inside)
     return state if at is None else replace(state, q=inside[at].q)

@@ -4,9 +4,10 @@
 >>> from urdf_ik import workspace
 >>> region = workspace.planar(urdf_ik.load("planar_2r"))
 >>> found = workspace.compute(urdf_ik.load("zyyzyz_6r"), voxel=0.5, orientations=20)
->>> found.branch_shares(), found.slice("z", 1.0)
+>>> len(found.branch_shares()), found.slice("z", 1.0).axes
+(8, ('x', 'y'))
 
-A map holds the answers of ``arm.ik`` for every voxel's centre in every orientation sampled: it tells what is true of
+A map holds the answers of ``arm.ik`` for every voxel's centre in every orientation sampled: it says what is true of
 these poses, and nothing of what lies between them.
 """
 

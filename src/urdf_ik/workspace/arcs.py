@@ -91,7 +91,7 @@ class Circle:
 
 
 def region(inside: Inside, circles: Iterable[Circle], size: float) -> Region:
-    """The region that ``inside`` tells, whose boundary lies on some of the circles.
+    """The region in which ``inside`` holds, whose boundary lies on some of the circles.
 
     Every circle is cut where it meets another one; a piece belongs to the boundary when one of its sides is inside
     and the other is not.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import math
-import os
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
@@ -118,12 +117,12 @@ def require_room(grid: Grid, samples: int, results: int, scratch: int, output: P
         WorkspaceError: with the numbers.
     """
     what = f"{' x '.join(map(str, grid.shape))} voxels of {grid.voxel:g} m x {samples} orientations"
-    mend = "take larger voxels, fewer orientations or narrower bounds"
+    hint = "take larger voxels, fewer orientations or narrower bounds"
     free = available_memory()
     if results + scratch > free:
         raise WorkspaceError(
             f"{what} = {grid.count * samples:.4g} poses take {_size(results + scratch)} of memory, and "
-            f"{_size(free)} are free; {mend}"
+            f"{_size(free)} are free; {hint}"
         )
     if output is not None:
         folder = output.resolve().parent
@@ -133,20 +132,15 @@ def require_room(grid: Grid, samples: int, results: int, scratch: int, output: P
         if results > free:
             raise WorkspaceError(
                 f"{what} = {grid.count * samples:.4g} poses take up to {_size(results)} on the disk, and {folder} has "
-                f"{_size(free)} free; {mend}"
+                f"{_size(free)} free; {hint}"
             )
 
 
 def available_memory() -> int:
-    """Bytes of memory that can be had without swapping, as far as the system tells; else a great number."""
-    found = [2**62]
-    try:
-        lines = Path("/proc/meminfo").read_text().splitlines()
-        found += [1024 * int(line.split()[1]) for line in lines if line.startswith("MemAvailable:")]
-    except OSError:  # not Linux
-        pages = os.sysconf_names.keys() & {"SC_PHYS_PAGES", "SC_PAGE_SIZE"}
-        if len(pages) == 2:
-            found.append(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    """Bytes of memory that can be had without swapping."""
+    import psutil  # only maps need it
+
+    found = [int(psutil.virtual_memory().available)]
     group = Path("/sys/fs/cgroup")
     with contextlib.suppress(OSError, ValueError):  # a container's own limit, where there is one
         found.append(int((group / "memory.max").read_text()) - int((group / "memory.current").read_text()))

@@ -42,7 +42,7 @@ class About:
         base: link in which positions are given.
         tip: link whose positions they are.
         joints: names, base to tip.
-        limits: (lower, upper) of each joint [rad or m], None where there is none.
+        limits: (lower, upper) of each joint [rad or m], None where there is no limit.
         locked: joints that are held, with their values [rad or m].
         task: what the arm controls, see ``arm.task``.
         sampled: what is sampled at each position.
@@ -111,9 +111,9 @@ class WorkspaceMap:
         branch_poses: (X, Y, Z, B) number of orientations in which a branch has a solution that counts.
         within: (X, Y, Z, S) number within the limits, or None.
         free: (X, Y, Z, S) number within the limits that are free of self-collision, or None.
-        manipulability: (X, Y, Z, S) greatest one of the solutions that count, NaN where there is none; or None.
+        manipulability: (X, Y, Z, S) greatest one of the solutions that count, NaN where nothing is reached; or None.
         margin: (X, Y, Z, S) greatest limit margin: the least of all joints' distances to their limits, as shares of
-            half their ranges, 0 at a limit and 1 in the middle of all; NaN where there is none; or None.
+            half their ranges, 0 at a limit and 1 in the middle of all; NaN where nothing is reached; or None.
     """
 
     about: About
@@ -202,7 +202,7 @@ class WorkspaceMap:
             (k, 2) m from the origin, each stretch's beginning and end; the last number is how far the arm reaches.
 
         Raises:
-            WorkspaceError: the direction or the origin is none.
+            WorkspaceError: the direction or the origin is invalid.
         """
         ray, start = np.asarray(direction, np.float64), np.asarray(origin, np.float64)
         length = float(np.linalg.norm(ray)) if ray.shape == (3,) else 0.0

@@ -56,7 +56,7 @@ class PlanarWorkspace:
     overlap: Region
 
     def joints(self, points: ArrayLike, elbow: str) -> Array:
-        """Joint vectors (..., 2) rad within the limits for points (..., 2) m, NaN where there is none."""
+        """Joint vectors (..., 2) rad within the limits for points (..., 2) m, NaN where a point is not reached."""
         return _joints(self.centre, self.lengths, self.angles, self.signs, self.limits, _points(points), elbow)
 
     def reaches(self, points: ArrayLike, elbow: str | None = None) -> Mask:
@@ -152,7 +152,7 @@ def _limit(name: str, sign: float, k: int) -> str:
 def _joints(
     centre: Array, lengths: Array, angles: Array, signs: Array, bounds: Array, points: Array, elbow: str
 ) -> Array:
-    """Joint vectors (..., 2) within the limits by the law of cosines, NaN where there is none."""
+    """Joint vectors (..., 2) within the limits by the law of cosines, NaN where a point is not reached."""
     if elbow not in ELBOWS:
         raise WorkspaceError(f"no elbow is called {elbow!r}; there are {ELBOWS[0]!r} and {ELBOWS[1]!r}")
     first, second = lengths

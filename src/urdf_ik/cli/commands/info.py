@@ -1,4 +1,4 @@
-"""What ``urdf-ik info`` tells of an arm: joints, relations of the axes, and how it is solved."""
+"""What ``urdf-ik info`` prints of an arm: joints, relations of the axes, and how it is solved."""
 
 from __future__ import annotations
 

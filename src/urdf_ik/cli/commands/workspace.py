@@ -1,4 +1,4 @@
-"""What ``urdf-ik workspace`` tells: the exact region of a planar arm, or a map's sums and shares."""
+"""What ``urdf-ik workspace`` prints: the exact region of a planar arm, or a map's sums and shares."""
 
 from __future__ import annotations
 

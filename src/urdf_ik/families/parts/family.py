@@ -38,7 +38,7 @@ class Family:
         matches: (structure, chain) -> whether an arm is of the family, exactly or nearly.
         prepare: (family, structure, chain) -> the plan of an arm that matches; None where it has none after all.
         solver: name of the compiled solver, as ``_core.Solver`` takes it.
-        variant: what tells it from the other families of its file, such as '2||3'.
+        variant: what sets it apart from the other families of its file, such as '2||3'.
         by_elimination: whether it has no closed form, so that all others come first.
     """
 

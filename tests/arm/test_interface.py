@@ -1,0 +1,126 @@
+"""What an arm promises beyond its solutions: Pinocchio's configurations, the nearest solution, refused arguments."""
+
+from __future__ import annotations
+
+import inspect
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from arms_mimic import LINKAGES, linkage
+from cases import from_catalogue
+
+import urdf_ik
+from urdf_ik import errors, velocity
+from urdf_ik.reference import Reference
+
+ARMS = ("zyyzyz_6r", "planar_2r", "positioning_3r", "stanford_rrprrr", "srs_7r")
+
+
+def within(arm: urdf_ik.Arm, seed: int, m: int) -> np.ndarray:
+    """Joint vectors (m, n) inside the limits, within +-3 where there is none."""
+    lower, upper = np.clip(arm.limits, -3.0, 3.0).T
+    return np.random.default_rng(seed).uniform(lower, upper, (m, arm.dof))
+
+
+@pytest.mark.parametrize("name", [*ARMS, "ur5"])
+def test_configurations_of_pinocchio_are_those_of_its_own_model(name: str) -> None:
+    """Pinocchio's forward kinematics of ``to_pinocchio(q)`` is the arm's, and ``from_pinocchio`` gives q again."""
+    arm = from_catalogue(name).arm
+    model = pin.buildModelFromXML(arm.model.xml.decode())
+    data = model.createData()
+    Q = within(arm, 1, 6).reshape(2, 3, arm.dof)
+    configurations = arm.to_pinocchio(Q)
+    assert configurations.shape == (2, 3, model.nq)
+    np.testing.assert_allclose(arm.from_pinocchio(configurations), Q, rtol=0.0, atol=1e-12)
+    for q, q_pin in zip(Q.reshape(-1, arm.dof), configurations.reshape(-1, model.nq), strict=True):
+        pin.framesForwardKinematics(model, data, q_pin)
+        base, tip = (data.oMf[model.getFrameId(link)] for link in (arm.base, arm.tip))
+        np.testing.assert_allclose((base.inverse() * tip).homogeneous, arm.fk(q), rtol=0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("shape", [(), (3,), (2, 9)])
+def test_what_is_no_configuration_is_refused(shape: tuple[int, ...]) -> None:
+    """A configuration has nq numbers, all of them finite."""
+    arm = from_catalogue("zyyzyz_6r").arm
+    with pytest.raises(urdf_ik.JointVectorError, match="finite numbers are needed"):
+        arm.from_pinocchio(np.zeros(shape))
+    with pytest.raises(urdf_ik.JointVectorError, match="finite numbers are needed"):
+        arm.from_pinocchio(np.full(6, np.nan))
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_the_nearest_of_any_arm_is_where_it_came_from(name: str) -> None:
+    """Asked for the pose of a joint vector inside the limits, near it, every arm finds that joint vector."""
+    arm = from_catalogue(name).arm
+    Q = within(arm, 2, 4)
+    found = arm.ik_nearest(arm.fk(Q), Q)
+    assert found.q.shape == (4, 1, arm.dof) and found.valid.all()
+    np.testing.assert_allclose(found.q[:, 0], Q, rtol=0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("within_limits", [False, True])
+def test_nearest_and_ik_nearest_treat_limits_alike(within_limits: bool) -> None:
+    """With the same argument, the nearest of the solutions is what ``ik_nearest`` gives."""
+    arm = from_catalogue("ur5_limited").arm
+    Q = within(arm, 3, 20)
+    T = arm.fk(Q)
+    one, other = arm.ik_nearest(T, Q, within_limits=within_limits), arm.ik(T).nearest(Q, within_limits=within_limits)
+    np.testing.assert_array_equal(one.q, other.q)
+    assert one.filters == (("limits", "nearest") if within_limits else ("nearest",))
+    if within_limits:
+        assert ((one.q >= arm.limits[:, 0] - 1e-9) & (one.q <= arm.limits[:, 1] + 1e-9)).all()
+
+
+def test_the_nearest_image_inside_the_limits_counts() -> None:
+    """Two turns allowed: near 5 rad the solution at -1.28 rad is taken by its image at 5 rad."""
+    arm = from_catalogue("ur5").arm
+    q = np.array([5.0, -1.0, 1.2, -0.7, 0.9, -5.5])
+    np.testing.assert_allclose(arm.ik_nearest(arm.fk(q), q).q[0], q, rtol=0.0, atol=1e-8)
+    alone = arm.ik_nearest(arm.fk(q), q, within_limits=False).q[0]
+    np.testing.assert_allclose(alone, np.remainder(q + np.pi, 2.0 * np.pi) - np.pi, rtol=0.0, atol=1e-8)
+
+
+@pytest.mark.parametrize("threads", [0, -1])
+def test_less_than_one_thread_is_refused(threads: int) -> None:
+    """A batch, a single pose and a task are shared by one thread or more."""
+    arm = from_catalogue("planar_2r").arm
+    T = arm.fk([0.1, 0.2])
+    for ask in (
+        lambda: arm.ik(T, threads=threads),
+        lambda: arm.ik(T[None], threads=threads),
+        lambda: arm.ik([0.1, 0.1], task="planar position", threads=threads),
+        lambda: arm.ik_nearest(T, [0.0, 0.0], threads=threads),
+    ):
+        with pytest.raises(urdf_ik.ArgumentError, match=f"threads={threads}"):
+            ask()
+
+
+def test_errors_about_arguments_are_value_errors() -> None:
+    """Whoever expects a ValueError of a bad argument gets one; only a missing package is none."""
+    every = [kind for kind in vars(errors).values() if inspect.isclass(kind) and issubclass(kind, errors.UrdfIkError)]
+    assert {kind.__name__ for kind in every if not issubclass(kind, ValueError)} == {"UrdfIkError", "MissingPackage"}
+
+
+@pytest.mark.parametrize("name", ["singular_directions", "joint_velocities"])
+def test_an_arms_methods_have_the_signatures_of_their_functions(name: str) -> None:
+    """The options of a function of ``velocity`` are those of the arm's method, by name, kind and default."""
+    own, of_function = (
+        [(p.name, p.kind, p.default) for p in inspect.signature(call).parameters.values()][1:]
+        for call in (getattr(urdf_ik.Arm, name), getattr(velocity, name))
+    )
+    assert own == of_function
+
+
+@pytest.mark.parametrize("name", LINKAGES)
+def test_what_mimics_follows_in_pinocchios_configuration(name: str) -> None:
+    """The joints that mimic others follow them in the configuration: Pinocchio's tip is where the arm's is."""
+    arm = urdf_ik.load(linkage(name, 0), base="base", tip="tool")
+    reference = Reference(arm.model, arm.base, arm.tip)
+    model, data = reference.pin_model, reference.pin_model.createData()
+    for q in np.random.default_rng(4).uniform(-1.0, 1.0, (5, arm.dof)):
+        q_pin = arm.to_pinocchio(q)
+        np.testing.assert_allclose(arm.from_pinocchio(q_pin), q, rtol=0.0, atol=1e-12)
+        pin.framesForwardKinematics(model, data, q_pin)
+        base, tip = (data.oMf[model.getFrameId(link)] for link in (arm.base, arm.tip))
+        np.testing.assert_allclose((base.inverse() * tip).homogeneous, arm.fk(q), rtol=0.0, atol=1e-12)

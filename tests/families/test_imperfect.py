@@ -1,0 +1,163 @@
+"""Arms near a family: rounded decimals, calibrations, random deviations of every size, measured by Pinocchio.
+
+Between an exact structure and none there is no gap: whatever the imperfection, ``ik`` keeps its contract.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+
+import contract
+import numpy as np
+import pytest
+from arms import KINDS, DescribedArm, industrial, random_arm, ur_like
+from arms_general import calibrated_ur, near_member, rounded_industrial, rounded_ur, tilted
+from cases import Case, described, nearest, rows
+from numpy.typing import NDArray
+from oracle import angle_distance
+
+Array = NDArray[np.float64]
+
+EPS = (1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2, 1e-1)  # rad, share of the arm's length
+ALL_MEMBERS = tuple((kind, eps) for kind in KINDS for eps in EPS)
+EVERY_OTHER = tuple((kind, eps) for i, kind in enumerate(KINDS) for eps in EPS[i % 2 :: 2])
+MADE: dict[str, Callable[[], DescribedArm]] = {
+    "industrial rpy 1.5708": rounded_industrial,
+    "industrial rpy 1.57080": lambda: rounded_industrial(5),
+    "industrial off by 1e-9": lambda: tilted(industrial(), 1e-9, 0),
+    "ur rpy 1.5708": rounded_ur,
+    "ur rpy 1.570796": lambda: rounded_ur(6),
+    "ur rpy 1.57": lambda: rounded_ur(2),
+    "ur calibrated": calibrated_ur,
+    "ur off by 1e-3": lambda: tilted(ur_like(), 1e-3, 0),
+}
+
+
+@lru_cache
+def near(kind: str, eps: float, seed: int = 0) -> Case:
+    """Load a random member of a family that is off by ``eps``."""
+    return described(near_member(kind, eps, seed))
+
+
+@lru_cache
+def made(name: str) -> Case:
+    """Load one of the arms of ``MADE``."""
+    return described(MADE[name]())
+
+
+@lru_cache
+def ideal(kind: str) -> Case:
+    """Load the member that ``near`` starts from."""
+    return described(random_arm(kind, 0))
+
+
+@pytest.mark.parametrize(("kind", "eps"), ALL_MEMBERS)
+def test_contract_whatever_the_imperfection(kind: str, eps: float) -> None:
+    """A family's member that is off by 1e-12 to 1e-1 rad and length: planted found, all exact, none twice."""
+    contract.holds(near(kind, eps), 40, 1)
+
+
+@pytest.mark.parametrize("kind", ["wrist, 2||3", "wrist, 2||3, 1x2", "2||3||4, 5x6", "2||3||4, 1x2, 5x6"])
+@pytest.mark.parametrize("eps", [1e-5, 1e-4, 3e-4])
+def test_none_of_many_is_lost(kind: str, eps: float) -> None:
+    """Of 20,000 random joint vectors every one is among its pose's solutions.
+
+    Also where branches of the ideal arm end, a weak angle carries a small difference far, or two kinds of fold meet.
+    """
+    case = near(kind, eps, 1)
+    q = case.oracle.draw(np.random.default_rng(8), 20_000)
+    solutions = case.arm.ik(case.oracle.poses(q))
+    apart = angle_distance(solutions.q, q[:, None])
+    lost = ~(np.where(solutions.valid, apart, np.inf).min(axis=1) < 1e-7)
+    assert not lost.any(), q[lost]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_many_members(kind: str) -> None:
+    """Other members of the family, each off by a size of its own from 1e-13 to 1e-6, keep the contract."""
+    for seed, eps in enumerate(10.0 ** np.linspace(-13.0, -6.0, 8), start=1):
+        contract.holds(near(kind, float(eps), seed), 10, seed)
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_contract_of_rounded_and_calibrated_arms(name: str) -> None:
+    """Quarter turns written as 1.5708 and calibrations: planted found, all exact, none twice."""
+    contract.holds(made(name), 60, 2)
+
+
+@pytest.mark.parametrize(("kind", "eps"), [(kind, eps) for kind, eps in ALL_MEMBERS if eps <= 1e-4])
+def test_the_report(kind: str, eps: float) -> None:
+    """Up to 1e-4 the wrist or the parallel axes are recognised; the imperfection is about eps, the method refines."""
+    structure, exact = near(kind, eps).arm.structure, ideal(kind).arm.structure
+    assert structure.family.split(",")[0] == exact.family.split(",")[0]
+    assert "refine" in structure.method
+    assert "refine" not in exact.method
+    angle, distance = structure.imperfection
+    assert 0.1 * eps < max(angle, distance / near(kind, eps).arm.chain.size) < 10.0 * eps
+    assert max(exact.imperfection) < 1e-13
+    assert f"{angle:.2g} rad and {distance:.2g} m off" in str(structure)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("eps", [1e-10, 1e-6, 1e-3])
+def test_no_solution_is_missing(kind: str, eps: float) -> None:
+    """The solutions are as many as a multi-start Newton search on Pinocchio's model finds."""
+    contract.is_complete(near(kind, eps), 2, 3)
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_no_solution_of_rounded_and_calibrated_arms_is_missing(name: str) -> None:
+    """The solutions are as many as a multi-start Newton search on Pinocchio's model finds."""
+    contract.is_complete(made(name), 2, 4)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_ideal_arms_solutions(kind: str) -> None:
+    """Away from singularities an arm off by 1e-9 has as many solutions as the ideal arm, each a small step away."""
+    member = random_arm(kind, 0)
+    exact, off = described(tilted(member, 0.0, 0)), described(tilted(member, 1e-9, 0))
+    compared = 0
+    for q in exact.oracle.draw(np.random.default_rng(5), 30):
+        target = exact.oracle.pose(q)
+        expected, found = rows(exact.arm.ik(target)), rows(off.arm.ik(target))
+        if min(exact.oracle.sigma_min(x) for x in expected) < 1e-2:
+            continue
+        compared += 1
+        assert len(found) == len(expected), q
+        assert all(nearest(found, x) < 1e-5 for x in expected), q
+    assert compared > 5
+
+
+# Where axes 1 and 2 all but meet, the shoulder's front would hang on the rest of their distance.
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "wrist, 2||3, 1x2"])
+def test_the_ideal_arms_columns(kind: str) -> None:
+    """An arm off by 1e-9 has its regular solutions in the columns in which the ideal arm has them."""
+    member = random_arm(kind, 0)
+    exact, off = described(tilted(member, 0.0, 0)), described(tilted(member, 1e-9, 0))
+    width = len(exact.arm.structure.branches)
+    assert off.arm.structure.branches[:width] == exact.arm.structure.branches
+    for q in exact.oracle.draw(np.random.default_rng(5), 30):
+        expected, answer = (arm.ik(exact.oracle.pose(q)) for arm in (exact.arm, off.arm))
+        if min(exact.oracle.sigma_min(x) for x in rows(expected)) < 1e-2:
+            continue
+        np.testing.assert_allclose(np.asarray(answer.q)[:width], expected.q, rtol=0.0, atol=1e-5)
+        assert not np.asarray(answer.valid)[width:].any(), q
+
+
+@pytest.mark.parametrize(("kind", "eps"), EVERY_OTHER)
+def test_planted_near_singularities(kind: str, eps: float) -> None:
+    """At 1e-1 to 1e-7 rad from any singularity the planted ones are found, all are exact."""
+    contract.holds_near_singularities(near(kind, eps), 15, 6)
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_planted_near_singularities_of_rounded_and_calibrated_arms(name: str) -> None:
+    """At 1e-1 to 1e-7 rad from any singularity the planted ones are found, all are exact."""
+    contract.holds_near_singularities(made(name), 15, 7)
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_batch_equals_single(name: str) -> None:
+    """A stack of poses gives what each pose gives, column by column, with any number of threads."""
+    contract.batch_equals_single_but_for_one(made(name), 8)

@@ -1,0 +1,139 @@
+"""Imports of the package: down the floors only, without a circle, those for type checking and in functions included."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+SOURCE = Path(__file__).resolve().parents[2] / "src"
+PACKAGE = "urdf_ik"
+
+# The rooms, floor by floor: a room imports from its own floor and from those below.
+FLOORS = (
+    {"_core", "angles", "errors", "text", "tolerances"},
+    {"catalogue", "poses", "urdf"},
+    {"chain", "dh", "structure", "velocity"},
+    {"families"},
+    {"arm", "redundancy", "solutions", "tasks"},
+    {"collision", "reference"},
+    {"comparison", "completeness", "crosscheck", "cuspidality", "testing", "workspace"},
+    {"cli", "plot", "viewer"},
+)
+FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
+# An arm reaches these through functions that import them when they are called.
+REACHED_BY_ARM = {"collision", "cuspidality", "reference"}
+MOST_LINES, MOST_FILES = 450, 15
+
+
+def modules() -> dict[str, Path]:
+    """Every module of the package by its full name, the compiled core by its stub."""
+    named = {}
+    for path in sorted([*SOURCE.glob(f"{PACKAGE}/**/*.py"), SOURCE / PACKAGE / "_core.pyi"]):
+        parts = path.relative_to(SOURCE).with_suffix("").parts
+        named[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
+    return named
+
+
+def imports(name: str, path: Path, known: dict[str, Path]) -> Iterator[tuple[str, bool]]:
+    """The package's modules that one imports, each with whether it does so when a function is called."""
+    tree = ast.parse(path.read_text())
+    late = {
+        id(node)
+        for function in ast.walk(tree)
+        if isinstance(function, ast.FunctionDef)
+        for node in ast.walk(function)
+    }
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            found = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            assert not node.level, f"{name}: a relative import"
+            whole = [f"{node.module}.{alias.name}" for alias in node.names]
+            found = [full if full in known else str(node.module) for full in whole if full != f"{PACKAGE}.__version__"]
+        else:
+            continue
+        for each in found:
+            if each.split(".")[0] == PACKAGE:
+                assert each in known, f"{name} imports {each}, which is no module"
+                yield each, id(node) in late
+
+
+def room(name: str) -> str:
+    """The room that a module belongs to."""
+    return name.split(".")[1]
+
+
+KNOWN = modules()
+# The package itself hands on the public names of every room.
+EDGES = [
+    (name, imported, late)
+    for name, path in KNOWN.items()
+    if name != PACKAGE
+    for imported, late in imports(name, path, KNOWN)
+]
+# What an arm reaches when it is asked is no part of what it is made of.
+REACHED = [
+    (name, imported)
+    for name, imported, late in EDGES
+    if late and imported != PACKAGE and room(name) == "arm" and room(imported) in REACHED_BY_ARM
+]
+STATIC = [(name, imported) for name, imported, _ in EDGES if (name, imported) not in REACHED]
+
+
+def test_every_room_has_a_floor() -> None:
+    """The table of floors names every room that there is, and no other."""
+    assert {room(name) for name in KNOWN if name != PACKAGE} == set(FLOOR)
+
+
+def test_imports_point_down() -> None:
+    """No module imports from a floor above its own, nor the package's own list of public names."""
+    upward = [
+        f"{name} imports {imported}"
+        for name, imported in STATIC
+        if imported == PACKAGE or FLOOR[room(imported)] > FLOOR[room(name)]
+    ]
+    assert not upward, "\n".join(upward)
+
+
+def test_no_room_is_part_of_a_circle() -> None:
+    """Neither rooms nor modules import one another in a circle, also not for type checking."""
+    for graph in ({(room(a), room(b)) for a, b in STATIC if PACKAGE not in (a, b)}, set(STATIC)):
+        circle = find_circle({(a, b) for a, b in graph if a != b})
+        assert not circle, " -> ".join(circle)
+
+
+def find_circle(graph: set[tuple[str, str]]) -> list[str]:
+    """One circle of a graph, [] where it has none."""
+    left = {node: {b for a, b in graph if a == node} for edge in graph for node in edge}
+    while leaves := [node for node, after in left.items() if not after & set(left)]:
+        for node in leaves:
+            del left[node]
+    if not left:
+        return []
+    way = [min(left)]
+    while way[-1] not in way[:-1]:
+        way.append(min(left[way[-1]] & set(left)))
+    return way[way.index(way[-1]) :]
+
+
+def test_a_circle_is_found() -> None:
+    """The check above sees a circle where there is one."""
+    assert find_circle({("a", "b"), ("b", "c"), ("c", "b")}) == ["b", "c", "b"]
+    assert find_circle({("a", "b"), ("a", "c"), ("b", "c")}) == []
+
+
+@pytest.mark.parametrize("name", sorted(KNOWN))
+def test_modules_are_short(name: str) -> None:
+    """No module is longer than one can read in a sitting; the stub of the core is generated."""
+    if name != f"{PACKAGE}._core":
+        assert len(KNOWN[name].read_text().splitlines()) <= MOST_LINES
+
+
+def test_folders_hold_few_files() -> None:
+    """A folder's list of files can be taken in at a glance."""
+    folders = {path.parent for path in KNOWN.values()}
+    crowded = {folder: count for folder in folders if (count := len(list(folder.glob("*.py*")))) > MOST_FILES}
+    assert not crowded

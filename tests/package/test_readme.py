@@ -1,0 +1,66 @@
+"""What the README shows is what the package prints."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+README = (ROOT / "README.md").read_text()
+COMMAND = (ROOT / "docs" / "command.md").read_text()
+
+
+def test_the_readme_is_short() -> None:
+    """What a newcomer needs: the rest is in docs/, and every link leads to a file."""
+    assert len(README.splitlines()) < 200
+    for page in (ROOT / "README.md", *(ROOT / "docs").glob("*.md")):
+        for link in re.findall(r"\]\(([^)#:]+)\)", page.read_text()):
+            assert (page.parent / link).exists(), (page.name, link)
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/python.md"])
+def test_the_tour_prints_what_it_shows(page: str) -> None:
+    """The Python blocks, run one after the other, print the text blocks that follow them."""
+    text = (ROOT / page).read_text()
+    pairs = re.findall(r"```python\n(.*?)```\n\n```text\n(.*?)```", text, re.DOTALL)
+    assert len(pairs) == text.count("```python") > 2
+    names: dict[str, object] = {}
+    for code, shown in pairs:
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            exec(compile(code, page, "exec"), names)
+        assert printed.getvalue() == shown
+
+
+def test_the_command_prints_what_is_shown() -> None:
+    """`urdf-ik ik zyyzyz_6r` prints what the README shows; errors, which are rounding, may differ in their digits."""
+    shown = re.search(
+        r"This is what `make run` and `urdf-ik ik zyyzyz_6r` print:\s*```text\n(.*?)```", README, re.DOTALL
+    )
+    assert shown is not None
+    command = [sys.executable, "-m", "urdf_ik.cli", "ik", "zyyzyz_6r"]
+    printed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    table = "#  in limits"
+    assert printed.split(table)[0] == shown[1].split(table)[0]
+    rounding = re.compile(r"\d\.\de-\d+|\b0\b")
+    first, second = (rounding.sub("E", text.split(table)[1]).split() for text in (printed, shown[1]))
+    assert first == second
+
+
+def test_the_shortened_outputs_are_lines_of_the_whole() -> None:
+    """`info` and `check` print the lines that docs/command.md shows, in that order, up to digits of rounding."""
+    for command in ("info", "check"):
+        shown = re.search(rf"`urdf-ik {command} zyyzyz_6r`[^`]*```text\n(.*?)```", COMMAND, re.DOTALL)
+        assert shown is not None
+        arguments = [sys.executable, "-m", "urdf_ik.cli", command, "zyyzyz_6r"]
+        printed = subprocess.run(arguments, capture_output=True, text=True, check=True).stdout
+        rounding = re.compile(r"\d\.\de-1[3-9]")
+        lines = iter([rounding.sub("E", line) for line in printed.splitlines()])
+        for line in shown[1].splitlines():
+            assert rounding.sub("E", line) in lines, line

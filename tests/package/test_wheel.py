@@ -1,0 +1,170 @@
+"""The wheel as others get it: built, installed into an environment of its own, used elsewhere, without a compiler."""
+
+from __future__ import annotations
+
+import email.parser
+import json
+import os
+import site
+import subprocess
+import sys
+import sysconfig
+import tarfile
+import venv
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+OWN = ("zyyzyz_6r", "dh_6r")
+
+
+@dataclass(frozen=True)
+class Installed:
+    """An environment that holds the wheel, and a folder that has nothing to do with the repository."""
+
+    wheel: Path
+    sdist: Path
+    environment: Path
+    elsewhere: Path
+
+    def run(self, command: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+        """Run one of the environment's commands in the other folder; no other program is on its path."""
+        folder = self.environment / "bin"
+        program = folder / command
+        return run(str(program), *arguments, cwd=self.elsewhere, PATH=str(folder))
+
+
+def run(*command: str, cwd: Path, **variables: str) -> subprocess.CompletedProcess[str]:
+    """Run a command that sees neither this environment's PYTHONPATH nor its virtual environment."""
+    hidden = {"PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV"}
+    env = {key: value for key, value in os.environ.items() if key not in hidden} | variables
+    return subprocess.run(command, cwd=cwd, env=env, capture_output=True, text=True, timeout=900, check=False)
+
+
+def succeed(*command: str, cwd: Path) -> None:
+    """Run a command that must not fail."""
+    done = run(*command, cwd=cwd)
+    assert done.returncode == 0, f"{' '.join(command)}\n{done.stdout}\n{done.stderr}"
+
+
+def built(kind: str, source: Path, place: Path, *settings: str) -> Path:
+    """The sdist or wheel of a folder, built by what this environment holds, with the compiler that built it."""
+    options = [option for setting in settings for option in ("--config-setting", setting)]
+    succeed(
+        sys.executable, str(ROOT / "tools" / "with_compiler.py"), "--here", sys.executable, "-m", "build", f"--{kind}",
+        "--no-isolation", *options, "--outdir", str(place / kind), str(source), cwd=place,
+    )  # fmt: skip
+    (file,) = (place / kind).iterdir()
+    return file
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Installed:
+    """The sdist, the wheel, and an environment with that wheel.
+
+    The wheel takes what is compiled from the folder of the editable install, so that nothing is compiled twice.
+    Dependencies come from the environment that runs the tests, so nothing is fetched. They are found after the
+    environment's own packages: of urdf_ik, the wheel's copy comes first.
+    """
+    place = tmp_path_factory.mktemp("wheel")
+    sdist = built("sdist", ROOT, place)
+    wheel = built("wheel", ROOT, place, "build-dir=build/{wheel_tag}")
+    environment = place / "environment"
+    venv.create(environment, with_pip=False)
+    pip = (sys.executable, "-m", "pip", "--python", str(environment), "--disable-pip-version-check")
+    succeed(*pip, "install", "--no-index", "--no-deps", str(wheel), cwd=place)
+    own = sysconfig.get_path("purelib", "venv", vars={"base": str(environment), "platbase": str(environment)})
+    # addsitedir, since some dependencies (Pinocchio) are found by .pth files of their own; not that of this project's
+    # editable install, whose finder would come first.
+    lines = [f"import site; site.addsitedir({folder!r})" for folder in site.getsitepackages()]
+    lines.append("import sys; sys.meta_path[:] = [f for f in sys.meta_path if not hasattr(f, 'known_wheel_files')]")
+    (Path(own) / "zz_dependencies.pth").write_text("\n".join(lines) + "\n")
+    elsewhere = place / "elsewhere"
+    elsewhere.mkdir()
+    return Installed(wheel, sdist, environment, elsewhere)
+
+
+def test_sdist_holds_all_that_a_build_reads(installed: Installed, tmp_path: Path) -> None:
+    """CMake configures the unpacked sdist, which fails where a source is missing, and no file of src is left out."""
+    with tarfile.open(installed.sdist) as archive:
+        archive.extractall(tmp_path, filter="data")
+    (source,) = tmp_path.iterdir()
+    succeed(
+        sys.executable, str(ROOT / "tools" / "with_compiler.py"), "cmake", "-S", str(source),
+        "-B", str(tmp_path / "build"), "-G", "Ninja", f"-DPython_EXECUTABLE={sys.executable}", cwd=tmp_path,
+    )  # fmt: skip
+    built_from = (".py", ".pyi", ".typed", ".in", ".cpp", ".hpp", ".urdf")
+    for folder in ("src", "urdf"):
+        files = [path.relative_to(ROOT) for path in (ROOT / folder).rglob("*") if path.suffix in built_from]
+        assert not [file for file in files if not (source / file).is_file()]
+
+
+def test_wheel_holds_the_package_and_the_bundled_urdfs(installed: Installed) -> None:
+    """All modules, py.typed and the repository's URDFs, unchanged; nothing outside the package."""
+    with zipfile.ZipFile(installed.wheel) as archive:
+        names = set(archive.namelist())
+        for name in OWN:
+            assert archive.read(f"urdf_ik/bundled/{name}.urdf") == (ROOT / "urdf" / f"{name}.urdf").read_bytes()
+    modules = {path.relative_to(ROOT / "src").as_posix() for path in (ROOT / "src" / "urdf_ik").rglob("*.py")}
+    assert modules | {"urdf_ik/py.typed", "urdf_ik/_core.pyi"} <= names
+    (core,) = (name for name in names if name.endswith(".so"))
+    assert core.startswith("urdf_ik/_core.")
+    assert not installed.wheel.name.endswith("-any.whl")
+    assert {name.split("/")[0].split("-")[0] for name in names} == {"urdf_ik", "urdf_ik_pytest.py"}
+
+
+def test_wheel_says_what_it_is(installed: Installed) -> None:
+    """Name, license with its file, the Python it needs, and the extras by which optional packages are asked for."""
+    with zipfile.ZipFile(installed.wheel) as archive:
+        (folder,) = {name.split("/")[0] for name in archive.namelist() if ".dist-info/" in name}
+        metadata = email.parser.Parser().parsestr(archive.read(f"{folder}/METADATA").decode())
+        assert archive.read(f"{folder}/licenses/LICENSE") == (ROOT / "LICENSE").read_bytes()
+    assert metadata["Name"] == "urdf-ik"
+    assert metadata["License-Expression"] == "BSD-3-Clause"
+    assert metadata["Requires-Python"] == ">=3.11"
+    assert {"viewer", "plot", "robots", "notebooks", "bench", "dev"} == set(metadata.get_all("Provides-Extra", []))
+
+
+def test_sdist_holds_what_work_on_it_needs(installed: Installed) -> None:
+    """Sources, URDFs, tests and Makefile are in the sdist, environments and caches are not."""
+    with tarfile.open(installed.sdist) as archive:
+        names = {name.partition("/")[2] for name in archive.getnames()}
+    documents = ("README.md", "LICENSE", "CHANGELOG.md")
+    for needed in ("pyproject.toml", "CMakeLists.txt", "src/core/simd.hpp", "Makefile", *documents, "urdf/dh_6r.urdf"):
+        assert needed in names
+    assert {"src", "tests", "notebooks", "urdf"} <= {name.split("/")[0] for name in names}
+    assert not [name for name in names if ".venv" in name or "__pycache__" in name or name.endswith(".so")]
+
+
+def test_installed_urdfs_come_from_the_wheel(installed: Installed) -> None:
+    """In the environment, package and bundled URDFs lie inside the environment and not in the repository."""
+    code = "import json, urdf_ik; from urdf_ik import catalogue; "
+    code += f"print(json.dumps([urdf_ik.__file__, *(str(catalogue.resolve(name).path) for name in {OWN})]))"
+    done = installed.run("python", "-c", code)
+    assert done.returncode == 0, done.stderr
+    files = [Path(file) for file in json.loads(done.stdout)]
+    assert all(file.is_file() and file.is_relative_to(installed.environment.resolve()) for file in files), files
+
+
+def test_installed_package_solves_without_a_compiler(installed: Installed) -> None:
+    """With nothing but the environment's own programs on the path, a bundled arm is solved by the compiled core."""
+    code = "import shutil, urdf_ik, urdf_ik._core as core; arm = urdf_ik.load('zyyzyz_6r'); "
+    code += "print(len(arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))), core.__file__, "
+    code += "*filter(shutil.which, ('cc', 'c++', 'gcc', 'g++', 'clang', 'ld', 'cmake', 'ninja')))"
+    done = installed.run("python", "-c", code)
+    assert done.returncode == 0, done.stderr
+    solutions, core, *compilers = done.stdout.split()
+    assert (solutions, compilers) == ("8", [])
+    assert Path(core).is_relative_to(installed.environment.resolve())
+
+
+@pytest.mark.parametrize("name", OWN)
+def test_installed_command_knows_the_bundled_arms(installed: Installed, name: str) -> None:
+    """The urdf-ik command runs in any folder, names all six joints of a bundled arm, and ends with status 0."""
+    done = installed.run("urdf-ik", "info", name)
+    assert done.returncode == 0, done.stderr
+    assert all(f"joint_{i}" in done.stdout for i in range(1, 7))
+    assert "Traceback" not in done.stderr
