@@ -27,6 +27,8 @@ inline constexpr double LARGEST_NOISE = 1e-7;
 // A solution belongs to a root if its hidden joint stands this close to it. Rounding and a moved axis push the roots of a
 // cluster off by about as much each, so where this holds none of them is as far as NEAR_CIRCLE off.
 inline constexpr double OWN_ROOT = 1e-3;
+// The same of arms near special ones, whose roots come in clusters.
+inline constexpr double OWN_ROOT_NEAR_SPECIAL = 1e-6;
 // The imaginary part of an angle above which the end of a path is not real, for ends that are regular and others.
 inline constexpr double IMAGINARY = 1e-4, IMAGINARY_SINGULAR = 0.05;
 // A path that ends before this s ends because it was lost, one that ends behind it at a singular solution.
@@ -171,6 +173,7 @@ PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, c
     if (noisy && all_known(arm)) return false;
     RealRoots roots = real_roots(coefficients, variant.slides[(variant.first + 5) % 6]);
     for (int k = roots.many; k < 2 * DEGREE; ++k) roots.c[k] = roots.c[0], roots.s[k] = roots.s[0];
+    const double own = all_known(arm) ? OWN_ROOT : OWN_ROOT_NEAR_SPECIAL;
     unsigned owned = 0;
     int settled = 0;
     for (int from = 0; from < roots.many; from += BLOCK) {
@@ -194,7 +197,7 @@ PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, c
             lane_of(candidates.q, l, q);
             const Turn<double> at = hidden_at(arm, variant, q);
             const double dc = at.c - roots.c[from + l], ds = at.s - roots.s[from + l];
-            if (dc * dc + ds * ds > OWN_ROOT * OWN_ROOT) continue;
+            if (dc * dc + ds * ds > own * own) continue;
             owned |= 1u << column[l], ++settled;
         }
     }
