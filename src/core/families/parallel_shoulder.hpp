@@ -330,8 +330,8 @@ template <LastAxes kind> struct ParallelShoulder {
         return free;
     }
 
-    static PART void closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
-                             const Columns<6>& columns, unsigned wanted) {
+    static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
+                                 const Columns<6>& columns, unsigned wanted) {
         const Sight sight = look(arm, seen, reference);
         Settled settled[4];
         bool crowded = false, free = false;
@@ -349,6 +349,8 @@ template <LastAxes kind> struct ParallelShoulder {
         }
         // Two roots of the quartic are so close that both may have led to the same solution.
         if (crowded && !free) search_beside_folds(arm.written, goal, columns);
+        // A pose that looks out of reach next to a singularity may be within it.
+        return (kind != LastAxes::general || crowded || free || sight.free6) && !columns.count() ? wanted : 0u;
     }
 
     // See ParallelShoulderSolvers.

@@ -247,8 +247,8 @@ template <LastPair kind> struct SphericalMiddle {
         return min(fixed, min(arm1, at.arm6)) < ALMOST_ALIGNED;
     }
 
-    static PART void closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
-                             const Columns<6>& columns, unsigned wanted) {
+    static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
+                                 const Columns<6>& columns, unsigned wanted) {
         Quartic roots = {};
         roots.count = 4;
         if constexpr (kind == LastPair::general) roots = first_roots(arm, seen);
@@ -263,6 +263,8 @@ template <LastPair kind> struct SphericalMiddle {
         }
         // Two roots of the quartic are so close that both may have led to the same solution.
         if (crowded && !free) search_beside_folds(arm.written, goal, columns);
+        // A pose that looks out of reach next to a singularity may be within it.
+        return (kind != LastPair::general || crowded || free) && !columns.count() ? wanted : 0u;
     }
 };
 

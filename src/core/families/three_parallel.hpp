@@ -202,6 +202,10 @@ template <Hand kind> struct ThreeParallel {
                 if (at.kept) elbow_closely(arm, goal, reference, at, b, columns);
             }
         }
+        // Roots that nearly meet are known to half of their digits.
+        for (int k = 0; kind == Hand::general && k < roots.count; ++k) {
+            if (roots.gap(k) < ROOTS_CROWDED && !columns.count()) unsure = wanted;
+        }
         return unsure;
     }
 
