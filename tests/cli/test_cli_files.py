@@ -17,10 +17,10 @@ from oracle import angle_distance
 Array = NDArray[np.float64]
 
 
-@pytest.mark.parametrize("format", ["json", "csv", "npz"])
-def test_fk_feeds_ik(format: str) -> None:
+@pytest.mark.parametrize("kind", ["json", "csv", "npz"])
+def test_fk_feeds_ik(kind: str) -> None:
     """The output of fk in every data format is input for ``ik --poses -``, which finds the joint vector again."""
-    poses = call("fk", ARM, "--q", TYPED, "--q", comma(np.array(Q) / 2), "-f", format).stdout_bytes
+    poses = call("fk", ARM, "--q", TYPED, "--q", comma(np.array(Q) / 2), "-f", kind).stdout_bytes
     answer = strict_json(succeed("ik", ARM, "--poses", "-", "-f", "json", given=poses))["poses"]
     for k, pose in enumerate(answer):
         found = np.array([one["q"] for one in pose["solutions"]])

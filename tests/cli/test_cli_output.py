@@ -67,13 +67,13 @@ def test_output_goes_to_the_file(tmp_path: Path) -> None:
     """--output writes what stdout would have got, leaves stdout empty, and its ending chooses the format."""
     for suffix in ("json", "csv", "npz", "txt"):
         file = tmp_path / f"out.{suffix}"
-        format = "table" if suffix == "txt" else suffix
+        kind = "table" if suffix == "txt" else suffix
         assert succeed("ik", ARM, "--q", TYPED, "-o", str(file)) == ""
         if suffix == "npz":
             with np.load(file, allow_pickle=False) as arrays:
                 assert arrays["q"].shape == (1, 8, 6)
         else:
-            assert file.read_text() == succeed("ik", ARM, "--q", TYPED, "-f", format)
+            assert file.read_text() == succeed("ik", ARM, "--q", TYPED, "-f", kind)
 
 
 def test_binary_data_do_not_go_to_a_terminal() -> None:

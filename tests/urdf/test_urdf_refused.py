@@ -77,12 +77,12 @@ BROKEN = {
     "xacro in a reference": (8, '"base"', '"${p}base"', 8, f"<parent> of {JOINT}", "xacro", "run xacro first"),
     "xacro include": (3, "<link", "<xacro:include/><link", 3, "<xacro:include>", "xacro", "run xacro first"),
     "xacro in a joint": (11, "<axis", "<xacro:if/><axis", 11, f"<xacro:if> of {JOINT}", "xacro", "run xacro first"),
-    "malformed": (9, '"arm"', "arm", 9, None, "malformed XML", "hint the XML"),
-    "mismatched tag": (13, "</joint>", "</link>", 13, None, "malformed XML", "hint the XML"),
-    "attribute written twice": (4, "<link", '<link name="a"', 4, None, "name redefined", "hint the XML"),
-    "undeclared entity": (4, '"arm"', '"&arm;"', 4, None, "'arm' not defined", "hint the XML"),
+    "malformed": (9, '"arm"', "arm", 9, None, "malformed XML", "correct the XML"),
+    "mismatched tag": (13, "</joint>", "</link>", 13, None, "malformed XML", "correct the XML"),
+    "attribute written twice": (4, "<link", '<link name="a"', 4, None, "name redefined", "correct the XML"),
+    "undeclared entity": (4, '"arm"', '"&arm;"', 4, None, "'arm' not defined", "correct the XML"),
     "DOCTYPE": (2, "<robot", "<!DOCTYPE robot><robot", 2, "<!DOCTYPE>", "DOCTYPE is refused", "delete"),
-    "other root": (2, "<robot", "<sdf/><robot", 2, None, "Extra content", "hint the XML"),
+    "other root": (2, "<robot", "<sdf/><robot", 2, None, "Extra content", "correct the XML"),
 }  # fmt: skip
 
 

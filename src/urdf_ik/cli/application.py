@@ -45,14 +45,14 @@ def info(
     *,
     chosen: ChosenArm,
     degrees: options.Degrees = False,
-    format: options.TextFormat = ReportFormat.TABLE,
+    printed_as: options.TextFormat = ReportFormat.TABLE,
 ) -> None:
     """Print what is known of the arm."""
     from urdf_ik.cli import console
     from urdf_ik.cli.commands import info as info_command
 
     arm = chosen.load()
-    write = info_command.as_json if format is ReportFormat.JSON else info_command.as_text
+    write = info_command.as_json if printed_as is ReportFormat.JSON else info_command.as_text
     console.write(write(arm, angles_of(arm, degrees)), None)
 
 
@@ -71,13 +71,13 @@ def fk(
     file: options.VectorFile = None,
     chosen: ChosenArm,
     degrees: options.Degrees = False,
-    format: options.DataFormat = None,
+    printed_as: options.DataFormat = None,
     output: options.Output = None,
 ) -> None:
     """Print the tip's pose."""
     from urdf_ik.cli.commands import fk as fk_command
 
-    written = options.format_for(format, output, terminal=options.is_terminal(sys.stdout))
+    written = options.format_for(printed_as, output, terminal=options.is_terminal(sys.stdout))
     fk_command.run(chosen, q or (), file, degrees, written, output)
 
 
@@ -112,14 +112,14 @@ def ik(
     check: options.Checked = None,
     chosen: ChosenArm,
     degrees: options.Degrees = False,
-    format: options.DataFormat = None,
+    printed_as: options.DataFormat = None,
     output: options.Output = None,
 ) -> None:
     """Print every solution."""
     from urdf_ik.cli import targets
     from urdf_ik.cli.commands import ik as ik_command
 
-    written = options.format_for(format, output, terminal=options.is_terminal(sys.stdout))
+    written = options.format_for(printed_as, output, terminal=options.is_terminal(sys.stdout))
     chosen.without_stdin(poses, "--poses")
     target = targets.Asked(typed, q or (), poses, random, seed)
     asked = ik_command.Asked(target, redundancy, within_limits, collision_free, turns, nearest, check)
@@ -148,7 +148,7 @@ def check(
     complete: options.Complete = False,
     collision: options.Collision = None,
     chosen: ChosenArm,
-    format: options.TextFormat = ReportFormat.TABLE,
+    printed_as: options.TextFormat = ReportFormat.TABLE,
 ) -> None:
     """Print the report of the cross-check, or of the comparison of two ways to all solutions."""
     from urdf_ik import completeness, crosscheck
@@ -165,7 +165,7 @@ def check(
     else:
         with Progress("checking poses", "checking against Pinocchio") as progress:
             report = crosscheck.check(arm, n=n, seed=seed, collision=collision, progress=progress.tick)
-    console.write(report.to_json() if format is ReportFormat.JSON else f"{report}\n", None)
+    console.write(report.to_json() if printed_as is ReportFormat.JSON else f"{report}\n", None)
     if not report.passed:
         raise typer.Exit(Status.FAILED)
 
@@ -191,7 +191,7 @@ def compare(
     lock_b: options.LockB = None,
     n: options.Each = 200,
     seed: options.Seed = 0,
-    format: options.TextFormat = ReportFormat.TABLE,
+    printed_as: options.TextFormat = ReportFormat.TABLE,
 ) -> None:
     """Print the comparison."""
     from urdf_ik import comparison
@@ -205,7 +205,7 @@ def compare(
     arms = first.load(), second.load()
     with Progress("comparing", "solving") as progress:
         found = comparison.compare(*arms, n=n, seed=seed, progress=progress.tick)
-    console.write(found.to_json() if format is ReportFormat.JSON else compare_command.as_text(found), None)
+    console.write(found.to_json() if printed_as is ReportFormat.JSON else compare_command.as_text(found), None)
 
 
 @app.command(
@@ -224,13 +224,13 @@ def dh(
     base: options.Base = None,
     tip: options.Tip = None,
     degrees: options.Degrees = False,
-    format: options.TableFormat = None,
+    printed_as: options.TableFormat = None,
     output: options.Output = None,
 ) -> None:
     """Print or write the table, or the URDF."""
     from urdf_ik.cli.commands import dh as dh_command
 
-    dh_command.run(ChosenArm(file, base, tip), convention, snap, degrees, format, output)
+    dh_command.run(ChosenArm(file, base, tip), convention, snap, degrees, printed_as, output)
 
 
 @app.command(
@@ -254,7 +254,7 @@ def workspace(
     threads: options.Threads = 1,
     chosen: ChosenArm,
     degrees: options.Degrees = False,
-    format: options.TextFormat = ReportFormat.TABLE,
+    printed_as: options.TextFormat = ReportFormat.TABLE,
     output: options.MapFile = None,
 ) -> None:
     """Print the region, or the map's sums, and save the map."""
@@ -266,7 +266,7 @@ def workspace(
     box = None if bounds is None else console.numbers(bounds, "--bounds", corners).reshape(2, 3).tolist()
     given = {"voxel": voxel, "orientations": orientations, "bounds": box, "collision_free": collision_free}
     given |= {"manipulability": manipulability, "margin": margin, "threads": None if threads == 1 else threads}
-    workspace_command.run(arm, angles_of(arm, degrees), output, format is ReportFormat.JSON, given)
+    workspace_command.run(arm, angles_of(arm, degrees), output, printed_as is ReportFormat.JSON, given)
 
 
 @app.command(
@@ -289,7 +289,7 @@ def plot(
     typed: TypedPose,
     seed: options.Seed = 0,
     shapes: options.Shapes = False,
-    map: options.Map = None,
+    map_file: options.Map = None,
     axis: options.Across = "z",
     at: options.Layer = 0.0,
     show: options.Shown = Value.REACH,
@@ -303,7 +303,7 @@ def plot(
 
     arm = chosen.load()
     target = targets.Asked(typed, () if q is None else (q,), None, None, seed)
-    asked = plot_command.Asked(target, shapes, map, axis, at, show.value)
+    asked = plot_command.Asked(target, shapes, map_file, axis, at, show.value)
     plot_command.run(arm, angles_of(arm, degrees), what, asked, output)
 
 

@@ -253,7 +253,7 @@ def _tree(data: bytes, name: str) -> Any:
         f"malformed XML: {problem}",
         source=name,
         line=line,
-        hint="the text ends early: </robot> is missing" if early else "hint the XML at this line",
+        hint="the text ends early: </robot> is missing" if early else "correct the XML at this line",
     ) from None
 
 

@@ -20,10 +20,10 @@ def run(
     convention: str | None,
     snap: float | None,
     degrees: bool,
-    format: DHFormat | None,
+    chosen_format: DHFormat | None,
     output: Path | None,
 ) -> None:
-    """Read what was ``chosen`` as a table, or load it as an arm, and write it in ``format``.
+    """Read what was ``chosen`` as a table, or load it as an arm, and write it in ``chosen_format``.
 
     Raises:
         typer.BadParameter: options that do not go together, or a file that cannot be written.
@@ -43,13 +43,13 @@ def run(
         off = table.deviation(arm.chain)
         notes.append(f"{base} to {tip}; poses differ from the URDF's by {off:.1e} (rad, share of the arm's size)")
     suffix = "" if output is None else output.suffix.lstrip(".").lower()
-    format = format or (DHFormat(suffix) if suffix in tuple(DHFormat) else DHFormat.TABLE)
-    if format is DHFormat.TABLE:
+    chosen_format = chosen_format or (DHFormat(suffix) if suffix in tuple(DHFormat) else DHFormat.TABLE)
+    if chosen_format is DHFormat.TABLE:
         text = _as_table(table, notes, degrees, to_file=output is not None)
-    elif format is DHFormat.URDF:
+    elif chosen_format is DHFormat.URDF:
         text = table.to_urdf(base, tip)
     else:
-        text = (table.to_csv if format is DHFormat.CSV else table.to_json)(degrees=degrees)
+        text = (table.to_csv if chosen_format is DHFormat.CSV else table.to_json)(degrees=degrees)
     console.write(text, output)
 
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def run(
-    chosen: ChosenArm, typed: Sequence[str], file: str | None, degrees: bool, format: Format, output: Path | None
+    chosen: ChosenArm, typed: Sequence[str], file: str | None, degrees: bool, printed_as: Format, output: Path | None
 ) -> None:
     """Write the poses for the joint vectors that were typed or that ``file`` holds.
 
@@ -42,10 +42,10 @@ def run(
     else:
         q = np.array([console.numbers(text, "--q", arm.joint_names) for text in typed])
     q = angles.typed(q)
-    if format is Format.TABLE:
+    if printed_as is Format.TABLE:
         console.write(as_text(arm, q, angles, to_file=output is not None), output)
     else:
-        console.write(DATA[format](arm, q, angles), output)
+        console.write(DATA[printed_as](arm, q, angles), output)
 
 
 def as_json(arm: Arm, q: Array, angles: Angles) -> str:

@@ -32,7 +32,7 @@ class Asked:
     check: bool | None
 
 
-def run(arm: Arm, angles: Angles, asked: Asked, format: Format, output: Path | None) -> None:
+def run(arm: Arm, angles: Angles, asked: Asked, printed_as: Format, output: Path | None) -> None:
     """Write every solution.
 
     Raises:
@@ -60,11 +60,11 @@ def run(arm: Arm, angles: Angles, asked: Asked, format: Format, output: Path | N
             collisions=few if asked.check is None else asked.check,
             tick=progress.tick,
         )
-    if format is Format.TABLE:
+    if printed_as is Format.TABLE:
         console.write(tables.answer_text(answer, angles, target.note, to_file=output is not None), output)
     else:
-        console.write(answers.DATA[format](answer, angles), output)
+        console.write(answers.DATA[printed_as](answer, angles), output)
     if unsolved := int((answer.counts == 0).sum()):
-        if format is not Format.TABLE:
+        if printed_as is not Format.TABLE:
             typer.echo(f"{unsolved} of {len(answer.counts)} poses have no solution", err=True)
         raise typer.Exit(Status.FAILED)
