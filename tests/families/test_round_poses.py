@@ -66,6 +66,7 @@ def assert_found(case: Case, Q: Array) -> None:
 @pytest.mark.parametrize("noise", NOISES)
 @pytest.mark.parametrize("name", MAKERS)
 def test_round_joint_vectors_are_found(name: str, noise: float) -> None:
+    """Joints at multiples of 90 degrees, exactly and nearly, of regular joint vectors."""
     case, rng = named(name), np.random.default_rng(1)
     Q = round_vectors(rng, 500)
     Q = Q[least_singular_values(case, Q) > REGULAR][:60]
@@ -79,7 +80,8 @@ def test_rounding_does_not_change_the_number(name: str) -> None:
     Q = np.vstack([round_vectors(rng, 300), rng.uniform(-np.pi, np.pi, (60, 6))])
     targets = case.arm.fk(Q)
     solutions = case.arm.ik(targets)
-    least = np.array([least_singular_values(case, s.to_array()).min(initial=1.0) for s in (solutions[k] for k in range(len(targets)))])
+    answers = [solutions[k].to_array() for k in range(len(targets))]
+    least = np.array([least_singular_values(case, found).min(initial=1.0) for found in answers])
     targets, counts = targets[least > REGULAR], solutions.count[least > REGULAR]
     assert len(targets) > 50
     for _ in range(3):
@@ -90,6 +92,7 @@ def test_rounding_does_not_change_the_number(name: str) -> None:
 
 @pytest.mark.parametrize("distance", [1e-1, 1e-3, 1e-4, 1e-5, 1e-6])
 def test_near_the_folded_elbow(distance: float) -> None:
+    """Next to q3 = -90 degrees every joint vector is nearly singular, and none of them is lost."""
     case, rng = named("folding"), np.random.default_rng(3)
     Q = rng.uniform(-np.pi, np.pi, (150, 6))
     Q[:, 2] = -np.pi / 2.0 + distance * rng.choice([-1.0, 1.0], len(Q))
@@ -141,6 +144,7 @@ def test_straight_down_on_a_grid(place: int) -> None:
 
 
 def test_certainty_has_the_shape_of_the_poses_and_survives_filters() -> None:
+    """It belongs to the pose, not to the columns that are left."""
     case = named("crx")
     solutions = case.arm.ik(case.arm.fk(round_vectors(np.random.default_rng(6), 12)).reshape(3, 4, 4, 4))
     assert solutions.certain.shape == (3, 4)
