@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Count what urdf-ik loses: a million random poses an arm, every returned solution measured by Pinocchio.
+"""Count what urdf-ik loses: a million poses an arm, every returned solution measured by Pinocchio.
 
     python benchmarks/million.py [--md] [--poses N] [--processes P] [--seed S] [--robot NAME ...]
 
-For each arm joint vectors are drawn over the whole torus and Pinocchio makes their poses. Counted are planted joint
-vectors that are not among the solutions, and pairs of solutions that are one; the greatest errors are those of all
+For each arm joint vectors are drawn, nine tenths over the whole torus, one tenth at multiples of 90 degrees, exactly or
+1e-12 to 1e-2 rad beside, where the Jacobian is regular; Pinocchio makes their poses. Counted are planted joint vectors
+that are not among the solutions, poses whose answers are not certain to be complete, and pairs of solutions that are
+one; the greatest errors are those of all
 solutions of all poses, each through Pinocchio's own forward kinematics. What was lost is printed with its joint vector.
 Poses are drawn and solved in chunks, so memory does not grow with their number, and any number of processes gives the
 same counts. The status is 1 when something was lost, doubled or off by more than 1e-9 m or rad.
@@ -31,6 +33,8 @@ EXACT = 1e-9  # m and rad: the contract of ik
 SAME = 1e-6  # rad, where the Jacobian is well conditioned
 DUPLICATE = 1e-8  # rad
 MANY, FEW = 1_000_000, 10_000
+ROUND = 10  # one of so many poses is round
+REGULAR = 0.01  # least singular value of a round joint vector, lengths in m
 
 # Name, what urdf_ik.load takes (None: the robot of that name in robots.py), and how many poses.
 ARMS = {
@@ -53,6 +57,7 @@ class Tally:
         solutions: how many solutions were returned, each of them measured.
         lost: planted joint vectors (6,) [rad] that are not among the solutions, each with the distance [rad] to the
             nearest one and the Jacobian's smallest singular value.
+        uncertain: poses whose answers are not certain to be complete.
         duplicates: pairs of solutions that are one.
         position: greatest position error [m].
         rotation: greatest rotation error [rad].
@@ -62,6 +67,7 @@ class Tally:
     poses: int = 0
     solutions: int = 0
     lost: list[tuple[np.ndarray, float, float]] = field(default_factory=list)
+    uncertain: int = 0
     duplicates: int = 0
     position: float = 0.0
     rotation: float = 0.0
@@ -72,6 +78,7 @@ class Tally:
         self.poses += other.poses
         self.solutions += other.solutions
         self.lost += other.lost
+        self.uncertain += other.uncertain
         self.duplicates += other.duplicates
         self.position = max(self.position, other.position)
         self.rotation = max(self.rotation, other.rotation)
@@ -98,7 +105,7 @@ def measure(task: tuple[str, int, int, int]) -> Tally:
     """One chunk: (arm's name, seed, number of the chunk, poses in it)."""
     name, seed, chunk, size = task
     arm, reference = _prepared(name)
-    Q = np.random.default_rng([seed, chunk]).uniform(-np.pi, np.pi, (size, 6))
+    Q = _drawn(arm, np.random.default_rng([seed, chunk]), size)
     T = reference.poses(Q)
     start = time.perf_counter()
     solutions = arm.ik(T)
@@ -117,11 +124,24 @@ def measure(task: tuple[str, int, int, int]) -> Tally:
         poses=size,
         solutions=len(pose_of),
         lost=lost,
+        uncertain=int(np.count_nonzero(~solutions.certain)),
         duplicates=_duplicates(q),
         position=float(position.max(initial=0.0)),
         rotation=float(rotation.max(initial=0.0)),
         seconds=seconds,
     )
+
+
+def _drawn(arm: Any, rng: np.random.Generator, size: int) -> np.ndarray:
+    """(size, 6) rad: joint vectors all over the torus, then round ones."""
+    Q = rng.uniform(-np.pi, np.pi, (size, 6))
+    candidates = rng.integers(-1, 3, (size, 6)) * (np.pi / 2.0)
+    regular = np.linalg.svd(arm.jacobian(candidates), compute_uv=False)[:, -1] > REGULAR
+    chosen = candidates[regular][: size // ROUND]
+    noise = 10.0 ** rng.uniform(-12.0, -2.0, (len(chosen), 1)) * rng.integers(0, 2, (len(chosen), 1))
+    if len(chosen):
+        Q[-len(chosen) :] = chosen + noise * rng.uniform(-1.0, 1.0, chosen.shape)
+    return Q
 
 
 def _apart(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -149,6 +169,7 @@ COLUMNS = (
     "poses",
     "solutions, all measured",
     "planted ones lost",
+    "not certain",
     "duplicates",
     "greatest error [m]",
     "greatest error [rad]",
@@ -163,6 +184,7 @@ def _cells(name: str, tally: Tally) -> list[str]:
         f"{tally.poses:,}",
         f"{tally.solutions:,}",
         str(len(tally.lost)),
+        str(tally.uncertain),
         str(tally.duplicates),
         f"{tally.position:.1e}",
         f"{tally.rotation:.1e}",

@@ -1,4 +1,7 @@
-"""Six revolute joints without a structure that a closed form could use: up to sixteen solutions, by elimination."""
+"""Six revolute joints without a structure that a closed form could use: up to sixteen solutions.
+
+By elimination to one joint, and by continuation of all complex solutions where that leaves doubts.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
-    """The elimination's constant matrices, for the ways of setting it up that find most."""
+    """The elimination's constant matrices, and poses of which all solutions are known."""
     triples = " and ".join(map(str, structure.triples))
     none = "no three neighbouring axes meet in a point or are parallel, so no closed form applies"
     return Plan(
@@ -37,7 +40,8 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
 FAMILY = Family(
     name="6R general",
     reason="six turning joints, whatever their axes",
-    steps="Elimination to one joint's angle (Raghavan and Roth), Newton's method on the URDF as written",
+    steps="Elimination to one joint's angle (Raghavan and Roth), continuation of all complex solutions where that leaves "
+    "doubts, Newton's method on the URDF as written",
     branches=columns(16),
     by_quadratics=False,
     by_elimination=True,
@@ -51,4 +55,4 @@ def _explain(chain: Chain, point: Array) -> str:
     far = float(np.linalg.norm(point - chain.points[0]))
     if far > chain.size:
         return f"the tip is {far:.6g} m from axis 1, and all links together measure {chain.size:.6g} m"
-    return "no joint angles bring the tip there: all real roots of the elimination were followed"
+    return "no joint angles bring the tip there: all complex solutions were followed, and none of them is real"
