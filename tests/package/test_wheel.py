@@ -110,7 +110,7 @@ def test_wheel_holds_the_package_and_the_bundled_urdfs(installed: Installed) -> 
     with zipfile.ZipFile(installed.wheel) as archive:
         names = set(archive.namelist())
         for name in OWN:
-            assert archive.read(f"urdf_ik/bundled/{name}.urdf") == (ROOT / "urdf" / f"{name}.urdf").read_bytes()
+            assert archive.read(f"urdf_ik/bundled/urdf/{name}.urdf") == (ROOT / "urdf" / f"{name}.urdf").read_bytes()
     modules = {path.relative_to(ROOT / "src").as_posix() for path in (ROOT / "src" / "urdf_ik").rglob("*.py")}
     assert modules | {"urdf_ik/py.typed", "urdf_ik/_core.pyi"} <= names
     (core,) = (name for name in names if name.endswith(".so"))
