@@ -1,4 +1,4 @@
-"""urdf-ik: every inverse-kinematics solution of a robot arm, from its URDF, in closed form.
+"""urdf-ik: every inverse-kinematics solution of a robot arm, from its URDF, in closed form where there is one.
 
 >>> import urdf_ik
 >>> arm = urdf_ik.load("zyyzyz_6r")

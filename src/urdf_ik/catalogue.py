@@ -121,7 +121,7 @@ def resolve(name: str) -> Entry:
 def _bundled_folder() -> Path:
     """The folder of the bundled URDFs: inside an installed package, at the repository's root in a checkout."""
     package = Path(__file__).resolve().parent
-    inside = package / "bundled"
+    inside = package / "bundled" / "urdf"
     return inside if inside.is_dir() else package.parents[1] / "urdf"
 
 

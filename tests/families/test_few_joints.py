@@ -179,7 +179,7 @@ def test_rounded_decimals_are_exact_as_written() -> None:
 
 
 def test_redundant_arms_are_refused() -> None:
-    """Joints that repeat one another everywhere leave a continuum: the arm loads, and asking for solutions raises."""
+    """Joints that are redundant everywhere leave a continuum: the arm loads, and asking for solutions raises."""
     for kinds, axes in (("PP", [X, X]), ("RRRR", [Z, Z, Z, Z]), ("PRRP", [Z, Z, Z, Z]), ("RRPRP", [Z, Z, X, Z, Z])):
         rng = np.random.default_rng(1)
         points = np.cumsum(rng.uniform(0.2, 0.4, (len(kinds), 3)), axis=0)
