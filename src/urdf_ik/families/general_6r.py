@@ -40,7 +40,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
 FAMILY = Family(
     name="6R general",
     reason="six turning joints, whatever their axes",
-    steps="Elimination to one joint's angle (Raghavan and Roth), continuation of all complex solutions where that is in "
+    steps="Elimination to one joint's angle (Raghavan and Roth), continuation of all complex solutions where in "
     "doubt, Newton's method on the URDF as written",
     branches=columns(16),
     by_quadratics=False,
