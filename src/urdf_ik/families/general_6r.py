@@ -40,8 +40,8 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
 FAMILY = Family(
     name="6R general",
     reason="six turning joints, whatever their axes",
-    steps="Elimination to one joint's angle (Raghavan and Roth), continuation of all complex solutions where in "
-    "doubt, Newton's method on the URDF as written",
+    steps="Elimination to one joint's angle (Raghavan and Roth), continuation of all complex solutions where that "
+    "leaves doubts, Newton's method on the URDF as written",
     branches=columns(16),
     by_quadratics=False,
     by_elimination=True,
