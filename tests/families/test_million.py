@@ -48,7 +48,7 @@ def test_losses_duplicates_and_errors_are_counted(million: Any, monkeypatch: pyt
     """A lost branch, a doubled one and one that is off by 1e-6 rad each show in their own column."""
     sound, reference = million._prepared("z y y z y z")
     rng = np.random.default_rng([3, 0])
-    planted = rng.uniform(-np.pi, np.pi, (50, 6))
+    planted = million._drawn(sound, rng, 50)
 
     def ik(T: np.ndarray) -> Any:
         solutions = sound.ik(T)
@@ -58,9 +58,10 @@ def test_losses_duplicates_and_errors_are_counted(million: Any, monkeypatch: pyt
         q[0, lost], valid[0, lost] = np.nan, False
         q[1, 2] = q[1, 3]
         q[2, 5, 0] += 1e-6
-        return SimpleNamespace(q=q, valid=valid)
+        return SimpleNamespace(q=q, valid=valid, certain=solutions.certain)
 
-    monkeypatch.setattr(million, "_prepared", lambda _: (SimpleNamespace(ik=ik), reference))
+    arm = SimpleNamespace(ik=ik, jacobian=sound.jacobian)
+    monkeypatch.setattr(million, "_prepared", lambda _: (arm, reference))
     tally = million.measure(("z y y z y z", 3, 0, 50))
     assert tally.lost[0][0].tolist() == planted[0].tolist()
     assert tally.duplicates == 1

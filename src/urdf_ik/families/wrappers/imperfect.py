@@ -18,6 +18,10 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
+# Imperfection below which the complex solutions that the ideal arm lacks are too far from real to be followed. Farther off
+# they are within reach, and change places with the others from pose to pose.
+_NEAR = 1e-3
+
 
 def prepare(plan: Plan, chain: Chain) -> Plan:
     """The plan of the ideal arm, made to hold for the arm as written."""
@@ -31,7 +35,8 @@ def prepare(plan: Plan, chain: Chain) -> Plan:
 
 
 def _solver(ideal: Solver, chain: Chain) -> Solver:
-    values = {"family": ideal.values, "elimination": elimination_values(chain, near=True)}
+    near = bool(ideal.values["ideal"]["imperfection"] < _NEAR)
+    values = {"family": ideal.values, "elimination": elimination_values(chain, near=near)}
     return Solver(f"imperfect {ideal.kind}", values | _both_arms(ideal.values["ideal"], chain))
 
 
