@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-# Imperfection below which the complex solutions that the ideal arm lacks are too far from real to be followed. Farther off
+# Imperfection below which the complex solutions that the ideal arm lacks are too far from real to be followed. Above it
 # they are within reach, and change places with the others from pose to pose.
 _NEAR = 1e-3
 
