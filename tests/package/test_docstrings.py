@@ -12,7 +12,9 @@ import pytest
 
 import urdf_ik
 
-NAMES = ["urdf_ik", *(module.name for module in pkgutil.walk_packages(urdf_ik.__path__, "urdf_ik."))]
+# The package's own folder: the path of an editable install holds others, where the bundled URDFs come from.
+FOLDER = str(Path(urdf_ik.__file__).parent)
+NAMES = ["urdf_ik", *(module.name for module in pkgutil.walk_packages([FOLDER], "urdf_ik."))]
 
 
 def examples_of(name: str) -> list[doctest.DocTest]:
