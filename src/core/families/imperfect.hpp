@@ -28,7 +28,7 @@ namespace urdf_ik::URDF_IK_LEVEL {
 inline constexpr double CLOSE_BY = 1e-4;
 // Imperfection from which the few values of a joint that the ideal arm leaves free stand apart, so that elimination and
 // continuation find them without looks from all around.
-inline constexpr double FAR_OFF = 1e-3;
+inline constexpr double FAR_OFF = 4e-3;
 
 // All branches of a block of targets, beyond their ends too.
 struct AllBranches {
