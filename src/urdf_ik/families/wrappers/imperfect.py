@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 # Imperfection below which the complex solutions that the ideal arm lacks are too far from real to be followed. Above it
 # they are within reach, and change places with the others from pose to pose.
-_NEAR = 1e-3
+_NEAR = 4e-3
 
 
 def prepare(plan: Plan, chain: Chain) -> Plan:
