@@ -130,17 +130,25 @@ STEP bool holds(const Model& arm, const Goal<double>& goal, double (&q)[Model::j
     return polish_one<true>(arm, goal, q, {60, CONVERGED, patience}).error <= DOUBTFUL;
 }
 
-// The k-th of STARTS_AROUND_CANDIDATE fixed starts around q: itself, then 1e-2 to 1e-6 rad away. A linear congruential generator
-// makes them, so that the same target always has the same answer.
+// Fixed numbers in [-1, 1) that look random, so that the same target always has the same answer: the linear congruential
+// generator of the C standard's example.
+struct Scatter {
+    std::uint32_t seed;
+    STEP double next() {
+        seed = (seed * 1103515245u + 12345u) & 0x7fffffffu;
+        return seed / 1073741824.0 - 1.0;
+    }
+    // The k-th of several sequences.
+    static STEP Scatter number(int k) { return {12345u + 7919u * std::uint32_t(k)}; }
+};
+
+// The k-th of STARTS_AROUND_CANDIDATE fixed starts around q: itself, then 1e-2 to 1e-6 rad away.
 inline constexpr int STARTS_AROUND_CANDIDATE = 13;
 template <int N> STEP void start_near_candidate(const double (&q)[N], int k, double (&start)[N]) {
     constexpr double widths[3] = {1e-2, 1e-4, 1e-6};
     const double width = k == 0 ? 0.0 : widths[k % 3] * (k < 7 ? 1.0 : 0.3);
-    std::uint32_t seed = 12345u + 7919u * std::uint32_t(k);
-    for (int j = 0; j < N; ++j) {
-        seed = (seed * 1103515245u + 12345u) & 0x7fffffffu;
-        start[j] = q[j] + width * (seed / 1073741824.0 - 1.0);
-    }
+    Scatter scatter = Scatter::number(k);
+    for (int j = 0; j < N; ++j) start[j] = q[j] + width * scatter.next();
 }
 
 // Polish the closed form's candidate q of column b on the arm as written, and keep it if it is verified and new.

@@ -15,14 +15,11 @@ namespace urdf_ik::URDF_IK_LEVEL {
 inline constexpr double DISPLACED = 1e-6;
 inline constexpr int DISPLACEMENTS = 16, IN_VAIN = 4;
 
-// The k-th of them. A linear congruential generator makes them, so that the same target always has the same answer.
+// The k-th of them.
 STEP Seen<double> displaced(const Seen<double>& seen, int k, double size) {
     double by[6];
-    std::uint32_t seed = 12345u + 7919u * std::uint32_t(k / 2);
-    for (double& each : by) {
-        seed = (seed * 1103515245u + 12345u) & 0x7fffffffu;
-        each = (k % 2 ? DISPLACED : -DISPLACED) * (seed / 1073741824.0 - 1.0);
-    }
+    Scatter scatter = Scatter::number(k / 2);
+    for (double& each : by) each = (k % 2 ? DISPLACED : -DISPLACED) * scatter.next();
     // A rotation to first order, and to rounding: unit vectors across each other.
     const Vec<double> turn = {by[0], by[1], by[2]};
     Vec<double> x = seen.R.x + cross(turn, seen.R.x), y = seen.R.y + cross(turn, seen.R.y);

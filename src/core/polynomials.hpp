@@ -1,13 +1,11 @@
 // All complex roots of a polynomial that reads the same from both ends, as the harmonics of a real function have it.
 #pragma once
 
-#include "trig.hpp"
+#include "complex.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-struct Complex {
-    double re, im;
-};
+using Complex = Complexes<double>;
 
 // A polynomial's value below this share of the sum of its terms' sizes is rounding.
 inline constexpr double LOST = 4e-16;

@@ -23,14 +23,6 @@ static void read(const Values& values, int variants, int v, EliminationVariant& 
     read_part(values, "across", variants, v, to.across);
 }
 
-static void read_common(const Values& values, EliminationArm& to) {
-    read(values.group("written"), to.written);
-    read_motions(values, "home_inverse", &to.home_inverse, 1);
-    values.read("centre", to.centre), values.read("scale", to.scale);
-    to.any_slide = false;
-    for (const bool slides : to.written.slides) to.any_slide |= slides;
-}
-
 // Arrays with one entry a pose.
 static void read(const Values& values, Continuation& to) {
     to.solutions = values.get<int>("solutions"), to.poses = values.get<int>("poses");
@@ -38,13 +30,21 @@ static void read(const Values& values, Continuation& to) {
     if (to.solutions < 0 || to.solutions > KnownPose::most) throw nb::value_error("at most 16 solutions of a known pose");
     for (int i = 0; i < to.poses; ++i) {
         read_part(values, "turn", to.poses, i, to.known[i].turn), read_part(values, "point", to.poses, i, to.known[i].point);
-        read_part(values, "solution", to.poses, i, to.known[i].solution);
+        read_part(values, "solution", to.poses, i, reinterpret_cast<double (&)[KnownPose::most][6][2]>(to.known[i].solution));
     }
+}
+
+static void read_common(const Values& values, EliminationArm& to) {
+    read(values.group("written"), to.written);
+    read_motions(values, "home_inverse", &to.home_inverse, 1);
+    values.read("centre", to.centre), values.read("scale", to.scale);
+    to.any_slide = false;
+    for (const bool slides : to.written.slides) to.any_slide |= slides;
+    read(values.group("known"), to.paths);
 }
 
 void read(const Values& values, EliminationArm& to) {
     read_common(values, to);
-    read(values.group("known"), to.paths);
     read(values, 1, 0, to.variant);
 }
 
@@ -91,7 +91,7 @@ static nb::dict known_poses(nb::dict written, const JointVectors& q, bool near) 
     for (int i = 0; i < found->poses; ++i) {
         const KnownPose& each = found->known[i];
         turn.insert(turn.end(), each.turn, each.turn + 4), point.insert(point.end(), each.point, each.point + 3);
-        const double* first = &each.solution[0][0][0];
+        const double* first = &each.solution[0].z[0][0];
         solution.insert(solution.end(), first, first + KnownPose::most * 12);
     }
     const std::size_t poses = found->poses;

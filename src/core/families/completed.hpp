@@ -10,12 +10,12 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // Starts all over the angles of the joints, always the same.
 inline constexpr int NET = 96;
 PART void take_all_over(const Written<5>& arm, const Goal<double>& goal, const Columns<5>& columns) {
-    std::uint32_t seed = 12345;
+    Scatter scatter = Scatter::number(0);
     for (int k = 0; k < NET; ++k) {
         double q[5];
         for (int j = 0; j < 5; ++j) {
-            seed = (seed * 1103515245u + 12345u) & 0x7fffffffu;  // the C standard's example of a generator
-            q[j] = arm.slides[j] ? 0.0 : PI * (seed / 1073741824.0 - 1.0);
+            const double angle = PI * scatter.next();
+            q[j] = arm.slides[j] ? 0.0 : angle;
         }
         take(arm, goal, q, Origin::searched, CONVERGED, columns);
     }

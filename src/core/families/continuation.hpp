@@ -36,6 +36,8 @@ inline constexpr double DISTANT = 4.0;
 // Correction [rad] below which Newton's method has converged at the end of a path. Next to a singularity rounding alone is
 // larger: then one below AT_WEAK_END after so many rounds.
 inline constexpr double AT_END = 1e-9, AT_WEAK_END = 1e-6, ROUNDS_AT_END = 8.0;
+// Two ends of paths nearer than this [rad, sizes] are one solution of a known pose, whose solutions are regular.
+inline constexpr double SAME_SOLUTION = 1e-6;
 // A path whose correction is still larger than this after so many rounds has left its way on its last step.
 inline constexpr double ASTRAY = 1e-4, ROUNDS_ASTRAY = 3.0;
 
@@ -158,12 +160,13 @@ STEP void advance(const Written<6>& arm, CBlock (&z)[6], const Six<CBlock>& by) 
     for (int k = 0; k < 6; ++k) z[k] = arm.slides[k] ? z[k] + by[k] : z[k] * small_turn(by[k]);
 }
 
-// The complex solutions of a pose: e^(i angle) or lengths as in KnownPose, which of them are regular, which of these next to a
-// singularity, and the s at which the paths of the others stopped.
+// The complex solutions of a pose: which of them are regular, which of these next to a singularity, and the s at which the paths
+// of the others stopped.
 struct PathEnds {
     static constexpr int most = KnownPose::most;
     int many;
-    double z[most][6][2], left[most];
+    ComplexJoints q[most];
+    double left[most];
     bool regular[most], weak[most];
 };
 
@@ -251,14 +254,14 @@ PART unsigned walk_on(const Written<6>& arm, const Way& way, Walk& walk, unsigne
 }
 
 // All paths that begin at the solutions `from` of the known pose. A lane whose path has ended takes the next one.
-PART void follow_all(const Written<6>& arm, const Way& way, const double (*from)[6][2], int many, PathEnds& to) {
+PART void follow_all(const Written<6>& arm, const Way& way, const ComplexJoints* from, int many, PathEnds& to) {
     Walk walk = {};
     int path[BLOCK], next = 0;
     Six<CBlock>* const vectors[3] = {&walk.tangent, &walk.before, &walk.way_back};
     const auto begin = [&](int l) {
         path[l] = next < many ? next++ : -1;
         for (int k = 0; k < 6; ++k) {
-            const double (&z)[2] = from[path[l] < 0 ? 0 : path[l]][k];
+            const double (&z)[2] = from[path[l] < 0 ? 0 : path[l]].z[k];
             walk.z[k].re.set(l, z[0]), walk.z[k].im.set(l, z[1]);
             for (Six<CBlock>* each : vectors) (*each)[k].re.set(l, 0.0), (*each)[k].im.set(l, 0.0);
         }
@@ -279,7 +282,7 @@ PART void follow_all(const Written<6>& arm, const Way& way, const double (*from)
             if (!(ended >> l & 1)) continue;
             const int i = path[l];
             to.left[i] = walk.s[l], to.regular[i] = regular >> l & 1, to.weak[i] = weak >> l & 1;
-            for (int k = 0; k < 6; ++k) to.z[i][k][0] = walk.z[k].re[l], to.z[i][k][1] = walk.z[k].im[l];
+            for (int k = 0; k < 6; ++k) to.q[i].z[k][0] = walk.z[k].re[l], to.q[i].z[k][1] = walk.z[k].im[l];
             begin(l), moves[l] = path[l] >= 0;
         }
         walk.moves = load<Block>(moves) > Block(0.0), walk.rests = load<Block>(rests) > Block(0.0);
@@ -288,13 +291,8 @@ PART void follow_all(const Written<6>& arm, const Way& way, const double (*from)
 
 // ---- all paths of a pose ---------------------------------------------------------------------------------------------
 
-// Frame 6 in frame 1; see KnownPose.
-struct Inner {
-    Rot<double> R;
-    Vec<double> p;
-};
-
-STEP Inner inner_pose(const Written<6>& arm, const Goal<double>& goal) {
+// Frame 6 in frame 1, as KnownPose has it.
+STEP Frame<double> inner_pose(const Written<6>& arm, const Goal<double>& goal) {
     const auto &first = arm.step[0], &last = arm.step[6];
     const auto rotated = [](const double (&R)[3][3], const Vec<double>& a) {  // by the transpose
         return Vec<double>{R[0][0] * a.x + R[1][0] * a.y + R[2][0] * a.z, R[0][1] * a.x + R[1][1] * a.y + R[2][1] * a.z,
@@ -306,7 +304,7 @@ STEP Inner inner_pose(const Written<6>& arm, const Goal<double>& goal) {
     const Rot<double> R = {combine(G, L[0][0], L[0][1], L[0][2]), combine(G, L[1][0], L[1][1], L[1][2]),
                            combine(G, L[2][0], L[2][1], L[2][2])};
     const Vec<double> p = goal.p - combine(R, last.t[0], last.t[1], last.t[2]) - vec<double>(first.t);
-    return {{rotated(first.R, R.x), rotated(first.R, R.y), rotated(first.R, R.z)}, rotated(first.R, p)};
+    return {each(R, [&](const Vec<double>& a) { return rotated(first.R, a); }), rotated(first.R, p)};
 }
 
 // Shepperd's method (1978), from the greatest of the four.
@@ -327,7 +325,8 @@ STEP Quaternion<double> quaternion_of(const Rot<double>& R) {
 }
 
 // How far apart two complex solutions are: the greatest difference of a joint, rad or sizes.
-STEP double apart(const Written<6>& arm, const double (&a)[6][2], const double (&b)[6][2]) {
+STEP double apart(const Written<6>& arm, const ComplexJoints& p, const ComplexJoints& q) {
+    const auto &a = p.z, &b = q.z;
     double most = 0.0;
     for (int k = 0; k < 6; ++k) {
         const double re = a[k][0] - b[k][0], im = a[k][1] - b[k][1];
@@ -338,7 +337,8 @@ STEP double apart(const Written<6>& arm, const double (&a)[6][2], const double (
 }
 
 // How far from real a solution is: the greatest imaginary part of a joint [rad, sizes].
-STEP double imaginary_part(const Written<6>& arm, const double (&z)[6][2]) {
+STEP double imaginary_part(const Written<6>& arm, const ComplexJoints& q) {
+    const auto& z = q.z;
     double most = 0.0;
     for (int k = 0; k < 6; ++k) {
         const double square = z[k][0] * z[k][0] + z[k][1] * z[k][1];
@@ -353,7 +353,7 @@ PART int separate(const Written<6>& arm, PathEnds& ends) {
     bool met[PathEnds::most] = {};
     for (int i = 0; i < ends.many; ++i) {
         for (int k = 0; k < i; ++k) {
-            if (ends.regular[i] && ends.regular[k] && apart(arm, ends.z[i], ends.z[k]) < arm.tolerances.duplicate) met[i] = true;
+            if (ends.regular[i] && ends.regular[k] && apart(arm, ends.q[i], ends.q[k]) < arm.tolerances.duplicate) met[i] = true;
         }
     }
     int count = 0;
@@ -364,48 +364,46 @@ PART int separate(const Written<6>& arm, PathEnds& ends) {
 // Cosine and sine that make a c + b s greatest.
 STEP Turn<double> greatest(double a, double b) { return unit(a + TINY, b); }
 
-// The known pose, turned about axes 1 and 6, which turns joints 1 and 6 of its solutions, so that it is as near as can be to
-// the target: distance, the pose, the turns.
+STEP Frame<double> pose_of(const KnownPose& known) {
+    const Quaternion<double> q = {known.turn[0], {known.turn[1], known.turn[2], known.turn[3]}};
+    return {rotation_of(q, 1.0), vec<double>(known.point)};
+}
+
+// A known pose, turned about axes 1 and 6, which turns joints 1 and 6 of its solutions, so that it is as near as can be to the
+// target: how near, the pose, the turns.
 struct Nearby {
     double gain;
-    Inner pose;
+    Frame<double> pose;
     Turn<double> first, last;
 };
 
-STEP Rot<double> rotation_of_known(const KnownPose& known) {
-    const Quaternion<double> q = {known.turn[0], {known.turn[1], known.turn[2], known.turn[3]}};
-    return rotation_of(q, 1.0);
-}
-
-PART Nearby turned_to(const Written<6>& arm, const KnownPose& known, const Inner& target) {
+PART Nearby turned_to(const Written<6>& arm, const KnownPose& known, const Frame<double>& target) {
     const double weight = 4.0 / (arm.size * arm.size);
-    const Rot<double> K = rotation_of_known(known);
-    const Vec<double> k = vec<double>(known.point);
-    Nearby out = {0.0, {K, k}, {1.0, 0.0}, {1.0, 0.0}};
+    const Frame<double> K = pose_of(known);
+    const Vec<double>& k = K.p;
+    Nearby out = {0.0, K, {1.0, 0.0}, {1.0, 0.0}};
     const Rot<double>& G = target.R;
     const Vec<double>& g = target.p;
     for (int round = 0; round < 2; ++round) {
         // Turned about axis 6, then how far about axis 1: rows of both rotations.
-        const Turn<double> t = out.last;
-        const Rot<double> L = {t.c * K.x + t.s * K.y, t.c * K.y - t.s * K.x, K.z};
+        const Rot<double> L = turned(K, out.last).R;
         if (!arm.slides[0]) {
             const double along = L.x.x * G.x.x + L.y.x * G.y.x + L.z.x * G.z.x + L.x.y * G.x.y + L.y.y * G.y.y + L.z.y * G.z.y;
             const double across = L.x.x * G.x.y + L.y.x * G.y.y + L.z.x * G.z.y - L.x.y * G.x.x - L.y.y * G.y.x - L.z.y * G.z.x;
             out.first = greatest(along + weight * (k.x * g.x + k.y * g.y), across + weight * (k.x * g.y - k.y * g.x));
         }
-        const Turn<double> f = out.first;
-        const auto about = [&](const Vec<double>& a) { return Vec<double>{f.c * a.x - f.s * a.y, f.s * a.x + f.c * a.y, a.z}; };
-        const Rot<double> F = {about(K.x), about(K.y), about(K.z)};
-        if (!arm.slides[5]) out.last = greatest(dot(G.x, F.x) + dot(G.y, F.y), dot(G.x, F.y) - dot(G.y, F.x));
-        const Turn<double> e = out.last;
-        out.pose = {{e.c * F.x + e.s * F.y, e.c * F.y - e.s * F.x, F.z}, about(k)};
+        const Turn<double> back = {out.first.c, -out.first.s};
+        const auto about = [&](Vec<double> a) { return unturn(a.x, a.y, back), a; };
+        const Frame<double> F = {each(K.R, about), about(k)};
+        if (!arm.slides[5]) out.last = greatest(dot(G.x, F.R.x) + dot(G.y, F.R.y), dot(G.x, F.R.y) - dot(G.y, F.R.x));
+        out.pose = turned(F, out.last);
     }
     const Vec<double> d = out.pose.p - g;
     out.gain = dot(out.pose.R.x, G.x) + dot(out.pose.R.y, G.y) + dot(out.pose.R.z, G.z) - 0.5 * weight * dot(d, d);
     return out;
 }
 
-STEP Way way_between(const Inner& from, const Inner& to, double angle) {
+STEP Way way_between(const Frame<double>& from, const Frame<double>& to, double angle) {
     Way way = {quaternion_of(from.R), quaternion_of(to.R), from.p, to.p, 0.0, 0.0};
     const double sign = way.from.w * way.to.w + dot(way.from.v, way.to.v) < 0.0 ? -1.0 : 1.0;
     way.from = {sign * way.from.w, sign * way.from.v};
@@ -414,100 +412,75 @@ STEP Way way_between(const Inner& from, const Inner& to, double angle) {
     return way;
 }
 
-// The complex solutions of the goal by continuation from the known pose that is nearest to it; a further attempt starts
-// from the next one, and takes another way. Returns how many of them are regular.
+// The complex solutions of the goal by continuation from the known pose that is nearest to it; the k-th further attempt starts
+// from the k-th next one, and takes another way. attempt: below the number of known poses. Returns how many solutions are regular.
 PART int continue_from_nearest(const Written<6>& arm, const Continuation& by, const Goal<double>& goal, int attempt,
                                PathEnds& ends) {
-    const Inner target = inner_pose(arm, goal);
-    Nearby best;
-    const KnownPose* from = nullptr;
-    double bound = __builtin_inf();
-    for (int skip = 0; skip <= attempt && skip < by.poses; ++skip) {
-        from = nullptr;
-        for (int i = 0; i < by.poses; ++i) {
-            const Nearby now = turned_to(arm, by.known[i], target);
-            if (now.gain < bound && (!from || now.gain > best.gain)) best = now, from = &by.known[i];
-        }
-        if (!from) return 0;
-        bound = best.gain;
+    const Frame<double> target = inner_pose(arm, goal);
+    Nearby near[Continuation::most];
+    for (int i = 0; i < by.poses; ++i) near[i] = turned_to(arm, by.known[i], target);
+    int at = 0;
+    for (int skip = 0; skip <= attempt; ++skip) {
+        if (skip) near[at].gain = -__builtin_inf();
+        for (int i = 0; i < by.poses; ++i) at = near[i].gain > near[at].gain ? i : at;
     }
-    double z[KnownPose::most][6][2];
-    const auto turn = [](const double (&a)[2], const Turn<double>& t, double (&to)[2]) {
-        to[0] = a[0] * t.c - a[1] * t.s, to[1] = a[0] * t.s + a[1] * t.c;
-    };
+    ComplexJoints from[KnownPose::most];
+    const auto turn = [](double (&z)[2], const Turn<double>& t) { unturn(z[0], z[1], Turn<double>{t.c, -t.s}); };
     for (int i = 0; i < by.solutions; ++i) {
-        for (int k = 0; k < 6; ++k) z[i][k][0] = from->solution[i][k][0], z[i][k][1] = from->solution[i][k][1];
-        turn(from->solution[i][0], best.first, z[i][0]), turn(from->solution[i][5], best.last, z[i][5]);
+        from[i] = by.known[at].solution[i];
+        turn(from[i].z[0], near[at].first), turn(from[i].z[5], near[at].last);
     }
     const double angle = (attempt % 2 ? -1.0 : 1.0) * (0.8 + 0.3 * (attempt / 2));
-    follow_all(arm, way_between(best.pose, target, angle), z, by.solutions, ends);
+    follow_all(arm, way_between(near[at].pose, target, angle), from, by.solutions, ends);
     return separate(arm, ends);
 }
 
 // ---- known poses -------------------------------------------------------------------------------------------------------
 
-// Adds a solution that is not there yet; returns whether it was new.
-STEP bool add_solution(const Written<6>& arm, KnownPose& pose, int& many, const double (&z)[6][2], bool conjugate) {
-    double own[6][2];
-    for (int k = 0; k < 6; ++k) {
+// Adds a solution, or its conjugate, if it is not there yet.
+STEP void add_solution(const Written<6>& arm, KnownPose& pose, int& many, ComplexJoints q, bool conjugate) {
+    for (int k = 0; conjugate && k < 6; ++k) {
         // Of the conjugate angle: one over the conjugate of e^(i angle).
-        const double w = conjugate && !arm.slides[k] ? 1.0 / (z[k][0] * z[k][0] + z[k][1] * z[k][1]) : 1.0;
-        const double sign = conjugate && arm.slides[k] ? -1.0 : 1.0;
-        own[k][0] = w * z[k][0], own[k][1] = sign * w * z[k][1];
+        auto& z = q.z[k];
+        const double w = 1.0 / (z[0] * z[0] + z[1] * z[1] + TINY);
+        if (arm.slides[k]) z[1] = -z[1];
+        else z[0] *= w, z[1] *= w;
     }
     for (int i = 0; i < many; ++i) {
-        if (apart(arm, own, pose.solution[i]) < 1e-6) return false;
+        if (apart(arm, q, pose.solution[i]) < SAME_SOLUTION) return;
     }
-    if (many == KnownPose::most) return false;
-    for (int k = 0; k < 6; ++k) pose.solution[many][k][0] = own[k][0], pose.solution[many][k][1] = own[k][1];
-    ++many;
-    return true;
-}
-
-STEP Inner pose_of(const Written<6>& arm, const double (&q)[6]) {
-    const auto at = place(arm, q);
-    return inner_pose(arm, at.tip);
+    if (many < KnownPose::most) pose.solution[many++] = q;
 }
 
 STEP KnownPose known_pose(const Written<6>& arm, const double (&q)[6], int& many) {
-    const Inner at = pose_of(arm, q);
+    const Frame<double> at = inner_pose(arm, place(arm, q).tip);
     const Quaternion<double> turn = quaternion_of(at.R);
     KnownPose pose = {{turn.w, turn.v.x, turn.v.y, turn.v.z}, {at.p.x, at.p.y, at.p.z}, {}};
-    double z[6][2];
     for (int k = 0; k < 6; ++k) {
         const Turn<double> t = exact_turn(q[k]);
-        z[k][0] = arm.slides[k] ? q[k] / arm.size : t.c, z[k][1] = arm.slides[k] ? 0.0 : t.s;
+        auto& z = pose.solution[0].z[k];
+        z[0] = arm.slides[k] ? q[k] / arm.size : t.c, z[1] = arm.slides[k] ? 0.0 : t.s;
     }
-    many = 0;
-    add_solution(arm, pose, many, z, false);
+    many = 1;
     return pose;
 }
 
-STEP Inner pose_of(const KnownPose& known) { return {rotation_of_known(known), vec<double>(known.point)}; }
-
-// Adds to `to` what the paths from `from` lead to, and its conjugates, since the pose is real. Returns how many paths have
-// an end of their own.
-PART int carry(const Written<6>& arm, const KnownPose& from, int many, KnownPose& to, int& many_to, double angle) {
+// Adds to `to` what the paths from `from` lead to, and its conjugates, since the pose is real.
+PART void carry(const Written<6>& arm, const KnownPose& from, int many, KnownPose& to, int& many_to, double angle) {
     PathEnds ends;
     follow_all(arm, way_between(pose_of(from), pose_of(to), angle), from.solution, many, ends);
-    const int count = separate(arm, ends);
+    separate(arm, ends);
     for (int i = 0; i < many; ++i) {
         if (!ends.regular[i]) continue;
-        add_solution(arm, to, many_to, ends.z[i], false);
-        add_solution(arm, to, many_to, ends.z[i], true);
+        add_solution(arm, to, many_to, ends.q[i], false);
+        add_solution(arm, to, many_to, ends.q[i], true);
     }
-    return count;
 }
 
 STEP void leave_out_distant(const Written<6>& arm, KnownPose& pose, int& many) {
-    const KnownPose all = pose;
     int kept = 0;
     for (int i = 0; i < many; ++i) {
-        if (imaginary_part(arm, all.solution[i]) > DISTANT) continue;
-        for (int k = 0; k < 6; ++k) {
-            pose.solution[kept][k][0] = all.solution[i][k][0], pose.solution[kept][k][1] = all.solution[i][k][1];
-        }
-        ++kept;
+        if (imaginary_part(arm, pose.solution[i]) <= DISTANT) pose.solution[kept++] = pose.solution[i];
     }
     many = kept;
 }

@@ -3,11 +3,16 @@
 
 namespace urdf_ik {
 
+// Of each joint e^(i angle), or its length in sizes of the arm: real and imaginary part.
+struct ComplexJoints {
+    double z[6][2];
+};
+
 // A pose is that of joint 6's frame, after the joint has moved, in joint 1's frame before it moves.
 struct KnownPose {
     static constexpr int most = 16;
-    double turn[4], point[3];        // unit quaternion (real part first), position [m]
-    double solution[most][6][2];     // e^(i angle), or the length in sizes of the arm: real and imaginary part
+    double turn[4], point[3];  // unit quaternion (real part first), position [m]
+    ComplexJoints solution[most];
 };
 
 struct Continuation {

@@ -221,11 +221,11 @@ PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, Se
         for (int l = 0; l < BLOCK; ++l) {
             const int i = from + l;
             for (int j = 0; j < 6; ++j) {
-                const double (&z)[2] = ends.z[i < ends.many ? i : from][j];
+                const double (&z)[2] = ends.q[i < ends.many ? i : from].z[j];
                 smooth.q[j].set(l, arm.written.slides[j] ? arm.written.size * z[0] : wrap(atan2(z[1], z[0])));
             }
             if (i >= ends.many) continue;
-            const double off = imaginary_part(arm.written, ends.z[i]);
+            const double off = imaginary_part(arm.written, ends.q[i]);
             const bool real = off < (ends.regular[i] ? IMAGINARY : IMAGINARY_SINGULAR);
             if (ends.regular[i] && real) smooth.lanes |= 1u << l;
             // A continuum has its ends anywhere; its real members are looked for from their real parts.
@@ -247,19 +247,9 @@ PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, Se
 
 // ---- starts where nothing else helps ---------------------------------------------------------------------------------------
 
-// Fixed numbers in [-1, 1) that look random (the linear congruence of C's standard example).
-struct Scatter {
-    unsigned seed;
-    STEP double next() {
-        seed = (seed * 1103515245u + 12345u) & 0x7fffffffu;
-        return seed / 1073741824.0 - 1.0;
-    }
-};
-
-// Newton's method from all over the joints' values. Where the arm is singular and a singular solution is known, another one
-// belongs to the same continuum.
+// Newton's method from all over the joints' values.
 PART void search_all_over(const EliminationArm& arm, const Goal<double>& goal, Search& search) {
-    Scatter scatter = {12345u};
+    Scatter scatter = Scatter::number(0);
     for (int from = 0; from < ALL_OVER; from += BLOCK) {
         Candidates starts;
         starts.lanes = (1u << BLOCK) - 1;

@@ -30,14 +30,14 @@ struct Sampled {
     static PART void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
         const Goal<Block> goals = spread<Block>(goal);
         const Block zero = 0.0;
-        std::uint32_t seed = 12345;
+        Scatter scatter = Scatter::number(0);
         for (int k = 0; k < MOST_STARTS && columns.count() < columns.many; k += BLOCK) {
             if (k >= ENOUGH_STARTS && columns.count()) break;
             Block start[6];
             for (int l = 0; l < BLOCK; ++l) {
                 for (int j = 0; j < 6; ++j) {
-                    seed = (seed * 1103515245u + 12345u) & 0x7fffffffu;  // the C standard's example of a generator
-                    start[j].set(l, k + l ? PI * (seed / 1073741824.0 - 1.0) : reference.q[j]);
+                    const double angle = PI * scatter.next();
+                    start[j].set(l, k + l ? angle : reference.q[j]);
                 }
             }
             const Block error =

@@ -92,7 +92,7 @@ def choose(structure: Structure, chain: Chain) -> Plan | None:
     if chain.n < 6:
         return _first(FEW_JOINTS, structure, chain) or axis_added.prepare(structure, chain, of_six)
     if chain.n == 7:
-        return _first(SEVEN_JOINTS, structure, chain) or joint_given.prepare(chain, (_closed_form, _elimination))
+        return _first(SEVEN_JOINTS, structure, chain) or joint_given.prepare(chain, _closed_form, _elimination)
     return of_six(structure, chain)
 
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik._core import Solver, known_poses, try_elimination
+from urdf_ik._core import known_poses, try_elimination
 from urdf_ik.families.parts.values import written_values
 
 if TYPE_CHECKING:
@@ -51,32 +51,27 @@ def elimination_values(chain: Chain, *, near: bool = False) -> dict[str, Any]:
     home[:3, :3], home[:3, 3] = chain.R_tip, chain.P.sum(axis=0)
     to_centre = np.eye(4)
     to_centre[:3, 3] = centre
-    common: dict[str, Any] = {
-        "written": written_values(chain),
-        "home_inverse": np.ascontiguousarray((np.linalg.inv(home) @ to_centre)[:3]),
-        "centre": centre,
-        "scale": scale,
-    }
     rng = np.random.default_rng(0)
     Q = rng.uniform(-math.pi, math.pi, (_KNOWN, 6))
     Q[:, chain.prismatic] *= chain.size / (2.0 * math.pi)
-    rows = _all_variants(H, points, chain.prismatic, rng)
+    written = written_values(chain)
+    common: dict[str, Any] = {
+        "written": written,
+        "home_inverse": np.ascontiguousarray((np.linalg.inv(home) @ to_centre)[:3]),
+        "centre": centre,
+        "scale": scale,
+        "known": known_poses(written, Q, near),
+    }
     targets = chain.fk(Q)
-    few = _best(common, rows, targets[:_FIRST], _FEW)
-    chosen = _best(common, few, targets, 1)
-    return {**common, **chosen, "known": known_poses(common["written"], Q, near)}
+    few = _best(common, _all_variants(H, points, chain.prismatic, rng), targets[:_FIRST], _FEW)
+    return common | _best(common, few, targets, 1)
 
 
 def _best(common: dict[str, Any], rows: dict[str, Any], targets: Array, many: int) -> dict[str, Any]:
     """So many of the variants in ``rows``, those that are certain of most of the poses (m, 4, 4); the best one last."""
-    counts, certain = _tried({**common, **rows}, targets)
+    counts, certain = _tried(common | rows, targets)
     best = np.lexsort((counts.sum(axis=1), certain.sum(axis=1)))[-many:]
     return {name: np.ascontiguousarray(each[best]) for name, each in rows.items()}
-
-
-def doubts(solver: Solver, targets: Array) -> int:
-    """Number of poses (m, 4, 4) of which the elimination alone is not certain."""
-    return int(np.count_nonzero(_tried(solver.values, targets)[1] == 0))
 
 
 def _tried(values: dict[str, Any], targets: Array) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:

@@ -13,12 +13,11 @@ import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.chain.redundancy import locked_joint
-from urdf_ik.families.parts.elimination import doubts
 from urdf_ik.families.parts.family import Plan, RedundantPlan
 from urdf_ik.structure import analyse
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
 
     from numpy.typing import NDArray
 
@@ -28,33 +27,27 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
     Choose = Callable[[Structure, Chain], Plan | None]
 
-# Poses by which the eliminations of both ends are compared: some 10 ms for each end.
-_TRIED = 200
 
-
-def prepare(chain: Chain, choosers: Sequence[Choose]) -> RedundantPlan | None:
+def prepare(chain: Chain, closed_form: Choose, elimination: Choose) -> RedundantPlan | None:
     """The plan that holds the end joint whose six others have the cheaper solver; None where neither has one.
 
     Args:
         chain: seven joints.
-        choosers: find the plan of six joints, the cheaper plans first; what comes later is only asked for where
-            what comes before knows neither end.
+        closed_form: finds the plan of six joints in closed form, or near one.
+        elimination: finds the plan of six joints where neither end has a closed form. Eliminations cost the same: it is
+            the last joint that is held then, if its six others can be solved.
     """
     ends = [(k, chain.lock({chain.joint_names[k]: 0.0})) for k in (6, 0)]
-    for choose in choosers:
-        plans = [(k, plan) for k, rest in ends if (plan := choose(analyse(rest), rest)) is not None]
-        if plans:
-            rests = dict(ends)
-            return _held(chain, *min(plans, key=lambda entry: _cost(entry[1], rests[entry[0]])))
-    return None
+    plans = [(k, plan) for k, rest in ends if (plan := closed_form(analyse(rest), rest)) is not None]
+    if plans:
+        return _held(chain, *min(plans, key=lambda entry: _cost(entry[1])))
+    others = ((k, elimination(analyse(rest), rest)) for k, rest in ends)
+    return next((_held(chain, k, plan) for k, plan in others if plan is not None), None)
 
 
-def _cost(plan: Plan, chain: Chain) -> tuple[int, int]:
-    """Order of the solvers: exact closed form, exact quartic, near an ideal arm; of eliminations the surer one."""
-    if plan.family.by_elimination:
-        # What the elimination's first variant misses without a doubt is rare, and goes along with them.
-        return 3, doubts(plan.solver, chain.fk(np.random.default_rng(0).uniform(-np.pi, np.pi, (_TRIED, 6))))
-    return int(not plan.family.by_quadratics) if plan.is_exact else 2, 0
+def _cost(plan: Plan) -> int:
+    """Order of the closed forms: exact ones, exact ones with a quartic, those near an ideal arm."""
+    return int(not plan.family.by_quadratics) if plan.is_exact else 2
 
 
 def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
