@@ -81,6 +81,10 @@ class VelocityError(UrdfIkError, ValueError):
     """An invalid twist, damping, weight, velocity limit or length."""
 
 
+class PathError(UrdfIkError, ValueError):
+    """Waypoints, a start or a setting of a path that make no sense or do not fit the arm."""
+
+
 class WorkspaceError(UrdfIkError, ValueError):
     """A grid, a question about a workspace, or a file of a map that makes no sense or does not fit."""
 

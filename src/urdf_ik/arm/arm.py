@@ -305,6 +305,12 @@ class Arm(Kinematics):
         near = reference if reference.ndim == 1 else None
         return self.ik(T, near, threads=threads).nearest(reference, within_limits=within_limits)
 
+    def follow(self, T: Any, **options: Any) -> Plan:
+        """stub"""
+        from urdf_ik.motion.follow import follow
+
+        return follow(self, T, **options)
+
     def sweep(self, T: Any, n: int = 64, *, within_limits: bool = False, threads: int = 1) -> Sweep:
         """The solutions of one pose at ``n`` values of the redundancy parameter, and where there are any.
 
