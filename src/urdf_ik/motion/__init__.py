@@ -1,1 +1,1 @@
-"""Following paths and targets: plans over all branches and turns, proven between the waypoints, and tracking."""
+"""Motion of an arm: poses followed as they come, and paths planned as a whole."""
