@@ -95,32 +95,63 @@ static long connect(const GraphJoints& arm, const GraphLayers& layers, const Gra
     return count;
 }
 
-STEP bool exists(const GraphImages& images, int joints, std::int64_t node, long state) {
-    bool inside = true;
-    for (int k = 0; k < joints; ++k) inside &= images.digits[joints * state + k] < images.counts[joints * node + k];
-    return inside;
+// The states whose images lie in a range of each joint, low to high (exclusive): their number, and the states in `out`.
+STEP long states_within(const GraphImages& images, int joints, const int* low, const int* high, int* out) {
+    long count = 1;
+    out[0] = 0;
+    for (int k = 0; k < joints; ++k) {
+        if (low[k] >= high[k]) return 0;
+        const int stride = int(images.strides[k]), base = low[k] * stride;
+        const long before = count;
+        for (int image = high[k] - 1; image >= low[k]; --image) {
+            const int more = image * stride;
+            if (image == low[k]) {
+                for (long s = 0; s < before; ++s) out[s] += base;
+            } else {
+                for (long s = 0; s < before; ++s) out[count++] = out[s] + more;
+            }
+        }
+    }
+    return count;
+}
+
+constexpr int MOST_JOINTS = 16, MOST_STATES = 1024;
+
+// Images whole turns apart: by how many the second of two nodes is ahead, joint by joint; returns what that adds to a state.
+STEP std::int64_t shift_between(const GraphJoints& arm, const double* q, const GraphImages& images, std::int64_t a, std::int64_t b,
+                                int* shift) {
+    const int n = arm.joints;
+    std::int64_t whole = 0;
+    for (int k = 0; k < n; ++k) {
+        shift[k] = arm.counted[k] ? int(turns_between(arm, k, q[n * a + k], q[n * b + k])) : 0;
+        whole += shift[k] * images.strides[k];
+    }
+    return whole;
 }
 
 // Calls each(state of a, state of b) for the images that a motion from node a to node b connects.
 template <class Each>
 STEP void each_passage(const GraphJoints& arm, const double* q, const GraphImages& images, std::int64_t a, std::int64_t b,
                        const Each& each) {
-    const int n = arm.joints;
     if (images.states == 1) return each(0, 0);
-    int shift[16];
-    std::int64_t whole = 0;
+    const int n = arm.joints;
+    int shift[MOST_JOINTS], low[MOST_JOINTS], high[MOST_JOINTS], states[MOST_STATES];
+    const std::int64_t whole = shift_between(arm, q, images, a, b, shift);
     for (int k = 0; k < n; ++k) {
-        shift[k] = arm.counted[k] ? int(turns_between(arm, k, q[n * a + k], q[n * b + k])) : 0;
-        whole += shift[k] * images.strides[k];
+        const int here = images.counts[n * a + k], there = images.counts[n * b + k] - shift[k];
+        low[k] = shift[k] < 0 ? -shift[k] : 0, high[k] = here < there ? here : there;
     }
-    for (long state = 0; state < images.states; ++state) {
-        bool inside = exists(images, n, a, state);
-        for (int k = 0; k < n; ++k) {
-            const int image = images.digits[n * state + k] + shift[k];
-            inside &= image >= 0 && image < images.counts[n * b + k];
-        }
-        if (inside) each(state, long(state + whole));
-    }
+    const long count = states_within(images, n, low, high, states);
+    for (long s = 0; s < count; ++s) each(states[s], states[s] + long(whole));
+}
+
+// Calls each(state) for the images that a node has.
+template <class Each> STEP void each_state(const GraphImages& images, int joints, std::int64_t node, const Each& each) {
+    if (images.states == 1) return each(0);
+    int low[MOST_JOINTS] = {}, high[MOST_JOINTS], states[MOST_STATES];
+    for (int k = 0; k < joints; ++k) high[k] = images.counts[joints * node + k];
+    const long count = states_within(images, joints, low, high, states);
+    for (long s = 0; s < count; ++s) each(states[s]);
 }
 
 struct Best {
@@ -157,7 +188,9 @@ static void cheapest(const GraphJoints& arm, const GraphLayers& layers, const Gr
             ++jump.changes;
         }
         for (std::int64_t a = layers.first[i]; a < layers.first[i + 1]; ++a) {
-            for (long s = 0; s < states; ++s) keep(values, a * states + s, last ? Best{0, 0.0} : jump, last ? -1 : -2);
+            for (long s = 0; s < states; ++s) keep(values, a * states + s, {NO_WAY, INFINITE}, -1);
+            each_state(images, arm.joints, a,
+                       [&](long s) { keep(values, a * states + s, last ? Best{0, 0.0} : jump, last ? -1 : -2); });
             for (std::int64_t e = edges.first[a]; e < edges.first[a + 1]; ++e) {
                 const double cost = edges.cost[e];
                 if (cost == INFINITE) continue;
@@ -168,11 +201,21 @@ static void cheapest(const GraphJoints& arm, const GraphLayers& layers, const Gr
                     if (better(way, best_of(values, a * states + from))) keep(values, a * states + from, way, std::int32_t(e));
                 });
             }
-            for (long s = 0; s < states; ++s) {
-                const std::int64_t at = a * states + s;
-                values.value[at] = exists(images, arm.joints, a, s) ? values.value[at] + values.node[at] : INFINITE;
-            }
+            for (long s = 0; s < states; ++s) values.value[a * states + s] += values.node[a * states + s];
         }
+    }
+}
+
+static void way(const GraphJoints& arm, const GraphLayers& layers, const GraphEdges& edges, const GraphImages& images,
+                const GraphValues& values, std::int64_t state, std::int64_t* passed, std::int64_t* taken) {
+    for (long i = 0; i < layers.waypoints; ++i) {
+        const std::int64_t edge = values.edge[state], node = state / images.states;
+        passed[i] = state, taken[i] = edge;
+        if (edge == -2) state = values.jump[i];
+        if (edge < 0) continue;
+        int shift[MOST_JOINTS];
+        const std::int64_t next = edges.end[edge];
+        state = next * images.states + state % images.states + shift_between(arm, layers.q, images, node, next, shift);
     }
 }
 
@@ -191,6 +234,6 @@ static void spread(const GraphJoints& arm, const GraphLayers& layers, const Grap
 }
 
 extern const GraphFunctions graph_functions;
-const GraphFunctions graph_functions = {images, connect, cheapest, spread};
+const GraphFunctions graph_functions = {images, connect, cheapest, way, spread};
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

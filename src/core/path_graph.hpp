@@ -44,7 +44,7 @@ struct GraphEdges {
 
 // Which images states have: digit k of a state is the image of joint k.
 struct GraphImages {
-    long states;                  // of a node, valid or not
+    long states;                  // of a node, valid or not; at most 1024
     const std::uint8_t* digits;   // (states, joints)
     const std::int64_t* strides;  // (joints) what one image more adds to a state's number
     const std::uint8_t* counts;   // (nodes, joints) images of each node's joints
@@ -66,6 +66,10 @@ struct GraphFunctions {
     long (*connect)(const GraphJoints&, const GraphLayers&, const GraphMotions&, const GraphEdges&, double* scratch);
     // The cheapest way from every state to the last waypoint, from the last to the first.
     void (*cheapest)(const GraphJoints&, const GraphLayers&, const GraphEdges&, const GraphImages&, const GraphValues&);
+    // The states (waypoints) that the cheapest way from a state of the first waypoint passes, and the edges it takes, as in
+    // GraphValues::edge.
+    void (*way)(const GraphJoints&, const GraphLayers&, const GraphEdges&, const GraphImages&, const GraphValues&,
+                std::int64_t state, std::int64_t* passed, std::int64_t* taken);
     // Passes marks (nodes, states) on along the edges, from the first waypoint to the last.
     void (*spread)(const GraphJoints&, const GraphLayers&, const GraphEdges&, const GraphImages&, const double* node,
                    std::uint64_t* marks);

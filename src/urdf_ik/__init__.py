@@ -24,6 +24,7 @@ if TYPE_CHECKING:
         DHError,
         JointVectorError,
         MissingPackage,
+        PathError,
         PlotError,
         PoseError,
         TaskError,
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
         WorkspaceError,
         WorldError,
     )
+    from urdf_ik.motion import Plan, arc, line, polyline
     from urdf_ik.poses import (
         pose,
         to_euler_zyx,
@@ -65,6 +67,8 @@ __all__ = [
     "JointVectorError",
     "Mesh",
     "MissingPackage",
+    "PathError",
+    "Plan",
     "PlotError",
     "Points",
     "PoseError",
@@ -81,8 +85,11 @@ __all__ = [
     "VelocityError",
     "WorkspaceError",
     "WorldError",
+    "arc",
     "compare",
+    "line",
     "load",
+    "polyline",
     "pose",
     "to_euler_zyx",
     "to_quat_wxyz",
@@ -111,6 +118,7 @@ _NAMES = {
         "DHError",
         "JointVectorError",
         "MissingPackage",
+        "PathError",
         "PlotError",
         "PoseError",
         "TaskError",
@@ -120,6 +128,12 @@ _NAMES = {
         "VelocityError",
         "WorkspaceError",
         "WorldError",
+    ),
+    "motion": (
+        "Plan",
+        "arc",
+        "line",
+        "polyline",
     ),
     "poses": (
         "pose",

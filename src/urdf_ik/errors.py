@@ -83,6 +83,8 @@ class VelocityError(UrdfIkError, ValueError):
 
 class PathError(UrdfIkError, ValueError):
     """Waypoints, a start or a setting of a path that make no sense or do not fit the arm."""
+
+
 class WorldError(UrdfIkError, ValueError):
     """A shape or an obstacle that cannot be: a size of zero, a mesh that is missing, a name that is taken."""
 

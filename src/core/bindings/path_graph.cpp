@@ -31,7 +31,8 @@ struct PyPathGraph {
           upper(high.data(), high.data() + high.size()),
           turn(turns.data(), turns.data() + turns.size()),
           counted(images.data(), images.data() + images.size()) {
-        require(upper.size() == lower.size() && turn.size() == lower.size() && counted.size() == lower.size() && lower.size() <= 16);
+        require(upper.size() == lower.size() && turn.size() == lower.size() && counted.size() == lower.size() &&
+                lower.size() <= 16);
     }
 
     std::size_t joints() const { return lower.size(); }
@@ -53,8 +54,8 @@ struct PyPathGraph {
 
     GraphImages images_of(const In<std::uint8_t, 2>& digits, const In<std::int64_t, 1>& strides, const In<std::uint8_t, 2>& counts,
                           std::size_t nodes) const {
-        require(digits.shape(0) && digits.shape(1) == joints() && strides.size() == joints() && counts.shape(0) == nodes &&
-                counts.shape(1) == joints());
+        require(digits.shape(0) && digits.shape(0) <= 1024 && digits.shape(1) == joints() && strides.size() == joints() &&
+                counts.shape(0) == nodes && counts.shape(1) == joints());
         return {long(digits.shape(0)), digits.data(), strides.data(), counts.data()};
     }
 };
@@ -84,11 +85,11 @@ long connect(const PyPathGraph& self, const In<std::int64_t, 1>& first, const In
     return level().graph->connect(self.arm(), layers, motions, edges, scratch.data());
 }
 
-void cheapest(const PyPathGraph& self, const In<std::int64_t, 1>& first, const In<double, 2>& q, const Out<std::int64_t, 1>& edge_first,
-              const Out<std::int32_t, 1>& end, const Out<double, 1>& costs, const In<std::uint8_t, 2>& digits,
-              const In<std::int64_t, 1>& strides, const In<std::uint8_t, 2>& counts, const In<double, 2>& node,
-              const Out<double, 2>& value, const std::optional<Out<std::int32_t, 2>>& changes, const Out<std::int32_t, 2>& edge,
-              const Out<std::int64_t, 1>& jump) {
+void cheapest(const PyPathGraph& self, const In<std::int64_t, 1>& first, const In<double, 2>& q,
+              const Out<std::int64_t, 1>& edge_first, const Out<std::int32_t, 1>& end, const Out<double, 1>& costs,
+              const In<std::uint8_t, 2>& digits, const In<std::int64_t, 1>& strides, const In<std::uint8_t, 2>& counts,
+              const In<double, 2>& node, const Out<double, 2>& value, const std::optional<Out<std::int32_t, 2>>& changes,
+              const Out<std::int32_t, 2>& edge, const Out<std::int64_t, 1>& jump) {
     const GraphLayers layers = self.layers(first, q);
     const GraphEdges edges = self.edges(edge_first, end, costs, q.shape(0));
     const GraphImages images = self.images_of(digits, strides, counts, q.shape(0));
@@ -100,10 +101,25 @@ void cheapest(const PyPathGraph& self, const In<std::int64_t, 1>& first, const I
     level().graph->cheapest(self.arm(), layers, edges, images, values);
 }
 
-void spread(const PyPathGraph& self, const In<std::int64_t, 1>& first, const In<double, 2>& q, const Out<std::int64_t, 1>& edge_first,
-            const Out<std::int32_t, 1>& end, const Out<double, 1>& costs, const In<std::uint8_t, 2>& digits,
-            const In<std::int64_t, 1>& strides, const In<std::uint8_t, 2>& counts, const In<double, 2>& node,
-            const Out<std::uint64_t, 2>& marks) {
+void way(const PyPathGraph& self, const In<std::int64_t, 1>& first, const In<double, 2>& q, const Out<std::int64_t, 1>& edge_first,
+         const Out<std::int32_t, 1>& end, const Out<double, 1>& costs, const In<std::uint8_t, 2>& digits,
+         const In<std::int64_t, 1>& strides, const In<std::uint8_t, 2>& counts, const Out<std::int32_t, 2>& edge,
+         const Out<std::int64_t, 1>& jump, std::int64_t state, const Out<std::int64_t, 1>& passed,
+         const Out<std::int64_t, 1>& taken) {
+    const GraphLayers layers = self.layers(first, q);
+    const GraphEdges edges = self.edges(edge_first, end, costs, q.shape(0));
+    const GraphImages images = self.images_of(digits, strides, counts, q.shape(0));
+    const std::size_t waypoints = first.size() - 1;
+    require(edge.size() == q.shape(0) * digits.shape(0) && jump.size() == waypoints && passed.size() == waypoints);
+    require(taken.size() == waypoints && state >= 0 && std::size_t(state) < edge.size());
+    const GraphValues values = {nullptr, nullptr, nullptr, edge.data(), jump.data()};
+    level().graph->way(self.arm(), layers, edges, images, values, state, passed.data(), taken.data());
+}
+
+void spread(const PyPathGraph& self, const In<std::int64_t, 1>& first, const In<double, 2>& q,
+            const Out<std::int64_t, 1>& edge_first, const Out<std::int32_t, 1>& end, const Out<double, 1>& costs,
+            const In<std::uint8_t, 2>& digits, const In<std::int64_t, 1>& strides, const In<std::uint8_t, 2>& counts,
+            const In<double, 2>& node, const Out<std::uint64_t, 2>& marks) {
     const GraphLayers layers = self.layers(first, q);
     const GraphEdges edges = self.edges(edge_first, end, costs, q.shape(0));
     const GraphImages images = self.images_of(digits, strides, counts, q.shape(0));
@@ -123,8 +139,11 @@ void add_path_graph(nb::module_& m) {
              nb::arg("window"), nb::arg("cost"), nb::arg("weights"), nb::arg("scale"), nb::arg("edge_first"), nb::arg("end"),
              nb::arg("costs"))
         .def("cheapest", &cheapest, nb::arg("first"), nb::arg("q"), nb::arg("edge_first"), nb::arg("end"), nb::arg("costs"),
-             nb::arg("digits"), nb::arg("strides"), nb::arg("counts"), nb::arg("node"), nb::arg("value"),
-             nb::arg("changes").none(), nb::arg("edge"), nb::arg("jump"))
+             nb::arg("digits"), nb::arg("strides"), nb::arg("counts"), nb::arg("node"), nb::arg("value"), nb::arg("changes").none(),
+             nb::arg("edge"), nb::arg("jump"))
+        .def("way", &way, nb::arg("first"), nb::arg("q"), nb::arg("edge_first"), nb::arg("end"), nb::arg("costs"),
+             nb::arg("digits"), nb::arg("strides"), nb::arg("counts"), nb::arg("edge"), nb::arg("jump"), nb::arg("state"),
+             nb::arg("passed"), nb::arg("taken"))
         .def("spread", &spread, nb::arg("first"), nb::arg("q"), nb::arg("edge_first"), nb::arg("end"), nb::arg("costs"),
              nb::arg("digits"), nb::arg("strides"), nb::arg("counts"), nb::arg("node"), nb::arg("marks"));
 }

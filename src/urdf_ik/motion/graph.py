@@ -249,28 +249,14 @@ class Graph:
 
     def way(self, state: int) -> Way:
         """The cheapest way on from a state of the first waypoint."""
-        states = len(self.joints.digits)
-        nodes, images, edges = [], [], []
-        value, edge = self.edge.reshape(-1), self.end
-        for at in range(len(self.layers.T)):
-            node, image = divmod(state, states)
-            nodes.append(node)
-            images.append(image)
-            taken = int(value[state])
-            edges.append(taken)
-            if taken == CHANGE:
-                state = int(self.jump[at])
-            elif taken >= 0:
-                state = int(edge[taken]) * states + self._image_after(node, image, int(edge[taken]))
-        return Way(self, np.array(nodes), np.array(images), np.array(edges[:-1], dtype=np.int64))
-
-    def _image_after(self, node: int, image: int, then: int) -> int:
-        if len(self.joints.digits) == 1:
-            return 0
-        turn = self.joints.turn
-        apart = self.layers.q[node] - self.layers.q[then]
-        shift = np.where(self.joints.counted, np.round(apart / np.where(turn > 0.0, turn, 1.0)), 0.0)
-        return image + int(shift @ self.joints.strides)
+        m = len(self.layers.T)
+        passed, taken = np.empty(m, np.int64), np.empty(m, np.int64)
+        self.joints.core.way(
+            self.layers.first, self.layers.q, self.edge_first, self.end, self.cost, self.joints.digits,
+            self.joints.strides, self.layers.counts, self.edge, self.jump, state, passed, taken,
+        )  # fmt: skip
+        nodes, images = np.divmod(passed, len(self.joints.digits))
+        return Way(self, nodes, images, taken[:-1])
 
     def reached(self, marks: NDArray[np.uint64]) -> NDArray[np.uint64]:
         """Marks (N, states) of the first waypoint's states, passed on along all edges."""

@@ -85,11 +85,11 @@ def read(
     names = arm.joint_names
     if cost not in (*COSTS, "time"):
         raise PathError(f"cost={cost!r} given; there are {', '.join(map(repr, (*COSTS, 'time')))}")
-    factors = np.ones(len(names)) if weights is None else _each_joint("weights", weights, names, zero=True)
+    factors = np.ones(len(names)) if weights is None else each_joint("weights", weights, names, zero=True)
     kind = COSTS.index("max" if cost == "time" else cost)
     if cost == "time":
         factors = factors / velocities(arm)
-    steps = np.full(len(names), np.inf) if max_step is None else _each_joint("max_step", max_step, names)
+    steps = np.full(len(names), np.inf) if max_step is None else each_joint("max_step", max_step, names)
     if not (np.isfinite(margins) and margins >= 0.0):
         raise PathError(f"margins={margins} given; zero or a positive number is needed")
     return Settings(
@@ -115,7 +115,7 @@ def velocities(arm: Arm) -> Array:
     return limits
 
 
-def _each_joint(name: str, value: Any, names: tuple[str, ...], *, zero: bool = False) -> Array:
+def each_joint(name: str, value: Any, names: tuple[str, ...], *, zero: bool = False) -> Array:
     try:
         numbers = np.broadcast_to(np.asarray(value, dtype=np.float64), (len(names),)).copy()
     except (TypeError, ValueError):

@@ -13,7 +13,6 @@ from urdf_ik.motion.straight import keeps_straight
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from urdf_ik.motion.graph import Graph
     from urdf_ik.motion.search import Search
     from urdf_ik.motion.settings import Settings
 
