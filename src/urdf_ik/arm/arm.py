@@ -23,12 +23,12 @@ from urdf_ik.tasks import Targets, control_of
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from urdf_ik import motion
     from urdf_ik._core import Solver
     from urdf_ik.chain import Chain
     from urdf_ik.chain.plane import Plane
     from urdf_ik.chain.redundancy import Redundancy
     from urdf_ik.collision import CollisionModel, Motions, Nearest, World
-    from urdf_ik.motion.plan import Plan
     from urdf_ik.redundancy import Sweep
     from urdf_ik.tasks import Control
     from urdf_ik.urdf import UrdfModel
@@ -393,7 +393,7 @@ class Arm(Kinematics):
         max_step: ArrayLike | None = None,
         tolerance: tuple[float, float] | None = None,
         reconfigure: bool = False,
-    ) -> Plan:
+    ) -> motion.Plan:
         """The cheapest joint motion along a path, over all branches and turns, without a jump.
 
         From waypoint to waypoint the joints move linearly, and the tip is proven to keep within a tolerance of the

@@ -32,9 +32,9 @@ if TYPE_CHECKING:
 FINEST = 6
 """How often a segment is cut in halves until the motions on it are proven or ruled out."""
 WIDEST = 0.5 * np.pi
-"""rad: the greatest step over a whole segment that may be one motion; over a half, a quarter ... it must be smaller."""
+"""rad: the greatest step over a whole segment that may be one motion; over half of it, less."""
 SHRINKS = 0.75
-"""What the greatest step shrinks by when a segment is cut in halves. At a fold a motion shrinks by the root of a half."""
+"""What the greatest step shrinks by when a segment is cut in halves. At a fold it shrinks by the root of a half."""
 COARSE_TURN, COARSE_MOVE = 0.5, 0.15
 """rad and share of the arm's size: longer segments are cut before anything is looked at."""
 
@@ -101,7 +101,9 @@ def made(settings: Settings, path: Array, refined: Refined, search: Search, way:
     for k in np.flatnonzero(way.edges == CHANGE):
         waypoint = int(np.ceil(refined.place[k + 1]))
         free = None if search.obstacles is None else bool(search.obstacles.motions_free(q[k][None], q[k + 1][None])[0])
-        changes.append(Change(waypoint, names[layers.column[way.nodes[k]]], names[layers.column[way.nodes[k + 1]]], free))
+        changes.append(
+            Change(waypoint, names[layers.column[way.nodes[k]]], names[layers.column[way.nodes[k + 1]]], free)
+        )
     states = len(graph.joints.digits)
     value = float(graph.value.reshape(-1)[way.nodes[0] * states + way.images[0]])
 
@@ -197,7 +199,7 @@ def cut_coarse(
 
 
 def _to_cut(graph: Graph, refined: Refined) -> Ints:
-    """Segments with a node that leads nowhere although its nearest successor may be its own: these are looked at closer."""
+    """Segments with a node that leads nowhere although the nearest of the next waypoint may be its successor."""
     layers, joints = graph.layers, graph.joints
     alive = np.isfinite(graph.cost)
     leads = np.zeros(len(layers.q), dtype=np.bool_)

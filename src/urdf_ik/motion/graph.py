@@ -1,7 +1,7 @@
-"""The graph of a path: at each waypoint all joint vectors that reach it, between waypoints the motions that may follow it.
+"""The graph of a path: the joint vectors that reach each waypoint, and the motions between them that may follow it.
 
-A node is a solution of a waypoint, standing for all of its images whole turns apart inside the joint limits; a state is a
-node with one of these images. An edge is a motion from a node to one of the next waypoint; which image leads to which
+A node is a solution of a waypoint, standing for all of its images whole turns apart inside the joint limits; a state is
+a node with one of these images. An edge is a motion from a node to one of the next waypoint; which image leads to which
 follows from the nodes. The cheapest way from every state to the last waypoint is found by dynamic programming (Bellman
 1957), in the compiled core.
 """
@@ -35,8 +35,9 @@ MOST_STATES = 1024
 COSTS = ("l1", "l2", "max")
 """Sum of |dq|, sum of dq^2, largest |dq|, as the compiled core counts them."""
 KEPT_APART = 3.0
-"""An edge is looked at where J dq is off the twist by at most so many times what the tolerance allows a small motion."""
-WAYS_ON, END, CHANGE = 0, -1, -2
+"""An edge is looked at where J dq is off the twist by so many times what the tolerance allows a small motion."""
+CHANGE = -2
+"""Stands for an edge where the branch is changed."""
 
 
 @dataclass(frozen=True)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from urdf_ik.motion.graph import Layers
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
@@ -43,15 +45,22 @@ class Nodes(NamedTuple):
     singular: Mask
 
     def __add__(self, other: Nodes) -> Nodes:  # type: ignore[override]
-        return Nodes(*(np.concatenate(pair) for pair in zip(self, other, strict=True)))
+        return joined((self, other))
 
     def chosen(self, which: Mask | Ints) -> Nodes:
         """Some of them."""
-        return Nodes(*(part[which] for part in self))
+        parts: list[Any] = [part[which] for part in self]
+        return Nodes(*parts)
 
     def layers(self, T: Array) -> Layers:
         """As layers of waypoints (m, 4, 4)."""
         return Layers.made(T, self.at, self.q, self.counts, self.column, self.value)
+
+
+def joined(parts: Sequence[Nodes]) -> Nodes:
+    """All nodes of several sets."""
+    columns: list[Any] = [np.concatenate(each) for each in zip(*parts, strict=True)]
+    return Nodes(*columns)
 
 
 def solved(arm: Arm, joints: Joints, T: Array, at: Ints, values: Array | None, *, outside: bool = False) -> Nodes:
@@ -71,7 +80,7 @@ def solved(arm: Arm, joints: Joints, T: Array, at: Ints, values: Array | None, *
     for k in range(0, len(at), share):
         here = slice(k, k + share)
         parts.append(_solved(arm, joints, T, at[here], None if values is None else values[here], outside))
-    return Nodes(*(np.concatenate(each) for each in zip(*parts, strict=True)))
+    return joined(parts)
 
 
 def _solved(arm: Arm, joints: Joints, T: Array, at: Ints, values: Array | None, outside: bool) -> Nodes:
@@ -88,7 +97,7 @@ def _solved(arm: Arm, joints: Joints, T: Array, at: Ints, values: Array | None, 
     q, counts = joints.images(solutions.q[valid])
     column = np.broadcast_to(np.arange(valid.shape[-1]), valid.shape)[valid]
     nodes = Nodes(where[valid], q, counts, column, at_value[valid], solutions.singular[valid] > 0)
-    return nodes if outside else nodes.chosen(counts.all(axis=1))
+    return nodes if outside else nodes.chosen(np.flatnonzero(counts.all(axis=1)))
 
 
 def at_vector(arm: Arm, joints: Joints, q: Array, at: int, value: float, column: int) -> Nodes:
@@ -118,7 +127,7 @@ def with_representatives(arm: Arm, joints: Joints, T: Array, nodes: Nodes) -> No
         for at in path:
             if 0 <= at + step < len(T):
                 _continue(arm, joints, T[at], int(at), layers[at], layers[at + step])
-    return Nodes(*(np.concatenate(each) for each in zip(*(part for layer in layers for part in layer), strict=True)))
+    return joined([part for layer in layers for part in layer])
 
 
 def _continue(arm: Arm, joints: Joints, T: Array, at: int, here: list[Nodes], beside: list[Nodes]) -> None:
@@ -141,7 +150,11 @@ def _continue(arm: Arm, joints: Joints, T: Array, at: int, here: list[Nodes], be
         known = np.concatenate([known, q[nearest : nearest + 1]])
         here.append(
             Nodes(
-                np.array([at]), q[nearest : nearest + 1], counts[nearest : nearest + 1], column[nearest : nearest + 1],
-                np.zeros(1), np.ones(1, dtype=np.bool_),
+                np.array([at]),
+                q[nearest : nearest + 1],
+                counts[nearest : nearest + 1],
+                column[nearest : nearest + 1],
+                np.zeros(1),
+                np.ones(1, dtype=np.bool_),
             )  # fmt: skip
         )

@@ -1,4 +1,4 @@
-"""Paths of arms with a redundancy parameter: a coarse grid of its values finds the way, ever finer ones around it improve it."""
+"""Paths of arms with a redundancy parameter: a coarse grid of its values finds the way, finer ones improve it."""
 
 from __future__ import annotations
 
@@ -87,9 +87,14 @@ def _first(settings: Settings, refined: Refined, count: int) -> tuple[Search, fl
     grid = np.linspace(low, high, count, endpoint=not parameter.round)
     m = len(refined.T)
     everything = node_sets.solved(
-        settings.arm, settings.joints, refined.T, np.arange(m), np.broadcast_to(grid, (m, count)), outside=count > GRIDS[0]
+        settings.arm,
+        settings.joints,
+        refined.T,
+        np.arange(m),
+        np.broadcast_to(grid, (m, count)),
+        outside=count > GRIDS[0],
     )
-    nodes = everything.chosen(everything.counts.all(axis=1))
+    nodes = everything.chosen(np.flatnonzero(everything.counts.all(axis=1)))
     if count > GRIDS[0]:
         nodes += narrow(settings, refined.T, everything, grid)
     nodes = _ends(settings, refined, nodes)
@@ -177,12 +182,14 @@ def _around(settings: Settings, refined: Refined, guide: Guide, step: float, las
     nodes = node_sets.solved(arm, joints, refined.T, np.arange(len(refined.T)), values)
     apart = np.abs(joints.step(guide.q[nodes.at], nodes.q))[:, joints.turn > 0.0].max(axis=1, initial=0.0)
     nodes = _ends(settings, refined, nodes.chosen(apart < STEPS))
-    graph = priced(settings, refined, nodes.layers(refined.T), settings.tolerance if last else _loosened(settings, step))
+    graph = priced(
+        settings, refined, nodes.layers(refined.T), settings.tolerance if last else _loosened(settings, step)
+    )
     return Search(graph, settings.tolerance if last else None, settings.obstacles, reconfigure=settings.reconfigure)
 
 
 def _loosened(settings: Settings, step: float) -> Tolerance:
-    """How far a motion on a grid may stray that is not the last: what it strays by falls with the square of the step."""
+    """How far a motion may stray on a grid that is not the last: it falls with the square of the step."""
     size = settings.arm.chain.size
     return Tolerance(
         max(settings.tolerance.position, min(STRAYS.position, 2.0 * step * step) * size),

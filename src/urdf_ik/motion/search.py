@@ -1,9 +1,9 @@
 """The cheapest way through a graph that keeps to the path and clear of obstacles.
 
-Motions are proven and obstacles are asked about only where the cheapest way passes: what fails is ruled out, and the way is
-found anew. As a way's cost only grows when others are ruled out, the first one that passes is the best of all (Dellin and
-Srinivasa, "A unifying formalism for shortest path problems with expensive edge evaluations via lazy best-first search",
-ICAPS 2016).
+Motions are proven and obstacles are asked about only where the cheapest way passes: what fails is ruled out, and the
+way is found anew. Ruling out makes no other way cheaper, so the first one that passes is the best of all (Dellin and
+Srinivasa, "A unifying formalism for shortest path problems with expensive edge evaluations via lazy best-first
+search", ICAPS 2016).
 """
 
 from __future__ import annotations
@@ -84,7 +84,9 @@ class Search:
         """Prove all edges of the segments in which one failed: the next cheapest way most likely takes one of them."""
         assert self.tolerance is not None  # who proves nothing finds nothing failing
         layers, first = self.graph.layers, self.graph.edge_first
-        segments = np.unique(np.searchsorted(layers.first, np.searchsorted(first, failed, side="right") - 1, side="right") - 1)
+        segments = np.unique(
+            np.searchsorted(layers.first, np.searchsorted(first, failed, side="right") - 1, side="right") - 1
+        )
         for k in segments:
             self.graph.prove(np.arange(first[layers.first[k]], first[layers.first[k + 1]]), self.tolerance)
 

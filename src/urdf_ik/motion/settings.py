@@ -105,7 +105,7 @@ def velocities(arm: Arm) -> Array:
     Raises:
         PathError: a joint has none.
     """
-    found = {joint.name: joint.velocity for joint in arm.model.joints.values()}
+    found = {joint.name: joint.velocity for joint in arm.model.joints}
     limits = np.array([found.get(name) or np.nan for name in arm.joint_names], dtype=np.float64)
     if missing := [name for name, limit in zip(arm.joint_names, limits, strict=True) if not limit > 0.0]:
         raise PathError(
@@ -116,6 +116,11 @@ def velocities(arm: Arm) -> Array:
 
 
 def each_joint(name: str, value: Any, names: tuple[str, ...], *, zero: bool = False) -> Array:
+    """A positive number for each joint, from one number or from n.
+
+    Raises:
+        PathError: ``value`` is neither.
+    """
     try:
         numbers = np.broadcast_to(np.asarray(value, dtype=np.float64), (len(names),)).copy()
     except (TypeError, ValueError):

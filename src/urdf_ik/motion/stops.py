@@ -89,7 +89,9 @@ def _stop(settings: Settings, search: Search, T: Array, last: int, nodes: Ints, 
     candidates = _solutions(settings, T, last + 1, None if arm.redundancy is None else np.unique(values))
     if not len(candidates.q):
         if arm.redundancy is not None and len(_solutions(settings, T, last + 1, _all_values(settings)).q):
-            return "jump", "its solutions end here: the next waypoint has none at this value of " + str(arm.redundancy.joint)
+            return "jump", "its solutions end here: the next waypoint has none at this value of " + str(
+                arm.redundancy.joint
+            )
         return "reach", f"out of reach: {arm.explain(T[last + 1])}"
     found = {}
     nearest_jump = np.inf
@@ -106,7 +108,8 @@ def _stop(settings: Settings, search: Search, T: Array, last: int, nodes: Ints, 
             if size[k] < nearest_jump:
                 nearest_jump = float(size[k])
                 joint = arm.joint_names[int(np.argmax(np.abs(steps[k])))]
-                found["jump"] = f"its solutions end here: the nearest one of the next waypoint is a jump of {_amount(settings, joint, size[k])} in {joint}"
+                amount = _value(settings, joint, size[k])
+                found["jump"] = f"its solutions end here: the next waypoint's nearest is a jump of {amount} in {joint}"
             continue
         after = q + steps[k]
         low, high = arm.limits.T
@@ -144,7 +147,8 @@ def _limits(settings: Settings, q: Array, before: Array, outside: NDArray[np.boo
         joint = settings.arm.joint_names[k]
         beyond = q[k] > 0.5 * (low[k] + high[k])
         limit = high[k] if beyond else low[k]
-        parts.append(f"{joint} would have to be at {_value(settings, joint, q[k])}, its limit is {_value(settings, joint, limit)}")
+        wanted, most = _value(settings, joint, q[k]), _value(settings, joint, limit)
+        parts.append(f"{joint} would have to be at {wanted}, its limit is {most}")
     return "; ".join(parts)
 
 
@@ -164,7 +168,3 @@ def _contact(search: Search, q: Array, before: Array | None = None) -> str:
 def _value(settings: Settings, joint: str, x: float) -> str:
     slides = settings.arm.chain.prismatic[settings.arm.joint_names.index(joint)]
     return f"{x:.4g} m" if slides else f"{np.degrees(x):.4g}°"
-
-
-def _amount(settings: Settings, joint: str, x: float) -> str:
-    return _value(settings, joint, float(x))

@@ -1,12 +1,12 @@
-"""How far the tip strays from the straight segment between two waypoints while the joints move linearly: proven bounds.
+"""How far the tip strays from the straight segment between waypoints while the joints move linearly: proven bounds.
 
 Let e(s) be the difference between the tip's position while the joints move by s dq and the point on the segment at the
 share s. It vanishes at both ends, and its second derivative is that of the tip's position, at most
-sum over joints j <= k of (2 - [j = k]) |dq_j| |dq_k| r_k, where r_k is the greatest distance of the tip from axis k (1 where
-joint k slides, 0 where joint j does). A function that is at most E at the ends of a piece of length h and whose second
-derivative is at most M is at most E + M h^2 / 8 on it. The same holds for the matrix R_segment(s)^T R(s), whose second
-derivative is at most w^2 + w', w being the greatest difference of the two angular velocities and w' that of its rate;
-its distance from the identity is 2 sin(angle / 2).
+sum over joints j <= k of (2 - [j = k]) |dq_j| |dq_k| r_k, where r_k is the greatest distance of the tip from axis k; 1
+where joint k slides, 0 where joint j does. A function that is at most E at the ends of a piece of length h and whose
+second derivative is at most M is at most E + M h^2 / 8 on it. The same holds for the matrix R_segment(s)^T R(s), whose
+second derivative is at most w^2 + w', w being the greatest difference of the two angular velocities and w' that of its
+rate; its distance from the identity is 2 sin(angle / 2).
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     Mask = NDArray[np.bool_]
 
 PROVEN = 0.25
-"""Share of a tolerance that the bound between two samples may take; the samples themselves must keep within the rest."""
+"""Share of a tolerance that the bound between two samples may take; the samples must keep within the rest."""
 MOST_PIECES = 256
 """A motion that needs more samples counts as one that strays."""
 _BATCH = 1 << 15
@@ -86,7 +86,7 @@ def keeps_straight(
         straight[here[within & done]] = True
         undecided[here[~within | done]] = False
         count *= 2
-    return straight
+    return np.asarray(straight)
 
 
 def curvature(chain: Chain, q: Array, dq: Array, turn: Array) -> tuple[Array, Array]:

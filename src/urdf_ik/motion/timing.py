@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass
+from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
@@ -88,8 +89,7 @@ def timed(plan: Plan, velocity: Any = None, acceleration: Any = None, *, dt: flo
 
 
 def _toppra(q: Array, place: Array, v: Array, a: Array, dt: float) -> Timed:
-    import toppra
-
+    toppra: Any = import_module("toppra")  # which says nothing of its types
     toppra.setup_logging("ERROR")
     logging.getLogger("toppra").setLevel(logging.ERROR)
     path = toppra.SplineInterpolator(place, q)
@@ -97,11 +97,13 @@ def _toppra(q: Array, place: Array, v: Array, a: Array, dt: float) -> Timed:
         toppra.constraint.JointVelocityConstraint(np.column_stack([-v, v])),
         toppra.constraint.JointAccelerationConstraint(np.column_stack([-a, a])),
     ]
-    grid = np.unique(np.concatenate([np.linspace(x, y, _GRID_POINTS, endpoint=False) for x, y in zip(place, place[1:])]))
-    solver = toppra.algorithm.TOPPRA(limits, path, gridpoints=np.append(grid, place[-1]))
+    between = np.linspace(place[:-1], place[1:], _GRID_POINTS, endpoint=False)
+    solver = toppra.algorithm.TOPPRA(limits, path, gridpoints=np.append(np.unique(between), place[-1]))
     found = solver.compute_trajectory(0.0, 0.0)
     if found is None:
-        raise PathError("no timing keeps within the limits of velocity and acceleration: the path has a corner; blend it")
+        raise PathError(
+            "no timing keeps within the limits of velocity and acceleration: the path has a corner; blend it"
+        )
     t = _times(found.duration, dt)
     return Timed(t, found(t), found(t, 1), found(t, 2), "TOPP-RA")
 
@@ -115,14 +117,11 @@ def _scaled(q: Array, place: Array, v: Array, a: Array, dt: float) -> Timed:
     change = np.gradient(speed, t, axis=0)
     duration = max((np.abs(speed) / v).max(), np.sqrt((np.abs(change) / a).max()))
     times = _times(float(duration), dt)
-    return Timed(
-        times,
-        *(
-            np.column_stack([np.interp(times / duration, t, column) for column in each.T])
-            for each in (samples, speed / duration, change / duration**2)
-        ),
-        "scaled",
-    )
+
+    def at(columns: Array) -> Array:
+        return np.column_stack([np.interp(times / duration, t, column) for column in columns.T])
+
+    return Timed(times, at(samples), at(speed / duration), at(change / duration**2), "scaled")
 
 
 def _times(duration: float, dt: float) -> Array:

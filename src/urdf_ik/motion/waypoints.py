@@ -49,7 +49,7 @@ def interpolated(T0: Array, T1: Array, share: Array, turn: Array | None = None) 
     x, y, z = np.moveaxis(turn / np.where(angle > 0.0, angle, 1.0)[..., None], -1, 0)
     sine, cosine = np.sin(angle * share), np.cos(angle * share)
     versine = 1.0 - cosine
-    out = np.zeros((*np.broadcast_shapes(T0.shape[:-2], T1.shape[:-2], np.shape(share)), 4, 4))
+    out: Array = np.zeros((*np.broadcast_shapes(T0.shape[:-2], T1.shape[:-2], np.shape(share)), 4, 4))
     # Rodrigues' formula, row by row.
     R = np.empty((*sine.shape, 3, 3))
     R[..., 0, 0], R[..., 1, 1], R[..., 2, 2] = (cosine + each * each * versine for each in (x, y, z))
@@ -181,8 +181,9 @@ def polyline(poses: Any, step: float = 0.01, *, blend: float = 0.0, turn: float 
     lengths = np.linalg.norm(apart[:, :3], axis=1)
     # Where a leg begins and ends being straight, as shares of it.
     shares = np.divide(blend, lengths, out=np.zeros_like(lengths), where=lengths > 0.0).clip(0.0, 0.5)
+    angles = np.linalg.norm(apart[:, 3:], axis=1)
     legs: list[Array] = []
-    for k, (length, rotation) in enumerate(zip(lengths, np.linalg.norm(apart[:, 3:], axis=1), strict=True)):
+    for k, (length, rotation) in enumerate(zip(lengths.tolist(), angles.tolist(), strict=True)):
         low, high = (shares[k] if k else 0.0), 1.0 - (shares[k] if k + 1 < len(lengths) else 0.0)
         pieces = max(1, int(np.ceil((high - low) * max(length / step, rotation / turn) - 1e-9)))
         straight = interpolated(corners[k], corners[k + 1], np.linspace(low, high, pieces + 1))
@@ -190,7 +191,7 @@ def polyline(poses: Any, step: float = 0.01, *, blend: float = 0.0, turn: float 
         if k + 1 < len(lengths) and shares[k]:
             after = interpolated(corners[k + 1], corners[k + 2], np.array(shares[k + 1]))
             size = twists(straight[-1], after)
-            pieces = max(2, int(np.ceil(max(2.0 * blend / step, np.linalg.norm(size[3:]) / turn))))
+            pieces = max(2, int(np.ceil(max(2.0 * blend / step, float(np.linalg.norm(size[3:])) / turn))))
             u = np.linspace(0.0, 1.0, pieces + 1)[1:-1]
             inwards = interpolated(straight[-1], corners[k + 1], u)
             legs.append(interpolated(inwards, interpolated(corners[k + 1], after, u), u))
