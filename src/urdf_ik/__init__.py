@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from urdf_ik.arm import Arm, load
     from urdf_ik.chain import Chain
     from urdf_ik.collision.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Points, Sphere
+    from urdf_ik.collision.world import World
     from urdf_ik.comparison import Comparison, compare
     from urdf_ik.dh import DHTable
     from urdf_ik.errors import (
@@ -80,6 +81,7 @@ __all__ = [
     "UrdfIkError",
     "VelocityError",
     "WorkspaceError",
+    "World",
     "WorldError",
     "compare",
     "load",
@@ -99,6 +101,7 @@ _NAMES = {
     ),
     "chain": ("Chain",),
     "collision.shapes": ("Box", "Capsule", "Cylinder", "HalfSpace", "Mesh", "Points", "Sphere"),
+    "collision.world": ("World",),
     "comparison": (
         "Comparison",
         "compare",

@@ -10,18 +10,27 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from urdf_ik.collision.model import ALWAYS, SAMPLES, SEED, CollisionModel, Nearest
+    from urdf_ik.collision.swept import Motions
+    from urdf_ik.collision.table import Table
+    from urdf_ik.collision.world import Obstacle, World
 
 __all__ = [
     "ALWAYS",
     "SAMPLES",
     "SEED",
     "CollisionModel",
+    "Motions",
     "Nearest",
+    "Obstacle",
+    "Table",
+    "World",
 ]
+
+_MODULE = {"Motions": "swept", "Obstacle": "world", "Table": "table", "World": "world"}
 
 
 def __getattr__(name: str) -> Any:
     """A public name, or a module of this package."""
     if name in __all__:
-        return getattr(import_module(f"{__name__}.model"), name)
+        return getattr(import_module(f"{__name__}.{_MODULE.get(name, 'model')}"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

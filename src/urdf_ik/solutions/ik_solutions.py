@@ -15,9 +15,8 @@ from urdf_ik.solutions.turn_names import suffix, turned_branches
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from urdf_ik.solutions.solved_arm import Collisions
-
     Array = NDArray[np.float64]
+
 
 class IKSolutions(KeptSolutions):
     """The solutions of one pose or of a batch of poses, one column a branch.
@@ -188,24 +187,23 @@ class IKSolutions(KeptSolutions):
             scores[places] = arm.clearance(vectors, world)
         return scores
 
-    def collision_free(self, model: Collisions | None = None, margin: float = 0.0) -> IKSolutions:
-        """The solutions in which the arm collides with nothing.
+    def collision_free(self, world: Any = None, margin: float = 0.0) -> IKSolutions:
+        """The solutions in which the arm touches neither itself nor an obstacle, by ``arm.collision_model``.
 
         Args:
-            model: what to ask, ``in_collision`` or ``distance`` of (k, n) joint vectors; default: the arm's
-                self-collision, ``arm.collision_model``.
+            world: the :class:`urdf_ik.World` around the arm; default: none, only the arm itself.
             margin: m that the bodies must stay apart.
 
         Raises:
-            ArgumentError: ``margin`` is negative or not finite, or the URDF has no collision shapes.
+            ArgumentError: ``margin`` is negative or not finite.
+            UrdfError: the URDF has no collision shapes, or not all of them were found.
+            WorldError: an obstacle's mesh cannot be read, or it has the name of a link.
         """
         if not 0.0 <= margin < np.inf:
             raise ArgumentError(f"a margin of {margin} given; it must be zero or a positive number of m")
-        body = self.arm.collision_model if model is None else model
         q, info = self._q.copy(), self._info.copy()
         places = np.nonzero(info & 1)
-        vectors = q[places]
-        hits = np.asarray(body.distance(vectors) < margin if margin else body.in_collision(vectors), dtype=np.bool_)
+        hits = np.asarray(self.arm.collision_model.in_world(world).in_collision(q[places], margin), dtype=np.bool_)
         dropped = tuple(place[hits] for place in places)
         q[dropped], info[dropped] = np.nan, 0
         return self._derived(q, info, self._branches, Step("collision", self, amount=margin))
@@ -256,4 +254,3 @@ class IKSolutions(KeptSolutions):
 
     def _derived(self, q: Array, info: NDArray[np.uint8], branches: tuple[str, ...], step: Step) -> IKSolutions:
         return IKSolutions(self.arm, self._poses, q, info, branches, None, step, self._redundancy)
-

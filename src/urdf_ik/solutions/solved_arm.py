@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 class Collisions(Protocol):
     """What ``collision_free`` asks whether the arm touches anything."""
 
-    def in_collision(self, q: NDArray[np.float64]) -> Any:
-        """(k, n) rad or m to (k,): whether two bodies touch or overlap."""
+    def in_collision(self, q: NDArray[np.float64], margin: float = 0.0) -> Any:
+        """(k, n) rad or m to (k,): whether two bodies come within a margin [m]."""
 
-    def distance(self, q: NDArray[np.float64]) -> Any:
-        """(k, n) rad or m to (k,) m: how far the nearest two bodies are apart."""
+    def in_world(self, world: Any) -> Collisions:
+        """The same among the obstacles of a world, or itself for None."""
 
 
 class Control(Protocol):
