@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from urdf_ik.chain.redundancy import Redundancy
     from urdf_ik.collision import CollisionModel, Motions, Nearest, World
     from urdf_ik.redundancy import Sweep
+    from urdf_ik.solutions.select import Metric
     from urdf_ik.tasks import Control
     from urdf_ik.urdf import UrdfModel
 
@@ -346,15 +347,29 @@ class Arm(Kinematics):
         Q = self.chain.check(q)
         return plan.value_of(Q.reshape(-1, self.dof)).reshape(Q.shape[:-1])
 
-    def ik_nearest(self, T: Any, q_ref: ArrayLike, *, within_limits: bool = True, threads: int = 1) -> IKSolutions:
+    def ik_nearest(
+        self,
+        T: Any,
+        q_ref: ArrayLike,
+        *,
+        metric: Metric = "l2",
+        weights: ArrayLike | None = None,
+        within: ArrayLike | None = None,
+        within_limits: bool = True,
+        threads: int = 1,
+        task: str | None = None,
+    ) -> IKSolutions:
         """The joint vector nearest to ``q_ref``: of all solutions, and over all values of a redundancy parameter.
 
         Args:
             T: as in ``ik``.
             q_ref: (n,), or one for each pose (..., n), rad or m.
-            within_limits: whether only what lies inside the joint limits counts; see :meth:`IKSolutions.nearest`,
-                whose distance this is.
+            metric: 'l2', 'max' or 'time', the distance; see :meth:`IKSolutions.nearest`, also for the next three.
+            weights: (n,) of the joints in the distance.
+            within: rad or m that no joint may be further away, one number or one a joint.
+            within_limits: whether only what lies inside the joint limits counts.
             threads: number of threads that share the work.
+            task: what ``T`` is; see ``ik``.
 
         Returns:
             One column a pose. With seven joints, ``redundancy`` holds the values of the parameter; see
@@ -362,7 +377,9 @@ class Arm(Kinematics):
 
         Raises:
             PoseError: a target is no pose.
-            JointVectorError: ``q_ref`` does not fit.
+            JointVectorError: ``q_ref``, ``weights`` or ``within`` does not fit.
+            ArgumentError: there is no such metric, or ``within`` is negative.
+            TaskError: there is no such task, or the arm cannot control it.
             UnsupportedArm: no solver takes this arm.
 
         Example:
@@ -372,11 +389,17 @@ class Arm(Kinematics):
             >>> arm.ik_nearest(arm.fk(q), q).q.round(6).tolist()
             [[0.3, -0.5, 0.8, 0.4, 0.7, -0.2]]
         """
+        if task is not None and task != self._task:
+            arm = self.for_task(task)
+            return arm.ik_nearest(
+                T, q_ref, metric=metric, weights=weights, within=within, within_limits=within_limits, threads=threads
+            )
+        options: Any = {"metric": metric, "weights": weights, "within": within, "within_limits": within_limits}
         if isinstance(self._plan, RedundantPlan):
-            return nearest.nearest(self, self._plan.parameter, T, q_ref, within_limits, threads)
+            return nearest.nearest(self, self._plan.parameter, T, q_ref, threads=threads, **options)
         reference = self.chain.check(q_ref)
         near = reference if reference.ndim == 1 else None
-        return self.ik(T, near, threads=threads).nearest(reference, within_limits=within_limits)
+        return self.ik(T, near, threads=threads).nearest(reference, **options)
 
     def follow(
         self,
