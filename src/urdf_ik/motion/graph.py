@@ -9,6 +9,7 @@ follows from the nodes. The cheapest way from every state to the last waypoint i
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -77,11 +78,23 @@ class Joints:
         core = _core.PathGraph(low - LIMIT_TOLERANCE, high + LIMIT_TOLERANCE, turn, flags)
         return cls(chain, turn, flags, np.ascontiguousarray(digits), strides, core)
 
-    def images(self, q: Array) -> tuple[Array, NDArray[np.uint8]]:
-        """The lowest image inside the limits of joint vectors (k, n), and how many there are, 0 where none is."""
-        lowest, counts = np.empty(q.shape), np.empty(q.shape, np.uint8)
-        self.core.images(np.ascontiguousarray(q), lowest, counts)
-        return lowest, counts
+    def choose(
+        self, q: Array, flags: NDArray[np.uint8], centres: Array | None = None, near: float = 0.0, outside: bool = False
+    ) -> tuple[Ints, Array, NDArray[np.uint8]]:
+        """Joint vectors that are wanted: their numbers (k,), lowest images (k, n) and numbers of images (k, n).
+
+        Args:
+            q: (m, n) rad or m.
+            flags: (m,) bit 0: a solution.
+            centres: (c, n) rad or m, of m / c joint vectors each: only those near to them are wanted.
+            near: rad that a joint that turns may be off its centre.
+            outside: those outside the limits, too; their images count zero.
+        """
+        kept, lowest, counts = np.empty(len(q), np.int64), np.empty(q.shape), np.empty(q.shape, np.uint8)
+        count = self.core.choose(
+            np.ascontiguousarray(q), np.ascontiguousarray(flags), centres, near, outside, kept, lowest, counts
+        )
+        return kept[:count], lowest[:count], counts[:count]
 
     def step(self, a: Array, b: Array) -> Array:
         """The shortest way (..., n) from joint vectors to others: for joints that turn, on the circle."""
@@ -110,14 +123,15 @@ class Layers:
     column: Ints
     value: Array
 
+    @cached_property
+    def twists(self) -> Array:
+        """(m - 1, 6) from each waypoint to the next: displacement [m] and rotation vector [rad] in base axes."""
+        return twists(self.T[:-1], self.T[1:])
+
     @property
     def at(self) -> Ints:
         """(N,) each node's waypoint."""
         return np.repeat(np.arange(len(self.T)), np.diff(self.first))
-
-    def turns(self) -> Array:
-        """(m - 1, 6) twists from each waypoint to the next."""
-        return twists(self.T[:-1], self.T[1:])
 
     @classmethod
     def made(
@@ -180,7 +194,7 @@ class Graph:
         jacobians = joints.chain.jacobian(layers.q) if nodes else np.empty((0, 6, joints.chain.n))
         # Where J dq is off the twist by x, the middle of the motion strays by x / 4, to third order.
         off = 4.0 * KEPT_APART
-        twist = layers.turns()
+        twist = layers.twists
         scale = np.where(pricing.kind == COSTS.index("l2"), pricing.pieces, 1.0)
         room = 1024 + 16 * nodes
         while True:
@@ -217,9 +231,7 @@ class Graph:
             q, dq = self.motion(chosen)
             start = np.searchsorted(self.edge_first, chosen, side="right") - 1
             at = np.searchsorted(self.layers.first, start, side="right") - 1
-            straight = keeps_straight(
-                self.joints.chain, q, dq, self.layers.T, at, self.layers.turns()[:, 3:], tolerance
-            )
+            straight = keeps_straight(self.joints.chain, q, dq, self.layers.T, at, self.layers.twists[:, 3:], tolerance)
             self.proven[chosen] = straight
             self.cost[chosen[~straight]] = np.inf
             kept[open_] = straight

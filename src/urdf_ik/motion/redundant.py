@@ -27,21 +27,27 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-GRID = 64
-"""Values of the parameter on the first grid."""
+GRID = 128
+"""Values of the parameter on the first grid, at some of the waypoints: far enough apart that a step to the next value
+is small beside the way of the joints."""
+APART_TURN, APART_MOVE = 0.2, 0.06
+"""rad and share of the arm's size between these waypoints."""
 GRIDS = (64, 128, 256)
 """The same for a grid at every waypoint, where a grid at some of them gave no plan: the next where one finds no way."""
 STRAYS = Tolerance(0.02, 0.1)
 """Share of the arm's size and rad by which a motion of the first grid may stray: it is only a guide."""
-STEPS = 0.6
+STEPS = 1.0
 """rad: the greatest step of a joint from one waypoint to the next on the first grid."""
 COARSE_TURN, COARSE_MOVE = 0.15, 0.05
-"""rad and share of the arm's size: longer segments are cut, nearer waypoints left out of a first look."""
-FINER, LEVELS = 4, 3
-"""By what each grid is finer than the one before, and how many there are."""
-AROUND = 4
-"""Values to each side of the way on a finer grid."""
-PASSES = 4
+"""rad and share of the arm's size: longer segments are cut."""
+NEAR = 0.2
+"""rad that a joint may be off a way on the finer grids, beside what the parameter brings."""
+FINER = 4
+"""By what each grid is finer than the one before."""
+AROUND = (12, 6, 4)
+"""Values to each side of the way on each of the finer grids. The first grid is so coarse that the best way may lie some
+of its steps beside the way that it gave."""
+PASSES = 6
 """How often a finer grid is laid around the way that it gave, while the cost falls."""
 BETTER = 0.99
 WORTH = 4.0
@@ -104,8 +110,8 @@ def _some(settings: Settings, refined: Refined) -> Refined:
     """The first and the last waypoint, and some between them, as far apart as a first look allows."""
     apart = twists(refined.T[:-1], refined.T[1:])
     way = np.maximum(
-        np.linalg.norm(apart[:, :3], axis=1) / (COARSE_MOVE * settings.arm.chain.size),
-        np.linalg.norm(apart[:, 3:], axis=1) / COARSE_TURN,
+        np.linalg.norm(apart[:, :3], axis=1) / (APART_MOVE * settings.arm.chain.size),
+        np.linalg.norm(apart[:, 3:], axis=1) / APART_TURN,
     )
     place = np.concatenate([[0.0], np.cumsum(way)])
     chosen = np.unique(np.searchsorted(place, np.arange(0.0, place[-1], 1.0)))
@@ -175,7 +181,7 @@ def _plan(
     close.sort(key=lambda each: (each[0].changes.sum(), each[0].cost))
 
     def finished(guide: Guide) -> Plan | None:
-        last = _finished(settings, whole, refined, guide, step / FINER**LEVELS)
+        last = _finished(settings, whole, refined, guide, step / FINER ** len(AROUND))
         return None if last is None else made(settings, path, whole, *last, alone=True)
 
     def others() -> tuple[Plan, ...]:
@@ -183,22 +189,27 @@ def _plan(
         found = [finished(guide) for guide in (*(guide for guide, _ in close), *far)]
         return tuple(sorted((each for each in found if each is not None), key=lambda each: each.cost))
 
+    best: Plan | None = None
     for guide, _ in close:
+        # What a way costs at some waypoints is hardly more than what it costs at all of them.
+        if best is not None and (len(best.changes), best.cost) <= (guide.changes.sum(), guide.cost):
+            break
         plan = finished(guide)
-        if plan is not None:
-            return plan.with_others(others)
-    return None
+        if plan is not None and (best is None or (len(plan.changes), plan.cost) < (len(best.changes), best.cost)):
+            best = plan
+    return None if best is None else best.with_others(others)
 
 
 def _improved(settings: Settings, refined: Refined, guide: Guide, step: float) -> Guide:
     """A way on ever finer grids around it."""
-    for _ in range(LEVELS):
+    for around in AROUND:
         step /= FINER
         for _ in range(PASSES):
-            way = _around(settings, refined, guide, step, last=False).best()
-            if way is None:
+            way = _around(settings, refined, guide, step, around, last=False).best()
+            found = guide if way is None else _guide(settings, way)
+            if not found.cost < guide.cost:
                 break
-            before, guide = guide.cost, _guide(settings, way)
+            before, guide = guide.cost, found
             if not guide.cost < BETTER * before:
                 break
     return guide
@@ -211,15 +222,17 @@ def _finished(
     if len(refined.T) < len(whole.T):
         guide = guide.spread(refined.place, whole.place)
     last: tuple[Search, Way] | None = None
-    for wider in (FINER**2, FINER, 1):
-        for _ in range(PASSES):
-            search = _around(settings, whole, guide, step * wider, last=True)
+    for level, wider in enumerate((FINER**3, FINER**2, FINER, 1)):
+        for _ in range(PASSES if level else 1):
+            search = _around(settings, whole, guide, step * wider, AROUND[-1], last=level > 1)
             way = search.best()
             if way is None:
                 break
             before, guide, last = guide.cost, _guide(settings, way), (search, way)
             if not guide.cost < BETTER * before:
                 break
+        if level > 1 and last is None:
+            return None
     return last
 
 
@@ -232,16 +245,16 @@ def _guide(settings: Settings, way: Way) -> Guide:
     return Guide(way.q, layers.value[way.nodes], layers.column[way.nodes], way.edges == CHANGE, value, turns)
 
 
-def _around(settings: Settings, refined: Refined, guide: Guide, step: float, last: bool) -> Search:
+def _around(settings: Settings, refined: Refined, guide: Guide, step: float, around: int, last: bool) -> Search:
     """The search on a grid of values around a way."""
     arm, joints = settings.arm, settings.joints
     parameter = arm.redundancy
     assert parameter is not None  # only such arms are planned for here
-    values = guide.value[:, None] + step * np.arange(-AROUND, AROUND + 1)
+    values = guide.value[:, None] + step * np.arange(-around, around + 1)
     values = parameter.wrapped(values) if parameter.round else np.clip(values, *parameter.range)
-    nodes = node_sets.solved(arm, joints, refined.T, np.arange(len(refined.T)), values)
-    apart = np.abs(joints.step(guide.q[nodes.at], nodes.q))[:, joints.turn > 0.0].max(axis=1, initial=0.0)
-    nodes = _ends(settings, refined, nodes.chosen(apart < STEPS))
+    near = min(STEPS, NEAR + 2.0 * around * step)
+    at = np.arange(len(refined.T))
+    nodes = _ends(settings, refined, node_sets.solved(arm, joints, refined.T, at, values, centres=guide.q, near=near))
     strays = Tolerance(STRAYS.position * arm.chain.size, STRAYS.rotation)
     graph = priced(settings, refined, nodes.layers(refined.T), settings.tolerance if last else strays)
     return Search(graph, settings.tolerance if last else None, settings.obstacles, reconfigure=settings.reconfigure)
