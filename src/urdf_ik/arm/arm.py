@@ -23,12 +23,14 @@ from urdf_ik.tasks import Targets, control_of
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from urdf_ik import motion
     from urdf_ik._core import Solver
     from urdf_ik.chain import Chain
     from urdf_ik.chain.plane import Plane
     from urdf_ik.chain.redundancy import Redundancy
     from urdf_ik.collision import CollisionModel, Motions, Nearest, World
     from urdf_ik.redundancy import Sweep
+    from urdf_ik.solutions.select import Metric
     from urdf_ik.tasks import Control
     from urdf_ik.urdf import UrdfModel
 
@@ -345,15 +347,29 @@ class Arm(Kinematics):
         Q = self.chain.check(q)
         return plan.value_of(Q.reshape(-1, self.dof)).reshape(Q.shape[:-1])
 
-    def ik_nearest(self, T: Any, q_ref: ArrayLike, *, within_limits: bool = True, threads: int = 1) -> IKSolutions:
+    def ik_nearest(
+        self,
+        T: Any,
+        q_ref: ArrayLike,
+        *,
+        metric: Metric = "l2",
+        weights: ArrayLike | None = None,
+        within: ArrayLike | None = None,
+        within_limits: bool = True,
+        threads: int = 1,
+        task: str | None = None,
+    ) -> IKSolutions:
         """The joint vector nearest to ``q_ref``: of all solutions, and over all values of a redundancy parameter.
 
         Args:
             T: as in ``ik``.
             q_ref: (n,), or one for each pose (..., n), rad or m.
-            within_limits: whether only what lies inside the joint limits counts; see :meth:`IKSolutions.nearest`,
-                whose distance this is.
+            metric: 'l2', 'max' or 'time', the distance; see :meth:`IKSolutions.nearest`, also for the next three.
+            weights: (n,) of the joints in the distance.
+            within: rad or m that no joint may be further away, one number or one a joint.
+            within_limits: whether only what lies inside the joint limits counts.
             threads: number of threads that share the work.
+            task: what ``T`` is; see ``ik``.
 
         Returns:
             One column a pose. With seven joints, ``redundancy`` holds the values of the parameter; see
@@ -361,7 +377,9 @@ class Arm(Kinematics):
 
         Raises:
             PoseError: a target is no pose.
-            JointVectorError: ``q_ref`` does not fit.
+            JointVectorError: ``q_ref``, ``weights`` or ``within`` does not fit.
+            ArgumentError: there is no such metric, or ``within`` is negative.
+            TaskError: there is no such task, or the arm cannot control it.
             UnsupportedArm: no solver takes this arm.
 
         Example:
@@ -371,11 +389,85 @@ class Arm(Kinematics):
             >>> arm.ik_nearest(arm.fk(q), q).q.round(6).tolist()
             [[0.3, -0.5, 0.8, 0.4, 0.7, -0.2]]
         """
+        if task is not None and task != self._task:
+            arm = self.for_task(task)
+            return arm.ik_nearest(
+                T, q_ref, metric=metric, weights=weights, within=within, within_limits=within_limits, threads=threads
+            )
+        options: Any = {"metric": metric, "weights": weights, "within": within, "within_limits": within_limits}
         if isinstance(self._plan, RedundantPlan):
-            return nearest.nearest(self, self._plan.parameter, T, q_ref, within_limits, threads)
+            return nearest.nearest(self, self._plan.parameter, T, q_ref, threads=threads, **options)
         reference = self.chain.check(q_ref)
         near = reference if reference.ndim == 1 else None
-        return self.ik(T, near, threads=threads).nearest(reference, within_limits=within_limits)
+        return self.ik(T, near, threads=threads).nearest(reference, **options)
+
+    def follow(
+        self,
+        T: Any,
+        *,
+        start: ArrayLike | None = None,
+        end: ArrayLike | None = None,
+        world: World | None = None,
+        margin: float = 0.0,
+        collisions: bool = True,
+        cost: str = "l2",
+        weights: ArrayLike | None = None,
+        margins: float = 0.0,
+        max_step: ArrayLike | None = None,
+        tolerance: tuple[float, float] | None = None,
+        reconfigure: bool = False,
+    ) -> motion.Plan:
+        """The cheapest joint motion along a path, over all branches and turns, without a jump.
+
+        From waypoint to waypoint the joints move linearly, and the tip is proven to keep within a tolerance of the
+        straight segment; where it would not, waypoints are put in between, and ``Plan.motion`` holds them. Of an arm
+        with a redundancy parameter, its values are searched on a grid first, and then on finer ones around the way
+        found: the cheapest in that neighbourhood.
+
+        Args:
+            T: (m, 4, 4) m, waypoints; see :func:`urdf_ik.line`, :func:`urdf_ik.arc`, :func:`urdf_ik.polyline`.
+            start: (n,) joint vector at the first waypoint; default: whichever is best.
+            end: (n,) joint vector at the last waypoint; default: whichever is best.
+            world: obstacles to stay clear of.
+            margin: m that bodies must stay apart.
+            collisions: False: nothing is asked about contacts. True: the arm's own links are, where the URDF has
+                collision shapes, at the waypoints and all the way between them.
+            cost: what is minimised, summed over the steps: 'l1' the sum of |dq| of the joints, 'l2' the sum of dq^2,
+                'max' the largest |dq|, 'time' the time of a step at the URDF's velocity limits.
+            weights: (n,) factors of |dq|, of dq^2 for 'l2'; default: 1, which adds rad and m.
+            margins: weight of a cost at each waypoint for being near a joint limit: the square of how far, of the way
+                from the middle of its range to its limit, the joint goes that goes farthest.
+            max_step: rad or m that a joint may move between two waypoints: a number, or (n,).
+            tolerance: (m, rad) that the tip may stray from the straight segments, by default (0.001, 0.02).
+            reconfigure: where no joint motion leads all the way, the plan with the fewest changes of branch between
+                waypoints.
+
+        Returns:
+            See :class:`urdf_ik.Plan`; where ``found`` is false, ``explain()`` says how far each branch gets.
+
+        Raises:
+            PathError: waypoints, start, end or a setting that make no sense; the message says what would be valid.
+            PoseError: a waypoint is no pose.
+            JointVectorError: ``start`` or ``end`` is no joint vector.
+            UrdfError: a world is given, and the arm has no collision shapes.
+            UnsupportedArm: no solver takes this arm.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> T0 = arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
+            >>> T1 = T0.copy()
+            >>> T1[1, 3] += 0.2
+            >>> plan = arm.follow(urdf_ik.line(T0, T1, 50))
+            >>> plan.found, len(plan.q), len(set(plan.branches))
+            (True, 50, 1)
+        """
+        from urdf_ik.motion.follow import follow
+
+        return follow(
+            self, T, start=start, end=end, world=world, margin=margin, collisions=collisions, cost=cost,
+            weights=weights, margins=margins, max_step=max_step, tolerance=tolerance, reconfigure=reconfigure,
+        )  # fmt: skip
 
     def sweep(self, T: Any, n: int = 64, *, within_limits: bool = False, threads: int = 1) -> Sweep:
         """The solutions of one pose at ``n`` values of the redundancy parameter, and where there are any.

@@ -23,6 +23,14 @@ class Collisions(Protocol):
         """The same among the obstacles of a world, or itself for None."""
 
 
+class Control(Protocol):
+    """What an arm controls of its tip."""
+
+    @property
+    def part(self) -> str:
+        """Rows of the Jacobian that matter."""
+
+
 class SolvedArm(Protocol):
     """What solutions ask of the arm that they belong to."""
 
@@ -37,6 +45,17 @@ class SolvedArm(Protocol):
     @property
     def limits(self) -> NDArray[np.float64]:
         """(n, 2) rad or m."""
+
+    @property
+    def velocity_limits(self) -> NDArray[np.float64]:
+        """(n,) rad/s or m/s, infinite where none is known."""
+
+    @property
+    def control(self) -> Control:
+        """What the joints control of the tip."""
+
+    def manipulability(self, q: Any, part: str = "all") -> NDArray[np.float64]:
+        """Yoshikawa's measure of joint vectors."""
 
     @property
     def collision_model(self) -> Collisions:
