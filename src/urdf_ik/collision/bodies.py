@@ -124,9 +124,9 @@ class Bodies:
     def reaches(self, placed: Placed, travel: Array) -> Array:
         """How far each joint can carry the points of each ball, on a motion through the poses ``placed``.
 
-        A point at distance r of a turning joint's axis goes r |dq|. The distance of a ball's points from an axis changes
-        only by the joints between that axis and the ball: from its value at ``placed``, where it is measured to the
-        ball's farthest point, by at most what those joints carry it on the way to either end.
+        A point at distance r of a turning joint's axis goes r |dq|. The distance of a ball's points from an axis
+        changes only by the joints between that axis and the ball: from its value at ``placed``, where it is measured
+        to the ball's farthest point, by at most what those joints carry it on the way to either end.
 
         Args:
             placed: the bodies in the middle of k motions.
@@ -148,7 +148,7 @@ class Bodies:
         square += np.einsum("kji,kji->kj", origins, origins)[:, None]
         radius = np.sqrt(np.maximum(square, 0.0, out=square), out=square).reshape(*centres.shape[:3], -1)
         radius += self.radii[..., None]
-        out = np.zeros_like(radius)
+        out: Array = np.zeros_like(radius)
         carried = np.zeros(centres.shape[:3])
         for j in reversed(self._order):
             on = self.path[:, j, None]

@@ -96,13 +96,13 @@ class _Holds:
     def gaps(self, local: Array) -> Array:
         """(k, S, O) m from points (k, S, 3, O) in the frames to the obstacles, not above zero inside."""
         outside = np.maximum(np.maximum(self._low - local, local - self._high), 0.0)
-        return _length(outside, axis=2) - self._radius
+        return np.asarray(_length(outside, axis=2) - self._radius)
 
     def gaps_of(self, local: Array, which: NDArray[np.intp]) -> Array:
         """(e, m) m from points (e, m, 3) in the frames of the obstacles ``which`` (e,)."""
         low, high = self._low.T[which, None], self._high.T[which, None]
         outside = np.maximum(np.maximum(low - local, local - high), 0.0)
-        return _length(outside) - self._radius[which, None]
+        return np.asarray(_length(outside) - self._radius[which, None])
 
 
 class _Work(threading.local):
@@ -213,7 +213,7 @@ class Scene:
         return out
 
     def gaps_of(self, placed: Placed, rows: NDArray[np.intp], pairs: NDArray[np.intp]) -> Array:
-        """(e, m, m) m that these pairs in these rows are apart at least, each ball of the one shape from each of the other.
+        """(e, m, m) m that the balls of the one shape are apart at least from those of the other: of pairs in rows.
 
         An obstacle has no balls: there the last dimension repeats one number.
         """
@@ -238,13 +238,13 @@ class Scene:
         """(k, P) m that the pairs are apart at least, by all balls."""
         k, P = len(placed.poses), len(self.pairs)
         rows, pairs = (index.reshape(-1) for index in np.indices((k, P)))
-        return self.gaps_of(placed, rows, pairs).reshape(k, P, -1).min(axis=-1)
+        return np.asarray(self.gaps_of(placed, rows, pairs).min(axis=(1, 2)).reshape(k, P))
 
     def near(self, placed: Placed, margin: float) -> NDArray[np.bool_]:
         """(k, P) which pairs may be apart by no more than a margin [m], by all balls."""
         out: NDArray[np.bool_] = self.least(placed) <= margin
         rows, pairs = np.nonzero(out)
-        out[rows, pairs] = self.gaps_of(placed, rows, pairs).reshape(len(rows), -1).min(axis=1) <= margin
+        out[rows, pairs] = self.gaps_of(placed, rows, pairs).min(axis=(1, 2)) <= margin
         return out
 
     def within_reach(
