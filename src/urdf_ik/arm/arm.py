@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from urdf_ik._core import Solver
     from urdf_ik.chain import Chain
     from urdf_ik.chain.redundancy import Redundancy
-    from urdf_ik.collision import World
     from urdf_ik.redundancy import Sweep
     from urdf_ik.solutions.select import Metric
     from urdf_ik.urdf import UrdfModel
@@ -311,7 +310,7 @@ class Arm(InCell):
         *,
         start: ArrayLike | None = None,
         end: ArrayLike | None = None,
-        world: World | None = None,
+        world: Any = None,
         margin: float = 0.0,
         collisions: bool = True,
         cost: str = "l2",
@@ -332,7 +331,7 @@ class Arm(InCell):
             T: (m, 4, 4) m, waypoints; see :func:`urdf_ik.line`, :func:`urdf_ik.arc`, :func:`urdf_ik.polyline`.
             start: (n,) joint vector at the first waypoint; default: whichever is best.
             end: (n,) joint vector at the last waypoint; default: whichever is best.
-            world: obstacles to stay clear of.
+            world: the :class:`urdf_ik.World` of obstacles to stay clear of.
             margin: m that bodies must stay apart.
             collisions: False: nothing is asked about contacts. True: the arm's own links are, where the URDF has
                 collision shapes, at the waypoints and all the way between them.

@@ -113,7 +113,8 @@ class CollisionModel:
         excused = {table.ordered(*pair, rank) for pair in disabled}
         self._allowed, self._pairs = table.among_links(self._arm, rank, excused)
         if samples:
-            always = self._always(samples, seed)
+            kept = [pair for pair in self._pairs if pair.names not in self._allowed]
+            always = table.always_colliding(Scene(self._arm, (), kept), ALWAYS, samples, seed)
             self._allowed.update(dict.fromkeys(always, table.ALWAYS_COLLIDE))
 
     @property
@@ -421,27 +422,6 @@ class CollisionModel:
             else:
                 out[index] = scene.nearest(shapes, np.full(len(every), -np.inf))[1]
         return out.item() if out.ndim == 0 else out
-
-    def _always(self, samples: int, seed: int) -> set[Pair]:
-        """Pairs that collide in nearly all of the sampled joint vectors; a pair that cannot be one is dropped early."""
-        lower, upper = self._reference.ranges.T
-        rng = np.random.default_rng(seed)
-        kept = [pair for pair in self._pairs if pair.names not in self._allowed]
-        scene = Scene(self._arm, (), kept)
-        free = dict.fromkeys((pair.names for pair in kept), 0)
-        tolerated = round((1.0 - ALWAYS) * samples)
-        for _ in range(samples):
-            watched = {names for names, count in free.items() if count <= tolerated}
-            if not watched:
-                return set()
-            shapes = scene.place(rng.uniform(lower, upper))
-            touching: set[Pair] = set()
-            for k, pair in enumerate(kept):
-                if pair.names in watched and pair.names not in touching and scene.touches(shapes, k):
-                    touching.add(pair.names)
-            for names in watched - touching:
-                free[names] += 1
-        return {names for names, count in free.items() if count <= tolerated}
 
 
 def check_margin(margin: float) -> None:
