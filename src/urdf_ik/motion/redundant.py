@@ -8,12 +8,10 @@ import numpy as np
 
 from urdf_ik.angles import shortest
 from urdf_ik.motion import nodes as node_sets
-from urdf_ik.motion.follow import Refined, add_margins, cut_coarse, made, priced
-from urdf_ik.motion.graph import CHANGE, Graph, Pricing
+from urdf_ik.motion.follow import Refined, add_margins, cut_coarse, made, not_found, priced
+from urdf_ik.motion.graph import CHANGE, MISMATCH, Graph, Pricing
 from urdf_ik.motion.plan import Plan
 from urdf_ik.motion.search import Search
-from urdf_ik.motion.stops import stops_of
-from urdf_ik.motion.straight import Tolerance
 from urdf_ik.motion.waypoints import twists
 from urdf_ik.motion.windows import narrow
 from urdf_ik.redundancy.sweep import span
@@ -34,8 +32,8 @@ APART_TURN, APART_MOVE = 0.2, 0.06
 """rad and share of the arm's size between these waypoints."""
 GRIDS = (64, 128, 256)
 """The same for a grid at every waypoint, where a grid at some of them gave no plan: the next where one finds no way."""
-STRAYS = Tolerance(0.02, 0.1)
-"""Share of the arm's size and rad by which a motion of the first grid may stray: it is only a guide."""
+LOOSE = (0.25, 1.0)
+"""See ``graph.MISMATCH``, on grids that only guide: from one of their values to the next a motion strays far."""
 STEPS = 1.0
 """rad: the greatest step of a joint from one waypoint to the next on the first grid."""
 COARSE_TURN, COARSE_MOVE = 0.15, 0.05
@@ -87,7 +85,6 @@ class Guide(NamedTuple):
 
 def plan(settings: Settings, path: Array) -> Plan:
     """The plan of an arm with a redundancy parameter."""
-    arm = settings.arm
     whole = cut_coarse(settings, path, COARSE_TURN, COARSE_MOVE)
     looks = [(whole, count) for count in GRIDS]
     if not settings.reconfigure:
@@ -100,10 +97,7 @@ def plan(settings: Settings, path: Array) -> Plan:
             return found
     assert search is not None  # there is at least one grid
     search.graph.solve(settings.reconfigure)
-    return Plan(
-        arm, path, np.empty((0, arm.dof)), stops=stops_of(settings, search, whole.T, whole.place),
-        obstacles=settings.obstacles,
-    )  # fmt: skip
+    return not_found(settings, path, whole, search)
 
 
 def _some(settings: Settings, refined: Refined) -> Refined:
@@ -139,13 +133,14 @@ def _first(settings: Settings, refined: Refined, count: int) -> tuple[Search, fl
     if count > GRIDS[0]:
         nodes += narrow(settings, refined.T, everything, grid)
     nodes = _ends(settings, refined, nodes)
-    strays = Tolerance(STRAYS.position * settings.arm.chain.size, STRAYS.rotation)
     layers = nodes.layers(refined.T)
     window = np.where(settings.joints.turn > 0.0, STEPS, np.inf)
     pricing = Pricing(settings.kind, settings.weights, window, refined.pieces)
-    graph = Graph.connected(settings.joints, layers, pricing, strays)
+    graph = Graph.connected(settings.joints, layers, pricing, LOOSE)
     add_margins(settings, graph)
-    return Search(graph, None, settings.obstacles, reconfigure=settings.reconfigure), float(grid[1] - grid[0])
+    return Search(settings.arm, graph, None, settings.obstacles, reconfigure=settings.reconfigure), float(
+        grid[1] - grid[0]
+    )
 
 
 def _ends(settings: Settings, refined: Refined, nodes: Nodes) -> Nodes:
@@ -255,6 +250,7 @@ def _around(settings: Settings, refined: Refined, guide: Guide, step: float, aro
     near = min(STEPS, NEAR + 2.0 * around * step)
     at = np.arange(len(refined.T))
     nodes = _ends(settings, refined, node_sets.solved(arm, joints, refined.T, at, values, centres=guide.q, near=near))
-    strays = Tolerance(STRAYS.position * arm.chain.size, STRAYS.rotation)
-    graph = priced(settings, refined, nodes.layers(refined.T), settings.tolerance if last else strays)
-    return Search(graph, settings.tolerance if last else None, settings.obstacles, reconfigure=settings.reconfigure)
+    graph = priced(settings, refined, nodes.layers(refined.T), MISMATCH if last else LOOSE)
+    return Search(
+        settings.arm, graph, settings.tolerance if last else None, settings.obstacles, reconfigure=settings.reconfigure
+    )
