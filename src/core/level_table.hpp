@@ -14,6 +14,7 @@
 #include "families/srs_arm.hpp"
 #include "families/three_parallel_arm.hpp"
 #include "steps.hpp"
+#include "tracker_arm.hpp"
 
 namespace urdf_ik {
 
@@ -23,6 +24,7 @@ struct LevelTable {
     const OneGivenSolvers* one_given;
     const ChainFunctions* chain;
     const Steps* steps;
+    const TrackerFunctions* tracker;
     const ParallelShoulderSolvers* parallel_shoulder;
     const FewJointsSolvers* few_joints;
     const ReversedSteps* reversed;

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from urdf_ik.chain.plane import Plane
     from urdf_ik.chain.redundancy import Redundancy
     from urdf_ik.collision import CollisionModel
+    from urdf_ik.motion import Tracker
     from urdf_ik.redundancy import Sweep
     from urdf_ik.tasks import Control
     from urdf_ik.urdf import UrdfModel
@@ -322,6 +323,63 @@ class Arm(Kinematics):
             UnsupportedArm: the arm has no redundancy parameter.
         """
         return sweep.sweep(self, self._redundant_plan().parameter, T, n, within_limits, threads)
+
+    def tracker(
+        self,
+        q0: ArrayLike,
+        dt: float,
+        *,
+        velocity: ArrayLike | None = None,
+        acceleration: ArrayLike | None = None,
+        recentring: float | None = None,
+        world: Any = None,
+        self_collision: bool = False,
+        margin: float = 0.0,
+    ) -> Tracker:
+        """What follows targets, one a control cycle, from ``q0`` on: see :meth:`urdf_ik.motion.Tracker.step`.
+
+        Args:
+            q0: (n,) rad or m, where the joints are, within their limits.
+            dt: s, length of a cycle.
+            velocity: greatest speed of each joint (n,), or of all, rad/s or m/s; the URDF's where left out, no limit
+                for a joint of which the URDF states none, or zero.
+            acceleration: greatest acceleration of each joint (n,), or of all, rad/s^2 or m/s^2; no limit where left out
+                (a URDF states none).
+            recentring: 1/s, the rate at which seven joints leave the outer tenth of their ranges (at most 0.2 rad, or
+                0.2 of the arm's size), as far as the tip's motion leaves them free; 1 where left out, 0: they move as
+                little as they can.
+            world: objects to keep free of; the arm is checked against itself too.
+            self_collision: whether the arm is checked against itself where no world is given.
+            margin: m, clearance to keep.
+
+        Raises:
+            JointVectorError: ``q0`` does not fit the arm, or is outside the limits.
+            ArgumentError: ``dt``, ``recentring`` or ``margin`` is out of its range.
+            VelocityError: a limit of velocity or acceleration is.
+            UnsupportedArm: the arm has more than seven joints, or joints that mimic others.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> tracker = arm.tracker([0.3, -0.5, 0.8, 0.4, 0.7, -0.2], dt=0.002)
+            >>> step = tracker.step(arm.fk([0.302, -0.5, 0.8, 0.4, 0.7, -0.2]))
+            >>> step.status, step.q.round(6).tolist()
+            ('ok', [0.302, -0.5, 0.8, 0.4, 0.7, -0.2])
+        """
+        from urdf_ik.motion import Tracker
+
+        return Tracker(
+            self,
+            q0,
+            dt,
+            targets=self._targets,
+            velocity=velocity,
+            acceleration=acceleration,
+            recentring=recentring,
+            world=world,
+            self_collision=self_collision,
+            margin=margin,
+        )
 
     def explain(self, T: Any, redundancy: float | None = None) -> str:
         """Why the single pose ``T`` (4, 4) has no solution, with the number that is out of range.
