@@ -35,8 +35,8 @@ help:
 	@echo "make wheel    a wheel in dist/, which needs no compiler where it is installed"
 	@echo "make sanitize tests of the solvers on a core built with address and undefined-behaviour sanitizers"
 	@echo "make nightly  make test, make sanitize and make million"
-	@echo "make bench    the benchmarks against other solvers; ARGS='--help' tells more"
-	@echo "make million  a million random poses an arm: what is lost, doubled or off; ARGS='--help' tells more"
+	@echo "make bench    the benchmarks against other solvers; ARGS='--help' says more"
+	@echo "make million  a million random poses an arm: what is lost, doubled or off; ARGS='--help' says more"
 	@echo "make clean    remove .venv and what tools left behind"
 
 run: $(VENV)/.run-installed

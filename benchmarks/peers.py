@@ -53,7 +53,7 @@ class Peer(ABC):
 
     @abstractmethod
     def solve(self, prepared: Any) -> np.ndarray:
-        """All solutions (k, 6) of one prepared pose; rows of NaN are none. Timed."""
+        """All solutions (k, 6) of one prepared pose; rows of NaN are no solutions. Timed."""
 
     def claims(self, prepared: Any) -> tuple[np.ndarray, np.ndarray]:
         """All solutions (k, 6), and which (k,) of them the solver says only come near. Not timed."""

@@ -53,7 +53,7 @@ class CheckedArm(pytest.Collector):
     def __init__(self, *, source: str, base: str | None, tip: str | None, **node: Any) -> None:
         super().__init__(**node)
         self._given = source, base, tip
-        self._told_by = ""
+        self._reported_by = ""
         self.add_marker(MARK)
 
     def collect(self) -> Iterator[Property]:
@@ -84,11 +84,11 @@ class CheckedArm(pytest.Collector):
 
         The test for reading the file may not be among those that were chosen, so any of them can be the first.
         """
-        if self._told_by in ("", name):
-            self._told_by = name
+        if self._reported_by in ("", name):
+            self._reported_by = name
             raise _Disagrees(str(error))
         pytest.skip(
-            f"not run: {self._given[0]} cannot be read or checked; the test {self._told_by!r} failed and says why"
+            f"not run: {self._given[0]} cannot be read or checked; the test {self._reported_by!r} failed and says why"
         )
 
 

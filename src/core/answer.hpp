@@ -89,7 +89,7 @@ template <int N> STEP void keep(const Columns<N>& columns, int b, const double (
 // decide it.
 inline constexpr double SAME_VALUE = 1e-6;
 
-// Order the solutions by their joint values, the first joint first, those that are none behind: columns of an arm whose
+// Order the solutions by their joint values, the first joint first, the invalid ones behind: columns of an arm whose
 // branches have no names stand in the same order for every way of finding them.
 template <int N> PART void sort(const Columns<N>& columns) {
     const auto before = [&](int a, int b) {

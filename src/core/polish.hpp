@@ -29,7 +29,7 @@ template <class V, int rows = 6> struct Error {
 };
 
 // The rotation's part is the vector of the skew part of goal R^T, exact to second order; it vanishes at half a turn too,
-// which is told apart by the trace.
+// which the trace tells apart.
 template <class V> STEP Error<V> pose_error(const Goal<V>& goal, const Frame<V>& tip, double inverse_size) {
     const Vec<V> p = V(inverse_size) * (goal.p - tip.p);
     const Rot<V>&G = goal.R, &R = tip.R;

@@ -168,7 +168,7 @@ struct Drift {
     STEP double of_margin() const { return LEVERS * by; }
     // Whether a margin may have either sign by what went before it. Rounding of its own is for its own step to handle.
     STEP bool hides(double margin) const { return (open && margin < 0.0) || (by > DIGITS_LEFT && abs(margin) <= of_margin()); }
-    // Whether a squared arm cannot be told from zero, so that its angle may be free.
+    // Whether a squared arm cannot be distinguished from zero, so that its angle may be free.
     STEP bool frees(double arm) const { return arm <= by * by; }
     STEP bool is_lost() const { return by > NO_DIGITS; }
 
@@ -179,7 +179,7 @@ private:
     STEP void grow(double more) { by = min(by + more, 1.0); }
 };
 
-// Whether a margin cannot be told from zero: the two solutions are one double root. The margin is a difference of
+// Whether a margin cannot be distinguished from zero: the two solutions are one double root. The margin is a difference of
 // squares; where the squared length `arm` that it belongs to is small, so is its rounding error, and the solutions part
 // by half a turn instead of meeting.
 STEP bool is_double(double margin, double arm, double rounding) { return margin <= rounding * sqrt(arm); }

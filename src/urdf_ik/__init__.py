@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from urdf_ik.arm import Arm, load
     from urdf_ik.chain import Chain
+    from urdf_ik.collision.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Points, Sphere
+    from urdf_ik.collision.world import World
     from urdf_ik.comparison import Comparison, compare
     from urdf_ik.dh import DHTable
     from urdf_ik.errors import (
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
         UrdfIkError,
         VelocityError,
         WorkspaceError,
+        WorldError,
     )
     from urdf_ik.poses import (
         pose,
@@ -49,20 +52,27 @@ __version__ = "0.1.0"
 __all__ = [
     "ArgumentError",
     "Arm",
+    "Box",
+    "Capsule",
     "CatalogueError",
     "Chain",
     "ChainError",
     "Comparison",
+    "Cylinder",
     "DHError",
     "DHTable",
+    "HalfSpace",
     "IKSolutions",
     "JointVectorError",
+    "Mesh",
     "MissingPackage",
     "PlotError",
+    "Points",
     "PoseError",
     "Redundancy",
     "Singular",
     "Solution",
+    "Sphere",
     "Structure",
     "Sweep",
     "TaskError",
@@ -71,6 +81,8 @@ __all__ = [
     "UrdfIkError",
     "VelocityError",
     "WorkspaceError",
+    "World",
+    "WorldError",
     "compare",
     "load",
     "pose",
@@ -88,6 +100,8 @@ _NAMES = {
         "load",
     ),
     "chain": ("Chain",),
+    "collision.shapes": ("Box", "Capsule", "Cylinder", "HalfSpace", "Mesh", "Points", "Sphere"),
+    "collision.world": ("World",),
     "comparison": (
         "Comparison",
         "compare",
@@ -108,6 +122,7 @@ _NAMES = {
         "UrdfIkError",
         "VelocityError",
         "WorkspaceError",
+        "WorldError",
     ),
     "poses": (
         "pose",

@@ -81,6 +81,10 @@ class VelocityError(UrdfIkError, ValueError):
     """An invalid twist, damping, weight, velocity limit or length."""
 
 
+class WorldError(UrdfIkError, ValueError):
+    """A shape or an obstacle that cannot be: a size of zero, a mesh that is missing, a name that is taken."""
+
+
 class WorkspaceError(UrdfIkError, ValueError):
     """A grid, a question about a workspace, or a file of a map that makes no sense or does not fit."""
 

@@ -138,6 +138,11 @@ class Reference:
         """Number of joints in a joint vector."""
         return len(self.joint_names)
 
+    @property
+    def base_frame(self) -> int:
+        """Index of the base link's frame in ``pin_model.frames``."""
+        return self._base
+
     def configuration(self, q: Array) -> Array:
         """Pinocchio's configuration (nq,) of one joint vector (n,): matched by name, continuous joints as (cos, sin).
 

@@ -48,6 +48,11 @@ class Control:
     plane: Plane | None = None
     aimed: Array | None = None
 
+    @property
+    def part(self) -> str:
+        """Rows of the Jacobian that matter: 'translation' where only a position is controlled, else 'all'."""
+        return "translation" if self.task in ("position", "planar position") else "all"
+
     def target_of(self, T: Array) -> Array:
         """What the task fixes of poses ``T`` (..., 4, 4) of the tip [m]: a target for it."""
         if self.task == "pose":

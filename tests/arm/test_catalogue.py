@@ -27,7 +27,7 @@ def movable_joints(path: Path, base: str, tip: str) -> list[str]:
 
 @pytest.mark.parametrize("name", catalogue.names())
 def test_every_name_leads_to_a_chain(name: str) -> None:
-    """The file exists, and its tip hangs below its base by two to seven movable joints."""
+    """The file exists, and between its base and its tip are two to seven movable joints."""
     entry = catalogue.resolve(name)
     assert entry.name == name
     assert entry.path.is_absolute() and entry.path.suffix == ".urdf"

@@ -43,7 +43,7 @@ def miss(case: Case, q: Array, target: Array) -> float:
 
 @pytest.mark.parametrize("name", BUILDS)
 def test_an_arm_knows_its_task(name: str) -> None:
-    """What the joints control is told: by the build, whatever the mount, the tool and the directions of the axes."""
+    """What the joints control is found: by the build, whatever the mount, the tool and the directions of the axes."""
     for seed in range(3):
         arm = few(name, seed).arm
         assert arm.task == BUILDS[name].task
@@ -65,7 +65,7 @@ def test_six_joints_control_the_pose() -> None:
 @pytest.mark.parametrize("seed", [0, 1])
 @pytest.mark.parametrize("name", CONTROLLED)
 def test_planted_joint_vector_is_found(name: str, seed: int) -> None:
-    """A target that a joint vector gives is answered with it, every solution reaches it, and none is told twice."""
+    """A target that a joint vector gives is answered with it, every solution reaches it, and none is given twice."""
     case = few(name, seed)
     for q in draw(case, np.random.default_rng(seed), 25):
         target = target_of(case, q)

@@ -293,7 +293,7 @@ def test_refusals(options: dict[str, object], words: list[str]) -> None:
 
 
 def test_joint_vectors_are_checked() -> None:
-    """A joint vector that is none is refused as everywhere."""
+    """An invalid joint vector is refused as everywhere."""
     arm = urdf_ik.load("zyyzyz_6r")
     for use in (arm.manipulability, arm.condition_number, arm.singular_directions):
         with pytest.raises(JointVectorError):

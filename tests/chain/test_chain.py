@@ -182,7 +182,7 @@ def test_links_beside_the_chain(base: str, tip: str) -> None:
 def test_mimics_of_mimics_and_of_continuous_joints(driver: str, factor: float, shift: float) -> None:
     """A joint may follow a continuous one, or one that follows another: value = multiplier * driver + offset.
 
-    Pinocchio refuses both; here it is told the values instead.
+    Pinocchio refuses both; here it is given the values instead.
     """
     plain = HAND.format("")
     xml = HAND.format(f'<mimic joint="{driver}" multiplier="{factor}" offset="{shift}"/>')

@@ -146,7 +146,7 @@ def test_a_full_disk_is_one_message() -> None:
 @pytest.mark.skipif(os.name == "nt", reason="signals and pipes of POSIX")
 def test_ctrl_c_ends_it_with_130() -> None:
     """An interrupt in the midst of work: status 130 and no traceback."""
-    # Tests that run in the background of a script are told to ignore Ctrl-C, and so are their children.
+    # Tests that run in the background of a script have to ignore Ctrl-C, and so are their children.
     child = start(
         *("ik", ARM, "--random", "20000", "--check", "-f", "csv"),
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),

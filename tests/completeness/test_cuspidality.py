@@ -1,4 +1,4 @@
-"""Cuspidal arms: known ones are found and their paths hold, proven others are none, and what this rests on is true."""
+"""Cuspidal arms: known ones are found and their paths hold, proven others are not, and what this rests on is true."""
 
 from __future__ import annotations
 

@@ -113,7 +113,7 @@ def test_the_environment_chooses_the_instruction_set(level: str) -> None:
 
 
 def test_the_best_instruction_set_is_used_unless_one_is_named() -> None:
-    """An empty URDF_IK_ISA is none."""
+    """An empty URDF_IK_ISA counts as not set."""
     done = run("from urdf_ik import _core; print(_core.isa())", level="")
     assert (done.returncode, done.stdout.strip()) == (0, LEVELS[-1]), done.stderr
 

@@ -117,12 +117,12 @@ def test_poses_are_within_the_limits() -> None:
 
 
 def test_progress_counts_up_to_the_end() -> None:
-    """Progress is told in poses, and ends at n."""
-    told: list[tuple[int, int]] = []
-    check(loaded("zyyzyz_6r"), 300, collision=False, progress=lambda done, n: told.append((done, n)))
-    assert told == sorted(told)
-    assert len(told) > 1
-    assert told[-1] == (300, 300)
+    """Progress is reported in poses, and ends at n."""
+    reports: list[tuple[int, int]] = []
+    check(loaded("zyyzyz_6r"), 300, collision=False, progress=lambda done, n: reports.append((done, n)))
+    assert reports == sorted(reports)
+    assert len(reports) > 1
+    assert reports[-1] == (300, 300)
 
 
 def test_collision_is_compared_up_to_the_bound() -> None:

@@ -98,7 +98,7 @@ def test_plugin_stands_beside_the_users_tests(pytester: pytest.Pytester) -> None
 
 
 def test_plugin_says_what_is_wrong_with_the_urdf(pytester: pytest.Pytester) -> None:
-    """A file that is none fails one test, with the reader's message; an unsolved arm fails what it lacks."""
+    """A file that is no URDF fails one test, with the reader's message; an unsolved arm fails what it lacks."""
     pytester.path.joinpath("broken.urdf").write_text("<robot name='x'><link")
     done = run(pytester, "--urdf", "broken.urdf", "-rs")
     done.assert_outcomes(failed=1, skipped=len(PROPERTIES))

@@ -324,7 +324,7 @@ def test_constructor_copies_and_checks() -> None:
 
 
 def test_unknown_convention() -> None:
-    """A convention that is none is refused wherever one is given, with those that there are."""
+    """An unknown convention is refused wherever one is given, with those that there are."""
     table = DHTable.from_array(np.zeros((2, 4)), "standard")
     for use in (
         lambda: DHTable.from_array(np.zeros((2, 4)), "Craig"),

@@ -8,14 +8,13 @@ import closed_forms
 import contract
 import numpy as np
 import pytest
+import seven_joints
 from arms_few import BUILDS, SLIDES, apart, few
 from arms_general import near_member
-from arms_mimic import LINKAGES
+from arms_mimic import LINKAGES, linkage
 from arms_seven import SEVEN
 from cases import MEMBERS_OF, assert_exact, described, from_catalogue, named, nearest, rows, worst_error
-from test_mimic import arm_and_reference, distances, scaled_jacobian
-from test_seven_joints import member as seven
-from test_seven_joints import tolerance as tolerance_of_seven
+from with_reference import arm_and_reference, distances, scaled_jacobian
 
 FAMILIES = tuple(arms.KINDS)
 MORE = tuple(arms_closed_forms.KINDS)
@@ -59,12 +58,12 @@ def test_round_poses(name: str) -> None:
 def test_seven_joints(kind: str) -> None:
     """Seven joints, at the planted value of the parameter."""
     for variant in ((0, False, False), (1, True, True)):
-        case = seven(kind, *variant)
+        case = seven_joints.member(kind, *variant)
         for q in contract.round_vectors(7, np.zeros(7, np.bool_), np.random.default_rng(5), 10):
             target = case.oracle.pose(q)
             found = assert_exact(case, case.arm.ik(target, redundancy=float(case.arm.redundancy_of(q))), target)
             assert len(found) > 0, (case.name, q.tolist())
-            tolerance = tolerance_of_seven(case, q)
+            tolerance = seven_joints.tolerance(case, q)
             assert tolerance > 1e-3 or nearest(found, q) <= tolerance, (case.name, q.tolist())
 
 
@@ -86,7 +85,7 @@ def test_few_joints_and_slides(name: str) -> None:
 def test_joints_that_mimic(name: str) -> None:
     """Chains in which joints mimic others."""
     for seed in range(2):
-        arm, reference = arm_and_reference(name, seed)
+        arm, reference = arm_and_reference(linkage(name, seed))
         drawn = contract.round_vectors(arm.dof, arm.chain.prismatic, np.random.default_rng(7), 8)
         for q in np.clip(drawn, *reference.ranges.T):  # joints that drive others have no images outside
             target = reference.pose(q)
@@ -95,4 +94,4 @@ def test_joints_that_mimic(name: str) -> None:
             assert max(part.max() for part in reference.errors(found, target)) <= 1e-9
             sigma = np.linalg.svd(scaled_jacobian(reference, q), compute_uv=False)[-1]
             tolerance = 1e-6 + 1e-11 / max(sigma, 1e-14)
-            assert tolerance > 1e-3 or distances(name, found, q).min() <= tolerance, (name, q.tolist())
+            assert tolerance > 1e-3 or distances(arm, found, q).min() <= tolerance, (name, q.tolist())

@@ -153,7 +153,7 @@ def test_point_on_the_first_axis(name: str, distance: float) -> None:
 
 
 def test_a_continuum_has_one_representative() -> None:
-    """Where axis 5 lies along axes 1, 2 and 3 the arm moves with its tip at rest: that is told once, and marked."""
+    """Where axis 5 lies along axes 1, 2 and 3 the arm moves with its tip at rest: that is reported once, and marked."""
     case, rng = few("5R 1||2||3", 2), np.random.default_rng(8)
     for _ in range(5):
         q = draw(case, rng, 1)[0]

@@ -170,7 +170,7 @@ def test_out_of_reach_is_empty(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["random-0", "random-1", "random-2", *STRUCTURED])
 def test_planted_near_singularities(name: str) -> None:
-    """At 1e-1 to 1e-7 rad from where Pinocchio's Jacobian is singular at least 99 % of the planted ones are found.
+    """At 1e-1 to 1e-7 rad from where Pinocchio's Jacobian is singular every planted one is found.
 
     All solutions are exact, and none is given twice.
     """

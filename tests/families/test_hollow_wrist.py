@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 
 import numpy as np
 import pinocchio as pin
@@ -12,21 +11,14 @@ from arms import random_arm
 from arms_hollow import hollow
 from arms_mimic import mimicking
 from numpy.typing import NDArray
+from with_reference import arm_and_reference, distances, scaled_jacobian
 
 import urdf_ik
 from urdf_ik.errors import UnsupportedArm
-from urdf_ik.reference import Reference
 
 Array = NDArray[np.float64]
 
 KINDS = ("irb_5400", "mirrored", "one point", "half")
-
-
-@lru_cache
-def arm_and_reference(kind: str, seed: int = 0) -> tuple[urdf_ik.Arm, Reference]:
-    """A member of a kind, and Pinocchio's view of it."""
-    text = hollow(kind, seed)
-    return urdf_ik.load(text, "base", "tool"), Reference(text, "base", "tool")
 
 
 def drawn(kind: str, count: int, seed: int) -> Array:
@@ -35,25 +27,11 @@ def drawn(kind: str, count: int, seed: int) -> Array:
     return np.random.default_rng(seed).uniform(-math.pi, math.pi, (count, 6)) * turns
 
 
-def distances(arm: urdf_ik.Arm, Q: Array, q: Array) -> Array:
-    """Greatest difference (...) of a joint between vectors, images of a joint being the same."""
-    turns = 2.0 * math.pi * arm.chain.image_turns
-    gap = Q - q
-    return np.asarray(np.abs(gap - turns * np.round(gap / turns)).max(axis=-1))
-
-
-def scaled_jacobian(reference: Reference, q: Array) -> Array:
-    """Jacobian (6, 6), lengths as shares of the arm's size."""
-    J = reference.jacobian(q)
-    J[:3] /= reference.size
-    return J
-
-
 @pytest.mark.parametrize("kind", KINDS)
 def test_planted_vectors_are_found(kind: str) -> None:
     """The joint vector behind a pose is among its solutions; all are exact by Pinocchio, and none comes twice."""
     for seed in range(2):
-        arm, reference = arm_and_reference(kind, seed)
+        arm, reference = arm_and_reference(hollow(kind, seed))
         assert arm.structure.family == "6R hollow wrist, 2||3"
         planted = drawn(kind, 40, seed)
         s = arm.ik(reference.pose(planted))
@@ -69,7 +47,7 @@ def test_planted_vectors_are_found(kind: str) -> None:
 
 def test_against_pinocchio_that_mimics_by_itself() -> None:
     """Pinocchio's own joint that follows puts the tip of every solution where the target is."""
-    arm, _ = arm_and_reference("irb_5400")
+    arm, _ = arm_and_reference(hollow("irb_5400", 0))
     model = pin.buildModelFromXML(hollow("irb_5400"), mimic=True)
     data = model.createData()
     assert model.nq == 6
@@ -85,7 +63,7 @@ def test_against_pinocchio_that_mimics_by_itself() -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_nothing_is_missing(kind: str) -> None:
     """Newton's method from many starts over the whole joint space finds no solution that the solver does not."""
-    arm, reference = arm_and_reference(kind, 3)
+    arm, reference = arm_and_reference(hollow(kind, 3))
     compared = 0
     for k, planted in enumerate(drawn(kind, 6, 5)):
         target = reference.pose(planted)
@@ -117,7 +95,7 @@ def newton(arm: urdf_ik.Arm, target: Array, Q: Array) -> Array:
 @pytest.mark.parametrize("joint", [2, 4])
 def test_at_and_near_singularities(kind: str, joint: int) -> None:
     """With an arm stretched, or axes 4 and 7 in line, and 1e-1 to 1e-7 rad beside that: exact, and found again."""
-    arm, reference = arm_and_reference(kind)
+    arm, reference = arm_and_reference(hollow(kind, 0))
     for q in drawn(kind, 3, 9):
         for distance in (0.0, 1e-7, 1e-5, 1e-3, 1e-1):
             q[joint] = distance if joint == 4 else stretched(arm, q) + distance
@@ -141,7 +119,7 @@ def stretched(arm: urdf_ik.Arm, q: Array) -> float:
 
 def test_out_of_reach_and_one_by_one() -> None:
     """Far away there is no solution and a reason with a number; a batch has the digits of its poses alone."""
-    arm, reference = arm_and_reference("irb_5400")
+    arm, reference = arm_and_reference(hollow("irb_5400", 0))
     T = reference.pose(drawn("irb_5400", 5, 2))
     np.testing.assert_array_equal(arm.ik(T, threads=2).q, [arm.ik(each).q for each in T])
     T[0, :3, 3] += 100.0

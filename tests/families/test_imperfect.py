@@ -129,7 +129,7 @@ def test_the_ideal_arms_solutions(kind: str) -> None:
     assert compared > 5
 
 
-# Where axes 1 and 2 all but meet, the shoulder's front would hang on the rest of their distance.
+# Where axes 1 and 2 all but meet, the shoulder's front would depend on the rest of their distance.
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "wrist, 2||3, 1x2"])
 def test_the_ideal_arms_columns(kind: str) -> None:
     """An arm off by 1e-9 has its regular solutions in the columns in which the ideal arm has them."""

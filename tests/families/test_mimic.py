@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import pickle
-from functools import lru_cache
 
 import numpy as np
 import pinocchio as pin
@@ -14,6 +13,7 @@ from arms_few import few_urdf
 from arms_mimic import LINKAGES, limited, linkage, mimicking
 from numpy.typing import NDArray
 from typer.testing import CliRunner
+from with_reference import arm_and_reference, distances, scaled_jacobian
 
 import urdf_ik
 from urdf_ik.chain.mimic import CoupledChain
@@ -26,38 +26,17 @@ from urdf_ik.reference import Reference
 Array = NDArray[np.float64]
 
 
-@lru_cache
-def arm_and_reference(name: str, seed: int = 0) -> tuple[urdf_ik.Arm, Reference]:
-    """A member of a class of linkages, and Pinocchio's view of it."""
-    text = linkage(name, seed)
-    return urdf_ik.load(text, "base", "tool"), Reference(text, "base", "tool")
-
-
 def drawn(reference: Reference, count: int, seed: int = 1) -> Array:
     """Joint vectors (count, n) within the limits."""
     lower, upper = reference.ranges.T
     return np.random.default_rng(seed).uniform(lower, upper, (count, reference.dof))
 
 
-def distances(name: str, Q: Array, q: Array) -> Array:
-    """Greatest difference (...) of a joint between vectors, images of a joint being the same."""
-    turns = 2.0 * math.pi * np.array(LINKAGES[name].images, dtype=np.float64)
-    gap = Q - q
-    return np.abs(gap - turns * np.round(gap / np.where(turns, turns, 1.0))).max(axis=-1)
-
-
-def scaled_jacobian(reference: Reference, q: Array) -> Array:
-    """Jacobian (6, n), lengths as shares of the arm's size."""
-    J = reference.jacobian(q)
-    J[:3] /= reference.size
-    return J
-
-
 @pytest.mark.parametrize("name", LINKAGES)
 def test_kinematics_are_pinocchios(name: str) -> None:
     """Names, limits, poses and Jacobians, of the links beside the tip too, are those that Pinocchio computes."""
     for seed in range(4):
-        arm, reference = arm_and_reference(name, seed)
+        arm, reference = arm_and_reference(linkage(name, seed))
         assert arm.joint_names == reference.joint_names
         assert arm.dof == len(LINKAGES[name].images)
         assert tuple(arm.chain.image_turns) == LINKAGES[name].images
@@ -91,24 +70,24 @@ def test_against_pinocchio_that_mimics_by_itself() -> None:
 def test_planted_vectors_are_found(name: str) -> None:
     """The joint vector behind a pose is among its solutions, all of which are exact, and none of which comes twice."""
     for seed in range(3):
-        arm, reference = arm_and_reference(name, seed)
+        arm, reference = arm_and_reference(linkage(name, seed))
         planted = drawn(reference, 12, seed)
         s = arm.ik(reference.pose(planted))
         for k, q in enumerate(planted):
             found = s[k].to_array()
             sigma = np.linalg.svd(scaled_jacobian(reference, q), compute_uv=False)[-1]
-            assert distances(name, found, q).min() < 1e-9 + 1e-11 / sigma
+            assert distances(arm, found, q).min() < 1e-9 + 1e-11 / sigma
             position, turn = reference.errors(found, reference.pose(q))
             assert max(position.max(), turn.max()) <= 1e-9
             for i in range(1, len(found)):
-                assert distances(name, found[:i], found[i]).min() > 1e-7
+                assert distances(arm, found[:i], found[i]).min() > 1e-7
 
 
 @pytest.mark.parametrize("name", [n for n in LINKAGES if n != "palletizer with wrist"])
 def test_nothing_is_missing(name: str) -> None:
     """Newton's method from many starts over the whole joint space finds nothing that the solver does not."""
     rng = np.random.default_rng(7)
-    arm, reference = arm_and_reference(name, 3)
+    arm, reference = arm_and_reference(linkage(name, 3))
     turns = np.array(LINKAGES[name].images, dtype=np.float64)
     lower, upper = (
         np.where(turns, side * math.pi * turns, limit) for side, limit in zip((-1, 1), arm.limits.T, strict=True)
@@ -119,7 +98,7 @@ def test_nothing_is_missing(name: str) -> None:
         for start in rng.uniform(lower, upper, (60, arm.dof)):
             q = newton(reference, target, start)
             if q is not None and ((q >= lower) & (q <= upper) | (turns > 0.0)).all():
-                assert distances(name, found, q).min() < 1e-6
+                assert distances(arm, found, q).min() < 1e-6
 
 
 def newton(reference: Reference, target: Array, q: Array) -> Array | None:
@@ -140,7 +119,7 @@ def test_at_and_near_singularities(name: str) -> None:
     """Where the Jacobian loses rank, and 1e-1 to 1e-7 rad beside that, the planted vector is found."""
     met = 0
     for seed in range(6):
-        arm, reference = arm_and_reference(name, seed)
+        arm, reference = arm_and_reference(linkage(name, seed))
         singular = a_singularity(reference, seed)
         if singular is None:
             continue
@@ -154,7 +133,7 @@ def test_at_and_near_singularities(name: str) -> None:
             beside[joint] += 10.0**-k
             sigma = np.linalg.svd(scaled_jacobian(reference, beside), compute_uv=False)[-1]
             found = arm.ik(reference.pose(beside)).to_array()
-            assert distances(name, found, beside).min() < 1e-6 + 1e-11 / sigma
+            assert distances(arm, found, beside).min() < 1e-6 + 1e-11 / sigma
     assert met
 
 
@@ -196,7 +175,7 @@ def a_singularity(reference: Reference, seed: int) -> tuple[Array, int] | None:
 @pytest.mark.parametrize("name", LINKAGES)
 def test_poses_out_of_reach(name: str) -> None:
     """A pose that the arm does not reach has no solution, and the explanation names a number or the joints."""
-    arm, reference = arm_and_reference(name)
+    arm, reference = arm_and_reference(linkage(name, 0))
     T = reference.pose(drawn(reference, 2))
     T[0, :3, 3] += 1e3
     T[1, :3, :3] = T[1, :3, :3] @ pin.exp3(np.array([0.3, 0.5, -0.4]))
@@ -210,7 +189,7 @@ def test_poses_out_of_reach(name: str) -> None:
 
 def test_many_poses_are_one_by_one() -> None:
     """A batch, split over threads, has the digits of its poses alone; so has a pickled arm."""
-    arm, reference = arm_and_reference("halves")
+    arm, reference = arm_and_reference(linkage("halves", 0))
     T = reference.pose(drawn(reference, 9))
     q = arm.ik(T, threads=3).q
     np.testing.assert_array_equal(q, [arm.ik(each).q for each in T])
@@ -329,7 +308,7 @@ def test_the_cross_check_passes(name: str) -> None:
     assert arm.manipulability(q).shape == (3,)
 
 
-def test_what_is_told_of_it(tmp_path) -> None:
+def test_what_is_reported_of_it(tmp_path) -> None:
     """``info`` names the joints that mimic; a Denavit-Hartenberg table, which cannot, is refused."""
     path = tmp_path / "arm.urdf"
     path.write_text(linkage("halves", 0))

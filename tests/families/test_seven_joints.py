@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 import pytest
 from arms import Y, Z, serial_urdf
 from arms_seven import SEVEN, random_seven, skew, sliding
-from cases import Array, Case, assert_exact, closest_pair, described, indistinct_pairs, nearest, rows
+from cases import Array, Case, assert_exact, closest_pair, indistinct_pairs, nearest, rows
 from oracle import Oracle, angle_distance
+from seven_joints import member, tolerance
 
 import urdf_ik
 from urdf_ik import JointVectorError, UnsupportedArm
@@ -30,12 +30,6 @@ SWIVELLING = ("S-R-S", "S-R-S, offset elbow")
 VARIANTS = ((0, False, False), (1, True, True), (2, True, False))
 
 
-@lru_cache
-def member(kind: str, seed: int, orthogonal: bool = False, aligned: bool = False) -> Case:
-    """Load a random member of a kind of ``SEVEN``."""
-    return described(random_seven(kind, seed, orthogonal=orthogonal, aligned=aligned))
-
-
 def draw(case: Case, seed: int, m: int) -> tuple[Array, Array, Array]:
     """Joint vectors (m, 7) over the whole torus, their poses by Pinocchio, their values of the parameter."""
     q = case.oracle.draw(np.random.default_rng(seed), m)
@@ -46,15 +40,6 @@ def numbers_of(case: Case) -> dict[str, Any]:
     """What an S-R-S arm's solver was made from."""
     numbers: dict[str, Any] = case.arm._plan.solver.values
     return numbers
-
-
-def tolerance(case: Case, q: Array) -> float:
-    """How far [rad] an answer may be from q: rounding over the conditioning of pose and parameter together."""
-    step = 1e-6 * np.eye(7)
-    ahead, behind = case.arm.redundancy_of(q + step), case.arm.redundancy_of(q - step)
-    gradient = ((ahead - behind + np.pi) % (2.0 * np.pi) - np.pi) / 2e-6
-    sigma = np.linalg.svd(np.vstack([case.oracle.jacobian(q), gradient]), compute_uv=False)[-1]
-    return 1e-6 + 1e-11 / max(float(sigma), 1e-14)
 
 
 @pytest.mark.parametrize(("seed", "orthogonal", "aligned"), VARIANTS)
@@ -176,7 +161,7 @@ def test_what_does_not_fit_is_refused() -> None:
 
 @pytest.mark.parametrize("kind", ["S-R-S", "one behind wrist, 1x2"])
 def test_turned_values_are_the_same_solutions(kind: str) -> None:
-    """A value a turn further is the same posture, told in (-pi, pi]."""
+    """A value a turn further is the same posture, given in (-pi, pi]."""
     case = member(kind, 0)
     q, T, value = (each[0] for each in draw(case, 2, 1))
     further = case.arm.ik(T, redundancy=value + 2.0 * np.pi)
@@ -382,7 +367,7 @@ def test_more_than_seven_joints_ask_for_locked_ones() -> None:
 def test_an_empty_answer_tells_where_there_are_solutions() -> None:
     """Where the pose is out of reach at one value of the last joint, the reason names the values at which it is not."""
     case = member("one behind wrist, 1x2", 0)
-    told = 0
+    explained = 0
     for q, T in zip(*draw(case, 12, 12)[:2], strict=True):
         intervals = case.arm.sweep(T).intervals
         values = np.linspace(-3.1, 3.1, 40)
@@ -393,8 +378,8 @@ def test_an_empty_answer_tells_where_there_are_solutions() -> None:
             assert ((intervals[:, 0] <= q[6] + 1e-6) & (q[6] - 1e-6 <= intervals[:, 1])).any() or (
                 (intervals[:, 0] <= q[6] + 2 * np.pi) & (q[6] + 2 * np.pi <= intervals[:, 1])
             ).any()
-            told += 1
-    assert told
+            explained += 1
+    assert explained
 
 
 def test_a_wrist_in_the_shoulder() -> None:

@@ -110,7 +110,7 @@ def test_exact_singularities_are_flagged(name: str, kind: str) -> None:
 
 @pytest.mark.parametrize("name", ALL)
 def test_on_any_singularity(name: str) -> None:
-    """Where the determinant of Pinocchio's Jacobian changes sign there are exact solutions, marked, none told twice."""
+    """Where the determinant of Pinocchio's Jacobian changes sign are exact solutions, marked, none given twice."""
     case, rng = named(name), np.random.default_rng(3)
     for _ in range(8):
         q, _ = case.oracle.singular(rng)

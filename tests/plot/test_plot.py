@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import trimesh
 from command import call, succeed
+from pictures import is_png, stick_lines
 
 import urdf_ik
 from urdf_ik import catalogue, plot, workspace
@@ -20,22 +21,6 @@ from urdf_ik.plot import figures
 from urdf_ik.urdf import link_shapes
 
 Q = (0.3, -0.5, 0.8, 0.4, 0.7, -0.2)
-
-
-@pytest.fixture(autouse=True)
-def _no_display(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv("DISPLAY", raising=False)
-    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-
-
-@pytest.fixture(name="arm")
-def _arm() -> urdf_ik.Arm:
-    return urdf_ik.load("zyyzyz_6r")
-
-
-def stick_lines(axes: object) -> list[object]:
-    """Lines with joints marked: the stick figures, and not the frames."""
-    return [line for line in axes.lines if line.get_marker() == "o"]
 
 
 def test_the_stick_runs_through_the_links_frames(arm: urdf_ik.Arm) -> None:
@@ -94,7 +79,7 @@ MESHES = """<robot name="meshes"><link name="base">
 
 
 def test_meshes_are_drawn_with_few_faces_and_missing_ones_named(tmp_path: Path) -> None:
-    """A ball of 20480 faces is drawn with a few hundred, all near its surface; a mesh that is not there is told."""
+    """A ball of 20480 faces is drawn with a few hundred, all near its surface; a mesh that is not there is reported."""
     trimesh.creation.icosphere(subdivisions=5, radius=0.2).export(tmp_path / "ball.stl")
     (tmp_path / "meshes.urdf").write_text(MESHES)
     arm = urdf_ik.load(tmp_path / "meshes.urdf")
@@ -284,11 +269,6 @@ def test_pictures_are_written_as_their_names_say(tmp_path: Path, arm: urdf_ik.Ar
         plot.save(figure, tmp_path / "picture.bmp")
     with pytest.raises(urdf_ik.PlotError, match="cannot write"):
         plot.save(figure, tmp_path / "nowhere" / "picture.png")
-
-
-def is_png(data: bytes) -> bool:
-    """Whether it is a PNG, from its signature to its last chunk."""
-    return data.startswith(b"\x89PNG\r\n\x1a\n") and data[-8:-4] == b"IEND"
 
 
 def is_svg(data: bytes) -> bool:

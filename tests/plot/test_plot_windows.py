@@ -16,24 +16,13 @@ import numpy as np
 import pytest
 from matplotlib import pyplot
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from test_plot import is_png, stick_lines
+from pictures import is_png, stick_lines
 from typer.testing import CliRunner
 
 import urdf_ik
 from urdf_ik import plot
 from urdf_ik.cli import app
 from urdf_ik.plot import slider_panel
-
-
-@pytest.fixture(autouse=True)
-def _no_display(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv("DISPLAY", raising=False)
-    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-
-
-@pytest.fixture(name="arm")
-def _arm() -> urdf_ik.Arm:
-    return urdf_ik.load("zyyzyz_6r")
 
 
 @pytest.mark.parametrize("name", ["planar_2r", "zyyzyz_6r", "scara_rrpr"])
@@ -90,7 +79,7 @@ def test_a_notebook_shows_the_pictures(arm: urdf_ik.Arm) -> None:
 
 
 def test_windows_are_known_to_what_waits_for_them(arm: urdf_ik.Arm, monkeypatch: pytest.MonkeyPatch) -> None:
-    """When pyplot is told to wait, it knows the figure's window: a toolkit's main loop ends at once without one."""
+    """When pyplot has to wait, it knows the figure's window: a toolkit's main loop ends at once without one."""
     monkeypatch.setattr(slider_panel, "require_display", lambda: FigureCanvasAgg)
     waited: list[tuple[object, bool]] = []
     with matplotlib.rc_context({"backend": "agg"}):
@@ -177,7 +166,7 @@ main()
 
 
 def test_a_display_that_does_not_answer_is_named() -> None:
-    """A toolkit that is missing, a display that is none, a backend that there is not: an error in words."""
+    """A toolkit that is missing, a display that does not exist, a backend that there is not: an error in words."""
     for backend, display, words in (
         ("tkagg", ":9999", "no window can be opened|cannot open windows"),
         ("gtk3agg", ":9999", "no window can be opened|cannot open windows"),

@@ -166,3 +166,47 @@ def test_sweep_of_a_swivel_without_limits_is_the_whole_circle() -> None:
     np.testing.assert_allclose(sweep.intervals, [[-np.pi, np.pi]])
     assert (sweep.solutions.count == 8).all()
     np.testing.assert_allclose(np.diff(sweep.redundancy), 2.0 * np.pi / 16)
+
+
+WEIGHTS = np.array([4.0, 1.0, 0.5, 2.0, 1.0, 0.25, 1.0])
+
+
+@pytest.mark.parametrize(("metric", "weights"), [("l2", WEIGHTS), ("max", None), ("max", WEIGHTS)])
+def test_nothing_nearer_by_another_metric(case: Case, metric: str, weights: np.ndarray | None) -> None:
+    """Of 2000 values of the parameter none has a solution inside the limits that is nearer by the metric asked for."""
+    arm, rng = case.arm, np.random.default_rng(4)
+    values = np.linspace(-np.pi, np.pi, 2000)
+    q = inside(arm, rng, 5)
+    T, q_ref = case.oracle.poses(q), inside(arm, rng, 5)
+    found = arm.ik_nearest(T, q_ref, metric=metric, weights=weights)
+    factors = np.ones(7) if weights is None else weights
+
+    def distance(apart: np.ndarray) -> np.ndarray:
+        return np.sqrt((factors * apart**2).sum(-1)) if metric == "l2" else (factors * np.abs(apart)).max(axis=-1)
+
+    for i in np.flatnonzero(found.valid[:, 0]):
+        s = arm.ik(T[i], redundancy=values).turns()
+        each = np.nan_to_num(distance(s.q - q_ref[i]), nan=np.inf).min(axis=1)
+        # What lasts for less than a step of the search's first grid may be missed.
+        lasting = np.max([np.roll(each, k) for k in range(-4, 5)], axis=0)
+        assert distance(found.q[i, 0] - q_ref[i]) <= lasting.min() + 1e-9
+    assert found.valid.sum() >= 3
+
+
+def test_bounds_are_kept_where_some_value_keeps_them(case: Case) -> None:
+    """Near the planted joint vector, but with one joint held closer than the nearest solution has it: still found."""
+    rng = np.random.default_rng(5)
+    q = inside(case.arm, rng, 6)
+    T = case.oracle.poses(q)
+    within = np.full(7, 0.7)
+    q_ref = q + rng.uniform(-0.6, 0.6, q.shape)
+    for joint in (1, 3):
+        tight = within.copy()
+        near = q_ref.copy()
+        near[:, joint] = q[:, joint]
+        tight[joint] = 0.02
+        found = case.arm.ik_nearest(T, near, within=tight)
+        assert found.valid.all()
+        assert (np.abs(found.q[:, 0] - near) <= tight + 1e-8).all()
+    nothing = case.arm.ik_nearest(T[0], q[0] + 0.5, within=1e-3)
+    assert not nothing and "none as near to the reference as asked" in nothing.explain()

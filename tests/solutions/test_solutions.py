@@ -43,14 +43,14 @@ class Hits:
     def __init__(self) -> None:
         self.asked: list[Array] = []
 
-    def in_collision(self, q: Array) -> NDArray[np.bool_]:
-        """(k, n) to (k,)."""
+    def in_collision(self, q: Array, margin: float = 0.0) -> NDArray[np.bool_]:
+        """(k, n) to (k,): whether the first joint's value is below the margin."""
         self.asked.append(q)
-        return q[..., 0] < 0.0
+        return q[..., 0] < margin
 
-    def distance(self, q: Array) -> Array:
-        """(k, n) to (k,) m: the first joint's value."""
-        return np.maximum(q[..., 0], 0.0)
+    def in_world(self, world: Hits | None) -> Hits:
+        """What stands for the arm in a world."""
+        return self if world is None else world
 
 
 def explain(T: Array, redundancy: float | None = None) -> str:
@@ -337,7 +337,7 @@ def test_nearest_refuses_more_columns_than_there_are(n: int) -> None:
 
 
 def test_collision_free_asks_about_the_solutions_only() -> None:
-    """Colliding solutions are dropped, NaN rows are never asked about, and a margin asks for the distance."""
+    """Colliding solutions are dropped, NaN rows are never asked about, and a world is asked instead of the arm."""
     arm = arm_with(LIMITS)
     s = made(ONE.q, arm).collision_free()
     assert s.valid.tolist() == [True, False, False, True]

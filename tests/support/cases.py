@@ -106,7 +106,7 @@ def closest_pair(found: Array) -> float:
 
 
 def indistinct_pairs(case: Case, found: Array, target: Array) -> int:
-    """Number of pairs of solutions half way between which the arm still is in the pose: one solution, told twice."""
+    """Number of pairs of solutions half way between which the arm still is in the pose: one solution, given twice."""
     count = 0
     for i, a in enumerate(found):
         for b in found[i + 1 :]:

@@ -61,9 +61,9 @@ def holds_near_singularities(case: Case, singularities: int, seed: int) -> None:
 
 
 def holds_on_singularities(case: Case, singularities: int, seed: int) -> None:
-    """Exactly singular: exact and marked solutions, none told twice; with the planted one as reference, that one.
+    """Exactly singular: exact and marked solutions, none given twice; with the planted one as reference, that one.
 
-    Where a curve of solutions leaves a pose by no more than its rounding, which of them was planted cannot be told.
+    Where a curve of solutions leaves a pose by no more than its rounding, which of them was planted cannot be known.
     """
     rng = np.random.default_rng(seed)
     for _ in range(singularities):

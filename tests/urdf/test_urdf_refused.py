@@ -148,7 +148,7 @@ def test_doctype_in_a_comment_is_harmless() -> None:
 
 @pytest.mark.parametrize("root", ["sdf", "mujoco", "u:robot xmlns:u='x'"])
 def test_another_root_element_is_refused(root: str) -> None:
-    """A model of another format is told apart from a broken URDF."""
+    """A model of another format is distinguished from a broken URDF."""
     error = refused(f"\n<{root}/>")
     assert (error.line, error.hint is not None and "URDF is one <robot" in error.hint) == (2, True)
 

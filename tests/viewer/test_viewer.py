@@ -341,7 +341,7 @@ def test_ctrl_c_ends_it_cleanly() -> None:
         stderr=subprocess.PIPE,
         text=True,
         env=os.environ | {"PYTHONUNBUFFERED": "1"},
-        # Tests that run in the background of a script are told to ignore Ctrl-C, and so are their children.
+        # Tests that run in the background of a script have to ignore Ctrl-C, and so are their children.
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     ) as running:
         assert running.stdout is not None and running.stderr is not None

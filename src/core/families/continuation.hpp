@@ -488,7 +488,7 @@ STEP void leave_out_distant(const Written<6>& arm, KnownPose& pose, int& many) {
 // All solutions of the first of the poses of m joint vectors, by monodromy: paths that lead to other poses and back another
 // way end at other solutions than they began (Duff et al., Solving polynomial systems via homotopy continuation and
 // monodromy, 2019). It ends when all 16 are found, or when IDLE_ROUNDS rounds have found no new one. Then those of the other poses.
-// near: whether the arm is near a special one. A pose whose joint vector is singular is none of them: where all are, the arm is
+// near: whether the arm is near a special one. A pose whose joint vector is singular is not among them: where all are, the arm is
 // singular everywhere.
 inline constexpr int IDLE_ROUNDS = 8, MOST_TRIED = 64;
 inline constexpr double REGULAR = 1e-3;

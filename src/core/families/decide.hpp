@@ -1,4 +1,4 @@
-// Which branches of an arm near a family are solutions of the arm as written, and which are none; see imperfect.hpp.
+// Which branches of an arm near a family are solutions of the arm as written, and which are not; see imperfect.hpp.
 #pragma once
 
 #include "../blocks.hpp"

@@ -27,9 +27,10 @@ if TYPE_CHECKING:
     from urdf_ik.chain import Chain
     from urdf_ik.chain.plane import Plane
     from urdf_ik.chain.redundancy import Redundancy
-    from urdf_ik.collision import CollisionModel
+    from urdf_ik.collision import CollisionModel, Motions, Nearest, World
     from urdf_ik.motion import Tracker
     from urdf_ik.redundancy import Sweep
+    from urdf_ik.solutions.select import Metric
     from urdf_ik.tasks import Control
     from urdf_ik.urdf import UrdfModel
 
@@ -137,10 +138,82 @@ class Arm(Kinematics):
 
     @cached_property
     def collision_model(self) -> CollisionModel:
-        """Self-collision of this URDF through Pinocchio and coal, built when first asked for."""
+        """Self-collision of this URDF through Pinocchio and coal, built when first asked for.
+
+        It may be replaced, by one with another allowed-collision table: ``arm.collision_model =
+        arm.collision_model.allow("forearm", "tool")``.
+        """
         from urdf_ik.collision import CollisionModel
 
         return CollisionModel(self.model, self.base, self.tip, locked=self.locked)
+
+    def clearance(self, q: ArrayLike, world: World | None = None) -> float | Array:
+        """Least distance between links that must not touch, and between them and the obstacles of a world.
+
+        Args:
+            q: (..., n) rad or m.
+            world: the obstacles; default: none, only the arm itself.
+
+        Returns:
+            A float for one joint vector, else (...) [m]: 0 in collision, infinite where nothing can collide.
+
+        Raises:
+            JointVectorError: the last dimension is not n, or a value is not finite.
+            UrdfError: the URDF has no collision shapes, or not all of them were found.
+            WorldError: an obstacle's mesh cannot be read, or it has the name of a link.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm, world = urdf_ik.load("zyyzyz_6r"), urdf_ik.World()
+            >>> world.add("ceiling", urdf_ik.HalfSpace((0, 0, -1), -3.5))
+            >>> round(float(arm.clearance([0.0] * 6, world)), 3)
+            0.3
+        """
+        return self.collision_model.in_world(world).distance(self.chain.check(q))
+
+    def nearest_pair(self, q: ArrayLike, world: World | None = None) -> Nearest | None:
+        """What comes closest to each other at ``q`` (n,), two links or a link and an obstacle, and how close [m].
+
+        None where nothing can collide. Raises as :meth:`clearance` does.
+        """
+        return self.collision_model.in_world(world).nearest_pair(self.chain.check(q))
+
+    def motion_is_free(self, q0: ArrayLike, q1: ArrayLike, world: World | None = None, margin: float = 0.0) -> Motions:
+        """Whether straight motions in joint space are free of contact from end to end: proven, not sampled.
+
+        Each joint goes from its value in ``q0`` to its value in ``q1``, in proportion to the others, turns included.
+        A motion that is called free is free of contact at every instant of it. One that is not called free has a
+        contact, or comes within 0.1 mm of one (``urdf_ik.collision.swept.TOUCH``), where no number of distances can
+        prove it free.
+
+        Args:
+            q0: (..., n) rad or m.
+            q1: (..., n) rad or m; the leading dimensions broadcast against those of ``q0``.
+            world: the obstacles; default: none, only the arm itself.
+            margin: m that the bodies must stay apart.
+
+        Returns:
+            Its ``free`` (...) says which motions are; ``share`` (...) and ``pairs`` tell of the first contact of the
+            others. That of a single motion is itself true or false.
+
+        Raises:
+            JointVectorError: the arrays do not fit the arm or each other, or a value is not finite.
+            ArgumentError: ``margin`` is negative or not finite.
+            UrdfError: the URDF has no collision shapes, or not all of them were found.
+            WorldError: an obstacle's mesh cannot be read, or it has the name of a link.
+        """
+        start, end = self.chain.check(q0), self.chain.check(q1)
+        try:
+            start, end = np.broadcast_arrays(start, end)
+        except ValueError:
+            raise JointVectorError(
+                f"motions from {start.shape} to {end.shape} given; the shapes do not broadcast"
+            ) from None
+        batch = start.shape[:-1]
+        flat = self.collision_model.in_world(world).motions_free(
+            start.reshape(-1, self.dof), end.reshape(-1, self.dof), margin
+        )
+        return replace(flat, free=flat.free.reshape(batch), share=flat.share.reshape(batch))
 
     def ik(
         self,
@@ -274,15 +347,29 @@ class Arm(Kinematics):
         Q = self.chain.check(q)
         return plan.value_of(Q.reshape(-1, self.dof)).reshape(Q.shape[:-1])
 
-    def ik_nearest(self, T: Any, q_ref: ArrayLike, *, within_limits: bool = True, threads: int = 1) -> IKSolutions:
+    def ik_nearest(
+        self,
+        T: Any,
+        q_ref: ArrayLike,
+        *,
+        metric: Metric = "l2",
+        weights: ArrayLike | None = None,
+        within: ArrayLike | None = None,
+        within_limits: bool = True,
+        threads: int = 1,
+        task: str | None = None,
+    ) -> IKSolutions:
         """The joint vector nearest to ``q_ref``: of all solutions, and over all values of a redundancy parameter.
 
         Args:
             T: as in ``ik``.
             q_ref: (n,), or one for each pose (..., n), rad or m.
-            within_limits: whether only what lies inside the joint limits counts; see :meth:`IKSolutions.nearest`,
-                whose distance this is.
+            metric: 'l2', 'max' or 'time', the distance; see :meth:`IKSolutions.nearest`, also for the next three.
+            weights: (n,) of the joints in the distance.
+            within: rad or m that no joint may be further away, one number or one a joint.
+            within_limits: whether only what lies inside the joint limits counts.
             threads: number of threads that share the work.
+            task: what ``T`` is; see ``ik``.
 
         Returns:
             One column a pose. With seven joints, ``redundancy`` holds the values of the parameter; see
@@ -290,7 +377,9 @@ class Arm(Kinematics):
 
         Raises:
             PoseError: a target is no pose.
-            JointVectorError: ``q_ref`` does not fit.
+            JointVectorError: ``q_ref``, ``weights`` or ``within`` does not fit.
+            ArgumentError: there is no such metric, or ``within`` is negative.
+            TaskError: there is no such task, or the arm cannot control it.
             UnsupportedArm: no solver takes this arm.
 
         Example:
@@ -300,11 +389,17 @@ class Arm(Kinematics):
             >>> arm.ik_nearest(arm.fk(q), q).q.round(6).tolist()
             [[0.3, -0.5, 0.8, 0.4, 0.7, -0.2]]
         """
+        if task is not None and task != self._task:
+            arm = self.for_task(task)
+            return arm.ik_nearest(
+                T, q_ref, metric=metric, weights=weights, within=within, within_limits=within_limits, threads=threads
+            )
+        options: Any = {"metric": metric, "weights": weights, "within": within, "within_limits": within_limits}
         if isinstance(self._plan, RedundantPlan):
-            return nearest.nearest(self, self._plan.parameter, T, q_ref, within_limits, threads)
+            return nearest.nearest(self, self._plan.parameter, T, q_ref, threads=threads, **options)
         reference = self.chain.check(q_ref)
         near = reference if reference.ndim == 1 else None
-        return self.ik(T, near, threads=threads).nearest(reference, within_limits=within_limits)
+        return self.ik(T, near, threads=threads).nearest(reference, **options)
 
     def sweep(self, T: Any, n: int = 64, *, within_limits: bool = False, threads: int = 1) -> Sweep:
         """The solutions of one pose at ``n`` values of the redundancy parameter, and where there are any.
@@ -324,39 +419,10 @@ class Arm(Kinematics):
         """
         return sweep.sweep(self, self._redundant_plan().parameter, T, n, within_limits, threads)
 
-    def tracker(
-        self,
-        q0: ArrayLike,
-        dt: float,
-        *,
-        velocity: ArrayLike | None = None,
-        acceleration: ArrayLike | None = None,
-        recentring: float | None = None,
-        world: Any = None,
-        self_collision: bool = False,
-        margin: float = 0.0,
-    ) -> Tracker:
-        """What follows targets, one a control cycle, from ``q0`` on: see :meth:`urdf_ik.motion.Tracker.step`.
+    def tracker(self, q0: ArrayLike, dt: float, **options: Any) -> Tracker:
+        """What follows targets, one a control cycle of ``dt`` s, from ``q0`` (n,) rad or m on.
 
-        Args:
-            q0: (n,) rad or m, where the joints are, within their limits.
-            dt: s, length of a cycle.
-            velocity: greatest speed of each joint (n,), or of all, rad/s or m/s; the URDF's where left out, no limit
-                for a joint of which the URDF states none, or zero.
-            acceleration: greatest acceleration of each joint (n,), or of all, rad/s^2 or m/s^2; no limit where left out
-                (a URDF states none).
-            recentring: 1/s, the rate at which seven joints leave the outer tenth of their ranges (at most 0.2 rad, or
-                0.2 of the arm's size), as far as the tip's motion leaves them free; 1 where left out, 0: they move as
-                little as they can.
-            world: objects to keep free of; the arm is checked against itself too.
-            self_collision: whether the arm is checked against itself where no world is given.
-            margin: m, clearance to keep.
-
-        Raises:
-            JointVectorError: ``q0`` does not fit the arm, or is outside the limits.
-            ArgumentError: ``dt``, ``recentring`` or ``margin`` is out of its range.
-            VelocityError: a limit of velocity or acceleration is.
-            UnsupportedArm: the arm has more than seven joints, or joints that mimic others.
+        Args, options and errors are those of :class:`urdf_ik.motion.Tracker`.
 
         Example:
             >>> import urdf_ik
@@ -368,18 +434,7 @@ class Arm(Kinematics):
         """
         from urdf_ik.motion import Tracker
 
-        return Tracker(
-            self,
-            q0,
-            dt,
-            targets=self._targets,
-            velocity=velocity,
-            acceleration=acceleration,
-            recentring=recentring,
-            world=world,
-            self_collision=self_collision,
-            margin=margin,
-        )
+        return Tracker(self, q0, dt, targets=self._targets, **options)
 
     def explain(self, T: Any, redundancy: float | None = None) -> str:
         """Why the single pose ``T`` (4, 4) has no solution, with the number that is out of range.

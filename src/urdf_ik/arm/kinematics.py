@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik import velocity
+from urdf_ik.chain import velocity_limits
+from urdf_ik.solutions import limits
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
@@ -61,6 +63,18 @@ class Kinematics:
     def limits(self) -> Array:
         """(n, 2) rad or m; a continuous joint has (-inf, inf)."""
         return self.chain.limits
+
+    @cached_property
+    def velocity_limits(self) -> Array:
+        """(n,) rad/s or m/s, the URDF's; infinite where it gives no speed, or zero, which counts as not given."""
+        return velocity_limits(self.model, self.chain)
+
+    def limit_margin(self, q: ArrayLike) -> Array:
+        """How far (..., n) rad or m are from the joint limits: (...), the least joint's share of half its range.
+
+        1 in the middle of all ranges, 0 at a limit, negative outside; see :func:`urdf_ik.solutions.limits.margin`.
+        """
+        return limits.margin(self.chain.check(q), self.limits)
 
     @property
     def locked(self) -> dict[str, float]:

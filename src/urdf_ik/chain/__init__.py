@@ -6,6 +6,7 @@ from urdf_ik.chain.mimic import CoupledChain
 from urdf_ik.chain.rank import is_redundant, kinds_of, least_stretches, sampled
 from urdf_ik.chain.reading import from_urdf
 from urdf_ik.chain.serial import Chain, Follower, TreeJoint
+from urdf_ik.chain.speeds import velocity_limits
 
 __all__ = [
     "Chain",
@@ -17,4 +18,5 @@ __all__ = [
     "kinds_of",
     "least_stretches",
     "sampled",
+    "velocity_limits",
 ]

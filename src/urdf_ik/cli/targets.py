@@ -84,7 +84,7 @@ def spread(arm: Arm, target: Target, typed: str | None, angles: Angles) -> Targe
     """``target`` with the values of the redundancy parameter: each pose at every value typed, else as it is.
 
     Raises:
-        typer.BadParameter: values that are none, or an arm without such a parameter.
+        typer.BadParameter: values that are no numbers, or an arm without such a parameter.
     """
     if typed is None:
         return target

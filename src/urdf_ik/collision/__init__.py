@@ -1,13 +1,36 @@
-"""Self-collision and distance of an arm's links through coal, by Pinocchio's geometry model of the URDF."""
+"""Collision and distance of an arm's links, with themselves and with a world, through Pinocchio and coal.
+
+Shapes and worlds are described without either; the modules that use them are imported with their first name.
+"""
 
 from __future__ import annotations
 
-from urdf_ik.collision.model import ALWAYS, SAMPLES, SEED, CollisionModel, Nearest
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from urdf_ik.collision.model import ALWAYS, SAMPLES, SEED, CollisionModel, Nearest
+    from urdf_ik.collision.swept import Motions
+    from urdf_ik.collision.table import Table
+    from urdf_ik.collision.world import Obstacle, World
 
 __all__ = [
     "ALWAYS",
     "SAMPLES",
     "SEED",
     "CollisionModel",
+    "Motions",
     "Nearest",
+    "Obstacle",
+    "Table",
+    "World",
 ]
+
+_MODULE = {"Motions": "swept", "Obstacle": "world", "Table": "table", "World": "world"}
+
+
+def __getattr__(name: str) -> Any:
+    """A public name, or a module of this package."""
+    if name in __all__:
+        return getattr(import_module(f"{__name__}.{_MODULE.get(name, 'model')}"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

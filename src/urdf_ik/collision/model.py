@@ -1,26 +1,28 @@
-"""Self-collision and distance of an arm's links through coal, by Pinocchio's geometry model of the URDF."""
+"""Collision and distance of an arm's links, among themselves and with a world, through Pinocchio and coal."""
 
 from __future__ import annotations
 
-import threading
-import warnings
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import pinocchio as pin
 
-from urdf_ik.collision import geometry
-from urdf_ik.errors import JointVectorError, PoseError, UrdfError
+from urdf_ik.chain import from_urdf
+from urdf_ik.collision import geometry, swept, table
+from urdf_ik.collision.scene import ArmShapes, Scene
+from urdf_ik.errors import ArgumentError, JointVectorError, PoseError, UrdfError, WorldError
 from urdf_ik.reference import Reference, finite
 from urdf_ik.urdf import srdf as srdf_reader
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Mapping
 
     from numpy.typing import ArrayLike, NDArray
 
+    from urdf_ik.collision.swept import Motions
+    from urdf_ik.collision.table import Table
+    from urdf_ik.collision.world import World
     from urdf_ik.urdf import UrdfModel
 
     Array = NDArray[np.float64]
@@ -35,38 +37,34 @@ ALWAYS = 0.95
 SEED = 0
 """Seed of these joint vectors: the same URDF gives the same pairs."""
 
-RIGID, ADJACENT, SRDF, ALWAYS_COLLIDE = "rigid", "adjacent", "srdf", "always"
-"""Reasons why a pair is allowed to touch: no movable joint between its links, exactly one, a line in the SRDF, or
-contact in (nearly) all sampled joint vectors."""
-
 
 class Nearest(NamedTuple):
-    """Two links and the distance between them [m]; 0 where they collide."""
+    """Two links, or a link and an obstacle, and the distance between them [m]; 0 where they collide."""
 
     links: tuple[str, str]
     distance: float
 
 
-class _Work(threading.local):
-    """Scratch memory, one a thread."""
+class _Seen(NamedTuple):
+    """What a model looks at while the world's version stays the same."""
 
-    def __init__(self, model: Any, geometry_data: Any) -> None:
-        self.data = model.createData()
-        self.geometry = geometry_data.copy()
+    version: int
+    scene: Scene
+    table: Table
 
 
 class CollisionModel:
-    """The collision shapes of a URDF, and which pairs of its links must not touch.
+    """The collision shapes of a URDF and of a world, and which pairs of them must not touch.
 
     Joints outside the chain stay at zero; a joint that mimics another follows it. Meshes are surfaces: one that lies
     wholly inside another touches nothing. The same joint vector gives the same answer, whatever was asked before.
-    One object may be used from any number of threads.
+    A model does not change: :meth:`in_world`, :meth:`allow` and :meth:`check` return new ones, which share the shapes.
+    The world may change, and counts as it is at the moment of a question. One model may be used from any number of
+    threads.
 
     Attributes:
-        allowed_pairs: (link, link) that may touch, in the URDF's order of links, to the reason: 'rigid', 'adjacent',
-            'srdf' or 'always'.
-        checked_pairs: (link, link) that must not touch.
         joint_names: joints of a joint vector, base to tip.
+        world: the world, or None.
     """
 
     def __init__(
@@ -98,22 +96,25 @@ class CollisionModel:
         """
         self._reference = Reference(model, base, tip, locked=locked)
         self.joint_names = self._reference.joint_names
+        self.world: World | None = None
+        self._links = model.links
+        self._changes: dict[Pair, bool] = {}
         self._error: UrdfError | None = None
-        self.allowed_pairs: Mapping[Pair, str] = MappingProxyType({})
-        self.checked_pairs: tuple[Pair, ...] = ()
+        self._seen: _Seen | None = None
         disabled = () if srdf is None else srdf_reader.disabled_pairs(srdf, model.links)
         try:
-            self._geometry = geometry.build(model, self._reference.pin_model)
+            shapes = geometry.build(model, self._reference.pin_model)
         except UrdfError as error:
             self._error = error
             return
-        shapes = self._geometry.geometryObjects
-        frames = self._reference.pin_model.frames
-        self._links = [frames[shape.parentFrame].name for shape in shapes]
-        # From the link to its shape; Pinocchio keeps it from the movable joint that carries the link.
-        self._offsets = [frames[shape.parentFrame].placement.actInv(shape.placement) for shape in shapes]
-        self._spheres = geometry.bounding_spheres(shapes)
-        self._choose_pairs(model, disabled, samples, seed)
+        chain = from_urdf(model, base, tip).lock(locked or {})
+        self._arm = ArmShapes(self._reference, chain, shapes)
+        rank = {link: i for i, link in enumerate(model.links)}
+        excused = {table.ordered(*pair, rank) for pair in disabled}
+        self._allowed, self._pairs = table.among_links(self._arm, rank, excused)
+        if samples:
+            always = self._always(samples, seed)
+            self._allowed.update(dict.fromkeys(always, table.ALWAYS_COLLIDE))
 
     @property
     def has_geometry(self) -> bool:
@@ -125,11 +126,79 @@ class CollisionModel:
         """What is missing where ``has_geometry`` is false, else ''."""
         return "" if self._error is None else str(self._error)
 
-    def in_collision(self, q: ArrayLike) -> bool | NDArray[np.bool_]:
-        """Whether links touch that must not.
+    @property
+    def allowed_pairs(self) -> Mapping[Pair, str]:
+        """Pairs that may touch, in the URDF's order of links and the world's of obstacles, to the reason.
+
+        Reasons are 'rigid', 'adjacent', 'srdf', 'always' and 'allowed'.
+        """
+        return MappingProxyType({}) if self._error else self._now().table.allowed
+
+    @property
+    def checked_pairs(self) -> tuple[Pair, ...]:
+        """Pairs that must not touch, two links or a link and an obstacle."""
+        return () if self._error else self._now().table.checked
+
+    def table(self) -> Table:
+        """The allowed-collision table, to be read and printed; :meth:`allow` and :meth:`check` change it.
+
+        Raises:
+            UrdfError: there are no collision shapes, or not all of them were found.
+        """
+        self._require_geometry()
+        return self._now().table
+
+    def in_world(self, world: World | None) -> CollisionModel:
+        """This model among the obstacles of a world, which may be changed later; itself where ``world`` is None.
+
+        Every link that the joint vector moves against the base link is checked against every obstacle. The other links
+        stand on the world, and may touch it ('rigid').
+        """
+        if world is None or world is self.world:
+            return self
+        out = self._copy()
+        out.world = world
+        return out
+
+    def allow(self, first: str, second: str) -> CollisionModel:
+        """This model with one more pair that may touch.
+
+        Args:
+            first: a link, or an obstacle of the world.
+            second: another one.
+
+        Raises:
+            WorldError: there is no such link or obstacle, or it has no shape.
+            UrdfError: there are no collision shapes, or not all of them were found.
+
+        Example:
+            >>> import urdf_ik
+            >>> model = urdf_ik.load("zyyzyz_6r").collision_model
+            >>> pair = model.checked_pairs[0]
+            >>> model.allow(*pair).allowed_pairs[pair]
+            'allowed'
+        """
+        return self._changed(first, second, False)
+
+    def check(self, first: str, second: str) -> CollisionModel:
+        """This model with a pair that must not touch, whatever allowed it to.
+
+        Args:
+            first: a link, or an obstacle of the world.
+            second: another one.
+
+        Raises:
+            WorldError: there is no such link or obstacle, or it has no shape.
+            UrdfError: there are no collision shapes, or not all of them were found.
+        """
+        return self._changed(first, second, True)
+
+    def in_collision(self, q: ArrayLike, margin: float = 0.0) -> bool | NDArray[np.bool_]:
+        """Whether something touches that must not.
 
         Args:
             q: (..., n) rad or m; rows that are not finite are not checked and give False.
+            margin: m that the bodies must stay apart.
 
         Returns:
             A bool for one joint vector, else (...) bool.
@@ -137,12 +206,21 @@ class CollisionModel:
         Raises:
             UrdfError: there are no collision shapes, or not all of them were found.
             JointVectorError: the last dimension is not n.
+            ArgumentError: ``margin`` is negative or not finite.
         """
-        out = self._each(q, self._collides, False)
-        return bool(out) if out.ndim == 0 else out
+        check_margin(margin)
+        Q, places, scene = self._rows(q)
+        out = np.zeros(len(Q), dtype=np.bool_)
+        for part, placed in scene.chunks(Q):
+            least = scene.least(placed)
+            for i in np.flatnonzero((least <= margin).any(axis=1)):
+                out[part.start + i] = _hits(scene, scene.place(Q[part.start + i]), least[i], margin)
+        whole = np.zeros(places.shape, dtype=np.bool_)
+        whole[places] = out
+        return bool(whole) if whole.ndim == 0 else whole
 
     def distance(self, q: ArrayLike) -> float | Array:
-        """Smallest distance between links that must not touch.
+        """Smallest distance between what must not touch.
 
         Args:
             q: (..., n) rad or m; rows that are not finite give NaN.
@@ -154,32 +232,39 @@ class CollisionModel:
             UrdfError: there are no collision shapes, or not all of them were found.
             JointVectorError: the last dimension is not n.
         """
-        out = self._each(q, lambda geometry: self._nearest(geometry)[1], np.nan)
-        return float(out) if out.ndim == 0 else out
+        Q, places, scene = self._rows(q)
+        out = np.empty(len(Q))
+        for part, placed in scene.chunks(Q):
+            for i, least in enumerate(scene.least(placed), part.start):
+                out[i] = _nearest(scene, scene.place(Q[i]), least)[1]
+        whole = np.full(places.shape, np.nan)
+        whole[places] = out
+        return float(whole) if whole.ndim == 0 else whole
 
     def colliding_pairs(self, q: ArrayLike) -> tuple[Pair, ...]:
-        """Links that touch and must not.
+        """What touches and must not.
 
         Args:
             q: (n,) rad or m.
 
         Returns:
-            Pairs of link names, in the URDF's order of links; none where q is not finite.
+            Pairs of names, in the order of ``checked_pairs``; none where q is not finite.
 
         Raises:
             UrdfError: there are no collision shapes, or not all of them were found.
             JointVectorError: q is no (n,).
         """
-        Q = self._one(q)
+        Q, scene, checked = self._one(q)
         found = set()
-        for index in finite(Q):
-            geometry = self._placed(Q[index])
-            pin.computeCollisions(self._geometry, geometry, False)
-            found = {pair for k, pair in enumerate(self._pair_of) if geometry.collisionResults[k].isCollision()}
-        return tuple(pair for pair in self.checked_pairs if pair in found)
+        for part, placed in scene.chunks(Q):
+            shapes = scene.place(Q[part.start])
+            for k in np.flatnonzero(scene.least(placed)[0] <= 0.0):
+                if scene.touches(shapes, int(k)):
+                    found.add(scene.pairs[k].names)
+        return tuple(pair for pair in checked if pair in found)
 
     def nearest_pair(self, q: ArrayLike) -> Nearest | None:
-        """The two links that come closest, of those that must not touch.
+        """What comes closest to each other, of that which must not touch.
 
         Args:
             q: (n,) rad or m.
@@ -192,12 +277,37 @@ class CollisionModel:
             UrdfError: there are no collision shapes, or not all of them were found.
             JointVectorError: q is no (n,).
         """
-        Q = self._one(q)
-        for index in finite(Q):
-            k, distance = self._nearest(self._placed(Q[index]))
+        Q, scene, _ = self._one(q)
+        for part, placed in scene.chunks(Q):
+            k, distance = _nearest(scene, scene.place(Q[part.start]), scene.least(placed)[0])
             if k is not None:
-                return Nearest(self._pair_of[k], distance)
+                return Nearest(scene.pairs[k].names, distance)
         return None
+
+    def motions_free(self, q0: ArrayLike, q1: ArrayLike, margin: float = 0.0) -> Motions:
+        """Which straight motions in joint space are free from end to end, proven; see :func:`swept.motions`.
+
+        Args:
+            q0: (k, n) rad or m, where the motions begin.
+            q1: (k, n) rad or m, where they end; every joint goes its way in a straight line, turns included.
+            margin: m that the bodies must stay apart.
+
+        Raises:
+            UrdfError: there are no collision shapes, or not all of them were found.
+            JointVectorError: the arrays do not fit the arm or each other, or are not finite.
+            ArgumentError: ``margin`` is negative or not finite.
+        """
+        check_margin(margin)
+        self._require_geometry()
+        start, end = (self._reference.vectors(q) for q in (q0, q1))
+        if start.ndim != 2 or start.shape != end.shape:
+            raise JointVectorError(
+                f"motions from {start.shape} to {end.shape} given; both must be (k, {len(self.joint_names)})"
+            )
+        for name, array in (("q0", start), ("q1", end)):
+            if len(bad := np.argwhere(~np.isfinite(array))):
+                raise JointVectorError(f"{name}{bad[0].tolist()} is {array[tuple(bad[0])]}; a motion's ends are finite")
+        return swept.motions(self._now().scene, start, end, margin)
 
     def in_collision_with(self, link_poses: Mapping[str, ArrayLike]) -> bool | NDArray[np.bool_]:
         """:meth:`in_collision`, with every link where the caller says instead of where Pinocchio puts it.
@@ -213,8 +323,8 @@ class CollisionModel:
             UrdfError: there are no collision shapes, or not all of them were found.
             PoseError: a link that has a shape has no pose, or a pose is no (..., 4, 4).
         """
-        out = self._each_placing(link_poses, self._collides, False)
-        return bool(out) if out.ndim == 0 else out
+        hits: bool | NDArray[np.bool_] = self._each_placing(link_poses, False)
+        return hits
 
     def distance_with(self, link_poses: Mapping[str, ArrayLike]) -> float | Array:
         """:meth:`distance`, with every link where the caller says instead of where Pinocchio puts it.
@@ -230,140 +340,130 @@ class CollisionModel:
             UrdfError: there are no collision shapes, or not all of them were found.
             PoseError: a link that has a shape has no pose, or a pose is no (..., 4, 4).
         """
-        out = self._each_placing(link_poses, lambda geometry: self._nearest(geometry)[1], np.nan)
-        return float(out) if out.ndim == 0 else out
+        distances: float | Array = self._each_placing(link_poses, np.nan)
+        return distances
 
     def _require_geometry(self) -> None:
         if self._error is not None:
             raise self._error.with_traceback(None)
 
-    def _each(self, q: ArrayLike, ask: Callable[[Any], Any], otherwise: Any) -> NDArray[Any]:
-        """``ask`` the placed shapes of every joint vector."""
-        self._require_geometry()
-        Q = self._reference.vectors(q)
-        out = np.full(Q.shape[:-1], otherwise)
-        for index in finite(Q):
-            out[index] = ask(self._placed(Q[index]))
+    def _copy(self) -> CollisionModel:
+        out = object.__new__(type(self))
+        out.__dict__.update(self.__dict__)
+        out._seen = None
         return out
 
-    def _one(self, q: ArrayLike) -> Array:
+    def _changed(self, first: str, second: str, must_not: bool) -> CollisionModel:
+        self._require_geometry()
+        obstacles = () if self.world is None else self.world.names
+        rank = self._rank(obstacles)
+        pair = table.named(first, second, rank, [*dict.fromkeys(self._arm.links), *obstacles])
+        if pair[0] in obstacles:
+            raise WorldError(f"{first!r} and {second!r} are both obstacles, which stand still; a pair has a link")
+        out = self._copy()
+        out._changes = {**self._changes, pair: must_not}
+        return out
+
+    def _rank(self, obstacles: tuple[str, ...]) -> dict[str, int]:
+        rank = {name: i for i, name in enumerate((*self._links, *obstacles))}
+        if len(rank) < len(self._links) + len(obstacles):
+            same = next(name for name in obstacles if name in self._links)
+            raise WorldError(f"the obstacle {same!r} has the name of a link of the arm; give it another")
+        return rank
+
+    def _now(self) -> _Seen:
+        """The scene and the table of the world as it is."""
+        seen, world = self._seen, self.world
+        if seen is None or (world is not None and seen.version != world.version):
+            version, obstacles = (0, ()) if world is None else world.snapshot()
+            names = tuple(each.name for each, _ in obstacles)
+            rank = self._rank(names)
+            allowed, pairs = table.with_obstacles(self._arm, names)
+            made, checked = table.made({**self._allowed, **allowed}, [*self._pairs, *pairs], self._changes, rank)
+            self._seen = seen = _Seen(version, Scene(self._arm, obstacles, checked), made)
+        return seen
+
+    def _rows(self, q: ArrayLike) -> tuple[Array, NDArray[np.bool_], Scene]:
+        """The finite joint vectors (k, n), the places (...) that they come from, and the scene."""
+        self._require_geometry()
+        Q = self._reference.vectors(q)
+        places = np.asarray(np.isfinite(Q).all(axis=-1))
+        return np.ascontiguousarray(Q[places]).reshape(-1, Q.shape[-1]), places, self._now().scene
+
+    def _one(self, q: ArrayLike) -> tuple[Array, Scene, tuple[Pair, ...]]:
+        """A joint vector as (1, n), or (0, n) where it is not finite, the scene and its pairs."""
         self._require_geometry()
         Q = self._reference.vectors(q)
         if Q.ndim != 1:
             raise JointVectorError(f"one joint vector ({len(self.joint_names)},) is needed, not shape {Q.shape}")
-        return Q
+        now = self._now()
+        return Q[None][np.isfinite(Q).all(keepdims=True)], now.scene, now.table.checked
 
-    def _each_placing(self, link_poses: Mapping[str, ArrayLike], ask: Callable[[Any], Any], otherwise: Any) -> Any:
-        """``ask`` the shapes placed with every set of link poses."""
+    def _each_placing(self, link_poses: Mapping[str, ArrayLike], otherwise: Any) -> Any:
+        """Whether each set of link poses collides, or the distances, whichever ``otherwise`` stands for."""
         self._require_geometry()
-        if absent := sorted(set(self._links) - set(link_poses)):
+        scene = self._now().scene
+        needed = dict.fromkeys([*self._arm.links, *([self._reference.base] if scene.places else [])])
+        if absent := sorted(set(needed) - set(link_poses)):
             raise PoseError(f"links with collision shapes have no pose: {', '.join(absent)}")
-        poses = [np.asarray(link_poses[link], dtype=np.float64) for link in self._links]
+        poses = [np.asarray(link_poses[link], dtype=np.float64) for link in needed]
         if any(pose.shape[-2:] != (4, 4) for pose in poses):
             raise PoseError("link poses must be of shape (..., 4, 4)")
         batch = np.broadcast_shapes(*(pose.shape[:-2] for pose in poses))
         stack = np.stack([np.broadcast_to(pose, (*batch, 4, 4)) for pose in poses], axis=-3)
         out = np.full(batch, otherwise)
-        geometry = self._work.geometry
+        anything = np.full(len(scene.pairs), -np.inf)
         for index in finite(stack.reshape(*batch, -1)):
-            for i, (pose, offset) in enumerate(zip(stack[index], self._offsets, strict=True)):
-                geometry.oMg[i] = pin.SE3(pose[:3, :3], pose[:3, 3]) * offset
-            out[index] = ask(geometry)
-        return out
-
-    def _placed(self, q: Array) -> Any:
-        """The calling thread's geometry data with every shape where Pinocchio puts it."""
-        work, reference = self._work, self._reference
-        pin.updateGeometryPlacements(
-            reference.pin_model, work.data, self._geometry, work.geometry, reference.configuration(q)
-        )
-        return work.geometry
-
-    def _collides(self, geometry: Any) -> bool:
-        return bool(pin.computeCollisions(self._geometry, geometry, True))
-
-    def _nearest(self, geometry: Any) -> tuple[int | None, float]:
-        """Index of the nearest pair of shapes and its distance; pairs with farther bounding spheres are skipped."""
-        centres = np.array([M.act(c) for M, c in zip(geometry.oMg, self._spheres[0], strict=True)]).reshape(-1, 3)
-        gaps = np.linalg.norm(centres[self._first] - centres[self._second], axis=1) - self._reach
-        best, at = np.inf, None
-        for k in np.argsort(gaps, kind="stable"):
-            if gaps[k] >= best or best == 0.0:
-                break
-            found = pin.computeDistance(self._geometry, geometry, int(k)).min_distance
-            if found < best:
-                best, at = max(float(found), 0.0), int(k)
-        return at, best
-
-    def _choose_pairs(self, model: UrdfModel, disabled: Iterable[Pair], samples: int, seed: int) -> None:
-        rank = {link: i for i, link in enumerate(model.links)}
-
-        def ordered(a: str, b: str) -> Pair:
-            return (a, b) if rank[a] < rank[b] else (b, a)
-
-        excused = {ordered(*pair) for pair in disabled}
-        parents, shapes = self._reference.pin_model.parents, self._geometry.geometryObjects
-        allowed: dict[Pair, str] = {}
-        kept: list[tuple[Pair, int, int]] = []
-        for j in range(len(shapes)):
-            for i in range(j):
-                if self._links[i] == self._links[j]:
-                    continue
-                pair = ordered(self._links[i], self._links[j])
-                a, b = shapes[i].parentJoint, shapes[j].parentJoint
-                if a == b:
-                    allowed[pair] = RIGID
-                elif parents[a] == b or parents[b] == a:
-                    allowed[pair] = ADJACENT
-                elif pair in excused:
-                    allowed[pair] = SRDF
-                else:
-                    kept.append((pair, i, j))
-        self._use(kept)
-        always = self._always(samples, seed) if samples else set()
-        allowed.update(dict.fromkeys(always, ALWAYS_COLLIDE))
-        self._use([each for each in kept if each[0] not in always])
-        by_rank = sorted(allowed, key=lambda pair: (rank[pair[0]], rank[pair[1]]))
-        self.allowed_pairs = MappingProxyType({pair: allowed[pair] for pair in by_rank})
-        self.checked_pairs = tuple(
-            sorted(dict.fromkeys(self._pair_of), key=lambda pair: (rank[pair[0]], rank[pair[1]]))
-        )
-
-    def _use(self, pairs: list[tuple[Pair, int, int]]) -> None:
-        """Check these pairs of shapes, and no others."""
-        self._geometry.removeAllCollisionPairs()
-        for _, i, j in pairs:
-            self._geometry.addCollisionPair(pin.CollisionPair(i, j))
-        self._pair_of = [pair for pair, _, _ in pairs]
-        self._first = np.array([i for _, i, _ in pairs], dtype=np.intp)
-        self._second = np.array([j for _, _, j in pairs], dtype=np.intp)
-        self._reach = self._spheres[1][self._first] + self._spheres[1][self._second]
-        data = self._geometry.createData()
-        with warnings.catch_warnings():
-            # coal starts each query from the end of the last one, unless this deprecated attribute is false: answers
-            # would depend, in the seventh digit, on what was asked before.
-            warnings.simplefilter("ignore", DeprecationWarning)
-            for request in (*data.collisionRequests, *data.distanceRequests):
-                request.enable_cached_gjk_guess = False
-        self._work = _Work(self._reference.pin_model, data)
+            shapes = scene.place_at(dict(zip(needed, stack[index], strict=True)))
+            hits = otherwise is False
+            out[index] = _hits(scene, shapes, anything, 0.0) if hits else _nearest(scene, shapes, anything)[1]
+        return out.item() if out.ndim == 0 else out
 
     def _always(self, samples: int, seed: int) -> set[Pair]:
         """Pairs that collide in nearly all of the sampled joint vectors; a pair that cannot be one is dropped early."""
         lower, upper = self._reference.ranges.T
         rng = np.random.default_rng(seed)
-        free = dict.fromkeys(self._pair_of, 0)
+        kept = [pair for pair in self._pairs if pair.names not in self._allowed]
+        scene = Scene(self._arm, (), kept)
+        free = dict.fromkeys((pair.names for pair in kept), 0)
         tolerated = round((1.0 - ALWAYS) * samples)
-        watched = list(range(len(self._pair_of)))
         for _ in range(samples):
-            geometry = self._placed(rng.uniform(lower, upper))
-            pin.computeCollisions(self._geometry, geometry, False)
-            touching = {self._pair_of[k] for k in watched if geometry.collisionResults[k].isCollision()}
-            for pair in free.keys() - touching:
-                free[pair] += 1
-            for k in watched:
-                if free.get(self._pair_of[k], 0) > tolerated:
-                    geometry.deactivateCollisionPair(k)
-            watched = [k for k in watched if free[self._pair_of[k]] <= tolerated]
+            watched = {names for names, count in free.items() if count <= tolerated}
             if not watched:
-                break
-        return {self._pair_of[k] for k in watched}
+                return set()
+            shapes = scene.place(rng.uniform(lower, upper))
+            touching: set[Pair] = set()
+            for k, pair in enumerate(kept):
+                if pair.names in watched and pair.names not in touching and scene.touches(shapes, k):
+                    touching.add(pair.names)
+            for names in watched - touching:
+                free[names] += 1
+        return {names for names, count in free.items() if count <= tolerated}
+
+
+def check_margin(margin: float) -> None:
+    """Refuse a margin that is no length.
+
+    Raises:
+        ArgumentError: it is negative or not finite.
+    """
+    if not 0.0 <= margin < np.inf:
+        raise ArgumentError(f"a margin of {margin} given; it must be zero or a positive number of m")
+
+
+def _hits(scene: Scene, shapes: Any, least: Array, margin: float) -> bool:
+    """Whether a pair comes within the margin, those first that may overlap most."""
+    near = np.flatnonzero(least <= margin)
+    return any(scene.touches(shapes, int(k), margin) for k in near[np.argsort(least[near], kind="stable")])
+
+
+def _nearest(scene: Scene, shapes: Any, least: Array) -> tuple[int | None, float]:
+    """Index of the nearest pair of shapes and its distance; pairs that are farther apart by ``least`` are skipped."""
+    best, at = np.inf, None
+    for k in np.argsort(least, kind="stable"):
+        if least[k] >= best or best == 0.0:
+            break
+        found = scene.distance(shapes, int(k))
+        if found < best:
+            best, at = found, int(k)
+    return at, best

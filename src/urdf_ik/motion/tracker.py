@@ -71,7 +71,30 @@ class Tracker:
         self_collision: bool = False,
         margin: float = 0.0,
     ) -> None:
-        """See :meth:`urdf_ik.Arm.tracker`."""
+        """Begin at a joint vector.
+
+        Args:
+            arm: the arm.
+            q0: (n,) rad or m, where the joints are, within their limits.
+            dt: s, length of a cycle.
+            targets: what reads the targets of a task other than a pose; :meth:`urdf_ik.Arm.tracker` knows it.
+            velocity: greatest speed of each joint (n,), or of all, rad/s or m/s; the URDF's where left out, and no
+                limit for a joint of which the URDF states none, or zero.
+            acceleration: greatest acceleration of each joint (n,), or of all, rad/s^2 or m/s^2; no limit where left
+                out (a URDF states none).
+            recentring: 1/s, the rate at which seven joints leave the outer tenth of their ranges (at most 0.2 rad, or
+                0.2 of the arm's size) while the tip moves, as far as it leaves them free; ``RECENTRING`` where left
+                out, 0: they move as little as they can.
+            world: obstacles to keep free of, see :class:`urdf_ik.World`; the arm is checked against itself too.
+            self_collision: whether the arm is checked against itself where no world is given.
+            margin: m, clearance to keep.
+
+        Raises:
+            JointVectorError: ``q0`` does not fit the arm, or is outside the limits.
+            ArgumentError: ``dt``, ``recentring`` or ``margin`` is out of its range.
+            VelocityError: a limit of velocity or acceleration is.
+            UnsupportedArm: the arm has more than seven joints, or joints that mimic others.
+        """
         chain = arm.chain
         if isinstance(chain, CoupledChain):
             raise UnsupportedArm(
@@ -169,8 +192,8 @@ class Tracker:
             array. ``status`` and ``why``:
 
             - ``'ok'``: the tip is at the target, to 1e-9 m and rad; ``why`` is None.
-            - ``'limited'``: the joints moved, and are not there yet. Where they would have to be faster than may be
-              (``why`` is ``'velocity'``), the tip went along the straight way to the target, as far as they allow.
+            - ``'limited'``: the joints moved, and are not there yet. Where they would have to be faster than they
+              may be (``why`` is ``'velocity'``), the tip went along the straight way to the target, as far as that goes.
               Where a joint stands at its limit (``'limit'``), the pose is out of reach (``'reach'``), or near a
               singularity, they went to where the squared distance from the target (rad, and lengths as shares of the
               arm's size) is least. ``'acceleration'``: they would be there, but for their limits of acceleration.

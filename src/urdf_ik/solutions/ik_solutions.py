@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,16 +15,15 @@ from urdf_ik.solutions.turn_names import suffix, turned_branches
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from urdf_ik.solutions.solved_arm import Collisions
-
     Array = NDArray[np.float64]
+
 
 class IKSolutions(KeptSolutions):
     """The solutions of one pose or of a batch of poses, one column a branch.
 
     The solutions of a single pose are iterated over, counted with ``len`` and picked with ``s[k]``, the valid
     ones only; a batch is indexed like a NumPy array of its poses, ``s[i]``, ``s[2:5]``, ``s[mask]``.
-    ``within_limits``, ``turns``, ``collision_free`` and ``nearest`` return solutions, and compose. Solutions
+    ``within_limits``, ``turns``, ``collision_free``, ``nearest`` and ``best`` return solutions, and compose. Solutions
     do not change.
     """
 
@@ -43,9 +42,7 @@ class IKSolutions(KeptSolutions):
         Raises:
             ArgumentError: ``tol`` is not finite.
         """
-        q, inside = limits.nearest_image(self._q, self.arm.limits, self._turning, tol)
-        info = np.where(inside, self._info, np.uint8(0))
-        return self._derived(q, info, self._branches, Step("limits", self, amount=tol))
+        return self._moved_inside(limits.nearest_image(self._q, self.arm.limits, self._turning, tol), tol)
 
     def turns(self, tol: float = limits.LIMIT_TOLERANCE) -> IKSolutions:
         """Every +-2 pi image inside the joint limits: up to 8 x 64 for six joints of +-2 pi.
@@ -87,62 +84,126 @@ class IKSolutions(KeptSolutions):
                 yield Solution(frozen(q), name, Singular(int(self._info[column]) >> 1 & 15), int(column))
 
     def nearest(
-        self, q_ref: ArrayLike, weights: ArrayLike | None = None, n: int = 1, *, within_limits: bool = False
+        self,
+        q_ref: ArrayLike,
+        weights: ArrayLike | None = None,
+        n: int = 1,
+        *,
+        metric: select.Metric = "l2",
+        within: ArrayLike | None = None,
+        within_limits: bool = False,
     ) -> IKSolutions:
         """The solution nearest to a joint vector, for every pose: one column, or ``n`` of them, nearest first.
 
-        The distance is sqrt(sum of weight * difference^2), the difference of an angle on the circle, at most
-        pi. After ``turns`` it is the way the joint has to go, but for continuous joints, which can go round.
-        Equally near solutions: the first branch.
+        The difference of an angle is taken on the circle, at most pi. After ``turns`` it is the way the joint has to
+        go, but for continuous joints, which can go round. Equally near solutions: the first branch.
 
         Args:
             q_ref: (n,) or one for each pose (..., n), rad or m.
             weights: (n,) not negative; default: 1 for every joint.
             n: number of columns, at most B.
+            metric: 'l2': sqrt(sum of weight * difference^2); 'max': the greatest weight * |difference|; 'time': the
+                greatest weight * |difference| / speed, seconds at the URDF's velocity limits, ``arm.velocity_limits``.
+            within: rad or m, one number or one a joint, that no joint may be further away; what is beyond is dropped.
             within_limits: whether only what lies inside the joint limits counts, each solution by its image there that
-                is nearest to ``q_ref``; the difference is then the way that the joint has to go.
+                is nearest to ``q_ref``; the difference is then the way that the joint has to go. That is the nearest
+                of all ``turns()``, which need not be listed for it.
 
         Raises:
-            JointVectorError: ``q_ref`` or ``weights`` do not fit the arm, or are not finite.
-            ArgumentError: ``n`` is not a number of columns.
+            JointVectorError: ``q_ref``, ``weights`` or ``within`` do not fit the arm, or are not finite.
+            ArgumentError: ``n`` is not a number of columns, ``within`` is negative, there is no such metric, or the
+                URDF lacks a speed that 'time' needs.
         """
-        reference = select.reference(q_ref, self.arm.joint_names, self.shape)
-        factors = None if weights is None else select.factors(weights, self.arm.joint_names)
-        if not 1 <= n <= self._q.shape[-2]:
-            raise ArgumentError(f"the {n} nearest of {self._q.shape[-2]} columns asked for")
+        reference = select.reference(q_ref, self.arm.joint_names, self.shape)[..., None, :]
+        measure = select.measure(self.arm, metric, weights, within)
+        self._require_columns(n, "nearest")
         kept: IKSolutions = self
         on_circle: Array = np.zeros(len(self.rotary))
         if within_limits:
-            q, inside = limits.image_near(self._q, reference[..., None, :], self.arm.limits, self._turning)
-            info = np.where(inside, self._info, np.uint8(0))
-            kept = self._derived(q, info, self._branches, Step("limits", self, amount=limits.LIMIT_TOLERANCE))
+            kept = self._moved_inside(limits.image_near(self._q, reference, self.arm.limits, self._turning))
         else:
             round_for_ever = np.isinf(self.arm.limits).any(axis=1)
             on_circle = np.where(round_for_ever, self.arm.chain.image_turns, self._turning)
-        columns = select.nearest_columns(select.distance(kept._q, reference, on_circle, factors), n)
-        q = np.take_along_axis(kept._q, columns[..., None], axis=-2)
-        info = np.take_along_axis(kept._info, columns, axis=-1)
-        names = tuple("nearest" if k == 0 else f"nearest {k + 1}" for k in range(n))
-        return self._derived(q, info, names, Step("nearest", kept, columns))
+        apart = select.difference(kept._q, reference, on_circle)
+        distances = measure.distance(apart)
+        if measure.within is not None:
+            near = measure.beyond(apart) <= 0.0  # false for NaN rows
+            q, info = np.where(near[..., None], kept._q, np.nan), np.where(near, kept._info, np.uint8(0))
+            step = Step("within", kept, apart=apart, within=measure.within)
+            kept = self._derived(q, info, self._branches, step)
+            distances = np.where(near, distances, np.inf)
+        return kept._picked(select.least_columns(distances, n), "nearest")
 
-    def collision_free(self, model: Collisions | None = None, margin: float = 0.0) -> IKSolutions:
-        """The solutions in which the arm collides with nothing.
+    def best(self, by: select.Quality, n: int = 1, *, world: Any = None) -> IKSolutions:
+        """The solution that is best by a measure of quality, for every pose: one column, or ``n``, best first.
+
+        Equally good solutions: the first branch.
 
         Args:
-            model: what to ask, ``in_collision`` or ``distance`` of (k, n) joint vectors; default: the arm's
-                self-collision, ``arm.collision_model``.
+            by: 'limits': farthest from the joint limits, each solution by its image farthest inside them, which is the
+                best of all ``turns()``; what has no image inside is dropped. 'manipulability' and 'clearance': see
+                :meth:`scores`.
+            n: number of columns, at most B.
+            world: obstacles for 'clearance', a ``urdf_ik.World``.
+
+        Raises:
+            ArgumentError: there is no such measure, ``n`` is not a number of columns, or a world is given that the
+                measure does not look at.
+            UrdfError: 'clearance' is asked for, and the URDF's collision shapes are missing or cannot be read.
+        """
+        self._require_columns(n, "best")
+        kept: IKSolutions = self
+        if by == "limits":
+            kept = self._moved_inside(limits.image_inmost(self._q, self.arm.limits, self._turning))
+        scores = kept.scores(by, world=world)
+        return kept._picked(select.least_columns(np.where(np.isnan(scores), np.inf, -scores), n), "best")
+
+    def scores(self, by: select.Quality, *, world: Any = None) -> Array:
+        """How good each solution is as it stands: (..., B), more is better, NaN where there is no solution.
+
+        Args:
+            by: 'limits': how far it is from the joint limits, see :func:`urdf_ik.solutions.limits.margin`.
+                'manipulability': Yoshikawa's measure, of the translation alone for an arm that controls no more.
+                'clearance': m, how far the arm's links are from touching each other or the world.
+            world: obstacles for 'clearance', a ``urdf_ik.World``.
+
+        Raises:
+            ArgumentError: there is no such measure, or a world is given that the measure does not look at.
+            UrdfError: 'clearance' is asked for, and the URDF's collision shapes are missing or cannot be read.
+        """
+        if by not in select.QUALITIES:
+            raise ArgumentError(f"by={by!r} given; there are {', '.join(map(repr, select.QUALITIES))}")
+        if world is not None and by != "clearance":
+            raise ArgumentError(f"by={by!r} looks at no world; leave it out, or take by='clearance'")
+        if by == "limits":
+            return limits.margin(self._q, self.arm.limits)
+        places = np.nonzero(self._info & 1)
+        vectors = self._q[places]
+        scores = np.full(self._info.shape, np.nan)
+        if by == "manipulability":
+            scores[places] = self.arm.manipulability(vectors, self.arm.control.part)
+        elif len(vectors):
+            arm: Any = self.arm
+            scores[places] = arm.clearance(vectors, world)
+        return scores
+
+    def collision_free(self, world: Any = None, margin: float = 0.0) -> IKSolutions:
+        """The solutions in which the arm touches neither itself nor an obstacle, by ``arm.collision_model``.
+
+        Args:
+            world: the :class:`urdf_ik.World` around the arm; default: none, only the arm itself.
             margin: m that the bodies must stay apart.
 
         Raises:
-            ArgumentError: ``margin`` is negative or not finite, or the URDF has no collision shapes.
+            ArgumentError: ``margin`` is negative or not finite.
+            UrdfError: the URDF has no collision shapes, or not all of them were found.
+            WorldError: an obstacle's mesh cannot be read, or it has the name of a link.
         """
         if not 0.0 <= margin < np.inf:
             raise ArgumentError(f"a margin of {margin} given; it must be zero or a positive number of m")
-        body = self.arm.collision_model if model is None else model
         q, info = self._q.copy(), self._info.copy()
         places = np.nonzero(info & 1)
-        vectors = q[places]
-        hits = np.asarray(body.distance(vectors) < margin if margin else body.in_collision(vectors), dtype=np.bool_)
+        hits = np.asarray(self.arm.collision_model.in_world(world).in_collision(q[places], margin), dtype=np.bool_)
         dropped = tuple(place[hits] for place in places)
         q[dropped], info[dropped] = np.nan, 0
         return self._derived(q, info, self._branches, Step("collision", self, amount=margin))
@@ -172,6 +233,24 @@ class IKSolutions(KeptSolutions):
             return f"<IKSolutions of {self.arm.name}: poses {self.shape}, {self.count.sum()} solutions{filters}>"
         return f"<IKSolutions of {self.arm.name}: {self.count} in {self._info.shape[-1]} columns{filters}>"
 
+    def _require_columns(self, n: int, what: str) -> None:
+        if not 1 <= n <= self._q.shape[-2]:
+            raise ArgumentError(f"the {n} {what} of {self._q.shape[-2]} columns asked for")
+
+    def _moved_inside(
+        self, images: tuple[Array, NDArray[np.bool_]], tol: float = limits.LIMIT_TOLERANCE
+    ) -> IKSolutions:
+        """The images inside the joint limits, and which of them there are."""
+        q, inside = images
+        info = np.where(inside, self._info, np.uint8(0))
+        return self._derived(q, info, self._branches, Step("limits", self, amount=tol))
+
+    def _picked(self, columns: NDArray[np.intp], how: str) -> IKSolutions:
+        """The solutions in these columns (..., n)."""
+        q = np.take_along_axis(self._q, columns[..., None], axis=-2)
+        info = np.take_along_axis(self._info, columns, axis=-1)
+        names = tuple(how if k == 0 else f"{how} {k + 1}" for k in range(columns.shape[-1]))
+        return self._derived(q, info, names, Step(how, self, columns))
+
     def _derived(self, q: Array, info: NDArray[np.uint8], branches: tuple[str, ...], step: Step) -> IKSolutions:
         return IKSolutions(self.arm, self._poses, q, info, branches, None, step, self._redundancy)
-

@@ -62,16 +62,20 @@ class Step(NamedTuple):
     """How solutions were made from others.
 
     Attributes:
-        how: 'limits', 'turns', 'collision' or 'nearest'.
+        how: 'limits', 'turns', 'collision', 'within', 'nearest' or 'best'.
         parent: the solutions before.
         columns: (..., B) the column of theirs that each column comes from; None: the same.
         amount: tolerance [rad or m] of the limits, margin [m] of collisions.
+        apart: (..., B, n) rad or m, how far each joint of the solutions before was from the reference, for 'within'.
+        within: (n,) rad or m, how far it may be, for 'within'.
     """
 
     how: str
     parent: KeptSolutions
     columns: Columns | None = None
     amount: float = 0.0
+    apart: Array | None = None
+    within: Array | None = None
 
 
 class KeptSolutions(Answer):
@@ -141,7 +145,9 @@ class KeptSolutions(Answer):
 
         A closed form is: each of its steps has all of its branches followed. The general solver is where every root of
         its elimination that may be real led to a solution of its own, or where all complex solutions of the pose were
-        counted, as many as the arm has at almost every pose. Both are computed in floating point; neither is a proof.
+        counted, as many as the arm has at almost every pose. Near a special arm (imperfection below 4e-3) the count
+        leaves out complex solutions far from real ones, with an imaginary part above 4: a pose at
+        which one of these were real would not be noticed. All of it is computed in floating point; none is a proof.
         What filters drop does not change it.
         """
         solved: KeptSolutions = self
@@ -189,7 +195,7 @@ class KeptSolutions(Answer):
 
     @property
     def names(self) -> NDArray[np.object_]:
-        """(..., B) each solution's branch, with the turns of an image; unlike ``branches`` also after ``nearest``."""
+        """(..., B) each solution's branch, with the turns of an image; unlike ``branches`` also of those picked."""
         if self.step is None:
             return np.broadcast_to(np.array(self._branches, dtype=np.object_), self._info.shape)
         names: NDArray[np.object_] = self.step.parent.names
@@ -203,7 +209,7 @@ class KeptSolutions(Answer):
 
     @property
     def filters(self) -> tuple[str, ...]:
-        """How they were chosen, in order: 'limits', 'turns', 'collision', 'nearest'."""
+        """How they were chosen, in order: 'limits', 'turns', 'collision', 'within', 'nearest', 'best'."""
         return () if self.step is None else (*self.step.parent.filters, self.step.how)
 
     @property
@@ -252,7 +258,8 @@ class KeptSolutions(Answer):
         step = self.step
         if step is not None:
             columns = None if step.columns is None else step.columns[place]
-            step = step._replace(parent=step.parent[place], columns=columns)
+            apart = None if step.apart is None else step.apart[place]
+            step = step._replace(parent=step.parent[place], columns=columns, apart=apart)
         at = None if self._redundancy is None else np.asarray(self._redundancy[place])
         return type(self)(
             self.arm, self._poses[place], self._q[place], self._info[place], self._branches, self._origin, step, at

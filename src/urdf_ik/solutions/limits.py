@@ -141,6 +141,30 @@ def image_near(q: Array, q_ref: Array, limits: Array, turning: Mask | Array) -> 
     return np.where(inside[..., None], q + count * turn, np.nan), inside
 
 
+def image_inmost(q: Array, limits: Array, turning: Mask | Array) -> tuple[Array, Mask]:
+    """The image inside the limits that is farthest from them; arguments and answer as :func:`nearest_image`."""
+    middle = limits.mean(axis=1)
+    return image_near(q, np.where(np.isfinite(middle), middle, q), limits, turning)
+
+
+def margin(q: Array, limits: Array) -> Array:
+    """How far joint vectors are from the limits, each joint as a share of half its range.
+
+    Args:
+        q: (..., n) rad or m.
+        limits: (n, 2) rad or m.
+
+    Returns:
+        (...) the least of the joints that have a range: 1 in the middle of all and where no joint has one, 0 at a
+        limit, negative outside, NaN for NaN rows.
+    """
+    lower, upper = limits.T
+    ranged = np.flatnonzero(np.isfinite(upper - lower) & (upper > lower))
+    low, high, inside = lower[ranged], upper[ranged], q[..., ranged]
+    least = (np.minimum(inside - low, high - inside) / (0.5 * (high - low))).min(axis=-1, initial=1.0)
+    return np.where(np.isnan(q).any(axis=-1), np.nan, least)
+
+
 def turns(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TOLERANCE) -> Turned:
     """Every combination of images inside the limits; arguments as :func:`nearest_image`.
 

@@ -1,43 +1,111 @@
-"""Which solution to take: the nearest to a reference."""
+"""Which solution to take: the nearest to a reference, by several measures of distance."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from urdf_ik.errors import JointVectorError
+from urdf_ik.errors import ArgumentError, JointVectorError
+from urdf_ik.solutions.limits import LIMIT_TOLERANCE
+
+if TYPE_CHECKING:
+    from urdf_ik.solutions.solved_arm import SolvedArm
 
 Array = NDArray[np.float64]
+Metric = Literal["l2", "max", "time"]
+
+METRICS: tuple[Metric, ...] = ("l2", "max", "time")
+"""Distances of joint vectors: sqrt(sum of weight * difference^2), the greatest weight * |difference|, and the greatest
+weight * |difference| / speed [s] at the URDF's velocity limits."""
+
+Quality = Literal["limits", "manipulability", "clearance"]
+
+QUALITIES: tuple[Quality, ...] = ("limits", "manipulability", "clearance")
+"""Measures of a solution by itself, of which more is better."""
 
 
-def distance(q: Array, q_ref: Array, round_joints: NDArray[np.bool_] | Array, weights: Array | None = None) -> Array:
-    """Weighted Euclidean distance of joint vectors, infinite for NaN rows.
+@dataclass(frozen=True, eq=False)
+class Measure:
+    """A distance of joint vectors, and how far each joint may be away at all.
+
+    Attributes:
+        metric: one of ``METRICS``.
+        factors: (n,) of squared differences for 'l2', of differences for the others.
+        within: (n,) rad or m, greatest difference of each joint that counts; None: all do.
+    """
+
+    metric: Metric
+    factors: Array
+    within: Array | None = None
+
+    def distance(self, difference: Array) -> Array:
+        """(...) of differences (..., n), infinite for NaN rows."""
+        if self.metric == "l2":
+            total = np.sqrt((self.factors * difference * difference).sum(axis=-1))
+        else:
+            total = (self.factors * np.abs(difference)).max(axis=-1, initial=0.0)
+        return np.where(np.isnan(total), np.inf, total)
+
+    def beyond(self, difference: Array) -> Array:
+        """(...) rad or m by which the farthest joint of differences (..., n) is beyond ``within``, 0 inside it.
+
+        The rounding that the contract grants to a solution is not counted.
+        """
+        if self.within is None:
+            return np.zeros(difference.shape[:-1])
+        out = (np.abs(difference) - self.within - LIMIT_TOLERANCE).max(axis=-1, initial=0.0)
+        return np.asarray(out)
+
+
+def measure(arm: SolvedArm, metric: str, weights: ArrayLike | None, within: ArrayLike | None) -> Measure:
+    """A distance for the joint vectors of an arm.
+
+    Raises:
+        ArgumentError: there is no such metric, 'time' is asked for where the URDF does not give the speed of every
+            joint, or ``within`` is negative or not a number.
+        JointVectorError: ``weights`` or ``within`` do not fit the arm.
+    """
+    names = arm.joint_names
+    each = np.ones(len(names)) if weights is None else factors(weights, names)
+    if metric == "time":
+        speeds = arm.velocity_limits
+        if unknown := [repr(name) for name, speed in zip(names, speeds, strict=True) if np.isinf(speed)]:
+            raise ArgumentError(
+                f"metric='time' needs the greatest speed of every joint, and the URDF gives none for "
+                f"{', '.join(unknown)}; write velocity=... into <limit>, or take metric='max' with weights of 1 / speed"
+            )
+        each = each / speeds
+    elif metric not in METRICS:
+        raise ArgumentError(f"metric={metric!r} given; there are {', '.join(map(repr, METRICS))}")
+    return Measure(metric, each, None if within is None else bounds(within, names))  # type: ignore[arg-type]
+
+
+def difference(q: Array, q_ref: Array, round_joints: NDArray[np.bool_] | Array) -> Array:
+    """How far joint vectors are from a reference.
 
     Args:
-        q: (..., B, n) rad or m.
-        q_ref: (..., n) rad or m.
+        q: (..., n) rad or m.
+        q_ref: (..., n) rad or m, which broadcasts against ``q``.
         round_joints: (n,) joints whose difference is taken on the circle, at most pi; a number: so many turns round.
-        weights: (n,) factors of the squared differences; default: 1, which adds rad^2 and m^2.
 
     Returns:
-        (..., B): sqrt(sum of weight * difference^2).
+        (..., n) rad or m.
     """
-    difference = q - q_ref[..., None, :]
+    apart = q - q_ref
     half = np.pi * np.where(round_joints, round_joints, 1.0)
     on_circle = np.asarray(round_joints, dtype=np.bool_)
-    difference = np.where(on_circle, np.abs(np.remainder(difference + half, 2.0 * half) - half), difference)
-    squares = difference * difference if weights is None else weights * difference * difference
-    total = np.sqrt(squares.sum(axis=-1))
-    return np.where(np.isnan(total), np.inf, total)
+    return np.where(on_circle, np.remainder(apart + half, 2.0 * half) - half, apart)
 
 
-def nearest_columns(distances: Array, n: int) -> NDArray[np.intp]:
-    """(..., n) columns of the n smallest of distances (..., B), the nearest first, ties by column."""
+def least_columns(values: Array, n: int) -> NDArray[np.intp]:
+    """(..., n) columns of the n least of values (..., B), the least first, ties by column."""
     if n == 1:
-        return np.asarray(np.argmin(distances, axis=-1, keepdims=True))
-    return np.argsort(distances, axis=-1, kind="stable")[..., :n]
+        return np.asarray(np.argmin(values, axis=-1, keepdims=True))
+    return np.argsort(values, axis=-1, kind="stable")[..., :n]
 
 
 def reference(q_ref: ArrayLike, names: Sequence[str], batch: tuple[int, ...]) -> Array:
@@ -54,6 +122,27 @@ def reference(q_ref: ArrayLike, names: Sequence[str], batch: tuple[int, ...]) ->
             f"q_ref has the shape {array.shape} and the poses {batch}: one joint vector, or one a pose"
         ) from None
     return array
+
+
+def bounds(within: ArrayLike, names: Sequence[str]) -> Array:
+    """``within`` as (n,), one number for all joints ``names`` or one a joint, zero or positive, perhaps infinite.
+
+    Raises:
+        JointVectorError: there are not as many numbers as joints.
+        ArgumentError: a number is negative or NaN.
+    """
+    try:
+        array = np.asarray(within, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise JointVectorError(f"within must be a number or one a joint: {error}") from None
+    if array.shape not in ((), (len(names),)):
+        raise JointVectorError(
+            f"within has the shape {array.shape}; one number [rad or m] is needed, or one for each of the "
+            f"{len(names)} joints: {', '.join(names)}"
+        )
+    if not (array >= 0.0).all():
+        raise ArgumentError(f"within={within!r} given; zero or positive numbers of rad or m are needed")
+    return np.broadcast_to(array, (len(names),)).copy()
 
 
 def factors(weights: ArrayLike, names: Sequence[str]) -> Array:

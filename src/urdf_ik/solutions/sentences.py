@@ -10,7 +10,7 @@ from urdf_ik.solutions import limits
 from urdf_ik.text import aligned
 
 if TYPE_CHECKING:
-    from urdf_ik.solutions.kept import KeptSolutions
+    from urdf_ik.solutions.kept import KeptSolutions, Step
 
 _MOST_ROWS = 32
 
@@ -26,6 +26,9 @@ def explanation(solutions: KeptSolutions) -> str:
         at = solutions.redundancy
         return str(solutions.arm.explain(solutions.poses, None if at is None else float(at)))
     found = "1 solution reaches" if step.parent.count == 1 else f"{step.parent.count} solutions reach"
+    if step.how == "within":
+        inside = " inside the joint limits" if {"limits", "turns"} & set(step.parent.filters) else ""
+        return f"{found} the pose{inside}, none as near to the reference as asked; {_too_far(step)}"
     if step.how != "collision":
         return f"{found} the pose, none inside the joint limits; {_out_of_limits(step.parent, step.amount)}"
     inside = " inside the joint limits" if {"limits", "turns"} & set(step.parent.filters) else ""
@@ -56,6 +59,19 @@ def table(solutions: KeptSolutions, degrees: bool = False) -> str:
     if len(shown) > _MOST_ROWS:
         lines.append(f"... and {len(shown) - _MOST_ROWS} more")
     return "\n".join(lines)
+
+
+def _too_far(step: Step) -> str:
+    """The solution before that is least far beyond what is allowed, and its joints that are."""
+    assert step.apart is not None and step.within is not None
+    arm, apart = step.parent.arm, np.abs(step.apart)
+    best = int(np.nanargmin((apart - step.within).max(axis=-1)))
+    parts = []
+    for i in np.flatnonzero(apart[best] > step.within):
+        unit = "rad" if step.parent.rotary[i] else "m"
+        far, allowed = f"{apart[best, i]:.4g} {unit}", f"{step.within[i]:.4g}"
+        parts.append(f"{arm.joint_names[i]!r} {far} from it, where {allowed} is allowed")
+    return f"the closest, {step.parent.names[best]}, has {' and '.join(parts)}"
 
 
 def _out_of_limits(solutions: KeptSolutions, tol: float) -> str:

@@ -16,11 +16,19 @@ if TYPE_CHECKING:
 class Collisions(Protocol):
     """What ``collision_free`` asks whether the arm touches anything."""
 
-    def in_collision(self, q: NDArray[np.float64]) -> Any:
-        """(k, n) rad or m to (k,): whether two bodies touch or overlap."""
+    def in_collision(self, q: NDArray[np.float64], margin: float = 0.0) -> Any:
+        """(k, n) rad or m to (k,): whether two bodies come within a margin [m]."""
 
-    def distance(self, q: NDArray[np.float64]) -> Any:
-        """(k, n) rad or m to (k,) m: how far the nearest two bodies are apart."""
+    def in_world(self, world: Any) -> Collisions:
+        """The same among the obstacles of a world, or itself for None."""
+
+
+class Control(Protocol):
+    """What an arm controls of its tip."""
+
+    @property
+    def part(self) -> str:
+        """Rows of the Jacobian that matter."""
 
 
 class SolvedArm(Protocol):
@@ -37,6 +45,17 @@ class SolvedArm(Protocol):
     @property
     def limits(self) -> NDArray[np.float64]:
         """(n, 2) rad or m."""
+
+    @property
+    def velocity_limits(self) -> NDArray[np.float64]:
+        """(n,) rad/s or m/s, infinite where none is known."""
+
+    @property
+    def control(self) -> Control:
+        """What the joints control of the tip."""
+
+    def manipulability(self, q: Any, part: str = "all") -> NDArray[np.float64]:
+        """Yoshikawa's measure of joint vectors."""
 
     @property
     def collision_model(self) -> Collisions:

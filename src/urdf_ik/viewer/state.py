@@ -88,7 +88,7 @@ class State:
         return min(range(len(ghosts)), key=lambda k: self._far(ghosts[k].q), default=None)
 
     def _far(self, q: Array) -> float:
-        return float(select.distance(q[None], self.q, ~self.arm.chain.prismatic)[0])
+        return float(np.linalg.norm(select.difference(q, self.q, ~self.arm.chain.prismatic)))
 
 
 def start(arm: Arm) -> State:

@@ -208,17 +208,12 @@ class _Counting:
 
     def manipulability(self) -> Array:
         """(k,) of the solutions that are left; for positions that of the tip's translation."""
-        part = "translation" if self._arm.task in ("position", "planar position") else "all"
-        return self._arm.manipulability(self.vectors, part)
+        return self._arm.manipulability(self.vectors, self._arm.control.part)
 
     def margin(self) -> Array:
         """(k,) least distance to a limit as a share of half the joint's range; negative outside, 1 without limits."""
-        lower, upper = self._arm.limits.T
         image = joint_limits.nearest_image(self.vectors, self._arm.limits, self._turning)[0]
-        image = np.where(np.isnan(image), self.vectors, image)
-        finite = np.flatnonzero(np.isfinite(upper - lower) & (upper > lower))
-        low, high, q = lower[finite], upper[finite], image[:, finite]
-        return np.asarray((np.minimum(q - low, high - q) / (0.5 * (high - low))).min(axis=-1, initial=1.0))
+        return joint_limits.margin(np.where(np.isnan(image), self.vectors, image), self._arm.limits)
 
     def greatest(self, values: Array) -> Array:
         """(m,) greatest of the values (k,) of each pose's solutions, NaN for a pose without one."""

@@ -27,7 +27,7 @@ def run(
 
     Raises:
         typer.BadParameter: options that do not go together, or a file that cannot be written.
-        DHError: a table that is none.
+        DHError: an invalid table.
     """
     notes: list[str] = []
     if Path(chosen.robot).suffix.lower() in _TABLE_FILES:

@@ -36,7 +36,7 @@ def run(arm: Arm, angles: Angles, asked: Asked, printed_as: Format, output: Path
     """Write every solution.
 
     Raises:
-        typer.BadParameter: a target that is none, or a file that cannot be written.
+        typer.BadParameter: an invalid target, or a file that cannot be written.
         typer.Exit: a pose has no solution.
     """
     near = None if asked.nearest is None else angles.typed(console.numbers(asked.nearest, "--nearest", arm.joint_names))

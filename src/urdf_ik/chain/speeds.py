@@ -1,0 +1,33 @@
+"""The greatest speeds that a URDF allows its joints."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik.urdf import MOVABLE
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.chain.serial import Chain
+    from urdf_ik.urdf import UrdfModel
+
+
+def velocity_limits(model: UrdfModel, chain: Chain) -> NDArray[np.float64]:
+    """(n,) rad/s or m/s, greatest speed of each joint of a chain of the URDF; infinite where the URDF gives no speed.
+
+    A speed of zero counts as not given: files have it where nobody filled it in, and the joint could not move. A joint
+    of the chain that mimics another narrows its speed as it does its limits.
+    """
+    speeds = dict.fromkeys(chain.joint_names, np.inf)
+    followers = {follower.name for follower in chain.followers}
+    for joint in model.joints:
+        driver, multiplier, _ = model.driver(joint)
+        counts = joint.name == driver.name or joint.name in followers
+        if joint.velocity and multiplier and joint.type in MOVABLE and driver.name in speeds and counts:
+            speeds[driver.name] = min(speeds[driver.name], joint.velocity / abs(multiplier))
+    limits = np.array([speeds[name] for name in chain.joint_names], dtype=np.float64)
+    limits.setflags(write=False)
+    return limits

@@ -1,0 +1,292 @@
+"""The shapes that obstacles and tools are made of; coal is imported when a shape is first made for it.
+
+Each is centred at the origin of its own frame, cylinders and capsules along z, as in a URDF.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.errors import UrdfError, WorldError
+from urdf_ik.urdf import meshes
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Sequence
+
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
+
+
+class Shape:
+    """What every shape can do."""
+
+    @property
+    def inflation(self) -> float:
+        """Length [m] by which what :meth:`geometry` gives is to be grown on all sides."""
+        return 0.0
+
+    def geometry(self) -> Any:
+        """A new coal ``CollisionGeometry`` of this shape.
+
+        Raises:
+            WorldError: a mesh is not there, or cannot be read.
+        """
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class Box(Shape):
+    """A box.
+
+    Attributes:
+        size: edge lengths along x, y and z [m]; one number: a cube.
+    """
+
+    size: tuple[float, float, float]
+
+    def __init__(self, size: ArrayLike) -> None:
+        edges = _numbers("Box", "size", size)
+        object.__setattr__(self, "size", _positive("Box", "size", edges * 3 if len(edges) == 1 else edges, 3))
+
+    def geometry(self) -> Any:
+        """A ``coal.Box``."""
+        import coal
+
+        return coal.Box(*self.size)
+
+
+@dataclass(frozen=True)
+class Sphere(Shape):
+    """A ball.
+
+    Attributes:
+        radius: m.
+    """
+
+    radius: float
+
+    def __post_init__(self) -> None:
+        _set_lengths(self, "radius")
+
+    def geometry(self) -> Any:
+        """A ``coal.Sphere``."""
+        import coal
+
+        return coal.Sphere(self.radius)
+
+
+@dataclass(frozen=True)
+class Cylinder(Shape):
+    """A cylinder along z.
+
+    Attributes:
+        radius: m.
+        length: m, along z.
+    """
+
+    radius: float
+    length: float
+
+    def __post_init__(self) -> None:
+        _set_lengths(self, "radius", "length")
+
+    def geometry(self) -> Any:
+        """A ``coal.Cylinder``."""
+        import coal
+
+        return coal.Cylinder(self.radius, self.length)
+
+
+@dataclass(frozen=True)
+class Capsule(Shape):
+    """A cylinder along z with half a ball at each end.
+
+    Attributes:
+        radius: m.
+        length: m, of the cylinder alone: the whole is ``length + 2 radius`` long.
+    """
+
+    radius: float
+    length: float
+
+    def __post_init__(self) -> None:
+        _set_lengths(self, "radius", "length")
+
+    def geometry(self) -> Any:
+        """A ``coal.Capsule``."""
+        import coal
+
+        return coal.Capsule(self.radius, self.length)
+
+
+@dataclass(frozen=True)
+class HalfSpace(Shape):
+    """Everything on one side of a plane: solid where ``normal . x <= offset``. A floor: ``HalfSpace((0, 0, 1), 0)``.
+
+    Attributes:
+        normal: direction out of the solid; of length 1, whatever length was given.
+        offset: distance of the plane from the origin along ``normal`` [m].
+    """
+
+    normal: tuple[float, float, float]
+    offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        normal = np.array(_numbers("HalfSpace", "normal", self.normal, 3))
+        length = float(np.linalg.norm(normal))
+        if not length:
+            raise WorldError("HalfSpace: normal is (0, 0, 0); a direction that points out of the solid is needed")
+        object.__setattr__(self, "normal", tuple(float(x) for x in normal / length))
+        object.__setattr__(self, "offset", _numbers("HalfSpace", "offset", self.offset, 1)[0])
+
+    def geometry(self) -> Any:
+        """A ``coal.Halfspace``."""
+        import coal
+
+        return coal.Halfspace(np.array(self.normal), self.offset)
+
+
+@dataclass(frozen=True)
+class Mesh(Shape):
+    """The surface of a mesh file, of any format that coal reads: STL, OBJ, DAE and others.
+
+    A surface has no inside: a body that lies wholly inside a closed mesh touches nothing.
+
+    Attributes:
+        path: a path, or an address with ``package://`` or ``file://``, which is sought in ``package_dirs`` as a URDF's
+            meshes are. With ``package_dirs`` a path is sought in them, too.
+        scale: of the file's numbers to metres; one number, or one each for x, y and z.
+        package_dirs: folders that the file may come from.
+    """
+
+    path: str
+    scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    package_dirs: tuple[str, ...] = ()
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        scale: ArrayLike = 1.0,
+        package_dirs: Sequence[str | os.PathLike[str]] | str | os.PathLike[str] = (),
+    ) -> None:
+        name, factors = str(path), _numbers("Mesh", "scale", scale)
+        factors = factors * 3 if len(factors) == 1 else factors
+        if len(factors) != 3 or 0.0 in factors:
+            raise WorldError(f"Mesh {name!r}: scale is {scale!r}; one number or three are needed, none of them zero")
+        folders = [package_dirs] if isinstance(package_dirs, str | Path) else package_dirs
+        object.__setattr__(self, "path", name)
+        object.__setattr__(self, "scale", factors)
+        object.__setattr__(self, "package_dirs", tuple(str(folder) for folder in folders))  # type: ignore[union-attr]
+
+    def file(self) -> Path:
+        """The mesh's file, absolute, with symbolic links followed.
+
+        Raises:
+            WorldError: it is not there.
+        """
+        if not self.package_dirs and "://" not in self.path:
+            found = Path(self.path).expanduser().resolve()
+            if not found.is_file():
+                raise WorldError(f"Mesh: there is no file {str(found)!r}; give a path that exists, or package_dirs")
+            return found
+        try:
+            return meshes.resolve(self.path, [Path(folder) for folder in self.package_dirs], "Mesh")
+        except UrdfError as error:
+            hint = "give the folder that holds it, or its package, in package_dirs"
+            raise WorldError(f"Mesh {self.path!r}: {error.problem} ({hint})") from None
+
+    def geometry(self) -> Any:
+        """A ``coal.BVHModelOBBRSS`` of the file's triangles."""
+        import coal
+
+        path = self.file()
+        try:
+            mesh = coal.MeshLoader().load(str(path), np.array(self.scale))
+        except (ValueError, RuntimeError) as error:
+            reason = " ".join(str(error).partition("message:")[2].split()) or str(error)
+            raise WorldError(f"Mesh {str(path)!r} cannot be read: {reason}") from None
+        if not mesh.num_tris:
+            raise WorldError(f"Mesh {str(path)!r} has no triangles")
+        return mesh
+
+
+@dataclass(frozen=True, eq=False)
+class Points(Shape):
+    """A cloud of points, each of them the centre of a ball: the solid is the union of the balls.
+
+    Attributes:
+        points: (k, 3) m, read-only.
+        radius: m, of every ball.
+    """
+
+    points: Array
+    radius: float
+
+    def __post_init__(self) -> None:
+        try:
+            points = np.array(self.points, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise WorldError(f"Points: points must be numbers of shape (k, 3): {error}") from None
+        if points.ndim != 2 or points.shape[1] != 3 or not len(points):
+            raise WorldError(f"Points: points of shape {points.shape} given; (k, 3) with one point or more is needed")
+        if len(bad := np.flatnonzero(~np.isfinite(points).all(axis=1))):
+            raise WorldError(f"Points: point {bad[0]} is {points[bad[0]].tolist()}; finite numbers are needed")
+        points.setflags(write=False)
+        object.__setattr__(self, "points", points)
+        _set_lengths(self, "radius")
+
+    def __repr__(self) -> str:
+        return f"Points({len(self.points)} points, radius={self.radius:g})"
+
+    @property
+    def inflation(self) -> float:
+        """The balls' radius: :meth:`geometry` gives their centres."""
+        return self.radius
+
+    def geometry(self) -> Any:
+        """A ``coal.BVHModelOBBRSS`` of the centres, each a triangle without extent."""
+        import coal
+
+        mesh = coal.BVHModelOBBRSS()
+        mesh.beginModel(len(self.points), len(self.points))
+        vertices, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
+        for i, point in enumerate(self.points):
+            vertices.append(point)
+            triangles.append(coal.Triangle(i, i, i))
+        mesh.addSubModel(vertices, triangles)
+        mesh.endModel()
+        return mesh
+
+
+def _numbers(shape: str, name: str, value: ArrayLike, count: int | None = None) -> tuple[float, ...]:
+    """``value`` as finite numbers, ``count`` of them where that is given."""
+    try:
+        array = np.asarray(value, dtype=np.float64).reshape(-1)
+    except (TypeError, ValueError):
+        array = np.empty(0)
+    if not len(array) or not np.isfinite(array).all() or len(array) != (count or len(array)):
+        needed = {None: "finite numbers are", 1: "one finite number is"}.get(count, f"{count} finite numbers are")
+        raise WorldError(f"{shape}: {name} is {value!r}; {needed} needed")
+    return tuple(float(x) for x in array)
+
+
+def _positive(shape: str, name: str, values: tuple[float, ...], count: int) -> tuple[float, ...]:
+    if len(values) != count or min(values) <= 0.0:
+        shown = f"{values[0]:g}" if len(values) == 1 else f"({', '.join(f'{x:g}' for x in values)})"
+        what = "a length above zero is" if count == 1 else f"{count} lengths above zero are"
+        raise WorldError(f"{shape}: {name} is {shown}; {what} needed, in m")
+    return values
+
+
+def _set_lengths(shape: Shape, *names: str) -> None:
+    """Check that these fields are lengths, and keep them as floats."""
+    kind = type(shape).__name__
+    for name in names:
+        (value,) = _positive(kind, name, _numbers(kind, name, getattr(shape, name), 1), 1)
+        object.__setattr__(shape, name, value)

@@ -1,0 +1,120 @@
+"""The allowed-collision table: which pairs must not touch, which may, and why."""
+
+from __future__ import annotations
+
+import difflib
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+from urdf_ik.collision.scene import ShapePair
+from urdf_ik.errors import WorldError
+from urdf_ik.text import aligned
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from urdf_ik.collision.scene import ArmShapes
+
+    Pair = tuple[str, str]
+
+RIGID, ADJACENT, SRDF, ALWAYS_COLLIDE, USER = "rigid", "adjacent", "srdf", "always", "allowed"
+"""Reasons why a pair is allowed to touch: no movable joint between its links, exactly one, a line in the SRDF,
+contact in (nearly) all sampled joint vectors, or a call of ``CollisionModel.allow``."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """What a check looks at; ``print(table)`` shows it, a pair a line.
+
+    Attributes:
+        allowed: pairs that may touch, to the reason.
+        checked: pairs that must not touch.
+    """
+
+    allowed: Mapping[Pair, str]
+    checked: tuple[Pair, ...]
+
+    def __str__(self) -> str:
+        rows = [[*pair, "checked"] for pair in self.checked]
+        rows += [[*pair, "allowed" if why == USER else f"allowed: {why}"] for pair, why in self.allowed.items()]
+        return "\n".join(line.rstrip() for line in aligned([["first", "second", ""], *rows], left=(0, 1, 2)))
+
+
+def among_links(arm: ArmShapes, rank: Mapping[str, int], excused: set[Pair]) -> tuple[dict[Pair, str], list[ShapePair]]:
+    """Pairs of links that may touch by the URDF or an SRDF, to the reason; the other pairs of shapes."""
+    shapes, parents = arm.geometry.geometryObjects, arm.reference.pin_model.parents
+    allowed: dict[Pair, str] = {}
+    others: list[ShapePair] = []
+    for j in range(len(shapes)):
+        for i in range(j):
+            if arm.links[i] == arm.links[j]:
+                continue
+            pair = ordered(arm.links[i], arm.links[j], rank)
+            a, b = shapes[i].parentJoint, shapes[j].parentJoint
+            if a == b:
+                allowed[pair] = RIGID
+            elif parents[a] == b or parents[b] == a:
+                allowed[pair] = ADJACENT
+            elif pair in excused:
+                allowed[pair] = SRDF
+            others.append(ShapePair(pair, i, j))
+    return allowed, others
+
+
+def with_obstacles(arm: ArmShapes, names: Sequence[str]) -> tuple[dict[Pair, str], list[ShapePair]]:
+    """The same for pairs of a link and an obstacle: a link that cannot move against the base may touch them."""
+    moves = arm.bodies.path.sum(axis=1) > 0
+    pairs = [
+        ShapePair((link, name), i, len(arm.links) + o)
+        for i, link in enumerate(arm.links)
+        for o, name in enumerate(names)
+    ]
+    return {pair.names: RIGID for pair in pairs if not moves[pair.first]}, pairs
+
+
+def made(
+    allowed: Mapping[Pair, str], pairs: Sequence[ShapePair], changes: Mapping[Pair, bool], rank: Mapping[str, int]
+) -> tuple[Table, list[ShapePair]]:
+    """The table after a user's changes, and the pairs of shapes that it leaves to check, in its order."""
+    reasons = {pair: why for pair, why in allowed.items() if not changes.get(pair, False)}
+    there = {pair.names for pair in pairs}
+    reasons |= {pair: reasons.get(pair, USER) for pair, may in changes.items() if not may and pair in there}
+
+    def place(pair: Pair) -> tuple[int, int]:
+        return rank[pair[0]], rank[pair[1]]
+
+    checked = [pair for pair in pairs if pair.names not in reasons]
+    table = Table(
+        MappingProxyType({pair: reasons[pair] for pair in sorted(reasons, key=place)}),
+        tuple(sorted(dict.fromkeys(pair.names for pair in checked), key=place)),
+    )
+    return table, checked
+
+
+def ordered(a: str, b: str, rank: Mapping[str, int]) -> Pair:
+    """A pair in the order of the names."""
+    return (a, b) if rank[a] < rank[b] else (b, a)
+
+
+def named(a: str, b: str, rank: Mapping[str, int], shaped: Sequence[str]) -> Pair:
+    """A pair that a user names.
+
+    Args:
+        a: a link, or an obstacle.
+        b: another one.
+        rank: every link and then every obstacle, to its place.
+        shaped: those that have a shape.
+
+    Raises:
+        WorldError: there is no such link or obstacle, it has no shape, or both are the same.
+    """
+    for name in (a, b):
+        if name not in rank:
+            close = difflib.get_close_matches(str(name), rank, n=3) or list(rank)
+            raise WorldError(f"there is no link or obstacle {name!r}; there are: {', '.join(close)}")
+        if name not in shaped:
+            raise WorldError(f"link {name!r} has no collision shape; links with one: {', '.join(shaped)}")
+    if a == b:
+        raise WorldError(f"{a!r} and itself given; a pair is of two links, or of a link and an obstacle")
+    return ordered(a, b, rank)

@@ -1,0 +1,259 @@
+"""A world: named shapes around the arm, placed in its base link's frame. No coal until a check asks for it."""
+
+from __future__ import annotations
+
+import difflib
+import threading
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from lxml import etree
+
+from urdf_ik import poses, urdf
+from urdf_ik.collision.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
+from urdf_ik.errors import PoseError, UrdfError, WorldError
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Iterator, Sequence
+    from typing import IO
+
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+
+class Obstacle(NamedTuple):
+    """One shape of a world.
+
+    Attributes:
+        name: unique in its world.
+        shape: what it is.
+        pose: (4, 4) of the shape in the arm's base link [m], read-only.
+    """
+
+    name: str
+    shape: Shape
+    pose: Array
+
+
+class World:
+    """The obstacles around an arm: named shapes, each at a pose in the arm's base link.
+
+    What is asked of a world sees it as it is at that moment: an obstacle that was moved counts at its new place at
+    once. One world may be changed and asked from several threads.
+
+    Example:
+        >>> world = World()
+        >>> world.add("table", Box((1.0, 1.0, 0.1)), poses.pose([0.5, 0.0, -0.05]))
+        >>> world.add("post", Cylinder(0.05, 1.0), poses.pose([0.4, 0.4, 0.5]))
+        >>> world
+        World(table: Box, post: Cylinder)
+        >>> world.move("post", poses.pose([0.4, -0.4, 0.5]))
+        >>> world.remove("post")
+        >>> world.names
+        ('table',)
+    """
+
+    def __init__(self) -> None:
+        self._obstacles: dict[str, Obstacle] = {}
+        self._geometries: dict[int, Any] = {}
+        self._version = 0
+        self._lock = threading.RLock()
+
+    @classmethod
+    def from_urdf(
+        cls,
+        source: str | os.PathLike[str] | IO[Any],
+        package_dirs: Sequence[str | os.PathLike[str]] = (),
+    ) -> World:
+        """A cell that is described as a URDF of fixed links: every collision shape of every link.
+
+        An obstacle has the name of its link, with '/1', '/2' and so on behind it from the link's second shape on. The
+        root link's frame is put on the arm's base link.
+
+        Args:
+            source: a path, XML text, or an open file.
+            package_dirs: folders that meshes may come from, besides the URDF's own.
+
+        Raises:
+            UrdfError: the URDF or one of its shapes is broken, or a mesh is not found.
+            WorldError: a joint can move, a shape has no extent, or there is no collision shape at all.
+        """
+        model = urdf.read(source, mesh_roots=package_dirs)
+        if moving := [joint for joint in model.joints if joint.type != "fixed"]:
+            listed = ", ".join(f"{joint.name!r} ({joint.type})" for joint in moving[:5])
+            raise WorldError(
+                f"{model.source}: a world stands still, and {len(moving)} of its joints can move: {listed}; "
+                'write type="fixed", or add the moving part\'s shapes with World.add and move them with World.move'
+            )
+        if broken := [error for error in model.left_out if "<collision>" in (error.element or "")]:
+            raise broken[0]
+        placed = _link_poses(model)
+        world = cls()
+        for body in etree.fromstring(model.xml).iterfind("link/collision"):
+            link = body.getparent().get("name")
+            taken = sum(name == link or name.startswith(f"{link}/") for name in world._obstacles)
+            origin = body.find("origin")
+            offset = np.eye(4) if origin is None else poses.pose(_row(origin, "xyz"), rpy=_row(origin, "rpy"))
+            try:
+                world.add(
+                    f"{link}/{taken}" if taken else link, _shape(body.find("geometry")[0], model), placed[link] @ offset
+                )
+            except WorldError as error:
+                raise WorldError(f"{model.source}: link {link!r}: {error}") from None
+        if not world:
+            raise WorldError(f"{model.source}: no link has a collision shape; add <collision> to the links")
+        return world
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the obstacles, in the order in which they were added."""
+        return tuple(self._obstacles)
+
+    def __len__(self) -> int:
+        return len(self._obstacles)
+
+    def __iter__(self) -> Iterator[Obstacle]:
+        return iter(tuple(self._obstacles.values()))
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._obstacles
+
+    def __getitem__(self, name: str) -> Obstacle:
+        return self._obstacles[self._known(name)]
+
+    def __repr__(self) -> str:
+        return f"World({', '.join(f'{each.name}: {type(each.shape).__name__}' for each in self)})"
+
+    def add(self, name: str, shape: Shape, pose: Any = None) -> None:
+        """Put a shape into the world.
+
+        Args:
+            name: not in use here, and not the name of a link of the arm.
+            shape: Box, Sphere, Cylinder, Capsule, HalfSpace, Mesh or Points.
+            pose: (4, 4) of the shape in the arm's base link [m], or a ``pinocchio.SE3``; default: the identity.
+
+        Raises:
+            WorldError: the name is empty or taken, ``shape`` is none, or its mesh is not there.
+            PoseError: ``pose`` is no pose.
+        """
+        if not isinstance(name, str) or not name:
+            raise WorldError(f"an obstacle's name is a text that is not empty, not {name!r}")
+        if not isinstance(shape, Shape):
+            kinds = "Box, Sphere, Cylinder, Capsule, HalfSpace, Mesh or Points"
+            raise WorldError(f"obstacle {name!r}: a shape is needed ({kinds}), not {type(shape).__name__}")
+        placed = _pose(np.eye(4) if pose is None else pose)
+        if isinstance(shape, Mesh):
+            shape.file()
+        with self._lock:
+            if name in self._obstacles:
+                raise WorldError(f"there is an obstacle {name!r} already; World.move moves it, World.remove removes it")
+            self._obstacles[name] = Obstacle(name, shape, placed)
+            self._version += 1
+
+    def move(self, name: str, pose: Any) -> None:
+        """Put an obstacle elsewhere.
+
+        Args:
+            name: of an obstacle.
+            pose: (4, 4) of its shape in the arm's base link [m], or a ``pinocchio.SE3``.
+
+        Raises:
+            WorldError: there is no such obstacle.
+            PoseError: ``pose`` is no pose.
+        """
+        placed = _pose(pose)
+        with self._lock:
+            self._obstacles[name] = self._obstacles[self._known(name)]._replace(pose=placed)
+            self._version += 1
+
+    def remove(self, name: str) -> None:
+        """Take an obstacle out of the world.
+
+        Raises:
+            WorldError: there is no such obstacle.
+        """
+        with self._lock:
+            gone = self._obstacles.pop(self._known(name))
+            if all(each.shape is not gone.shape for each in self._obstacles.values()):
+                self._geometries.pop(id(gone.shape), None)
+            self._version += 1
+
+    @property
+    def version(self) -> int:
+        """A number that every change of this world raises."""
+        return self._version
+
+    def snapshot(self) -> tuple[int, tuple[tuple[Obstacle, Any], ...]]:
+        """The world as it is now: its version, and every obstacle with coal's geometry of its shape.
+
+        Raises:
+            WorldError: a mesh cannot be read.
+        """
+        with self._lock:
+            for each in self._obstacles.values():
+                if id(each.shape) not in self._geometries:
+                    self._geometries[id(each.shape)] = each.shape.geometry()
+            placed = tuple((each, self._geometries[id(each.shape)]) for each in self._obstacles.values())
+            return self._version, placed
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"_obstacles": dict(self._obstacles), "_version": self._version}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__init__()  # type: ignore[misc]
+        self.__dict__.update(state)
+
+    def _known(self, name: str) -> str:
+        if name not in self._obstacles:
+            close = difflib.get_close_matches(str(name), self._obstacles, n=3)
+            hint = (
+                f"did you mean {' or '.join(map(repr, close))}?"
+                if close
+                else f"there are: {', '.join(self.names) or 'no'}"
+            )
+            raise WorldError(f"there is no obstacle {name!r} in this world; {hint}")
+        return name
+
+
+def _pose(pose: Any) -> Array:
+    checked = poses.check_poses(pose)
+    if checked.ndim != 2:
+        raise PoseError(f"an array of shape {checked.shape} given; an obstacle has a single pose (4, 4)")
+    # A rotation that is off by rounding would shear the shape.
+    out = poses.project_rotation(checked)
+    out.setflags(write=False)
+    return out
+
+
+def _link_poses(model: urdf.UrdfModel) -> dict[str, Array]:
+    """Pose of every link in the root link, all joints being fixed."""
+    placed = {model.root: np.eye(4)}
+    waiting = [model.root]
+    while waiting:
+        link = waiting.pop()
+        for joint in model.children(link):
+            placed[joint.child] = placed[link] @ joint.origin
+            waiting.append(joint.child)
+    return placed
+
+
+def _row(element: Any, name: str, otherwise: float = 0.0) -> list[float]:
+    return [float(x) for x in (element.get(name) or "").split()] or [otherwise] * 3
+
+
+def _shape(element: Any, model: urdf.UrdfModel) -> Shape:
+    """The shape that a URDF's ``<geometry>`` holds."""
+    match element.tag:
+        case "box":
+            return Box(_row(element, "size"))
+        case "sphere":
+            return Sphere(float(element.get("radius")))
+        case "cylinder":
+            return Cylinder(float(element.get("radius")), float(element.get("length")))
+        case "capsule":
+            return Capsule(float(element.get("radius")), float(element.get("length")))
+        case "mesh":
+            return Mesh(urdf.resolve_mesh(model, element.get("filename")), _row(element, "scale", 1.0))
+    raise UrdfError(f"unknown shape <{element.tag}>", source=model.source)
