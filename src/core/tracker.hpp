@@ -430,13 +430,16 @@ template <int N> STEP void own_motion(const TrackedArm<N>& arm, const Stand<N>& 
     }
 }
 
-// The joints go after a goal within their limits of speed and acceleration: with the goal's own speed where they are at it, and
-// otherwise no faster, relative to it, than they can brake; all of them by the same share of what is missing, as far as their
-// accelerations allow.
-template <int N> PART void go_after(const TrackedArm<N>& arm, TrackedState<N>& state, const double (&goal)[N], double (&q)[N]) {
+// The joints go after a goal within their limits of speed and acceleration: with the goal's own speed, where two targets in a
+// row have shown it, and relative to it no faster than they can brake; all of them by the same share of what is missing, as far as
+// their accelerations allow.
+template <int N>
+PART void go_after(const TrackedArm<N>& arm, TrackedState<N>& state, const double (&goal)[N], bool exact, double (&q)[N]) {
     double speed[N], share = 1.0;
+    const bool known = exact && state.exact;
+    state.exact = exact;
     for (int k = 0; k < N; ++k) {
-        speed[k] = min(max((goal[k] - state.goal[k]) / arm.dt, -arm.velocity[k]), arm.velocity[k]);
+        speed[k] = !known ? 0.0 : min(max((goal[k] - state.goal[k]) / arm.dt, -arm.velocity[k]), arm.velocity[k]);
         const double missing = abs(goal[k] - state.q[k] - speed[k] * arm.dt);
         const double most =
             min(arm.acceleration[k] < __builtin_inf() ? stopping_speed(missing, arm.acceleration[k], arm.dt) : __builtin_inf(),
@@ -517,7 +520,7 @@ template <int N> Tracked track(const TrackedArm<N>& arm, TrackedState<N>& state,
     if (accelerates) {
         double goal_q[N];
         for (int k = 0; k < N; ++k) goal_q[k] = s.q[k];
-        go_after(arm, state, goal_q, s.q);
+        go_after(arm, state, goal_q, s.size <= t.reach, s.q);
         place_at(arm.written, s);
         face(arm.written, goal, s);
         if (why == Because::nothing && s.size > t.reach) why = Because::acceleration;

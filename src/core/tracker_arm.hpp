@@ -15,7 +15,8 @@ template <int N> struct TrackedArm {
 
 template <int N> struct TrackedState {
     double q[N], v[N];  // where the joints are, angles of any size, and how fast they got there [rad/s, m/s]
-    double goal[N];     // where the last target would have had them (with limits on the acceleration)
+    double goal[N];     // where the last target would have had them (with limits on the acceleration),
+    bool exact;         // and whether that was exact
 };
 
 enum class Tracking : std::uint8_t { ok, limited, held };

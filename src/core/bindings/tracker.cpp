@@ -57,6 +57,7 @@ public:
     }
     void reset(const double* q, const double* v) override {
         for (int k = 0; k < N; ++k) state_.q[k] = state_.goal[k] = q[k], state_.v[k] = v[k];
+        state_.exact = true;
         before_ = state_;
     }
 

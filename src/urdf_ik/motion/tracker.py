@@ -193,7 +193,7 @@ class Tracker:
 
             - ``'ok'``: the tip is at the target, to 1e-9 m and rad; ``why`` is None.
             - ``'limited'``: the joints moved, and are not there yet. Where they would have to be faster than they
-              may be (``why`` is ``'velocity'``), the tip went along the straight way to the target, as far as that goes.
+              may be (``why`` is ``'velocity'``), the tip went along the straight way to the target, as far as they can.
               Where a joint stands at its limit (``'limit'``), the pose is out of reach (``'reach'``), or near a
               singularity, they went to where the squared distance from the target (rad, and lengths as shares of the
               arm's size) is least. ``'acceleration'``: they would be there, but for their limits of acceleration.
