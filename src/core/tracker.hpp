@@ -36,6 +36,8 @@ inline constexpr double EXACTLY_SINGULAR = 1e-8;
 inline constexpr double SINGULAR_ASIDE = 0.1;
 // Of a joint's range, and at most of a radian or a size: how far from a limit seven joints begin to move away from it.
 inline constexpr double NEAR_LIMIT = 0.1, NEAR_LIMIT_AT_MOST = 0.2;
+// Share of what the speeds allow with singular directions aside that they have to allow with them for these to count.
+inline constexpr double REGULAR = 0.5;
 // Share of the missing twist that joints at their limits would have to make good for the limits to count as the reason.
 inline constexpr double FELT = 1e-2;
 // Beyond this rotation [rad] an angle and its sine are told apart.
@@ -288,17 +290,18 @@ template <int N> PART double gain_rate(const Written<N>& arm, const Weak<N>& wea
 }
 
 // Where the short motion from a to b has crossed a fold, b is moved back along the weak direction, which moves the tip
-// hardly at all. Whether it was.
+// hardly at all. With joints at their limits nothing is crossed: what is left then is no way to the target. Whether it was.
 template <int N> PART bool keep_side(const Written<N>& arm, const Goal<double>& goal, const Box<N>& box, const Stand<N>& a,
-                                     Stand<N>& b) {
+                                     bool at_limit, Stand<N>& b) {
     const Weak<N> weak = weak_at(a);
     if (weak.gain < EXACTLY_SINGULAR) return false;
     const double gain = gain_at(weak, b);
     if (gain > (b.size <= arm.tolerances.reach ? 0.0 : LAST_GAIN)) return false;
     const double rate = gain_rate(arm, weak, a);
-    if (abs(rate) < PASSABLE) return false;
+    const bool passable = abs(rate) < PASSABLE;
+    if (passable && !(at_limit && gain <= 0.0)) return false;
     const double back = (max(APPROACH * weak.gain, LAST_GAIN) - gain) / rate;
-    if (!(abs(back) < 2.0 * PIECE)) {
+    if (passable || !(abs(back) < 2.0 * PIECE)) {
         b = a;
         face(arm, goal, b);
         return true;
@@ -328,12 +331,13 @@ PART Went march(const Written<N>& arm, const Goal<double>& goal, const Six<doubl
                 piece *= 0.5;
                 continue;
             }
-            if (keep_side(arm, next_goal, box, s, next)) {
+            const bool at_limit = (now.below & box.limit_below) | (now.above & box.limit_above);
+            if (keep_side(arm, next_goal, box, s, at_limit, next)) {
                 folded = true;
                 // From there the goal's solution on this side may be in reach.
                 Stand<N> again = next;
                 approach(arm, next_goal, box, drift, again);
-                if (!keep_side(arm, next_goal, box, s, again)) next = again;
+                if (!keep_side(arm, next_goal, box, s, at_limit, again)) next = again;
             }
         }
         s = next, went = now, done += piece, piece = min(2.0 * piece, 1.0 - done);
@@ -353,14 +357,14 @@ template <int N> STEP bool within_a_cycle(const Written<N>& arm, const Stand<N>&
     return s.square <= furthest * furthest;
 }
 
-// Share of the twist to the goal that the joints' speeds allow, limits and singular directions aside.
-template <int N> PART double affordable(const TrackedArm<N>& arm, const Stand<N>& s, const Box<N>& box) {
+// Share of the twist to the goal that the joints' speeds allow, those aside that stand at their limits.
+template <int N> PART double affordable(const TrackedArm<N>& arm, const Stand<N>& s, const Box<N>& box, double damping) {
     double low[N], high[N];
     for (int k = 0; k < N; ++k) {
         const double unit = unit_of(arm.written, k);
         low[k] = (arm.lower[k] - s.q[k]) / unit, high[k] = (arm.upper[k] - s.q[k]) / unit;
     }
-    const BoundedStep<N> step = bounded_step(s.J, s.twist, SINGULAR_ASIDE, low, high);
+    const BoundedStep<N> step = bounded_step(s.J, s.twist, damping, low, high);
     double share = 1.0;
     for (int k = 0; k < N; ++k) {
         if ((step.below | step.above) >> k & 1) continue;
@@ -505,15 +509,17 @@ template <int N> Tracked track(const TrackedArm<N>& arm, TrackedState<N>& state,
     Went went = {};
     const bool far = !within_a_cycle(arm.written, start, box);
     if (!far) went = march(arm.written, goal, start.twist, 1.0, box, drift, s);
-    const bool hurried = far || (s.size > t.reach && too_fast(went));
+    bool hurried = far || (s.size > t.reach && too_fast(went));
     if (hurried) {
-        const double share = affordable(arm, start, box);
+        const double aside = affordable(arm, start, box, SINGULAR_ASIDE), strict = affordable(arm, start, box, FAINT);
+        const double share = strict > REGULAR * aside ? strict : aside;
         if (far || share < 1.0) s = start, went = march(arm.written, goal, start.twist, share, box, drift, s);
+        hurried = share < 1.0 || too_fast(went);
     }
     if (s.size > t.reach && !hurried && apart(arm.written, start, s) < STILL) push(arm.written, goal, box, drift, s);
     Because why = Because::nothing;
     if (s.size > t.reach) {
-        why = hurried ? Because::velocity : against_limits(arm, s) ? Because::limit : because_of(arm.written, s, went);
+        why = against_limits(arm, s) ? Because::limit : hurried ? Because::velocity : because_of(arm.written, s, went);
     }
     bool accelerates = false;
     for (const double each : arm.acceleration) accelerates |= each < __builtin_inf();
@@ -527,7 +533,8 @@ template <int N> Tracked track(const TrackedArm<N>& arm, TrackedState<N>& state,
     }
     Tracked out = {true, Tracking::ok, why, 0.0, 0.0, 0.0, 0.0};
     if (s.size > t.reach) {
-        const bool still = why != Because::velocity && why != Because::acceleration && apart(arm.written, start, s) < STILL;
+        bool still = why != Because::velocity && why != Because::acceleration && apart(arm.written, start, s) < STILL;
+        for (int k = 0; k < N; ++k) still &= abs(state.v[k]) <= arm.acceleration[k] * arm.dt;
         if (still) s = start;
         out.status = still ? Tracking::held : Tracking::limited;
     }

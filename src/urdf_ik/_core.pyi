@@ -42,6 +42,50 @@ class Chain:
 
     def axes(self, arg: object, /) -> object: ...
 
+class Step:
+    """What one cycle of a tracker answers."""
+
+    @property
+    def q(self) -> object:
+        """
+        (n,) rad or m, where the joints are to be; angles of any size, continuous with the last ones. A new array each time.
+        """
+
+    @property
+    def velocity(self) -> object:
+        """(n,) rad/s or m/s, of the way there from the last joint vector."""
+
+    @property
+    def status(self) -> str:
+        """'ok', 'limited' or 'held'."""
+
+    @property
+    def why(self) -> str | None:
+        """
+        What keeps the joints from the target: 'velocity', 'acceleration', 'limit', 'reach', 'singularity', 'collision'; None where they are at it.
+        """
+
+    @property
+    def distance(self) -> float:
+        """From the tip to the target [m]."""
+
+    @property
+    def angle(self) -> float:
+        """Between the tip and the target [rad]."""
+
+    def __repr__(self) -> str: ...
+
+class Tracker:
+    """An arm that follows poses, one a cycle."""
+
+    def __init__(self, joints: int, values: dict) -> None: ...
+
+    def step(self, T: object, /) -> Step | None: ...
+
+    def reset(self, arg0: object, arg1: object, /) -> None: ...
+
+    def back(self, arg: str, /) -> Step: ...
+
 def step(name: str, x: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], side_by_side: bool = False) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
     """
     One step of the solvers, for tests: sets of its inputs (m, k) to sets of its results, one by one or in blocks.

@@ -121,9 +121,11 @@ void add_tracker(nb::module_& m) {
     nb::class_<Cycle>(m, "Step", "What one cycle of a tracker answers.")
         .def_prop_ro(
             "q", [](const Cycle& s) { return array_of(s.q, s.joints); },
-            "(n,) rad or m, where the joints are to be; angles of any size, continuous with the last ones. A new array each time.")
+            nb::for_getter(nb::sig("def q(self) -> NDArray[numpy.float64]")),
+            "(n,) rad or m, where the joints are to be; angles of any size, continuous with the last; a new array.")
         .def_prop_ro(
             "velocity", [](const Cycle& s) { return array_of(s.v, s.joints); },
+            nb::for_getter(nb::sig("def velocity(self) -> NDArray[numpy.float64]")),
             "(n,) rad/s or m/s, of the way there from the last joint vector.")
         .def_prop_ro(
             "status", [](const Cycle& s) { return word(STATUS[int(s.tracked.status)]); },
@@ -143,7 +145,7 @@ void add_tracker(nb::module_& m) {
         });
     nb::class_<PyTracker>(m, "Tracker", "An arm that follows poses, one a cycle.")
         .def(nb::init<int, nb::dict>(), nb::arg("joints"), nb::arg("values"))
-        .def("step", &PyTracker::step)
+        .def("step", &PyTracker::step, nb::sig("def step(self, T: object, /) -> Step | None"))
         .def("reset", &PyTracker::reset)
         .def("back", [](PyTracker& self, const std::string& why) {
             for (int k = 1; k < int(sizeof WHY / sizeof WHY[0]); ++k) {

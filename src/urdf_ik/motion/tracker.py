@@ -205,7 +205,7 @@ class Tracker:
         Raises:
             PoseError: ``T`` is no pose, or no target of the task; nothing has moved.
         """
-        if self._quick is not None:
+        if self._quick is not None and T is not None:
             step = self._quick(T)
             if step is not None:
                 self._last = step
@@ -233,7 +233,8 @@ class Tracker:
         target = self._targets.read(T)
         if target.ndim != 1:
             raise PoseError(f"an array of shape {target.shape} given; a cycle takes a single target")
-        return self._targets.poses(target[None])[0]
+        poses: Array = self._targets.poses(target[None])
+        return np.ascontiguousarray(poses[0])
 
 
 def _positive(name: str, value: float, unit: str, *, zero: bool = False) -> float:
