@@ -46,13 +46,13 @@ class Step:
     """What one cycle of a tracker answers."""
 
     @property
-    def q(self) -> object:
+    def q(self) -> NDArray[numpy.float64]:
         """
-        (n,) rad or m, where the joints are to be; angles of any size, continuous with the last ones. A new array each time.
+        (n,) rad or m, where the joints are to be; angles of any size, continuous with the last; a new array.
         """
 
     @property
-    def velocity(self) -> object:
+    def velocity(self) -> NDArray[numpy.float64]:
         """(n,) rad/s or m/s, of the way there from the last joint vector."""
 
     @property
