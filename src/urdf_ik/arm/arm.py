@@ -10,7 +10,7 @@ import numpy as np
 
 from urdf_ik import families
 from urdf_ik.angles import shortest
-from urdf_ik.arm.kinematics import Kinematics
+from urdf_ik.arm.in_cell import InCell
 from urdf_ik.arm.refusals import unsupported
 from urdf_ik.errors import ArgumentError, JointVectorError, PoseError, UnsupportedArm
 from urdf_ik.families import Plan, RedundantPlan
@@ -18,29 +18,25 @@ from urdf_ik.poses import as_pose_array, check_poses
 from urdf_ik.redundancy import nearest, sweep
 from urdf_ik.solutions import IKSolutions
 from urdf_ik.structure import Structure, analyse
-from urdf_ik.tasks import Targets, control_of
+from urdf_ik.tasks import Targets
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from urdf_ik import motion
     from urdf_ik._core import Solver
     from urdf_ik.chain import Chain
-    from urdf_ik.chain.plane import Plane
     from urdf_ik.chain.redundancy import Redundancy
-    from urdf_ik.collision import CollisionModel, Motions, Nearest, World
-    from urdf_ik.motion import Tracker
     from urdf_ik.redundancy import Sweep
     from urdf_ik.solutions.select import Metric
-    from urdf_ik.tasks import Control
     from urdf_ik.urdf import UrdfModel
 
     Array = NDArray[np.float64]
 
-# Numbers in a cache line.
-_LINE = 8
+_LINE = 8  # numbers in a cache line
 
 
-class Arm(Kinematics):
+class Arm(InCell):
     """A serial arm, read from a URDF and ready to be solved.
 
     Attributes:
@@ -98,21 +94,6 @@ class Arm(Kinematics):
         """What is free in a pose's solutions of an arm with seven joints; None for an arm without such a parameter."""
         return self._plan.parameter if isinstance(self._plan, RedundantPlan) else None
 
-    @cached_property
-    def control(self) -> Control:
-        """What the arm can control of its tip: the task, the plane, the tip's axis that is aimed."""
-        return control_of(self.chain)
-
-    @property
-    def task(self) -> str:
-        """What the arm can control: 'pose', 'position', 'position and axis', 'planar position' or 'planar pose'."""
-        return self.control.task
-
-    @property
-    def plane(self) -> Plane | None:
-        """The plane in which a planar arm of two or three joints moves its tip, with its coordinates; else None."""
-        return self.control.plane
-
     def for_task(self, task: str) -> Arm:
         """This arm, its ``ik`` and ``explain`` taking targets of a task; see :meth:`ik`.
 
@@ -135,85 +116,6 @@ class Arm(Kinematics):
         from urdf_ik.cuspidality import is_cuspidal
 
         return is_cuspidal(self)
-
-    @cached_property
-    def collision_model(self) -> CollisionModel:
-        """Self-collision of this URDF through Pinocchio and coal, built when first asked for.
-
-        It may be replaced, by one with another allowed-collision table: ``arm.collision_model =
-        arm.collision_model.allow("forearm", "tool")``.
-        """
-        from urdf_ik.collision import CollisionModel
-
-        return CollisionModel(self.model, self.base, self.tip, locked=self.locked)
-
-    def clearance(self, q: ArrayLike, world: World | None = None) -> float | Array:
-        """Least distance between links that must not touch, and between them and the obstacles of a world.
-
-        Args:
-            q: (..., n) rad or m.
-            world: the obstacles; default: none, only the arm itself.
-
-        Returns:
-            A float for one joint vector, else (...) [m]: 0 in collision, infinite where nothing can collide.
-
-        Raises:
-            JointVectorError: the last dimension is not n, or a value is not finite.
-            UrdfError: the URDF has no collision shapes, or not all of them were found.
-            WorldError: an obstacle's mesh cannot be read, or it has the name of a link.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm, world = urdf_ik.load("zyyzyz_6r"), urdf_ik.World()
-            >>> world.add("ceiling", urdf_ik.HalfSpace((0, 0, -1), -3.5))
-            >>> round(float(arm.clearance([0.0] * 6, world)), 3)
-            0.3
-        """
-        return self.collision_model.in_world(world).distance(self.chain.check(q))
-
-    def nearest_pair(self, q: ArrayLike, world: World | None = None) -> Nearest | None:
-        """What comes closest to each other at ``q`` (n,), two links or a link and an obstacle, and how close [m].
-
-        None where nothing can collide. Raises as :meth:`clearance` does.
-        """
-        return self.collision_model.in_world(world).nearest_pair(self.chain.check(q))
-
-    def motion_is_free(self, q0: ArrayLike, q1: ArrayLike, world: World | None = None, margin: float = 0.0) -> Motions:
-        """Whether straight motions in joint space are free of contact from end to end: proven, not sampled.
-
-        Each joint goes from its value in ``q0`` to its value in ``q1``, in proportion to the others, turns included.
-        A motion that is called free is free of contact at every instant of it. One that is not called free has a
-        contact, or comes within 0.1 mm of one (``urdf_ik.collision.swept.TOUCH``), where no number of distances can
-        prove it free.
-
-        Args:
-            q0: (..., n) rad or m.
-            q1: (..., n) rad or m; the leading dimensions broadcast against those of ``q0``.
-            world: the obstacles; default: none, only the arm itself.
-            margin: m that the bodies must stay apart.
-
-        Returns:
-            Its ``free`` (...) says which motions are; ``share`` (...) and ``pairs`` tell of the first contact of the
-            others. That of a single motion is itself true or false.
-
-        Raises:
-            JointVectorError: the arrays do not fit the arm or each other, or a value is not finite.
-            ArgumentError: ``margin`` is negative or not finite.
-            UrdfError: the URDF has no collision shapes, or not all of them were found.
-            WorldError: an obstacle's mesh cannot be read, or it has the name of a link.
-        """
-        start, end = self.chain.check(q0), self.chain.check(q1)
-        try:
-            start, end = np.broadcast_arrays(start, end)
-        except ValueError:
-            raise JointVectorError(
-                f"motions from {start.shape} to {end.shape} given; the shapes do not broadcast"
-            ) from None
-        batch = start.shape[:-1]
-        flat = self.collision_model.in_world(world).motions_free(
-            start.reshape(-1, self.dof), end.reshape(-1, self.dof), margin
-        )
-        return replace(flat, free=flat.free.reshape(batch), share=flat.share.reshape(batch))
 
     def ik(
         self,
@@ -401,6 +303,74 @@ class Arm(Kinematics):
         near = reference if reference.ndim == 1 else None
         return self.ik(T, near, threads=threads).nearest(reference, **options)
 
+    def follow(
+        self,
+        T: Any,
+        *,
+        start: ArrayLike | None = None,
+        end: ArrayLike | None = None,
+        world: Any = None,
+        margin: float = 0.0,
+        collisions: bool = True,
+        cost: str = "l2",
+        weights: ArrayLike | None = None,
+        margins: float = 0.0,
+        max_step: ArrayLike | None = None,
+        tolerance: tuple[float, float] | None = None,
+        reconfigure: bool = False,
+    ) -> motion.Plan:
+        """The cheapest joint motion along a path, over all branches and turns, without a jump.
+
+        From waypoint to waypoint the joints move linearly, and the tip is proven to keep within a tolerance of the
+        straight segment; where it would not, waypoints are put in between, and ``Plan.motion`` holds them. Of an arm
+        with a redundancy parameter, its values are searched on a grid first, and then on finer ones around the way
+        found: the cheapest in that neighbourhood.
+
+        Args:
+            T: (m, 4, 4) m, waypoints; see :func:`urdf_ik.line`, :func:`urdf_ik.arc`, :func:`urdf_ik.polyline`.
+            start: (n,) joint vector at the first waypoint; default: whichever is best.
+            end: (n,) joint vector at the last waypoint; default: whichever is best.
+            world: the :class:`urdf_ik.World` of obstacles to stay clear of.
+            margin: m that bodies must stay apart.
+            collisions: False: nothing is asked about contacts. True: the arm's own links are, where the URDF has
+                collision shapes, at the waypoints and all the way between them.
+            cost: what is minimised, summed over the steps: 'l1' the sum of |dq| of the joints, 'l2' the sum of dq^2,
+                'max' the largest |dq|, 'time' the time of a step at the URDF's velocity limits.
+            weights: (n,) factors of |dq|, of dq^2 for 'l2'; default: 1, which adds rad and m.
+            margins: weight of a cost at each waypoint for being near a joint limit: the square of how far, of the way
+                from the middle of its range to its limit, the joint goes that goes farthest.
+            max_step: rad or m that a joint may move between two waypoints: a number, or (n,).
+            tolerance: (m, rad) that the tip may stray from the straight segments, by default (0.001, 0.02).
+            reconfigure: where no joint motion leads all the way, the plan with the fewest changes of branch between
+                waypoints.
+
+        Returns:
+            See :class:`urdf_ik.Plan`; where ``found`` is false, ``explain()`` says how far each branch gets.
+
+        Raises:
+            PathError: waypoints, start, end or a setting that make no sense; the message says what would be valid.
+            PoseError: a waypoint is no pose.
+            JointVectorError: ``start`` or ``end`` is no joint vector.
+            UrdfError: a world is given, and the arm has no collision shapes.
+            UnsupportedArm: no solver takes this arm.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> T0 = arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
+            >>> T1 = T0.copy()
+            >>> T1[1, 3] += 0.2
+            >>> plan = arm.follow(urdf_ik.line(T0, T1, 50))
+            >>> plan.found, len(plan.q), len(set(plan.branches))
+            (True, 50, 1)
+        """
+        from urdf_ik.motion.follow import follow
+
+        return follow(
+            self, T, start=start, end=end, world=world, margin=margin, collisions=collisions, cost=cost,
+            weights=weights, margins=margins, max_step=max_step, tolerance=tolerance, reconfigure=reconfigure,
+        )  # fmt: skip
+
     def sweep(self, T: Any, n: int = 64, *, within_limits: bool = False, threads: int = 1) -> Sweep:
         """The solutions of one pose at ``n`` values of the redundancy parameter, and where there are any.
 
@@ -419,22 +389,11 @@ class Arm(Kinematics):
         """
         return sweep.sweep(self, self._redundant_plan().parameter, T, n, within_limits, threads)
 
-    def tracker(self, q0: ArrayLike, dt: float, **options: Any) -> Tracker:
-        """What follows targets, one a control cycle of ``dt`` s, from ``q0`` (n,) rad or m on.
+    def tracker(self, q0: ArrayLike, dt: float, **options: Any) -> motion.Tracker:
+        """What follows targets, one a cycle of ``dt`` s, from ``q0`` on: see :class:`urdf_ik.motion.Tracker`."""
+        from urdf_ik import motion
 
-        Args, options and errors are those of :class:`urdf_ik.motion.Tracker`.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("zyyzyz_6r")
-            >>> tracker = arm.tracker([0.3, -0.5, 0.8, 0.4, 0.7, -0.2], dt=0.002)
-            >>> step = tracker.step(arm.fk([0.302, -0.5, 0.8, 0.4, 0.7, -0.2]))
-            >>> step.status, step.q.round(6).tolist()
-            ('ok', [0.302, -0.5, 0.8, 0.4, 0.7, -0.2])
-        """
-        from urdf_ik.motion import Tracker
-
-        return Tracker(self, q0, dt, targets=self._targets, **options)
+        return motion.Tracker(self, q0, dt, targets=self._targets, **options)
 
     def explain(self, T: Any, redundancy: float | None = None) -> str:
         """Why the single pose ``T`` (4, 4) has no solution, with the number that is out of range.
@@ -483,8 +442,7 @@ class Arm(Kinematics):
         q = self.chain.check(q_ref)
         if q.shape != (self.dof,):
             raise JointVectorError(f"q_ref of shape {q.shape} given; one joint vector ({self.dof},) is needed")
-        # Turns do not matter to an answer in (-pi, pi].
-        return np.where(self.chain.prismatic, q, shortest(q))
+        return np.where(self.chain.prismatic, q, shortest(q))  # turns do not matter to an answer in (-pi, pi]
 
     def _refuse(self, T: Array) -> None:
         """Raise the error that says what is wrong with the first bad pose."""

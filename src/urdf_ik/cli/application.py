@@ -7,7 +7,7 @@ import sys
 import typer
 
 from urdf_ik.cli import options
-from urdf_ik.cli.chosen_arm import ChosenArm, TypedPose, angles_of, on_an_arm
+from urdf_ik.cli.chosen_arm import ChosenArm, TypedPath, TypedPose, angles_of, on_an_arm
 from urdf_ik.cli.errors import Commands, Status
 from urdf_ik.cli.options import Picture, ReportFormat, Value
 
@@ -271,14 +271,51 @@ def workspace(
 
 @app.command(
     help=_help(
+        "Follow a path: the cheapest joint motion through all waypoints, over all branches and turns, proven between "
+        "the waypoints and free of contacts; or, for every start branch, how far it gets and what stops it there. "
+        "The status is 1 when there is no plan.",
+        "urdf-ik path zyyzyz_6r --waypoints seam.csv --out plan.csv --timed motion.csv",
+        "urdf-ik path my_arm.urdf --tip tool0 -w seam.csv --world cell.urdf --margin 0.01 --reconfigure",
+        "urdf-ik fk zyyzyz_6r --q 0,1,1,0,1,0 --q 0.2,1,1,0,1,0 -f csv | urdf-ik path zyyzyz_6r -w -",
+    )
+)
+@on_an_arm
+def path(
+    *,
+    path: TypedPath,
+    alternatives: options.Starts = False,
+    chosen: ChosenArm,
+    degrees: options.Degrees = False,
+    printed_as: options.TextFormat = ReportFormat.TABLE,
+    output: options.PlanFile = None,
+    timed: options.TimedFile = None,
+) -> None:
+    """Print the plan, or what stops it."""
+    from urdf_ik.cli.commands import path as path_command
+
+    path_command.run(
+        chosen,
+        path,
+        degrees=degrees,
+        alternatives=alternatives,
+        as_json=printed_as is ReportFormat.JSON,
+        output=output,
+        timed=timed,
+    )
+
+
+@app.command(
+    help=_help(
         "Draw an arm, all branches of a pose side by side or overlaid, joint limits with all turns of the solutions, "
-        "the workspace, or the arm with sliders for its joints. Without --output it opens a window.\n\n"
+        "the workspace, the arm with sliders for its joints, or a path: each joint's values in all branches along it, "
+        "limits and contacts, and the plan. Without --output it opens a window.\n\n"
         "Branches are those of a typed pose, of the tip at a joint vector (--q), or of the arm's example. The "
         "workspace of two turning joints is exact; any other is one layer of a map.",
         "urdf-ik plot zyyzyz_6r branches -o all_branches.png",
         "urdf-ik plot planar_2r workspace --q 0.5,-1 -o two_link_workspace.png",
         "urdf-ik plot dh_6r limits -o limits.svg",
         "urdf-ik plot planar_2r sliders -o sliders.png",
+        "urdf-ik plot zyyzyz_6r path --waypoints seam.csv -o path.png",
     )
 )
 @on_an_arm
@@ -293,6 +330,7 @@ def plot(
     axis: options.Across = "z",
     at: options.Layer = 0.0,
     show: options.Shown = Value.REACH,
+    path: TypedPath,
     chosen: ChosenArm,
     degrees: options.Degrees = False,
     output: options.PictureFile = None,
@@ -301,10 +339,9 @@ def plot(
     from urdf_ik.cli import targets
     from urdf_ik.cli.commands import plot as plot_command
 
-    arm = chosen.load()
     target = targets.Asked(typed, () if q is None else (q,), None, None, seed)
-    asked = plot_command.Asked(target, shapes, map_file, axis, at, show.value)
-    plot_command.run(arm, angles_of(arm, degrees), what, asked, output)
+    asked = plot_command.Asked(target, path, shapes, map_file, axis, at, show.value)
+    plot_command.run(chosen, degrees, what, asked, output)
 
 
 @app.command(

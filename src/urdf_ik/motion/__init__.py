@@ -1,6 +1,10 @@
 """Motion of an arm: poses followed as they come, and paths planned as a whole."""
 
-from urdf_ik._core import Step
-from urdf_ik.motion.tracker import Tracker
+from __future__ import annotations
 
-__all__ = ["Step", "Tracker"]
+from urdf_ik.motion.files import read_waypoints
+from urdf_ik.motion.plan import Change, Margins, Plan, Stop
+from urdf_ik.motion.tracker import Step, Tracker
+from urdf_ik.motion.waypoints import arc, line, polyline
+
+__all__ = ["Change", "Margins", "Plan", "Step", "Stop", "Tracker", "arc", "line", "polyline", "read_waypoints"]

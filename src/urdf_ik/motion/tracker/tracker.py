@@ -10,7 +10,6 @@ through a wrist or a shoulder singularity, which both sides share.
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,8 +17,9 @@ import numpy as np
 from urdf_ik._core import Step
 from urdf_ik._core import Tracker as CoreTracker
 from urdf_ik.chain import CoupledChain
-from urdf_ik.errors import ArgumentError, JointVectorError, PoseError, UnsupportedArm, VelocityError
+from urdf_ik.errors import JointVectorError, PoseError, UnsupportedArm
 from urdf_ik.families.parts import aim
+from urdf_ik.motion.tracker.limits import limits_of, positive, stated_velocities
 from urdf_ik.poses import check_poses
 from urdf_ik.solutions.limits import LIMIT_TOLERANCE
 
@@ -103,9 +103,9 @@ class Tracker:
         if not 1 <= chain.n <= MOST_JOINTS:
             raise UnsupportedArm(f"{arm.name}: arms of 1 to {MOST_JOINTS} joints are tracked, and it has {chain.n}")
         self.arm = arm
-        self.dt = _positive("dt", dt, "s")
-        self.velocity_limits = _stated_velocities(arm) if velocity is None else _limits_of(arm, "velocity", velocity)
-        self.acceleration_limits = _limits_of(arm, "acceleration", np.inf if acceleration is None else acceleration)
+        self.dt = positive("dt", dt, "s")
+        self.velocity_limits = stated_velocities(arm) if velocity is None else limits_of(arm, "velocity", velocity)
+        self.acceleration_limits = limits_of(arm, "acceleration", np.inf if acceleration is None else acceleration)
         for limits in (self.velocity_limits, self.acceleration_limits):
             limits.setflags(write=False)
         self._targets = targets
@@ -126,12 +126,12 @@ class Tracker:
                 "velocity": self.velocity_limits,
                 "acceleration": self.acceleration_limits,
                 "dt": self.dt,
-                "recentring": _positive(
+                "recentring": positive(
                     "recentring", RECENTRING if recentring is None else recentring, "1/s", zero=True
                 ),
             },
         )
-        self._margin = _positive("margin", margin, "m", zero=True)
+        self._margin = positive("margin", margin, "m", zero=True)
         self._collision: Any = None
         if world is not None or self_collision:
             model: Any = arm.collision_model
@@ -235,36 +235,3 @@ class Tracker:
             raise PoseError(f"an array of shape {target.shape} given; a cycle takes a single target")
         poses: Array = self._targets.poses(target[None])
         return np.ascontiguousarray(poses[0])
-
-
-def _positive(name: str, value: float, unit: str, *, zero: bool = False) -> float:
-    """A finite number above zero, or from zero on."""
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        number = math.nan
-    if not math.isfinite(number) or number < 0.0 or (number == 0.0 and not zero):
-        raise ArgumentError(
-            f"{name}={value!r} given; a finite number {'from' if zero else 'above'} 0 is needed [{unit}]"
-        )
-    return number
-
-
-def _stated_velocities(arm: Arm) -> Array:
-    """(n,) the URDF's velocity limits; infinite where a joint has none, or zero, which no robot means."""
-    stated = {joint.name: joint.velocity for joint in arm.model.joints}
-    return np.array([stated[name] or math.inf for name in arm.joint_names])
-
-
-def _limits_of(arm: Arm, name: str, value: ArrayLike) -> Array:
-    """(n,) numbers above zero, infinite for no limit, from one number or one a joint."""
-    try:
-        array = np.array(np.broadcast_to(np.asarray(value, dtype=np.float64), (arm.dof,)))
-    except (TypeError, ValueError):
-        raise VelocityError(f"{name}: one number, or one a joint ({arm.dof},), is needed: {value!r} given") from None
-    bad = np.flatnonzero(~(array > 0.0))
-    if len(bad):
-        raise VelocityError(
-            f"{name}: {array[bad[0]]} for joint {arm.joint_names[bad[0]]!r}; a number above 0 is needed (inf: no limit)"
-        )
-    return array
