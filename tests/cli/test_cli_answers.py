@@ -15,6 +15,7 @@ from arms import industrial
 from command import ARM, TYPED, Q, call, comma, oracle, strict_json, succeed, target, vectors
 from oracle import angle_distance
 
+import urdf_ik
 from urdf_ik import catalogue
 
 
@@ -126,6 +127,17 @@ def test_filters_keep_what_they_say() -> None:
     for pose, chosen in zip(everything, nearest, strict=True):
         distance = [np.linalg.norm((np.array(one["q"]) - Q + np.pi) % (2 * np.pi) - np.pi) for one in pose]
         assert chosen == [pose[int(np.argmin(distance))]]
+    within = kept("--nearest", TYPED, "--metric", "max", "--within", "1.2")
+    assert 0 < sum(map(len, within)) < len(within)
+    for pose, chosen in zip(everything, within, strict=True):
+        distance = [np.abs((np.array(one["q"]) - Q + np.pi) % (2 * np.pi) - np.pi).max() for one in pose]
+        assert chosen == ([pose[int(np.argmin(distance))]] if min(distance) <= 1.2 else [])
+    speeds = urdf_ik.load(ARM).velocity_limits
+    for pose, chosen in zip(everything, kept("--nearest", TYPED, "--metric", "time"), strict=True):
+        seconds = [(np.abs((np.array(one["q"]) - Q + np.pi) % (2 * np.pi) - np.pi) / speeds).max() for one in pose]
+        assert chosen == [pose[int(np.argmin(seconds))]]
+    best = kept("--best", "limits")
+    assert [len(pose) for pose in best] == [int(any(one["within_limits"] for one in pose)) for pose in everything]
 
 
 def test_turns_add_images_inside_the_limits() -> None:

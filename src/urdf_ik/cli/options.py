@@ -39,6 +39,22 @@ class Picture(StrEnum):
     SLIDERS = "sliders"
 
 
+class Metric(StrEnum):
+    """How far joint vectors are apart."""
+
+    L2 = "l2"
+    MAX = "max"
+    TIME = "time"
+
+
+class Quality(StrEnum):
+    """What makes a solution better than others."""
+
+    LIMITS = "limits"
+    MANIPULABILITY = "manipulability"
+    CLEARANCE = "clearance"
+
+
 class Value(StrEnum):
     """What a layer of a workspace map shows."""
 
@@ -120,6 +136,18 @@ WithinLimits = Annotated[bool, Option("--within-limits", help="Keep those inside
 CollisionFree = Annotated[bool, Option("--collision-free", help="Keep those free of self-collision.")]
 Nearest = Annotated[
     str | None, Option("--nearest", metavar="Q1,Q2,...", help="Keep the one nearest to this joint vector.")
+]
+Measured = Annotated[
+    Metric,
+    Option("--metric", help="Distance of --nearest: of all joints, of the largest one, or time at the URDF's speeds."),
+]
+Within = Annotated[
+    str | None,
+    Option("--within", metavar="V|V1,V2,...", help="Drop what has a joint further than this from --nearest."),
+]
+Best = Annotated[
+    Quality | None,
+    Option("--best", help="Keep the one farthest from its limits, from singularity, or from contact."),
 ]
 Checked = Annotated[
     bool | None,
