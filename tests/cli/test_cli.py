@@ -75,6 +75,8 @@ COMMANDS = ("info", "fk", "ik", "check", "compare", "dh", "workspace", "plot")
         (("ik", ARM, "--base", "tool0", "--tip", "tool0"), None, 4, ("no joint moves between 'tool0' and 'tool0'",)),
         (("compare", "-", "-"), TWO_JOINTS, 2, ("standard input already",)),
         (("compare", ARM, ARM, "--lock-b", "joint_1"), None, 2, ("--lock-b", "'joint_1'")),
+        (("compare", ARM, ARM, "--tool-rpy-b", "0,0"), None, 2, ("--tool-rpy-b", "roll,pitch,yaw")),
+        (("info", ARM, "--tool-xyz", "0,0,up"), None, 2, ("--tool-xyz", "'up'")),
         (("dh", "no/such.csv"), None, 2, ("no/such.csv: cannot be read", "No such file")),
         (
             ("plot", ARM, "branches", "--xyz", "1,2,3", "-o", "x.png"),

@@ -191,9 +191,13 @@ def compare(
     base_a: options.BaseA = None,
     tip_a: options.TipA = None,
     lock_a: options.LockA = None,
+    tool_xyz_a: options.ToolXyzA = None,
+    tool_rpy_a: options.ToolRpyA = None,
     base_b: options.BaseB = None,
     tip_b: options.TipB = None,
     lock_b: options.LockB = None,
+    tool_xyz_b: options.ToolXyzB = None,
+    tool_rpy_b: options.ToolRpyB = None,
     n: options.Each = 200,
     seed: options.Seed = 0,
     printed_as: options.TextFormat = ReportFormat.TABLE,
@@ -204,8 +208,8 @@ def compare(
     from urdf_ik.cli.commands import compare as compare_command
     from urdf_ik.cli.progress import Progress
 
-    first = ChosenArm(a, base_a, tip_a, lock_a, lock_option="--lock-a")
-    second = ChosenArm(b, base_b, tip_b, lock_b, lock_option="--lock-b")
+    first = ChosenArm(a, base_a, tip_a, lock_a, tool_xyz=tool_xyz_a, tool_rpy=tool_rpy_a, suffix="-a")
+    second = ChosenArm(b, base_b, tip_b, lock_b, tool_xyz=tool_xyz_b, tool_rpy=tool_rpy_b, suffix="-b")
     first.without_stdin(b, "B")
     arms = first.load(), second.load()
     with Progress("comparing", "solving") as progress:

@@ -94,6 +94,14 @@ Lock = Annotated[
     list[str] | None,
     Option("--lock", metavar="NAME=VALUE", help="Hold a joint there: rad or m, or 30deg; repeatable."),
 ]
+ToolXyz = Annotated[
+    str | None,
+    Option("--tool-xyz", metavar="X,Y,Z", help="Put a tool at the tip: its centre point in the tip link [m]."),
+]
+ToolRpy = Annotated[
+    str | None,
+    Option("--tool-rpy", metavar="R,P,Y", help="Orientation of the tool at its centre point, in the tip link."),
+]
 Output = Annotated[Path | None, Option("--output", "-o", metavar="FILE", help="Write here instead of stdout.")]
 DataFormat = Annotated[
     Format | None, Option("--format", "-f", help="Default: by the name of --output, else table.", show_default=False)
@@ -184,9 +192,13 @@ RobotB = Annotated[str, Argument(metavar="B", help="The same for the other arm, 
 BaseA = Annotated[str | None, Option("--base-a", metavar="LINK", help="Base link of A.")]
 TipA = Annotated[str | None, Option("--tip-a", metavar="LINK", help="Tip link of A.")]
 LockA = Annotated[list[str] | None, Option("--lock-a", metavar="NAME=VALUE", help="Hold a joint of A; repeatable.")]
+ToolXyzA = Annotated[str | None, Option("--tool-xyz-a", metavar="X,Y,Z", help="Put a tool at the tip of A [m].")]
+ToolRpyA = Annotated[str | None, Option("--tool-rpy-a", metavar="R,P,Y", help="Orientation of that tool [rad].")]
 BaseB = Annotated[str | None, Option("--base-b", metavar="LINK", help="Base link of B.")]
 TipB = Annotated[str | None, Option("--tip-b", metavar="LINK", help="Tip link of B.")]
 LockB = Annotated[list[str] | None, Option("--lock-b", metavar="NAME=VALUE", help="Hold a joint of B; repeatable.")]
+ToolXyzB = Annotated[str | None, Option("--tool-xyz-b", metavar="X,Y,Z", help="Put a tool at the tip of B [m].")]
+ToolRpyB = Annotated[str | None, Option("--tool-rpy-b", metavar="R,P,Y", help="Orientation of that tool [rad].")]
 Each = Annotated[int, Option("-n", "--poses", min=1, help="Number of random poses that each arm makes.")]
 
 
