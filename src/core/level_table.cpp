@@ -11,6 +11,7 @@ namespace urdf_ik::URDF_IK_LEVEL {
 extern const CoupledSolvers coupled_solvers;
 extern const OneGivenSolvers one_given_solvers;
 extern const ChainFunctions chain_functions;
+extern const GraphFunctions graph_functions;
 extern const ParallelShoulderSolvers parallel_shoulder_solvers;
 extern const EliminationSolvers elimination_solvers;
 extern const FewJointsSolvers few_joints_solvers;
@@ -29,6 +30,7 @@ const LevelTable table = {
     &coupled_solvers,
     &one_given_solvers,
     &chain_functions,
+    &graph_functions,
     &steps,
     &parallel_shoulder_solvers,
     &few_joints_solvers,

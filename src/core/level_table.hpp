@@ -13,6 +13,7 @@
 #include "families/spherical_wrist_arm.hpp"
 #include "families/srs_arm.hpp"
 #include "families/three_parallel_arm.hpp"
+#include "path_graph.hpp"
 #include "steps.hpp"
 
 namespace urdf_ik {
@@ -22,6 +23,7 @@ struct LevelTable {
     const CoupledSolvers* coupled;
     const OneGivenSolvers* one_given;
     const ChainFunctions* chain;
+    const GraphFunctions* graph;
     const Steps* steps;
     const ParallelShoulderSolvers* parallel_shoulder;
     const FewJointsSolvers* few_joints;

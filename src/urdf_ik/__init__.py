@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         DHError,
         JointVectorError,
         MissingPackage,
+        PathError,
         PlotError,
         PoseError,
         TaskError,
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
         WorkspaceError,
         WorldError,
     )
+    from urdf_ik.motion import Plan, arc, line, polyline
     from urdf_ik.poses import (
         pose,
         to_euler_zyx,
@@ -66,6 +68,8 @@ __all__ = [
     "JointVectorError",
     "Mesh",
     "MissingPackage",
+    "PathError",
+    "Plan",
     "PlotError",
     "Points",
     "PoseError",
@@ -83,8 +87,11 @@ __all__ = [
     "WorkspaceError",
     "World",
     "WorldError",
+    "arc",
     "compare",
+    "line",
     "load",
+    "polyline",
     "pose",
     "to_euler_zyx",
     "to_quat_wxyz",
@@ -114,6 +121,7 @@ _NAMES = {
         "DHError",
         "JointVectorError",
         "MissingPackage",
+        "PathError",
         "PlotError",
         "PoseError",
         "TaskError",
@@ -123,6 +131,12 @@ _NAMES = {
         "VelocityError",
         "WorkspaceError",
         "WorldError",
+    ),
+    "motion": (
+        "Plan",
+        "arc",
+        "line",
+        "polyline",
     ),
     "poses": (
         "pose",

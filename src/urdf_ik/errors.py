@@ -81,6 +81,10 @@ class VelocityError(UrdfIkError, ValueError):
     """An invalid twist, damping, weight, velocity limit or length."""
 
 
+class PathError(UrdfIkError, ValueError):
+    """Waypoints, a start or a setting of a path that make no sense or do not fit the arm."""
+
+
 class WorldError(UrdfIkError, ValueError):
     """A shape or an obstacle that cannot be: a size of zero, a mesh that is missing, a name that is taken."""
 

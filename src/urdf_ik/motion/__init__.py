@@ -1,1 +1,8 @@
 """Motion of an arm: poses followed as they come, and paths planned as a whole."""
+
+from __future__ import annotations
+
+from urdf_ik.motion.plan import Change, Margins, Plan, Stop
+from urdf_ik.motion.waypoints import arc, line, polyline
+
+__all__ = ["Change", "Margins", "Plan", "Stop", "arc", "line", "polyline"]

@@ -1,0 +1,312 @@
+"""The graph of a path: the joint vectors that reach each waypoint, and the motions between them that may follow it.
+
+A node is a solution of a waypoint, standing for all of its images whole turns apart inside the joint limits; a state is
+a node with one of these images. An edge is a motion from a node to one of the next waypoint; which image leads to which
+follows from the nodes. The cheapest way from every state to the last waypoint is found by dynamic programming (Bellman
+1957), in the compiled core.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik import _core
+from urdf_ik.angles import TURN
+from urdf_ik.motion.straight import Tolerance, keeps_straight
+from urdf_ik.motion.waypoints import twists
+from urdf_ik.solutions.limits import LIMIT_TOLERANCE
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.chain import Chain
+
+    Array = NDArray[np.float64]
+    Ints = NDArray[np.int64]
+    Mask = NDArray[np.bool_]
+
+MOST_IMAGES = 5
+"""A joint with more images inside its limits than these turns without end, as far as a path is concerned."""
+MOST_STATES = 1024
+"""Images of a node that are told apart: the joints with the most images turn without end until there are no more."""
+COSTS = ("l1", "l2", "max")
+"""Sum of |dq|, sum of dq^2, largest |dq|, as the compiled core counts them."""
+KEPT_APART = 3.0
+"""An edge is looked at where J dq is off the twist by so many times what the tolerance allows a small motion."""
+CHANGE = -2
+"""Stands for an edge where the branch is changed."""
+
+
+@dataclass(frozen=True)
+class Joints:
+    """How the joints of an arm turn, for its graphs.
+
+    Attributes:
+        chain: the arm's joints.
+        turn: (n,) rad between images, 0 for one that slides.
+        counted: (n,) uint8, whether images inside the limits are states of their own.
+        digits: (states, n) uint8, which image each joint has in each state.
+        strides: (n,) what one image more adds to a state's number.
+        core: the compiled functions.
+    """
+
+    chain: Chain
+    turn: Array
+    counted: NDArray[np.uint8]
+    digits: NDArray[np.uint8]
+    strides: Ints
+    core: _core.PathGraph
+
+    @classmethod
+    def of(cls, chain: Chain) -> Joints:
+        """Those of a chain."""
+        low, high = (np.ascontiguousarray(side) for side in chain.limits.T)
+        turn = TURN * np.asarray(chain.image_turns, dtype=np.float64)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            images = np.where(turn > 0.0, np.floor((high - low + 2.0 * LIMIT_TOLERANCE) / turn) + 1.0, 1.0)
+        counted = (turn > 0.0) & (images <= MOST_IMAGES)
+        while np.prod(images, where=counted) > MOST_STATES:
+            counted[np.argmax(np.where(counted, images, 0.0))] = False
+        radix = np.where(counted, images, 1.0).astype(np.int64)
+        strides = np.concatenate([np.cumprod(radix[::-1])[::-1][1:], [1]]).astype(np.int64)
+        digits = np.indices(tuple(radix)).reshape(len(radix), -1).T.astype(np.uint8)
+        flags = counted.astype(np.uint8)
+        core = _core.PathGraph(low - LIMIT_TOLERANCE, high + LIMIT_TOLERANCE, turn, flags)
+        return cls(chain, turn, flags, np.ascontiguousarray(digits), strides, core)
+
+    def images(self, q: Array) -> tuple[Array, NDArray[np.uint8]]:
+        """The lowest image inside the limits of joint vectors (k, n), and how many there are, 0 where none is."""
+        lowest, counts = np.empty(q.shape), np.empty(q.shape, np.uint8)
+        self.core.images(np.ascontiguousarray(q), lowest, counts)
+        return lowest, counts
+
+    def step(self, a: Array, b: Array) -> Array:
+        """The shortest way (..., n) from joint vectors to others: for joints that turn, on the circle."""
+        turn = np.where(self.turn > 0.0, self.turn, 1.0)
+        apart: Array = b - a
+        return apart - np.where(self.turn > 0.0, np.round(apart / turn) * turn, 0.0)
+
+
+@dataclass
+class Layers:
+    """The nodes of a path, waypoint by waypoint.
+
+    Attributes:
+        T: (m, 4, 4) m, the waypoints.
+        first: (m + 1,) each waypoint's first node.
+        q: (N, n) rad or m, lowest images.
+        counts: (N, n) uint8, images of each joint.
+        column: (N,) which branch of the family it is.
+        value: (N,) of the redundancy parameter, 0 for an arm without one.
+    """
+
+    T: Array
+    first: Ints
+    q: Array
+    counts: NDArray[np.uint8]
+    column: Ints
+    value: Array
+
+    @property
+    def at(self) -> Ints:
+        """(N,) each node's waypoint."""
+        return np.repeat(np.arange(len(self.T)), np.diff(self.first))
+
+    def turns(self) -> Array:
+        """(m - 1, 6) twists from each waypoint to the next."""
+        return twists(self.T[:-1], self.T[1:])
+
+    @classmethod
+    def made(
+        cls, T: Array, at: Ints, q: Array, counts: NDArray[np.uint8], column: Ints, value: Array | None = None
+    ) -> Layers:
+        """From nodes in any order, each at the waypoint ``at``."""
+        order = np.argsort(at, kind="stable")
+        first = np.searchsorted(at[order], np.arange(len(T) + 1))
+        values = np.zeros(len(q)) if value is None else value[order]
+        return cls(T, first.astype(np.int64), q[order], counts[order], column[order], values)
+
+
+@dataclass(frozen=True)
+class Pricing:
+    """What a motion costs.
+
+    Attributes:
+        kind: index in ``COSTS``.
+        weights: (n,) of |dq|, of dq^2 for 'l2'.
+        window: (n,) greatest |dq| between two waypoints [rad or m].
+        pieces: (m - 1,) in how many equal pieces the segment was cut that each segment belongs to.
+    """
+
+    kind: int
+    weights: Array
+    window: Array
+    pieces: Array
+
+
+@dataclass
+class Graph:
+    """Layers and the edges between them.
+
+    Attributes:
+        joints: how the joints turn.
+        layers: the nodes.
+        edge_first: (N + 1,) each node's first edge.
+        end: (E,) int32, node that each edge leads to.
+        cost: (E,) infinite where an edge is ruled out.
+        node_cost: (N, states) infinite where a node is.
+        proven: (E,) whether an edge was shown to keep within the tolerance.
+    """
+
+    joints: Joints
+    layers: Layers
+    edge_first: Ints
+    end: NDArray[np.int32]
+    cost: Array
+    node_cost: Array
+    proven: Mask
+    value: Array = field(init=False)
+    edge: NDArray[np.int32] = field(init=False)
+    jump: Ints = field(init=False)
+    changes: NDArray[np.int32] | None = field(init=False, default=None)
+
+    @classmethod
+    def connected(cls, joints: Joints, layers: Layers, pricing: Pricing, tolerance: Tolerance) -> Graph:
+        """With every edge that may be a motion along the path: none of them proven."""
+        nodes = len(layers.q)
+        jacobians = joints.chain.jacobian(layers.q) if nodes else np.empty((0, 6, joints.chain.n))
+        # Where J dq is off the twist by x, the middle of the motion strays by x / 4, to third order.
+        off = 4.0 * KEPT_APART
+        twist = layers.turns()
+        scale = np.where(pricing.kind == COSTS.index("l2"), pricing.pieces, 1.0)
+        room = 1024 + 16 * nodes
+        while True:
+            first = np.empty(nodes + 1, np.int64)
+            end, cost = np.empty(room, np.int32), np.empty(room)
+            count = joints.core.connect(
+                layers.first, layers.q, jacobians, twist, (off * tolerance.position, off * tolerance.rotation),
+                pricing.window, pricing.kind, pricing.weights, scale, first, end, cost,
+            )  # fmt: skip
+            if count >= 0:
+                break
+            room *= 4
+        node_cost = np.zeros((nodes, len(joints.digits)))
+        proven = np.zeros(count, dtype=np.bool_)
+        return cls(joints, layers, first, end[:count].copy(), cost[:count].copy(), node_cost, proven)
+
+    @property
+    def start(self) -> Ints:
+        """(E,) node that each edge comes from."""
+        return np.repeat(np.arange(len(self.layers.q)), np.diff(self.edge_first))
+
+    def motion(self, edges: Ints) -> tuple[Array, Array]:
+        """Where edges (k,) start, and how the joints move, (k, n) each."""
+        start = np.searchsorted(self.edge_first, edges, side="right") - 1
+        q = self.layers.q[start]
+        return q, self.joints.step(q, self.layers.q[self.end[edges]])
+
+    def prove(self, edges: Ints, tolerance: Tolerance) -> Mask:
+        """Rule out those of the edges (k,) that may stray from the path; (k,) whether each one keeps to it."""
+        kept = self.proven[edges]
+        open_ = np.flatnonzero(~kept & np.isfinite(self.cost[edges]))
+        if len(open_):
+            chosen = edges[open_]
+            q, dq = self.motion(chosen)
+            start = np.searchsorted(self.edge_first, chosen, side="right") - 1
+            at = np.searchsorted(self.layers.first, start, side="right") - 1
+            straight = keeps_straight(
+                self.joints.chain, q, dq, self.layers.T, at, self.layers.turns()[:, 3:], tolerance
+            )
+            self.proven[chosen] = straight
+            self.cost[chosen[~straight]] = np.inf
+            kept[open_] = straight
+        return kept
+
+    def solve(self, reconfigure: bool = False) -> None:
+        """Find the cheapest way from every state to the last waypoint; with changes of branch only where asked for."""
+        shape = self.node_cost.shape
+        self.value, self.edge = np.empty(shape), np.empty(shape, np.int32)
+        self.jump = np.full(len(self.layers.T), -1, np.int64)
+        self.changes = np.zeros(shape, np.int32) if reconfigure else None
+        self.joints.core.cheapest(
+            self.layers.first, self.layers.q, self.edge_first, self.end, self.cost, self.joints.digits,
+            self.joints.strides, self.layers.counts, self.node_cost, self.value, self.changes, self.edge, self.jump,
+        )  # fmt: skip
+
+    def best_start(self, nodes: Mask | None = None) -> int | None:
+        """The state of the first waypoint from which the way is cheapest; of its nodes where ``nodes`` holds."""
+        value = self.value[: self.layers.first[1]].copy()
+        if nodes is not None:
+            value[~nodes] = np.inf
+        if not np.isfinite(value).any():
+            return None
+        if self.changes is not None:
+            changes = np.where(np.isfinite(value), self.changes[: len(value)], np.iinfo(np.int32).max)
+            value[changes > changes.min()] = np.inf
+        return int(np.argmin(value))
+
+    def way(self, state: int) -> Way:
+        """The cheapest way on from a state of the first waypoint."""
+        m = len(self.layers.T)
+        passed, taken = np.empty(m, np.int64), np.empty(m, np.int64)
+        self.joints.core.way(
+            self.layers.first, self.layers.q, self.edge_first, self.end, self.cost, self.joints.digits,
+            self.joints.strides, self.layers.counts, self.edge, self.jump, state, passed, taken,
+        )  # fmt: skip
+        nodes, images = np.divmod(passed, len(self.joints.digits))
+        return Way(self, nodes, images, taken[:-1])
+
+    def reached(self, marks: NDArray[np.uint64]) -> NDArray[np.uint64]:
+        """Marks (N, states) of the first waypoint's states, passed on along all edges."""
+        out = np.ascontiguousarray(marks)
+        self.joints.core.spread(
+            self.layers.first, self.layers.q, self.edge_first, self.end, self.cost, self.joints.digits,
+            self.joints.strides, self.layers.counts, self.node_cost, out,
+        )  # fmt: skip
+        return out
+
+
+@dataclass(frozen=True)
+class Way:
+    """A way through a graph.
+
+    Attributes:
+        graph: the graph.
+        nodes: (m,) nodes.
+        images: (m,) their states.
+        edges: (m - 1,) edges taken; -2 where the branch is changed instead.
+    """
+
+    graph: Graph
+    nodes: Ints
+    images: Ints
+    edges: Ints
+
+    @property
+    def q(self) -> Array:
+        """(m, n) rad or m, without a jump by a whole turn but where the branch is changed."""
+        joints, layers = self.graph.joints, self.graph.layers
+        q = layers.q[self.nodes] + joints.digits[self.images] * joints.turn
+        loose = (joints.turn > 0.0) & (joints.counted == 0)
+        if loose.any():
+            q[:, loose] = _unwound(q, self.edges == CHANGE, joints)[:, loose]
+        return q
+
+
+def _unwound(q: Array, changes: Mask, joints: Joints) -> Array:
+    """Joints that turn without end made continuous from change to change, moved into their limits by whole turns."""
+    steps = joints.step(q[:-1], q[1:])
+    low, high = joints.chain.limits.T
+    turn = np.where(joints.turn > 0.0, joints.turn, 1.0)
+    out = q.copy()
+    for part in np.split(np.arange(len(q)), np.flatnonzero(changes) + 1):
+        moved = q[part[0]] + np.concatenate([np.zeros((1, q.shape[1])), np.cumsum(steps[part[:-1]], axis=0)])
+        # The values as they were solved, not sums of differences.
+        exact = q[part] + np.round((moved - q[part]) / turn) * turn
+        below = np.where(np.isfinite(low), np.ceil((low - LIMIT_TOLERANCE - exact.min(axis=0)) / turn), -np.inf)
+        above = np.where(np.isfinite(high), np.floor((high + LIMIT_TOLERANCE - exact.max(axis=0)) / turn), np.inf)
+        out[part] = exact + np.maximum(np.minimum(0.0, above), below) * turn
+    return out

@@ -1,0 +1,46 @@
+"""What a path must stay clear of, asked once for each joint vector and each motion."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.collision import CollisionModel
+
+    Array = NDArray[np.float64]
+    Mask = NDArray[np.bool_]
+
+
+class Obstacles(NamedTuple):
+    """The arm's own links and a world.
+
+    Attributes:
+        model: which answers.
+        margin: m that bodies must stay apart.
+    """
+
+    model: CollisionModel
+    margin: float
+
+    def free(self, q: Array) -> Mask:
+        """Whether joint vectors (k, n) are clear, (k,)."""
+        if not len(q):
+            return np.ones(0, dtype=np.bool_)
+        if self.margin:
+            return np.asarray(self.model.distance(q) >= self.margin)
+        return ~np.asarray(self.model.in_collision(q))
+
+    def motions_free(self, q0: Array, q1: Array) -> Mask:
+        """Whether straight joint motions (k, n) are clear all the way, (k,)."""
+        if not len(q0):
+            return np.ones(0, dtype=np.bool_)
+        return np.asarray(self.model.motions_free(q0, q1, self.margin).free)
+
+    def pair(self, q: Array) -> tuple[str, str] | None:
+        """The two bodies that come nearest at a joint vector (n,)."""
+        nearest = self.model.nearest_pair(q)
+        return None if nearest is None else nearest.links

@@ -1,0 +1,229 @@
+"""Plan: what ``arm.follow`` returns."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from urdf_ik.errors import PathError
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from urdf_ik.arm import Arm
+    from urdf_ik.motion.obstacles import Obstacles
+    from urdf_ik.motion.timing import Timed
+
+    Array = NDArray[np.float64]
+
+
+class Change(NamedTuple):
+    """A reconfiguration: the arm changes to another branch before a waypoint.
+
+    Attributes:
+        waypoint: number of the first waypoint after it.
+        before: branch at the waypoint before.
+        after: branch at ``waypoint``.
+        free: whether the straight joint motion from one to the other touches nothing; None where it was not asked.
+    """
+
+    waypoint: int
+    before: str
+    after: str
+    free: bool | None
+
+
+class Stop(NamedTuple):
+    """Where the ways from one branch of the first waypoint end.
+
+    Attributes:
+        branch: name of the branch at the first waypoint.
+        waypoint: number of the first waypoint that cannot be reached from it.
+        cause: 'reach', 'limit', 'contact' or 'jump'.
+        reason: the same in words, with the number, the joint or the bodies.
+    """
+
+    branch: str
+    waypoint: int
+    cause: str
+    reason: str
+
+    def __str__(self) -> str:
+        return f"{self.branch}: stops before waypoint {self.waypoint}: {self.reason}"
+
+
+@dataclass(frozen=True)
+class Margins:
+    """How much room a plan leaves, waypoint by waypoint.
+
+    Attributes:
+        limits: (m,) rad or m, to the nearest joint limit; infinite where no joint has one.
+        clearance: (m,) m, between the nearest two bodies that must not touch; NaN where there are no shapes to ask.
+        manipulability: (m,) Yoshikawa's.
+    """
+
+    limits: Array
+    clearance: Array
+    manipulability: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """Joint vectors along a path, or why there are none.
+
+    Attributes:
+        arm: the arm.
+        poses: (m, 4, 4) m, the waypoints.
+        found: whether there is a plan.
+        q: (m, n) rad or m, one joint vector a waypoint; (0, n) where there is none.
+        branches: m names of branches.
+        cost: what was minimised, summed over the path; infinite where there is none.
+        changes: reconfigurations; () for a plan without.
+        stops: where there is no plan, what stops the ways from each branch of the first waypoint.
+        motion: (k, n) rad or m, the joint vectors with those between waypoints, where the segments had to be refined:
+            moving linearly from one to the next, the tip keeps to the path.
+        place: (k,) where each one is: 2.5 is half way from waypoint 2 to waypoint 3.
+    """
+
+    arm: Arm
+    poses: Array
+    q: Array
+    branches: tuple[str, ...] = ()
+    cost: float = np.inf
+    changes: tuple[Change, ...] = ()
+    stops: tuple[Stop, ...] = ()
+    motion: Array = field(default_factory=lambda: np.empty((0, 0)))
+    place: Array = field(default_factory=lambda: np.empty(0))
+    obstacles: Obstacles | None = field(default=None, repr=False)
+    others: Callable[[], tuple[Plan, ...]] | None = field(default=None, repr=False)
+
+    @property
+    def found(self) -> bool:
+        """Whether there is a plan."""
+        return bool(len(self.q))
+
+    def __bool__(self) -> bool:
+        return self.found
+
+    def __len__(self) -> int:
+        return len(self.q)
+
+    @cached_property
+    def alternatives(self) -> tuple[Plan, ...]:
+        """The best plan from every branch of the first waypoint that leads to the end, the cheapest first."""
+        return () if self.others is None else self.others()
+
+    def with_others(self, others: Callable[[], tuple[Plan, ...]]) -> Plan:
+        """This plan, its alternatives found by ``others`` when they are asked for."""
+        return replace(self, others=others)
+
+    @cached_property
+    def margins(self) -> Margins:
+        """Room to limits, obstacles and singularities along the plan."""
+        low, high = self.arm.limits.T
+        room = np.minimum(self.q - low, high - self.q).min(axis=1, initial=np.inf)
+        clearance = np.full(len(self.q), np.nan)
+        if self.obstacles is not None and self.found:
+            clearance = np.asarray(self.obstacles.model.distance(self.q))
+        return Margins(room, clearance, self.arm.manipulability(self.q))
+
+    def explain(self) -> str:
+        """Why there is no plan: a line for each branch of the first waypoint, the one that gets farthest first.
+
+        Returns:
+            '' where there is a plan.
+        """
+        return "" if self.found else "\n".join(str(stop) for stop in self.stops)
+
+    def timed(self, velocity: Any = None, acceleration: Any = None, *, dt: float = 0.01) -> Timed:
+        """When the arm is where, as fast as the limits allow; see :func:`urdf_ik.motion.timing.timed`."""
+        from urdf_ik.motion.timing import timed
+
+        return timed(self, velocity, acceleration, dt=dt)
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write a row a waypoint: its number, its branch, the joints by name [rad or m].
+
+        Raises:
+            PathError: there is no plan, or the file cannot be written.
+        """
+        self._require()
+        with _writing(path).open("w", newline="", encoding="utf-8") as file:
+            rows = csv.writer(file)
+            rows.writerow(["waypoint", "branch", *self.arm.joint_names])
+            for k, (branch, q) in enumerate(zip(self.branches, self.q, strict=True)):
+                rows.writerow([k, branch, *(repr(float(x)) for x in q)])
+
+    def to_json(self, path: str | os.PathLike[str] | None = None) -> str:
+        """The plan as JSON, written to a file where one is given; also of a path without a plan.
+
+        Raises:
+            PathError: the file cannot be written.
+        """
+        text = json.dumps(
+            {
+                "arm": self.arm.name,
+                "base": self.arm.base,
+                "tip": self.arm.tip,
+                "joints": list(self.arm.joint_names),
+                "found": self.found,
+                "cost": self.cost if self.found else None,
+                "q": self.q.tolist(),
+                "branches": list(self.branches),
+                "changes": [change._asdict() for change in self.changes],
+                "stops": [stop._asdict() for stop in self.stops],
+            },
+            indent=1,
+        )
+        if path is not None:
+            _writing(path).write_text(text + "\n", encoding="utf-8")
+        return text
+
+    def to_npz(self, path: str | os.PathLike[str]) -> None:
+        """Write q, poses, branches, joints, motion and place as NumPy arrays.
+
+        Raises:
+            PathError: there is no plan, or the file cannot be written.
+        """
+        self._require()
+        with _writing(path).open("wb") as file:
+            np.savez(
+                file, q=self.q, poses=self.poses, branches=np.array(self.branches), motion=self.motion,
+                joints=np.array(self.arm.joint_names), place=self.place,
+            )  # fmt: skip
+
+    def __str__(self) -> str:
+        if not self.found:
+            return f"no plan for {self.arm.name} along {len(self.poses)} waypoints\n{self.explain()}"
+        changes = f", {len(self.changes)} reconfigurations" if self.changes else ""
+        step = np.abs(np.diff(self.q, axis=0)).max(initial=0.0)
+        return (
+            f"{len(self.q)} waypoints of {self.arm.name}: {self.branches[0]} to {self.branches[-1]}{changes}, "
+            f"cost {self.cost:.6g}, largest step {step:.4f}"
+        )
+
+    def __repr__(self) -> str:
+        return f"<Plan of {self.arm.name}: {'found' if self.found else 'not found'}, {len(self.poses)} waypoints>"
+
+    def _require(self) -> None:
+        if not self.found:
+            raise PathError(f"there is no plan to write: {self.explain()}")
+
+
+def _writing(path: str | os.PathLike[str]) -> Path:
+    """A file that can be written."""
+    file = Path(path)
+    if not file.parent.is_dir():
+        raise PathError(f"{file} cannot be written: there is no folder {file.parent}")
+    if file.is_dir():
+        raise PathError(f"{file} cannot be written: it is a folder")
+    return file

@@ -1,0 +1,164 @@
+"""What a path is asked to keep to: costs, limits of the steps, tolerances; checked once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.angles import largest_apart
+from urdf_ik.errors import PathError
+from urdf_ik.motion.graph import COSTS, Joints
+from urdf_ik.motion.straight import Tolerance
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.arm import Arm
+    from urdf_ik.motion.obstacles import Obstacles
+
+    Array = NDArray[np.float64]
+
+POSITION, ROTATION = 1e-3, 0.02
+"""m and rad: how far the tip may stray from the straight segment between two waypoints, where nothing else is asked."""
+AT_WAYPOINT = 1e-6
+"""m and rad: a start or an end whose pose is farther from its waypoint is none of its solutions."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """See :meth:`urdf_ik.Arm.follow`.
+
+    Attributes:
+        arm: the arm.
+        joints: how its joints turn.
+        kind: index of the cost in ``COSTS``.
+        weights: (n,).
+        max_step: (n,) rad or m between two waypoints, infinite where there is no such limit.
+        tolerance: from the straight segments.
+        start: (n,) joint vector at the first waypoint, or None.
+        end: (n,) at the last one, or None.
+        obstacles: what to stay clear of.
+        margins: weight of the costs of being near a joint limit.
+        reconfigure: whether the branch may be changed.
+    """
+
+    arm: Arm
+    joints: Joints
+    kind: int
+    weights: Array
+    max_step: Array
+    tolerance: Tolerance
+    start: Array | None
+    end: Array | None
+    obstacles: Obstacles | None
+    margins: float
+    reconfigure: bool
+
+    @property
+    def window(self) -> Array:
+        """(n,) greatest step that an edge may take: half a turn of its images."""
+        half = np.where(self.joints.turn > 0.0, 0.5 * self.joints.turn, np.inf)
+        return np.minimum(self.max_step, half) + 1e-12
+
+
+def read(
+    arm: Arm,
+    T: Array,
+    *,
+    start: Any,
+    end: Any,
+    obstacles: Obstacles | None,
+    cost: str,
+    weights: Any,
+    max_step: Any,
+    tolerance: Any,
+    margins: float,
+    reconfigure: bool,
+) -> Settings:
+    """The settings of a path, checked.
+
+    Raises:
+        PathError: one of them makes no sense or does not fit the arm; the message says what would be valid.
+    """
+    names = arm.joint_names
+    if cost not in (*COSTS, "time"):
+        raise PathError(f"cost={cost!r} given; there are {', '.join(map(repr, (*COSTS, 'time')))}")
+    factors = np.ones(len(names)) if weights is None else each_joint("weights", weights, names, zero=True)
+    kind = COSTS.index("max" if cost == "time" else cost)
+    if cost == "time":
+        factors = factors / velocities(arm)
+    steps = np.full(len(names), np.inf) if max_step is None else each_joint("max_step", max_step, names)
+    if not (np.isfinite(margins) and margins >= 0.0):
+        raise PathError(f"margins={margins} given; zero or a positive number is needed")
+    return Settings(
+        arm, Joints.of(arm.chain), kind, factors, steps, _tolerance(tolerance),
+        _at_pose(arm, "start", start, T[0], 0), _at_pose(arm, "end", end, T[-1], len(T) - 1),
+        obstacles, float(margins), reconfigure,
+    )  # fmt: skip
+
+
+def velocities(arm: Arm) -> Array:
+    """(n,) rad/s or m/s, the velocity limits that the URDF gives.
+
+    Raises:
+        PathError: a joint has none.
+    """
+    found = {joint.name: joint.velocity for joint in arm.model.joints}
+    limits = np.array([found.get(name) or np.nan for name in arm.joint_names], dtype=np.float64)
+    if missing := [name for name, limit in zip(arm.joint_names, limits, strict=True) if not limit > 0.0]:
+        raise PathError(
+            f"{arm.name} has no velocity limit for {', '.join(missing)}: give them, or write "
+            '<limit velocity="..."/> in the URDF'
+        )
+    return limits
+
+
+def each_joint(name: str, value: Any, names: tuple[str, ...], *, zero: bool = False) -> Array:
+    """A positive number for each joint, from one number or from n.
+
+    Raises:
+        PathError: ``value`` is neither.
+    """
+    try:
+        numbers = np.broadcast_to(np.asarray(value, dtype=np.float64), (len(names),)).copy()
+    except (TypeError, ValueError):
+        numbers = np.array([np.nan])
+    if np.isnan(numbers).any() or (numbers < 0.0).any() or (not zero and (numbers == 0.0).any()):
+        kind = "zero or positive" if zero else "positive"
+        raise PathError(f"{name} is {value!r}; a {kind} number is needed, or one for each of {', '.join(names)}")
+    return numbers
+
+
+def _tolerance(value: Any) -> Tolerance:
+    try:
+        numbers = np.asarray((POSITION, ROTATION) if value is None else value, dtype=np.float64)
+    except (TypeError, ValueError):
+        numbers = np.array(np.nan)
+    if numbers.shape != (2,) or not (np.isfinite(numbers) & (numbers > 0.0)).all():
+        raise PathError(f"tolerance is {value!r}; two positive numbers are needed: (m, rad)")
+    return Tolerance(float(numbers[0]), min(float(numbers[1]), 1.0))
+
+
+def _at_pose(arm: Arm, name: str, value: Any, T: Array, waypoint: int) -> Array | None:
+    """A joint vector that is given for a waypoint."""
+    if value is None:
+        return None
+    q = arm.chain.check(value)
+    if q.shape != (arm.dof,):
+        raise PathError(f"{name} has the shape {q.shape}; one joint vector ({arm.dof},) is needed")
+    reached = arm.fk(q)
+    apart = float(np.linalg.norm(reached[:3, 3] - T[:3, 3]))
+    turned = float(np.linalg.norm(reached[:3, :3] - T[:3, :3]) / np.sqrt(2.0))
+    if max(apart, turned) > AT_WAYPOINT:
+        nearest = arm.ik_nearest(T, q).q.reshape(-1, arm.dof)
+        beside = "" if np.isnan(nearest).any() else f"; its nearest solution is {largest_apart(nearest[0], q):.4g} off"
+        raise PathError(
+            f"{name} is no solution of waypoint {waypoint}: its pose is {apart:.3g} m and {turned:.3g} rad off{beside}"
+        )
+    low, high = arm.limits.T
+    for joint, x, a, b in zip(arm.joint_names, q, low, high, strict=True):
+        if not a - 1e-9 <= x <= b + 1e-9:
+            raise PathError(f"{name} is outside the limits: {joint} is {x:.6g}, from {a:.6g} to {b:.6g} is valid")
+    return q

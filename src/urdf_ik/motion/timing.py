@@ -1,0 +1,128 @@
+"""When an arm is where along a plan: as fast as the limits of velocity and acceleration allow."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+from importlib import import_module
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.errors import PathError
+from urdf_ik.motion import settings
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.motion.plan import Plan
+
+    Array = NDArray[np.float64]
+
+_GRID_POINTS = 4
+"""Places a waypoint at which the time-optimal speed is computed."""
+
+
+@dataclass(frozen=True)
+class Timed:
+    """A plan in time.
+
+    Attributes:
+        t: (k,) s.
+        q: (k, n) rad or m.
+        qd: (k, n) rad/s or m/s.
+        qdd: (k, n) rad/s^2 or m/s^2.
+        method: 'TOPP-RA', or 'scaled' where that package is not installed.
+    """
+
+    t: Array
+    q: Array
+    qd: Array
+    qdd: Array
+    method: str
+
+    @property
+    def duration(self) -> float:
+        """s: the whole time."""
+        return float(self.t[-1])
+
+    def __repr__(self) -> str:
+        return f"<Timed: {self.duration:.3f} s, {len(self.t)} samples, {self.method}>"
+
+
+def timed(plan: Plan, velocity: Any = None, acceleration: Any = None, *, dt: float = 0.01) -> Timed:
+    """The plan in time, from rest to rest.
+
+    The joints pass all joint vectors of ``plan.motion`` on a cubic spline. With TOPP-RA installed (``pip install
+    'urdf-ik[timing]'``; Pham and Pham, "A new approach to time-optimal path parameterization based on reachability
+    analysis", IEEE T-RO 34(3), 2018) it is passed as fast as the limits allow. Without it, the whole motion is slowed
+    down by one factor until it keeps within them: slower, and as correct.
+
+    Args:
+        plan: a plan without changes of branch.
+        velocity: rad/s or m/s, a number or one a joint; default: the URDF's limits.
+        acceleration: rad/s^2 or m/s^2, a number or one a joint; default: what reaches the velocity limit in half a
+            second, as a URDF gives none.
+        dt: s between samples.
+
+    Raises:
+        PathError: there is no plan, it changes its branch, a limit is missing or not positive, ``dt`` is not positive.
+    """
+    if not plan.found or plan.changes:
+        raise PathError("only a plan that was found, without reconfigurations, can be timed")
+    if not (np.isfinite(dt) and dt > 0.0):
+        raise PathError(f"dt={dt} given; a positive number of s is needed")
+    arm = plan.arm
+    v = settings.velocities(arm) if velocity is None else settings.each_joint("velocity", velocity, arm.joint_names)
+    a = 2.0 * v if acceleration is None else settings.each_joint("acceleration", acceleration, arm.joint_names)
+    q = plan.motion
+    steps = (np.abs(np.diff(q, axis=0)) / v).max(axis=1, initial=0.0)
+    # A step that moves nothing takes no time, and a spline needs places that ascend.
+    moving = np.concatenate([[True], steps > 0.0])
+    if moving.sum() < 2:
+        return Timed(np.zeros(1), q[:1].copy(), np.zeros_like(q[:1]), np.zeros_like(q[:1]), "scaled")
+    place = np.cumsum(np.concatenate([[0.0], steps[steps > 0.0]]))
+    if find_spec("toppra") is not None:
+        return _toppra(q[moving], place, v, a, dt)
+    return _scaled(q[moving], place, v, a, dt)
+
+
+def _toppra(q: Array, place: Array, v: Array, a: Array, dt: float) -> Timed:
+    toppra: Any = import_module("toppra")  # which says nothing of its types
+    toppra.setup_logging("ERROR")
+    logging.getLogger("toppra").setLevel(logging.ERROR)
+    path = toppra.SplineInterpolator(place, q)
+    limits = [
+        toppra.constraint.JointVelocityConstraint(np.column_stack([-v, v])),
+        toppra.constraint.JointAccelerationConstraint(np.column_stack([-a, a])),
+    ]
+    between = np.linspace(place[:-1], place[1:], _GRID_POINTS, endpoint=False)
+    solver = toppra.algorithm.TOPPRA(limits, path, gridpoints=np.append(np.unique(between), place[-1]))
+    found = solver.compute_trajectory(0.0, 0.0)
+    if found is None:
+        raise PathError(
+            "no timing keeps within the limits of velocity and acceleration: the path has a corner; blend it"
+        )
+    t = _times(found.duration, dt)
+    return Timed(t, found(t), found(t, 1), found(t, 2), "TOPP-RA")
+
+
+def _scaled(q: Array, place: Array, v: Array, a: Array, dt: float) -> Timed:
+    """One factor for the whole motion, with a speed that rises and falls as a cubic does: s = 3 u^2 - 2 u^3."""
+    t = np.linspace(0.0, 1.0, max(8 * len(q), 200))
+    s = (3.0 - 2.0 * t) * t * t
+    samples = np.column_stack([np.interp(s * place[-1], place, column) for column in q.T])
+    speed = np.gradient(samples, t, axis=0)
+    change = np.gradient(speed, t, axis=0)
+    duration = max((np.abs(speed) / v).max(), np.sqrt((np.abs(change) / a).max()))
+    times = _times(float(duration), dt)
+
+    def at(columns: Array) -> Array:
+        return np.column_stack([np.interp(times / duration, t, column) for column in columns.T])
+
+    return Timed(times, at(samples), at(speed / duration), at(change / duration**2), "scaled")
+
+
+def _times(duration: float, dt: float) -> Array:
+    return np.append(np.arange(0.0, duration - 1e-9 * dt, dt), duration)
