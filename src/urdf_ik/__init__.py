@@ -36,7 +36,7 @@ if TYPE_CHECKING:
         WorkspaceError,
         WorldError,
     )
-    from urdf_ik.motion import Plan, arc, line, polyline
+    from urdf_ik.motion import Plan, arc, line, polyline, read_waypoints
     from urdf_ik.poses import (
         pose,
         to_euler_zyx,
@@ -93,6 +93,7 @@ __all__ = [
     "load",
     "polyline",
     "pose",
+    "read_waypoints",
     "to_euler_zyx",
     "to_quat_wxyz",
     "to_quat_xyzw",
@@ -137,6 +138,7 @@ _NAMES = {
         "arc",
         "line",
         "polyline",
+        "read_waypoints",
     ),
     "poses": (
         "pose",

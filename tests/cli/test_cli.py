@@ -16,7 +16,7 @@ from command import ARM, TWO_JOINTS, TYPED, call, strict_json, succeed, target
 
 from urdf_ik import catalogue, completeness, crosscheck
 
-COMMANDS = ("info", "fk", "ik", "check", "compare", "dh", "workspace", "plot")
+COMMANDS = ("info", "fk", "ik", "check", "compare", "dh", "workspace", "path", "plot")
 
 
 # Status and messages
@@ -107,7 +107,13 @@ def test_errors_have_a_status_and_one_readable_message(
     assert result.stdout.count("\n") <= (status == 1)
 
 
-NEEDED = {"fk": ("--q", TYPED), "compare": (ARM,), "plot": ("-o", "no/such.png"), "view": ("-o", "no/such.html")}
+NEEDED = {
+    "fk": ("--q", TYPED),
+    "compare": (ARM,),
+    "path": ("-w", "no/such.csv"),
+    "plot": ("-o", "no/such.png"),
+    "view": ("-o", "no/such.html"),
+}
 
 
 @pytest.mark.parametrize("command", [*COMMANDS, "view"])
@@ -175,6 +181,11 @@ def test_examples_in_the_help_work(command: str, tmp_path: Path, monkeypatch: py
     monkeypatch.chdir(tmp_path)
     shutil.copy(catalogue.resolve(ARM).path, "my_arm.urdf")
     Path("vectors.csv").write_text("0,-60,60,0,60,0\n10,-60,60,0,60,0\n")
+    succeed("fk", ARM, "--q", "0.5,-0.7,-1.4,-1.8,0.8,1.6", "--q", "0.6,-0.7,-1.4,-1.8,0.8,1.6", "-o", "seam.csv")
+    Path("cell.urdf").write_text(
+        '<robot name="cell"><link name="post"><collision><origin xyz="1.5 1.5 0.5"/><geometry><cylinder radius="0.05" '
+        'length="1"/></geometry></collision></link></robot>'
+    )
     examples = [line.strip() for line in succeed(command, "--help").splitlines() if line.startswith("    urdf-ik ")]
     assert len(examples) >= 2
     for example in examples:

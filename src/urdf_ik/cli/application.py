@@ -7,7 +7,7 @@ import sys
 import typer
 
 from urdf_ik.cli import options
-from urdf_ik.cli.chosen_arm import ChosenArm, TypedPose, angles_of, on_an_arm
+from urdf_ik.cli.chosen_arm import ChosenArm, TypedPath, TypedPose, angles_of, on_an_arm
 from urdf_ik.cli.errors import Commands, Status
 from urdf_ik.cli.options import Picture, ReportFormat, Value
 
@@ -276,6 +276,41 @@ def workspace(
     given = {"voxel": voxel, "orientations": orientations, "bounds": box, "collision_free": collision_free}
     given |= {"manipulability": manipulability, "margin": margin, "threads": None if threads == 1 else threads}
     workspace_command.run(arm, angles_of(arm, degrees), output, printed_as is ReportFormat.JSON, given)
+
+
+@app.command(
+    help=_help(
+        "Follow a path: the cheapest joint motion through all waypoints, over all branches and turns, proven between "
+        "the waypoints and free of contacts; or, for every start branch, how far it gets and what stops it there. "
+        "The status is 1 when there is no plan.",
+        "urdf-ik path zyyzyz_6r --waypoints seam.csv --out plan.csv --timed motion.csv",
+        "urdf-ik path my_arm.urdf --tip tool0 -w seam.csv --world cell.urdf --margin 0.01 --reconfigure",
+        "urdf-ik fk zyyzyz_6r --q 0,1,1,0,1,0 --q 0.2,1,1,0,1,0 -f csv | urdf-ik path zyyzyz_6r -w -",
+    )
+)
+@on_an_arm
+def path(
+    *,
+    path: TypedPath,
+    alternatives: options.Starts = False,
+    chosen: ChosenArm,
+    degrees: options.Degrees = False,
+    printed_as: options.TextFormat = ReportFormat.TABLE,
+    output: options.PlanFile = None,
+    timed: options.TimedFile = None,
+) -> None:
+    """Print the plan, or what stops it."""
+    from urdf_ik.cli.commands import path as path_command
+
+    path_command.run(
+        chosen,
+        path,
+        degrees=degrees,
+        alternatives=alternatives,
+        as_json=printed_as is ReportFormat.JSON,
+        output=output,
+        timed=timed,
+    )
 
 
 @app.command(

@@ -102,6 +102,23 @@ class TypedPose:
         }
 
 
+@dataclass(frozen=True)
+class TypedPath:
+    """A path and what it must keep to, as typed; None where that was not given."""
+
+    waypoints: str | None
+    world: Path | None
+    start: str | None
+    end: str | None
+    margin: float | None
+    cost: options.Cost | None
+    limit_cost: float | None
+    max_step: str | None
+    tolerance: str | None
+    reconfigure: bool | None
+    collisions: bool | None
+
+
 _CHOSEN = {
     "base": options.Base,
     "tip": options.Tip,
@@ -117,13 +134,27 @@ _TYPED = {
     "rpy": options.Rpy,
     "rotvec": options.Rotvec,
 }
-_GROUPS: Mapping[str, Mapping[str, Any]] = {"chosen": _CHOSEN, "typed": _TYPED}
+_PATH = {
+    "waypoints": options.Waypoints,
+    "world": options.Cell,
+    "start": options.StartAt,
+    "end": options.EndAt,
+    "margin": options.Apart,
+    "cost": options.LeastOf,
+    "limit_cost": options.LimitCost,
+    "max_step": options.MaxStep,
+    "tolerance": options.Straying,
+    "reconfigure": options.Reconfigure,
+    "collisions": options.Contacts,
+}
+_GROUPS: Mapping[str, Mapping[str, Any]] = {"chosen": _CHOSEN, "typed": _TYPED, "path": _PATH}
 
 
 def on_an_arm(command: Callable[..., None]) -> Callable[..., None]:
     """``command`` with ROBOT as first argument, and options in the places of its parameters.
 
-    ``chosen``, a ``ChosenArm``, stands for those that say which arm; ``typed``, a ``TypedPose``, for those of a pose.
+    ``chosen``, a ``ChosenArm``, stands for those that say which arm; ``typed``, a ``TypedPose``, for those of a pose;
+    ``path``, a ``TypedPath``, for those of a path.
     """
     signature = inspect.signature(command, eval_str=True)
 
@@ -133,6 +164,8 @@ def on_an_arm(command: Callable[..., None]) -> Callable[..., None]:
         given["chosen"] = ChosenArm(robot, **typed, degrees=given.get("degrees", False))
         if "typed" in signature.parameters:
             given["typed"] = TypedPose(**{name: given.pop(name) for name in _TYPED})
+        if "path" in signature.parameters:
+            given["path"] = TypedPath(**{name: given.pop(name) for name in _PATH})
         command(**given)
 
     keyword = inspect.Parameter.KEYWORD_ONLY

@@ -37,6 +37,7 @@ class Picture(StrEnum):
     LIMITS = "limits"
     WORKSPACE = "workspace"
     SLIDERS = "sliders"
+    PATH = "path"
 
 
 class Metric(StrEnum):
@@ -62,6 +63,15 @@ class Value(StrEnum):
     SOLUTIONS = "solutions"
     MANIPULABILITY = "manipulability"
     MARGIN = "margin"
+
+
+class Cost(StrEnum):
+    """What a path is to cost least of."""
+
+    L1 = "l1"
+    L2 = "l2"
+    MAX = "max"
+    TIME = "time"
 
 
 class DHFormat(StrEnum):
@@ -247,8 +257,68 @@ Margin = Annotated[bool, Option("--margin", help="Keep each pose's greatest limi
 Threads = Annotated[int, Option("--threads", min=1, help="Threads that solve.")]
 MapFile = Annotated[Path | None, Option("--output", "-o", metavar="FILE", help="Write the map here, as .npz.")]
 
+# Paths. What is not given is None: `path`, `plot path` and `view` take the same.
+Waypoints = Annotated[
+    str | None,
+    Option(
+        "--waypoints",
+        "-w",
+        metavar="FILE",
+        help="Poses of the tip: csv with a header (x,y,z and qw,qx,qy,qz or roll,pitch,yaw), json, npy or npz of 4x4 "
+        "matrices, or - for stdin.",
+    ),
+]
+Cell = Annotated[
+    Path | None,
+    Option("--world", metavar="FILE", help="Obstacles: the collision shapes of a URDF of fixed links, in the base."),
+]
+StartAt = Annotated[str | None, Option("--start", metavar="Q1,Q2,...", help="Joint vector at the first waypoint.")]
+EndAt = Annotated[str | None, Option("--end", metavar="Q1,Q2,...", help="Joint vector at the last waypoint.")]
+Apart = Annotated[float | None, Option("--margin", metavar="M", help="Distance [m] that bodies must keep. Default: 0.")]
+LeastOf = Annotated[
+    Cost | None,
+    Option("--cost", help="Least sum of |dq|, of dq^2, of each step's largest |dq|, or of time. Default: l2."),
+]
+LimitCost = Annotated[
+    float | None, Option("--limit-cost", metavar="WEIGHT", help="Adds to the cost for being near a joint limit.")
+]
+MaxStep = Annotated[
+    str | None,
+    Option("--max-step", metavar="STEP", help="What a joint may move between waypoints: one number, or one a joint."),
+]
+Straying = Annotated[
+    str | None,
+    Option(
+        "--tolerance",
+        metavar="M,RAD",
+        help="What the tip may stray from the straight segments. Default: 0.001,0.02.",
+    ),
+]
+Reconfigure = Annotated[
+    bool | None,
+    Option("--reconfigure", help="Where no motion leads all the way, change the branch as seldom as possible."),
+]
+Contacts = Annotated[
+    bool | None,
+    Option("--collisions/--no-collisions", help="Stay free of contacts, which is the default, or don't ask."),
+]
+Starts = Annotated[bool, Option("--alternatives", help="The best plan from every start branch, too.")]
+PlanFile = Annotated[
+    Path | None, Option("--out", "--output", "-o", metavar="FILE", help="Write the plan: .csv, .json or .npz; rad, m.")
+]
+TimedFile = Annotated[
+    Path | None,
+    Option(
+        "--timed",
+        metavar="FILE",
+        help="Write it in time, too, as fast as velocity and acceleration allow: .csv, .json or .npz; s, rad, m.",
+    ),
+]
+
 # Pictures.
-What = Annotated[Picture, Argument(metavar="[WHAT]", help="arm, branches, overlay, limits, workspace or sliders.")]
+What = Annotated[
+    Picture, Argument(metavar="[WHAT]", help="arm, branches, overlay, limits, workspace, sliders or path.")
+]
 At = Annotated[
     str | None, Option("--q", metavar="Q1,Q2,...", help="Joint vector: the posture, or the tip's pose to solve.")
 ]

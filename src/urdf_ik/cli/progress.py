@@ -68,3 +68,47 @@ class Progress:
     @staticmethod
     def _say(line: str) -> None:
         print(line, file=sys.stderr, flush=True)
+
+
+class Elapsed:
+    """For work that cannot say how far it is: the time that it has taken, on a terminal with a spinner."""
+
+    def __init__(self, what: str) -> None:
+        """``what`` is being done."""
+        self._what = what
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="urdf-ik progress", daemon=True)
+        self.start = time.monotonic()
+
+    def __enter__(self) -> Elapsed:
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._ended.set()
+        self._thread.join()
+
+    @property
+    def seconds(self) -> float:
+        """How long ago this was made [s]."""
+        return time.monotonic() - self.start
+
+    def _run(self) -> None:
+        if is_terminal(sys.stderr):
+            if not self._ended.wait(BAR_AFTER):
+                self._spin()
+            return
+        pause = WORD_AFTER
+        while not self._ended.wait(pause):
+            pause = WORD_EVERY
+            print(f"{self._what}: {self.seconds:.0f} s so far", file=sys.stderr, flush=True)
+
+    def _spin(self) -> None:
+        from rich.console import Console
+        from rich.status import Status
+
+        with Status(self._what, console=Console(stderr=True)) as shown:
+            while not self._ended.wait(BAR_AFTER):
+                shown.update(f"{self._what}: {self.seconds:.0f} s")

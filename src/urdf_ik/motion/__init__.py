@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
+from urdf_ik.motion.files import read_waypoints
 from urdf_ik.motion.plan import Change, Margins, Plan, Stop
 from urdf_ik.motion.waypoints import arc, line, polyline
 
-__all__ = ["Change", "Margins", "Plan", "Stop", "arc", "line", "polyline"]
+__all__ = ["Change", "Margins", "Plan", "Stop", "arc", "line", "polyline", "read_waypoints"]

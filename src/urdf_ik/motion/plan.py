@@ -6,12 +6,12 @@ import csv
 import json
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from urdf_ik.errors import PathError
+from urdf_ik.motion.files import writable
 
 if TYPE_CHECKING:
     import os
@@ -157,7 +157,7 @@ class Plan:
             PathError: there is no plan, or the file cannot be written.
         """
         self._require()
-        with _writing(path).open("w", newline="", encoding="utf-8") as file:
+        with writable(path).open("w", newline="", encoding="utf-8") as file:
             rows = csv.writer(file)
             rows.writerow(["waypoint", "branch", *self.arm.joint_names])
             for k, (branch, q) in enumerate(zip(self.branches, self.q, strict=True)):
@@ -185,7 +185,7 @@ class Plan:
             indent=1,
         )
         if path is not None:
-            _writing(path).write_text(text + "\n", encoding="utf-8")
+            writable(path).write_text(text + "\n", encoding="utf-8")
         return text
 
     def to_npz(self, path: str | os.PathLike[str]) -> None:
@@ -195,7 +195,7 @@ class Plan:
             PathError: there is no plan, or the file cannot be written.
         """
         self._require()
-        with _writing(path).open("wb") as file:
+        with writable(path).open("wb") as file:
             np.savez(
                 file, q=self.q, poses=self.poses, branches=np.array(self.branches), motion=self.motion,
                 joints=np.array(self.arm.joint_names), place=self.place,
@@ -217,13 +217,3 @@ class Plan:
     def _require(self) -> None:
         if not self.found:
             raise PathError(f"there is no plan to write: {self.explain()}")
-
-
-def _writing(path: str | os.PathLike[str]) -> Path:
-    """A file that can be written."""
-    file = Path(path)
-    if not file.parent.is_dir():
-        raise PathError(f"{file} cannot be written: there is no folder {file.parent}")
-    if file.is_dir():
-        raise PathError(f"{file} cannot be written: it is a folder")
-    return file

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import csv
+import json
 import logging
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
@@ -12,8 +14,11 @@ import numpy as np
 
 from urdf_ik.errors import PathError
 from urdf_ik.motion import settings
+from urdf_ik.motion.files import writable
 
 if TYPE_CHECKING:
+    import os
+
     from numpy.typing import NDArray
 
     from urdf_ik.motion.plan import Plan
@@ -34,6 +39,7 @@ class Timed:
         qd: (k, n) rad/s or m/s.
         qdd: (k, n) rad/s^2 or m/s^2.
         method: 'TOPP-RA', or 'scaled' where that package is not installed.
+        joints: n names.
     """
 
     t: Array
@@ -41,11 +47,45 @@ class Timed:
     qd: Array
     qdd: Array
     method: str
+    joints: tuple[str, ...] = ()
 
     @property
     def duration(self) -> float:
         """s: the whole time."""
         return float(self.t[-1])
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write a row a sample: t [s], the joints by name, their velocities as 'NAME qd', accelerations as 'NAME qdd'.
+
+        Raises:
+            PathError: the file cannot be written.
+        """
+        with writable(path).open("w", newline="", encoding="utf-8") as file:
+            rows = csv.writer(file)
+            rows.writerow(["t", *(f"{name}{what}" for what in ("", " qd", " qdd") for name in self.joints)])
+            for row in np.column_stack([self.t, self.q, self.qd, self.qdd]).tolist():
+                rows.writerow(map(repr, row))
+
+    def to_json(self, path: str | os.PathLike[str] | None = None) -> str:
+        """As JSON: joints, t, q, qd, qdd; written to a file where one is given.
+
+        Raises:
+            PathError: the file cannot be written.
+        """
+        arrays = {"t": self.t, "q": self.q, "qd": self.qd, "qdd": self.qdd}
+        text = json.dumps({"joints": self.joints, **{name: array.tolist() for name, array in arrays.items()}})
+        if path is not None:
+            writable(path).write_text(text + "\n", encoding="utf-8")
+        return text
+
+    def to_npz(self, path: str | os.PathLike[str]) -> None:
+        """Write joints, t, q, qd and qdd as NumPy arrays.
+
+        Raises:
+            PathError: the file cannot be written.
+        """
+        with writable(path).open("wb") as file:
+            np.savez(file, joints=np.array(self.joints), t=self.t, q=self.q, qd=self.qd, qdd=self.qdd)
 
     def __repr__(self) -> str:
         return f"<Timed: {self.duration:.3f} s, {len(self.t)} samples, {self.method}>"
@@ -81,11 +121,11 @@ def timed(plan: Plan, velocity: Any = None, acceleration: Any = None, *, dt: flo
     # A step that moves nothing takes no time, and a spline needs places that ascend.
     moving = np.concatenate([[True], steps > 0.0])
     if moving.sum() < 2:
-        return Timed(np.zeros(1), q[:1].copy(), np.zeros_like(q[:1]), np.zeros_like(q[:1]), "scaled")
+        still = np.zeros_like(q[:1])
+        return Timed(np.zeros(1), q[:1].copy(), still, still, "scaled", arm.joint_names)
     place = np.cumsum(np.concatenate([[0.0], steps[steps > 0.0]]))
-    if find_spec("toppra") is not None:
-        return _toppra(q[moving], place, v, a, dt)
-    return _scaled(q[moving], place, v, a, dt)
+    way = _scaled if find_spec("toppra") is None else _toppra
+    return replace(way(q[moving], place, v, a, dt), joints=arm.joint_names)
 
 
 def _toppra(q: Array, place: Array, v: Array, a: Array, dt: float) -> Timed:

@@ -1,0 +1,200 @@
+"""urdf-ik path: what it prints, what it writes, and how it says that there is no way."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command import ARM, call, comma, oracle, strict_json, succeed
+from numpy.typing import NDArray
+
+import urdf_ik
+
+Array = NDArray[np.float64]
+Q = (0.5, -0.7, -1.4, -1.8, 0.8, 1.6)
+CELL = """<robot name="cell"><link name="cell"/><link name="wall">
+<collision><geometry><box size="0.1 0.02 0.1"/></geometry></collision></link>
+<joint name="j" type="fixed"><parent link="cell"/><child link="wall"/><origin xyz="{}"/></joint></robot>"""
+
+
+def seam(length: float = 0.3, count: int = 20) -> Array:
+    """A straight line along y from the tip at ``Q``, by Pinocchio."""
+    start = oracle().pose(np.array(Q))
+    end = start.copy()
+    end[1, 3] += length
+    return urdf_ik.line(start, end, count)
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> str:
+    """The seam as a CSV."""
+    poses = seam()
+    rows = np.hstack([poses[:, :3, 3], urdf_ik.to_quat_wxyz(poses)])
+    name = tmp_path / "seam.csv"
+    np.savetxt(name, rows, fmt="%.17g", delimiter=",", header="x,y,z,qw,qx,qy,qz", comments="")
+    return str(name)
+
+
+def far(folder: Path) -> str:
+    """A line that leaves the arm's reach."""
+    name = folder / "far.npy"
+    np.save(name, seam(3.0, 60))
+    return str(name)
+
+
+def test_the_table_holds_what_the_plan_holds(file: str) -> None:
+    """Cost, largest step, margins and the joints' ends are those of ``arm.follow``."""
+    plan = urdf_ik.load(ARM).follow(urdf_ik.read_waypoints(file))
+    text = succeed("path", ARM, "--waypoints", file)
+    assert f"20 waypoints from {file}" in text.splitlines()[0]
+    assert f"cost              {plan.cost:.6g} (sum of dq^2)" in text
+    assert f"branch            {plan.branches[0]}" in text
+    steps = np.abs(np.diff(plan.q, axis=0))
+    k, joint = np.unravel_index(np.argmax(steps), steps.shape)
+    assert f"{steps.max():.4f} rad of {plan.arm.joint_names[joint]} to waypoint {k + 1}" in text
+    margins = plan.margins
+    assert f"{margins.limits.min():.4f} rad of" in text
+    assert f"{margins.clearance.min():.4f} m between" in text
+    assert f"at least {margins.manipulability.min():.4g}, at waypoint {margins.manipulability.argmin()}" in text
+    for name, first, last in zip(plan.arm.joint_names, plan.q[0], plan.q[-1], strict=True):
+        (row,) = [line.split() for line in text.splitlines() if line.startswith(f"{name} ")]
+        assert float(row[2]) == pytest.approx(first, abs=6e-5) and float(row[3]) == pytest.approx(last, abs=6e-5)
+
+
+def test_the_files_reach_the_waypoints(file: str, tmp_path: Path) -> None:
+    """The plan that is written, in any format, leads through the waypoints by Pinocchio's kinematics."""
+    found = {}
+    for suffix in ("csv", "json", "npz"):
+        out = tmp_path / f"plan.{suffix}"
+        succeed("path", ARM, "-w", file, "--out", str(out))
+        found[suffix] = out
+    with found["csv"].open() as opened:
+        rows = list(csv.DictReader(opened))
+    q = np.array([[float(row[name]) for name in urdf_ik.load(ARM).joint_names] for row in rows])
+    np.testing.assert_allclose(oracle().poses(q), seam(), rtol=0.0, atol=1e-9)
+    assert np.array_equal(strict_json(found["json"].read_text())["q"], q)
+    assert np.array_equal(np.load(found["npz"])["q"], q)
+
+
+@pytest.mark.parametrize("suffix", ["csv", "json", "npz"])
+def test_the_motion_in_time_keeps_within_the_velocities(file: str, tmp_path: Path, suffix: str) -> None:
+    """It begins and ends at rest at the path's ends, and no joint exceeds the URDF's velocity."""
+    out = tmp_path / f"motion.{suffix}"
+    text = succeed("path", ARM, "-w", file, "--timed", str(out))
+    arm = urdf_ik.load(ARM)
+    if suffix == "csv":
+        with out.open() as opened:
+            rows = list(csv.DictReader(opened))
+        t = np.array([float(row["t"]) for row in rows])
+        both = [[[float(row[name + what]) for name in arm.joint_names] for row in rows] for what in ("", " qd")]
+        q, qd = np.array(both)
+    else:
+        data = np.load(out) if suffix == "npz" else strict_json(out.read_text())
+        assert tuple(data["joints"]) == arm.joint_names
+        t, q, qd = (np.array(data[name]) for name in ("t", "q", "qd"))
+    assert f"time              {t[-1]:.3f} s" in text
+    np.testing.assert_allclose(oracle().poses(q[[0, -1]]), seam()[[0, -1]], rtol=0.0, atol=1e-6)
+    velocity = {joint.name: joint.velocity for joint in arm.model.joints}
+    assert (np.abs(qd) <= 1.001 * np.array([velocity[name] for name in arm.joint_names])).all()
+    assert np.abs(qd[[0, -1]]).max() < 1e-3 and (np.diff(t) > 0.0).all()
+
+
+def test_where_there_is_no_plan_every_branch_says_why(tmp_path: Path) -> None:
+    """Status 1, a row a start branch with its waypoint and reason as ``explain`` has them; no file but JSON."""
+    name = far(tmp_path)
+    plan = urdf_ik.load(ARM).follow(np.load(name))
+    assert not plan.found
+    out, data = tmp_path / "plan.csv", tmp_path / "plan.json"
+    result = call("path", ARM, "-w", name, "--out", str(out), "--timed", str(data))
+    assert result.exit_code == 1 and not out.exists() and f"{out} was not written: there is no plan" in result.stderr
+    for stop in plan.stops:
+        (row,) = [line for line in result.stdout.splitlines() if line.startswith(f"{stop.branch} ")]
+        assert row.split(stop.branch)[1].split()[:2] == [str(stop.waypoint), stop.cause] and row.endswith(stop.reason)
+    assert "reach 2.1 m" in result.stdout
+    result = call("path", ARM, "-w", name, "-f", "json", "--out", str(data))
+    answer = strict_json(result.stdout)
+    assert result.exit_code == 1 and not answer["found"]
+    assert [stop["branch"] for stop in answer["stops"]] == [stop.branch for stop in plan.stops]
+    assert strict_json(data.read_text())["found"] is False
+
+
+def test_json_holds_the_plan(file: str) -> None:
+    """Joint vectors in the unit asked for, margins at each waypoint, and the alternatives with the cheapest first."""
+    answer = strict_json(succeed("path", ARM, "-w", file, "-f", "json", "--degrees", "--alternatives"))
+    assert answer["found"] and answer["units"]["angle"] == "deg"
+    np.testing.assert_allclose(oracle().poses(np.deg2rad(answer["q"])), seam(), rtol=0.0, atol=1e-9)
+    assert len(answer["margins"]["clearance"]) == 20 == len(answer["branches"])
+    costs = [each["cost"] for each in answer["alternatives"]]
+    assert costs == sorted(costs) and costs[0] == answer["cost"]
+
+
+def test_start_and_end_are_kept(file: str) -> None:
+    """A start that is typed is where the plan begins, also where it is not the best one; so is an end."""
+    start = urdf_ik.load(ARM).follow(seam()).alternatives[-1].q
+    for option, place in (("--start", 0), ("--end", -1)):
+        answer = strict_json(succeed("path", ARM, "-w", file, option, comma(start[place]), "-f", "json"))
+        assert np.array_equal(answer["q"][place], start[place])
+
+
+def test_a_wall_stands_in_the_way(file: str, tmp_path: Path) -> None:
+    """A cell whose wall stands on the path: no plan, and the wall is named; far from it, it is no obstacle."""
+    cell = tmp_path / "cell.urdf"
+    on_the_path, elsewhere = seam()[10, :3, 3], np.array([3.0, 3.0, 3.0])
+    for place, status in ((on_the_path, 1), (elsewhere, 0)):
+        cell.write_text(CELL.format(" ".join(map(str, place))))
+        result = call("path", ARM, "-w", file, "--world", str(cell))
+        assert result.exit_code == status and "world: wall" in result.stdout
+        assert ("contact" in result.stdout and "and wall touch" in result.stdout) == (status == 1)
+    assert call("path", ARM, "-w", file, "--world", str(cell), "--no-collisions").exit_code == 2
+
+
+def test_waypoints_come_from_standard_input(file: str) -> None:
+    """With -, as for poses."""
+    text = succeed("path", ARM, "-w", "-", given=Path(file).read_bytes())
+    assert "20 waypoints from standard input" in text
+
+
+def test_the_branch_is_changed_where_that_is_allowed(tmp_path: Path) -> None:
+    """A path that no branch follows all the way is followed with a change, and the table names it."""
+    arm = urdf_ik.load(ARM)
+    corners = np.concatenate([seam(), urdf_ik.line(arm.fk([-2.5, 0.4, -1.2, 0.3, 0.9, 0.1]),
+                                                   arm.fk([-2.6, 0.5, -1.1, 0.3, 0.9, 0.1]), 5)])  # fmt: skip
+    name = tmp_path / "two.npy"
+    np.save(name, corners)
+    assert call("path", ARM, "-w", str(name)).exit_code == 1
+    plan = arm.follow(corners, reconfigure=True)
+    result = call("path", ARM, "-w", str(name), "--reconfigure", "--timed", str(tmp_path / "motion.csv"))
+    assert result.exit_code == 0 and plan.changes and f"reconfigurations  {len(plan.changes)}\n" in result.stdout
+    for change in plan.changes:
+        row = [str(change.waypoint), *change.before.split(), *change.after.split(), "free" if change.free else "hits"]
+        assert row in [line.split() for line in result.stdout.splitlines()]
+    assert "it changes its branch" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("args", "words"),
+    [
+        ((), ("--waypoints", "seam.csv")),
+        (("-w", "no/seam.csv"), ("cannot read no/seam.csv",)),
+        (("-w", "{file}", "--out", "plan.txt"), ("--out", ".csv, .json, .npz")),
+        (("-w", "{file}", "--out", "no/folder/plan.csv"), ("no folder",)),
+        (("-w", "{file}", "--timed", "motion"), ("--timed", ".csv, .json, .npz")),
+        (("-w", "{file}", "--start", "1,2"), ("--start", "joint_6")),
+        (("-w", "{file}", "--start", "0,0,0,0,0,0"), ("start is no solution of waypoint 0",)),
+        (("-w", "{file}", "--margin", "-1"), ("margin of -1",)),
+        (("-w", "{file}", "--cost", "l3"), ("l3", "time")),
+        (("-w", "{file}", "--max-step", "0.1,0.2"), ("--max-step", "joint_6")),
+        (("-w", "{file}", "--max-step", "0"), ("max_step", "positive")),
+        (("-w", "{file}", "--tolerance", "0.1"), ("--tolerance", "2 are needed")),
+        (("-w", "{file}", "--world", "no/cell.urdf"), ("no/cell.urdf",)),
+    ],
+)
+def test_what_is_wrong_is_answered_in_words(file: str, args: tuple[str, ...], words: tuple[str, ...]) -> None:
+    """Before anything is solved, with the option and what would be valid."""
+    result = call("path", ARM, *(arg.format(file=file) for arg in args))
+    assert result.exit_code in (2, 3)
+    message = result.output.replace("│", " ")
+    message = " ".join(message.split())
+    assert all(word in message for word in words), message
