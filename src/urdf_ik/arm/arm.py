@@ -10,7 +10,7 @@ import numpy as np
 
 from urdf_ik import families
 from urdf_ik.angles import shortest
-from urdf_ik.arm.kinematics import Kinematics
+from urdf_ik.arm.in_cell import InCell
 from urdf_ik.arm.refusals import unsupported
 from urdf_ik.errors import ArgumentError, JointVectorError, PoseError, UnsupportedArm
 from urdf_ik.families import Plan, RedundantPlan
@@ -18,7 +18,7 @@ from urdf_ik.poses import as_pose_array, check_poses
 from urdf_ik.redundancy import nearest, sweep
 from urdf_ik.solutions import IKSolutions
 from urdf_ik.structure import Structure, analyse
-from urdf_ik.tasks import Targets, control_of
+from urdf_ik.tasks import Targets
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -26,12 +26,9 @@ if TYPE_CHECKING:
     from urdf_ik import motion
     from urdf_ik._core import Solver
     from urdf_ik.chain import Chain
-    from urdf_ik.chain.plane import Plane
     from urdf_ik.chain.redundancy import Redundancy
-    from urdf_ik.collision import CollisionModel, Motions, Nearest, World
     from urdf_ik.redundancy import Sweep
     from urdf_ik.solutions.select import Metric
-    from urdf_ik.tasks import Control
     from urdf_ik.urdf import UrdfModel
 
     Array = NDArray[np.float64]
@@ -40,7 +37,7 @@ if TYPE_CHECKING:
 _LINE = 8
 
 
-class Arm(Kinematics):
+class Arm(InCell):
     """A serial arm, read from a URDF and ready to be solved.
 
     Attributes:
@@ -98,21 +95,6 @@ class Arm(Kinematics):
         """What is free in a pose's solutions of an arm with seven joints; None for an arm without such a parameter."""
         return self._plan.parameter if isinstance(self._plan, RedundantPlan) else None
 
-    @cached_property
-    def control(self) -> Control:
-        """What the arm can control of its tip: the task, the plane, the tip's axis that is aimed."""
-        return control_of(self.chain)
-
-    @property
-    def task(self) -> str:
-        """What the arm can control: 'pose', 'position', 'position and axis', 'planar position' or 'planar pose'."""
-        return self.control.task
-
-    @property
-    def plane(self) -> Plane | None:
-        """The plane in which a planar arm of two or three joints moves its tip, with its coordinates; else None."""
-        return self.control.plane
-
     def for_task(self, task: str) -> Arm:
         """This arm, its ``ik`` and ``explain`` taking targets of a task; see :meth:`ik`.
 
@@ -135,85 +117,6 @@ class Arm(Kinematics):
         from urdf_ik.cuspidality import is_cuspidal
 
         return is_cuspidal(self)
-
-    @cached_property
-    def collision_model(self) -> CollisionModel:
-        """Self-collision of this URDF through Pinocchio and coal, built when first asked for.
-
-        It may be replaced, by one with another allowed-collision table: ``arm.collision_model =
-        arm.collision_model.allow("forearm", "tool")``.
-        """
-        from urdf_ik.collision import CollisionModel
-
-        return CollisionModel(self.model, self.base, self.tip, locked=self.locked)
-
-    def clearance(self, q: ArrayLike, world: World | None = None) -> float | Array:
-        """Least distance between links that must not touch, and between them and the obstacles of a world.
-
-        Args:
-            q: (..., n) rad or m.
-            world: the obstacles; default: none, only the arm itself.
-
-        Returns:
-            A float for one joint vector, else (...) [m]: 0 in collision, infinite where nothing can collide.
-
-        Raises:
-            JointVectorError: the last dimension is not n, or a value is not finite.
-            UrdfError: the URDF has no collision shapes, or not all of them were found.
-            WorldError: an obstacle's mesh cannot be read, or it has the name of a link.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm, world = urdf_ik.load("zyyzyz_6r"), urdf_ik.World()
-            >>> world.add("ceiling", urdf_ik.HalfSpace((0, 0, -1), -3.5))
-            >>> round(float(arm.clearance([0.0] * 6, world)), 3)
-            0.3
-        """
-        return self.collision_model.in_world(world).distance(self.chain.check(q))
-
-    def nearest_pair(self, q: ArrayLike, world: World | None = None) -> Nearest | None:
-        """What comes closest to each other at ``q`` (n,), two links or a link and an obstacle, and how close [m].
-
-        None where nothing can collide. Raises as :meth:`clearance` does.
-        """
-        return self.collision_model.in_world(world).nearest_pair(self.chain.check(q))
-
-    def motion_is_free(self, q0: ArrayLike, q1: ArrayLike, world: World | None = None, margin: float = 0.0) -> Motions:
-        """Whether straight motions in joint space are free of contact from end to end: proven, not sampled.
-
-        Each joint goes from its value in ``q0`` to its value in ``q1``, in proportion to the others, turns included.
-        A motion that is called free is free of contact at every instant of it. One that is not called free has a
-        contact, or comes within 0.1 mm of one (``urdf_ik.collision.swept.TOUCH``), where no number of distances can
-        prove it free.
-
-        Args:
-            q0: (..., n) rad or m.
-            q1: (..., n) rad or m; the leading dimensions broadcast against those of ``q0``.
-            world: the obstacles; default: none, only the arm itself.
-            margin: m that the bodies must stay apart.
-
-        Returns:
-            Its ``free`` (...) says which motions are; ``share`` (...) and ``pairs`` tell of the first contact of the
-            others. That of a single motion is itself true or false.
-
-        Raises:
-            JointVectorError: the arrays do not fit the arm or each other, or a value is not finite.
-            ArgumentError: ``margin`` is negative or not finite.
-            UrdfError: the URDF has no collision shapes, or not all of them were found.
-            WorldError: an obstacle's mesh cannot be read, or it has the name of a link.
-        """
-        start, end = self.chain.check(q0), self.chain.check(q1)
-        try:
-            start, end = np.broadcast_arrays(start, end)
-        except ValueError:
-            raise JointVectorError(
-                f"motions from {start.shape} to {end.shape} given; the shapes do not broadcast"
-            ) from None
-        batch = start.shape[:-1]
-        flat = self.collision_model.in_world(world).motions_free(
-            start.reshape(-1, self.dof), end.reshape(-1, self.dof), margin
-        )
-        return replace(flat, free=flat.free.reshape(batch), share=flat.share.reshape(batch))
 
     def ik(
         self,
@@ -407,7 +310,7 @@ class Arm(Kinematics):
         *,
         start: ArrayLike | None = None,
         end: ArrayLike | None = None,
-        world: World | None = None,
+        world: Any = None,
         margin: float = 0.0,
         collisions: bool = True,
         cost: str = "l2",
@@ -428,7 +331,7 @@ class Arm(Kinematics):
             T: (m, 4, 4) m, waypoints; see :func:`urdf_ik.line`, :func:`urdf_ik.arc`, :func:`urdf_ik.polyline`.
             start: (n,) joint vector at the first waypoint; default: whichever is best.
             end: (n,) joint vector at the last waypoint; default: whichever is best.
-            world: obstacles to stay clear of.
+            world: the :class:`urdf_ik.World` of obstacles to stay clear of.
             margin: m that bodies must stay apart.
             collisions: False: nothing is asked about contacts. True: the arm's own links are, where the URDF has
                 collision shapes, at the waypoints and all the way between them.

@@ -11,6 +11,7 @@ import numpy as np
 from urdf_ik import velocity
 from urdf_ik.chain import velocity_limits
 from urdf_ik.solutions import limits
+from urdf_ik.tasks import control_of
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
@@ -19,8 +20,10 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik.chain import Chain
+    from urdf_ik.chain.plane import Plane
     from urdf_ik.collision.tool import Shapes
     from urdf_ik.reference import Reference
+    from urdf_ik.tasks import Control
     from urdf_ik.urdf import UrdfModel
 
     Array = NDArray[np.float64]
@@ -131,6 +134,21 @@ class Kinematics:
             OSError: it cannot be written.
         """
         Path(path).write_bytes(self.model.xml)
+
+    @cached_property
+    def control(self) -> Control:
+        """What the arm can control of its tip: the task, the plane, the tip's axis that is aimed."""
+        return control_of(self.chain)
+
+    @property
+    def task(self) -> str:
+        """What the arm can control: 'pose', 'position', 'position and axis', 'planar position' or 'planar pose'."""
+        return self.control.task
+
+    @property
+    def plane(self) -> Plane | None:
+        """The plane in which a planar arm of two or three joints moves its tip, with its coordinates; else None."""
+        return self.control.plane
 
     def fk(self, q: ArrayLike) -> Array:
         """Pose of the tip in the base: (..., n) rad or m to (..., 4, 4); see :meth:`Chain.fk`."""

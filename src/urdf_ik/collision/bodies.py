@@ -21,7 +21,7 @@ class Placed(NamedTuple):
 
     Attributes:
         poses: (k, G, 4, 4) of the bodies.
-        centres: (k, S, m, 3) of the balls that cover the shapes [m].
+        centres: (k, S, 3) of the balls that hold the shapes, one each [m].
     """
 
     poses: Array
@@ -41,22 +41,26 @@ class Bodies:
     """What moves as one, and how far.
 
     A body is a set of links between which no joint moves with the joint vector; body 0 holds the URDF's root. Each of
-    the S shapes is covered by m balls that its body carries.
+    the S shapes is held by one ball, and more closely by m balls together, which its body carries.
 
     Attributes:
         body: (S,) body of each shape.
         base: body that the base link is part of.
+        ball_radii: (S,) m, of the single balls.
+        radii: (S, m) m, of the others.
         path: (S, J) whether joint j is between the base and the shape.
     """
 
-    def __init__(self, chain: Chain, links: Sequence[str], centres: Array, radii: Array) -> None:
+    def __init__(
+        self, chain: Chain, links: Sequence[str], ball: tuple[Array, Array], balls: tuple[Array, Array]
+    ) -> None:
         """Find the bodies.
 
         Args:
             chain: the joints from base to tip, and the whole tree that they are part of.
             links: (S) link of each shape.
-            centres: (S, m, 3) m, centres of the balls that cover the shapes, in the links' frames.
-            radii: (S, m) m.
+            ball: centres (S, 3) in the links' frames and radii (S,) of the balls that hold each shape [m].
+            balls: centres (S, m, 3) and radii (S, m) of those that hold it together.
         """
         body_of, offset = {chain.root: 0}, {chain.root: np.eye(4)}
         steps: list[_Step] = []
@@ -71,9 +75,12 @@ class Bodies:
         self._steps = steps
         self.base, self._base_offset = body_of[chain.base], offset[chain.base]
         self.body = np.array([body_of[link] for link in links], dtype=np.intp)
-        self.radii = radii
+        self.ball_radii, self.radii = ball[1], balls[1]
         frames = np.array([offset[link] for link in links]).reshape(-1, 4, 4)
-        self._centres = np.einsum("sij,smj->smi", frames[:, :3, :3], centres) + frames[:, None, :3, 3]
+        self._ball = np.einsum("sij,sj->si", frames[:, :3, :3], ball[0]) + frames[:, :3, 3]
+        self._balls = np.einsum("sij,smj->smi", frames[:, :3, :3], balls[0]) + frames[:, None, :3, 3]
+        self._child = np.array([step.child for step in steps], dtype=np.intp)
+        self._axes = np.array([step.joint.axis for step in steps]).reshape(-1, 3)
         self._columns = np.array([step.joint.column for step in steps], dtype=np.intp)
         self._gears = np.abs(np.array([step.joint.multiplier for step in steps], dtype=np.float64))
         self._slides = np.array([step.joint.prismatic for step in steps], dtype=np.bool_)
@@ -107,41 +114,44 @@ class Bodies:
         if self.base or not np.array_equal(self._base_offset, np.eye(4)):
             poses = np.linalg.inv(poses[:, self.base] @ self._base_offset)[:, None] @ poses
         own = poses[:, self.body]
-        centres = np.einsum("ksij,smj->ksmi", own[..., :3, :3], self._centres) + own[..., None, :3, 3]
-        return Placed(poses, centres)
+        return Placed(poses, (own[..., :3, :3] @ self._ball[..., None])[..., 0] + own[..., :3, 3])
+
+    def balls(self, placed: Placed, rows: NDArray[np.intp], shapes: NDArray[np.intp]) -> Array:
+        """Centres (e, m, 3) of the m balls about these shapes (e,) in these rows (e,) [m]."""
+        pose = placed.poses[rows, self.body[shapes]]
+        return np.asarray(self._balls[shapes] @ pose[:, :3, :3].transpose(0, 2, 1) + pose[:, None, :3, 3])
 
     def reaches(self, placed: Placed, travel: Array) -> Array:
-        """How far each joint can carry the points of each shape, on a motion through the poses ``placed``.
+        """How far each joint can carry the points of each ball, on a motion through the poses ``placed``.
 
-        A point at distance r of a turning joint's axis goes r |dq|. The distance of a shape's points from an axis
-        changes only by the joints between that axis and the shape: from its value at ``placed``, where it is measured
-        to the farthest point of the balls, by at most what those joints carry them on the way to either end.
+        A point at distance r of a turning joint's axis goes r |dq|. The distance of a ball's points from an axis
+        changes only by the joints between that axis and the ball: from its value at ``placed``, where it is measured
+        to the ball's farthest point, by at most what those joints carry it on the way to either end.
 
         Args:
             placed: the bodies in the middle of k motions.
             travel: (k, n) rad or m, how far each entry of the joint vector goes from there to either end, not negative.
 
         Returns:
-            (k, S, J) m, of the way from the middle to either end, zero where joint j is not between base and shape.
+            (k, S, m, J) m, on the way from the middle to either end, zero where joint j is not between base and shape.
         """
-        k, S = placed.centres.shape[:2]
-        out = np.zeros((k, S, len(self._steps)))
         going = travel[:, self._columns] * self._gears
-        carried = np.zeros((k, S))
+        # Distances of the balls' centres c from the axes, lines along a through o: |c - o|^2 - (a . (c - o))^2.
+        frames = placed.poses[:, self._child]
+        axes, origins = (frames[..., :3, :3] @ self._axes[..., None])[..., 0], frames[..., :3, 3]
+        own = placed.poses[:, self.body]
+        centres = self._balls @ own[..., :3, :3].swapaxes(-1, -2) + own[..., None, :3, 3]
+        points = centres.reshape(len(centres), -1, 3)
+        along = points @ axes.swapaxes(1, 2) - np.einsum("kji,kji->kj", axes, origins)[:, None]
+        square = -2.0 * (points @ origins.swapaxes(1, 2)) - along * along
+        square += np.einsum("kpi,kpi->kp", points, points)[..., None]
+        square += np.einsum("kji,kji->kj", origins, origins)[:, None]
+        radius = np.sqrt(np.maximum(square, 0.0, out=square), out=square).reshape(*centres.shape[:3], -1)
+        radius += self.radii[..., None]
+        out: Array = np.zeros_like(radius)
+        carried = np.zeros(centres.shape[:3])
         for j in reversed(self._order):
-            on = np.flatnonzero(self.path[:, j])
-            if not len(on):
-                continue
-            if self._slides[j]:
-                moved = np.broadcast_to(going[:, j, None], (k, len(on)))
-            else:
-                pose = placed.poses[:, self._steps[j].child]
-                axis = pose[:, :3, :3] @ self._steps[j].joint.axis
-                arm = placed.centres[:, on] - pose[:, None, None, :3, 3]
-                along = np.einsum("ksmi,ki->ksm", arm, axis)
-                square = np.einsum("ksmi,ksmi->ksm", arm, arm) - along * along
-                radius = (np.sqrt(np.maximum(square, 0.0)) + self.radii[on]).max(axis=-1)
-                moved = going[:, j, None] * (radius + carried[:, on])
-            out[:, on, j] = moved
-            carried[:, on] += moved
+            on = self.path[:, j, None]
+            out[..., j] = going[:, j, None, None] * on * (1.0 if self._slides[j] else radius[..., j] + carried)
+            carried += out[..., j]
         return out

@@ -8,8 +8,9 @@ import coal
 import numpy as np
 import pinocchio as pin
 from lxml import etree
+from scipy import spatial
 
-from urdf_ik.collision.shapes import Capsule, Sphere
+from urdf_ik.collision.shapes import Capsule, HalfSpace, Sphere
 from urdf_ik.errors import UrdfError
 from urdf_ik.urdf import resolve_mesh
 
@@ -54,14 +55,19 @@ def build(model: UrdfModel, pin_model: Any) -> Any:
     return geometry
 
 
+def one_ball(geometry: Any) -> tuple[Array, float]:
+    """A ball that holds a shape: its centre (3,) in the shape's frame and its radius [m]."""
+    geometry.computeLocalAABB()
+    return np.array(geometry.aabb_center), float(geometry.aabb_radius)
+
+
 def covering_balls(geometry: Any) -> tuple[Array, Array]:
     """Balls that together hold a shape: centres (BALLS, 3) in its frame and radii (BALLS,) [m].
 
     It is cut into slices across its longest side, and one ball holds a slice, of a mesh the slice's triangles.
     """
-    geometry.computeLocalAABB()
-    centres = np.repeat(np.array(geometry.aabb_center).reshape(1, 3), BALLS, axis=0)
-    radii = np.full(BALLS, float(geometry.aabb_radius))
+    centre, radius = one_ball(geometry)
+    centres, radii = np.repeat(centre[None], BALLS, axis=0), np.full(BALLS, radius)
     if not isinstance(geometry, coal.BVHModelBase):
         half = 0.5 * (np.array(geometry.aabb_local.max_) - np.array(geometry.aabb_local.min_))
         side = int(np.argmax(half))
@@ -87,31 +93,81 @@ def covering_balls(geometry: Any) -> tuple[Array, Array]:
     return centres, radii
 
 
-class RoundedBox(NamedTuple):
-    """All points within ``radius`` of a box: holds a shape, closely or exactly.
+def hull(geometry: Any) -> Any:
+    """The convex hull of a mesh as coal's ``Convex``; None for other shapes, and where the mesh is flat."""
+    if not isinstance(geometry, coal.BVHModelBase):
+        return None
+    vertices = np.array(geometry.vertices())
+    try:
+        found = spatial.ConvexHull(vertices, qhull_options="Qt Pp")
+    except spatial.QhullError:
+        return None
+    corners = vertices[found.vertices]
+    place = np.zeros(len(vertices), dtype=np.intp)
+    place[found.vertices] = np.arange(len(corners))
+    faces = place[found.simplices]
+    a, b, c = (corners[faces[:, i]] for i in range(3))
+    inwards = np.einsum("ti,ti->t", np.cross(b - a, c - a), found.equations[:, :3]) < 0.0
+    faces[inwards] = faces[inwards, ::-1]
+    points, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
+    for corner in corners:
+        points.append(corner)
+    for face in faces.tolist():
+        triangles.append(coal.Triangle(*face))
+    return coal.Convex(points, triangles)
+
+
+class Solid(NamedTuple):
+    """A shape as coal has it.
 
     Attributes:
-        centre: (3,) m.
-        half: (3,) m, half of the box's edges.
+        exact: the shape.
+        hull: its convex hull, which takes a hundredth of the time to ask about; None where there is none.
+    """
+
+    exact: Any
+    hull: Any
+
+
+def solid(exact: Any) -> Solid:
+    """A shape with its hull."""
+    return Solid(exact, hull(exact))
+
+
+class RoundedBox(NamedTuple):
+    """All points within ``radius`` of a box, which may have no end to some sides: holds a shape, closely or exactly.
+
+    Attributes:
+        frame: (4, 4) of the box in the shape's frame.
+        low: (3,) m, its least coordinates.
+        high: (3,) m, its greatest ones.
         radius: m.
     """
 
-    centre: Array
-    half: Array
+    frame: Array
+    low: Array
+    high: Array
     radius: float
 
 
 def rounded_box(shape: Shape, geometry: Any) -> RoundedBox:
-    """What holds a shape, in its frame: exact for boxes, spheres and capsules."""
+    """What holds a shape: exact for boxes, spheres, capsules and half-spaces."""
     match shape:
         case Sphere(radius):
-            return RoundedBox(np.zeros(3), np.zeros(3), radius)
+            return RoundedBox(np.eye(4), np.zeros(3), np.zeros(3), radius)
         case Capsule(radius, length):
-            return RoundedBox(np.zeros(3), np.array([0.0, 0.0, 0.5 * length]), radius)
+            end = np.array([0.0, 0.0, 0.5 * length])
+            return RoundedBox(np.eye(4), -end, end, radius)
+        case HalfSpace(normal, offset):
+            frame = np.eye(4)
+            # Any unit axes at right angles of which z is the normal.
+            frame[:3, :3] = np.roll(np.linalg.svd(np.array(normal)[:, None])[0], -1, axis=1)
+            frame[:3, 2] = normal
+            infinite = np.full(3, np.inf)
+            return RoundedBox(frame, -infinite, np.array([np.inf, np.inf, offset]), 0.0)
     geometry.computeLocalAABB()
     box = geometry.aabb_local
-    low, high = np.array(box.min_), np.array(box.max_)
-    return RoundedBox(0.5 * (low + high), 0.5 * (high - low), shape.inflation)
+    return RoundedBox(np.eye(4), np.array(box.min_), np.array(box.max_), shape.inflation)
 
 
 def _corners(triangle: Any) -> tuple[int, int, int]:

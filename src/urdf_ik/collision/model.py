@@ -113,7 +113,8 @@ class CollisionModel:
         excused = {table.ordered(*pair, rank) for pair in disabled}
         self._allowed, self._pairs = table.among_links(self._arm, rank, excused)
         if samples:
-            always = self._always(samples, seed)
+            kept = [pair for pair in self._pairs if pair.names not in self._allowed]
+            always = table.always_colliding(Scene(self._arm, (), kept), ALWAYS, samples, seed)
             self._allowed.update(dict.fromkeys(always, table.ALWAYS_COLLIDE))
 
     @property
@@ -227,9 +228,10 @@ class CollisionModel:
         Q, places, scene = self._rows(q)
         out = np.zeros(len(Q), dtype=np.bool_)
         for part, placed in scene.chunks(Q):
-            least = scene.least(placed)
-            for i in np.flatnonzero((least <= margin).any(axis=1)):
-                out[part.start + i] = _hits(scene, scene.place(Q[part.start + i]), least[i], margin)
+            near = scene.near(placed, margin)
+            for i in np.flatnonzero(near.any(axis=1)):
+                shapes = scene.place(Q[part.start + i])
+                out[part.start + i] = any(scene.touches(shapes, int(k), margin) for k in np.flatnonzero(near[i]))
         whole = np.zeros(places.shape, dtype=np.bool_)
         whole[places] = out
         return bool(whole) if whole.ndim == 0 else whole
@@ -250,8 +252,8 @@ class CollisionModel:
         Q, places, scene = self._rows(q)
         out = np.empty(len(Q))
         for part, placed in scene.chunks(Q):
-            for i, least in enumerate(scene.least(placed), part.start):
-                out[i] = _nearest(scene, scene.place(Q[i]), least)[1]
+            for i, least in enumerate(scene.closest(placed), part.start):
+                out[i] = scene.nearest(scene.place(Q[i]), least)[1]
         whole = np.full(places.shape, np.nan)
         whole[places] = out
         return float(whole) if whole.ndim == 0 else whole
@@ -273,7 +275,7 @@ class CollisionModel:
         found = set()
         for part, placed in scene.chunks(Q):
             shapes = scene.place(Q[part.start])
-            for k in np.flatnonzero(scene.least(placed)[0] <= 0.0):
+            for k in np.flatnonzero(scene.near(placed, 0.0)[0]):
                 if scene.touches(shapes, int(k)):
                     found.add(scene.pairs[k].names)
         return tuple(pair for pair in checked if pair in found)
@@ -294,7 +296,7 @@ class CollisionModel:
         """
         Q, scene, _ = self._one(q)
         for part, placed in scene.chunks(Q):
-            k, distance = _nearest(scene, scene.place(Q[part.start]), scene.least(placed)[0])
+            k, distance = scene.nearest(scene.place(Q[part.start]), scene.closest(placed)[0])
             if k is not None:
                 return Nearest(scene.pairs[k].names, distance)
         return None
@@ -427,33 +429,14 @@ class CollisionModel:
         batch = np.broadcast_shapes(*(pose.shape[:-2] for pose in poses))
         stack = np.stack([np.broadcast_to(pose, (*batch, 4, 4)) for pose in poses], axis=-3)
         out = np.full(batch, otherwise)
-        anything = np.full(len(scene.pairs), -np.inf)
+        every = range(len(scene.pairs))
         for index in finite(stack.reshape(*batch, -1)):
             shapes = scene.place_at(dict(zip(needed, stack[index], strict=True)))
-            hits = otherwise is False
-            out[index] = _hits(scene, shapes, anything, 0.0) if hits else _nearest(scene, shapes, anything)[1]
+            if otherwise is False:
+                out[index] = any(scene.touches(shapes, k) for k in every)
+            else:
+                out[index] = scene.nearest(shapes, np.full(len(every), -np.inf))[1]
         return out.item() if out.ndim == 0 else out
-
-    def _always(self, samples: int, seed: int) -> set[Pair]:
-        """Pairs that collide in nearly all of the sampled joint vectors; a pair that cannot be one is dropped early."""
-        lower, upper = self._reference.ranges.T
-        rng = np.random.default_rng(seed)
-        kept = [pair for pair in self._pairs if pair.names not in self._allowed]
-        scene = Scene(self._arm, (), kept)
-        free = dict.fromkeys((pair.names for pair in kept), 0)
-        tolerated = round((1.0 - ALWAYS) * samples)
-        for _ in range(samples):
-            watched = {names for names, count in free.items() if count <= tolerated}
-            if not watched:
-                return set()
-            shapes = scene.place(rng.uniform(lower, upper))
-            touching: set[Pair] = set()
-            for k, pair in enumerate(kept):
-                if pair.names in watched and pair.names not in touching and scene.touches(shapes, k):
-                    touching.add(pair.names)
-            for names in watched - touching:
-                free[names] += 1
-        return {names for names, count in free.items() if count <= tolerated}
 
 
 def check_margin(margin: float) -> None:
@@ -464,21 +447,3 @@ def check_margin(margin: float) -> None:
     """
     if not 0.0 <= margin < np.inf:
         raise ArgumentError(f"a margin of {margin} given; it must be zero or a positive number of m")
-
-
-def _hits(scene: Scene, shapes: Any, least: Array, margin: float) -> bool:
-    """Whether a pair comes within the margin, those first that may overlap most."""
-    near = np.flatnonzero(least <= margin)
-    return any(scene.touches(shapes, int(k), margin) for k in near[np.argsort(least[near], kind="stable")])
-
-
-def _nearest(scene: Scene, shapes: Any, least: Array) -> tuple[int | None, float]:
-    """Index of the nearest pair of shapes and its distance; pairs that are farther apart by ``least`` are skipped."""
-    best, at = np.inf, None
-    for k in np.argsort(least, kind="stable"):
-        if least[k] >= best or best == 0.0:
-            break
-        found = scene.distance(shapes, int(k))
-        if found < best:
-            best, at = found, int(k)
-    return at, best

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from urdf_ik.collision.scene import QUERY_ERROR
 from urdf_ik.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -26,9 +27,6 @@ if TYPE_CHECKING:
 TOUCH = 1e-4
 """Clearance beyond the margin [m] below which two shapes count as in contact: no finite number of distances proves a
 motion free along which they slide on each other. A motion along which everything stays farther apart is found free."""
-
-QUERY_ERROR = 1e-5
-"""What a distance of coal may be too large by [m]: its iterations stop at 1e-6."""
 
 STRIDE = 0.05
 """Pieces on which a pair may come closer by more than this [m] are cut without asking coal: bounds are cheap, and a
@@ -110,48 +108,36 @@ def _halved(
     way = q1[motion] - q0[motion]
     q = q0[motion] + middle[:, None] * way
     travel = half[:, None] * np.abs(way)
-    clear = np.zeros(len(motion))  # share of the half piece about the middle that is proven free
     for part, placed in scene.chunks(q):
-        closer = scene.approach(placed, travel[part])
-        still[part] &= scene.least(placed) <= margin + closer
+        still[part], closer = scene.within_reach(placed, travel[part], margin, still[part])
         for i, row in enumerate(closer, part.start):
-            if not still[i].any():
-                clear[i] = np.inf
-            elif row[still[i]].max() <= STRIDE and middle[i] < first[motion[i]]:
-                clear[i], contact = _look(scene, q[i], row, still[i], margin)
-                if contact is not None:
-                    # Where the whole half piece lies within TOUCH of the contact, there is nothing left to find.
-                    at_start = row[contact] <= TOUCH
-                    first[motion[i]], pair[motion[i]] = start[i] if at_start else middle[i], contact
-    rest = clear < 1.0
-    gap = np.maximum(clear, 0.0) * half
+            if not still[i].any() or row[still[i]].max() > STRIDE or middle[i] >= first[motion[i]]:
+                continue
+            contact = _contact(scene, q[i], row, still[i], margin)
+            if contact is not None:
+                # Where the whole half piece lies within TOUCH of the contact, there is nothing left to find.
+                at_start = row[contact] <= TOUCH
+                first[motion[i]], pair[motion[i]] = start[i] if at_start else middle[i], contact
+    rest = still.any(axis=1)
     left, right = rest & (start < first[motion]), rest & (middle < first[motion])
     return _Pieces(
         np.concatenate([motion[left], motion[right]]),
-        np.concatenate([start[left], (middle + gap)[right]]),
-        np.concatenate([(middle - gap)[left], end[right]]),
+        np.concatenate([start[left], middle[right]]),
+        np.concatenate([middle[left], end[right]]),
         np.concatenate([still[left], still[right]]),
     )
 
 
-def _look(scene: Scene, q: Array, closer: Array, still: NDArray[np.bool_], margin: float) -> tuple[float, int | None]:
-    """Ask coal about the pairs ``still`` open at the middle q (n,) of a piece; those proven free are closed.
+def _contact(scene: Scene, q: Array, closer: Array, still: NDArray[np.bool_], margin: float) -> int | None:
+    """Ask coal about the pairs ``still`` open at the middle q (n,) of a piece, and close those that are proven free.
 
     Returns:
-        The share of the half piece that is free about the middle, infinite where all of it is, and a pair in contact.
+        A pair in contact, if there is one.
     """
     shapes = scene.place(q)
-    clear = np.inf
-    for k in np.flatnonzero(still):
-        near = float(closer[k])
-        if not scene.touches(shapes, int(k), margin + near + QUERY_ERROR):
+    for k in np.flatnonzero(still).tolist():
+        if not scene.touches(shapes, k, margin + closer[k] + QUERY_ERROR):
             still[k] = False
-            continue
-        apart = scene.distance(shapes, int(k)) - margin
-        if apart <= TOUCH:
-            return 0.0, int(k)
-        if apart - QUERY_ERROR < near:
-            clear = min(clear, (apart - QUERY_ERROR) / near)
-        else:
-            still[k] = False
-    return clear, None
+        elif scene.touches(shapes, k, margin + TOUCH):
+            return k
+    return None

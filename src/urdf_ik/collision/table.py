@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from urdf_ik.collision.scene import ShapePair
 from urdf_ik.errors import WorldError
 from urdf_ik.text import aligned
@@ -14,7 +16,7 @@ from urdf_ik.text import aligned
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from urdf_ik.collision.scene import ArmShapes
+    from urdf_ik.collision.scene import ArmShapes, Scene
 
     Pair = tuple[str, str]
 
@@ -60,6 +62,26 @@ def among_links(arm: ArmShapes, rank: Mapping[str, int], excused: set[Pair]) -> 
                 allowed[pair] = SRDF
             others.append(ShapePair(pair, i, j))
     return allowed, others
+
+
+def always_colliding(scene: Scene, share: float, samples: int, seed: int) -> set[Pair]:
+    """Pairs of links that touch in this share of random joint vectors; one that cannot reach it is dropped early."""
+    lower, upper = scene.arm.reference.ranges.T
+    rng = np.random.default_rng(seed)
+    free = dict.fromkeys((pair.names for pair in scene.pairs), 0)
+    tolerated = round((1.0 - share) * samples)
+    for _ in range(samples):
+        watched = {names for names, count in free.items() if count <= tolerated}
+        if not watched:
+            return set()
+        shapes = scene.place(rng.uniform(lower, upper))
+        touching: set[Pair] = set()
+        for k, pair in enumerate(scene.pairs):
+            if pair.names in watched and pair.names not in touching and scene.touches(shapes, k):
+                touching.add(pair.names)
+        for names in watched - touching:
+            free[names] += 1
+    return {names for names, count in free.items() if count <= tolerated}
 
 
 def with_obstacles(arm: ArmShapes, names: Sequence[str]) -> tuple[dict[Pair, str], list[ShapePair]]:

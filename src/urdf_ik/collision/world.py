@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from urdf_ik.collision.geometry import Solid
+
     Array = NDArray[np.float64]
 
 
@@ -57,7 +59,7 @@ class World:
 
     def __init__(self) -> None:
         self._obstacles: dict[str, Obstacle] = {}
-        self._geometries: dict[int, Any] = {}
+        self._solids: dict[int, Solid] = {}
         self._version = 0
         self._lock = threading.RLock()
 
@@ -177,7 +179,7 @@ class World:
         with self._lock:
             gone = self._obstacles.pop(self._known(name))
             if all(each.shape is not gone.shape for each in self._obstacles.values()):
-                self._geometries.pop(id(gone.shape), None)
+                self._solids.pop(id(gone.shape), None)
             self._version += 1
 
     @property
@@ -185,18 +187,19 @@ class World:
         """A number that every change of this world raises."""
         return self._version
 
-    def snapshot(self) -> tuple[int, tuple[tuple[Obstacle, Any], ...]]:
+    def snapshot(self) -> tuple[int, tuple[tuple[Obstacle, Solid], ...]]:
         """The world as it is now: its version, and every obstacle with coal's geometry of its shape.
 
         Raises:
             WorldError: a mesh cannot be read.
         """
+        from urdf_ik.collision.geometry import solid
+
         with self._lock:
             for each in self._obstacles.values():
-                if id(each.shape) not in self._geometries:
-                    self._geometries[id(each.shape)] = each.shape.geometry()
-            placed = tuple((each, self._geometries[id(each.shape)]) for each in self._obstacles.values())
-            return self._version, placed
+                if id(each.shape) not in self._solids:
+                    self._solids[id(each.shape)] = solid(each.shape.geometry())
+            return self._version, tuple((each, self._solids[id(each.shape)]) for each in self._obstacles.values())
 
     def __getstate__(self) -> dict[str, Any]:
         return {"_obstacles": dict(self._obstacles), "_version": self._version}
