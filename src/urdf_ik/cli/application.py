@@ -316,13 +316,15 @@ def path(
 @app.command(
     help=_help(
         "Draw an arm, all branches of a pose side by side or overlaid, joint limits with all turns of the solutions, "
-        "the workspace, or the arm with sliders for its joints. Without --output it opens a window.\n\n"
+        "the workspace, the arm with sliders for its joints, or a path: each joint's values in all branches along it, "
+        "limits and contacts, and the plan. Without --output it opens a window.\n\n"
         "Branches are those of a typed pose, of the tip at a joint vector (--q), or of the arm's example. The "
         "workspace of two turning joints is exact; any other is one layer of a map.",
         "urdf-ik plot zyyzyz_6r branches -o all_branches.png",
         "urdf-ik plot planar_2r workspace --q 0.5,-1 -o two_link_workspace.png",
         "urdf-ik plot dh_6r limits -o limits.svg",
         "urdf-ik plot planar_2r sliders -o sliders.png",
+        "urdf-ik plot zyyzyz_6r path --waypoints seam.csv -o path.png",
     )
 )
 @on_an_arm
@@ -337,6 +339,7 @@ def plot(
     axis: options.Across = "z",
     at: options.Layer = 0.0,
     show: options.Shown = Value.REACH,
+    path: TypedPath,
     chosen: ChosenArm,
     degrees: options.Degrees = False,
     output: options.PictureFile = None,
@@ -345,10 +348,9 @@ def plot(
     from urdf_ik.cli import targets
     from urdf_ik.cli.commands import plot as plot_command
 
-    arm = chosen.load()
     target = targets.Asked(typed, () if q is None else (q,), None, None, seed)
-    asked = plot_command.Asked(target, shapes, map_file, axis, at, show.value)
-    plot_command.run(arm, angles_of(arm, degrees), what, asked, output)
+    asked = plot_command.Asked(target, path, shapes, map_file, axis, at, show.value)
+    plot_command.run(chosen, degrees, what, asked, output)
 
 
 @app.command(
