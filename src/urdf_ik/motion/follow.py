@@ -13,7 +13,8 @@ from urdf_ik.motion import settings as settings_of
 from urdf_ik.motion import waypoints
 from urdf_ik.motion.graph import CHANGE, MISMATCH, Graph, Pricing
 from urdf_ik.motion.obstacles import Obstacles
-from urdf_ik.motion.plan import Change, Plan
+from urdf_ik.motion.plan import Change
+from urdf_ik.motion.plan import Plan as Plan
 from urdf_ik.motion.search import Search
 from urdf_ik.motion.stops import stops_of
 

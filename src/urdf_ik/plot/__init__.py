@@ -1,4 +1,4 @@
-"""Pictures of an arm, its branches, limits and workspace; matplotlib is imported in this room alone.
+"""Pictures of an arm, its branches, limits, workspace and paths; matplotlib is imported in this room alone.
 
 >>> import urdf_ik
 >>> from urdf_ik import plot
@@ -22,6 +22,7 @@ from urdf_ik.plot.pictures import (
     workspace_slice,
 )
 from urdf_ik.plot.slider_panel import Sliders, interact, show, sliders
+from urdf_ik.plot.waypoints import path
 
 __all__ = [
     "SUFFIXES",
@@ -30,6 +31,7 @@ __all__ = [
     "branches",
     "interact",
     "limits",
+    "path",
     "planar_workspace",
     "save",
     "show",

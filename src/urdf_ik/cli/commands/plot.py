@@ -11,7 +11,9 @@ import numpy as np
 from urdf_ik import plot
 from urdf_ik import workspace as rooms
 from urdf_ik.cli import console, targets
+from urdf_ik.cli.chosen_arm import angles_of
 from urdf_ik.cli.options import Picture
+from urdf_ik.cli.paths import followed
 from urdf_ik.cli.progress import Progress
 from urdf_ik.errors import PlotError
 from urdf_ik.plot.slider_panel import is_two_links, require_display
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
+    from urdf_ik.cli.chosen_arm import ChosenArm, TypedPath
     from urdf_ik.cli.console import Angles
     from urdf_ik.solutions import IKSolutions
 
@@ -31,6 +34,7 @@ class Asked:
     """The options as typed."""
 
     target: targets.Asked
+    path: TypedPath
     shapes: bool
     map: Path | None
     axis: str
@@ -38,12 +42,16 @@ class Asked:
     value: str
 
 
-def run(arm: Arm, angles: Angles, what: Picture, asked: Asked, output: Path | None) -> None:
+def run(chosen: ChosenArm, degrees: bool, what: Picture, asked: Asked, output: Path | None) -> None:
     """Write the picture, or open a window and wait until it is closed.
 
     Raises:
         PlotError: there is no display, or the file cannot be written.
     """
+    arm = chosen.load()
+    angles = angles_of(arm, degrees)
+    if what is not Picture.PATH and asked.path.waypoints is not None:
+        raise console.usage(f"{what.value} is no picture of a path; `urdf-ik plot ROBOT path` is", "--waypoints")
     if output is None:
         require_display()
     elif output.suffix.lower() not in plot.SUFFIXES:
@@ -57,6 +65,8 @@ def run(arm: Arm, angles: Angles, what: Picture, asked: Asked, output: Path | No
         figure = held.figure
     elif what is Picture.ARM:
         figure = plot.arm(arm, q, shapes=asked.shapes)
+    elif what is Picture.PATH:
+        figure = plot.path(followed(arm, angles, asked.path, chosen).plan)
     elif what is Picture.WORKSPACE:
         figure = _workspace(arm, q, asked)
     else:
