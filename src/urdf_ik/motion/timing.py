@@ -13,14 +13,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import PathError
-from urdf_ik.motion import settings
 from urdf_ik.motion.files import writable
+from urdf_ik.motion.path import settings
 
 if TYPE_CHECKING:
     import os
 
     from numpy.typing import NDArray
-
 
     Array = NDArray[np.float64]
 
