@@ -17,6 +17,7 @@ from urdf_ik.families import Plan, RedundantPlan
 from urdf_ik.poses import as_pose_array, check_poses
 from urdf_ik.redundancy import nearest, sweep
 from urdf_ik.solutions import IKSolutions
+from urdf_ik.solutions.representatives import near_each
 from urdf_ik.structure import Structure, analyse
 from urdf_ik.tasks import Targets
 
@@ -275,7 +276,8 @@ class Arm(InCell):
             task: what ``T`` is; see ``ik``.
 
         Returns:
-            One column a pose. With seven joints, ``redundancy`` holds the values of the parameter; see
+            One column a pose; of a continuum what ``ik`` gives near ``q_ref``, its free joint there. With seven
+            joints, ``redundancy`` holds the values of the parameter; see
             :mod:`urdf_ik.redundancy.nearest` for how they are searched, and what may be missed.
 
         Raises:
@@ -302,7 +304,9 @@ class Arm(InCell):
             return nearest.nearest(self, self._plan.parameter, T, q_ref, threads=threads, **options)
         reference = self.chain.check(q_ref)
         near = reference if reference.ndim == 1 else None
-        return self.ik(T, near, threads=threads).nearest(reference, **options)
+        solutions = self.ik(T, near, threads=threads)
+        solutions = near_each(solutions, reference) if near is None else solutions
+        return solutions.nearest(reference, **options)
 
     def follow(
         self,
