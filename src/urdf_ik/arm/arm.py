@@ -34,8 +34,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-# Numbers in a cache line.
-_LINE = 8
+_LINE = 8  # numbers in a cache line
 
 
 class Arm(InCell):
@@ -394,6 +393,12 @@ class Arm(InCell):
         """
         return sweep.sweep(self, self._redundant_plan().parameter, T, n, within_limits, threads)
 
+    def tracker(self, q0: ArrayLike, dt: float, **options: Any) -> motion.Tracker:
+        """What follows targets, one a cycle of ``dt`` s, from ``q0`` on: see :class:`urdf_ik.motion.Tracker`."""
+        from urdf_ik import motion
+
+        return motion.Tracker(self, q0, dt, targets=self._targets, **options)
+
     def explain(self, T: Any, redundancy: float | None = None) -> str:
         """Why the single pose ``T`` (4, 4) has no solution, with the number that is out of range.
 
@@ -441,8 +446,7 @@ class Arm(InCell):
         q = self.chain.check(q_ref)
         if q.shape != (self.dof,):
             raise JointVectorError(f"q_ref of shape {q.shape} given; one joint vector ({self.dof},) is needed")
-        # Turns do not matter to an answer in (-pi, pi].
-        return np.where(self.chain.prismatic, q, shortest(q))
+        return np.where(self.chain.prismatic, q, shortest(q))  # turns do not matter to an answer in (-pi, pi]
 
     def _refuse(self, T: Array) -> None:
         """Raise the error that says what is wrong with the first bad pose."""
