@@ -23,10 +23,10 @@ from urdf_ik.tasks import Targets
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from urdf_ik import motion
     from urdf_ik._core import Solver
     from urdf_ik.chain import Chain
     from urdf_ik.chain.redundancy import Redundancy
-    from urdf_ik.motion.follow import Plan as PathPlan
     from urdf_ik.redundancy import Sweep
     from urdf_ik.solutions.select import Metric
     from urdf_ik.urdf import UrdfModel
@@ -318,7 +318,7 @@ class Arm(InCell):
         max_step: ArrayLike | None = None,
         tolerance: tuple[float, float] | None = None,
         reconfigure: bool = False,
-    ) -> PathPlan:
+    ) -> motion.Plan:
         """The cheapest joint motion along a path, over all branches and turns, without a jump.
 
         From waypoint to waypoint the joints move linearly, and the tip is proven to keep within a tolerance of the

@@ -95,12 +95,14 @@ class _Holds:
     def gaps(self, local: Array) -> Array:
         """(k, S, O) m from points (k, S, 3, O) in the frames to the obstacles, not above zero inside."""
         outside = _outside(local, self._low, self._high)
-        return _length(outside[:, :, 0], outside[:, :, 1], outside[:, :, 2]) - self._radius
+        gaps: Array = _length(outside[:, :, 0], outside[:, :, 1], outside[:, :, 2]) - self._radius
+        return gaps
 
     def gaps_of(self, local: Array, which: NDArray[np.intp]) -> Array:
         """(e, m) m from points (e, m, 3) in the frames of the obstacles ``which`` (e,)."""
         outside = _outside(local, self._low.T[which, None], self._high.T[which, None])
-        return _length(outside[..., 0], outside[..., 1], outside[..., 2]) - self._radius[which, None]
+        gaps: Array = _length(outside[..., 0], outside[..., 1], outside[..., 2]) - self._radius[which, None]
+        return gaps
 
 
 class _Work(threading.local):
