@@ -76,6 +76,7 @@ bench: $(VENV)/.bench-installed
 	@$(BIN)/python benchmarks/bench.py $(ARGS)
 	@$(BIN)/python benchmarks/few_joints.py
 	@$(BIN)/python benchmarks/seven_joints.py
+	@$(BIN)/python benchmarks/tracker.py
 
 million: $(VENV)/.bench-installed
 	@$(BIN)/python benchmarks/million.py $(ARGS)

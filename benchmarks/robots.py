@@ -251,6 +251,18 @@ def _sum(values: Sequence[float], deltas: Sequence[float]) -> list[float]:
 
 
 UR10E = Robot("UR10e", _from_dh("ur10e", _UR10E_A, _UR10E_D, _UR10E_ALPHA, (0.0,) * 6), "three parallel")
+# UR5e, from its published table likewise.
+UR5E = Robot(
+    "UR5e",
+    _from_dh(
+        "ur5e",
+        (0.0, -0.425, -0.3922, 0.0, 0.0, 0.0),
+        (0.1625, 0.0, 0.0, 0.1333, 0.0997, 0.0996),
+        _UR10E_ALPHA,
+        (0.0,) * 6,
+    ),
+    "three parallel",
+)
 CALIBRATED_UR10E = Robot(
     "calibrated UR10e",
     _from_dh(

@@ -20,6 +20,7 @@ extern const ImperfectSolversToo imperfect_solvers_too;
 extern const ReversedSteps reversed_steps;
 extern const SphericalMiddleSolvers spherical_middle_solvers;
 extern const Steps steps;
+extern const TrackerFunctions tracker_functions;
 extern const SphericalWristSolvers spherical_wrist_solvers;
 extern const SrsSolvers srs_solvers;
 extern const ThreeParallelSolvers three_parallel_solvers;
@@ -32,6 +33,7 @@ const LevelTable table = {
     &chain_functions,
     &graph_functions,
     &steps,
+    &tracker_functions,
     &parallel_shoulder_solvers,
     &few_joints_solvers,
     &reversed_steps,

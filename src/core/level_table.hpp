@@ -15,6 +15,7 @@
 #include "families/three_parallel_arm.hpp"
 #include "path_graph.hpp"
 #include "steps.hpp"
+#include "tracker_arm.hpp"
 
 namespace urdf_ik {
 
@@ -25,6 +26,7 @@ struct LevelTable {
     const ChainFunctions* chain;
     const GraphFunctions* graph;
     const Steps* steps;
+    const TrackerFunctions* tracker;
     const ParallelShoulderSolvers* parallel_shoulder;
     const FewJointsSolvers* few_joints;
     const ReversedSteps* reversed;

@@ -78,14 +78,19 @@ template <int N, class V> STEP Error<V> error_at(const Written<N>& arm, const Go
     return task_error(arm, goal, place(arm, q).tip);
 }
 
-// The error at q, and the Jacobian's columns: by rad, or by shares of the size for joints that slide.
-template <int N, class V>
-STEP Error<V> error_and_jacobian(const Written<N>& arm, const Goal<V>& goal, const V (&q)[N], Six<V> (&J)[N]) {
-    const Posture<N, V> at = place(arm, q);
+// The Jacobian's columns at a posture, of what the task sees.
+template <int N, class V> STEP void jacobian_at(const Written<N>& arm, const Posture<N, V>& at, Six<V> (&J)[N]) {
 #pragma GCC unroll 8
     for (int k = 0; k < N; ++k) {
         J[k] = task_column(arm, at.tip, jacobian_column(at.joint[k], arm.slides[k], at.tip.p, 1.0 / arm.size));
     }
+}
+
+// The error at q, and the Jacobian's columns: by rad, or by shares of the size for joints that slide.
+template <int N, class V>
+STEP Error<V> error_and_jacobian(const Written<N>& arm, const Goal<V>& goal, const V (&q)[N], Six<V> (&J)[N]) {
+    const Posture<N, V> at = place(arm, q);
+    jacobian_at(arm, at, J);
     return task_error(arm, goal, at.tip);
 }
 

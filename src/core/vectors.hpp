@@ -59,6 +59,14 @@ template <class V> STEP Frame<V> turned(const Frame<V>& at, const Turn<V>& t) {
     return {{t.c * at.R.x + t.s * at.R.y, t.c * at.R.y - t.s * at.R.x, at.R.z}, at.p};
 }
 
+// A vector or a rotation turned about unit h.
+STEP Vec<double> turned_about(const Vec<double>& v, const Vec<double>& h, const Turn<double>& t) {
+    return t.c * v + t.s * cross(h, v) + ((1.0 - t.c) * dot(h, v)) * h;
+}
+STEP Rot<double> turned_about(const Rot<double>& R, const Vec<double>& h, const Turn<double>& t) {
+    return {turned_about(R.x, h, t), turned_about(R.y, h, t), turned_about(R.z, h, t)};
+}
+
 // A column of numbers: a twist or a column of the Jacobian (linear part first), and rows behind for what else is asked of
 // an arm.
 template <int R, class V> struct Rows {

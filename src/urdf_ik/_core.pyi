@@ -42,6 +42,50 @@ class Chain:
 
     def axes(self, arg: object, /) -> object: ...
 
+class Step:
+    """What one cycle of a tracker answers."""
+
+    @property
+    def q(self) -> NDArray[numpy.float64]:
+        """
+        (n,) rad or m, where the joints are to be; angles of any size, continuous with the last; a new array.
+        """
+
+    @property
+    def velocity(self) -> NDArray[numpy.float64]:
+        """(n,) rad/s or m/s, of the way there from the last joint vector."""
+
+    @property
+    def status(self) -> str:
+        """'ok', 'limited' or 'held'."""
+
+    @property
+    def why(self) -> str | None:
+        """
+        What keeps the joints from the target: 'velocity', 'acceleration', 'limit', 'reach', 'singularity', 'collision'; None where they are at it.
+        """
+
+    @property
+    def distance(self) -> float:
+        """From the tip to the target [m]."""
+
+    @property
+    def angle(self) -> float:
+        """Between the tip and the target [rad]."""
+
+    def __repr__(self) -> str: ...
+
+class Tracker:
+    """An arm that follows poses, one a cycle."""
+
+    def __init__(self, joints: int, values: dict) -> None: ...
+
+    def step(self, T: object, /) -> Step | None: ...
+
+    def reset(self, arg0: object, arg1: object, /) -> None: ...
+
+    def back(self, arg: str, /) -> Step: ...
+
 class PathGraph:
     """
     Joint vectors along a path and the motions between them; see motion/graph.py.
@@ -49,7 +93,7 @@ class PathGraph:
 
     def __init__(self, lower: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], upper: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], turn: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], counted: Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> None: ...
 
-    def images(self, q: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], lowest: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu')], counts: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
+    def choose(self, q: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], flags: Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)], centres: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)] | None, near: float, outside: bool, kept: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu')], lowest: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu')], counts: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu')]) -> int: ...
 
     def connect(self, first: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], q: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], jacobians: Annotated[NDArray[numpy.float64], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], twists: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], mismatch: tuple[float, float], window: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], cost: int, weights: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], scale: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], edge_first: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu')], end: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu')], costs: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu')]) -> int: ...
 

@@ -15,6 +15,7 @@ from arms import industrial
 from command import ARM, TYPED, Q, call, comma, oracle, strict_json, succeed, target, vectors
 from oracle import angle_distance
 
+import urdf_ik
 from urdf_ik import catalogue
 
 
@@ -126,6 +127,17 @@ def test_filters_keep_what_they_say() -> None:
     for pose, chosen in zip(everything, nearest, strict=True):
         distance = [np.linalg.norm((np.array(one["q"]) - Q + np.pi) % (2 * np.pi) - np.pi) for one in pose]
         assert chosen == [pose[int(np.argmin(distance))]]
+    within = kept("--nearest", TYPED, "--metric", "max", "--within", "1.2")
+    assert 0 < sum(map(len, within)) < len(within)
+    for pose, chosen in zip(everything, within, strict=True):
+        distance = [np.abs((np.array(one["q"]) - Q + np.pi) % (2 * np.pi) - np.pi).max() for one in pose]
+        assert chosen == ([pose[int(np.argmin(distance))]] if min(distance) <= 1.2 else [])
+    speeds = urdf_ik.load(ARM).velocity_limits
+    for pose, chosen in zip(everything, kept("--nearest", TYPED, "--metric", "time"), strict=True):
+        seconds = [(np.abs((np.array(one["q"]) - Q + np.pi) % (2 * np.pi) - np.pi) / speeds).max() for one in pose]
+        assert chosen == [pose[int(np.argmin(seconds))]]
+    best = kept("--best", "limits")
+    assert [len(pose) for pose in best] == [int(any(one["within_limits"] for one in pose)) for pose in everything]
 
 
 def test_turns_add_images_inside_the_limits() -> None:
@@ -171,3 +183,23 @@ def test_arm_without_collision_shapes_is_solved_and_says_so() -> None:
     assert "self-collision was not checked" in text
     assert "free" not in text
     assert "error [m]" in text
+
+
+def test_a_tool_at_the_tip() -> None:
+    """Every command takes it: the pose is the tip's times the tool's, its solutions reach it, angles are as typed."""
+    tool = ("--tool-xyz", "0.03,0,0.2", "--tool-rpy", "0.1,0.5,-0.3")
+    arm = urdf_ik.load(ARM)
+    T = arm.fk(Q) @ urdf_ik.pose([0.03, 0.0, 0.2], rpy=[0.1, 0.5, -0.3])
+    (shown,) = strict_json(succeed("fk", ARM, "--q", TYPED, "-f", "json", *tool))["poses"]
+    np.testing.assert_allclose(shown["pose"], T, atol=1e-12)
+    degrees = ("--degrees", "--tool-xyz", "0.03,0,0.2", "--tool-rpy", comma(np.rad2deg([0.1, 0.5, -0.3])))
+    (same,) = strict_json(succeed("fk", ARM, "--q", comma(np.rad2deg(Q)), "-f", "json", *degrees))["poses"]
+    np.testing.assert_allclose(same["pose"], T, atol=1e-12)
+    found = strict_json(succeed("ik", ARM, "--q", TYPED, "-f", "json", *tool))
+    assert found["tip"] == "tool"
+    assert all(max(one["error"].values()) < 1e-9 for one in found["poses"][0]["solutions"])
+    assert angle_distance(vectors(succeed("ik", ARM, "--q", TYPED, "-f", "json", *tool)), Q).min() < 1e-9
+    assert "tool" in succeed("info", ARM, "--tool-xyz", "0,0,0.1")
+    succeed("check", ARM, "-n", "5", *tool)
+    text = succeed("compare", ARM, ARM, "-n", "5", "--tool-xyz-b", "0,0,0.1")
+    assert "base_link to tool " in text and "base_link to tool0 " in text

@@ -223,3 +223,16 @@ def test_every_arm_takes_the_same_options(choice: dict[str, Any]) -> None:
     for asked in (two, two.for_task("planar position")):
         found = asked.ik_nearest(target, [0.3, -0.8], task="planar position", **options)
         np.testing.assert_allclose(found[0].q, [0.3, -0.8], atol=1e-9)
+
+
+def test_best_by_clearance() -> None:
+    """The order is that of coal's distances, of the links alone and of a box beside the arm."""
+    arm = from_catalogue("ur5").arm
+    world = urdf_ik.World()
+    world.add("box", urdf_ik.Box((0.2, 0.2, 0.2)), urdf_ik.pose([0.6, 0.5, 0.3]))
+    s = arm.ik(arm.fk([0.3, -1.0, 1.2, -0.7, 0.9, -0.5]))
+    for cell in (None, world):
+        expected = [float(arm.clearance(one.q, cell)) for one in s]
+        best = s.best("clearance", n=2, world=cell)
+        assert [float(arm.clearance(one.q, cell)) for one in best] == sorted(expected, reverse=True)[:2]
+        np.testing.assert_allclose(s.scores("clearance", world=cell)[s.valid], expected, atol=1e-12)

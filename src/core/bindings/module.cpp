@@ -108,6 +108,7 @@ NB_MODULE(_core, m) {
     add_elimination(m);
     add_answer(m);
     add_chain(m);
+    add_tracker(m);
     add_path_graph(m);
     bind_steps(m);
     nb::class_<PySolver>(m, "Solver", "An arm, ready to be solved; immutable.")

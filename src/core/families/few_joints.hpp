@@ -20,9 +20,6 @@ STEP Goal<double> inverse(const Goal<double>& g) {
 STEP Rot<double> from_home(const Rot<double>& R, const double (&home)[3][3]) {
     return {R * vec<double>(home[0]), R * vec<double>(home[1]), R * vec<double>(home[2])};
 }
-STEP Rot<double> turned_about(const Rot<double>& R, const Vec<double>& h, const Turn<double>& t) {
-    return {turned_about(R.x, h, t), turned_about(R.y, h, t), turned_about(R.z, h, t)};
-}
 // The rotation left when the turning ones of a step's three joints are undone.
 STEP Rot<double> behind(const PositionStep& step, const double (&q)[3], Rot<double> R) {
     for (int k = 0; k < 3; ++k) {

@@ -25,10 +25,6 @@ inline constexpr double WEAK = 1e-3;
 // A slide further out than this share of the size is a root at infinity.
 inline constexpr double FARTHEST_SLIDE = 1e6;
 
-// v turned about unit h.
-STEP Vec<double> turned_about(const Vec<double>& v, const Vec<double>& h, const Turn<double>& t) {
-    return t.c * v + t.s * cross(h, v) + ((1.0 - t.c) * dot(h, v)) * h;
-}
 // The turn about unit h from a to b, of what lies across it; and the shorter squared length.
 struct TurnAbout {
     double angle, square;

@@ -23,18 +23,17 @@ from urdf_ik.tasks import Targets
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from urdf_ik import motion
     from urdf_ik._core import Solver
     from urdf_ik.chain import Chain
     from urdf_ik.chain.redundancy import Redundancy
+    from urdf_ik.motion.follow import Plan as PathPlan
     from urdf_ik.redundancy import Sweep
     from urdf_ik.solutions.select import Metric
     from urdf_ik.urdf import UrdfModel
 
     Array = NDArray[np.float64]
 
-# Numbers in a cache line.
-_LINE = 8
+_LINE = 8  # numbers in a cache line
 
 
 class Arm(InCell):
@@ -319,7 +318,7 @@ class Arm(InCell):
         max_step: ArrayLike | None = None,
         tolerance: tuple[float, float] | None = None,
         reconfigure: bool = False,
-    ) -> motion.Plan:
+    ) -> PathPlan:
         """The cheapest joint motion along a path, over all branches and turns, without a jump.
 
         From waypoint to waypoint the joints move linearly, and the tip is proven to keep within a tolerance of the
@@ -341,7 +340,8 @@ class Arm(InCell):
             margins: weight of a cost at each waypoint for being near a joint limit: the square of how far, of the way
                 from the middle of its range to its limit, the joint goes that goes farthest.
             max_step: rad or m that a joint may move between two waypoints: a number, or (n,).
-            tolerance: (m, rad) that the tip may stray from the straight segments, by default (0.001, 0.02).
+            tolerance: (m, rad) that the tip may stray from the straight segments; default: (0.001, 0.02), four times as
+                much where no plan keeps to that. ``Plan.tolerance`` says which.
             reconfigure: where no joint motion leads all the way, the plan with the fewest changes of branch between
                 waypoints.
 
@@ -390,6 +390,12 @@ class Arm(InCell):
         """
         return sweep.sweep(self, self._redundant_plan().parameter, T, n, within_limits, threads)
 
+    def tracker(self, q0: ArrayLike, dt: float, **options: Any) -> motion.Tracker:
+        """What follows targets, one a cycle of ``dt`` s, from ``q0`` on: see :class:`urdf_ik.motion.Tracker`."""
+        from urdf_ik import motion
+
+        return motion.Tracker(self, q0, dt, targets=self._targets, **options)
+
     def explain(self, T: Any, redundancy: float | None = None) -> str:
         """Why the single pose ``T`` (4, 4) has no solution, with the number that is out of range.
 
@@ -437,8 +443,7 @@ class Arm(InCell):
         q = self.chain.check(q_ref)
         if q.shape != (self.dof,):
             raise JointVectorError(f"q_ref of shape {q.shape} given; one joint vector ({self.dof},) is needed")
-        # Turns do not matter to an answer in (-pi, pi].
-        return np.where(self.chain.prismatic, q, shortest(q))
+        return np.where(self.chain.prismatic, q, shortest(q))  # turns do not matter to an answer in (-pi, pi]
 
     def _refuse(self, T: Array) -> None:
         """Raise the error that says what is wrong with the first bad pose."""

@@ -51,9 +51,9 @@ class InCell(Kinematics):
         Example:
             >>> import urdf_ik
             >>> arm, world = urdf_ik.load("zyyzyz_6r"), urdf_ik.World()
-            >>> world.add("ceiling", urdf_ik.HalfSpace((0, 0, -1), -3.5))
+            >>> world.add("ceiling", urdf_ik.HalfSpace((0, 0, -1), -3.33))
             >>> round(float(arm.clearance([0.0] * 6, world)), 3)
-            0.3
+            0.03
         """
         return self.collision_model.in_world(world).distance(self.chain.check(q))
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -14,10 +15,13 @@ from urdf_ik.tasks import control_of
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
+    import os
+
     from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik.chain import Chain
     from urdf_ik.chain.plane import Plane
+    from urdf_ik.collision.tool import Shapes
     from urdf_ik.reference import Reference
     from urdf_ik.tasks import Control
     from urdf_ik.urdf import UrdfModel
@@ -83,6 +87,53 @@ class Kinematics:
     def locked(self) -> dict[str, float]:
         """Joints that ``load`` holds still, with their values [rad or m]."""
         return dict(self.chain.locked)
+
+    def with_tool(self, pose: Any, shapes: Shapes = (), name: str = "tool") -> Self:
+        """This arm with a tool at its tip: a new arm whose tip is the tool's centre point, and whose tool collides.
+
+        The tool is a link of the new arm's URDF, fixed to the present tip, so that Pinocchio sees it too, and
+        ``write_urdf`` writes it. Tools may be stacked: the next one is mounted at the centre point of this one. Base,
+        locked joints, task and changes of the allowed-collision table stay. As with any link, a tool may touch the
+        links that are rigidly joined with it and those that a single joint is between, and must not touch others.
+
+        Args:
+            pose: (4, 4) of the tool's centre point in the present tip link [m], or a ``pinocchio.SE3``; see
+                ``urdf_ik.pose``.
+            shapes: what the tool is made of, each a shape or a pair (shape, pose), its pose in the present tip link
+                [m], on which it is mounted: where a shape lies does not depend on the centre point. ``Box``,
+                ``Sphere``, ``Cylinder``, ``Capsule`` and ``Mesh``.
+            name: of the tool's link.
+
+        Raises:
+            PoseError: an invalid pose.
+            ArgumentError: the URDF has a link of this name, or something that is no shape is given.
+            WorldError: a shape that a URDF cannot hold (``HalfSpace``, ``Points``), or a mesh that is not there.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> body = (urdf_ik.Cylinder(0.03, 0.2), urdf_ik.pose([0.0, 0.0, 0.1]))
+            >>> torch = arm.with_tool(urdf_ik.pose([0.0, 0.05, 0.25], rpy=[0.5, 0.0, 0.0]), [body], name="torch")
+            >>> torch.tip, len(torch.ik(torch.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])))
+            ('torch', 8)
+        """
+        from urdf_ik.collision.tool import with_tool
+
+        return with_tool(self, pose, shapes, name)
+
+    def write_urdf(self, path: str | os.PathLike[str]) -> None:
+        """Write the arm's URDF, tools included: what was read, without what kinematics and shapes do not need.
+
+        Meshes keep the names that they have in the file that was read. ``urdf_ik.load(path, arm.base, arm.tip,
+        locked=arm.locked, mesh_roots=arm.model.package_dirs)`` gives the same arm again, wherever it was written.
+
+        Args:
+            path: the file, which is replaced if it is there. The same text as bytes: ``arm.model.xml``.
+
+        Raises:
+            OSError: it cannot be written.
+        """
+        Path(path).write_bytes(self.model.xml)
 
     @cached_property
     def control(self) -> Control:

@@ -92,6 +92,7 @@ def fk(
         "urdf-ik ik zyyzyz_6r",
         "urdf-ik ik dh_6r --xyz 0.5,0.11,0.26 --quat-xyzw 0,0,0.8,0.6",
         "urdf-ik ik ur5 --q 0.1,-1,1,0.2,0.3,0 --within-limits --collision-free",
+        "urdf-ik ik ur5 --q 0.1,-1,1,0.2,0.3,0 --nearest 0,-1,1,0,0,0 --metric time --within 0.5",
         "urdf-ik ik ur5 --random 1000 --format npz --output solutions.npz",
         "urdf-ik ik panda --xyz 0.4,0,0.3 --rpy 3.14,0,0 --redundancy 0,0.4,0.8",
     )
@@ -109,6 +110,9 @@ def ik(
     within_limits: options.WithinLimits = False,
     collision_free: options.CollisionFree = False,
     nearest: options.Nearest = None,
+    metric: options.Measured = options.Metric.L2,
+    within: options.Within = None,
+    best: options.Best = None,
     check: options.Checked = None,
     chosen: ChosenArm,
     degrees: options.Degrees = False,
@@ -122,7 +126,8 @@ def ik(
     written = options.format_for(printed_as, output, terminal=options.is_terminal(sys.stdout))
     chosen.without_stdin(poses, "--poses")
     target = targets.Asked(typed, q or (), poses, random, seed)
-    asked = ik_command.Asked(target, redundancy, within_limits, collision_free, turns, nearest, check)
+    choice = ik_command.Choice(within_limits, collision_free, turns, nearest, metric, within, best)
+    asked = ik_command.Asked(target, redundancy, choice, check)
     arm = chosen.load()
     ik_command.run(arm, angles_of(arm, degrees), asked, written, output)
 
@@ -186,9 +191,13 @@ def compare(
     base_a: options.BaseA = None,
     tip_a: options.TipA = None,
     lock_a: options.LockA = None,
+    tool_xyz_a: options.ToolXyzA = None,
+    tool_rpy_a: options.ToolRpyA = None,
     base_b: options.BaseB = None,
     tip_b: options.TipB = None,
     lock_b: options.LockB = None,
+    tool_xyz_b: options.ToolXyzB = None,
+    tool_rpy_b: options.ToolRpyB = None,
     n: options.Each = 200,
     seed: options.Seed = 0,
     printed_as: options.TextFormat = ReportFormat.TABLE,
@@ -199,8 +208,8 @@ def compare(
     from urdf_ik.cli.commands import compare as compare_command
     from urdf_ik.cli.progress import Progress
 
-    first = ChosenArm(a, base_a, tip_a, lock_a, lock_option="--lock-a")
-    second = ChosenArm(b, base_b, tip_b, lock_b, lock_option="--lock-b")
+    first = ChosenArm(a, base_a, tip_a, lock_a, tool_xyz=tool_xyz_a, tool_rpy=tool_rpy_a, suffix="-a")
+    second = ChosenArm(b, base_b, tip_b, lock_b, tool_xyz=tool_xyz_b, tool_rpy=tool_rpy_b, suffix="-b")
     first.without_stdin(b, "B")
     arms = first.load(), second.load()
     with Progress("comparing", "solving") as progress:

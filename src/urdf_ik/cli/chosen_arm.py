@@ -15,6 +15,9 @@ import typer
 from urdf_ik.cli import options
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from urdf_ik.arm import Arm
     from urdf_ik.cli.console import Angles
 
@@ -28,13 +31,16 @@ class ChosenArm:
     tip: str | None = None
     lock: list[str] | None = None
     mesh_root: list[Path] | None = None
-    lock_option: str = "--lock"
+    tool_xyz: str | None = None
+    tool_rpy: str | None = None
+    degrees: bool = False
+    suffix: str = ""
 
     def load(self) -> Arm:
         """The arm.
 
         Raises:
-            typer.BadParameter: standard input is closed, or a lock is no NAME=VALUE.
+            typer.BadParameter: standard input is closed, or a lock or a tool's place cannot be understood.
             UrdfIkError: there is no such arm.
         """
         from urdf_ik.arm import load
@@ -42,9 +48,32 @@ class ChosenArm:
 
         if self.robot == "-" and sys.stdin is None:
             raise typer.BadParameter("standard input is closed", param_hint="ROBOT")
-        locked = free_value.locked(self.lock or (), self.lock_option)
+        locked = free_value.locked(self.lock or (), f"--lock{self.suffix}")
+        tool = self._tool()
         source = sys.stdin.buffer if self.robot == "-" else self.robot
-        return load(source, base=self.base, tip=self.tip, locked=locked, mesh_roots=self.mesh_root or ())
+        arm = load(source, base=self.base, tip=self.tip, locked=locked, mesh_roots=self.mesh_root or ())
+        if tool is None:
+            return arm
+        names = ("tool", *(f"tool_{k}" for k in range(2, len(arm.model.links) + 3)))
+        return arm.with_tool(tool, name=next(name for name in names if name not in arm.model.links))
+
+    def _tool(self) -> NDArray[np.float64] | None:
+        """Pose of the tool's centre point in the tip link; None without a tool."""
+        if self.tool_xyz is None and self.tool_rpy is None:
+            return None
+        import numpy as np
+
+        from urdf_ik.cli import console
+        from urdf_ik.poses import pose
+
+        xyz, rpy = (
+            console.numbers("0,0,0" if typed is None else typed, f"{option}{self.suffix}", names)
+            for typed, option, names in (
+                (self.tool_xyz, "--tool-xyz", ("x", "y", "z")),
+                (self.tool_rpy, "--tool-rpy", ("roll", "pitch", "yaw")),
+            )
+        )
+        return pose(xyz, rpy=np.deg2rad(rpy) if self.degrees else rpy)
 
     def without_stdin(self, source: str | None, option: str) -> None:
         """Refuse that ``source``, which ``option`` names, is standard input too."""
@@ -90,7 +119,14 @@ class TypedPath:
     collisions: bool | None
 
 
-_CHOSEN = {"base": options.Base, "tip": options.Tip, "lock": options.Lock, "mesh_root": options.MeshRoot}
+_CHOSEN = {
+    "base": options.Base,
+    "tip": options.Tip,
+    "lock": options.Lock,
+    "mesh_root": options.MeshRoot,
+    "tool_xyz": options.ToolXyz,
+    "tool_rpy": options.ToolRpy,
+}
 _TYPED = {
     "xyz": options.Position,
     "quat_xyzw": options.QuatXyzw,
@@ -124,7 +160,8 @@ def on_an_arm(command: Callable[..., None]) -> Callable[..., None]:
 
     @functools.wraps(command)
     def run(robot: str, **given: Any) -> None:
-        given["chosen"] = ChosenArm(robot, **{name: given.pop(name) for name in _CHOSEN})
+        typed = {name: given.pop(name) for name in _CHOSEN}
+        given["chosen"] = ChosenArm(robot, **typed, degrees=given.get("degrees", False))
         if "typed" in signature.parameters:
             given["typed"] = TypedPose(**{name: given.pop(name) for name in _TYPED})
         if "path" in signature.parameters:

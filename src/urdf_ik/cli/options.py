@@ -40,6 +40,22 @@ class Picture(StrEnum):
     PATH = "path"
 
 
+class Metric(StrEnum):
+    """How far joint vectors are apart."""
+
+    L2 = "l2"
+    MAX = "max"
+    TIME = "time"
+
+
+class Quality(StrEnum):
+    """What makes a solution better than others."""
+
+    LIMITS = "limits"
+    MANIPULABILITY = "manipulability"
+    CLEARANCE = "clearance"
+
+
 class Value(StrEnum):
     """What a layer of a workspace map shows."""
 
@@ -88,6 +104,14 @@ Lock = Annotated[
     list[str] | None,
     Option("--lock", metavar="NAME=VALUE", help="Hold a joint there: rad or m, or 30deg; repeatable."),
 ]
+ToolXyz = Annotated[
+    str | None,
+    Option("--tool-xyz", metavar="X,Y,Z", help="Put a tool at the tip: its centre point in the tip link [m]."),
+]
+ToolRpy = Annotated[
+    str | None,
+    Option("--tool-rpy", metavar="R,P,Y", help="Orientation of the tool at its centre point, in the tip link."),
+]
 Output = Annotated[Path | None, Option("--output", "-o", metavar="FILE", help="Write here instead of stdout.")]
 DataFormat = Annotated[
     Format | None, Option("--format", "-f", help="Default: by the name of --output, else table.", show_default=False)
@@ -131,6 +155,18 @@ CollisionFree = Annotated[bool, Option("--collision-free", help="Keep those free
 Nearest = Annotated[
     str | None, Option("--nearest", metavar="Q1,Q2,...", help="Keep the one nearest to this joint vector.")
 ]
+Measured = Annotated[
+    Metric,
+    Option("--metric", help="Distance of --nearest: of all joints, of the largest one, or time at the URDF's speeds."),
+]
+Within = Annotated[
+    str | None,
+    Option("--within", metavar="V|V1,V2,...", help="Drop what has a joint further than this from --nearest."),
+]
+Best = Annotated[
+    Quality | None,
+    Option("--best", help="Keep the one farthest from its limits, from singularity, or from contact."),
+]
 Checked = Annotated[
     bool | None,
     Option(
@@ -166,9 +202,13 @@ RobotB = Annotated[str, Argument(metavar="B", help="The same for the other arm, 
 BaseA = Annotated[str | None, Option("--base-a", metavar="LINK", help="Base link of A.")]
 TipA = Annotated[str | None, Option("--tip-a", metavar="LINK", help="Tip link of A.")]
 LockA = Annotated[list[str] | None, Option("--lock-a", metavar="NAME=VALUE", help="Hold a joint of A; repeatable.")]
+ToolXyzA = Annotated[str | None, Option("--tool-xyz-a", metavar="X,Y,Z", help="Put a tool at the tip of A [m].")]
+ToolRpyA = Annotated[str | None, Option("--tool-rpy-a", metavar="R,P,Y", help="Orientation of that tool [rad].")]
 BaseB = Annotated[str | None, Option("--base-b", metavar="LINK", help="Base link of B.")]
 TipB = Annotated[str | None, Option("--tip-b", metavar="LINK", help="Tip link of B.")]
 LockB = Annotated[list[str] | None, Option("--lock-b", metavar="NAME=VALUE", help="Hold a joint of B; repeatable.")]
+ToolXyzB = Annotated[str | None, Option("--tool-xyz-b", metavar="X,Y,Z", help="Put a tool at the tip of B [m].")]
+ToolRpyB = Annotated[str | None, Option("--tool-rpy-b", metavar="R,P,Y", help="Orientation of that tool [rad].")]
 Each = Annotated[int, Option("-n", "--poses", min=1, help="Number of random poses that each arm makes.")]
 
 

@@ -52,6 +52,9 @@ def build(model: UrdfModel, pin_model: Any) -> Any:
             source=model.source,
             hint="add <collision> to the links that must not touch",
         )
+    for shape in geometry.geometryObjects:
+        if isinstance(shape.geometry, coal.Sphere):
+            shape.geometry = Sphere(shape.geometry.radius).geometry()
     return geometry
 
 

@@ -194,6 +194,21 @@ class CollisionModel:
         """
         return self._changed(first, second, True)
 
+    @property
+    def is_changed(self) -> bool:
+        """Whether anything but the URDF decides what is checked: an SRDF, :meth:`allow` or :meth:`check`, a world."""
+        return self._error is None and bool(self._changes or self.world or table.SRDF in self._allowed.values())
+
+    def rebuilt(
+        self, model: UrdfModel, base: str | None, tip: str | None, locked: Mapping[str, float] | None
+    ) -> CollisionModel:
+        """The model of a URDF that has this one's links and more, with this one's SRDF, changes and world."""
+        out = type(self)(model, base, tip, locked=locked)
+        if out._error is None:
+            out._allowed.update({pair: why for pair, why in self._allowed.items() if why == table.SRDF})
+        out._changes, out.world = dict(self._changes), self.world
+        return out
+
     def in_collision(self, q: ArrayLike, margin: float = 0.0) -> bool | NDArray[np.bool_]:
         """Whether something touches that must not.
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import heapq
 import threading
-import warnings
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import coal
@@ -112,13 +111,10 @@ class _Work(threading.local):
         self.data = model.createData()
         self.geometry = shapes.createData()
         self.request = coal.CollisionRequest()
-        with warnings.catch_warnings():
-            # coal starts each query from the end of the last one, unless this deprecated attribute is false: answers
-            # would depend, in the seventh digit, on what was asked before.
-            warnings.simplefilter("ignore", DeprecationWarning)
-            self.request.enable_cached_gjk_guess = False
-            for request in (*self.geometry.collisionRequests, *self.geometry.distanceRequests):
-                request.enable_cached_gjk_guess = False
+        # Pinocchio's own requests start each query from the end of the last one: answers would depend, in the seventh
+        # digit, on what was asked before. Fresh ones do not.
+        for k in range(len(self.geometry.distanceRequests)):
+            self.geometry.distanceRequests[k] = coal.DistanceRequest()
 
 
 class Scene:

@@ -23,6 +23,10 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
+SPECK = 1e-8
+"""Size of the triangle that stands for a point of a cloud [m]: coal wants a triangle to have an area."""
+
+
 class Shape:
     """What every shape can do."""
 
@@ -75,10 +79,10 @@ class Sphere(Shape):
         _set_lengths(self, "radius")
 
     def geometry(self) -> Any:
-        """A ``coal.Sphere``."""
+        """A ``coal.Capsule`` without length: coal's sphere takes a triangle without area for one that it touches."""
         import coal
 
-        return coal.Sphere(self.radius)
+        return coal.Capsule(self.radius, 0.0)
 
 
 @dataclass(frozen=True)
@@ -220,6 +224,8 @@ class Mesh(Shape):
 class Points(Shape):
     """A cloud of points, each of them the centre of a ball: the solid is the union of the balls.
 
+    What is found is exact to ``2 SPECK``, 0.02 micrometres, and never farther apart than the balls are.
+
     Attributes:
         points: (k, 3) m, read-only.
         radius: m, of every ball.
@@ -246,19 +252,23 @@ class Points(Shape):
 
     @property
     def inflation(self) -> float:
-        """The balls' radius: :meth:`geometry` gives their centres."""
-        return self.radius
+        """The balls' radius, and the size of the triangles that :meth:`geometry` has for their centres."""
+        return self.radius + SPECK
 
     def geometry(self) -> Any:
-        """A ``coal.BVHModelOBBRSS`` of the centres, each a triangle without extent."""
+        """A ``coal.BVHModelOBBRSS`` of the centres, each a triangle within ``SPECK`` of it.
+
+        An octree would take every point for a cube as large as its cells.
+        """
         import coal
 
         mesh = coal.BVHModelOBBRSS()
-        mesh.beginModel(len(self.points), len(self.points))
+        mesh.beginModel(len(self.points), 3 * len(self.points))
         vertices, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
-        for i, point in enumerate(self.points):
-            vertices.append(point)
-            triangles.append(coal.Triangle(i, i, i))
+        for i, corners in enumerate(self.points[:, None] + SPECK * np.eye(3)):
+            for corner in corners:
+                vertices.append(corner)
+            triangles.append(coal.Triangle(3 * i, 3 * i + 1, 3 * i + 2))
         mesh.addSubModel(vertices, triangles)
         mesh.endModel()
         return mesh

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from urdf_ik.motion.files import read_waypoints
 from urdf_ik.motion.plan import Change, Margins, Plan, Stop
+from urdf_ik.motion.tracker import Step, Tracker
 from urdf_ik.motion.waypoints import arc, line, polyline
 
-__all__ = ["Change", "Margins", "Plan", "Stop", "arc", "line", "polyline", "read_waypoints"]
+__all__ = ["Change", "Margins", "Plan", "Step", "Stop", "Tracker", "arc", "line", "polyline", "read_waypoints"]

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from urdf_ik.motion.plan import Plan
 
     Array = NDArray[np.float64]
 
@@ -91,7 +90,7 @@ class Timed:
         return f"<Timed: {self.duration:.3f} s, {len(self.t)} samples, {self.method}>"
 
 
-def timed(plan: Plan, velocity: Any = None, acceleration: Any = None, *, dt: float = 0.01) -> Timed:
+def timed(plan: Any, velocity: Any = None, acceleration: Any = None, *, dt: float = 0.01) -> Timed:
     """The plan in time, from rest to rest.
 
     The joints pass all joint vectors of ``plan.motion`` on a cubic spline. With TOPP-RA installed (``pip install
@@ -100,7 +99,7 @@ def timed(plan: Plan, velocity: Any = None, acceleration: Any = None, *, dt: flo
     down by one factor until it keeps within them: slower, and as correct.
 
     Args:
-        plan: a plan without changes of branch.
+        plan: a ``Plan`` without changes of branch.
         velocity: rad/s or m/s, a number or one a joint; default: the URDF's limits.
         acceleration: rad/s^2 or m/s^2, a number or one a joint; default: what reaches the velocity limit in half a
             second, as a URDF gives none.

@@ -183,8 +183,7 @@ class IKSolutions(KeptSolutions):
         if by == "manipulability":
             scores[places] = self.arm.manipulability(vectors, self.arm.control.part)
         elif len(vectors):
-            arm: Any = self.arm
-            scores[places] = arm.clearance(vectors, world)
+            scores[places] = self.arm.clearance(vectors, world)
         return scores
 
     def collision_free(self, world: Any = None, margin: float = 0.0) -> IKSolutions:
