@@ -340,7 +340,8 @@ class Arm(InCell):
             margins: weight of a cost at each waypoint for being near a joint limit: the square of how far, of the way
                 from the middle of its range to its limit, the joint goes that goes farthest.
             max_step: rad or m that a joint may move between two waypoints: a number, or (n,).
-            tolerance: (m, rad) that the tip may stray from the straight segments, by default (0.001, 0.02).
+            tolerance: (m, rad) that the tip may stray from the straight segments; default: (0.001, 0.02), four times as
+                much where no plan keeps to that. ``Plan.tolerance`` says which.
             reconfigure: where no joint motion leads all the way, the plan with the fewest changes of branch between
                 waypoints.
 
