@@ -7,22 +7,45 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 static constexpr double INFINITE = __builtin_inf();
 
-static void images(const GraphJoints& arm, const double* q, long m, double* lowest, std::uint8_t* counts) {
-    for (long i = 0; i < m * arm.joints; ++i) {
-        const int k = int(i % arm.joints);
-        const double turn = arm.turn[k], low = arm.lower[k], high = arm.upper[k];
-        double base = q[i];
-        if (turn == 0.0 || !arm.counted[k]) {
-            lowest[i] = base, counts[i] = turn != 0.0 || (base >= low && base <= high);
-            continue;
-        }
-        base += __builtin_ceil((low - base) / turn) * turn;
-        // The quotient is rounded; the sum decides.
-        if (base < low) base += turn;
-        else if (base - turn >= low) base -= turn;
-        lowest[i] = base;
-        counts[i] = base <= high ? std::uint8_t(1.0 + __builtin_floor((high - base) / turn)) : 0;
+// The lowest image of a joint's value inside its limits; returns how many there are.
+STEP std::uint8_t lowest_image(const GraphJoints& arm, int k, double q, double* lowest) {
+    const double turn = arm.turn[k], low = arm.lower[k], high = arm.upper[k];
+    *lowest = q;
+    if (turn == 0.0) return q >= low && q <= high;
+    if (!arm.counted[k]) return 1;
+    q += __builtin_ceil((low - q) / turn) * turn;
+    // The quotient is rounded; the sum decides.
+    if (q < low) q += turn;
+    else if (q - turn >= low) q -= turn;
+    *lowest = q;
+    return q <= high ? std::uint8_t(1.0 + __builtin_floor((high - q) / turn)) : 0;
+}
+
+STEP bool is_near(const GraphJoints& arm, const double* q, const double* centre, double most) {
+    for (int k = 0; k < arm.joints; ++k) {
+        if (arm.turn[k] == 0.0) continue;
+        const double apart = q[k] - centre[k];
+        if (!(__builtin_fabs(apart - __builtin_rint(apart / arm.turn[k]) * arm.turn[k]) <= most)) return false;
     }
+    return true;
+}
+
+static long choose(const GraphJoints& arm, const GraphChoice& choice, long m, std::int64_t* kept, double* lowest,
+                   std::uint8_t* counts) {
+    const int n = arm.joints;
+    long count = 0;
+    for (long i = 0; i < m; ++i) {
+        const double* q = choice.q + n * i;
+        if (!(choice.flags[i] & 1)) continue;
+        if (choice.centres && !is_near(arm, q, choice.centres + n * (i / choice.of_each), choice.near)) continue;
+        bool inside = true;
+        for (int k = 0; k < n; ++k) {
+            counts[n * count + k] = lowest_image(arm, k, q[k], lowest + n * count + k);
+            inside &= counts[n * count + k] != 0;
+        }
+        if (inside || choice.outside) kept[count++] = i;
+    }
+    return count;
 }
 
 // How many turns apart the images are that are nearest to each other; 0 for a joint that slides.
@@ -234,6 +257,6 @@ static void spread(const GraphJoints& arm, const GraphLayers& layers, const Grap
 }
 
 extern const GraphFunctions graph_functions;
-const GraphFunctions graph_functions = {images, connect, cheapest, way, spread};
+const GraphFunctions graph_functions = {choose, connect, cheapest, way, spread};
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

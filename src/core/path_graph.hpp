@@ -17,6 +17,16 @@ struct GraphJoints {
     const std::uint8_t* counted;  // whether images inside the limits are states of their own
 };
 
+// Which of the joint vectors that a solver gives are wanted.
+struct GraphChoice {
+    const double* q;             // (m, joints)
+    const std::uint8_t* flags;   // (m) bit 0: valid
+    const double* centres;       // (m / of_each, joints) where only those near are wanted, else null
+    long of_each;                // how many joint vectors have a centre
+    double near;                 // greatest difference of a joint that turns from the centre [rad]
+    bool outside;                // whether those outside the limits are wanted, too; their counts are zero
+};
+
 struct GraphLayers {
     long waypoints;
     const std::int64_t* first;  // (waypoints + 1) each waypoint's first node
@@ -59,8 +69,9 @@ struct GraphValues {
 };
 
 struct GraphFunctions {
-    // The lowest image of each joint inside its limits, and how many there are; none: zero. For m joint vectors.
-    void (*images)(const GraphJoints&, const double* q, long m, double* lowest, std::uint8_t* counts);
+    // Of m joint vectors those that are valid, inside the limits and near their centres: their numbers in `kept`, the lowest
+    // image of each joint and how many there are; returns how many are kept.
+    long (*choose)(const GraphJoints&, const GraphChoice&, long m, std::int64_t* kept, double* lowest, std::uint8_t* counts);
     // Edges that may be motions along the path; their number, -1 where there is no room for all. Scratch: (joints + 2) times
     // the nodes of the largest layer.
     long (*connect)(const GraphJoints&, const GraphLayers&, const GraphMotions&, const GraphEdges&, double* scratch);

@@ -26,7 +26,7 @@ inline constexpr double FAINT = 1e-9;
 inline constexpr double STILL = 1e-6;
 // How fast the smallest singular value changes along the motion that it belongs to [1/rad]. Above: a fold, beyond which lies
 // another branch. Below (the wrist, the shoulder): the motion changes nothing, and the arm may pass to the other side.
-inline constexpr double PASSABLE = 0.02;
+inline constexpr double PASSABLE = 5e-3;
 // A fold is approached to this share of the distance in one piece, and to a smallest singular value of LAST_GAIN: a ten
 // thousand millionth of the arm's size before the end of its reach. Only what is at its target may be nearer.
 inline constexpr double APPROACH = 0.25, LAST_GAIN = 1e-5;
@@ -279,6 +279,13 @@ template <int N> STEP double gain_at(const Weak<N>& weak, const Stand<N>& s) {
     for (int k = 0; k < N; ++k) sum += weak.motion[k] * dot(weak.twist, s.J[k]);
     return sum;
 }
+// The same of the weak direction that is there in its place: below zero where the motion there gives the opposite twist.
+template <int N> STEP double signed_gain(const Weak<N>& weak, const Stand<N>& s) {
+    const Weak<N> there = weak_at(s);
+    double along = 0.0;
+    for (int k = 0; k < N; ++k) along += weak.motion[k] * there.motion[k];
+    return copysign(there.gain, along * dot(weak.twist, there.twist));
+}
 // How fast the gain changes as the joints move in that direction.
 template <int N> PART double gain_rate(const Written<N>& arm, const Weak<N>& weak, const Stand<N>& s) {
     constexpr double step = 1e-4;
@@ -295,20 +302,28 @@ template <int N> PART bool keep_side(const Written<N>& arm, const Goal<double>& 
                                      bool at_limit, Stand<N>& b) {
     const Weak<N> weak = weak_at(a);
     if (weak.gain < EXACTLY_SINGULAR) return false;
-    const double gain = gain_at(weak, b);
+    const double gain = signed_gain(weak, b);
     if (gain > (b.size <= arm.tolerances.reach ? 0.0 : LAST_GAIN)) return false;
     const double rate = gain_rate(arm, weak, a);
     const bool passable = abs(rate) < PASSABLE;
     if (passable && !(at_limit && gain <= 0.0)) return false;
-    const double back = (max(APPROACH * weak.gain, LAST_GAIN) - gain) / rate;
-    if (passable || !(abs(back) < 2.0 * PIECE)) {
-        b = a;
-        face(arm, goal, b);
-        return true;
+    const double wanted = max(APPROACH * weak.gain, LAST_GAIN), back = (wanted - gain) / rate;
+    const Stand<N> crossed = b;
+    b = a;
+    if (!passable && abs(back) < 2.0 * PIECE) {
+        for (int k = 0; k < N; ++k) {
+            b.q[k] = min(max(crossed.q[k] + unit_of(arm, k) * back * weak.motion[k], box.low[k]), box.high[k]);
+        }
+        place_at(arm, b);
+        jacobian_at(arm, b.at, b.J);
     }
-    for (int k = 0; k < N; ++k) b.q[k] = min(max(b.q[k] + unit_of(arm, k) * back * weak.motion[k], box.low[k]), box.high[k]);
-    place_at(arm, b);
-    jacobian_at(arm, b.at, b.J);
+    // Where the box leaves no room for that, the motion ends before the fold.
+    if (passable || !(signed_gain(weak, b) > 0.0)) {
+        const double share = max(weak.gain - wanted, 0.0) / (weak.gain - gain);
+        for (int k = 0; k < N; ++k) b.q[k] = a.q[k] + share * (crossed.q[k] - a.q[k]);
+        place_at(arm, b);
+        jacobian_at(arm, b.at, b.J);
+    }
     face(arm, goal, b);
     return true;
 }

@@ -60,10 +60,17 @@ struct PyPathGraph {
     }
 };
 
-void images(const PyPathGraph& self, const In<double, 2>& q, const Out<double, 2>& lowest, const Out<std::uint8_t, 2>& counts) {
-    require(q.shape(1) == self.joints() && lowest.size() == q.size() && counts.size() == q.size());
+long choose(const PyPathGraph& self, const In<double, 2>& q, const In<std::uint8_t, 1>& flags,
+            const std::optional<In<double, 2>>& centres, double near, bool outside, const Out<std::int64_t, 1>& kept,
+            const Out<double, 2>& lowest, const Out<std::uint8_t, 2>& counts) {
+    const std::size_t m = q.shape(0);
+    require(q.shape(1) == self.joints() && flags.size() == m && kept.size() == m && lowest.size() == q.size());
+    require(counts.size() == q.size() && (!centres || (centres->shape(1) == self.joints() && centres->shape(0))));
+    const std::size_t of_each = centres ? m / centres->shape(0) : 1;
+    require(!centres || of_each * centres->shape(0) == m);
+    const GraphChoice choice = {q.data(), flags.data(), centres ? centres->data() : nullptr, long(of_each), near, outside};
     nb::gil_scoped_release release;
-    level().graph->images(self.arm(), q.data(), long(q.shape(0)), lowest.data(), counts.data());
+    return level().graph->choose(self.arm(), choice, long(m), kept.data(), lowest.data(), counts.data());
 }
 
 long connect(const PyPathGraph& self, const In<std::int64_t, 1>& first, const In<double, 2>& q, const In<double, 3>& jacobians,
@@ -134,7 +141,8 @@ void add_path_graph(nb::module_& m) {
     nb::class_<PyPathGraph>(m, "PathGraph", "Joint vectors along a path and the motions between them; see motion/graph.py.")
         .def(nb::init<const In<double, 1>&, const In<double, 1>&, const In<double, 1>&, const In<std::uint8_t, 1>&>(),
              nb::arg("lower"), nb::arg("upper"), nb::arg("turn"), nb::arg("counted"))
-        .def("images", &images, nb::arg("q"), nb::arg("lowest"), nb::arg("counts"))
+        .def("choose", &choose, nb::arg("q"), nb::arg("flags"), nb::arg("centres").none(), nb::arg("near"), nb::arg("outside"),
+             nb::arg("kept"), nb::arg("lowest"), nb::arg("counts"))
         .def("connect", &connect, nb::arg("first"), nb::arg("q"), nb::arg("jacobians"), nb::arg("twists"), nb::arg("mismatch"),
              nb::arg("window"), nb::arg("cost"), nb::arg("weights"), nb::arg("scale"), nb::arg("edge_first"), nb::arg("end"),
              nb::arg("costs"))

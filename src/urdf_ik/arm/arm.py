@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from urdf_ik._core import Solver
     from urdf_ik.chain import Chain
     from urdf_ik.chain.redundancy import Redundancy
+    from urdf_ik.motion import Tracker
     from urdf_ik.motion.follow import Plan as PathPlan
     from urdf_ik.redundancy import Sweep
     from urdf_ik.solutions.select import Metric
@@ -344,7 +345,8 @@ class Arm(InCell):
             margins: weight of a cost at each waypoint for being near a joint limit: the square of how far, of the way
                 from the middle of its range to its limit, the joint goes that goes farthest.
             max_step: rad or m that a joint may move between two waypoints: a number, or (n,).
-            tolerance: (m, rad) that the tip may stray from the straight segments, by default (0.001, 0.02).
+            tolerance: (m, rad) that the tip may stray from the straight segments; default: (0.001, 0.02), four times as
+                much where no plan keeps to that. ``Plan.tolerance`` says which.
             reconfigure: where no joint motion leads all the way, the plan with the fewest changes of branch between
                 waypoints.
 
@@ -384,20 +386,17 @@ class Arm(InCell):
             within_limits: only solutions inside the joint limits count.
             threads: number of threads that share the work.
 
-        Returns:
-            See :class:`urdf_ik.Sweep`.
-
         Raises:
             PoseError: ``T`` is no pose, or more than one.
             UnsupportedArm: the arm has no redundancy parameter.
         """
         return sweep.sweep(self, self._redundant_plan().parameter, T, n, within_limits, threads)
 
-    def tracker(self, q0: ArrayLike, dt: float, **options: Any) -> motion.Tracker:
+    def tracker(self, q0: ArrayLike, dt: float, **options: Any) -> Tracker:
         """What follows targets, one a cycle of ``dt`` s, from ``q0`` on: see :class:`urdf_ik.motion.Tracker`."""
-        from urdf_ik import motion
+        from urdf_ik.motion import Tracker
 
-        return motion.Tracker(self, q0, dt, targets=self._targets, **options)
+        return Tracker(self, q0, dt, targets=self._targets, **options)
 
     def explain(self, T: Any, redundancy: float | None = None) -> str:
         """Why the single pose ``T`` (4, 4) has no solution, with the number that is out of range.

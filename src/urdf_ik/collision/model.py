@@ -101,6 +101,8 @@ class CollisionModel:
         self._changes: dict[Pair, bool] = {}
         self._error: UrdfError | None = None
         self._seen: _Seen | None = None
+        # The model that ``in_world`` made last: the same world is asked about again and again.
+        self._last: CollisionModel | None = None
         disabled = () if srdf is None else srdf_reader.disabled_pairs(srdf, model.links)
         try:
             shapes = geometry.build(model, self._reference.pin_model)
@@ -157,9 +159,12 @@ class CollisionModel:
         """
         if world is None or world is self.world:
             return self
-        out = self._copy()
-        out.world = world
-        return out
+        last = self._last
+        if last is None or last.world is not world:
+            last = self._copy()
+            last.world = world
+            self._last = last
+        return last
 
     def allow(self, first: str, second: str) -> CollisionModel:
         """This model with one more pair that may touch.
@@ -367,7 +372,7 @@ class CollisionModel:
     def _copy(self) -> CollisionModel:
         out = object.__new__(type(self))
         out.__dict__.update(self.__dict__)
-        out._seen = None
+        out._seen = out._last = None
         return out
 
     def _changed(self, first: str, second: str, must_not: bool) -> CollisionModel:

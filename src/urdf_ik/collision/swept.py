@@ -28,7 +28,7 @@ TOUCH = 1e-4
 """Clearance beyond the margin [m] below which two shapes count as in contact: no finite number of distances proves a
 motion free along which they slide on each other. A motion along which everything stays farther apart is found free."""
 
-STRIDE = 0.05
+STRIDE = 0.02
 """Pieces on which a pair may come closer by more than this [m] are cut without asking coal: bounds are cheap, and a
 query with so wide a margin visits most of a mesh."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -10,7 +11,7 @@ from urdf_ik.errors import PathError
 from urdf_ik.motion import nodes as node_sets
 from urdf_ik.motion import settings as settings_of
 from urdf_ik.motion import waypoints
-from urdf_ik.motion.graph import CHANGE, Graph, Pricing
+from urdf_ik.motion.graph import CHANGE, MISMATCH, Graph, Pricing
 from urdf_ik.motion.obstacles import Obstacles
 from urdf_ik.motion.plan import Change
 from urdf_ik.motion.plan import Plan as Plan
@@ -25,17 +26,10 @@ if TYPE_CHECKING:
     from urdf_ik.motion.graph import Layers, Way
     from urdf_ik.motion.nodes import Nodes
     from urdf_ik.motion.settings import Settings
-    from urdf_ik.motion.straight import Tolerance
 
     Array = NDArray[np.float64]
     Ints = NDArray[np.int64]
 
-FINEST = 6
-"""How often a segment is cut in halves until the motions on it are proven or ruled out."""
-WIDEST = 0.5 * np.pi
-"""rad: the greatest step over a whole segment that may be one motion; over half of it, less."""
-SHRINKS = 0.75
-"""What the greatest step shrinks by when a segment is cut in halves. At a fold it shrinks by the root of a half."""
 COARSE_TURN, COARSE_MOVE = 0.5, 0.15
 """rad and share of the arm's size: longer segments are cut before anything is looked at."""
 
@@ -76,19 +70,34 @@ def follow(
         arm, path, start=start, end=end, obstacles=_obstacles(arm, world, margin, collisions), cost=cost,
         weights=weights, max_step=max_step, tolerance=tolerance, margins=margins, reconfigure=reconfigure,
     )  # fmt: skip
-    if arm.redundancy is not None:
+    plan = _plan(settings, path)
+    if plan.found or not settings.looser:
+        return plan
+    looser = replace(settings, tolerance=settings.tolerance.times(settings_of.LOOSER))
+    found = _plan(looser, path)
+    return found if found.found else plan
+
+
+def _plan(settings: Settings, path: Array) -> Plan:
+    """The plan of these settings, found or not."""
+    if settings.arm.redundancy is not None:
         from urdf_ik.motion import redundant
 
         return redundant.plan(settings, path)
-    refined, nodes, graph = _graph(settings, path)
-    search = Search(graph, settings.tolerance, settings.obstacles, reconfigure=reconfigure)
+    arm, joints = settings.arm, settings.joints
+    refined = cut_coarse(settings, path)
+    nodes = node_sets.with_representatives(arm, joints, refined.T, _nodes(settings, refined.T))
+    graph = priced(settings, refined, nodes.layers(refined.T))
+    graph.prove(arm, np.arange(len(graph.end)), settings.tolerance)
+    search = Search(arm, graph, settings.tolerance, settings.obstacles, reconfigure=settings.reconfigure)
     way = search.best()
-    if way is None:
-        return Plan(
-            arm, path, np.empty((0, arm.dof)), stops=stops_of(settings, search, refined.T, refined.place),
-            obstacles=settings.obstacles,
-        )  # fmt: skip
-    return made(settings, path, refined, search, way)
+    return not_found(settings, path, refined, search) if way is None else made(settings, path, refined, search, way)
+
+
+def not_found(settings: Settings, path: Array, refined: Refined, search: Search) -> Plan:
+    """The plan that says what stops the path."""
+    stops = stops_of(settings, search, refined.T, refined.place)
+    return Plan(settings.arm, path, np.empty((0, settings.arm.dof)), stops=stops, obstacles=settings.obstacles)
 
 
 def made(settings: Settings, path: Array, refined: Refined, search: Search, way: Way, *, alone: bool = False) -> Plan:
@@ -117,19 +126,24 @@ def made(settings: Settings, path: Array, refined: Refined, search: Search, way:
                 found.append(made(settings, path, refined, search, other, alone=True))
         return tuple(sorted(found, key=lambda plan: plan.cost))
 
+    motion, place = way.motion(refined.place)
     return Plan(
-        settings.arm, path, q[whole], branches, value, tuple(changes), (), q, refined.place, settings.obstacles,
-        None if alone else others,
+        settings.arm, path, q[whole], branches, value, tuple(changes), (), motion, place, _kept(settings),
+        settings.obstacles, None if alone else others,
     )  # fmt: skip
 
 
-def priced(settings: Settings, refined: Refined, layers: Layers, tolerance: Tolerance) -> Graph:
+def _kept(settings: Settings) -> tuple[float, float]:
+    return settings.tolerance.position, settings.tolerance.rotation
+
+
+def priced(settings: Settings, refined: Refined, layers: Layers, mismatch: tuple[float, float] = MISMATCH) -> Graph:
     """A graph with the costs of the settings, steps and nodes."""
     pricing = Pricing(settings.kind, settings.weights, settings.window, refined.pieces)
-    graph = Graph.connected(settings.joints, layers, pricing, tolerance)
+    graph = Graph.connected(settings.joints, layers, pricing, mismatch)
     if np.isfinite(settings.max_step).any() and len(graph.end):
         _, dq = graph.motion(np.arange(len(graph.end)))
-        pieces = refined.pieces[layers.at[graph.start]]
+        pieces = refined.pieces[layers.at[graph.start_of(np.arange(len(graph.end)))]]
         graph.cost[(np.abs(dq) * pieces[:, None] > settings.max_step * (1.0 + 1e-9)).any(axis=1)] = np.inf
     add_margins(settings, graph)
     return graph
@@ -148,27 +162,12 @@ def add_margins(settings: Settings, graph: Graph) -> None:
     graph.node_cost += settings.margins * np.where(bounded, off, 0.0).max(axis=2) ** 2
 
 
-def _graph(settings: Settings, path: Array) -> tuple[Refined, Nodes, Graph]:
-    """The graph of a path of an arm without a redundancy parameter, all edges proven or ruled out."""
-    refined = cut_coarse(settings, path)
-    nodes = _nodes(settings, refined.T, np.arange(len(refined.T)))
-    for depth in range(FINEST + 1):
-        layers = node_sets.with_representatives(settings.arm, settings.joints, refined.T, nodes).layers(refined.T)
-        graph = priced(settings, refined, layers, settings.tolerance)
-        graph.prove(np.arange(len(graph.end)), settings.tolerance)
-        cut = np.empty(0, np.int64) if depth == FINEST else _to_cut(graph, refined)
-        if not len(cut):
-            break
-        refined, nodes = _cut(settings, refined, nodes, cut)
-    return refined, nodes, graph
-
-
-def _nodes(settings: Settings, T: Array, at: Ints) -> Nodes:
+def _nodes(settings: Settings, T: Array) -> Nodes:
     """Solutions at waypoints; at the first and the last the joint vector that is given for it, if one is."""
     arm, joints = settings.arm, settings.joints
-    found = node_sets.solved(arm, joints, T, at, None)
+    found = node_sets.solved(arm, joints, T, np.arange(len(T)), None)
     for given, where in ((settings.start, 0), (settings.end, len(T) - 1)):
-        if given is None or where not in at:
+        if given is None:
             continue
         here = np.flatnonzero(found.at == where)
         apart = np.abs(joints.step(found.q[here], given)).max(axis=1)
@@ -197,46 +196,6 @@ def cut_coarse(
     return Refined(
         np.concatenate([T, path[-1:]]), np.append(segment + share, len(path) - 1.0), pieces[segment].astype(np.float64)
     )
-
-
-def _to_cut(graph: Graph, refined: Refined) -> Ints:
-    """Segments with a node that leads nowhere although the nearest of the next waypoint may be its successor."""
-    layers, joints = graph.layers, graph.joints
-    alive = np.isfinite(graph.cost)
-    leads = np.zeros(len(layers.q), dtype=np.bool_)
-    led = leads.copy()
-    leads[graph.start[alive]] = True
-    led[graph.end[alive]] = True
-    at = layers.at
-    lost = np.flatnonzero(~leads & (at < len(refined.T) - 1))
-    lost_before = np.flatnonzero(~led & (at > 0))
-    segments = np.intersect1d(at[lost], at[lost_before] - 1)
-    cut = []
-    turns = joints.turn > 0.0
-    for k in segments:
-        a = np.arange(layers.first[k], layers.first[k + 1])
-        b = np.arange(layers.first[k + 1], layers.first[k + 2])
-        a, b = a[~leads[a]], b[~led[b]]
-        apart = np.abs(joints.step(layers.q[a, None], layers.q[None, b]))[..., turns].max(axis=2, initial=0.0)
-        mutual = (apart == apart.min(axis=1, keepdims=True)) & (apart == apart.min(axis=0, keepdims=True))
-        if (apart[mutual] <= WIDEST * SHRINKS ** np.log2(refined.pieces[k])).any():
-            cut.append(k)
-    return np.array(cut, dtype=np.int64)
-
-
-def _cut(settings: Settings, refined: Refined, nodes: Nodes, segments: Ints) -> tuple[Refined, Nodes]:
-    """Segments cut in halves, and the nodes of all waypoints."""
-    T, place, pieces = refined
-    middle = waypoints.interpolated(T[segments], T[segments + 1], np.full(len(segments), 0.5))
-    new_T = np.insert(T, segments + 1, middle, axis=0)
-    new_place = np.insert(place, segments + 1, 0.5 * (place[segments] + place[segments + 1]))
-    halves = pieces.copy()
-    halves[segments] *= 2.0
-    moved = np.arange(len(T)) + np.searchsorted(segments, np.arange(len(T)), side="left")
-    added = segments + 1 + np.arange(len(segments))
-    old = nodes._replace(at=moved[nodes.at])
-    fresh = node_sets.solved(settings.arm, settings.joints, new_T, added, None)
-    return Refined(new_T, new_place, np.insert(halves, segments, halves[segments])), old + fresh
 
 
 def _obstacles(arm: Arm, world: World | None, margin: float, collisions: bool) -> Obstacles | None:

@@ -9,12 +9,14 @@ follows from the nodes. The cheapest way from every state to the last waypoint i
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdf_ik import _core
 from urdf_ik.angles import TURN
+from urdf_ik.motion import bisect
 from urdf_ik.motion.straight import Tolerance, keeps_straight
 from urdf_ik.motion.waypoints import twists
 from urdf_ik.solutions.limits import LIMIT_TOLERANCE
@@ -22,6 +24,7 @@ from urdf_ik.solutions.limits import LIMIT_TOLERANCE
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from urdf_ik.arm import Arm
     from urdf_ik.chain import Chain
 
     Array = NDArray[np.float64]
@@ -34,8 +37,9 @@ MOST_STATES = 1024
 """Images of a node that are told apart: the joints with the most images turn without end until there are no more."""
 COSTS = ("l1", "l2", "max")
 """Sum of |dq|, sum of dq^2, largest |dq|, as the compiled core counts them."""
-KEPT_APART = 3.0
-"""An edge is looked at where J dq is off the twist by so many times what the tolerance allows a small motion."""
+MISMATCH = (0.05, 0.2)
+"""Share of the arm's size and rad that J dq may be off the twist, where a motion is looked at: four times what its
+middle strays by, to third order."""
 CHANGE = -2
 """Stands for an edge where the branch is changed."""
 
@@ -77,11 +81,23 @@ class Joints:
         core = _core.PathGraph(low - LIMIT_TOLERANCE, high + LIMIT_TOLERANCE, turn, flags)
         return cls(chain, turn, flags, np.ascontiguousarray(digits), strides, core)
 
-    def images(self, q: Array) -> tuple[Array, NDArray[np.uint8]]:
-        """The lowest image inside the limits of joint vectors (k, n), and how many there are, 0 where none is."""
-        lowest, counts = np.empty(q.shape), np.empty(q.shape, np.uint8)
-        self.core.images(np.ascontiguousarray(q), lowest, counts)
-        return lowest, counts
+    def choose(
+        self, q: Array, flags: NDArray[np.uint8], centres: Array | None = None, near: float = 0.0, outside: bool = False
+    ) -> tuple[Ints, Array, NDArray[np.uint8]]:
+        """Joint vectors that are wanted: their numbers (k,), lowest images (k, n) and numbers of images (k, n).
+
+        Args:
+            q: (m, n) rad or m.
+            flags: (m,) bit 0: a solution.
+            centres: (c, n) rad or m, of m / c joint vectors each: only those near to them are wanted.
+            near: rad that a joint that turns may be off its centre.
+            outside: those outside the limits, too; their images count zero.
+        """
+        kept, lowest, counts = np.empty(len(q), np.int64), np.empty(q.shape), np.empty(q.shape, np.uint8)
+        count = self.core.choose(
+            np.ascontiguousarray(q), np.ascontiguousarray(flags), centres, near, outside, kept, lowest, counts
+        )
+        return kept[:count], lowest[:count], counts[:count]
 
     def step(self, a: Array, b: Array) -> Array:
         """The shortest way (..., n) from joint vectors to others: for joints that turn, on the circle."""
@@ -110,14 +126,15 @@ class Layers:
     column: Ints
     value: Array
 
+    @cached_property
+    def twists(self) -> Array:
+        """(m - 1, 6) from each waypoint to the next: displacement [m] and rotation vector [rad] in base axes."""
+        return twists(self.T[:-1], self.T[1:])
+
     @property
     def at(self) -> Ints:
         """(N,) each node's waypoint."""
         return np.repeat(np.arange(len(self.T)), np.diff(self.first))
-
-    def turns(self) -> Array:
-        """(m - 1, 6) twists from each waypoint to the next."""
-        return twists(self.T[:-1], self.T[1:])
 
     @classmethod
     def made(
@@ -159,6 +176,7 @@ class Graph:
         cost: (E,) infinite where an edge is ruled out.
         node_cost: (N, states) infinite where a node is.
         proven: (E,) whether an edge was shown to keep within the tolerance.
+        between: shares and joint vectors between the ends of the edges that have some.
     """
 
     joints: Joints
@@ -168,26 +186,26 @@ class Graph:
     cost: Array
     node_cost: Array
     proven: Mask
+    between: dict[int, tuple[Array, Array]] = field(default_factory=dict)
     value: Array = field(init=False)
     edge: NDArray[np.int32] = field(init=False)
     jump: Ints = field(init=False)
     changes: NDArray[np.int32] | None = field(init=False, default=None)
 
     @classmethod
-    def connected(cls, joints: Joints, layers: Layers, pricing: Pricing, tolerance: Tolerance) -> Graph:
+    def connected(cls, joints: Joints, layers: Layers, pricing: Pricing, mismatch: tuple[float, float]) -> Graph:
         """With every edge that may be a motion along the path: none of them proven."""
         nodes = len(layers.q)
         jacobians = joints.chain.jacobian(layers.q) if nodes else np.empty((0, 6, joints.chain.n))
-        # Where J dq is off the twist by x, the middle of the motion strays by x / 4, to third order.
-        off = 4.0 * KEPT_APART
-        twist = layers.turns()
+        off = (mismatch[0] * joints.chain.size, mismatch[1])
+        twist = layers.twists
         scale = np.where(pricing.kind == COSTS.index("l2"), pricing.pieces, 1.0)
         room = 1024 + 16 * nodes
         while True:
             first = np.empty(nodes + 1, np.int64)
             end, cost = np.empty(room, np.int32), np.empty(room)
             count = joints.core.connect(
-                layers.first, layers.q, jacobians, twist, (off * tolerance.position, off * tolerance.rotation),
+                layers.first, layers.q, jacobians, twist, off,
                 pricing.window, pricing.kind, pricing.weights, scale, first, end, cost,
             )  # fmt: skip
             if count >= 0:
@@ -197,33 +215,54 @@ class Graph:
         proven = np.zeros(count, dtype=np.bool_)
         return cls(joints, layers, first, end[:count].copy(), cost[:count].copy(), node_cost, proven)
 
-    @property
-    def start(self) -> Ints:
-        """(E,) node that each edge comes from."""
-        return np.repeat(np.arange(len(self.layers.q)), np.diff(self.edge_first))
-
     def motion(self, edges: Ints) -> tuple[Array, Array]:
         """Where edges (k,) start, and how the joints move, (k, n) each."""
-        start = np.searchsorted(self.edge_first, edges, side="right") - 1
-        q = self.layers.q[start]
+        q = self.layers.q[self.start_of(edges)]
         return q, self.joints.step(q, self.layers.q[self.end[edges]])
 
-    def prove(self, edges: Ints, tolerance: Tolerance) -> Mask:
-        """Rule out those of the edges (k,) that may stray from the path; (k,) whether each one keeps to it."""
+    def pieces(self, edges: Ints) -> tuple[Array, Array, Ints]:
+        """The linear motions of edges (k,): where they begin and end, (p, n) each, and whose they are (p,)."""
+        q, dq = self.motion(edges)
+        if not any(int(edge) in self.between for edge in edges):
+            return q, q + dq, np.arange(len(edges))
+        points = [
+            np.vstack([a, self.between.get(int(edge), (a, a[None][:0]))[1], a + step])
+            for a, step, edge in zip(q, dq, edges, strict=True)
+        ]
+        owner = np.repeat(np.arange(len(edges)), [len(each) - 1 for each in points])
+        return np.vstack([each[:-1] for each in points]), np.vstack([each[1:] for each in points]), owner
+
+    def prove(self, arm: Arm, edges: Ints, tolerance: Tolerance) -> Mask:
+        """Rule out those of the edges (k,) that may stray from the path; (k,) whether each one keeps to it.
+
+        Where a linear motion strays, joint vectors are put in between (``bisect``).
+        """
         kept = self.proven[edges]
-        open_ = np.flatnonzero(~kept & np.isfinite(self.cost[edges]))
-        if len(open_):
-            chosen = edges[open_]
-            q, dq = self.motion(chosen)
-            start = np.searchsorted(self.edge_first, chosen, side="right") - 1
-            at = np.searchsorted(self.layers.first, start, side="right") - 1
-            straight = keeps_straight(
-                self.joints.chain, q, dq, self.layers.T, at, self.layers.turns()[:, 3:], tolerance
+        undecided = np.flatnonzero(~kept & np.isfinite(self.cost[edges]))
+        if not len(undecided):
+            return kept
+        chosen = edges[undecided]
+        start, layers = self.start_of(chosen), self.layers
+        q, dq = self.motion(chosen)
+        at = np.searchsorted(layers.first, start, side="right") - 1
+        straight = keeps_straight(self.joints.chain, q, dq, layers.T, at, layers.twists[:, 3:], tolerance)
+        bent = np.flatnonzero(~straight & (np.abs(dq).max(axis=1) <= bisect.WIDEST))
+        if len(bent):
+            value = np.column_stack([layers.value[start[bent]], layers.value[self.end[chosen[bent]]]])
+            done, between = bisect.bisected(
+                arm, self.joints, q[bent], dq[bent], value, layers.T[at[bent]], layers.T[at[bent] + 1], tolerance
             )
-            self.proven[chosen] = straight
-            self.cost[chosen[~straight]] = np.inf
-            kept[open_] = straight
+            straight[bent[done]] = True
+            for k in np.flatnonzero(done):
+                self.between[int(chosen[bent[k]])] = between[k]
+        self.proven[chosen] = straight
+        self.cost[chosen[~straight]] = np.inf
+        kept[undecided] = straight
         return kept
+
+    def start_of(self, edges: Ints) -> Ints:
+        """(k,) the nodes that edges (k,) come from."""
+        return np.searchsorted(self.edge_first, edges, side="right") - 1
 
     def solve(self, reconfigure: bool = False) -> None:
         """Find the cheapest way from every state to the last waypoint; with changes of branch only where asked for."""
@@ -294,6 +333,23 @@ class Way:
         if loose.any():
             q[:, loose] = _unwound(q, self.edges == CHANGE, joints)[:, loose]
         return q
+
+    def motion(self, place: Array) -> tuple[Array, Array]:
+        """All joint vectors (k, n), those between waypoints among them, and where they are on the path (k,).
+
+        Args:
+            place: (m,) where the graph's waypoints are.
+        """
+        q = self.q
+        if not self.graph.between:
+            return q, place
+        vectors, places = [q[:1]], [place[:1]]
+        for k, edge in enumerate(self.edges):
+            shares, between = self.graph.between.get(int(edge), (np.empty(0), q[:0]))
+            turned = q[k] - self.graph.layers.q[self.nodes[k]]  # by whole turns
+            vectors += [between + turned, q[k + 1 : k + 2]]
+            places += [place[k] + shares * (place[k + 1] - place[k]), place[k + 1 : k + 2]]
+        return np.concatenate(vectors), np.concatenate(places)
 
 
 def _unwound(q: Array, changes: Mask, joints: Joints) -> Array:

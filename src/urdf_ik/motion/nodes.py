@@ -63,7 +63,17 @@ def joined(parts: Sequence[Nodes]) -> Nodes:
     return Nodes(*columns)
 
 
-def solved(arm: Arm, joints: Joints, T: Array, at: Ints, values: Array | None, *, outside: bool = False) -> Nodes:
+def solved(
+    arm: Arm,
+    joints: Joints,
+    T: Array,
+    at: Ints,
+    values: Array | None,
+    *,
+    outside: bool = False,
+    centres: Array | None = None,
+    near: float = 0.0,
+) -> Nodes:
     """All solutions inside the joint limits.
 
     Args:
@@ -73,31 +83,44 @@ def solved(arm: Arm, joints: Joints, T: Array, at: Ints, values: Array | None, *
         at: (k,) waypoints to solve.
         values: (k, v) of the redundancy parameter, None for an arm without one.
         outside: solutions outside the limits, too; their counts are zero where they are outside.
+        centres: (k, n) joint vectors; only solutions near to them are wanted.
+        near: rad that a joint that turns may be off them.
     """
     size = arm.dof * len(arm.structure.branches) * (1 if values is None else values.shape[1])
-    parts = [_solved(arm, joints, T, at[:0], None if values is None else values[:0], outside)]
     share = max(1, _NUMBERS // size)
-    for k in range(0, len(at), share):
-        here = slice(k, k + share)
-        parts.append(_solved(arm, joints, T, at[here], None if values is None else values[here], outside))
-    return joined(parts)
+    return joined(
+        [
+            _solved(
+                arm,
+                joints,
+                T,
+                at[k : k + share],
+                None if values is None else values[k : k + share],
+                outside,
+                None if centres is None else centres[k : k + share],
+                near,
+            )  # fmt: skip
+            for k in range(0, max(len(at), 1), share)
+        ]
+    )
 
 
-def _solved(arm: Arm, joints: Joints, T: Array, at: Ints, values: Array | None, outside: bool) -> Nodes:
-    if values is None:
-        solutions = arm.ik(T[at])
-        spread = np.zeros(len(at))
-        where = np.broadcast_to(at[:, None], solutions.valid.shape)
-        at_value = np.broadcast_to(spread[:, None], solutions.valid.shape)
-    else:
-        solutions = arm.ik(T[at, None], redundancy=values)
-        where = np.broadcast_to(at[:, None, None], solutions.valid.shape)
-        at_value = np.broadcast_to(values[:, :, None], solutions.valid.shape)
-    valid = solutions.valid
-    q, counts = joints.images(solutions.q[valid])
-    column = np.broadcast_to(np.arange(valid.shape[-1]), valid.shape)[valid]
-    nodes = Nodes(where[valid], q, counts, column, at_value[valid], solutions.singular[valid] > 0)
-    return nodes if outside else nodes.chosen(np.flatnonzero(counts.all(axis=1)))
+def _solved(
+    arm: Arm,
+    joints: Joints,
+    T: Array,
+    at: Ints,
+    values: Array | None,
+    outside: bool,
+    centres: Array | None,
+    near: float,
+) -> Nodes:
+    solutions = arm.ik(T[at]) if values is None else arm.ik(T[at, None], redundancy=values)
+    flags = (solutions.valid | (solutions.singular << np.uint8(1))).reshape(-1)
+    kept, q, counts = joints.choose(solutions.q.reshape(-1, arm.dof), flags, centres, near, outside)
+    pose, column = np.divmod(kept, solutions.valid.shape[-1])
+    row, value = (pose, np.zeros(len(kept))) if values is None else (pose // values.shape[1], values.reshape(-1)[pose])
+    return Nodes(at[row], q, counts, column, value, flags[kept] > 1)
 
 
 def at_vector(arm: Arm, joints: Joints, q: Array, at: int, value: float, column: int) -> Nodes:
@@ -138,10 +161,7 @@ def _continue(arm: Arm, joints: Joints, T: Array, at: int, here: list[Nodes], be
         loose = solutions.singular > 0
         if not loose.any():
             continue
-        q, counts = joints.images(solutions.q[loose])
-        column = np.flatnonzero(loose)
-        good = counts.all(axis=1)
-        q, counts, column = q[good], counts[good], column[good]
+        column, q, counts = joints.choose(solutions.q, loose.astype(np.uint8))
         if not len(q):
             continue
         nearest = int(np.argmin(np.abs(joints.step(reference, q)).max(axis=1)))

@@ -92,6 +92,7 @@ class Plan:
         motion: (k, n) rad or m, the joint vectors with those between waypoints, where the segments had to be refined:
             moving linearly from one to the next, the tip keeps to the path.
         place: (k,) where each one is: 2.5 is half way from waypoint 2 to waypoint 3.
+        tolerance: (m, rad) of the straight segments that every motion was proven to keep within.
     """
 
     arm: Arm
@@ -103,6 +104,7 @@ class Plan:
     stops: tuple[Stop, ...] = ()
     motion: Array = field(default_factory=lambda: np.empty((0, 0)))
     place: Array = field(default_factory=lambda: np.empty(0))
+    tolerance: tuple[float, float] = (0.0, 0.0)
     obstacles: Obstacles | None = field(default=None, repr=False)
     others: Callable[[], tuple[Plan, ...]] | None = field(default=None, repr=False)
 

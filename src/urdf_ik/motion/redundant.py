@@ -6,41 +6,50 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from urdf_ik.angles import shortest
 from urdf_ik.motion import nodes as node_sets
-from urdf_ik.motion.follow import add_margins, cut_coarse, made, priced
-from urdf_ik.motion.graph import CHANGE, Graph, Pricing
+from urdf_ik.motion.follow import Refined, add_margins, cut_coarse, made, not_found, priced
+from urdf_ik.motion.graph import CHANGE, MISMATCH, Graph, Pricing
 from urdf_ik.motion.plan import Plan
 from urdf_ik.motion.search import Search
-from urdf_ik.motion.stops import stops_of
-from urdf_ik.motion.straight import Tolerance
+from urdf_ik.motion.waypoints import twists
 from urdf_ik.motion.windows import narrow
 from urdf_ik.redundancy.sweep import span
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from urdf_ik.motion.follow import Refined
     from urdf_ik.motion.graph import Way
     from urdf_ik.motion.nodes import Nodes
     from urdf_ik.motion.settings import Settings
 
     Array = NDArray[np.float64]
 
+GRID = 128
+"""Values of the parameter on the first grid, at some of the waypoints: far enough apart that a step to the next value
+is small beside the way of the joints."""
+APART_TURN, APART_MOVE = 0.2, 0.06
+"""rad and share of the arm's size between these waypoints."""
 GRIDS = (64, 128, 256)
-"""Values of the parameter on the first grid; on the next ones where the first finds no way."""
-STRAYS = Tolerance(0.02, 0.1)
-"""Share of the arm's size and rad by which a motion of the first grid may stray: it is only a guide."""
-STEPS = 0.6
+"""The same for a grid at every waypoint, where a grid at some of them gave no plan: the next where one finds no way."""
+LOOSE = (0.25, 1.0)
+"""See ``graph.MISMATCH``, on grids that only guide: from one of their values to the next a motion strays far."""
+STEPS = 1.0
 """rad: the greatest step of a joint from one waypoint to the next on the first grid."""
 COARSE_TURN, COARSE_MOVE = 0.15, 0.05
-"""rad and share of the arm's size: longer segments are cut, so that a way of the first grid can be made straight."""
-FINER, LEVELS = 4, 3
-"""By what each grid is finer than the one before, and how many there are."""
-AROUND = 4
-"""Values to each side of the way on a finer grid."""
-PASSES = 3
+"""rad and share of the arm's size: longer segments are cut."""
+NEAR = 0.2
+"""rad that a joint may be off a way on the finer grids, beside what the parameter brings."""
+FINER = 4
+"""By what each grid is finer than the one before."""
+AROUND = (12, 6, 4)
+"""Values to each side of the way on each of the finer grids. The first grid is so coarse that the best way may lie some
+of its steps beside the way that it gave."""
+PASSES = 6
 """How often a finer grid is laid around the way that it gave, while the cost falls."""
 BETTER = 0.99
+WORTH = 4.0
+"""A branch of the first waypoint is looked at closer where its way costs at most so many times the cheapest."""
 
 
 class Guide(NamedTuple):
@@ -52,6 +61,7 @@ class Guide(NamedTuple):
         column: (k,) branches.
         changes: (k - 1,) where the branch is changed.
         cost: what it costs.
+        turns: whether the parameter is an angle without ends.
     """
 
     q: Array
@@ -59,24 +69,49 @@ class Guide(NamedTuple):
     column: NDArray[np.int64]
     changes: NDArray[np.bool_]
     cost: float
+    turns: bool
+
+    def spread(self, place: Array, places: Array) -> Guide:
+        """At other places of the path, between those that it has; without changes."""
+        right = np.clip(np.searchsorted(place, places), 1, len(place) - 1)
+        share = (places - place[right - 1]) / (place[right] - place[right - 1])
+        q = self.q[right - 1] + share[:, None] * (self.q[right] - self.q[right - 1])
+        step = self.value[right] - self.value[right - 1]
+        step = shortest(step) if self.turns else step
+        value = self.value[right - 1] + share * step
+        column = np.where(share < 0.5, self.column[right - 1], self.column[right])
+        return Guide(q, value, column, np.zeros(len(places) - 1, dtype=np.bool_), np.inf, self.turns)
 
 
 def plan(settings: Settings, path: Array) -> Plan:
     """The plan of an arm with a redundancy parameter."""
-    arm = settings.arm
-    refined = cut_coarse(settings, path, COARSE_TURN, COARSE_MOVE)
+    whole = cut_coarse(settings, path, COARSE_TURN, COARSE_MOVE)
+    looks = [(whole, count) for count in GRIDS]
+    if not settings.reconfigure:
+        looks.insert(0, (_some(settings, whole), GRID))
     search = None
-    for count in GRIDS:
+    for refined, count in looks:
         search, step = _first(settings, refined, count)
-        found = _plan(settings, path, refined, search, step, None)
+        found = _plan(settings, path, whole, refined, search, step)
         if found is not None:
             return found
     assert search is not None  # there is at least one grid
     search.graph.solve(settings.reconfigure)
-    return Plan(
-        arm, path, np.empty((0, arm.dof)), stops=stops_of(settings, search, refined.T, refined.place),
-        obstacles=settings.obstacles,
-    )  # fmt: skip
+    return not_found(settings, path, whole, search)
+
+
+def _some(settings: Settings, refined: Refined) -> Refined:
+    """The first and the last waypoint, and some between them, as far apart as a first look allows."""
+    apart = twists(refined.T[:-1], refined.T[1:])
+    way = np.maximum(
+        np.linalg.norm(apart[:, :3], axis=1) / (APART_MOVE * settings.arm.chain.size),
+        np.linalg.norm(apart[:, 3:], axis=1) / APART_TURN,
+    )
+    place = np.concatenate([[0.0], np.cumsum(way)])
+    chosen = np.unique(np.searchsorted(place, np.arange(0.0, place[-1], 1.0)))
+    chosen = np.unique(np.append(chosen, len(place) - 1))
+    at = refined.place[chosen]
+    return Refined(refined.T[chosen], at, 1.0 / np.diff(at))
 
 
 def _first(settings: Settings, refined: Refined, count: int) -> tuple[Search, float]:
@@ -98,13 +133,14 @@ def _first(settings: Settings, refined: Refined, count: int) -> tuple[Search, fl
     if count > GRIDS[0]:
         nodes += narrow(settings, refined.T, everything, grid)
     nodes = _ends(settings, refined, nodes)
-    strays = Tolerance(STRAYS.position * settings.arm.chain.size, STRAYS.rotation)
     layers = nodes.layers(refined.T)
     window = np.where(settings.joints.turn > 0.0, STEPS, np.inf)
     pricing = Pricing(settings.kind, settings.weights, window, refined.pieces)
-    graph = Graph.connected(settings.joints, layers, pricing, strays)
+    graph = Graph.connected(settings.joints, layers, pricing, LOOSE)
     add_margins(settings, graph)
-    return Search(graph, None, settings.obstacles, reconfigure=settings.reconfigure), float(grid[1] - grid[0])
+    return Search(settings.arm, graph, None, settings.obstacles, reconfigure=settings.reconfigure), float(
+        grid[1] - grid[0]
+    )
 
 
 def _ends(settings: Settings, refined: Refined, nodes: Nodes) -> Nodes:
@@ -125,73 +161,96 @@ def _ends(settings: Settings, refined: Refined, nodes: Nodes) -> Nodes:
 
 
 def _plan(
-    settings: Settings,
-    path: Array,
-    refined: Refined,
-    search: Search,
-    step: float,
-    starts: NDArray[np.bool_] | None,
+    settings: Settings, path: Array, whole: Refined, refined: Refined, search: Search, step: float
 ) -> Plan | None:
-    """The plan that the first grid leads to; of those that begin at some of its nodes."""
-    way = search.best(starts)
-    if way is None:
-        return None
-    guide = _guide(way)
-    last: tuple[Search, Way] | None = None
-    for level in range(1, LEVELS + 1):
-        step /= FINER
-        for _ in range(PASSES):
-            finer = _around(settings, refined, guide, step, level == LEVELS)
-            better = finer.best()
-            if better is None:
-                break
-            last, before = (finer, better), guide.cost
-            guide = _guide(better)
-            if not guide.cost < BETTER * before:
-                break
-        else:
-            continue
-        if better is None and level == LEVELS:
-            return None
-    if last is None:
-        return None
-    plan = made(settings, path, refined, *last, alone=True)
+    """The plan that the first grid leads to, at all waypoints or some of them."""
     columns = search.graph.layers.column[: search.graph.layers.first[1]]
+    guides = []
+    cheapest = np.inf
+    for column in np.unique(columns):
+        way = search.best(columns == column)
+        if way is not None:
+            guides.append((_guide(settings, way), column))
+            cheapest = min(cheapest, guides[-1][0].cost)
+    close = [(_improved(settings, refined, guide, step), c) for guide, c in guides if guide.cost <= WORTH * cheapest]
+    close.sort(key=lambda each: (each[0].changes.sum(), each[0].cost))
+
+    def finished(guide: Guide) -> Plan | None:
+        last = _finished(settings, whole, refined, guide, step / FINER ** len(AROUND))
+        return None if last is None else made(settings, path, whole, *last, alone=True)
 
     def others() -> tuple[Plan, ...]:
-        found = [_plan(settings, path, refined, search, FINER**LEVELS * step, columns == c) for c in np.unique(columns)]
+        far = [_improved(settings, refined, guide, step) for guide, _ in guides if guide.cost > WORTH * cheapest]
+        found = [finished(guide) for guide in (*(guide for guide, _ in close), *far)]
         return tuple(sorted((each for each in found if each is not None), key=lambda each: each.cost))
 
-    return plan if starts is not None else plan.with_others(others)
+    best: Plan | None = None
+    for guide, _ in close:
+        # What a way costs at some waypoints is hardly more than what it costs at all of them.
+        if best is not None and (len(best.changes), best.cost) <= (guide.changes.sum(), guide.cost):
+            break
+        plan = finished(guide)
+        if plan is not None and (best is None or (len(plan.changes), plan.cost) < (len(best.changes), best.cost)):
+            best = plan
+    return None if best is None else best.with_others(others)
 
 
-def _guide(way: Way) -> Guide:
+def _improved(settings: Settings, refined: Refined, guide: Guide, step: float) -> Guide:
+    """A way on ever finer grids around it."""
+    for around in AROUND:
+        step /= FINER
+        for _ in range(PASSES):
+            way = _around(settings, refined, guide, step, around, last=False).best()
+            found = guide if way is None else _guide(settings, way)
+            if not found.cost < guide.cost:
+                break
+            before, guide = guide.cost, found
+            if not guide.cost < BETTER * before:
+                break
+    return guide
+
+
+def _finished(
+    settings: Settings, whole: Refined, refined: Refined, guide: Guide, step: float
+) -> tuple[Search, Way] | None:
+    """The way at all waypoints, its motions proven and clear; None where there is none near the guide."""
+    if len(refined.T) < len(whole.T):
+        guide = guide.spread(refined.place, whole.place)
+    last: tuple[Search, Way] | None = None
+    for level, wider in enumerate((FINER**3, FINER**2, FINER, 1)):
+        for _ in range(PASSES if level else 1):
+            search = _around(settings, whole, guide, step * wider, AROUND[-1], last=level > 1)
+            way = search.best()
+            if way is None:
+                break
+            before, guide, last = guide.cost, _guide(settings, way), (search, way)
+            if not guide.cost < BETTER * before:
+                break
+        if level > 1 and last is None:
+            return None
+    return last
+
+
+def _guide(settings: Settings, way: Way) -> Guide:
     layers = way.graph.layers
     state = int(way.nodes[0]) * len(way.graph.joints.digits) + int(way.images[0])
     value = float(way.graph.value.reshape(-1)[state])
-    return Guide(way.q, layers.value[way.nodes], layers.column[way.nodes], way.edges == CHANGE, value)
+    parameter = settings.arm.redundancy
+    turns = parameter is not None and parameter.round
+    return Guide(way.q, layers.value[way.nodes], layers.column[way.nodes], way.edges == CHANGE, value, turns)
 
 
-def _around(settings: Settings, refined: Refined, guide: Guide, step: float, last: bool) -> Search:
+def _around(settings: Settings, refined: Refined, guide: Guide, step: float, around: int, last: bool) -> Search:
     """The search on a grid of values around a way."""
     arm, joints = settings.arm, settings.joints
     parameter = arm.redundancy
     assert parameter is not None  # only such arms are planned for here
-    values = guide.value[:, None] + step * np.arange(-AROUND, AROUND + 1)
+    values = guide.value[:, None] + step * np.arange(-around, around + 1)
     values = parameter.wrapped(values) if parameter.round else np.clip(values, *parameter.range)
-    nodes = node_sets.solved(arm, joints, refined.T, np.arange(len(refined.T)), values)
-    apart = np.abs(joints.step(guide.q[nodes.at], nodes.q))[:, joints.turn > 0.0].max(axis=1, initial=0.0)
-    nodes = _ends(settings, refined, nodes.chosen(apart < STEPS))
-    graph = priced(
-        settings, refined, nodes.layers(refined.T), settings.tolerance if last else _loosened(settings, step)
-    )
-    return Search(graph, settings.tolerance if last else None, settings.obstacles, reconfigure=settings.reconfigure)
-
-
-def _loosened(settings: Settings, step: float) -> Tolerance:
-    """How far a motion may stray on a grid that is not the last: it falls with the square of the step."""
-    size = settings.arm.chain.size
-    return Tolerance(
-        max(settings.tolerance.position, min(STRAYS.position, 2.0 * step * step) * size),
-        max(settings.tolerance.rotation, min(STRAYS.rotation, 10.0 * step * step)),
+    near = min(STEPS, NEAR + 2.0 * around * step)
+    at = np.arange(len(refined.T))
+    nodes = _ends(settings, refined, node_sets.solved(arm, joints, refined.T, at, values, centres=guide.q, near=near))
+    graph = priced(settings, refined, nodes.layers(refined.T), MISMATCH if last else LOOSE)
+    return Search(
+        settings.arm, graph, settings.tolerance if last else None, settings.obstacles, reconfigure=settings.reconfigure
     )

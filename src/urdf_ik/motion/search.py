@@ -17,6 +17,7 @@ from urdf_ik.motion.graph import CHANGE
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from urdf_ik.arm import Arm
     from urdf_ik.motion.graph import Graph, Way
     from urdf_ik.motion.obstacles import Obstacles
     from urdf_ik.motion.straight import Tolerance
@@ -36,17 +37,25 @@ class Search:
     """
 
     def __init__(
-        self, graph: Graph, tolerance: Tolerance | None, obstacles: Obstacles | None, *, reconfigure: bool = False
+        self,
+        arm: Arm,
+        graph: Graph,
+        tolerance: Tolerance | None,
+        obstacles: Obstacles | None,
+        *,
+        reconfigure: bool = False,
     ) -> None:
         """Search a graph.
 
         Args:
+            arm: the arm.
             graph: its costs are changed.
             tolerance: that motions must keep to; None: none is proven, and none is asked for obstacles.
             obstacles: what to stay clear of.
             reconfigure: whether the branch may be changed, as rarely as possible.
         """
-        self.graph, self.tolerance, self.obstacles, self.reconfigure = graph, tolerance, obstacles, reconfigure
+        self.arm, self.graph = arm, graph
+        self.tolerance, self.obstacles, self.reconfigure = tolerance, obstacles, reconfigure
         self.hits = np.zeros(len(graph.layers.q), dtype=np.bool_)
         self.swept = np.zeros(len(graph.end), dtype=np.bool_)
         self._clear = self.hits.copy()
@@ -72,7 +81,7 @@ class Search:
     def _passes(self, way: Way) -> bool:
         edges = way.edges[way.edges != CHANGE]
         if self.tolerance is not None:
-            straight = self.graph.prove(edges, self.tolerance)
+            straight = self.graph.prove(self.arm, edges, self.tolerance)
             if not straight.all():
                 self._prove_around(edges[~straight])
                 return False
@@ -88,7 +97,7 @@ class Search:
             np.searchsorted(layers.first, np.searchsorted(first, failed, side="right") - 1, side="right") - 1
         )
         for k in segments:
-            self.graph.prove(np.arange(first[layers.first[k]], first[layers.first[k + 1]]), self.tolerance)
+            self.graph.prove(self.arm, np.arange(first[layers.first[k]], first[layers.first[k + 1]]), self.tolerance)
 
     def _clear_nodes(self, nodes: Ints) -> bool:
         """Whether all of these nodes are clear; where some are not, those beside them are asked, too."""
@@ -123,8 +132,9 @@ class Search:
     def _clear_motions(self, edges: Ints) -> bool:
         assert self.obstacles is not None  # who has none asks nothing
         asked = edges[~self._clear_edges[edges]]
-        q, dq = self.graph.motion(asked)
-        free = self.obstacles.motions_free(q, q + dq)
+        q0, q1, edge = self.graph.pieces(asked)
+        free = np.ones(len(asked), dtype=np.bool_)
+        free[edge[~self.obstacles.motions_free(q0, q1)]] = False
         self._clear_edges[asked[free]] = True
         self.swept[asked[~free]] = True
         self.graph.cost[asked[~free]] = np.inf

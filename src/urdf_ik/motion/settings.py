@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 POSITION, ROTATION = 1e-3, 0.02
 """m and rad: how far the tip may stray from the straight segment between two waypoints, where nothing else is asked."""
+LOOSER = 4.0
+"""So many times as far, where nothing is asked and no plan keeps to that."""
 AT_WAYPOINT = 1e-6
 """m and rad: a start or an end whose pose is farther from its waypoint is none of its solutions."""
 
@@ -42,6 +44,7 @@ class Settings:
         obstacles: what to stay clear of.
         margins: weight of the costs of being near a joint limit.
         reconfigure: whether the branch may be changed.
+        looser: whether a plan may stray ``LOOSER`` times as far where there is none else.
     """
 
     arm: Arm
@@ -55,6 +58,7 @@ class Settings:
     obstacles: Obstacles | None
     margins: float
     reconfigure: bool
+    looser: bool
 
     @property
     def window(self) -> Array:
@@ -95,7 +99,7 @@ def read(
     return Settings(
         arm, Joints.of(arm.chain), kind, factors, steps, _tolerance(tolerance),
         _at_pose(arm, "start", start, T[0], 0), _at_pose(arm, "end", end, T[-1], len(T) - 1),
-        obstacles, float(margins), reconfigure,
+        obstacles, float(margins), reconfigure, tolerance is None and not reconfigure,
     )  # fmt: skip
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from urdf_ik.motion import nodes as node_sets
 from urdf_ik.motion.plan import Stop
 from urdf_ik.motion.straight import keeps_straight
+from urdf_ik.motion.windows import room
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -57,7 +58,22 @@ def stops_of(settings: Settings, search: Search, T: Array, place: Array) -> tupl
         stop = _stop(settings, search, T, last, node[here][:_LOOKED_AT], state[here][:_LOOKED_AT])
         stops.append((place[last], Stop(names[column], int(np.ceil(place[min(last + 1, len(T) - 1)])), *stop)))
     stops.sort(key=lambda each: -each[0])
-    return tuple(stop for _, stop in stops)
+    return (*_out_of_all_reach(settings, search, T, place), *(stop for _, stop in stops))
+
+
+def _out_of_all_reach(settings: Settings, search: Search, T: Array, place: Array) -> tuple[Stop, ...]:
+    """The first waypoint that no branch reaches inside the limits, wherever the ways to it end."""
+    empty = np.flatnonzero(np.diff(search.graph.layers.first) == 0)
+    if not len(empty):
+        return ()
+    at = int(empty[0])
+    waypoint = int(np.ceil(place[at]))
+    everything = _solutions(settings, T, at, None)
+    if not len(everything.q):
+        return (Stop("every branch", waypoint, "reach", f"out of reach: {settings.arm.explain(T[at])}"),)
+    best = int(np.argmax(room(settings, everything.q)))
+    limits = _limits(settings, everything.q[best], everything.counts[best] == 0)
+    return (Stop("every branch", waypoint, "limit", f"no solution is inside the limits; of the nearest, {limits}"),)
 
 
 def _at_first(settings: Settings, search: Search, T: Array) -> tuple[Stop, ...]:
@@ -77,7 +93,7 @@ def _at_first(settings: Settings, search: Search, T: Array) -> tuple[Stop, ...]:
         q = everything.q[everything.column == column]
         counts = everything.counts[everything.column == column]
         k = int(np.argmin((counts == 0).sum(axis=1)))
-        stops.append(Stop(names[column], 0, "limit", _limits(settings, q[k], q[k], counts[k] == 0)))
+        stops.append(Stop(names[column], 0, "limit", _limits(settings, q[k], counts[k] == 0)))
     return tuple(stops)
 
 
@@ -101,7 +117,7 @@ def _stop(settings: Settings, search: Search, T: Array, last: int, nodes: Ints, 
         size = np.abs(steps).max(axis=1)
         k = int(np.argmin(size))
         straight = keeps_straight(
-            arm.chain, q[None], steps[k][None], T, np.array([last]), graph.layers.turns()[:, 3:],
+            arm.chain, q[None], steps[k][None], T, np.array([last]), graph.layers.twists[:, 3:],
             settings.tolerance.times(_LOOSE),
         )  # fmt: skip
         if not straight[0]:
@@ -115,7 +131,7 @@ def _stop(settings: Settings, search: Search, T: Array, last: int, nodes: Ints, 
         low, high = arm.limits.T
         outside = (after < low - 1e-9) | (after > high + 1e-9)
         if outside.any():
-            found["limit"] = _limits(settings, after, q, outside)
+            found["limit"] = _limits(settings, after, outside)
         elif (np.abs(steps[k]) > settings.max_step).any():
             joint = arm.joint_names[int(np.argmax(np.abs(steps[k]) / settings.max_step))]
             found["limit"] = f"{joint} would have to move more than max_step allows"
@@ -140,13 +156,12 @@ def _all_values(settings: Settings) -> Array:
     return np.linspace(*parameter.range, 256)
 
 
-def _limits(settings: Settings, q: Array, before: Array, outside: NDArray[np.bool_]) -> str:
+def _limits(settings: Settings, q: Array, outside: NDArray[np.bool_]) -> str:
     parts = []
     low, high = settings.arm.limits.T
     for k in np.flatnonzero(outside):
         joint = settings.arm.joint_names[k]
-        beyond = q[k] > 0.5 * (low[k] + high[k])
-        limit = high[k] if beyond else low[k]
+        limit = high[k] if abs(q[k] - high[k]) < abs(q[k] - low[k]) else low[k]
         wanted, most = _value(settings, joint, q[k]), _value(settings, joint, limit)
         parts.append(f"{joint} would have to be at {wanted}, its limit is {most}")
     return "; ".join(parts)

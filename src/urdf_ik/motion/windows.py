@@ -54,11 +54,11 @@ def narrow(settings: Settings, T: Array, everything: Nodes, grid: Array) -> Node
     if parameter is not None and parameter.round:
         table[..., 0], table[..., -1] = table[..., -2], table[..., 1]
     here, before, after = table[..., 1:-1], table[..., :-2], table[..., 2:]
-    slope = np.maximum(
-        np.where(np.isfinite(before), here - before, 0.0), np.where(np.isfinite(after), here - after, 0.0)
-    )
     alone = ~np.isfinite(before) | ~np.isfinite(after)
-    with np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore"):  # infinity less infinity, where a branch has no solution
+        slope = np.maximum(
+            np.where(np.isfinite(before), here - before, 0.0), np.where(np.isfinite(after), here - after, 0.0)
+        )
         peak = (here < 0.0) & np.isfinite(here) & (here >= before) & (here >= after)
         peak &= (here + slope > 0.0) | alone
     at, column, k = np.nonzero(peak)
