@@ -10,7 +10,7 @@ import numpy as np
 from urdf_ik.chain import from_urdf
 from urdf_ik.collision import geometry, swept, table
 from urdf_ik.collision.scene import ArmShapes, Scene
-from urdf_ik.errors import ArgumentError, JointVectorError, PoseError, UrdfError, WorldError
+from urdf_ik.errors import JointVectorError, PoseError, UrdfError, WorldError
 from urdf_ik.reference import Reference, finite
 from urdf_ik.urdf import srdf as srdf_reader
 
@@ -229,7 +229,7 @@ class CollisionModel:
             JointVectorError: the last dimension is not n.
             ArgumentError: ``margin`` is negative or not finite.
         """
-        check_margin(margin)
+        swept.check_margin(margin)
         Q, places, scene = self._rows(q)
         out = np.zeros(len(Q), dtype=np.bool_)
         for part, placed in scene.chunks(Q):
@@ -319,7 +319,7 @@ class CollisionModel:
             JointVectorError: the arrays do not fit the arm or each other, or are not finite.
             ArgumentError: ``margin`` is negative or not finite.
         """
-        check_margin(margin)
+        swept.check_margin(margin)
         self._require_geometry()
         start, end = (self._reference.vectors(q) for q in (q0, q1))
         if start.ndim != 2 or start.shape != end.shape:
@@ -442,13 +442,3 @@ class CollisionModel:
             else:
                 out[index] = scene.nearest(shapes, np.full(len(every), -np.inf))[1]
         return out.item() if out.ndim == 0 else out
-
-
-def check_margin(margin: float) -> None:
-    """Refuse a margin that is no length.
-
-    Raises:
-        ArgumentError: it is negative or not finite.
-    """
-    if not 0.0 <= margin < np.inf:
-        raise ArgumentError(f"a margin of {margin} given; it must be zero or a positive number of m")

@@ -85,6 +85,16 @@ class _Pieces(NamedTuple):
     open: NDArray[np.bool_]
 
 
+def check_margin(margin: float) -> None:
+    """Refuse a margin that is no length.
+
+    Raises:
+        ArgumentError: it is negative or not finite.
+    """
+    if not 0.0 <= margin < np.inf:
+        raise ArgumentError(f"a margin of {margin} given; it must be zero or a positive number of m")
+
+
 def motions(scene: Scene, q0: Array, q1: Array, margin: float) -> Motions:
     """Which of the motions from q0 (k, n) to q1 (k, n) are free; see :class:`Motions`."""
     k, P = len(q0), len(scene.pairs)
