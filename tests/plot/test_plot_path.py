@@ -67,7 +67,7 @@ def test_each_joint_has_a_panel_with_its_limits_and_the_plan(arm: Arm, plan: Pla
 
 
 def test_the_thin_lines_are_solutions_of_the_waypoints(arm: Arm, plan: Plan) -> None:
-    """Every end of every piece is a joint value, up to turns, of a solution of that waypoint; all branches are there."""
+    """Every end of every piece is a joint value, up to turns, of a solution of its waypoint; no branch is missing."""
     solutions = arm.ik(plan.poses)
     for k, axes in enumerate(sorted(plot.path(plan, degrees=False).axes, key=lambda each: each.get_title(loc="left"))):
         (curves,) = [each for each in axes.collections if isinstance(each, LineCollection)]

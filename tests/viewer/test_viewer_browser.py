@@ -298,3 +298,28 @@ def test_the_scene_is_saved_as_a_page_that_needs_no_viewer(seen: Seen, tmp_path:
     page.close()
     assert not [url for url in asked if url.startswith(("http:", "https:", "ws:"))]
     assert changed(drawn, np.broadcast_to(drawn[0, -1], drawn.shape)) > 5000
+
+
+def test_a_plan_is_played_and_its_ends_are_chosen(seen: Seen) -> None:
+    """The play button moves the arm along the path and the slider with it; an end's button goes there."""
+    viewer, page = seen.viewer, seen.page
+    start = viewer.state.target
+    end = start.copy()
+    end[:3, 3] += [0.0, 0.3, 0.0]
+    plan = viewer.state.arm.follow(urdf_ik.line(start, end, 20))
+    first = seen.pixels()
+    viewer.show_plan(plan)
+    page.get_by_role("button", name="Play", exact=True).click()
+    seen.wait(lambda: viewer.place == 19.0, "the plan is played")
+    page.get_by_role("button", name="Play", exact=True).wait_for()
+    assert viewer.settle(PATIENCE) and np.allclose(viewer.state.q, plan.q[-1])
+    assert changed(first, seen.pixels()) > 500
+    end[1, 3] += 5.0
+    missed = viewer.state.arm.follow(urdf_ik.line(start, end, 60))
+    assert not missed.found
+    viewer.show_plan(missed)
+    stop = missed.stops[-1]
+    page.get_by_role("button", name=f"ends before {stop.waypoint}, {stop.cause}").last.click()
+    seen.wait(lambda: viewer.place == stop.waypoint - 1, "the end is shown")
+    viewer.show_plan(None)
+    assert viewer.settle(PATIENCE)

@@ -17,6 +17,7 @@ from urdf_ik.families import Plan, RedundantPlan
 from urdf_ik.poses import as_pose_array, check_poses
 from urdf_ik.redundancy import nearest, sweep
 from urdf_ik.solutions import IKSolutions
+from urdf_ik.solutions.representatives import near_each
 from urdf_ik.structure import Structure, analyse
 from urdf_ik.tasks import Targets
 
@@ -273,7 +274,8 @@ class Arm(Moving):
             task: what ``T`` is; see ``ik``.
 
         Returns:
-            One column a pose. With seven joints, ``redundancy`` holds the values of the parameter; see
+            One column a pose; of a continuum what ``ik`` gives near ``q_ref``, its free joint there. With seven
+            joints, ``redundancy`` holds the values of the parameter; see
             :mod:`urdf_ik.redundancy.nearest` for how they are searched, and what may be missed.
 
         Raises:
@@ -300,7 +302,9 @@ class Arm(Moving):
             return nearest.nearest(self, self._plan.parameter, T, q_ref, threads=threads, **options)
         reference = self.chain.check(q_ref)
         near = reference if reference.ndim == 1 else None
-        return self.ik(T, near, threads=threads).nearest(reference, **options)
+        solutions = self.ik(T, near, threads=threads)
+        solutions = near_each(solutions, reference) if near is None else solutions
+        return solutions.nearest(reference, **options)
 
     def sweep(self, T: Any, n: int = 64, *, within_limits: bool = False, threads: int = 1) -> Sweep:
         """The solutions of one pose at ``n`` values of the redundancy parameter, and where there are any.
@@ -310,9 +314,6 @@ class Arm(Moving):
             n: number of values, shared among the intervals in which there are solutions by their lengths.
             within_limits: only solutions inside the joint limits count.
             threads: number of threads that share the work.
-
-        Returns:
-            See :class:`urdf_ik.Sweep`.
 
         Raises:
             PoseError: ``T`` is no pose, or more than one.

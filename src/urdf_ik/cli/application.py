@@ -355,16 +355,20 @@ def plot(
 
 @app.command(
     help=_help(
-        "Show an arm in the browser: every solution of a target to drag, sliders for the joints. Ctrl-C ends it.",
+        "Show an arm in the browser: every solution of a target to drag, sliders for the joints. With --waypoints, a "
+        "plan to be played along its path, or where each branch ends; with --world, obstacles. Ctrl-C ends it.",
         "urdf-ik view ur5",
         "urdf-ik view my_arm.urdf --tip tool0 --mesh-root meshes --port 9000",
         "urdf-ik view panda -o panda.html",
+        "urdf-ik view zyyzyz_6r --waypoints seam.csv --world cell.urdf",
     )
 )
 @on_an_arm
 def view(
     *,
+    path: TypedPath,
     chosen: ChosenArm,
+    degrees: options.Degrees = False,
     host: options.Host = "127.0.0.1",
     port: options.Port = None,
     output: options.Page = None,
@@ -372,7 +376,7 @@ def view(
     """Serve the page."""
     from urdf_ik.cli.commands import view as view_command
 
-    view_command.run(chosen.load(), host, port, chosen.mesh_root, output)
+    view_command.run(chosen, path, degrees, host, port, output)
 
 
 def main() -> None:

@@ -74,6 +74,12 @@ def joined(meshes: list[trimesh.Trimesh]) -> trimesh.Trimesh:
     )
 
 
+def capsule(radius: float, length: float, count: list[int]) -> Any:
+    """A ``Trimesh``, its middle at the origin, along z; trimesh puts it there, or one of its ends, by its version."""
+    mesh = trimesh.creation.capsule(length, radius, count=count)
+    return mesh.apply_translation(-mesh.bounds.mean(axis=0))
+
+
 def simplified(mesh: trimesh.Trimesh, most: int) -> trimesh.Trimesh:
     """``mesh`` without colours and with at most ``most`` faces: vertices in one cell of a grid become one.
 
@@ -143,8 +149,7 @@ def _sphere(geometry: Any, _: UrdfModel, coarse: bool) -> list[Any]:
 
 def _capsule(geometry: Any, _: UrdfModel, coarse: bool) -> list[Any]:
     radius, length = float(geometry.get("radius")), float(geometry.get("length"))
-    count = [8, 16] if coarse else [32, 32]
-    return [trimesh.creation.capsule(length, radius, count=count).apply_translation([0, 0, -0.5 * length])]
+    return [capsule(radius, length, [8, 16] if coarse else [32, 32])]
 
 
 def _mesh(geometry: Any, model: UrdfModel, coarse: bool) -> list[Any]:

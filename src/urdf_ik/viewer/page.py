@@ -16,7 +16,7 @@ from urdf_ik import catalogue
 from urdf_ik.arm import load
 from urdf_ik.errors import ArgumentError, MissingPackage, UrdfIkError
 from urdf_ik.poses import pose
-from urdf_ik.viewer import address
+from urdf_ik.viewer import address, playback
 from urdf_ik.viewer import state as states
 from urdf_ik.viewer.latest import Latest
 
@@ -26,8 +26,14 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
+    from urdf_ik.collision import World
+    from urdf_ik.motion import Plan
+    from urdf_ik.motion.plan import Stop
+    from urdf_ik.viewer.path_panel import PathPanel
+    from urdf_ik.viewer.playback import Track
     from urdf_ik.viewer.scene import Drawing
     from urdf_ik.viewer.state import State
+    from urdf_ik.viewer.surroundings import PathDrawing
 
 INSTALL = "pip install 'urdf-ik[viewer]'"
 
@@ -44,6 +50,9 @@ class Viewer:
         server: the viser server.
         drawing: what stands in the scene.
         panel: the widgets of the arm.
+        track: the plan that is shown, or None.
+        place: where on it the arm is; 2.5 is half way from waypoint 2 to waypoint 3.
+        obstacles: the world in the scene.
         message: what the last request for another arm came to.
     """
 
@@ -54,6 +63,8 @@ class Viewer:
         host: str = "127.0.0.1",
         port: int | None = None,
         mesh_roots: Sequence[str | os.PathLike[str]] = (),
+        plan: Plan | None = None,
+        world: World | None = None,
     ) -> None:
         """Start the server.
 
@@ -62,23 +73,32 @@ class Viewer:
             host: interface to listen on; '0.0.0.0' lets everybody in the network in.
             port: None: 8080, or the first free one after it; 0: any free one.
             mesh_roots: folders that meshes of arms that the page asks for may be read from.
+            plan: of ``arm.follow``, found or not, to be played along its waypoints.
+            world: obstacles to show; a solution that touches one is marked. Default: those of the plan.
 
         Raises:
             MissingPackage: viser is not installed.
-            ArgumentError: the port is in use, or the host is not this machine.
+            ArgumentError: the port is in use, the host is not this machine, or the plan is another arm's.
         """
         try:
             import viser
         except ImportError:
             raise MissingPackage(f"the viewer needs viser, which is not installed: {INSTALL}") from None
-        from urdf_ik.viewer import panel, scene
+        from urdf_ik.viewer import panel, path_panel, scene, surroundings
 
         address.check(host, port)
         self._parts, self._plain = (panel.Panel, scene.Drawing), panel.plain
+        self._path_parts = path_panel.PathPanel, surroundings.PathDrawing, surroundings.Obstacles
         self._host, self._mesh_roots = host, tuple(mesh_roots)
         self.message = ""
-        self.state = states.start(arm)
+        if plan is not None and plan.obstacles is not None and world is None:
+            world = plan.obstacles.model.world
+        self.state = states.start(arm, world)
         self._latest = Latest()
+        self.track: Track | None = None
+        self.place = 0.0
+        self._path: tuple[PathPanel, PathDrawing] | None = None
+        self._player = playback.Player(self.go_to, self._ended)
         first = address.DEFAULT_PORT if port is None else port
         with _quiet():
             self.server = viser.ViserServer(host=host, port=first, label="urdf-ik", verbose=False)
@@ -90,6 +110,13 @@ class Viewer:
         self._message = self.server.gui.add_markdown("")
         self._show_arm(self.state)
         self._add_sources()
+        if plan is not None:
+            try:
+                self.show_plan(plan)
+            except ArgumentError:
+                self.close()
+                raise
+            self.settle()
 
     def __enter__(self) -> Viewer:
         return self
@@ -109,6 +136,7 @@ class Viewer:
 
     def close(self) -> None:
         """Stop the server."""
+        self._player.stop()
         self._latest.close()
         with _quiet():
             self.server.stop()
@@ -168,6 +196,32 @@ class Viewer:
         """Set the redundancy parameter [rad or m] of an arm with seven joints."""
         self._update("redundancy", lambda state: states.with_redundancy(state, value))
 
+    def show_plan(self, plan: Plan | None) -> None:
+        """Show another plan of this arm, with its path and, where it was not found, the ends of its branches.
+
+        Raises:
+            ArgumentError: the plan is another arm's.
+        """
+        if plan is not None and plan.arm is not self.state.arm:
+            raise ArgumentError(f"the plan is one of {plan.arm.name}, not of the arm that is shown")
+        self._latest.put("plan", lambda: self._show_plan(plan))
+
+    def go_to(self, place: float) -> None:
+        """Go to a place of the plan that is shown; 2.5 is half way from waypoint 2 to waypoint 3."""
+        self._latest.put("place", lambda: self._go_to(place))
+
+    def play(self) -> None:
+        """Play the plan that is shown, from where it is; pause it where it is being played."""
+        if self.track is None:
+            return
+        playing = self._player.playing
+        if playing:
+            self._player.stop()
+        else:
+            self._player.start(self.track, self.place)
+        if self._path is not None:
+            self._path[0].show_playing(not playing)
+
     def open(self, source: str | bytes, base: str | None = None, tip: str | None = None) -> None:
         """Show another arm: a path, a catalogue name, or a URDF's text as bytes; what goes wrong stands in the page."""
         self._latest.put("arm", lambda: self._open(source, base, tip))
@@ -176,14 +230,16 @@ class Viewer:
         self._say("Loading ...")
         try:
             given = io.BytesIO(source) if isinstance(source, bytes) else source
-            state = states.start(load(given, base, tip, mesh_roots=self._mesh_roots))
+            state = states.start(load(given, base, tip, mesh_roots=self._mesh_roots), self.state.world)
         except (UrdfIkError, OSError) as error:
             return self._say(str(error))
         except Exception as error:
             self._say(f"a defect of this program; the terminal says more: {error!r}")
             raise
+        self._show_plan(None)
         self.drawing.remove()
         self.panel.remove()
+        self.obstacles.remove()
         self._show_arm(state)
         return None
 
@@ -197,7 +253,8 @@ class Viewer:
         self.state, arm = state, state.arm
         self.drawing = drawing(self.server.scene, arm)
         self.panel = panel(self.server.gui, arm, self.choose, self._slid, self._turned)
-        self._say("\n".join(_unseen(self.drawing)))
+        self.obstacles = self._path_parts[2](self.server.scene, state.world, arm.chain.size)
+        self._say("\n".join([*_unseen(self.drawing), *self.obstacles.missing.values()]))
         self.drawing.target.on_update(self._dragged)
         cameras: list[Any] = [self.server.initial_camera]
         cameras += [client.camera for client in self.server.get_clients().values()]
@@ -211,7 +268,53 @@ class Viewer:
         with self.server.atomic():
             self.drawing.show(state, keep_target=held is self.drawing.target)
             self.panel.show(state, keep=held)
+            self.obstacles.update()
         self.server.flush()
+
+    def _show_plan(self, plan: Plan | None) -> None:
+        self._player.stop()
+        if self._path is not None:
+            for part in self._path:
+                part.remove()
+        self.track, self._path = None, None
+        if plan is None:
+            return
+        self.track = playback.track(plan)
+        panel, drawing, _ = self._path_parts
+        self._path = (
+            panel(self.server.gui, self.track, self._scrubbed, self.play, self._show_end),
+            drawing(self.server.scene, self.track, self.state.arm.chain.size, self._show_end),
+        )
+        self._go_to(0.0)
+
+    def _go_to(self, place: float, *, scrubbed: bool = False) -> None:
+        """Show a place of the plan; where it was chosen with the slider, that is left alone."""
+        if self.track is None or self._path is None:
+            return
+        self.place = place
+        self._show(playback.at(self.track, self.state, place))
+        if not scrubbed:
+            self._path[0].show(place)
+
+    def _scrubbed(self, place: float) -> None:
+        self._player.stop()
+        if self._path is not None:
+            self._path[0].show_playing(False)
+        self._latest.put("place", lambda: self._go_to(place, scrubbed=True))
+
+    def _show_end(self, stop: Stop) -> None:
+        def do() -> None:
+            if self.track is not None and self._path is not None:
+                self.place = max(stop.waypoint - 1, 0)
+                self._show(playback.first_of(self.track, self.state, stop))
+                self._path[0].show(self.place)
+
+        self._player.stop()
+        self._latest.put("place", do)
+
+    def _ended(self) -> None:
+        if self._path is not None:
+            self._path[0].show_playing(False)
 
     def _update(self, key: Hashable, step: Callable[[State], State], held: object = None) -> None:
         arm = self.state.arm

@@ -56,7 +56,7 @@ class Panel:
             with self._folders[-1]:
                 name = f"{arm.redundancy.kind} {arm.redundancy.joint} [{arm.redundancy.unit}]"
                 self.redundancy = _slider(gui, name, low, high)
-            _on_change(self.redundancy, on_redundancy)
+            on_change(self.redundancy, on_redundancy)
         self._folders.append(gui.add_folder("Joints"))
         with self._folders[-1]:
             self.sliders = [
@@ -66,7 +66,7 @@ class Panel:
                 )
             ]
         for index, slider in enumerate(self.sliders):
-            _on_change(slider, partial(on_joint, index))
+            on_change(slider, partial(on_joint, index))
 
     def show(self, state: State, *, keep: object = None) -> None:
         """Set every widget to what ``state`` says, except for ``keep``, which is being moved."""
@@ -134,7 +134,9 @@ def _set(slider: Any, value: float) -> None:
     slider.value = shown
 
 
-def _on_change(slider: Any, call: Callable[[float], None]) -> None:
+def on_change(slider: Any, call: Callable[[float], None]) -> None:
+    """Call ``call`` with the slider's value where the reader of the page moves it."""
+
     def changed(event: Any) -> None:
         if event.client_id is not None:  # not what this program set itself
             call(float(slider.value))

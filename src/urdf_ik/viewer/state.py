@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
+    from urdf_ik.collision import CollisionModel, World
     from urdf_ik.solutions import IKSolutions
 
     Array = NDArray[np.float64]
@@ -67,6 +68,8 @@ class State:
         ghosts: every solution of the target, by branch.
         reason: why there is no solution, or no solution inside the limits; else ''.
         note: what could not be checked, in words; else ''.
+        world: obstacles, or None.
+        model: what answers about contacts, with the world's obstacles; None where the URDF has nothing to check.
     """
 
     arm: Arm
@@ -76,6 +79,8 @@ class State:
     ghosts: tuple[Ghost, ...]
     reason: str
     note: str
+    world: World | None = None
+    model: CollisionModel | None = None
 
     @property
     def chosen(self) -> int | None:
@@ -91,7 +96,7 @@ class State:
         return float(np.linalg.norm(select.difference(q, self.q, ~self.arm.chain.prismatic)))
 
 
-def start(arm: Arm) -> State:
+def start(arm: Arm, world: World | None = None) -> State:
     """An arm where it shows most of what it can do: of seeded joint vectors, the one with most solutions."""
     turning = ~arm.chain.prismatic
     lower, upper = np.clip(arm.limits.T, *np.where(turning, np.pi, 1.0)[None] * [[-1.0], [1.0]])
@@ -104,9 +109,10 @@ def start(arm: Arm) -> State:
         best = draws[np.argmax((solutions.valid & (solutions.singular == 0)).sum(axis=-1))]
     except UnsupportedArm:
         best = draws[0]
-    if not arm.collision_model.has_geometry:
+    model = arm.collision_model.in_world(world) if arm.collision_model.has_geometry else None
+    if model is None:
         note = f"Self-collision is not checked: {arm.collision_model.missing}"
-    here = State(arm, best, arm.fk(best), None, (), "", note)
+    here = State(arm, best, arm.fk(best), None, (), "", note, world, model)
     return with_joints(here, best)
 
 
@@ -149,7 +155,6 @@ def _followed(state: State) -> State:
 
 def _solved(state: State) -> State:
     """The solutions of the state's target, marked."""
-    arm = state.arm
     try:
         found = _solve(state)
     except UrdfIkError as error:  # no solver takes the arm: its joints can still be moved
@@ -158,8 +163,7 @@ def _solved(state: State) -> State:
     valid = np.flatnonzero(found.valid)
     inside = kept.valid[valid]
     q = np.where(inside[:, None], kept.q[valid], found.q[valid])
-    model = arm.collision_model
-    hits = np.atleast_1d(model.in_collision(q)) if model.has_geometry and len(q) else None
+    hits = np.atleast_1d(state.model.in_collision(q)) if state.model is not None and len(q) else None
     ghosts = tuple(
         Ghost(q[k], found.branches[column], int(column), not inside[k], None if hits is None else bool(hits[k]),
               Singular(int(found.singular[column])))

@@ -8,25 +8,36 @@ from typing import TYPE_CHECKING
 import typer
 
 from urdf_ik.cli import console
+from urdf_ik.cli.chosen_arm import angles_of
+from urdf_ik.cli.paths import cell, followed
 from urdf_ik.viewer import Viewer
 
 if TYPE_CHECKING:
-    from urdf_ik.arm import Arm
+    from urdf_ik.cli.chosen_arm import ChosenArm, TypedPath
 
 
-def run(arm: Arm, host: str, port: int | None, mesh_roots: list[Path] | None, output: Path | None) -> None:
-    """Show ``arm`` until Ctrl-C, or write its scene to ``output``.
+def run(chosen: ChosenArm, path: TypedPath, degrees: bool, host: str, port: int | None, output: Path | None) -> None:
+    """Show an arm until Ctrl-C, or write its scene to ``output``; with a plan where there are waypoints.
 
     Raises:
         MissingPackage: viser is not installed.
-        UrdfIkError: the port is in use, or the host is not this machine.
+        UrdfIkError: the port is in use, or the host is not this machine, or a file cannot be read.
         typer.BadParameter: the file cannot be written.
     """
+    arm = chosen.load()
+    plan, world = None, None
+    if path.waypoints is not None:
+        found = followed(arm, angles_of(arm, degrees), path, chosen)
+        plan, world = found.plan, found.world
+        if not plan.found:
+            typer.echo(f"no plan:\n{plan.explain()}", err=True)
+    else:
+        world = cell(path.world, chosen)
     if output is not None:
-        with Viewer(arm, port=0) as viewer:
+        with Viewer(arm, port=0, plan=plan, world=world) as viewer:
             console.write(viewer.html(), output)
         return
-    with Viewer(arm, host=host, port=port, mesh_roots=mesh_roots or ()) as viewer:
+    with Viewer(arm, host=host, port=port, mesh_roots=chosen.mesh_root or (), plan=plan, world=world) as viewer:
         typer.echo(f"{arm.name}: {viewer.url} (Ctrl-C ends it)")
         if viewer.message:
             typer.echo(viewer.message, err=True)
