@@ -279,6 +279,13 @@ template <int N> STEP double gain_at(const Weak<N>& weak, const Stand<N>& s) {
     for (int k = 0; k < N; ++k) sum += weak.motion[k] * dot(weak.twist, s.J[k]);
     return sum;
 }
+// The same of the weak direction that is there in its place: below zero where the motion there gives the opposite twist.
+template <int N> STEP double signed_gain(const Weak<N>& weak, const Stand<N>& s) {
+    const Weak<N> there = weak_at(s);
+    double along = 0.0;
+    for (int k = 0; k < N; ++k) along += weak.motion[k] * there.motion[k];
+    return copysign(there.gain, along * dot(weak.twist, there.twist));
+}
 // How fast the gain changes as the joints move in that direction.
 template <int N> PART double gain_rate(const Written<N>& arm, const Weak<N>& weak, const Stand<N>& s) {
     constexpr double step = 1e-4;
@@ -295,7 +302,7 @@ template <int N> PART bool keep_side(const Written<N>& arm, const Goal<double>& 
                                      bool at_limit, Stand<N>& b) {
     const Weak<N> weak = weak_at(a);
     if (weak.gain < EXACTLY_SINGULAR) return false;
-    const double gain = gain_at(weak, b);
+    const double gain = signed_gain(weak, b);
     if (gain > (b.size <= arm.tolerances.reach ? 0.0 : LAST_GAIN)) return false;
     const double rate = gain_rate(arm, weak, a);
     const bool passable = abs(rate) < PASSABLE;
@@ -311,7 +318,7 @@ template <int N> PART bool keep_side(const Written<N>& arm, const Goal<double>& 
         jacobian_at(arm, b.at, b.J);
     }
     // Where the box leaves no room for that, the motion ends before the fold.
-    if (passable || !(gain_at(weak, b) > 0.0)) {
+    if (passable || !(signed_gain(weak, b) > 0.0)) {
         const double share = max(weak.gain - wanted, 0.0) / (weak.gain - gain);
         for (int k = 0; k < N; ++k) b.q[k] = a.q[k] + share * (crossed.q[k] - a.q[k]);
         place_at(arm, b);

@@ -113,7 +113,8 @@ def test_shapes_lie_where_they_were_put(kind: str, tmp_path: Path) -> None:
         for pair in table.checked_pairs:
             table = table if pair == ("torch", "ball") else table.allow(*pair)
         assert table.checked_pairs == (("torch", "ball"),)
-        assert float(table.distance(q)) == pytest.approx(expected, abs=1e-6)
+        # Each of the two distances is as exact as coal iterates, some 1e-6 m.
+        assert float(table.distance(q)) == pytest.approx(expected, abs=1e-5)
 
 
 def test_what_a_tool_may_touch() -> None:

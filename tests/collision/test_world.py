@@ -152,6 +152,7 @@ def test_what_moves_counts_at_once(ball: CollisionModel) -> None:
     assert body.in_collision([0.0, 0.0, 0.0]) is False
     assert ball.distance([0.0, 0.0, 0.0]) == np.inf
     assert ball.in_world(None) is ball
+    assert ball.in_world(world) is body
 
 
 def test_a_world_is_a_collection() -> None:

@@ -206,7 +206,13 @@ def test_bounds_are_kept_where_some_value_keeps_them(case: Case) -> None:
         near[:, joint] = q[:, joint]
         tight[joint] = 0.02
         found = case.arm.ik_nearest(T, near, within=tight)
-        assert found.valid.all()
-        assert (np.abs(found.q[:, 0] - near) <= tight + 1e-8).all()
+        kept = found.valid[:, 0]
+        assert (np.abs(found.q[kept, 0] - near[kept]) <= tight + 1e-8).all()
+        # Branches that exist for less than a step of the search's first grid may be missed.
+        around = case.arm.redundancy_of(q)[:, None] + 2.0 * np.pi / 256.0 * np.array([-1.0, 1.0])
+        beside = case.arm.ik(T[:, None], redundancy=around).q
+        apart = np.abs(np.angle(np.exp(1j * (beside - q[:, None, None])))).max(axis=-1)
+        lasting = (np.nan_to_num(apart, nan=np.inf).min(axis=-1) < 0.5).all(axis=1)
+        assert kept[lasting].all() and kept.sum() >= 5
     nothing = case.arm.ik_nearest(T[0], q[0] + 0.5, within=1e-3)
     assert not nothing and "none as near to the reference as asked" in nothing.explain()

@@ -236,3 +236,20 @@ def test_best_by_clearance() -> None:
         best = s.best("clearance", n=2, world=cell)
         assert [float(arm.clearance(one.q, cell)) for one in best] == sorted(expected, reverse=True)[:2]
         np.testing.assert_allclose(s.scores("clearance", world=cell)[s.valid], expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["zyyzyz_6r", "ur5", "puma_560"])
+def test_a_continuum_is_taken_near_each_reference(name: str) -> None:
+    """At poses with a stretched wrist each of a batch is solved near its own reference, as it is alone."""
+    arm = from_catalogue(name).arm
+    planted = vectors(arm, 8, 7, of_round_values=False)
+    planted[::2, 4] = 0.0
+    T = arm.fk(planted)
+    found = arm.ik_nearest(T, planted)
+    np.testing.assert_allclose(found.q[:, 0], planted, atol=1e-6)
+    assert found.singular[::2].any()
+    np.testing.assert_array_equal(arm.ik_nearest(T[:, None], planted[:, None]).q[:, 0], found.q)
+    for k, q in enumerate(planted):
+        np.testing.assert_array_equal(arm.ik_nearest(T[k], q).q, found[k].q)
+    with pytest.raises(JointVectorError, match="one a pose"):
+        arm.ik_nearest(T, planted[:3])

@@ -17,6 +17,7 @@ from urdf_ik.families import Plan, RedundantPlan
 from urdf_ik.poses import as_pose_array, check_poses
 from urdf_ik.redundancy import nearest, sweep
 from urdf_ik.solutions import IKSolutions
+from urdf_ik.solutions.representatives import near_each
 from urdf_ik.structure import Structure, analyse
 from urdf_ik.tasks import Targets
 
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from urdf_ik._core import Solver
     from urdf_ik.chain import Chain
     from urdf_ik.chain.redundancy import Redundancy
+    from urdf_ik.motion import Tracker
     from urdf_ik.motion.follow import Plan as PathPlan
     from urdf_ik.redundancy import Sweep
     from urdf_ik.solutions.select import Metric
@@ -274,7 +276,8 @@ class Arm(InCell):
             task: what ``T`` is; see ``ik``.
 
         Returns:
-            One column a pose. With seven joints, ``redundancy`` holds the values of the parameter; see
+            One column a pose; of a continuum what ``ik`` gives near ``q_ref``, its free joint there. With seven
+            joints, ``redundancy`` holds the values of the parameter; see
             :mod:`urdf_ik.redundancy.nearest` for how they are searched, and what may be missed.
 
         Raises:
@@ -301,7 +304,9 @@ class Arm(InCell):
             return nearest.nearest(self, self._plan.parameter, T, q_ref, threads=threads, **options)
         reference = self.chain.check(q_ref)
         near = reference if reference.ndim == 1 else None
-        return self.ik(T, near, threads=threads).nearest(reference, **options)
+        solutions = self.ik(T, near, threads=threads)
+        solutions = near_each(solutions, reference) if near is None else solutions
+        return solutions.nearest(reference, **options)
 
     def follow(
         self,
@@ -381,20 +386,17 @@ class Arm(InCell):
             within_limits: only solutions inside the joint limits count.
             threads: number of threads that share the work.
 
-        Returns:
-            See :class:`urdf_ik.Sweep`.
-
         Raises:
             PoseError: ``T`` is no pose, or more than one.
             UnsupportedArm: the arm has no redundancy parameter.
         """
         return sweep.sweep(self, self._redundant_plan().parameter, T, n, within_limits, threads)
 
-    def tracker(self, q0: ArrayLike, dt: float, **options: Any) -> motion.Tracker:
+    def tracker(self, q0: ArrayLike, dt: float, **options: Any) -> Tracker:
         """What follows targets, one a cycle of ``dt`` s, from ``q0`` on: see :class:`urdf_ik.motion.Tracker`."""
-        from urdf_ik import motion
+        from urdf_ik.motion import Tracker
 
-        return motion.Tracker(self, q0, dt, targets=self._targets, **options)
+        return Tracker(self, q0, dt, targets=self._targets, **options)
 
     def explain(self, T: Any, redundancy: float | None = None) -> str:
         """Why the single pose ``T`` (4, 4) has no solution, with the number that is out of range.

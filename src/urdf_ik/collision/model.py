@@ -10,7 +10,7 @@ import numpy as np
 from urdf_ik.chain import from_urdf
 from urdf_ik.collision import geometry, swept, table
 from urdf_ik.collision.scene import ArmShapes, Scene
-from urdf_ik.errors import ArgumentError, JointVectorError, PoseError, UrdfError, WorldError
+from urdf_ik.errors import JointVectorError, PoseError, UrdfError, WorldError
 from urdf_ik.reference import Reference, finite
 from urdf_ik.urdf import srdf as srdf_reader
 
@@ -101,6 +101,8 @@ class CollisionModel:
         self._changes: dict[Pair, bool] = {}
         self._error: UrdfError | None = None
         self._seen: _Seen | None = None
+        # The model that ``in_world`` made last: the same world is asked about again and again.
+        self._last: CollisionModel | None = None
         disabled = () if srdf is None else srdf_reader.disabled_pairs(srdf, model.links)
         try:
             shapes = geometry.build(model, self._reference.pin_model)
@@ -157,9 +159,12 @@ class CollisionModel:
         """
         if world is None or world is self.world:
             return self
-        out = self._copy()
-        out.world = world
-        return out
+        last = self._last
+        if last is None or last.world is not world:
+            last = self._copy()
+            last.world = world
+            self._last = last
+        return last
 
     def allow(self, first: str, second: str) -> CollisionModel:
         """This model with one more pair that may touch.
@@ -224,7 +229,7 @@ class CollisionModel:
             JointVectorError: the last dimension is not n.
             ArgumentError: ``margin`` is negative or not finite.
         """
-        check_margin(margin)
+        swept.check_margin(margin)
         Q, places, scene = self._rows(q)
         out = np.zeros(len(Q), dtype=np.bool_)
         for part, placed in scene.chunks(Q):
@@ -314,7 +319,7 @@ class CollisionModel:
             JointVectorError: the arrays do not fit the arm or each other, or are not finite.
             ArgumentError: ``margin`` is negative or not finite.
         """
-        check_margin(margin)
+        swept.check_margin(margin)
         self._require_geometry()
         start, end = (self._reference.vectors(q) for q in (q0, q1))
         if start.ndim != 2 or start.shape != end.shape:
@@ -367,7 +372,7 @@ class CollisionModel:
     def _copy(self) -> CollisionModel:
         out = object.__new__(type(self))
         out.__dict__.update(self.__dict__)
-        out._seen = None
+        out._seen = out._last = None
         return out
 
     def _changed(self, first: str, second: str, must_not: bool) -> CollisionModel:
@@ -437,13 +442,3 @@ class CollisionModel:
             else:
                 out[index] = scene.nearest(shapes, np.full(len(every), -np.inf))[1]
         return out.item() if out.ndim == 0 else out
-
-
-def check_margin(margin: float) -> None:
-    """Refuse a margin that is no length.
-
-    Raises:
-        ArgumentError: it is negative or not finite.
-    """
-    if not 0.0 <= margin < np.inf:
-        raise ArgumentError(f"a margin of {margin} given; it must be zero or a positive number of m")

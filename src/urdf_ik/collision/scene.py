@@ -94,14 +94,15 @@ class _Holds:
 
     def gaps(self, local: Array) -> Array:
         """(k, S, O) m from points (k, S, 3, O) in the frames to the obstacles, not above zero inside."""
-        outside = np.maximum(np.maximum(self._low - local, local - self._high), 0.0)
-        return np.asarray(_length(outside, axis=2) - self._radius)
+        outside = _outside(local, self._low, self._high)
+        gaps: Array = _length(outside[:, :, 0], outside[:, :, 1], outside[:, :, 2]) - self._radius
+        return gaps
 
     def gaps_of(self, local: Array, which: NDArray[np.intp]) -> Array:
         """(e, m) m from points (e, m, 3) in the frames of the obstacles ``which`` (e,)."""
-        low, high = self._low.T[which, None], self._high.T[which, None]
-        outside = np.maximum(np.maximum(low - local, local - high), 0.0)
-        return np.asarray(_length(outside) - self._radius[which, None])
+        outside = _outside(local, self._low.T[which, None], self._high.T[which, None])
+        gaps: Array = _length(outside[..., 0], outside[..., 1], outside[..., 2]) - self._radius[which, None]
+        return gaps
 
 
 class _Work(threading.local):
@@ -201,7 +202,8 @@ class Scene:
         k, S = points.shape[:2]
         out = np.empty((k, len(self.pairs)))
         first, second = self._first[:among], self._second[:among]
-        out[:, :among] = _length(points[:, first] - points[:, second]) - (radii[first] + radii[second])
+        between = points[:, first] - points[:, second]
+        out[:, :among] = _length(between[..., 0], between[..., 1], between[..., 2]) - (radii[first] + radii[second])
         if among < len(self.pairs):
             local = (points.reshape(-1, 3) @ self._holds.axes.reshape(3, -1)).reshape(k, S, 3, -1) - self._holds.origin
             gaps = self._holds.gaps(local) - radii[:, None]
@@ -220,7 +222,8 @@ class Scene:
         links = np.flatnonzero(second < S)
         if len(links):
             others = self.arm.bodies.balls(placed, rows[links], second[links])
-            gaps = _length(points[links, :, None] - others[:, None])
+            between = points[links, :, None] - others[:, None]
+            gaps = _length(between[..., 0], between[..., 1], between[..., 2])
             out[links] = gaps - (radii[first[links], :, None] + radii[second[links], None])
         solids = np.flatnonzero(second >= S)
         if len(solids):
@@ -330,7 +333,16 @@ class Scene:
         return at, best
 
 
-def _length(x: Array, axis: int = -1) -> Array:
-    """Euclidean length along an axis of three."""
-    a, b, c = np.moveaxis(x, axis, 0)
-    return np.asarray(np.sqrt(a * a + b * b + c * c))
+def _length(x: Array, y: Array, z: Array) -> Array:
+    """Euclidean length of vectors, component by component."""
+    square = x * x
+    square += y * y
+    square += z * z
+    return np.sqrt(square, out=square)
+
+
+def _outside(local: Array, low: Array, high: Array) -> Array:
+    """How far coordinates are below ``low`` or above ``high``, zero between."""
+    below = low - local
+    np.maximum(below, local - high, out=below)
+    return np.maximum(below, 0.0, out=below)

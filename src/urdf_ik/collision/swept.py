@@ -28,7 +28,7 @@ TOUCH = 1e-4
 """Clearance beyond the margin [m] below which two shapes count as in contact: no finite number of distances proves a
 motion free along which they slide on each other. A motion along which everything stays farther apart is found free."""
 
-STRIDE = 0.05
+STRIDE = 0.02
 """Pieces on which a pair may come closer by more than this [m] are cut without asking coal: bounds are cheap, and a
 query with so wide a margin visits most of a mesh."""
 
@@ -83,6 +83,16 @@ class _Pieces(NamedTuple):
     start: Array
     end: Array
     open: NDArray[np.bool_]
+
+
+def check_margin(margin: float) -> None:
+    """Refuse a margin that is no length.
+
+    Raises:
+        ArgumentError: it is negative or not finite.
+    """
+    if not 0.0 <= margin < np.inf:
+        raise ArgumentError(f"a margin of {margin} given; it must be zero or a positive number of m")
 
 
 def motions(scene: Scene, q0: Array, q1: Array, margin: float) -> Motions:

@@ -62,16 +62,16 @@ def table(solutions: KeptSolutions, degrees: bool = False) -> str:
 
 
 def _too_far(step: Step) -> str:
-    """The solution before that is least far beyond what is allowed, and its joints that are."""
+    """The solution before that is least far beyond what is allowed, and the joint that is furthest beyond."""
     assert step.apart is not None and step.within is not None
     arm, apart = step.parent.arm, np.abs(step.apart)
     best = int(np.nanargmin((apart - step.within).max(axis=-1)))
-    parts = []
-    for i in np.flatnonzero(apart[best] > step.within):
-        unit = "rad" if step.parent.rotary[i] else "m"
-        far, allowed = f"{apart[best, i]:.4g} {unit}", f"{step.within[i]:.4g}"
-        parts.append(f"{arm.joint_names[i]!r} {far} from it, where {allowed} is allowed")
-    return f"the closest, {step.parent.names[best]}, has {' and '.join(parts)}"
+    i = int(np.argmax(apart[best] - step.within))
+    far, unit = f"{apart[best, i]:.4g}", "rad" if step.parent.rotary[i] else "m"
+    return (
+        f"the closest, {step.parent.names[best]}, has {arm.joint_names[i]!r} {far} {unit} from it, where "
+        f"{step.within[i]:.4g} is allowed"
+    )
 
 
 def _out_of_limits(solutions: KeptSolutions, tol: float) -> str:

@@ -4,8 +4,9 @@ A cycle starts from the last joint vector and looks for no other: steps of least
 region; Nocedal and Wright, Numerical Optimization, 2006, chapters 4 and 10) inside the box that the cycle's limits of
 position and velocity make. The joint motion of a cycle is proven to meet no singularity, by bounds on how much the
 Jacobian changes along it (Weyl's inequality), or it is cut into pieces of at most 0.05 rad, and where one has crossed
-a fold (a singularity at which two branches merge) it is moved back. So the joints never change to another branch but
-through a wrist or a shoulder singularity, which both sides share.
+a fold (a singularity at which two branches merge) it is moved back. So the joints stay on their branch but through a
+wrist or a shoulder singularity, which both sides share. Only the first of these is a proof: where
+singularities lie closer to each other than a piece is long, a fold may be crossed unseen.
 """
 
 from __future__ import annotations
