@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import time
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from command import ARM, call, comma, oracle, strict_json, succeed
 from numpy.typing import NDArray
 
 import urdf_ik
+from urdf_ik.cli import progress
 
 Array = NDArray[np.float64]
 Q = (0.5, -0.7, -1.4, -1.8, 0.8, 1.6)
@@ -198,3 +200,17 @@ def test_what_is_wrong_is_answered_in_words(file: str, args: tuple[str, ...], wo
     message = result.output.replace("│", " ")
     message = " ".join(message.split())
     assert all(word in message for word in words), message
+
+
+def test_long_work_says_how_long_it_took(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where nobody sees a spinner a line now and then, which promises nothing of what is left; short work is silent."""
+    monkeypatch.setattr(progress, "WORD_AFTER", 0.1)
+    monkeypatch.setattr(progress, "WORD_EVERY", 0.1)
+    with progress.Elapsed("following"):
+        pass
+    assert not capfd.readouterr().err
+    with progress.Elapsed("following") as shown:
+        time.sleep(0.5)
+    lines = capfd.readouterr().err.splitlines()
+    assert 2 <= len(lines) <= 5 and set(lines) <= {"following: 0 s so far", "following: 1 s so far"}
+    assert shown.seconds >= 0.5

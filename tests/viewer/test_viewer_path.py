@@ -89,6 +89,24 @@ def test_without_a_plan_the_target_goes_along_the_path(arm: Arm, blocked: Plan) 
             assert np.array_equal(here.target, blocked.poses[waypoint])
 
 
+def test_what_no_branch_gets_past_is_marked_where_it_is(arm: Arm) -> None:
+    """Out of reach for every branch: the waypoint itself is an end, and nothing beyond the branches' own is reached."""
+    far = seam(arm)
+    far[20:, 2, 3] += 5.0
+    plan = arm.follow(far)
+    track = playback.track(plan)
+    named = [stop for stop in plan.stops if stop.branch in arm.structure.branches]
+    assert track.reached == max(stop.waypoint for stop in named) - 1
+    for stop in plan.stops:
+        place = stop.waypoint - 1 if stop in named else stop.waypoint
+        assert stop in track.ends[place]
+        here = playback.first_of(track, states.start(arm), stop)
+        assert np.array_equal(here.target, far[place])
+    with Viewer(arm, port=0, plan=plan) as viewer:
+        labels = [button.label for button in viewer._path[0].ends]
+    assert all(f"at {s.waypoint}" in x or f"before {s.waypoint}" in x for s, x in zip(plan.stops, labels, strict=True))
+
+
 def test_a_world_marks_the_solutions_that_touch_it(arm: Arm, blocked: Plan) -> None:
     """At the box every solution inside the limits collides; without the world it does not."""
     world = blocked.obstacles.model.world

@@ -291,7 +291,7 @@ Straying = Annotated[
     Option(
         "--tolerance",
         metavar="M,RAD",
-        help="What the tip may stray from the straight segments. Default: 0.001,0.02.",
+        help="What the tip may stray from the straight segments. Default: 0.001,0.02, or four times it if need be.",
     ),
 ]
 Reconfigure = Annotated[

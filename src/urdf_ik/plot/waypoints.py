@@ -231,7 +231,8 @@ def _stops(axes: Any, plan: Plan, found: Background, joint: int, shades: list[An
     for size, stop in zip(sizes, plan.stops, strict=True):
         column = names.index(stop.branch) if stop.branch in names else None
         colour = "0.2" if column is None else shades[column]
-        last = max(stop.waypoint - 1, 0)
+        # What no branch gets past is marked where it is, a branch's end where it still gets to.
+        last = stop.waypoint if column is None else max(stop.waypoint - 1, 0)
         axes.axvline(last, color=colour, linestyle=(0, (1, 2)), linewidth=1.0, zorder=4)
         if column is None or plan.arm.redundancy is not None:
             continue
@@ -264,8 +265,8 @@ def _legend(plan: Plan, found: Background, shades: list[Any]) -> list[Any]:
         if (stop := stops.get(names[branch])) is not None:
             label += f": ends before {stop.waypoint} ({stop.cause})"
         handles.append(Line2D([], [], color=shades[branch], linewidth=1.2, label=draw.words(label)))
-    others = [f"{stop.branch}: {stop.cause}" for stop in plan.stops if stop.branch not in names]
-    handles += [Line2D([], [], color="0.2", label=draw.words(text)) for text in others]
+    others = [f"{stop.branch}: {stop.cause} at {stop.waypoint}" for stop in plan.stops if stop.branch not in names]
+    handles += [Line2D([], [], color="0.2", linestyle=":", label=draw.words(text)) for text in others]
     if (found.inside & ~found.free).any():
         handles.append(Line2D([], [], color="0.4", linestyle="--", linewidth=1.2, label="in contact"))
     if (found.valid & ~found.inside).any():

@@ -305,7 +305,7 @@ class Viewer:
     def _show_end(self, stop: Stop) -> None:
         def do() -> None:
             if self.track is not None and self._path is not None:
-                self.place = max(stop.waypoint - 1, 0)
+                self.place = playback.place_of(self.track.plan, stop)
                 self._show(playback.first_of(self.track, self.state, stop))
                 self._path[0].show(self.place)
 

@@ -46,7 +46,8 @@ class PathPanel:
             self.slider = gui.add_slider("Waypoint", 0.0, float(max(track.last, _STEP)), _STEP, 0.0)
             self.button = gui.add_button(_PLAY)
             self.ends = [
-                gui.add_button(_label(stop), color=shades.get(stop.branch), hint=str(stop)) for stop in plan.stops
+                gui.add_button(_label(track, stop), color=shades.get(stop.branch), hint=str(stop))
+                for stop in plan.stops
             ]
         on_change(self.slider, on_place)
         self.button.on_click(lambda _: on_play())
@@ -66,8 +67,10 @@ class PathPanel:
         self._folder.remove()
 
 
-def _label(stop: Stop) -> str:
+def _label(track: Track, stop: Stop) -> str:
     """'shoulder front, elbow up: ends before 34, limit', or with the last words of each part of the name."""
+    if not track.plan.arm.structure.branches.count(stop.branch):
+        return f"{stop.branch}: {stop.cause} at {stop.waypoint}"
     tail = f": ends before {stop.waypoint}, {stop.cause}"
     short = ", ".join(part.split(" ")[-1] for part in stop.branch.split(", "))
     return stop.branch + tail if len(stop.branch + tail) <= _LETTERS else short + tail

@@ -36,7 +36,7 @@ class Track:
         plan: found or not.
         points: (m, 3) m, the tip at the waypoints.
         reached: last waypoint that some branch reaches.
-        ends: by waypoint, the last one that they reach, the branches that end there.
+        ends: by waypoint, what ends there: see :func:`place_of`.
     """
 
     plan: Plan
@@ -58,11 +58,18 @@ class Track:
 def track(plan: Plan) -> Track:
     """A plan made ready."""
     ends: dict[int, tuple[Stop, ...]] = {}
+    reached = len(plan.poses) - 1 if plan.found else -1
     for stop in plan.stops:
-        at = max(stop.waypoint - 1, 0)
-        ends[at] = (*ends.get(at, ()), stop)
-    reached = len(plan.poses) - 1 if plan.found else max((stop.waypoint - 1 for stop in plan.stops), default=-1)
+        place = place_of(plan, stop)
+        ends[place] = (*ends.get(place, ()), stop)
+        if stop.branch in plan.arm.structure.branches:
+            reached = max(reached, stop.waypoint - 1)
     return Track(plan, plan.poses[:, :3, 3], reached, ends)
+
+
+def place_of(plan: Plan, stop: Stop) -> int:
+    """The last waypoint that a branch reaches; of what no branch gets past, the waypoint itself."""
+    return max(stop.waypoint - 1, 0) if stop.branch in plan.arm.structure.branches else stop.waypoint
 
 
 def at(track: Track, state: State, place: float) -> State:
@@ -81,7 +88,7 @@ def at(track: Track, state: State, place: float) -> State:
 
 def first_of(track: Track, state: State, stop: Stop) -> State:
     """The state where the ways of a branch end: the target there, the arm at that branch's solution if it has one."""
-    here = at(track, state, max(stop.waypoint - 1, 0))
+    here = at(track, state, place_of(track.plan, stop))
     names = here.arm.structure.branches
     return states.with_branch(here, names.index(stop.branch)) if stop.branch in names else here
 
