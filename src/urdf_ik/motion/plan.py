@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
-    from urdf_ik.motion.obstacles import Obstacles
+    from urdf_ik.motion.path.obstacles import Obstacles
     from urdf_ik.motion.timing import Timed
 
     Array = NDArray[np.float64]

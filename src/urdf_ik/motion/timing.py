@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import PathError
-from urdf_ik.motion import settings
 from urdf_ik.motion.files import writable
+from urdf_ik.motion.path import settings
 
 if TYPE_CHECKING:
     import os

@@ -9,14 +9,15 @@ import numpy as np
 
 from urdf_ik.angles import largest_apart
 from urdf_ik.errors import PathError
-from urdf_ik.motion.graph import COSTS, Joints
-from urdf_ik.motion.straight import Tolerance
+from urdf_ik.motion.path.graph import COSTS
+from urdf_ik.motion.path.joints import Joints
+from urdf_ik.motion.path.straight import Tolerance
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
-    from urdf_ik.motion.obstacles import Obstacles
+    from urdf_ik.motion.path.obstacles import Obstacles
 
     Array = NDArray[np.float64]
 

@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik.motion import nodes as node_sets
+from urdf_ik.motion.path import nodes as node_sets
+from urdf_ik.motion.path.straight import keeps_straight
+from urdf_ik.motion.path.windows import room
 from urdf_ik.motion.plan import Stop
-from urdf_ik.motion.straight import keeps_straight
-from urdf_ik.motion.windows import room
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from urdf_ik.motion.search import Search
-    from urdf_ik.motion.settings import Settings
+    from urdf_ik.motion.path.search import Search
+    from urdf_ik.motion.path.settings import Settings
 
     Array = NDArray[np.float64]
     Ints = NDArray[np.int64]

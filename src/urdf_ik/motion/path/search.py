@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik.motion.graph import CHANGE
+from urdf_ik.motion.path.graph import CHANGE
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
-    from urdf_ik.motion.graph import Graph, Way
-    from urdf_ik.motion.obstacles import Obstacles
-    from urdf_ik.motion.straight import Tolerance
+    from urdf_ik.motion.path.graph import Graph, Way
+    from urdf_ik.motion.path.obstacles import Obstacles
+    from urdf_ik.motion.path.straight import Tolerance
 
     Array = NDArray[np.float64]
     Ints = NDArray[np.int64]

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik.motion import nodes as node_sets
-from urdf_ik.motion.nodes import Nodes
+from urdf_ik.motion.path import nodes as node_sets
+from urdf_ik.motion.path.nodes import Nodes
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from urdf_ik.motion.settings import Settings
+    from urdf_ik.motion.path.settings import Settings
 
     Array = NDArray[np.float64]
 

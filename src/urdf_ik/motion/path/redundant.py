@@ -7,21 +7,21 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from urdf_ik.angles import shortest
-from urdf_ik.motion import nodes as node_sets
-from urdf_ik.motion.follow import Refined, add_margins, cut_coarse, made, not_found, priced
-from urdf_ik.motion.graph import CHANGE, MISMATCH, Graph, Pricing
+from urdf_ik.motion.path import nodes as node_sets
+from urdf_ik.motion.path.assembling import Refined, add_margins, cut_coarse, made, not_found, priced
+from urdf_ik.motion.path.graph import CHANGE, MISMATCH, Graph, Pricing
+from urdf_ik.motion.path.search import Search
+from urdf_ik.motion.path.windows import narrow
 from urdf_ik.motion.plan import Plan
-from urdf_ik.motion.search import Search
 from urdf_ik.motion.waypoints import twists
-from urdf_ik.motion.windows import narrow
 from urdf_ik.redundancy.sweep import span
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from urdf_ik.motion.graph import Way
-    from urdf_ik.motion.nodes import Nodes
-    from urdf_ik.motion.settings import Settings
+    from urdf_ik.motion.path.graph import Way
+    from urdf_ik.motion.path.nodes import Nodes
+    from urdf_ik.motion.path.settings import Settings
 
     Array = NDArray[np.float64]
 
@@ -218,15 +218,20 @@ def _finished(
         guide = guide.spread(refined.place, whole.place)
     last: tuple[Search, Way] | None = None
     for level, wider in enumerate((FINER**3, FINER**2, FINER, 1)):
-        for _ in range(PASSES if level else 1):
-            search = _around(settings, whole, guide, step * wider, AROUND[-1], last=level > 1)
+        proven = level > 1
+        for turn in range(PASSES if level else 1):
+            around = AROUND[0] if proven and last is None and turn else AROUND[-1]
+            search = _around(settings, whole, guide, step * wider, around, last=proven)
             way = search.best()
+            if way is None and proven and last is None and not turn:
+                continue  # wider
             if way is None:
                 break
-            before, guide, last = guide.cost, _guide(settings, way), (search, way)
+            before, guide = guide.cost, _guide(settings, way)
+            last = (search, way) if proven else None
             if not guide.cost < BETTER * before:
                 break
-        if level > 1 and last is None:
+        if proven and last is None:
             return None
     return last
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from urdf_ik.motion.graph import Layers
+from urdf_ik.motion.path.graph import Layers
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
-    from urdf_ik.motion.graph import Joints
+    from urdf_ik.motion.path.joints import Joints
 
     Array = NDArray[np.float64]
     Ints = NDArray[np.int64]

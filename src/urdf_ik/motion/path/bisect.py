@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from urdf_ik.motion.straight import keeps_straight
+from urdf_ik.motion.path.straight import keeps_straight
 from urdf_ik.motion.waypoints import interpolated, twists
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
-    from urdf_ik.motion.graph import Joints
-    from urdf_ik.motion.straight import Tolerance
+    from urdf_ik.motion.path.joints import Joints
+    from urdf_ik.motion.path.straight import Tolerance
 
     Array = NDArray[np.float64]
     Ints = NDArray[np.int64]
