@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 import time
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from command import ARM, call, comma, oracle, strict_json, succeed
 from numpy.typing import NDArray
 
 import urdf_ik
+from urdf_ik import catalogue
 from urdf_ik.cli import progress
 
 Array = NDArray[np.float64]
@@ -101,6 +103,17 @@ def test_the_motion_in_time_keeps_within_the_velocities(file: str, tmp_path: Pat
     velocity = {joint.name: joint.velocity for joint in arm.model.joints}
     assert (np.abs(qd) <= 1.001 * np.array([velocity[name] for name in arm.joint_names])).all()
     assert np.abs(qd[[0, -1]]).max() < 1e-3 and (np.diff(t) > 0.0).all()
+
+
+def test_a_plan_is_written_where_it_cannot_be_timed(tmp_path: Path) -> None:
+    """A URDF without velocities: the plan is printed and written, and what lacks is named; the status is 2."""
+    arm = tmp_path / "slow.urdf"
+    arm.write_text(re.sub(r' velocity="[^"]*"', ' velocity="0"', catalogue.resolve(ARM).path.read_text()))
+    name, out, timed = tmp_path / "seam.npy", tmp_path / "plan.csv", tmp_path / "motion.csv"
+    np.save(name, seam())
+    result = call("path", str(arm), "-w", str(name), "--out", str(out), "--timed", str(timed))
+    assert result.exit_code == 2 and "cost " in result.stdout and out.exists() and not timed.exists()
+    assert "no velocity limit for joint_1" in result.stderr
 
 
 def test_where_there_is_no_plan_every_branch_says_why(tmp_path: Path) -> None:

@@ -6,8 +6,9 @@
 >>> figure = plot.branches(arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])))
 >>> plot.save(figure, "all_branches.png")
 
-Every function returns a ``matplotlib.figure.Figure`` that no window knows of: it is drawn without a display, and a
-notebook shows it. ``sliders`` opens a window; see :mod:`urdf_ik.plot.slider_panel`.
+``plot.path(arm.follow(T))`` draws a path, found or not. Every function returns a ``matplotlib.figure.Figure`` that no
+window knows of: it is drawn without a display, and a notebook shows it. ``sliders`` opens a window; see
+:mod:`urdf_ik.plot.slider_panel`.
 """
 
 from __future__ import annotations

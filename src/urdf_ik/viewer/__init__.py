@@ -6,7 +6,8 @@
 ...     print(len(viewer.state.ghosts))
 8
 
-In a notebook, a cell that ends with the viewer shows its page.
+With ``plan=`` of ``arm.follow`` it plays the plan along its waypoints, or marks where each branch ends; ``world=``
+shows obstacles. In a notebook, a cell that ends with the viewer shows its page.
 """
 
 from __future__ import annotations

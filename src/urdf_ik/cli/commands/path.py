@@ -11,6 +11,7 @@ import typer
 from urdf_ik.cli import console, tables
 from urdf_ik.cli.errors import Status
 from urdf_ik.cli.paths import followed
+from urdf_ik.errors import PathError
 from urdf_ik.motion.files import writable
 
 if TYPE_CHECKING:
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from urdf_ik.motion.timing import Timed
 
 SUFFIXES = (".csv", ".json", ".npz")
+# Whether the straight joint motion of a change touches something.
+_FREE = {None: "not checked", True: "free", False: "hits"}
 
 
 def run(
@@ -54,7 +57,11 @@ def run(
     angles = angles_of(arm, degrees)
     found = followed(arm, angles, typed, chosen)
     plan = found.plan
-    in_time = plan.timed() if timed is not None and plan.found and not plan.changes else None
+    in_time, untimed = None, None
+    try:
+        in_time = plan.timed() if timed is not None and plan.found and not plan.changes else None
+    except PathError as error:  # the plan is worth having without its times
+        untimed = error
     others = plan.alternatives if alternatives else ()
     if as_json:
         console.write(json_of(found, angles, in_time, others), None)
@@ -64,8 +71,10 @@ def run(
         if file is not None and what is not None and (plan.found or file.suffix.lower() == ".json"):
             _write(what, file)
         elif file is not None:
-            why = "it changes its branch" if plan.found else "there is no plan"
+            why = untimed or ("it changes its branch" if plan.found else "there is no plan")
             typer.echo(f"{file} was not written: {why}", err=True)
+    if untimed is not None:
+        raise typer.Exit(Status.USAGE)
     if not plan.found:
         raise typer.Exit(Status.FAILED)
 
@@ -104,9 +113,6 @@ def text_of(found: Followed, angles: Angles, in_time: Timed | None, others: tupl
         header = ["start branch", "end branch", "cost", "largest step", "room to limits", "clearance [m]"]
         lines += ["", tables.grid(header, rows, left=header[:2])]
     return tables.render(*lines)
-
-
-_FREE = {None: "not checked", True: "free", False: "hits"}
 
 
 def _facts(found: Followed, angles: Angles, in_time: Timed | None) -> list[str]:
@@ -193,8 +199,8 @@ def _limit_room(plan: Plan) -> tuple[float, int, int | None]:
 
 def _shown(arm: Arm, joint: int, value: float, angles: Angles) -> str:
     if not angles.turning[joint]:
-        return f"{value:.4f} m"
-    return f"{float(angles.angle(value)):.{2 if angles.degrees else 4}f} {angles.unit}"
+        return f"{tables.number(value)} m"
+    return f"{tables.number(float(angles.angle(value)), 2 if angles.degrees else 4)} {angles.unit}"
 
 
 def json_of(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[Plan, ...]) -> str:
