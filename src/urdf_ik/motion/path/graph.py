@@ -34,6 +34,8 @@ COSTS = ("l1", "l2", "max")
 MISMATCH = (0.05, 0.2)
 """Share of the arm's size and rad that J dq may be off the twist, where a motion is looked at: four times what its
 middle strays by, to third order."""
+EQUAL = 1e-9
+"""Share by which the costs of two images' ways may differ and count as equal."""
 CHANGE = -2
 """Stands for an edge where the branch is changed."""
 
@@ -208,7 +210,10 @@ class Graph:
         )  # fmt: skip
 
     def best_start(self, nodes: Mask | None = None) -> int | None:
-        """The state of the first waypoint from which the way is cheapest; of its nodes where ``nodes`` holds."""
+        """The state of the first waypoint from which the way is cheapest; of its nodes where ``nodes`` holds.
+
+        Of images that are equally good, the one nearest to the middle of the limits.
+        """
         value = self.value[: self.layers.first[1]].copy()
         if nodes is not None:
             value[~nodes] = np.inf
@@ -217,7 +222,13 @@ class Graph:
         if self.changes is not None:
             changes = np.where(np.isfinite(value), self.changes[: len(value)], np.iinfo(np.int32).max)
             value[changes > changes.min()] = np.inf
-        return int(np.argmin(value))
+        low, high = self.joints.chain.limits.T
+        middle = np.where(np.isfinite(high - low), 0.5 * (low + high), 0.0)
+        node = int(np.argmin(value.min(axis=1)))
+        q = self.layers.q[node] + self.joints.digits * self.joints.turn
+        off = np.abs(q - middle).sum(axis=1)
+        equal = value[node] <= value[node].min() * (1.0 + EQUAL) + EQUAL
+        return int(node * value.shape[1] + np.argmin(np.where(equal, off, np.inf)))
 
     def way(self, state: int) -> Way:
         """The cheapest way on from a state of the first waypoint."""
