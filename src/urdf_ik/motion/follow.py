@@ -67,10 +67,12 @@ def _plan(settings: Settings, path: Array) -> Plan:
     refined = cut_coarse(settings, path)
     nodes = node_sets.with_representatives(arm, joints, refined.T, _nodes(settings, refined.T))
     graph = priced(settings, refined, nodes.layers(refined.T))
-    graph.prove(arm, np.arange(len(graph.end)), settings.tolerance)
     search = Search(arm, graph, settings.tolerance, settings.obstacles, reconfigure=settings.reconfigure)
     way = search.best()
-    return not_found(settings, path, refined, search) if way is None else made(settings, path, refined, search, way)
+    if way is not None:
+        return made(settings, path, refined, search, way)
+    graph.prove(arm, np.arange(len(graph.end)), settings.tolerance)
+    return not_found(settings, path, refined, search)
 
 
 def _nodes(settings: Settings, T: Array) -> Nodes:

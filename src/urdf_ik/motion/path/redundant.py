@@ -273,11 +273,9 @@ def _smoothed(settings: Settings, refined: Refined, guide: Guide) -> Guide:
 
 def _guide(settings: Settings, way: Way) -> Guide:
     layers = way.graph.layers
-    state = int(way.nodes[0]) * len(way.graph.joints.digits) + int(way.images[0])
-    value = float(way.graph.value.reshape(-1)[state])
     parameter = settings.arm.redundancy
     turns = parameter is not None and parameter.round
-    return Guide(way.q, layers.value[way.nodes], layers.column[way.nodes], way.edges == CHANGE, value, turns)
+    return Guide(way.q, layers.value[way.nodes], layers.column[way.nodes], way.edges == CHANGE, way.cost, turns)
 
 
 def _around(settings: Settings, refined: Refined, guide: Guide, step: float, around: int, last: bool) -> Search:

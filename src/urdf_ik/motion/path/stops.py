@@ -39,7 +39,9 @@ def stops_of(settings: Settings, search: Search, T: Array, place: Array) -> tupl
     layers, states = graph.layers, len(graph.joints.digits)
     names = settings.arm.structure.branches
     first = np.arange(layers.first[1])
-    exists = (graph.joints.digits < layers.counts[first][:, None]).all(axis=2) & np.isfinite(graph.node_cost[first])
+    exists = (graph.joints.digits < layers.counts[first][:, None]).all(axis=2) & np.isfinite(graph.node_cost[first])[
+        :, None
+    ]
     if not exists.any():
         return _at_first(settings, search, T)
     begin = exists.any(axis=1)
