@@ -46,8 +46,8 @@ def not_found(settings: Settings, path: Array, refined: Refined, search: Search)
 
 def made(settings: Settings, path: Array, refined: Refined, search: Search, way: Way, *, alone: bool = False) -> Plan:
     """The plan of a way."""
-    graph, layers = search.graph, search.graph.layers
     layers = search.graph.layers
+    q = way.q
     whole = np.flatnonzero(refined.place == np.round(refined.place))
     names = settings.arm.structure.branches
     branches = tuple(names[layers.column[node]] for node in way.nodes[whole])
