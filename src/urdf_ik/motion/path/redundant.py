@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-FEWEST, MOST, WANTED = 64, 768, 250
+FEWEST, MOST, WANTED = 48, 768, 250
 """Values of the parameter on the first grid, at some of the waypoints, and how many nodes of a waypoint are wanted:
 where the limits leave few, the grid is finer, so that a step to the next value is small beside the joints' way."""
 APART_TURN, APART_MOVE = 0.2, 0.06
@@ -51,6 +51,8 @@ PASSES = 6
 ROUGH_PASSES, LAST_PASSES = 4, 3
 """The same at all waypoints: before the way is smoothed, and after."""
 BETTER = 0.99
+SAME = 1e-6
+"""Share by which the costs of two ways may differ and count as the same."""
 WORTH = 3.0
 """A branch of the first waypoint is looked at closer where its way costs at most so many times the cheapest."""
 
@@ -178,34 +180,41 @@ def _plan(
 ) -> Plan | None:
     """The plan that the first grid leads to, at all waypoints or some of them."""
     columns = search.graph.layers.column[: search.graph.layers.first[1]]
-    guides = []
-    cheapest = np.inf
-    for column in np.unique(columns):
-        way = search.best(columns == column)
-        if way is not None:
-            guides.append((_guide(settings, way), column))
-            cheapest = min(cheapest, guides[-1][0].cost)
-    close = [(_improved(settings, refined, guide, step), c) for guide, c in guides if guide.cost <= WORTH * cheapest]
-    close.sort(key=lambda each: (each[0].changes.sum(), each[0].cost))
+    ways = [search.best(columns == column) for column in np.unique(columns)]
+    guides = sorted((_guide(settings, way) for way in ways if way is not None), key=_order)
+    # Branches that are images of one another cost the same: one of them is enough, unless it fails.
+    first = [
+        guide
+        for k, guide in enumerate(guides)
+        if guide.cost <= WORTH * guides[0].cost and (not k or guide.cost > guides[k - 1].cost * (1.0 + SAME))
+    ]
+    rest = [guide for guide in guides if not any(guide is each for each in first)]
+    close = sorted((_improved(settings, refined, guide, step) for guide in first), key=_order)
 
     def finished(guide: Guide) -> Plan | None:
         last = _finished(settings, whole, refined, guide, step / FINER**3)
         return None if last is None else made(settings, path, whole, *last, alone=True)
 
     def others() -> tuple[Plan, ...]:
-        far = [_improved(settings, refined, guide, step) for guide, _ in guides if guide.cost > WORTH * cheapest]
-        found = [finished(guide) for guide in (*(guide for guide, _ in close), *far)]
+        found = [finished(guide) for guide in (*close, *(_improved(settings, refined, each, step) for each in rest))]
         return tuple(sorted((each for each in found if each is not None), key=lambda each: each.cost))
 
     best: Plan | None = None
-    for guide, _ in close:
+    for guide in close:
         # What a way costs at some waypoints is hardly more than what it costs at all of them.
-        if best is not None and (len(best.changes), best.cost) <= (guide.changes.sum(), guide.cost):
+        if best is not None and (len(best.changes), best.cost) <= _order(guide):
             break
         plan = finished(guide)
         if plan is not None and (best is None or (len(plan.changes), plan.cost) < (len(best.changes), best.cost)):
             best = plan
+    for guide in rest:
+        best = finished(_improved(settings, refined, guide, step)) if best is None else best
     return None if best is None else best.with_others(others)
+
+
+def _order(guide: Guide) -> tuple[int, float]:
+    """By what ways are compared."""
+    return int(guide.changes.sum()), guide.cost
 
 
 def _improved(settings: Settings, refined: Refined, guide: Guide, step: float) -> Guide:
