@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 COSTS = ("l1", "l2", "max")
 """Sum of |dq|, sum of dq^2, largest |dq|, as the compiled core counts them."""
 MISMATCH = (0.05, 0.2)
-"""Share of the arm's size and rad that J dq may be off the twist, where a motion is looked at: four times what its
-middle strays by, to third order."""
+"""A motion whose J dq is off the segment's twist by more (position as a share of the arm's size, rotation in rad) is no
+edge. Up to terms of third order that is four times what the motion strays by in its middle."""
 CHANGE = -2
 """Stands for an edge where the branch is changed."""
 
@@ -45,8 +45,8 @@ class Layers:
     Attributes:
         T: (m, 4, 4) m, the waypoints.
         first: (m + 1,) each waypoint's first node.
-        q: (N, n) rad or m, lowest images.
-        counts: (N, n) uint8, images of each joint.
+        q: (N, n) rad or m, each joint at its least value inside the limits, among those whole turns apart.
+        counts: (N, n) uint8, how many such values each joint has.
         column: (N,) which branch of the family it is.
         value: (N,) of the redundancy parameter, 0 for an arm without one.
     """
@@ -87,7 +87,7 @@ class Pricing:
         kind: index in ``COSTS``.
         weights: (n,) of |dq|, of dq^2 for 'l2'.
         window: (n,) greatest |dq| between two waypoints [rad or m].
-        pieces: (m - 1,) in how many equal pieces the segment was cut that each segment belongs to.
+        pieces: (m - 1,) at each piece, how many equal ones the segment between two given waypoints was cut into.
     """
 
     kind: int
@@ -106,9 +106,13 @@ class Graph:
         edge_first: (N + 1,) each node's first edge.
         end: (E,) int32, node that each edge leads to.
         cost: (E,) infinite where an edge is ruled out.
-        node_cost: (N, states) infinite where a node is.
+        node_cost: (N, states) cost of being there, infinite where that is ruled out.
         proven: (E,) whether an edge was shown to keep within the tolerance.
-        between: shares and joint vectors between the ends of the edges that have some.
+        between: of an edge that is no single linear motion, the shares of the segment and the joint vectors in between.
+        value: (N, states) least cost from there to the last waypoint, after ``solve``, as what follows.
+        edge: (N, states) the edge to take, -1 at the end, ``CHANGE`` where the branch is changed.
+        jump: (m,) the state to which a change of branch after each waypoint leads.
+        changes: (N, states) changes of branch on the way; None where they are not allowed.
     """
 
     joints: Joints
@@ -148,7 +152,7 @@ class Graph:
         return cls(joints, layers, first, end[:count].copy(), cost[:count].copy(), node_cost, proven)
 
     def motion(self, edges: Ints) -> tuple[Array, Array]:
-        """Where edges (k,) start, and how the joints move, (k, n) each."""
+        """The joint vectors at which edges (k,) start, and how the joints move along them, (k, n) each."""
         q = self.layers.q[self.start_of(edges)]
         return q, self.joints.step(q, self.layers.q[self.end[edges]])
 
@@ -247,8 +251,8 @@ class Way:
     Attributes:
         graph: the graph.
         nodes: (m,) nodes.
-        images: (m,) their states.
-        edges: (m - 1,) edges taken; -2 where the branch is changed instead.
+        images: (m,) which state of each node.
+        edges: (m - 1,) edges taken; ``CHANGE`` where the branch is changed instead.
     """
 
     graph: Graph

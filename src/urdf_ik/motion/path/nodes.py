@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 SAME = 1e-6
 """rad or m: joint vectors that differ by less in every joint are one node."""
 _NUMBERS = 1 << 22
+"""Numbers in the solutions that are computed at once: 32 MB of them."""
 
 
 class Nodes(NamedTuple):
@@ -30,8 +31,8 @@ class Nodes(NamedTuple):
 
     Attributes:
         at: (k,) number of the waypoint.
-        q: (k, n) rad or m, lowest images.
-        counts: (k, n) uint8, images of each joint.
+        q: (k, n) rad or m, each joint at its least value inside the limits, among those whole turns apart.
+        counts: (k, n) uint8, how many such values each joint has.
         column: (k,) which branch.
         value: (k,) of the redundancy parameter.
         singular: (k,) whether the arm is singular there.
@@ -132,7 +133,7 @@ def at_vector(arm: Arm, joints: Joints, q: Array, at: int, value: float, column:
 
 
 def with_representatives(arm: Arm, joints: Joints, T: Array, nodes: Nodes) -> Nodes:
-    """The nodes, and at singular poses those that continue the neighbouring waypoints' best.
+    """The nodes, and at singular poses those that continue the nodes of the neighbouring waypoints best.
 
     Where a pose leaves a joint free, ``ik`` returns the representative nearest to a reference: the nodes before and
     after the waypoint are taken as references, first from the start to the end, then back.
