@@ -54,9 +54,8 @@ def follow(
     plan = _plan(settings, path)
     if plan.found or not settings.looser:
         return plan
-    looser = replace(settings, tolerance=settings.tolerance.times(settings_of.LOOSER))
-    found = _plan(looser, path)
-    return found if found.found else plan
+    # Where there is none either, its stops are what matters: a motion that bends too much was not the cause.
+    return _plan(replace(settings, tolerance=settings.tolerance.times(settings_of.LOOSER)), path)
 
 
 def _plan(settings: Settings, path: Array) -> Plan:

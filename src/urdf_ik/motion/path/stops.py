@@ -50,7 +50,7 @@ def stops_of(settings: Settings, search: Search, T: Array, place: Array) -> tupl
     for column, bit in bits.items():
         marks[first[layers.column[first] == column]] = bit
     marks[first] *= exists
-    marks = graph.reached(marks)
+    marks = _reached(settings, search, marks)
     stops = []
     for column, bit in bits.items():
         node, state = np.nonzero(marks & bit)
@@ -61,6 +61,27 @@ def stops_of(settings: Settings, search: Search, T: Array, place: Array) -> tupl
         stops.append((place[last], Stop(names[column], int(np.ceil(place[min(last + 1, len(T) - 1)])), *stop)))
     stops.sort(key=lambda each: -each[0])
     return (*_out_of_all_reach(settings, search, T, place), *(stop for _, stop in stops))
+
+
+def _reached(settings: Settings, search: Search, first: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    """Marks (N, states) passed on from the first waypoint to all that is reached without touching anything.
+
+    The search asks about the nodes of the cheapest ways only; what stops a way is the first contact on it. A joint that
+    may have any value has too many nodes for all to be asked.
+    """
+    graph = search.graph
+    if search.obstacles is None or settings.arm.redundancy is not None:
+        return graph.reached(first)
+    asked = search.hits.copy()
+    while True:
+        marks = graph.reached(first * np.isfinite(graph.node_cost)[:, None])
+        nodes = np.flatnonzero((marks != 0).any(axis=1) & ~asked)
+        free = search.obstacles.free(graph.layers.q[nodes])
+        if free.all():
+            return marks
+        asked[nodes] = True
+        search.hits[nodes[~free]] = True
+        graph.node_cost[nodes[~free]] = np.inf
 
 
 def _out_of_all_reach(settings: Settings, search: Search, T: Array, place: Array) -> tuple[Stop, ...]:
