@@ -34,6 +34,8 @@ COSTS = ("l1", "l2", "max")
 MISMATCH = (0.05, 0.2)
 """Share of the arm's size and rad that J dq may be off the twist, where a motion is looked at: four times what its
 middle strays by, to third order."""
+EQUAL = 1e-9
+"""Share by which the costs of two images' ways may differ and count as equal."""
 CHANGE = -2
 """Stands for an edge where the branch is changed."""
 
@@ -216,7 +218,7 @@ class Graph:
             node = self._on_circle.best_start(nodes)
             if node is None:
                 return None
-            image = self._lowest_image(self._on_circle.traced(node)[0])
+            image = self._image(self._on_circle.traced(node)[0])
             if image is not None:
                 return node * len(self.joints.digits) + image
             self._ways = Ways.cheapest(self)
@@ -243,12 +245,17 @@ class Graph:
         ahead[1:, counted] = np.cumsum(turns, axis=0)
         return ahead
 
-    def _lowest_image(self, nodes: Ints) -> int | None:
-        """The lowest image that a way along nodes (m,) can begin at and stay inside the limits."""
+    def _image(self, nodes: Ints) -> int | None:
+        """The image that a way along nodes (m,) can begin at and stay inside the limits, nearest to their middle."""
         ahead = self._ahead(nodes)
-        low = -ahead.min(axis=0)
-        inside = low <= (self.layers.counts[nodes] - 1 - ahead).min(axis=0)
-        return int(low @ self.joints.strides) if inside.all() else None
+        low, high = -ahead.min(axis=0), (self.layers.counts[nodes] - 1 - ahead).min(axis=0)
+        if not (low <= high).all():
+            return None
+        counted = self.joints.counted > 0
+        middle = np.where(counted, self.joints.chain.limits.sum(axis=1, where=counted[:, None]), 0.0) / 2.0
+        turns = (middle - self.layers.q[nodes[0]]) / np.where(counted, self.joints.turn, 1.0)
+        wanted = np.where(counted, np.clip(np.round(turns), low, high), 0.0)
+        return int(wanted @ self.joints.strides)
 
     def state_costs(self, images: bool = True) -> Array:
         """(N, states) of being at each state; (N, 1) where images do not count, infinite for nodes that have none."""
@@ -308,7 +315,10 @@ class Ways:
         return cls(graph, digits, strides, value, changes, edge, jump)
 
     def best_start(self, nodes: Mask | None) -> int | None:
-        """The state of the first waypoint from which the way is cheapest; of its nodes where ``nodes`` holds."""
+        """The state of the first waypoint from which the way is cheapest; of its nodes where ``nodes`` holds.
+
+        Of images that are equally good, the one nearest to the middle of the limits.
+        """
         value = self.value[: self.graph.layers.first[1]].copy()
         if nodes is not None:
             value[~nodes] = np.inf
@@ -317,7 +327,13 @@ class Ways:
         if self.changes is not None:
             changes = np.where(np.isfinite(value), self.changes[: len(value)], np.iinfo(np.int32).max)
             value[changes > changes.min()] = np.inf
-        return int(np.argmin(value))
+        node = int(np.argmin(value.min(axis=1)))
+        joints, layers = self.graph.joints, self.graph.layers
+        low, high = joints.chain.limits.T
+        middle = np.where(np.isfinite(high - low), 0.5 * (low + high), 0.0)
+        off = np.abs(layers.q[node] + self.digits * joints.turn - middle).sum(axis=1)
+        equal = value[node] <= value[node].min() * (1.0 + EQUAL) + EQUAL
+        return int(node * value.shape[1] + np.argmin(np.where(equal, off, np.inf)))
 
     def cost_of(self, state: int) -> float:
         """What the way from a state costs."""

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 MOST_IMAGES = 5
 """A joint with more images inside its limits than these turns without end, as far as a path is concerned."""
 MOST_STATES = 1024
-"""Images of a node that are told apart: the joints with the most images turn without end until there are no more."""
+"""Images of a node that are kept apart: the joints with the most images turn without end until there are no more."""
 
 
 @dataclass(frozen=True)

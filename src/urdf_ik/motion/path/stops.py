@@ -44,7 +44,8 @@ def stops_of(settings: Settings, search: Search, T: Array, place: Array) -> tupl
     ]
     if not exists.any():
         return _at_first(settings, search, T)
-    columns = np.unique(layers.column[first[exists.any(axis=1)]])
+    begin = exists.any(axis=1)
+    columns = np.unique(layers.column[first[begin]])
     bits = {int(column): np.uint64(1) << np.uint64(k) for k, column in enumerate(columns[:64])}
     marks = np.zeros((len(layers.q), states), np.uint64)
     for column, bit in bits.items():
@@ -59,6 +60,9 @@ def stops_of(settings: Settings, search: Search, T: Array, place: Array) -> tupl
         here = at == last
         stop = _stop(settings, search, T, last, node[here][:_LOOKED_AT], state[here][:_LOOKED_AT])
         stops.append((place[last], Stop(names[column], int(np.ceil(place[min(last + 1, len(T) - 1)])), *stop)))
+    for column in np.setdiff1d(layers.column[first], columns):
+        q = layers.q[first[layers.column[first] == column][0]]
+        stops.append((0.0, Stop(names[column], 0, "contact", _contact(search, q))))
     stops.sort(key=lambda each: -each[0])
     return (*_out_of_all_reach(settings, search, T, place), *(stop for _, stop in stops))
 
