@@ -57,9 +57,9 @@ def follow(
     plan = _within_limits(settings, _plan(settings, path))
     if plan.found or not settings.looser:
         return plan
+    # Where there is none either, its stops are what matters: a motion that bends too much was not the cause.
     looser = replace(settings, tolerance=settings.tolerance.times(settings_of.LOOSER))
-    found = _within_limits(looser, _plan(looser, path))
-    return found if found.found else plan
+    return _within_limits(looser, _plan(looser, path))
 
 
 def _within_limits(settings: Settings, plan: Plan) -> Plan:
@@ -107,10 +107,12 @@ def _plan(settings: Settings, path: Array) -> Plan:
     refined = cut_coarse(settings, path)
     nodes = node_sets.with_representatives(arm, joints, refined.T, _nodes(settings, refined.T))
     graph = priced(settings, refined, nodes.layers(refined.T))
-    graph.prove(arm, np.arange(len(graph.end)), settings.tolerance)
     search = Search(arm, graph, settings.tolerance, settings.obstacles, reconfigure=settings.reconfigure)
     way = search.best()
-    return not_found(settings, path, refined, search) if way is None else made(settings, path, refined, search, way)
+    if way is not None:
+        return made(settings, path, refined, search, way)
+    graph.prove(arm, np.arange(len(graph.end)), settings.tolerance)
+    return not_found(settings, path, refined, search)
 
 
 def _nodes(settings: Settings, T: Array) -> Nodes:

@@ -46,7 +46,7 @@ def not_found(settings: Settings, path: Array, refined: Refined, search: Search)
 
 def made(settings: Settings, path: Array, refined: Refined, search: Search, way: Way, *, alone: bool = False) -> Plan:
     """The plan that a way through the graph is; ``alone``: without alternatives."""
-    graph, layers = search.graph, search.graph.layers
+    layers = search.graph.layers
     q = way.q
     whole = np.flatnonzero(refined.place == np.round(refined.place))
     names = settings.arm.structure.branches
@@ -58,8 +58,6 @@ def made(settings: Settings, path: Array, refined: Refined, search: Search, way:
         changes.append(
             Change(waypoint, names[layers.column[way.nodes[k]]], names[layers.column[way.nodes[k + 1]]], free)
         )
-    states = len(graph.joints.digits)
-    value = float(graph.value.reshape(-1)[way.nodes[0] * states + way.images[0]])
 
     def others() -> tuple[Plan, ...]:
         found = []
@@ -72,7 +70,7 @@ def made(settings: Settings, path: Array, refined: Refined, search: Search, way:
 
     motion, place = way.motion(refined.place)
     return Plan(
-        settings.arm, path, q[whole], branches, value, tuple(changes), (), motion, place, _kept(settings),
+        settings.arm, path, q[whole], branches, way.cost, tuple(changes), (), motion, place, _kept(settings),
         settings.obstacles, None if alone else others,
     )  # fmt: skip
 
@@ -103,7 +101,7 @@ def add_margins(settings: Settings, graph: Graph) -> None:
     bounded = np.isfinite(high - low)
     with np.errstate(invalid="ignore"):
         off = np.abs(2.0 * (q - low) / np.where(bounded, high - low, 1.0) - 1.0)
-    graph.node_cost += settings.margins * np.where(bounded, off, 0.0).max(axis=2) ** 2
+    graph.image_cost = settings.margins * np.where(bounded, off, 0.0).max(axis=2) ** 2
 
 
 def cut_coarse(

@@ -34,6 +34,8 @@ COSTS = ("l1", "l2", "max")
 MISMATCH = (0.05, 0.2)
 """A motion whose J dq is off the segment's twist by more (position as a share of the arm's size, rotation in rad) is no
 edge. Up to terms of third order that is four times what the motion strays by in its middle."""
+EQUAL = 1e-9
+"""Share by which the costs of two images' ways may differ and count as equal."""
 CHANGE = -2
 """Stands for an edge where the branch is changed."""
 
@@ -106,13 +108,10 @@ class Graph:
         edge_first: (N + 1,) each node's first edge.
         end: (E,) int32, node that each edge leads to.
         cost: (E,) infinite where an edge is ruled out.
-        node_cost: (N, states) cost of being there, infinite where that is ruled out.
+        node_cost: (N,) of being at a node, infinite where it is ruled out.
         proven: (E,) whether an edge was shown to keep within the tolerance.
+        image_cost: (N, states) of being at an image of a node; None where all cost the same.
         between: of an edge that is no single linear motion, the shares of the segment and the joint vectors in between.
-        value: (N, states) least cost from there to the last waypoint, after ``solve``, as what follows.
-        edge: (N, states) the edge to take, -1 at the end, ``CHANGE`` where the branch is changed.
-        jump: (m,) the state to which a change of branch after each waypoint leads.
-        changes: (N, states) changes of branch on the way; None where they are not allowed.
     """
 
     joints: Joints
@@ -122,11 +121,11 @@ class Graph:
     cost: Array
     node_cost: Array
     proven: Mask
+    image_cost: Array | None = None
     between: dict[int, tuple[Array, Array]] = field(default_factory=dict)
-    value: Array = field(init=False)
-    edge: NDArray[np.int32] = field(init=False)
-    jump: Ints = field(init=False)
-    changes: NDArray[np.int32] | None = field(init=False, default=None)
+    _reconfigure: bool = False
+    _ways: Ways | None = None
+    _on_circle: Ways | None = None
 
     @classmethod
     def connected(cls, joints: Joints, layers: Layers, pricing: Pricing, mismatch: tuple[float, float]) -> Graph:
@@ -147,9 +146,8 @@ class Graph:
             if count >= 0:
                 break
             room *= 4
-        node_cost = np.zeros((nodes, len(joints.digits)))
         proven = np.zeros(count, dtype=np.bool_)
-        return cls(joints, layers, first, end[:count].copy(), cost[:count].copy(), node_cost, proven)
+        return cls(joints, layers, first, end[:count].copy(), cost[:count].copy(), np.zeros(nodes), proven)
 
     def motion(self, edges: Ints) -> tuple[Array, Array]:
         """The joint vectors at which edges (k,) start, and how the joints move along them, (k, n) each."""
@@ -159,7 +157,7 @@ class Graph:
     def pieces(self, edges: Ints) -> tuple[Array, Array, Ints]:
         """The linear motions of edges (k,): where they begin and end, (p, n) each, and whose they are (p,)."""
         q, dq = self.motion(edges)
-        if not any(int(edge) in self.between for edge in edges):
+        if self.between.keys().isdisjoint(edges.tolist()):
             return q, q + dq, np.arange(len(edges))
         points = [
             np.vstack([a, self.between.get(int(edge), (a, a[None][:0]))[1], a + step])
@@ -201,19 +199,127 @@ class Graph:
         return np.searchsorted(self.edge_first, edges, side="right") - 1
 
     def solve(self, reconfigure: bool = False) -> None:
-        """Find the cheapest way from every state to the last waypoint; with changes of branch only where asked for."""
-        shape = self.node_cost.shape
-        self.value, self.edge = np.empty(shape), np.empty(shape, np.int32)
-        self.jump = np.full(len(self.layers.T), -1, np.int64)
-        self.changes = np.zeros(shape, np.int32) if reconfigure else None
-        self.joints.core.cheapest(
-            self.layers.first, self.layers.q, self.edge_first, self.end, self.cost, self.joints.digits,
-            self.joints.strides, self.layers.counts, self.node_cost, self.value, self.changes, self.edge, self.jump,
-        )  # fmt: skip
+        """Find the cheapest way from every state to the last waypoint; with changes of branch only where asked for.
+
+        What a way costs does not depend on its images but where ``image_cost`` says so. The cheapest way of joints that
+        turn without end is then the cheapest of all if one of its images stays inside the limits; only where none does,
+        all images are looked at.
+        """
+        self._reconfigure, self._ways, self._on_circle = reconfigure, None, None
+        if len(self.joints.digits) > 1 and self.image_cost is None and not reconfigure:
+            self._on_circle = Ways.cheapest(self, images=False)
+        else:
+            self._ways = Ways.cheapest(self, reconfigure=reconfigure)
 
     def best_start(self, nodes: Mask | None = None) -> int | None:
         """The state of the first waypoint from which the way is cheapest; of its nodes where ``nodes`` holds."""
-        value = self.value[: self.layers.first[1]].copy()
+        if self._ways is None:
+            assert self._on_circle is not None  # one of both is there after solve()
+            node = self._on_circle.best_start(nodes)
+            if node is None:
+                return None
+            image = self._image(self._on_circle.traced(node)[0])
+            if image is not None:
+                return node * len(self.joints.digits) + image
+            self._ways = Ways.cheapest(self)
+        return self._ways.best_start(nodes)
+
+    def way(self, state: int) -> Way:
+        """The cheapest way on from a state of the first waypoint that ``best_start`` gave."""
+        states = len(self.joints.digits)
+        if self._ways is not None:
+            passed, taken = self._ways.traced(state)
+            nodes, images = np.divmod(passed, states)
+            return Way(self, nodes, images, taken[:-1], self._ways.cost_of(state))
+        assert self._on_circle is not None  # one of both is there after solve()
+        node, image = divmod(state, states)
+        nodes, taken = self._on_circle.traced(node)
+        images = image + self._ahead(nodes) @ self.joints.strides
+        return Way(self, nodes, images, taken[:-1], self._on_circle.cost_of(node))
+
+    def _ahead(self, nodes: Ints) -> Ints:
+        """(m, n) by how many images a way along nodes (m,) is ahead of where it began, joint by joint."""
+        q, counted = self.layers.q[nodes], self.joints.counted > 0
+        ahead = np.zeros(q.shape, np.int64)
+        turns = np.round((q[:-1, counted] - q[1:, counted]) / self.joints.turn[counted])
+        ahead[1:, counted] = np.cumsum(turns, axis=0)
+        return ahead
+
+    def _image(self, nodes: Ints) -> int | None:
+        """The image that a way along nodes (m,) can begin at and stay inside the limits, nearest to their middle."""
+        ahead = self._ahead(nodes)
+        low, high = -ahead.min(axis=0), (self.layers.counts[nodes] - 1 - ahead).min(axis=0)
+        if not (low <= high).all():
+            return None
+        counted = self.joints.counted > 0
+        middle = np.where(counted, self.joints.chain.limits.sum(axis=1, where=counted[:, None]), 0.0) / 2.0
+        turns = (middle - self.layers.q[nodes[0]]) / np.where(counted, self.joints.turn, 1.0)
+        wanted = np.where(counted, np.clip(np.round(turns), low, high), 0.0)
+        return int(wanted @ self.joints.strides)
+
+    def state_costs(self, images: bool = True) -> Array:
+        """(N, states) of being at each state; (N, 1) where images do not count, infinite for nodes that have none."""
+        if not images:
+            inside = (self.layers.counts > 0).all(axis=1)
+            return np.where(inside, self.node_cost, np.inf)[:, None]
+        more = 0.0 if self.image_cost is None else self.image_cost
+        return np.ascontiguousarray(
+            np.broadcast_to(self.node_cost[:, None] + more, (len(self.node_cost), len(self.joints.digits)))
+        )
+
+    def reached(self, marks: NDArray[np.uint64]) -> NDArray[np.uint64]:
+        """Marks (N, states) of the first waypoint's states, passed on along all edges."""
+        out = np.ascontiguousarray(marks)
+        self.joints.core.spread(
+            self.layers.first, self.layers.q, self.edge_first, self.end, self.cost, self.joints.digits,
+            self.joints.strides, self.layers.counts, self.state_costs(), out,
+        )  # fmt: skip
+        return out
+
+
+@dataclass(frozen=True)
+class Ways:
+    """The cheapest ways through a graph, from every state to the last waypoint.
+
+    Attributes:
+        graph: the graph.
+        digits: (states, n) which image each joint has in each state.
+        strides: (n,) what one image more adds to a state's number.
+        value: (N, states) what the way costs.
+        changes: (N, states) changes of branch on it; None where there may be none.
+        edge: (N, states) the edge to take.
+        jump: (m,) the state that a change of branch leads to.
+    """
+
+    graph: Graph
+    digits: NDArray[np.uint8]
+    strides: Ints
+    value: Array
+    changes: NDArray[np.int32] | None
+    edge: NDArray[np.int32]
+    jump: Ints
+
+    @classmethod
+    def cheapest(cls, graph: Graph, *, images: bool = True, reconfigure: bool = False) -> Ways:
+        """Those of a graph; without ``images`` as if its joints turned without end."""
+        joints, layers = graph.joints, graph.layers
+        digits, strides = (joints.digits, joints.strides) if images else (joints.digits[:1], 0 * joints.strides)
+        node = graph.state_costs(images)
+        value, edge = np.empty(node.shape), np.empty(node.shape, np.int32)
+        jump = np.full(len(layers.T), -1, np.int64)
+        changes = np.zeros(node.shape, np.int32) if reconfigure else None
+        joints.core.cheapest(
+            layers.first, layers.q, graph.edge_first, graph.end, graph.cost, digits, strides, layers.counts,
+            node, value, changes, edge, jump,
+        )  # fmt: skip
+        return cls(graph, digits, strides, value, changes, edge, jump)
+
+    def best_start(self, nodes: Mask | None) -> int | None:
+        """The state of the first waypoint from which the way is cheapest; of its nodes where ``nodes`` holds.
+
+        Of images that are equally good, the one nearest to the middle of the limits.
+        """
+        value = self.value[: self.graph.layers.first[1]].copy()
         if nodes is not None:
             value[~nodes] = np.inf
         if not np.isfinite(value).any():
@@ -221,27 +327,27 @@ class Graph:
         if self.changes is not None:
             changes = np.where(np.isfinite(value), self.changes[: len(value)], np.iinfo(np.int32).max)
             value[changes > changes.min()] = np.inf
-        return int(np.argmin(value))
+        node = int(np.argmin(value.min(axis=1)))
+        joints, layers = self.graph.joints, self.graph.layers
+        low, high = joints.chain.limits.T
+        middle = np.where(np.isfinite(high - low), 0.5 * (low + high), 0.0)
+        off = np.abs(layers.q[node] + self.digits * joints.turn - middle).sum(axis=1)
+        equal = value[node] <= value[node].min() * (1.0 + EQUAL) + EQUAL
+        return int(node * value.shape[1] + np.argmin(np.where(equal, off, np.inf)))
 
-    def way(self, state: int) -> Way:
-        """The cheapest way on from a state of the first waypoint."""
-        m = len(self.layers.T)
-        passed, taken = np.empty(m, np.int64), np.empty(m, np.int64)
-        self.joints.core.way(
-            self.layers.first, self.layers.q, self.edge_first, self.end, self.cost, self.joints.digits,
-            self.joints.strides, self.layers.counts, self.edge, self.jump, state, passed, taken,
-        )  # fmt: skip
-        nodes, images = np.divmod(passed, len(self.joints.digits))
-        return Way(self, nodes, images, taken[:-1])
+    def cost_of(self, state: int) -> float:
+        """What the way from a state costs."""
+        return float(self.value.reshape(-1)[state])
 
-    def reached(self, marks: NDArray[np.uint64]) -> NDArray[np.uint64]:
-        """Marks (N, states) of the first waypoint's states, passed on along all edges."""
-        out = np.ascontiguousarray(marks)
-        self.joints.core.spread(
-            self.layers.first, self.layers.q, self.edge_first, self.end, self.cost, self.joints.digits,
-            self.joints.strides, self.layers.counts, self.node_cost, out,
+    def traced(self, state: int) -> tuple[Ints, Ints]:
+        """The states (m,) that the way from one of the first waypoint passes, and the edges (m,) it takes."""
+        graph, layers = self.graph, self.graph.layers
+        passed, taken = np.empty(len(layers.T), np.int64), np.empty(len(layers.T), np.int64)
+        graph.joints.core.way(
+            layers.first, layers.q, graph.edge_first, graph.end, graph.cost, self.digits, self.strides,
+            layers.counts, self.edge, self.jump, state, passed, taken,
         )  # fmt: skip
-        return out
+        return passed, taken
 
 
 @dataclass(frozen=True)
@@ -253,12 +359,14 @@ class Way:
         nodes: (m,) nodes.
         images: (m,) which state of each node.
         edges: (m - 1,) edges taken; ``CHANGE`` where the branch is changed instead.
+        cost: of all of it.
     """
 
     graph: Graph
     nodes: Ints
     images: Ints
     edges: Ints
+    cost: float
 
     @property
     def q(self) -> Array:
@@ -276,16 +384,16 @@ class Way:
         Args:
             place: (m,) where the graph's waypoints are.
         """
-        q = self.q
-        if not self.graph.between:
-            return q, place
-        vectors, places = [q[:1]], [place[:1]]
-        for k, edge in enumerate(self.edges):
-            shares, between = self.graph.between.get(int(edge), (np.empty(0), q[:0]))
+        q, known = self.q, self.graph.between
+        cut = [k for k, edge in enumerate(self.edges.tolist()) if edge in known]
+        vectors, places, begin = [], [], 0
+        for k in cut:
+            shares, between = known[int(self.edges[k])]
             turned = q[k] - self.graph.layers.q[self.nodes[k]]  # by whole turns
-            vectors += [between + turned, q[k + 1 : k + 2]]
-            places += [place[k] + shares * (place[k + 1] - place[k]), place[k + 1 : k + 2]]
-        return np.concatenate(vectors), np.concatenate(places)
+            vectors += [q[begin : k + 1], between + turned]
+            places += [place[begin : k + 1], place[k] + shares * (place[k + 1] - place[k])]
+            begin = k + 1
+        return np.concatenate([*vectors, q[begin:]]), np.concatenate([*places, place[begin:]])
 
 
 def _unwound(q: Array, changes: Mask, joints: Joints) -> Array:

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from urdf_ik.collision.swept import TOUCH
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -13,6 +15,10 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
     Mask = NDArray[np.bool_]
+
+
+SLACK = 2.0 * TOUCH
+"""m that a joint vector must be clear beyond the margin, so that motions from and to it can be proven clear."""
 
 
 class Obstacles(NamedTuple):
@@ -30,9 +36,7 @@ class Obstacles(NamedTuple):
         """Whether joint vectors (k, n) are clear, (k,)."""
         if not len(q):
             return np.ones(0, dtype=np.bool_)
-        if self.margin:
-            return np.asarray(self.model.distance(q) >= self.margin)
-        return ~np.asarray(self.model.in_collision(q))
+        return ~np.asarray(self.model.in_collision(q, self.margin + SLACK))
 
     def motions_free(self, q0: Array, q1: Array) -> Mask:
         """Whether straight joint motions (k, n) are clear all the way, (k,)."""

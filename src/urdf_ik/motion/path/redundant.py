@@ -9,8 +9,9 @@ import numpy as np
 from urdf_ik.angles import shortest
 from urdf_ik.motion.path import nodes as node_sets
 from urdf_ik.motion.path.assembling import Refined, add_margins, cut_coarse, made, not_found, priced
-from urdf_ik.motion.path.graph import CHANGE, MISMATCH, Graph, Pricing
+from urdf_ik.motion.path.graph import CHANGE, COSTS, MISMATCH, Graph, Pricing
 from urdf_ik.motion.path.search import Search
+from urdf_ik.motion.path.smooth import smoothed
 from urdf_ik.motion.path.windows import narrow
 from urdf_ik.motion.plan import Plan
 from urdf_ik.motion.waypoints import twists
@@ -25,9 +26,9 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-GRID = 128
-"""Values of the parameter on the first grid, at some of the waypoints: far enough apart that a step to the next value
-is small beside the way of the joints."""
+FEWEST, MOST, WANTED = 48, 768, 250
+"""Values of the parameter on the first grid, at some of the waypoints, and how many nodes of a waypoint are wanted:
+where the limits leave few, the grid is finer, so that a step to the next value is small beside the joints' way."""
 APART_TURN, APART_MOVE = 0.2, 0.06
 """rad and share of the arm's size between these waypoints."""
 GRIDS = (64, 128, 256)
@@ -47,8 +48,12 @@ AROUND = (12, 6, 4)
 of its steps beside the way that it gave."""
 PASSES = 6
 """How often a finer grid is laid around the way that it gave, while the cost falls."""
+ROUGH_PASSES, LAST_PASSES = 4, 3
+"""The same at all waypoints: before the way is smoothed, and after."""
 BETTER = 0.99
-WORTH = 4.0
+SAME = 1e-6
+"""Share by which the costs of two ways may differ and count as the same."""
+WORTH = 3.0
 """A branch of the first waypoint is looked at closer where its way costs at most so many times the cheapest."""
 
 
@@ -86,13 +91,17 @@ class Guide(NamedTuple):
 def plan(settings: Settings, path: Array) -> Plan:
     """The plan of an arm with a redundancy parameter."""
     whole = cut_coarse(settings, path, COARSE_TURN, COARSE_MOVE)
-    looks = [(whole, count) for count in GRIDS]
     if not settings.reconfigure:
-        looks.insert(0, (_some(settings, whole), GRID))
+        some = _some(settings, whole)
+        found = _plan(settings, path, whole, some, *_first(settings, some, _values(settings, some)))
+        if found is not None:
+            return found
     search = None
-    for refined, count in looks:
-        search, step = _first(settings, refined, count)
-        found = _plan(settings, path, whole, refined, search, step)
+    for count in GRIDS:
+        search, step = _first(settings, whole, count, closely=count > GRIDS[0])
+        if (np.diff(search.graph.layers.first) == 0).any():
+            continue  # a waypoint that has no value on this grid may have one on a finer one
+        found = _plan(settings, path, whole, whole, search, step)
         if found is not None:
             return found
     assert search is not None  # there is at least one grid
@@ -114,33 +123,39 @@ def _some(settings: Settings, refined: Refined) -> Refined:
     return Refined(refined.T[chosen], at, 1.0 / np.diff(at))
 
 
-def _first(settings: Settings, refined: Refined, count: int) -> tuple[Search, float]:
-    """The search on the first grid of so many values, and their distance."""
+def _values(settings: Settings, refined: Refined) -> int:
+    """How many values the first grid has."""
+    at = np.arange(len(refined.T))
+    nodes = node_sets.solved(settings.arm, settings.joints, refined.T, at, _grid(settings, refined, FEWEST))
+    return int(np.clip(FEWEST * WANTED * len(at) / max(len(nodes.q), 1), FEWEST, MOST))
+
+
+def _grid(settings: Settings, refined: Refined, count: int) -> Array:
+    """The same values at every waypoint, (m, count)."""
     parameter = settings.arm.redundancy
     assert parameter is not None  # only such arms are planned for here
     low, high = span(settings.arm, parameter, refined.T)
-    grid = np.linspace(low, high, count, endpoint=not parameter.round)
-    m = len(refined.T)
+    values = np.linspace(low, high, count, endpoint=not parameter.round)
+    return np.broadcast_to(values, (len(refined.T), count))
+
+
+def _first(settings: Settings, refined: Refined, count: int, *, closely: bool = False) -> tuple[Search, float]:
+    """The search on the first grid of so many values, with those of narrow windows where asked for; their distance."""
+    grid = _grid(settings, refined, count)
     everything = node_sets.solved(
-        settings.arm,
-        settings.joints,
-        refined.T,
-        np.arange(m),
-        np.broadcast_to(grid, (m, count)),
-        outside=count > GRIDS[0],
+        settings.arm, settings.joints, refined.T, np.arange(len(refined.T)), grid, outside=closely
     )
     nodes = everything.chosen(np.flatnonzero(everything.counts.all(axis=1)))
-    if count > GRIDS[0]:
-        nodes += narrow(settings, refined.T, everything, grid)
+    if closely:
+        nodes += narrow(settings, refined.T, everything, grid[0])
     nodes = _ends(settings, refined, nodes)
     layers = nodes.layers(refined.T)
     window = np.where(settings.joints.turn > 0.0, STEPS, np.inf)
     pricing = Pricing(settings.kind, settings.weights, window, refined.pieces)
     graph = Graph.connected(settings.joints, layers, pricing, LOOSE)
     add_margins(settings, graph)
-    return Search(settings.arm, graph, None, settings.obstacles, reconfigure=settings.reconfigure), float(
-        grid[1] - grid[0]
-    )
+    search = Search(settings.arm, graph, None, settings.obstacles, reconfigure=settings.reconfigure)
+    return search, float(grid[0, 1] - grid[0, 0])
 
 
 def _ends(settings: Settings, refined: Refined, nodes: Nodes) -> Nodes:
@@ -165,34 +180,41 @@ def _plan(
 ) -> Plan | None:
     """The plan that the first grid leads to, at all waypoints or some of them."""
     columns = search.graph.layers.column[: search.graph.layers.first[1]]
-    guides = []
-    cheapest = np.inf
-    for column in np.unique(columns):
-        way = search.best(columns == column)
-        if way is not None:
-            guides.append((_guide(settings, way), column))
-            cheapest = min(cheapest, guides[-1][0].cost)
-    close = [(_improved(settings, refined, guide, step), c) for guide, c in guides if guide.cost <= WORTH * cheapest]
-    close.sort(key=lambda each: (each[0].changes.sum(), each[0].cost))
+    ways = [search.best(columns == column) for column in np.unique(columns)]
+    guides = sorted((_guide(settings, way) for way in ways if way is not None), key=_order)
+    # Branches that are images of one another cost the same: one of them is enough, unless it fails.
+    first = [
+        guide
+        for k, guide in enumerate(guides)
+        if guide.cost <= WORTH * guides[0].cost and (not k or guide.cost > guides[k - 1].cost * (1.0 + SAME))
+    ]
+    rest = [guide for guide in guides if not any(guide is each for each in first)]
+    close = sorted((_improved(settings, refined, guide, step) for guide in first), key=_order)
 
     def finished(guide: Guide) -> Plan | None:
-        last = _finished(settings, whole, refined, guide, step / FINER ** len(AROUND))
+        last = _finished(settings, whole, refined, guide, step / FINER**3)
         return None if last is None else made(settings, path, whole, *last, alone=True)
 
     def others() -> tuple[Plan, ...]:
-        far = [_improved(settings, refined, guide, step) for guide, _ in guides if guide.cost > WORTH * cheapest]
-        found = [finished(guide) for guide in (*(guide for guide, _ in close), *far)]
+        found = [finished(guide) for guide in (*close, *(_improved(settings, refined, each, step) for each in rest))]
         return tuple(sorted((each for each in found if each is not None), key=lambda each: each.cost))
 
     best: Plan | None = None
-    for guide, _ in close:
+    for guide in close:
         # What a way costs at some waypoints is hardly more than what it costs at all of them.
-        if best is not None and (len(best.changes), best.cost) <= (guide.changes.sum(), guide.cost):
+        if best is not None and (len(best.changes), best.cost) <= _order(guide):
             break
         plan = finished(guide)
         if plan is not None and (best is None or (len(plan.changes), plan.cost) < (len(best.changes), best.cost)):
             best = plan
+    for guide in rest:
+        best = finished(_improved(settings, refined, guide, step)) if best is None else best
     return None if best is None else best.with_others(others)
+
+
+def _order(guide: Guide) -> tuple[int, float]:
+    """By what ways are compared."""
+    return int(guide.changes.sum()), guide.cost
 
 
 def _improved(settings: Settings, refined: Refined, guide: Guide, step: float) -> Guide:
@@ -207,6 +229,8 @@ def _improved(settings: Settings, refined: Refined, guide: Guide, step: float) -
             before, guide = guide.cost, found
             if not guide.cost < BETTER * before:
                 break
+        if _is_smooth(settings) and not guide.changes.any():
+            return _smoothed(settings, refined, guide)
     return guide
 
 
@@ -216,33 +240,51 @@ def _finished(
     """The way at all waypoints, its motions proven and clear; None where there is none near the guide."""
     if len(refined.T) < len(whole.T):
         guide = guide.spread(refined.place, whole.place)
-    last: tuple[Search, Way] | None = None
-    for level, wider in enumerate((FINER**3, FINER**2, FINER, 1)):
-        proven = level > 1
-        for turn in range(PASSES if level else 1):
-            around = AROUND[0] if proven and last is None and turn else AROUND[-1]
-            search = _around(settings, whole, guide, step * wider, around, last=proven)
-            way = search.best()
-            if way is None and proven and last is None and not turn:
-                continue  # wider
+    for wider in (FINER**3, FINER**2):
+        for _ in range(ROUGH_PASSES):
+            way = _around(settings, whole, guide, step * wider, AROUND[-1], last=False).best()
             if way is None:
-                break
+                return None
             before, guide = guide.cost, _guide(settings, way)
-            last = (search, way) if proven else None
             if not guide.cost < BETTER * before:
                 break
-        if proven and last is None:
+    last: tuple[Search, Way] | None = None
+    if _is_smooth(settings) and not guide.changes.any():
+        guide = _smoothed(settings, whole, guide)
+    for wider in (FINER, 1):
+        for turn in range(LAST_PASSES):
+            around = AROUND[0] if last is None and turn else AROUND[-1]
+            search = _around(settings, whole, guide, step * wider, around, last=True)
+            way = search.best()
+            if way is None and last is None and not turn:
+                continue  # once more, wider
+            if way is None:
+                break
+            before, guide, last = guide.cost, _guide(settings, way), (search, way)
+            if not guide.cost < BETTER * before:
+                break
+        if last is None:
             return None
     return last
 
 
+def _is_smooth(settings: Settings) -> bool:
+    """Whether the cost is the sum of squares, and nothing stands in the way of the least one."""
+    return COSTS[settings.kind] == "l2" and not settings.margins
+
+
+def _smoothed(settings: Settings, refined: Refined, guide: Guide) -> Guide:
+    q, value = smoothed(settings, refined, guide.q, guide.value)
+    steps = np.diff(q, axis=0)
+    cost = float((settings.weights * steps * steps * refined.pieces[:, None]).sum())
+    return guide._replace(q=q, value=value, cost=cost) if cost < guide.cost else guide
+
+
 def _guide(settings: Settings, way: Way) -> Guide:
     layers = way.graph.layers
-    state = int(way.nodes[0]) * len(way.graph.joints.digits) + int(way.images[0])
-    value = float(way.graph.value.reshape(-1)[state])
     parameter = settings.arm.redundancy
     turns = parameter is not None and parameter.round
-    return Guide(way.q, layers.value[way.nodes], layers.column[way.nodes], way.edges == CHANGE, value, turns)
+    return Guide(way.q, layers.value[way.nodes], layers.column[way.nodes], way.edges == CHANGE, way.cost, turns)
 
 
 def _around(settings: Settings, refined: Refined, guide: Guide, step: float, around: int, last: bool) -> Search:

@@ -39,16 +39,19 @@ def stops_of(settings: Settings, search: Search, T: Array, place: Array) -> tupl
     layers, states = graph.layers, len(graph.joints.digits)
     names = settings.arm.structure.branches
     first = np.arange(layers.first[1])
-    exists = (graph.joints.digits < layers.counts[first][:, None]).all(axis=2) & np.isfinite(graph.node_cost[first])
+    exists = (graph.joints.digits < layers.counts[first][:, None]).all(axis=2) & np.isfinite(graph.node_cost[first])[
+        :, None
+    ]
     if not exists.any():
         return _at_first(settings, search, T)
-    columns = np.unique(layers.column[first[exists.any(axis=1)]])
+    begin = exists.any(axis=1)
+    columns = np.unique(layers.column[first[begin]])
     bits = {int(column): np.uint64(1) << np.uint64(k) for k, column in enumerate(columns[:64])}
     marks = np.zeros((len(layers.q), states), np.uint64)
     for column, bit in bits.items():
         marks[first[layers.column[first] == column]] = bit
     marks[first] *= exists
-    marks = graph.reached(marks)
+    marks = _reached(settings, search, marks)
     stops = []
     for column, bit in bits.items():
         node, state = np.nonzero(marks & bit)
@@ -57,8 +60,32 @@ def stops_of(settings: Settings, search: Search, T: Array, place: Array) -> tupl
         here = at == last
         stop = _stop(settings, search, T, last, node[here][:_LOOKED_AT], state[here][:_LOOKED_AT])
         stops.append((place[last], Stop(names[column], int(np.ceil(place[min(last + 1, len(T) - 1)])), *stop)))
+    for column in np.setdiff1d(layers.column[first], columns):
+        q = layers.q[first[layers.column[first] == column][0]]
+        stops.append((0.0, Stop(names[column], 0, "contact", _contact(search, q))))
     stops.sort(key=lambda each: -each[0])
     return (*_out_of_all_reach(settings, search, T, place), *(stop for _, stop in stops))
+
+
+def _reached(settings: Settings, search: Search, first: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    """Marks (N, states) passed on from the first waypoint to all that is reached without touching anything.
+
+    The search asks about the nodes of the cheapest ways only; what stops a way is the first contact on it. A joint that
+    may have any value has too many nodes for all to be asked.
+    """
+    graph = search.graph
+    if search.obstacles is None or settings.arm.redundancy is not None:
+        return graph.reached(first)
+    asked = search.hits.copy()
+    while True:
+        marks = graph.reached(first * np.isfinite(graph.node_cost)[:, None])
+        nodes = np.flatnonzero((marks != 0).any(axis=1) & ~asked)
+        free = search.obstacles.free(graph.layers.q[nodes])
+        if free.all():
+            return marks
+        asked[nodes] = True
+        search.hits[nodes[~free]] = True
+        graph.node_cost[nodes[~free]] = np.inf
 
 
 def _out_of_all_reach(settings: Settings, search: Search, T: Array, place: Array) -> tuple[Stop, ...]:

@@ -1,0 +1,104 @@
+"""Paths of arms with seven joints: narrow windows, obstacles, given ends, the least sum of squares."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.motion.test_follow import check, joint_path
+
+import urdf_ik
+from urdf_ik.motion.path import assembling, redundant, settings, smooth
+
+
+def narrow_path(arm: urdf_ik.Arm, seed: int, room: float = 4e-3) -> tuple[np.ndarray, np.ndarray]:
+    """A joint path (m, 7) of which two joints are near limits that the self-motion runs into on either side."""
+    rng = np.random.default_rng(seed)
+    low, high = arm.limits.T
+    while True:
+        q = rng.uniform(low + 0.3 * (high - low), high - 0.3 * (high - low))
+        a, b = rng.choice(7, 2, replace=False)
+        q[a], q[b] = high[a] - room, low[b] + room
+        idle = np.linalg.svd(arm.jacobian(q))[2][-1]
+        # Both joints move the same way with a speed that counts, and the others are well inside.
+        if idle[a] * idle[b] > 0.05 and np.linalg.svd(arm.jacobian(q))[1][5] > 0.05:
+            break
+    move = np.linalg.pinv(arm.jacobian(q)) @ np.array([0.01, 0.005, -0.01, 0.0, 0.0, 0.0])
+    path = q + np.linspace(0.0, 0.1, 6)[:, None] * move
+    return path, arm.fk(path)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_window_narrower_than_the_grid_is_found(seed: int) -> None:
+    """Near two limits, the self-motion leaves the parameter less than a step of the first grid."""
+    arm = urdf_ik.load("panda")
+    _, T = narrow_path(arm, seed)
+    check(arm, arm.follow(T, collisions=False))
+
+
+@pytest.mark.parametrize("name", ["panda", "srs_7r"])
+def test_given_ends_are_kept(name: str) -> None:
+    """A start and an end, whose values of the parameter are on no grid."""
+    arm = urdf_ik.load(name)
+    q = joint_path(arm, 50, 3)
+    plan = arm.follow(arm.fk(q), start=q[0], end=q[-1], collisions=False)
+    check(arm, plan)
+    assert np.array_equal(plan.q[0], q[0])
+    assert np.array_equal(plan.q[-1], q[-1])
+
+
+def test_an_obstacle_is_gone_round() -> None:
+    """A ball where the elbow would pass: the plan keeps its distance from it, by the arm's own clearance."""
+    arm = urdf_ik.load("srs_7r")
+    q = joint_path(arm, 30, 1, size=0.15)
+    T = arm.fk(q)
+    free = arm.follow(T)
+    check(arm, free)
+    elbow = arm.link_poses(free.q[15])
+    inside = next(name for name in list(elbow)[3:6] if np.linalg.norm(elbow[name][:3, 3] - T[15, :3, 3]) > 0.15)
+    world = urdf_ik.World()
+    world.add("ball", urdf_ik.Sphere(0.05), elbow[inside])
+    assert arm.clearance(free.q[15], world) == 0.0
+    plan = arm.follow(T, world=world, margin=0.01)
+    if plan.found:
+        check(arm, plan)
+        assert np.min(arm.clearance(plan.q, world)) >= 0.01
+        between = 0.5 * (plan.motion[:-1] + plan.motion[1:])
+        assert np.min(arm.clearance(between, world)) >= 0.01
+    else:
+        assert any(stop.cause == "contact" for stop in plan.stops)
+
+
+def test_smoothing_finds_the_least_sum_of_squares() -> None:
+    """At the end the sum does not change, to first order, with any value; and it is less than before."""
+    arm = urdf_ik.load("srs_7r")
+    q = joint_path(arm, 40, 2, size=0.2)
+    T = arm.fk(q)
+    asked = settings.read(
+        arm, T, start=None, end=None, obstacles=None, cost="l2", weights=None, max_step=None, tolerance=None,
+        margins=0.0, reconfigure=False,
+    )  # fmt: skip
+    whole = assembling.Refined(T, np.arange(40.0), np.ones(39))
+    value = np.unwrap(arm.redundancy_of(q))
+    better, moved = smooth.smoothed(asked, whole, q, value)
+    before, after = ((np.diff(each, axis=0) ** 2).sum() for each in (q, better))
+    assert after < before
+    assert np.abs(arm.fk(better) - T).max() < 1e-9
+    t = smooth._derivative(asked, whole, better, moved)
+    gaps = np.diff(better, axis=0)
+    gradient = np.concatenate([[0.0], (t[1:] * gaps).sum(axis=1)]) - np.append((t[:-1] * gaps).sum(axis=1), 0.0)
+    low, high = arm.limits.T
+    loose = ((better > low + 1e-3) & (better < high - 1e-3)).all(axis=1)
+    assert np.abs(gradient[loose]).max() < 1e-3 * np.abs(t).max() * np.abs(gaps).max() * 40
+
+
+def test_the_grid_is_finer_where_the_limits_leave_little() -> None:
+    """The Panda's limits leave few solutions of a pose, those of an arm without limits many."""
+    arm = urdf_ik.load("panda")
+    T = arm.fk(joint_path(arm, 10, 0))
+    asked = settings.read(
+        arm, T, start=None, end=None, obstacles=None, cost="l2", weights=None, max_step=None, tolerance=None,
+        margins=0.0, reconfigure=False,
+    )  # fmt: skip
+    whole = assembling.Refined(T, np.arange(10.0), np.ones(9))
+    count = redundant._values(asked, whole)
+    assert redundant.FEWEST < count <= redundant.MOST
