@@ -43,11 +43,15 @@ class Change(NamedTuple):
     free: bool | None
 
 
+EVERY_BRANCH = "every branch"
+"""Stands for a branch where none gets past a waypoint."""
+
+
 class Stop(NamedTuple):
     """Where the ways from one branch of the first waypoint end.
 
     Attributes:
-        branch: name of the branch at the first waypoint.
+        branch: name of the branch at the first waypoint, or ``EVERY_BRANCH``.
         waypoint: number of the first waypoint that cannot be reached from it.
         cause: 'reach', 'limit', 'contact' or 'jump'.
         reason: the same in words, with the number, the joint or the bodies.

@@ -8,8 +8,8 @@ import numpy as np
 
 from urdf_ik.motion.path import nodes as node_sets
 from urdf_ik.motion.path.straight import keeps_straight
-from urdf_ik.motion.path.windows import room
-from urdf_ik.motion.plan import Stop
+from urdf_ik.motion.path.windows import central, room
+from urdf_ik.motion.plan import EVERY_BRANCH, Stop
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -97,10 +97,10 @@ def _out_of_all_reach(settings: Settings, search: Search, T: Array, place: Array
     waypoint = int(np.ceil(place[at]))
     everything = _solutions(settings, T, at, None)
     if not len(everything.q):
-        return (Stop("every branch", waypoint, "reach", f"out of reach: {settings.arm.explain(T[at])}"),)
+        return (Stop(EVERY_BRANCH, waypoint, "reach", f"out of reach: {settings.arm.explain(T[at])}"),)
     best = int(np.argmax(room(settings, everything.q)))
-    limits = _limits(settings, everything.q[best], everything.counts[best] == 0)
-    return (Stop("every branch", waypoint, "limit", f"no solution is inside the limits; of the nearest, {limits}"),)
+    limits = _limits(settings, central(settings, everything.q[best]), everything.counts[best] == 0)
+    return (Stop(EVERY_BRANCH, waypoint, "limit", f"no solution is inside the limits; of the nearest, {limits}"),)
 
 
 def _at_first(settings: Settings, search: Search, T: Array) -> tuple[Stop, ...]:
@@ -108,7 +108,7 @@ def _at_first(settings: Settings, search: Search, T: Array) -> tuple[Stop, ...]:
     arm, graph = settings.arm, search.graph
     everything = _solutions(settings, T, 0, None)
     if not len(everything.q):
-        return (Stop("every branch", 0, "reach", f"out of reach: {arm.explain(T[0])}"),)
+        return (Stop(EVERY_BRANCH, 0, "reach", f"out of reach: {arm.explain(T[0])}"),)
     names = arm.structure.branches
     stops = []
     here = np.arange(graph.layers.first[1])
@@ -120,7 +120,7 @@ def _at_first(settings: Settings, search: Search, T: Array) -> tuple[Stop, ...]:
         q = everything.q[everything.column == column]
         counts = everything.counts[everything.column == column]
         k = int(np.argmin((counts == 0).sum(axis=1)))
-        stops.append(Stop(names[column], 0, "limit", _limits(settings, q[k], counts[k] == 0)))
+        stops.append(Stop(names[column], 0, "limit", _limits(settings, central(settings, q[k]), counts[k] == 0)))
     return tuple(stops)
 
 

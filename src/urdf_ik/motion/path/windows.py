@@ -20,16 +20,20 @@ ROUNDS = 6
 """How often the place of the greatest room is closed in upon; each round halves the step."""
 
 
-def room(settings: Settings, q: Array) -> Array:
-    """How far joint vectors (k, n) are inside the limits by their best images, negative outside (k,) [rad or m]."""
+def central(settings: Settings, q: Array) -> Array:
+    """The images of joint vectors (..., n) that are nearest to the middle of the limits."""
     low, high = settings.arm.limits.T
     turn = settings.joints.turn
     step = np.where(turn > 0.0, turn, 1.0)
-    with np.errstate(invalid="ignore"):
-        middle = np.where(np.isfinite(high - low), 0.5 * (low + high), 0.0)
-        near = q - np.where(turn > 0.0, np.round((q - middle) / step) * step, 0.0)
-        inside = np.minimum(near - low, high - near)
-    return np.asarray(inside.min(axis=1, initial=np.inf))
+    middle = np.where(np.isfinite(high - low), 0.5 * (low + high), 0.0)
+    return np.asarray(q - np.where(turn > 0.0, np.round((q - middle) / step) * step, 0.0))
+
+
+def room(settings: Settings, q: Array) -> Array:
+    """How far joint vectors (k, n) are inside the limits by their best images, negative outside (k,) [rad or m]."""
+    low, high = settings.arm.limits.T
+    near = central(settings, q)
+    return np.asarray(np.minimum(near - low, high - near).min(axis=1, initial=np.inf))
 
 
 def narrow(settings: Settings, T: Array, everything: Nodes, grid: Array) -> Nodes:
