@@ -18,6 +18,7 @@ from urdf_ik.motion.path import bisect
 from urdf_ik.motion.path.joints import Joints
 from urdf_ik.motion.path.straight import Tolerance, keeps_straight
 from urdf_ik.motion.waypoints import twists
+from urdf_ik.solutions import limits
 from urdf_ik.solutions.limits import LIMIT_TOLERANCE
 
 if TYPE_CHECKING:
@@ -252,8 +253,9 @@ class Graph:
         if not (low <= high).all():
             return None
         counted = self.joints.counted > 0
-        middle = np.where(counted, self.joints.chain.limits.sum(axis=1, where=counted[:, None]), 0.0) / 2.0
-        turns = (middle - self.layers.q[nodes[0]]) / np.where(counted, self.joints.turn, 1.0)
+        turns = (limits.middle(self.joints.chain.limits) - self.layers.q[nodes[0]]) / np.where(
+            counted, self.joints.turn, 1.0
+        )
         wanted = np.where(counted, np.clip(np.round(turns), low, high), 0.0)
         return int(wanted @ self.joints.strides)
 
@@ -329,9 +331,7 @@ class Ways:
             value[changes > changes.min()] = np.inf
         node = int(np.argmin(value.min(axis=1)))
         joints, layers = self.graph.joints, self.graph.layers
-        low, high = joints.chain.limits.T
-        middle = np.where(np.isfinite(high - low), 0.5 * (low + high), 0.0)
-        off = np.abs(layers.q[node] + self.digits * joints.turn - middle).sum(axis=1)
+        off = np.abs(layers.q[node] + self.digits * joints.turn - limits.middle(joints.chain.limits)).sum(axis=1)
         equal = value[node] <= value[node].min() * (1.0 + EQUAL) + EQUAL
         return int(node * value.shape[1] + np.argmin(np.where(equal, off, np.inf)))
 

@@ -55,16 +55,27 @@ def stops_of(settings: Settings, search: Search, T: Array, place: Array) -> tupl
     stops = []
     for column, bit in bits.items():
         node, state = np.nonzero(marks & bit)
+        if not len(node):  # all of its nodes touch something
+            stops.append((0.0, Stop(names[column], 0, "contact", _first_contact(search, column))))
+            continue
         at = layers.at[node]
         last = int(at.max())
         here = at == last
         stop = _stop(settings, search, T, last, node[here][:_LOOKED_AT], state[here][:_LOOKED_AT])
         stops.append((place[last], Stop(names[column], int(np.ceil(place[min(last + 1, len(T) - 1)])), *stop)))
-    for column in np.setdiff1d(layers.column[first], columns):
-        q = layers.q[first[layers.column[first] == column][0]]
-        stops.append((0.0, Stop(names[column], 0, "contact", _contact(search, q))))
+    stops += [
+        (0.0, Stop(names[column], 0, "contact", _first_contact(search, column)))
+        for column in np.setdiff1d(layers.column[first], columns)
+    ]
     stops.sort(key=lambda each: -each[0])
     return (*_out_of_all_reach(settings, search, T, place), *(stop for _, stop in stops))
+
+
+def _first_contact(search: Search, column: int) -> str:
+    """What touches at the first waypoint in a branch."""
+    layers = search.graph.layers
+    first = np.arange(layers.first[1])
+    return _contact(search, layers.q[first[layers.column[first] == column][0]])
 
 
 def _reached(settings: Settings, search: Search, first: NDArray[np.uint64]) -> NDArray[np.uint64]:

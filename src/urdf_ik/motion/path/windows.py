@@ -8,6 +8,7 @@ import numpy as np
 
 from urdf_ik.motion.path import nodes as node_sets
 from urdf_ik.motion.path.nodes import Nodes
+from urdf_ik.solutions import limits
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -22,10 +23,9 @@ ROUNDS = 6
 
 def central(settings: Settings, q: Array) -> Array:
     """The images of joint vectors (..., n) that are nearest to the middle of the limits."""
-    low, high = settings.arm.limits.T
     turn = settings.joints.turn
     step = np.where(turn > 0.0, turn, 1.0)
-    middle = np.where(np.isfinite(high - low), 0.5 * (low + high), 0.0)
+    middle = limits.middle(settings.arm.limits)
     return np.asarray(q - np.where(turn > 0.0, np.round((q - middle) / step) * step, 0.0))
 
 
