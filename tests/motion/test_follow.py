@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from lxml import etree
 
 import urdf_ik
+from urdf_ik.angles import TURN
 from urdf_ik.motion.plan import Plan
 
 SIX = ("zyyzyz_6r", "ur5", "puma_560", "dh_6r", "z1")
@@ -24,16 +26,13 @@ def joint_path(arm: urdf_ik.Arm, m: int, seed: int, size: float = 0.3) -> np.nda
 
 def between(arm: urdf_ik.Arm, plan: Plan) -> float:
     """How far the tip strays from the straight segments while the joints move linearly, m."""
-    worst = 0.0
-    for k in range(len(plan.motion) - 1):
-        before = int(np.floor(plan.place[k] + 1e-9))
-        a, b = plan.poses[before][:3, 3], plan.poses[min(before + 1, len(plan.poses) - 1)][:3, 3]
-        for s in np.linspace(0.1, 0.9, 5):
-            p = arm.fk((1 - s) * plan.motion[k] + s * plan.motion[k + 1])[:3, 3]
-            way = b - a
-            share = np.clip((p - a) @ way / max(way @ way, 1e-300), 0.0, 1.0)
-            worst = max(worst, float(np.linalg.norm(p - a - share * way)))
-    return worst
+    s = np.linspace(0.1, 0.9, 5)[:, None]
+    before = np.floor(plan.place[:-1] + 1e-9).astype(int)
+    a, b = plan.poses[before, None, :3, 3], plan.poses[np.minimum(before + 1, len(plan.poses) - 1), None, :3, 3]
+    p = arm.fk((1.0 - s) * plan.motion[:-1, None] + s * plan.motion[1:, None])[..., :3, 3]
+    way = b - a
+    share = ((p - a) * way).sum(axis=-1, keepdims=True) / np.maximum((way * way).sum(axis=-1, keepdims=True), 1e-300)
+    return float(np.linalg.norm(p - a - np.clip(share, 0.0, 1.0) * way, axis=-1).max(initial=0.0))
 
 
 def check(arm: urdf_ik.Arm, plan: Plan) -> None:
@@ -151,6 +150,30 @@ def test_turns_that_run_into_a_limit() -> None:
     assert not stopped.found
     assert arm.joint_names[5] in stopped.explain()
     assert "360" in stopped.explain()
+
+
+@pytest.mark.parametrize(
+    ("turns", "given", "found"), [(8.0, False, True), (4.0, True, True), (8.0, True, False), (12.0, False, False)]
+)
+def test_limits_of_many_turns(turns: float, given: bool, found: bool) -> None:
+    """A joint with 10.4 turns inside its limits is wound no further, nor from another turn than the start's."""
+    model = etree.fromstring(urdf_ik.load("zyyzyz_6r").model.xml)
+    (limit,) = model.xpath("joint[@name='joint_6']/limit")
+    limit.set("lower", str(-5.2 * TURN))
+    limit.set("upper", str(5.2 * TURN))
+    arm = urdf_ik.load(etree.tostring(model).decode())
+    q = np.tile([0.5, -0.7, -1.4, -1.8, 0.8, 1.6], (int(24 * turns), 1))
+    q[:, 5] += np.linspace(0.0, turns * TURN, len(q))
+    plan = arm.follow(arm.fk(q), start=q[0] if given else None, collisions=False)
+    assert plan.found == found
+    if not found:
+        assert "joint_6 turns" in plan.explain()
+        assert "limits" in plan.explain()
+        return
+    check(arm, plan)
+    assert not given or np.array_equal(plan.q[0], q[0])
+    for other in plan.alternatives:
+        check(arm, other)
 
 
 def test_coarse_waypoints_are_refined() -> None:

@@ -77,8 +77,8 @@ class InCell(Kinematics):
 
         Each joint goes from its value in ``q0`` to its value in ``q1``, in proportion to the others, turns included.
         A motion that is called free is free of contact at every instant of it. One that is not called free has a
-        contact, or comes within 0.1 mm of one (``urdf_ik.collision.swept.TOUCH``), where no number of distances can
-        prove it free.
+        contact, or comes within 0.1 mm of one (``urdf_ik.collision.swept.TOUCH``), where no finite number of distances
+        can prove it free.
 
         Args:
             q0: (..., n) rad or m.
@@ -87,8 +87,8 @@ class InCell(Kinematics):
             margin: m that the bodies must stay apart.
 
         Returns:
-            Its ``free`` (...) says which motions are; ``share`` (...) and ``pairs`` tell of the first contact of the
-            others. That of a single motion is itself true or false.
+            Its ``free`` (...) says which motions are; ``share`` (...) and ``pairs`` describe the first contact of
+            the others. Of a single motion, the result itself is true or false.
 
         Raises:
             JointVectorError: the arrays do not fit the arm or each other, or a value is not finite.

@@ -143,7 +143,7 @@ class World:
             pose: (4, 4) of the shape in the arm's base link [m], or a ``pinocchio.SE3``; default: the identity.
 
         Raises:
-            WorldError: the name is empty or taken, ``shape`` is none, or its mesh is not there.
+            WorldError: the name is empty or taken, ``shape`` is no shape, or its mesh is not there.
             PoseError: ``pose`` is no pose.
 
         Example:

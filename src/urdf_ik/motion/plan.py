@@ -33,7 +33,8 @@ class Change(NamedTuple):
         waypoint: number of the first waypoint after it.
         before: branch at the waypoint before.
         after: branch at ``waypoint``.
-        free: whether the straight joint motion from one to the other touches nothing; None where it was not asked.
+        free: whether the straight joint motion from one to the other touches nothing; None without a check
+            for collisions.
     """
 
     waypoint: int
@@ -42,11 +43,15 @@ class Change(NamedTuple):
     free: bool | None
 
 
+EVERY_BRANCH = "every branch"
+"""Stands for a branch where none gets past a waypoint."""
+
+
 class Stop(NamedTuple):
     """Where the ways from one branch of the first waypoint end.
 
     Attributes:
-        branch: name of the branch at the first waypoint.
+        branch: name of the branch at the first waypoint, or ``EVERY_BRANCH``.
         waypoint: number of the first waypoint that cannot be reached from it.
         cause: 'reach', 'limit', 'contact' or 'jump'.
         reason: the same in words, with the number, the joint or the bodies.
@@ -67,7 +72,7 @@ class Margins:
 
     Attributes:
         limits: (m,) rad or m, to the nearest joint limit; infinite where no joint has one.
-        clearance: (m,) m, between the nearest two bodies that must not touch; NaN where there are no shapes to ask.
+        clearance: (m,) m, between the nearest two bodies that must not touch; NaN where no collisions are checked.
         manipulability: (m,) Yoshikawa's.
     """
 
@@ -78,21 +83,23 @@ class Margins:
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """Joint vectors along a path, or why there are none.
+    """Joint vectors along a path, or the reason why there is no plan.
 
     Attributes:
         arm: the arm.
         poses: (m, 4, 4) m, the waypoints.
         found: whether there is a plan.
-        q: (m, n) rad or m, one joint vector a waypoint; (0, n) where there is none.
+        q: (m, n) rad or m, one joint vector a waypoint; (0, n) where there is no plan.
         branches: m names of branches.
-        cost: what was minimised, summed over the path; infinite where there is none.
+        cost: what was minimised, summed over the path; infinite where there is no plan.
         changes: reconfigurations; () for a plan without.
         stops: where there is no plan, what stops the ways from each branch of the first waypoint.
         motion: (k, n) rad or m, the joint vectors with those between waypoints, where the segments had to be refined:
             moving linearly from one to the next, the tip keeps to the path.
         place: (k,) where each one is: 2.5 is half way from waypoint 2 to waypoint 3.
         tolerance: (m, rad) of the straight segments that every motion was proven to keep within.
+        obstacles: what the plan stays clear of; None where no collisions are checked.
+        others: what finds the ``alternatives`` when they are asked for.
 
     Example:
         >>> import urdf_ik

@@ -49,6 +49,13 @@ def bounded(limits: Array) -> Array:
     return np.where(np.abs(limits) > FAR, np.copysign(np.inf, limits), limits)
 
 
+def middle(limits: Array) -> Array:
+    """(n,) rad or m, the middle of each joint's range; 0 for one without a limit on a side."""
+    low, high = bounded(limits).T
+    ends = np.isfinite(low) & np.isfinite(high)
+    return 0.5 * (np.where(ends, low, 0.0) + np.where(ends, high, 0.0))
+
+
 def drawn(limits: Array, turning: Mask) -> Array:
     """(n, 2) rad or m, the limits; where a limit is missing, half a turn or a metre from zero or from the other one.
 

@@ -18,6 +18,7 @@ from urdf_ik.motion.path import bisect
 from urdf_ik.motion.path.joints import Joints
 from urdf_ik.motion.path.straight import Tolerance, keeps_straight
 from urdf_ik.motion.waypoints import twists
+from urdf_ik.solutions import limits
 from urdf_ik.solutions.limits import LIMIT_TOLERANCE
 
 if TYPE_CHECKING:
@@ -32,8 +33,8 @@ if TYPE_CHECKING:
 COSTS = ("l1", "l2", "max")
 """Sum of |dq|, sum of dq^2, largest |dq|, as the compiled core counts them."""
 MISMATCH = (0.05, 0.2)
-"""Share of the arm's size and rad that J dq may be off the twist, where a motion is looked at: four times what its
-middle strays by, to third order."""
+"""A motion whose J dq is off the segment's twist by more (position as a share of the arm's size, rotation in rad) is no
+edge. Up to terms of third order that is four times what the motion strays by in its middle."""
 EQUAL = 1e-9
 """Share by which the costs of two images' ways may differ and count as equal."""
 CHANGE = -2
@@ -47,8 +48,8 @@ class Layers:
     Attributes:
         T: (m, 4, 4) m, the waypoints.
         first: (m + 1,) each waypoint's first node.
-        q: (N, n) rad or m, lowest images.
-        counts: (N, n) uint8, images of each joint.
+        q: (N, n) rad or m, each joint at its least value inside the limits, among those whole turns apart.
+        counts: (N, n) uint8, how many such values each joint has.
         column: (N,) which branch of the family it is.
         value: (N,) of the redundancy parameter, 0 for an arm without one.
     """
@@ -89,7 +90,7 @@ class Pricing:
         kind: index in ``COSTS``.
         weights: (n,) of |dq|, of dq^2 for 'l2'.
         window: (n,) greatest |dq| between two waypoints [rad or m].
-        pieces: (m - 1,) in how many equal pieces the segment was cut that each segment belongs to.
+        pieces: (m - 1,) at each piece, how many equal ones the segment between two given waypoints was cut into.
     """
 
     kind: int
@@ -111,7 +112,7 @@ class Graph:
         node_cost: (N,) of being at a node, infinite where it is ruled out.
         proven: (E,) whether an edge was shown to keep within the tolerance.
         image_cost: (N, states) of being at an image of a node; None where all cost the same.
-        between: shares and joint vectors between the ends of the edges that have some.
+        between: of an edge that is no single linear motion, the shares of the segment and the joint vectors in between.
     """
 
     joints: Joints
@@ -150,7 +151,7 @@ class Graph:
         return cls(joints, layers, first, end[:count].copy(), cost[:count].copy(), np.zeros(nodes), proven)
 
     def motion(self, edges: Ints) -> tuple[Array, Array]:
-        """Where edges (k,) start, and how the joints move, (k, n) each."""
+        """The joint vectors at which edges (k,) start, and how the joints move along them, (k, n) each."""
         q = self.layers.q[self.start_of(edges)]
         return q, self.joints.step(q, self.layers.q[self.end[edges]])
 
@@ -252,8 +253,9 @@ class Graph:
         if not (low <= high).all():
             return None
         counted = self.joints.counted > 0
-        middle = np.where(counted, self.joints.chain.limits.sum(axis=1, where=counted[:, None]), 0.0) / 2.0
-        turns = (middle - self.layers.q[nodes[0]]) / np.where(counted, self.joints.turn, 1.0)
+        turns = (limits.middle(self.joints.chain.limits) - self.layers.q[nodes[0]]) / np.where(
+            counted, self.joints.turn, 1.0
+        )
         wanted = np.where(counted, np.clip(np.round(turns), low, high), 0.0)
         return int(wanted @ self.joints.strides)
 
@@ -329,9 +331,7 @@ class Ways:
             value[changes > changes.min()] = np.inf
         node = int(np.argmin(value.min(axis=1)))
         joints, layers = self.graph.joints, self.graph.layers
-        low, high = joints.chain.limits.T
-        middle = np.where(np.isfinite(high - low), 0.5 * (low + high), 0.0)
-        off = np.abs(layers.q[node] + self.digits * joints.turn - middle).sum(axis=1)
+        off = np.abs(layers.q[node] + self.digits * joints.turn - limits.middle(joints.chain.limits)).sum(axis=1)
         equal = value[node] <= value[node].min() * (1.0 + EQUAL) + EQUAL
         return int(node * value.shape[1] + np.argmin(np.where(equal, off, np.inf)))
 
@@ -357,8 +357,8 @@ class Way:
     Attributes:
         graph: the graph.
         nodes: (m,) nodes.
-        images: (m,) their states.
-        edges: (m - 1,) edges taken; -2 where the branch is changed instead.
+        images: (m,) which state of each node.
+        edges: (m - 1,) edges taken; ``CHANGE`` where the branch is changed instead.
         cost: of all of it.
     """
 

@@ -22,7 +22,12 @@ if TYPE_CHECKING:
 
 SAME = 1e-6
 """rad or m: joint vectors that differ by less in every joint are one node."""
+TANGENTS = 2
+"""How often the nearest solution of a singular pose is asked for, each time with a better reference."""
+FREE = 1e-4
+"""Singular values of the Jacobian below this share of the largest one are taken as zero, where tangents are drawn."""
 _NUMBERS = 1 << 22
+"""Numbers in the solutions that are computed at once: 32 MB of them."""
 
 
 class Nodes(NamedTuple):
@@ -30,8 +35,8 @@ class Nodes(NamedTuple):
 
     Attributes:
         at: (k,) number of the waypoint.
-        q: (k, n) rad or m, lowest images.
-        counts: (k, n) uint8, images of each joint.
+        q: (k, n) rad or m, each joint at its least value inside the limits, among those whole turns apart.
+        counts: (k, n) uint8, how many such values each joint has.
         column: (k,) which branch.
         value: (k,) of the redundancy parameter.
         singular: (k,) whether the arm is singular there.
@@ -132,49 +137,80 @@ def at_vector(arm: Arm, joints: Joints, q: Array, at: int, value: float, column:
 
 
 def with_representatives(arm: Arm, joints: Joints, T: Array, nodes: Nodes) -> Nodes:
-    """The nodes, and at singular poses those that continue the neighbouring waypoints' best.
+    """The nodes, and at singular poses those that continue the nodes of the neighbouring waypoints best.
 
-    Where a pose leaves a joint free, ``ik`` returns the representative nearest to a reference: the nodes before and
-    after the waypoint are taken as references, first from the start to the end, then back.
+    Where a pose leaves a joint free, ``ik`` returns the representative nearest to a reference. Along each singular part
+    of the path, the nodes before it are carried on from waypoint to waypoint, those after it carried back, and the
+    straight ways from each node before to the nearest one after it are taken as references between.
     """
     if not nodes.singular.any():
         return nodes
-    layers: list[list[Nodes]] = [[] for _ in T]
     order = np.argsort(nodes.at, kind="stable")
-    for at, part in zip(
-        range(len(T)), np.split(order, np.searchsorted(nodes.at[order], np.arange(1, len(T)))), strict=True
-    ):
-        layers[at].append(nodes.chosen(part))
+    cuts = np.searchsorted(nodes.at[order], np.arange(1, len(T)))
+    layers = [[nodes.chosen(part)] for part in np.split(order, cuts)]
     loose = np.unique(nodes.at[nodes.singular])
-    for step, path in ((-1, loose), (1, loose[::-1])):
-        for at in path:
-            if 0 <= at + step < len(T):
-                _continue(arm, joints, T[at], int(at), layers[at], layers[at + step])
+    for part in np.split(loose, np.flatnonzero(np.diff(loose) > 1) + 1):
+        first, last = int(part[0]), int(part[-1])
+        ways = [(range(first, last + 1), first - 1), (range(last, first - 1, -1), last + 1)]
+        for waypoints, before in ways:
+            # A path that begins or ends on a singular pose does so at one of the solutions there.
+            carried = layers[before if 0 <= before < len(T) else waypoints[0]][0].q
+            for at in waypoints:
+                carried = _continue(arm, joints, T[at], at, layers[at], carried)
+        if first > 0 and last + 1 < len(T):
+            a, b = layers[first - 1][0].q, layers[last + 1][0].q
+            for at, references in zip(part.tolist(), _straight_ways(joints, a, b, len(part)), strict=True):
+                _continue(arm, joints, T[at], at, layers[at], references)
     return joined([part for layer in layers for part in layer])
 
 
-def _continue(arm: Arm, joints: Joints, T: Array, at: int, here: list[Nodes], beside: list[Nodes]) -> None:
-    """Add to a waypoint's nodes the solutions that are nearest to each of its neighbour's."""
+def _straight_ways(joints: Joints, a: Array, b: Array, count: int) -> Array:
+    """On the straight ways from joint vectors to the nearest of others, (count, k, n) between their ends."""
+    if not len(a) or not len(b):
+        return np.empty((count, 0, a.shape[1]))
+    steps = joints.step(a[:, None], b)
+    step = steps[np.arange(len(a)), np.abs(steps).max(axis=2).argmin(axis=1)]
+    share = np.arange(1, count + 1) / (count + 1)
+    return np.asarray(a + share[:, None, None] * step)
+
+
+def _continue(arm: Arm, joints: Joints, T: Array, at: int, here: list[Nodes], references: Array) -> Array:
+    """Add to a waypoint's nodes the solutions that are nearest to each of the references (k, n); returns these."""
     known = np.concatenate([part.q for part in here])
-    for reference in np.concatenate([part.q for part in beside]):
-        solutions = arm.ik(T, reference)
-        loose = solutions.singular > 0
+    carried = []
+    for reference in references:
+        found = _nearest_loose(arm, joints, T, at, reference)
+        if found is None:
+            continue
+        carried.append(found.q)
+        if np.abs(joints.step(known, found.q[0])).max(axis=1).min() > SAME:
+            known = np.concatenate([known, found.q])
+            here.append(found)
+    return np.concatenate([*carried, references[:0]])
+
+
+def _nearest_loose(arm: Arm, joints: Joints, T: Array, at: int, reference: Array) -> Nodes | None:
+    """Of a pose's singular solutions the nearest to a reference (n,); None where there is none.
+
+    The representative that ``ik`` returns is near to its reference, not always the nearest: the reference is moved to
+    where the tangent of the solutions comes nearest to it, until that is where the solution is.
+    """
+    asked, found = reference, None
+    for _ in range(TANGENTS):
+        solutions = arm.ik(T, asked)
+        loose = (solutions.singular > 0).astype(np.uint8)
         if not loose.any():
-            continue
-        column, q, counts = joints.choose(solutions.q, loose.astype(np.uint8))
+            break
+        column, q, counts = joints.choose(solutions.q, loose)
         if not len(q):
-            continue
-        nearest = int(np.argmin(np.abs(joints.step(reference, q)).max(axis=1)))
-        if np.abs(joints.step(known, q[nearest])).max(axis=1).min() <= SAME:
-            continue
-        known = np.concatenate([known, q[nearest : nearest + 1]])
-        here.append(
-            Nodes(
-                np.array([at]),
-                q[nearest : nearest + 1],
-                counts[nearest : nearest + 1],
-                column[nearest : nearest + 1],
-                np.zeros(1),
-                np.ones(1, dtype=np.bool_),
-            )  # fmt: skip
-        )
+            break
+        k = int(np.argmin(np.abs(joints.step(reference, q)).max(axis=1)))
+        one = slice(k, k + 1)
+        found = Nodes(np.array([at]), q[one], counts[one], column[one], np.zeros(1), np.ones(1, dtype=np.bool_))
+        _, size, directions = np.linalg.svd(arm.jacobian(q[k]), full_matrices=False)
+        free = directions[size <= FREE * size[0]]
+        along = free.T @ (free @ joints.step(q[k], reference))
+        if np.abs(along).max(initial=0.0) <= SAME:
+            break
+        asked = q[k] + along
+    return found

@@ -93,18 +93,18 @@ def plan(settings: Settings, path: Array) -> Plan:
     whole = cut_coarse(settings, path, COARSE_TURN, COARSE_MOVE)
     if not settings.reconfigure:
         some = _some(settings, whole)
-        found = _plan(settings, path, whole, some, *_first(settings, some, _values(settings, some)))
+        nodes, step = _nodes(settings, some, _values(settings, some))
+        found = _plan(settings, path, whole, some, _search(settings, some, nodes), step)
         if found is not None:
             return found
-    search = None
     for count in GRIDS:
-        search, step = _first(settings, whole, count, closely=count > GRIDS[0])
-        if (np.diff(search.graph.layers.first) == 0).any():
+        nodes, step = _nodes(settings, whole, count, closely=count > GRIDS[0])
+        if count < GRIDS[-1] and len(np.unique(nodes.at)) < len(whole.T):
             continue  # a waypoint that has no value on this grid may have one on a finer one
+        search = _search(settings, whole, nodes)
         found = _plan(settings, path, whole, whole, search, step)
         if found is not None:
             return found
-    assert search is not None  # there is at least one grid
     search.graph.solve(settings.reconfigure)
     return not_found(settings, path, whole, search)
 
@@ -139,8 +139,8 @@ def _grid(settings: Settings, refined: Refined, count: int) -> Array:
     return np.broadcast_to(values, (len(refined.T), count))
 
 
-def _first(settings: Settings, refined: Refined, count: int, *, closely: bool = False) -> tuple[Search, float]:
-    """The search on the first grid of so many values, with those of narrow windows where asked for; their distance."""
+def _nodes(settings: Settings, refined: Refined, count: int, *, closely: bool = False) -> tuple[Nodes, float]:
+    """The nodes on the first grid of so many values, with those of narrow windows where asked for; the values' step."""
     grid = _grid(settings, refined, count)
     everything = node_sets.solved(
         settings.arm, settings.joints, refined.T, np.arange(len(refined.T)), grid, outside=closely
@@ -148,14 +148,16 @@ def _first(settings: Settings, refined: Refined, count: int, *, closely: bool = 
     nodes = everything.chosen(np.flatnonzero(everything.counts.all(axis=1)))
     if closely:
         nodes += narrow(settings, refined.T, everything, grid[0])
-    nodes = _ends(settings, refined, nodes)
-    layers = nodes.layers(refined.T)
+    return _ends(settings, refined, nodes), float(grid[0, 1] - grid[0, 0])
+
+
+def _search(settings: Settings, refined: Refined, nodes: Nodes) -> Search:
+    """The search on the first grid, a guide for others: no motion is proven."""
     window = np.where(settings.joints.turn > 0.0, STEPS, np.inf)
     pricing = Pricing(settings.kind, settings.weights, window, refined.pieces)
-    graph = Graph.connected(settings.joints, layers, pricing, LOOSE)
+    graph = Graph.connected(settings.joints, nodes.layers(refined.T), pricing, LOOSE)
     add_margins(settings, graph)
-    search = Search(settings.arm, graph, None, settings.obstacles, reconfigure=settings.reconfigure)
-    return search, float(grid[0, 1] - grid[0, 0])
+    return Search(settings.arm, graph, None, settings.obstacles, reconfigure=settings.reconfigure)
 
 
 def _ends(settings: Settings, refined: Refined, nodes: Nodes) -> Nodes:

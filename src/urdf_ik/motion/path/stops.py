@@ -8,8 +8,8 @@ import numpy as np
 
 from urdf_ik.motion.path import nodes as node_sets
 from urdf_ik.motion.path.straight import keeps_straight
-from urdf_ik.motion.path.windows import room
-from urdf_ik.motion.plan import Stop
+from urdf_ik.motion.path.windows import central, room
+from urdf_ik.motion.plan import EVERY_BRANCH, Stop
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     Ints = NDArray[np.int64]
 
 _LOOKED_AT = 16
-"""States at the farthest waypoint that are asked why they go no farther."""
+"""States at the farthest waypoint of which it is found out why they lead no farther."""
 _LOOSE = 10.0
-"""A solution outside the limits counts as the next one where the motion to it keeps to so many times the tolerance."""
+"""A solution continues a branch where the motion to it keeps to so many times the tolerance; else the branch ends."""
 
 
 def stops_of(settings: Settings, search: Search, T: Array, place: Array) -> tuple[Stop, ...]:
@@ -51,20 +51,52 @@ def stops_of(settings: Settings, search: Search, T: Array, place: Array) -> tupl
     for column, bit in bits.items():
         marks[first[layers.column[first] == column]] = bit
     marks[first] *= exists
-    marks = graph.reached(marks)
+    marks = _reached(settings, search, marks)
     stops = []
     for column, bit in bits.items():
         node, state = np.nonzero(marks & bit)
+        if not len(node):  # all of its nodes touch something
+            stops.append((0.0, Stop(names[column], 0, "contact", _first_contact(search, column))))
+            continue
         at = layers.at[node]
         last = int(at.max())
         here = at == last
         stop = _stop(settings, search, T, last, node[here][:_LOOKED_AT], state[here][:_LOOKED_AT])
         stops.append((place[last], Stop(names[column], int(np.ceil(place[min(last + 1, len(T) - 1)])), *stop)))
-    for column in np.setdiff1d(layers.column[first], columns):
-        q = layers.q[first[layers.column[first] == column][0]]
-        stops.append((0.0, Stop(names[column], 0, "contact", _contact(search, q))))
+    stops += [
+        (0.0, Stop(names[column], 0, "contact", _first_contact(search, column)))
+        for column in np.setdiff1d(layers.column[first], columns)
+    ]
     stops.sort(key=lambda each: -each[0])
     return (*_out_of_all_reach(settings, search, T, place), *(stop for _, stop in stops))
+
+
+def _first_contact(search: Search, column: int) -> str:
+    """What touches at the first waypoint in a branch."""
+    layers = search.graph.layers
+    first = np.arange(layers.first[1])
+    return _contact(search, layers.q[first[layers.column[first] == column][0]])
+
+
+def _reached(settings: Settings, search: Search, first: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    """Marks (N, states) passed on from the first waypoint to all that is reached without touching anything.
+
+    The search asks about the nodes of the cheapest ways only; what stops a way is the first contact on it. A joint that
+    may have any value has too many nodes for all to be asked.
+    """
+    graph = search.graph
+    if search.obstacles is None or settings.arm.redundancy is not None:
+        return graph.reached(first)
+    asked = search.hits.copy()
+    while True:
+        marks = graph.reached(first * np.isfinite(graph.node_cost)[:, None])
+        nodes = np.flatnonzero((marks != 0).any(axis=1) & ~asked)
+        free = search.obstacles.free(graph.layers.q[nodes])
+        if free.all():
+            return marks
+        asked[nodes] = True
+        search.hits[nodes[~free]] = True
+        graph.node_cost[nodes[~free]] = np.inf
 
 
 def _out_of_all_reach(settings: Settings, search: Search, T: Array, place: Array) -> tuple[Stop, ...]:
@@ -76,10 +108,10 @@ def _out_of_all_reach(settings: Settings, search: Search, T: Array, place: Array
     waypoint = int(np.ceil(place[at]))
     everything = _solutions(settings, T, at, None)
     if not len(everything.q):
-        return (Stop("every branch", waypoint, "reach", f"out of reach: {settings.arm.explain(T[at])}"),)
+        return (Stop(EVERY_BRANCH, waypoint, "reach", f"out of reach: {settings.arm.explain(T[at])}"),)
     best = int(np.argmax(room(settings, everything.q)))
-    limits = _limits(settings, everything.q[best], everything.counts[best] == 0)
-    return (Stop("every branch", waypoint, "limit", f"no solution is inside the limits; of the nearest, {limits}"),)
+    limits = _limits(settings, central(settings, everything.q[best]), everything.counts[best] == 0)
+    return (Stop(EVERY_BRANCH, waypoint, "limit", f"no solution is inside the limits; of the nearest, {limits}"),)
 
 
 def _at_first(settings: Settings, search: Search, T: Array) -> tuple[Stop, ...]:
@@ -87,7 +119,7 @@ def _at_first(settings: Settings, search: Search, T: Array) -> tuple[Stop, ...]:
     arm, graph = settings.arm, search.graph
     everything = _solutions(settings, T, 0, None)
     if not len(everything.q):
-        return (Stop("every branch", 0, "reach", f"out of reach: {arm.explain(T[0])}"),)
+        return (Stop(EVERY_BRANCH, 0, "reach", f"out of reach: {arm.explain(T[0])}"),)
     names = arm.structure.branches
     stops = []
     here = np.arange(graph.layers.first[1])
@@ -99,7 +131,7 @@ def _at_first(settings: Settings, search: Search, T: Array) -> tuple[Stop, ...]:
         q = everything.q[everything.column == column]
         counts = everything.counts[everything.column == column]
         k = int(np.argmin((counts == 0).sum(axis=1)))
-        stops.append(Stop(names[column], 0, "limit", _limits(settings, q[k], counts[k] == 0)))
+        stops.append(Stop(names[column], 0, "limit", _limits(settings, central(settings, q[k]), counts[k] == 0)))
     return tuple(stops)
 
 
@@ -158,7 +190,7 @@ def _solutions(settings: Settings, T: Array, at: int, values: Array | None) -> n
 
 def _all_values(settings: Settings) -> Array:
     parameter = settings.arm.redundancy
-    assert parameter is not None  # who has none is not asked
+    assert parameter is not None  # an arm without one is not asked
     return np.linspace(*parameter.range, 256)
 
 
@@ -174,7 +206,7 @@ def _limits(settings: Settings, q: Array, outside: NDArray[np.bool_]) -> str:
 
 
 def _contact(search: Search, q: Array, before: Array | None = None) -> str:
-    assert search.obstacles is not None  # nothing touches where nothing is asked
+    assert search.obstacles is not None  # without obstacles nothing is in contact
     model, margin = search.obstacles
     if before is not None and search.obstacles.free(q[None])[0]:
         motion = model.motions_free(before[None], q[None], margin)

@@ -8,6 +8,7 @@ import numpy as np
 
 from urdf_ik.motion.path import nodes as node_sets
 from urdf_ik.motion.path.nodes import Nodes
+from urdf_ik.solutions import limits
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -20,16 +21,19 @@ ROUNDS = 6
 """How often the place of the greatest room is closed in upon; each round halves the step."""
 
 
+def central(settings: Settings, q: Array) -> Array:
+    """The images of joint vectors (..., n) that are nearest to the middle of the limits."""
+    turn = settings.joints.turn
+    step = np.where(turn > 0.0, turn, 1.0)
+    middle = limits.middle(settings.arm.limits)
+    return np.asarray(q - np.where(turn > 0.0, np.round((q - middle) / step) * step, 0.0))
+
+
 def room(settings: Settings, q: Array) -> Array:
     """How far joint vectors (k, n) are inside the limits by their best images, negative outside (k,) [rad or m]."""
     low, high = settings.arm.limits.T
-    turn = settings.joints.turn
-    step = np.where(turn > 0.0, turn, 1.0)
-    with np.errstate(invalid="ignore"):
-        middle = np.where(np.isfinite(high - low), 0.5 * (low + high), 0.0)
-        near = q - np.where(turn > 0.0, np.round((q - middle) / step) * step, 0.0)
-        inside = np.minimum(near - low, high - near)
-    return np.asarray(inside.min(axis=1, initial=np.inf))
+    near = central(settings, q)
+    return np.asarray(np.minimum(near - low, high - near).min(axis=1, initial=np.inf))
 
 
 def narrow(settings: Settings, T: Array, everything: Nodes, grid: Array) -> Nodes:

@@ -4,9 +4,9 @@ A cycle starts from the last joint vector and looks for no other: steps of least
 region; Nocedal and Wright, Numerical Optimization, 2006, chapters 4 and 10) inside the box that the cycle's limits of
 position and velocity make. The joint motion of a cycle is proven to meet no singularity, by bounds on how much the
 Jacobian changes along it (Weyl's inequality), or it is cut into pieces of at most 0.05 rad, and where one has crossed
-a fold (a singularity at which two branches merge) it is moved back. So the joints stay on their branch but through a
-wrist or a shoulder singularity, which both sides share. Only the first of these is a proof: where
-singularities lie closer to each other than a piece is long, a fold may be crossed unseen.
+a fold (a singularity at which two branches merge) it is moved back. So the joints stay on their branch, unless they
+pass through a wrist or a shoulder singularity, which branches on both sides of it share. Only the first of these is a
+proof: where singularities lie closer to each other than a piece is long, a fold may be crossed unseen.
 """
 
 from __future__ import annotations
@@ -48,8 +48,8 @@ _KINDS = {
 class Tracker:
     """An arm that follows targets, one a control cycle; made by :meth:`urdf_ik.Arm.tracker`.
 
-    It is not safe to step one tracker from several threads at once; several trackers are. It cannot be pickled: where
-    it stands is ``q`` and ``velocity``, from which another one goes on.
+    One tracker must not be stepped from several threads at once; different trackers may. It cannot be pickled; another
+    one goes on from its ``q`` and ``velocity``.
 
     Attributes:
         arm: the arm.
@@ -86,7 +86,7 @@ class Tracker:
             arm: the arm.
             q0: (n,) rad or m, where the joints are, within their limits.
             dt: s, length of a cycle.
-            targets: what reads the targets of a task other than a pose; :meth:`urdf_ik.Arm.tracker` knows it.
+            targets: what reads the targets of a task other than a pose; :meth:`urdf_ik.Arm.tracker` passes it.
             velocity: greatest speed of each joint (n,), or of all, rad/s or m/s; the URDF's where left out, and no
                 limit for a joint of which the URDF states none, or zero.
             acceleration: greatest acceleration of each joint (n,), or of all, rad/s^2 or m/s^2; no limit where left
@@ -145,7 +145,7 @@ class Tracker:
         if world is not None or self_collision:
             model: Any = arm.collision_model
             self._collision = model.in_world(world)
-        # What a cycle is, where nothing but a pose is asked for.
+        # The whole of a cycle where a pose is followed and no collision is checked.
         self._quick = self._core.step if self._targets is None and self._collision is None else None
         self.reset(q0)
 
@@ -248,7 +248,7 @@ class Tracker:
         return step
 
     def _pose(self, T: Any) -> Array:
-        """A target as a pose (4, 4), of which the core heeds what the task asks for."""
+        """A target as a pose (4, 4), of which the core uses what the task controls."""
         if self._targets is None:
             pose = check_poses(T)
             if pose.ndim != 2:
