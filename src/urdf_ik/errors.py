@@ -6,7 +6,16 @@ from collections.abc import Iterable
 
 
 class UrdfIkError(Exception):
-    """Root of every error that this package raises on purpose."""
+    """Root of every error that this package raises on purpose.
+
+    Example:
+        >>> import urdf_ik
+        >>> try:
+        ...     urdf_ik.load("puma_650")
+        ... except UrdfIkError as error:
+        ...     print(type(error).__name__)
+        CatalogueError
+    """
 
 
 class ArgumentError(UrdfIkError, ValueError):
@@ -21,6 +30,14 @@ class UrdfError(UrdfIkError, ValueError):
         line: line number in the source, or None where the defect has no line.
         element: the XML element at fault, such as ``<joint name="j2">``, or None.
         hint: what would be valid.
+
+    Example:
+        >>> import urdf_ik
+        >>> try:
+        ...     urdf_ik.load('<robot name="arm"><link name="base"/><link name="base"/></robot>')
+        ... except UrdfError as error:
+        ...     print(error.source, error.line, error.element)
+        <text> 1 <link name="base">
     """
 
     def __init__(
@@ -39,7 +56,16 @@ class UrdfError(UrdfIkError, ValueError):
 
 
 class ChainError(UrdfIkError, ValueError):
-    """The chain from base to tip is unknown or ambiguous; ``candidates`` lists the valid names."""
+    """The chain from base to tip is unknown or ambiguous; ``candidates`` lists the valid names.
+
+    Example:
+        >>> import urdf_ik
+        >>> try:
+        ...     urdf_ik.load("planar_2r", tip="gripper")
+        ... except ChainError as error:
+        ...     print(error.candidates)
+        ('base_link', 'link_1', 'link_2', 'tool0')
+    """
 
     def __init__(self, problem: str, candidates: Iterable[str] = ()) -> None:
         self.candidates = tuple(candidates)
@@ -48,7 +74,17 @@ class ChainError(UrdfIkError, ValueError):
 
 
 class PoseError(UrdfIkError, ValueError):
-    """An invalid pose or target; ``index`` is the place of the first bad one in a batch, else None."""
+    """An invalid pose or target; ``index`` is the place of the first bad one in a batch, else None.
+
+    Example:
+        >>> import numpy as np
+        >>> import urdf_ik
+        >>> try:
+        ...     urdf_ik.load("puma_560").ik(np.stack([np.eye(4), np.full((4, 4), np.nan)]))
+        ... except PoseError as error:
+        ...     print(error.index)
+        (1,)
+    """
 
     def __init__(self, problem: str, index: tuple[int, ...] | None = None) -> None:
         self.index = index
@@ -67,6 +103,14 @@ class DHError(UrdfIkError, ValueError):
     """An invalid Denavit-Hartenberg table; ``row`` counts from 1, ``column`` is its name, where there is one.
 
     ``source`` is the file that it was read from; None for a table that came from no file.
+
+    Example:
+        >>> import urdf_ik
+        >>> try:
+        ...     urdf_ik.DHTable.from_array([[0.0, 0.3, 0.0, 0.0], [0.0, float("nan"), 0.0, 0.0]], "standard")
+        ... except DHError as error:
+        ...     print(error.row, error.column)
+        2 a
     """
 
     def __init__(

@@ -42,6 +42,12 @@ class SingularDirections:
         motion_gains: (..., n) singular values of ``motions``.
         motions: (..., n, n) joint velocities, one a row, at right angles to each other.
         idle: (..., n) bool: motions that leave the tip where it is.
+
+    Example:
+        >>> import urdf_ik
+        >>> found = urdf_ik.load("planar_2r").singular_directions([0.0, 0.0])
+        >>> found.lost_twists.shape, found.idle.tolist()
+        ((4, 6), [False, False])
     """
 
     gains: Array

@@ -93,6 +93,18 @@ def test_every_public_function_has_an_example() -> None:
     assert not missing, "\n".join(sorted(missing))
 
 
+def test_every_class_of_the_package_has_an_example() -> None:
+    """Each class that the package itself names shows what it is for; errors do where they hold more than a message."""
+    classes = [value for value in (getattr(urdf_ik, name) for name in urdf_ik.__all__) if inspect.isclass(value)]
+    missing = [
+        each.__name__
+        for each in classes
+        if ">>>" not in (each.__doc__ or "")
+        and not (issubclass(each, urdf_ik.UrdfIkError) and "__init__" not in vars(each))
+    ]
+    assert not missing, "\n".join(missing)
+
+
 def test_exceptions_are_needed() -> None:
     """What is listed as without an example exists, and has none."""
     found = dict(public())

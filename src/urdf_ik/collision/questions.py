@@ -24,7 +24,14 @@ if TYPE_CHECKING:
 
 
 class Nearest(NamedTuple):
-    """Two links, or a link and an obstacle, and the distance between them [m]; 0 where they collide."""
+    """Two links, or a link and an obstacle, and the distance between them [m]; 0 where they collide.
+
+    Example:
+        >>> import urdf_ik
+        >>> links, distance = urdf_ik.load("planar_2r").nearest_pair([0.0, 0.0])
+        >>> links, distance > 0.0
+        (('base_link', 'link_2'), True)
+    """
 
     links: tuple[str, str]
     distance: float

@@ -45,6 +45,13 @@ class Motions:
             the pair is apart by no more than the margin and two ``TOUCH``.
         pairs: of the first contact, two links or a link and an obstacle, None where the motion is free; a list in the
             order of the motions.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm, q0 = urdf_ik.load("scara_rrpr"), [0.0, 0.0, 0.1, 0.0]
+        >>> motions = arm.motion_is_free(q0, [[0.5, 0.5, 0.1, 0.0], [1.0, 0.5, 0.1, 0.0]])
+        >>> motions.free.tolist(), motions.pairs
+        ([True, True], [None, None])
     """
 
     free: NDArray[np.bool_]

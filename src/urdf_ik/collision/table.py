@@ -32,6 +32,12 @@ class Table:
     Attributes:
         allowed: pairs that may touch, to the reason.
         checked: pairs that must not touch.
+
+    Example:
+        >>> import urdf_ik
+        >>> table = urdf_ik.load("planar_2r").collision_model.table()
+        >>> table.checked, table.allowed["base_link", "link_1"]
+        ((('base_link', 'link_2'),), 'adjacent')
     """
 
     allowed: Mapping[Pair, str]

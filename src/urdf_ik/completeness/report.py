@@ -143,6 +143,13 @@ class Completeness:
         second: what it was compared with.
         groups: counts by distance from a singularity, random ones first.
         differences: every one.
+
+    Example:
+        >>> import urdf_ik
+        >>> from urdf_ik import completeness
+        >>> report = completeness.compare(urdf_ik.load("puma_560"), n=1)
+        >>> report.passed, len(report.differences)
+        (True, 0)
     """
 
     robot: str

@@ -38,6 +38,14 @@ class Timed:
         qdd: (k, n) rad/s^2 or m/s^2.
         method: 'TOPP-RA', or 'scaled' where that package is not installed.
         joints: n names.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("scara_rrpr")
+        >>> T0, T1 = arm.fk([[0.3, 0.5, 0.1, 0.2], [0.5, 0.7, 0.1, 0.2]])
+        >>> timed = arm.follow(urdf_ik.line(T0, T1, 10)).timed(velocity=1.0, acceleration=5.0)
+        >>> timed.joints, timed.q[0].round(6).tolist()
+        (('joint_1', 'joint_2', 'joint_3', 'joint_4'), [0.3, 0.5, 0.1, 0.2])
     """
 
     t: Array

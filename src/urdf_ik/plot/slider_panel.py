@@ -71,6 +71,13 @@ class Sliders:
         figure: the picture; on a window's canvas where one was asked for.
         sliders: one a joint, in degrees for joints that turn, else in m. Keep this object as long as they are used.
         q: (n,) rad or m, where they stand.
+
+    Example:
+        >>> import urdf_ik
+        >>> panel = urdf_ik.plot.sliders(urdf_ik.load("planar_2r"), [0.3, 0.2], window=False)
+        >>> panel.sliders[0].set_val(30.0)
+        >>> panel.q.round(4).tolist()
+        [0.5236, 0.2]
     """
 
     def __init__(self, arm: Arm, figure: Figure, q: ArrayLike | None = None) -> None:
@@ -114,9 +121,9 @@ def sliders(arm: Arm, q: ArrayLike | None = None, *, window: bool = True) -> Sli
 
     Example:
         >>> import urdf_ik
-        >>> panel = urdf_ik.plot.sliders(urdf_ik.load("planar_2r"), [0.3, 0.5], window=False)
+        >>> panel = urdf_ik.plot.sliders(urdf_ik.load("planar_2r"), [0.3, 0.2], window=False)
         >>> len(panel.sliders), panel.q.round(6).tolist()
-        (2, [0.3, 0.5])
+        (2, [0.3, 0.2])
     """
     figure = draw.Picture(figsize=size(arm))
     if window:  # before the sliders, which listen to the canvas that they find

@@ -29,7 +29,15 @@ _Number = TypeVar("_Number", bound=np.generic)
 
 
 class Singular(IntFlag):
-    """Where the Jacobian of a solution loses rank; 0 where it does not."""
+    """Where the Jacobian of a solution loses rank; 0 where it does not.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("puma_560")
+        >>> q = [0.3, -0.5, 0.8, 0.4, 0.0, -0.2]
+        >>> arm.ik(arm.fk(q), q).nearest(q)[0].singular == Singular.WRIST
+        True
+    """
 
     SHOULDER = 1
     ELBOW = 2
@@ -46,6 +54,13 @@ class Solution:
         branch: name of its branch, with the turns of an image, as in 'shoulder front, elbow up [q1+360°]'.
         singular: where the arm is singular there.
         index: column in the solutions that it was taken from.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("scara_rrpr")
+        >>> solution = arm.ik(arm.fk([0.3, 0.5, 0.1, 0.2])).nearest([0.3, 0.5, 0.1, 0.2])[0]
+        >>> solution.branch, solution.q.round(6).tolist(), bool(solution.singular)
+        ('elbow right', [0.3, 0.5, 0.1, 0.2], False)
     """
 
     q: Array

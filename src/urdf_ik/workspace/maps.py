@@ -114,6 +114,12 @@ class WorkspaceMap:
         manipulability: (X, Y, Z, S) greatest one of the solutions that count, NaN where nothing is reached; or None.
         margin: (X, Y, Z, S) greatest limit margin: the least of all joints' distances to their limits, as shares of
             half their ranges, 0 at a limit and 1 in the middle of all; NaN where nothing is reached; or None.
+
+    Example:
+        >>> import urdf_ik
+        >>> found = urdf_ik.workspace.compute(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
+        >>> found.about.robot, found.solutions.shape
+        ('planar_2r', (8, 8, 1, 1))
     """
 
     about: About
