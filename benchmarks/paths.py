@@ -7,7 +7,7 @@ for example ``python benchmarks/paths.py --waypoints 200 --repeats 3``. Each pat
 does. ``follow`` finds the cheapest plan (l2) over all branches and turns, every motion proven. A ladder graph, in
 numpy, takes the same solutions of each waypoint, of seven joints at values of the free one a degree apart as Descartes
 samples them, and goes by the same costs; it proves nothing and ignores turns. Of seven joints it sees the first
-waypoints only (``--ladder``), and its rate is that of these. ``x cost``: the plan's cost over the ladder's, of these waypoints.
+waypoints only (``--ladder``), and its rate is that of these. ``x cost``: the plan's cost over the ladder's there.
 
 The second table adds the arm's own collision shapes and a world of boxes. ``needed``: the time of the collision queries
 that every planner has to make, of the waypoints and the motions of the plan found. ``asked``: of all that were made.
