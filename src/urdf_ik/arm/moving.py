@@ -90,7 +90,15 @@ class Moving(InCell):
         )  # fmt: skip
 
     def tracker(self, q0: ArrayLike, dt: float, **options: Any) -> motion.Tracker:
-        """A tracker of targets, one each cycle of ``dt`` s, from ``q0`` on: see :class:`urdf_ik.motion.Tracker`."""
+        """A tracker of targets, one each cycle of ``dt`` s, from ``q0`` on: see :class:`urdf_ik.motion.Tracker`.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> tracker = arm.tracker([0.3, -0.5, 0.8, 0.4, 0.7, -0.2], dt=0.004)
+            >>> tracker.step(arm.fk([0.301, -0.5, 0.8, 0.4, 0.7, -0.2])).status
+            'ok'
+        """
         from urdf_ik import motion
 
         arm: Any = self

@@ -56,6 +56,14 @@ class Tracker:
         dt: s, length of a cycle.
         velocity_limits: (n,) rad/s or m/s, infinite where there is none.
         acceleration_limits: (n,) rad/s^2 or m/s^2, infinite where there is none.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> tracker = arm.tracker([0.3, -0.5, 0.8, 0.4, 0.7, -0.2], dt=0.004, velocity=1.0)
+        >>> step = tracker.step(arm.fk([0.5, -0.5, 0.8, 0.4, 0.7, -0.2]))
+        >>> step.status, step.why, bool(abs(step.velocity).max() < 1.0 + 1e-9)
+        ('limited', 'velocity', True)
     """
 
     def __init__(
@@ -163,6 +171,13 @@ class Tracker:
 
         Raises:
             JointVectorError: a vector does not fit the arm, or ``q`` is outside the limits.
+
+        Example:
+            >>> import urdf_ik
+            >>> tracker = urdf_ik.load("scara_rrpr").tracker([0.3, 0.5, 0.1, 0.2], dt=0.004)
+            >>> tracker.reset([0.2, 0.4, 0.1, 0.0])
+            >>> tracker.q.tolist()
+            [0.2, 0.4, 0.1, 0.0]
         """
         chain, n = self.arm.chain, self.arm.dof
         place, speed = chain.check(q), np.zeros(n) if velocity is None else chain.check(velocity)
@@ -205,6 +220,14 @@ class Tracker:
 
         Raises:
             PoseError: ``T`` is no pose, or no target of the task; nothing has moved.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> tracker = arm.tracker([0.3, 0.5, 0.1, 0.2], dt=0.004)
+            >>> step = tracker.step(arm.fk([0.301, 0.499, 0.1, 0.2]))
+            >>> step.status, step.q.round(6).tolist()
+            ('ok', [0.301, 0.499, 0.1, 0.2])
         """
         if self._quick is not None and T is not None:
             step = self._quick(T)
