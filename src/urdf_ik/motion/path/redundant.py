@@ -117,8 +117,8 @@ def _some(settings: Settings, refined: Refined) -> Refined:
         np.linalg.norm(apart[:, 3:], axis=1) / APART_TURN,
     )
     place = np.concatenate([[0.0], np.cumsum(way)])
-    chosen = np.unique(np.searchsorted(place, np.arange(0.0, place[-1], 1.0)))
-    chosen = np.unique(np.append(chosen, len(place) - 1))
+    chosen = np.searchsorted(place, np.arange(0.0, place[-1], 1.0))
+    chosen = np.unique(np.concatenate([[0], chosen, [len(place) - 1]]))
     at = refined.place[chosen]
     return Refined(refined.T[chosen], at, 1.0 / np.diff(at))
 
@@ -276,6 +276,8 @@ def _is_smooth(settings: Settings) -> bool:
 
 
 def _smoothed(settings: Settings, refined: Refined, guide: Guide) -> Guide:
+    if len(guide.q) < 2:
+        return guide
     q, value = smoothed(settings, refined, guide.q, guide.value)
     steps = np.diff(q, axis=0)
     cost = float((settings.weights * steps * steps * refined.pieces[:, None]).sum())
