@@ -15,7 +15,6 @@ from urdf_ik.motion.path import settings as settings_of
 from urdf_ik.motion.path.assembling import cut_coarse, made, not_found, priced
 from urdf_ik.motion.path.obstacles import Obstacles
 from urdf_ik.motion.path.search import Search
-from urdf_ik.motion.plan import EVERY_BRANCH
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -53,7 +52,7 @@ def follow(
         weights=weights, max_step=max_step, tolerance=tolerance, margins=margins, reconfigure=reconfigure,
     )  # fmt: skip
     plan = _plan(settings, path)
-    if plan.found or not settings.looser or plan.stops[0].branch == EVERY_BRANCH:
+    if plan.found or not settings.looser or all(stop.cause != "jump" for stop in plan.stops):
         return plan
     # Where there is none either, its stops are what matters: a motion that bends too much was not the cause.
     return _plan(replace(settings, tolerance=settings.tolerance.times(settings_of.LOOSER)), path)

@@ -105,8 +105,24 @@ def plan(settings: Settings, path: Array) -> Plan:
         found = _plan(settings, path, whole, whole, search, step)
         if found is not None:
             return found
+        if _closed(settings, whole, search):
+            break
     search.graph.solve(settings.reconfigure)
     return not_found(settings, path, whole, search)
+
+
+def _closed(settings: Settings, refined: Refined, search: Search) -> bool:
+    """Whether there is a waypoint where everything on the finest grid touches something."""
+    if search.obstacles is None:
+        return False
+    layers = search.graph.layers
+    hits = np.bincount(layers.at[search.hits], minlength=len(layers.T))
+    touching = np.flatnonzero((hits == np.diff(layers.first)) & (hits > 0))
+    if not len(touching):
+        return False
+    at = touching[:1]
+    grid = _grid(settings, refined, GRIDS[-1])[at]
+    return not search.obstacles.free(node_sets.solved(settings.arm, settings.joints, refined.T, at, grid).q).any()
 
 
 def _some(settings: Settings, refined: Refined) -> Refined:
