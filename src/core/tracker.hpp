@@ -20,17 +20,17 @@ inline constexpr int PIECES = 64;
 // refused, and the next may go a quarter as far. Below LEAST_TRUST [rad, share of size] nothing more is to be gained.
 inline constexpr int TRIALS = 14;
 inline constexpr double ENOUGH_GAIN = 0.1, LEAST_TRUST = 1e-9;
-// Damping of these steps: none that a solution would notice, and no division by zero.
+// Damping of these steps: too little to change a solution, enough that nothing is divided by zero.
 inline constexpr double FAINT = 1e-9;
 // An arm that moves less than this [rad, share of size], and is not at its target, is held.
 inline constexpr double STILL = 1e-6;
 // How fast the smallest singular value changes along the motion that it belongs to [1/rad]. Above: a fold, beyond which lies
 // another branch. Below (the wrist, the shoulder): the motion changes nothing, and the arm may pass to the other side.
 inline constexpr double PASSABLE = 5e-3;
-// A fold is approached to this share of the distance in one piece, and to a smallest singular value of LAST_GAIN: a ten
-// thousand millionth of the arm's size before the end of its reach. Only what is at its target may be nearer.
+// A fold is approached to this share of the distance in one piece, and to a smallest singular value of LAST_GAIN: about
+// 1e-10 of the arm's size before the end of its reach. Only what is at its target may be nearer.
 inline constexpr double APPROACH = 0.25, LAST_GAIN = 1e-5;
-// Smallest singular value below which the arm is singular for good, and is pushed out where it would not move otherwise.
+// Smallest singular value below which the arm counts as exactly singular, and is pushed out where it would not move.
 inline constexpr double EXACTLY_SINGULAR = 1e-8;
 // Damping of the estimate how fast the joints would have to be: singular directions slow nothing down.
 inline constexpr double SINGULAR_ASIDE = 0.1;
@@ -40,7 +40,7 @@ inline constexpr double NEAR_LIMIT = 0.1, NEAR_LIMIT_AT_MOST = 0.2;
 inline constexpr double REGULAR = 0.5;
 // Share of the missing twist that joints at their limits would have to make good for the limits to count as the reason.
 inline constexpr double FELT = 1e-2;
-// Beyond this rotation [rad] an angle and its sine are told apart.
+// Beyond this rotation [rad] the angle is computed; below, it is taken from the Newton step, which has its sine.
 inline constexpr double SMALL_TURN = 0.1;
 
 // The arm at one joint vector, and what is missing to a goal: lengths are shares of the size.

@@ -31,6 +31,11 @@ def shortest(steps: Array) -> Array:
 
 
 def largest_apart(a: Array, b: Array) -> Array:
-    """Largest difference (...) [rad] between the angles of joint vectors (..., n)."""
+    """Largest difference (...) [rad] between the angles of joint vectors (..., n).
+
+    Example:
+        >>> round(float(largest_apart(np.array([0.1, 3.1]), np.array([0.2, -3.1]))), 4)
+        0.1
+    """
     largest: Array = np.abs(shortest(a - b)).max(axis=-1, initial=0.0)
     return largest

@@ -62,7 +62,12 @@ def is_cuspidal(arm: SolvingArm) -> bool | None:
 
 
 def in_words(cuspidal: bool | None) -> str:
-    """Whether it changes solution without crossing a singularity, after "cuspidal"."""
+    """Whether it changes solution without crossing a singularity, after "cuspidal".
+
+    Example:
+        >>> in_words(True).split(":")[0], in_words(False).split(":")[0]
+        ('yes', 'no')
+    """
     if cuspidal is None:
         return "not known: no change of solution around the singularities was found, which does not rule one out"
     if cuspidal:
@@ -108,6 +113,12 @@ def keeps_its_sign(chain: Chain, start: Array, joint: int, end: float) -> bool:
         start: (6,) rad.
         joint: index of the joint that moves.
         end: its value at the end [rad].
+
+    Example:
+        >>> import urdf_ik
+        >>> chain, q = urdf_ik.load("puma_560").chain, np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
+        >>> keeps_its_sign(chain, q, 4, 0.2), keeps_its_sign(chain, q, 4, -0.2)
+        (True, False)
     """
     circle = 2.0 * np.pi * np.arange(5) / 5.0
     Q = np.tile(start, (5, 1))

@@ -207,6 +207,10 @@ def as_pose_array(T: Any) -> Array:
 
     Raises:
         PoseError: the last two dimensions are not 4 by 4, or the entries are no real numbers.
+
+    Example:
+        >>> as_pose_array([pose([0.5, 0.0, 0.2]), pose([0.5, 0.1, 0.2])]).shape
+        (2, 4, 4)
     """
     try:
         array = np.asarray(_unwrapped(T))
@@ -236,6 +240,10 @@ def check_poses(T: Any) -> Array:
     Raises:
         PoseError: NaN or infinite entries, another last row, a reflection, a scaled or sheared rotation,
             with the index of the first bad pose of a batch.
+
+    Example:
+        >>> check_poses(pose([0.5, 0.0, 0.2], rpy=[0.0, 0.0, 1.0])).shape
+        (4, 4)
     """
     return _checked(as_pose_array(T), DEFAULT.rotation)
 
@@ -255,6 +263,11 @@ def project_rotation(T: Any, tolerance: float = PROJECTION_TOLERANCE) -> Array:
 
     Raises:
         PoseError: as :func:`check_poses`, with this tolerance in the place of its own.
+
+    Example:
+        >>> T = pose([0.5, 0.0, 0.2], rpy=[0.0, 0.0, 1.0])
+        >>> bool(np.allclose(project_rotation(T.round(3)), T, atol=1e-3))
+        True
     """
     out = _checked(as_pose_array(T), tolerance).copy()
     left, _, right = np.linalg.svd(out[..., :3, :3])

@@ -63,6 +63,13 @@ class Reference:
             they leave nothing.
         size: length that rounding errors are relative to [m]: the sum of all steps between the model's joints.
         pin_model: the ``pinocchio.Model``.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm, q = urdf_ik.load("scara_rrpr"), [0.3, 0.5, 0.1, 0.2]
+        >>> reference = Reference(arm.model, arm.base, arm.tip)
+        >>> max(reference.error(q, arm.fk(q))) < 1e-9, np.allclose(reference.jacobian(q), arm.jacobian(q))
+        (True, True)
     """
 
     def __init__(
@@ -393,7 +400,12 @@ def pose_errors(A: Array, B: Array) -> tuple[Array, Array]:
 
 
 def finite(Q: Array) -> Iterator[tuple[int, ...]]:
-    """Indices of the rows (n,) of Q (..., n) whose values are all finite."""
+    """Indices of the rows (n,) of Q (..., n) whose values are all finite.
+
+    Example:
+        >>> list(finite(np.array([[0.1, 0.2], [np.nan, 0.0]])))
+        [(0,)]
+    """
     good = np.asarray(np.isfinite(Q).all(axis=-1))
     return (index for index in np.ndindex(Q.shape[:-1]) if good[index])
 

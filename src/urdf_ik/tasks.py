@@ -54,7 +54,14 @@ class Control:
         return "translation" if self.task in ("position", "planar position") else "all"
 
     def target_of(self, T: Array) -> Array:
-        """What the task fixes of poses ``T`` (..., 4, 4) of the tip [m]: a target for it."""
+        """What the task fixes of poses ``T`` (..., 4, 4) of the tip [m]: a target for it.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("positioning_3r")
+            >>> (arm.control.target_of(arm.fk([0.0, 0.0, 0.0])).round(6) + 0.0).tolist()
+            [0.8, 0.0, 0.4]
+        """
         if self.task == "pose":
             return T
         if self.task == "position":
@@ -66,7 +73,13 @@ class Control:
 
 
 def control_of(chain: Chain) -> Control:
-    """What the arm can control: see ``Arm.task``."""
+    """What the arm can control: see ``Arm.task``.
+
+    Example:
+        >>> import urdf_ik
+        >>> control_of(urdf_ik.load("planar_2r").chain).task, control_of(urdf_ik.load("puma_560").chain).task
+        ('planar position', 'pose')
+    """
     if chain.axes is not chain:
         return Control("pose")
     plane = plane_of(chain)

@@ -54,6 +54,10 @@ def assert_agrees_with_pinocchio(
         AssertionError: a property does not hold, or the arm cannot be solved; the message is the report, with the pose
             and joint vector of each failure.
         UrdfIkError: the URDF, a link or a number is invalid; see :func:`urdf_ik.load`.
+
+    Example:
+        >>> assert_agrees_with_pinocchio("planar_2r", n=20).passed
+        True
     """
     __tracebackhide__ = True  # pytest shows the caller's line instead
     arm = urdf
@@ -70,6 +74,10 @@ def verdict(report: Report, name: str) -> tuple[bool | None, str]:
 
     Returns:
         Whether it holds, None where it was left out for a good reason; and the reason, or where the worst value is.
+
+    Example:
+        >>> verdict(assert_agrees_with_pinocchio("planar_2r", n=20), "forward kinematics, position")[0]
+        True
     """
     for row in report.rows:
         if row.name == name:

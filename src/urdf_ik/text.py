@@ -16,6 +16,10 @@ def aligned(rows: Sequence[Sequence[str]], *, left: Collection[int] = (), rule: 
         rows: texts, all rows of the same length; the header is the first one.
         left: indices of the columns that are aligned to the left.
         rule: whether a line of hyphens stands below the first row.
+
+    Example:
+        >>> aligned([["joint", "value"], ["joint_1", "0.5"]], left=[0])
+        ['joint    value', 'joint_1    0.5']
     """
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     ruled = [rows[0], ["-" * width for width in widths], *rows[1:]] if rule else rows
@@ -60,6 +64,10 @@ def plain(value: Any, *, nulls: bool = False) -> Any:
     Args:
         value: numbers, text, arrays, and lists, tuples and dictionaries of these.
         nulls: numbers that are not finite become null instead of the text 'inf' or 'nan'.
+
+    Example:
+        >>> plain({"limits": (0.5, math.inf)})
+        {'limits': [0.5, 'inf']}
     """
     if isinstance(value, dict):
         return {key: plain(each, nulls=nulls) for key, each in value.items()}
@@ -73,7 +81,14 @@ def plain(value: Any, *, nulls: bool = False) -> Any:
 
 
 def json_text(value: Any, *, nulls: bool = False) -> str:
-    """Strict JSON with a line for every list of plain values; see :func:`plain`."""
+    """Strict JSON with a line for every list of plain values; see :func:`plain`.
+
+    Example:
+        >>> print(json_text({"limits": (0.5, math.inf)}), end="")
+        {
+          "limits": [0.5, "inf"]
+        }
+    """
     return _json_lines(plain(value, nulls=nulls), "\n") + "\n"
 
 

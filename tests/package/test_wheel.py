@@ -128,7 +128,8 @@ def test_wheel_says_what_it_is(installed: Installed) -> None:
     assert metadata["Name"] == "urdf-ik"
     assert metadata["License-Expression"] == "BSD-3-Clause"
     assert metadata["Requires-Python"] == ">=3.11"
-    assert {"viewer", "plot", "robots", "notebooks", "bench", "dev"} == set(metadata.get_all("Provides-Extra", []))
+    extras = {"viewer", "plot", "robots", "notebooks", "timing", "bench", "dev"}
+    assert extras == set(metadata.get_all("Provides-Extra", []))
 
 
 def test_sdist_holds_what_work_on_it_needs(installed: Installed) -> None:

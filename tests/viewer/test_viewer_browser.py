@@ -34,7 +34,7 @@ pytestmark = pytest.mark.skipif(CHROMIUM is None, reason=INSTALL)
 
 SOFTWARE = ("--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 WIDTH, HEIGHT, PANEL = 1120, 740, 420
-PATIENCE = 240.0  # [s] an arm that comes for the first time is compiled
+PATIENCE = 240.0  # [s] pages are drawn without a GPU, on a machine that may have other work
 ARM = "zyyzyz_6r"
 
 
@@ -100,7 +100,7 @@ def opened() -> Iterator[Seen]:
     with Viewer(urdf_ik.load(ARM), port=0) as viewer, playwright.sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=CHROMIUM, args=list(SOFTWARE))
         page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
-        page.set_default_timeout(240_000)  # an arm that comes for the first time is compiled
+        page.set_default_timeout(240_000)
         page.goto(viewer.url)
         seen = Seen(viewer, page)
         seen.wait(viewer.server.get_clients, "the page connects")
@@ -289,7 +289,7 @@ def test_the_scene_is_saved_as_a_page_that_needs_no_viewer(seen: Seen, tmp_path:
     download.value.save_as(file)
     assert file.name == f"{ARM}.html"
     page = seen.page.context.browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
-    page.set_default_timeout(240_000)  # an arm that comes for the first time is compiled
+    page.set_default_timeout(240_000)
     asked: list[str] = []
     page.on("request", lambda request: asked.append(request.url))
     page.goto(file.as_uri())

@@ -43,6 +43,12 @@ class Arm(Moving):
         model: the URDF as it was read.
         chain: screw axes of the joints from base to tip.
         structure: relations of the axes, family, method and branches; ``str()`` reads like a sentence.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> arm.dof, arm.task, arm.structure.family
+        (6, 'pose', '6R spherical wrist, 2||3 and 1x2')
     """
 
     def __init__(self, model: UrdfModel, chain: Chain, task: str = "pose") -> None:
@@ -100,6 +106,12 @@ class Arm(Moving):
         Raises:
             TaskError: there is no such task, or the arm cannot control it.
             UnsupportedArm: no solver takes this arm.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("planar_2r").for_task("planar position")
+            >>> len(arm.ik([0.1, 0.1]))
+            2
         """
         if task not in self._by_task:
             self._by_task[task] = arm = Arm(self.model, self.chain, task)
@@ -157,6 +169,21 @@ class Arm(Moving):
             JointVectorError: ``q_ref`` or ``redundancy`` does not fit.
             TaskError: there is no such task, or the arm cannot control it.
             UnsupportedArm: no solver takes this arm.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> s = arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))
+            >>> for solution in s.within_limits():
+            ...     print(solution.branch)
+            shoulder front, elbow up, wrist noflip
+            shoulder front, elbow up, wrist flip
+            shoulder front, elbow down, wrist noflip
+            shoulder front, elbow down, wrist flip
+            shoulder back, elbow up, wrist noflip
+            shoulder back, elbow up, wrist flip
+            shoulder back, elbow down, wrist noflip
+            shoulder back, elbow down, wrist flip
         """
         if task is not None and task != self._task:
             return self.for_task(task).ik(T, q_ref, redundancy=redundancy, threads=threads)
@@ -244,6 +271,14 @@ class Arm(Moving):
         Raises:
             JointVectorError: the last dimension is not 7, or a value is not finite.
             UnsupportedArm: the arm has no such parameter.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("srs_7r")
+            >>> q = [0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]
+            >>> value = arm.redundancy_of(q)
+            >>> arm.ik(arm.fk(q), redundancy=value).nearest(q).to_array().round(6).tolist()
+            [[0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]]
         """
         plan = self._redundant_plan()
         Q = self.chain.check(q)
@@ -318,6 +353,13 @@ class Arm(Moving):
         Raises:
             PoseError: ``T`` is no pose, or more than one.
             UnsupportedArm: the arm has no redundancy parameter.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("srs_7r")
+            >>> sweep = arm.sweep(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]), n=16)
+            >>> sweep.solutions.q.shape, sweep.intervals.round(3).tolist()
+            ((16, 8, 7), [[-3.142, 3.142]])
         """
         return sweep.sweep(self, self._redundant_plan().parameter, T, n, within_limits, threads)
 

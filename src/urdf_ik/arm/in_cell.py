@@ -61,6 +61,14 @@ class InCell(Kinematics):
         """What comes closest to each other at ``q`` (n,), two links or a link and an obstacle, and how close [m].
 
         None where nothing can collide. Raises as :meth:`clearance` does.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm, world = urdf_ik.load("zyyzyz_6r"), urdf_ik.World()
+            >>> world.add("ceiling", urdf_ik.HalfSpace((0, 0, -1), -3.33))
+            >>> pair = arm.nearest_pair([0.0] * 6, world)
+            >>> pair.links, round(pair.distance, 3)
+            (('link_6', 'ceiling'), 0.03)
         """
         return self.collision_model.in_world(world).nearest_pair(self.chain.check(q))
 
@@ -69,8 +77,8 @@ class InCell(Kinematics):
 
         Each joint goes from its value in ``q0`` to its value in ``q1``, in proportion to the others, turns included.
         A motion that is called free is free of contact at every instant of it. One that is not called free has a
-        contact, or comes within 0.1 mm of one (``urdf_ik.collision.swept.TOUCH``), where no number of distances can
-        prove it free.
+        contact, or comes within 0.1 mm of one (``urdf_ik.collision.swept.TOUCH``), where no finite number of distances
+        can prove it free.
 
         Args:
             q0: (..., n) rad or m.
@@ -79,14 +87,22 @@ class InCell(Kinematics):
             margin: m that the bodies must stay apart.
 
         Returns:
-            Its ``free`` (...) says which motions are; ``share`` (...) and ``pairs`` tell of the first contact of the
-            others. That of a single motion is itself true or false.
+            Its ``free`` (...) says which motions are; ``share`` (...) and ``pairs`` describe the first contact of
+            the others. Of a single motion, the result itself is true or false.
 
         Raises:
             JointVectorError: the arrays do not fit the arm or each other, or a value is not finite.
             ArgumentError: ``margin`` is negative or not finite.
             UrdfError: the URDF has no collision shapes, or not all of them were found.
             WorldError: an obstacle's mesh cannot be read, or it has the name of a link.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm, world = urdf_ik.load("scara_rrpr"), urdf_ik.World()
+            >>> world.add("post", urdf_ik.Cylinder(0.05, 2.0), urdf_ik.pose([0.5, 0.0, 0.0]))
+            >>> motion = arm.motion_is_free([-1.0, 0.0, 0.1, 0.0], [1.0, 0.0, 0.1, 0.0], world)
+            >>> bool(motion), round(float(motion.share), 2), motion.pairs
+            (False, 0.42, [('link_2', 'post')])
         """
         start, end = self.chain.check(q0), self.chain.check(q1)
         try:

@@ -80,6 +80,13 @@ class Kinematics:
         """How far (..., n) rad or m are from the joint limits: (...), the least joint's share of half its range.
 
         1 in the middle of all ranges, 0 at a limit, negative outside; see :func:`urdf_ik.solutions.limits.margin`.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> middle = arm.limits.mean(axis=1)
+            >>> (arm.limit_margin([middle, arm.limits[:, 1]]).round(6) + 0.0).tolist()
+            [1.0, 0.0]
         """
         return limits.margin(self.chain.check(q), self.limits)
 
@@ -132,6 +139,13 @@ class Kinematics:
 
         Raises:
             OSError: it cannot be written.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr").with_tool(urdf_ik.pose([0.0, 0.0, 0.1]), name="gripper")
+            >>> arm.write_urdf("scara_with_gripper.urdf")
+            >>> urdf_ik.load("scara_with_gripper.urdf", tip=arm.tip).tip
+            'gripper'
         """
         Path(path).write_bytes(self.model.xml)
 
@@ -151,25 +165,61 @@ class Kinematics:
         return self.control.plane
 
     def fk(self, q: ArrayLike) -> Array:
-        """Pose of the tip in the base: (..., n) rad or m to (..., 4, 4); see :meth:`Chain.fk`."""
+        """Pose of the tip in the base: (..., n) rad or m to (..., 4, 4); see :meth:`Chain.fk`.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> (arm.fk([0.0, 0.0, 0.1, 0.0])[:3, 3].round(6) + 0.0).tolist()
+            [0.6, 0.0, 0.23]
+        """
         return self.chain.fk(q)
 
     def jacobian(self, q: ArrayLike) -> Array:
-        """Geometric Jacobian at the tip in base axes: (..., n) to (..., 6, n); see :meth:`Chain.jacobian`."""
+        """Geometric Jacobian at the tip in base axes: (..., n) to (..., 6, n); see :meth:`Chain.jacobian`.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("planar_2r")
+            >>> (arm.jacobian([0.0, 0.0]).round(6) + 0.0)[[0, 1, 5]].tolist()
+            [[0.0, 0.0], [0.196, 0.13], [1.0, 1.0]]
+        """
         return self.chain.jacobian(q)
 
     def manipulability(self, q: ArrayLike, part: str = "all") -> Array:
-        """Yoshikawa's manipulability: (..., n) to (...); see :func:`urdf_ik.velocity.manipulability`."""
+        """Yoshikawa's manipulability: (..., n) to (...); see :func:`urdf_ik.velocity.manipulability`.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("planar_2r_unit")
+            >>> arm.manipulability([[0.0, 0.5], [0.0, 1.5]], "translation").round(4).tolist()
+            [0.4794, 0.9975]
+        """
         return velocity.manipulability(self.chain, q, part)
 
     def condition_number(self, q: ArrayLike, part: str = "all", length: float | None = None) -> Array:
-        """Condition of the Jacobian: (..., n) to (...); see :func:`urdf_ik.velocity.condition_number`."""
+        """Condition of the Jacobian: (..., n) to (...); see :func:`urdf_ik.velocity.condition_number`.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("planar_2r_unit")
+            >>> round(float(arm.condition_number([0.0, 2.0], "translation")), 3)
+            1.841
+        """
         return velocity.condition_number(self.chain, q, part, length)
 
     def singular_directions(
         self, q: ArrayLike, *, length: float | None = None, tolerance: float = DEFAULT.singular
     ) -> velocity.SingularDirections:
-        """Twists lost, motions that do nothing at ``q`` (..., n); see :func:`urdf_ik.velocity.singular_directions`."""
+        """Twists lost, motions that do nothing at ``q`` (..., n); see :func:`urdf_ik.velocity.singular_directions`.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> found = arm.singular_directions([0.3, -0.5, 0.8, 0.4, 0.0, -0.2])
+            >>> len(found.lost_twists), len(found.idle_motions)
+            (1, 1)
+        """
         return velocity.singular_directions(self.chain, q, length=length, tolerance=tolerance)
 
     def joint_velocities(
@@ -183,7 +233,16 @@ class Kinematics:
         limits: ArrayLike | None = None,
         length: float | None = None,
     ) -> Array:
-        """Joint velocities (..., n) for a twist (..., 6) of the tip; see :func:`urdf_ik.velocity.joint_velocities`."""
+        """Joint velocities (..., n) for a twist (..., 6) of the tip; see :func:`urdf_ik.velocity.joint_velocities`.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> q = [0.3, -0.5, 0.8, 0.4, 0.7, -0.2]
+            >>> speeds = arm.joint_velocities(q, [0.1, 0.0, 0.0, 0.0, 0.0, 0.0])
+            >>> ((arm.jacobian(q) @ speeds).round(6) + 0.0).tolist()
+            [0.1, 0.0, 0.0, 0.0, 0.0, 0.0]
+        """
         return velocity.joint_velocities(
             self.chain, q, twist, part=part, damping=damping, weights=weights, limits=limits, length=length
         )
@@ -222,9 +281,22 @@ class Kinematics:
         Raises:
             JointVectorError: the last dimension is not nq, or a value is not finite.
             UrdfError: Pinocchio refuses the URDF.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> arm.from_pinocchio(arm.to_pinocchio([0.3, 0.5, 0.1, 0.2])).round(6).tolist()
+            [0.3, 0.5, 0.1, 0.2]
         """
         return self._pinocchio.joint_vectors(q_pin)
 
     def link_poses(self, q: ArrayLike) -> dict[str, Array]:
-        """Pose of every link in the base: (..., n) to (..., 4, 4) each; see :meth:`Chain.link_poses`."""
+        """Pose of every link in the base: (..., n) to (..., 4, 4) each; see :meth:`Chain.link_poses`.
+
+        Example:
+            >>> import urdf_ik
+            >>> poses = urdf_ik.load("scara_rrpr").link_poses([0.0, 0.0, 0.1, 0.0])
+            >>> (poses["link_2"][:3, 3].round(6) + 0.0).tolist()
+            [0.325, 0.0, 0.38]
+        """
         return self.chain.link_poses(q)

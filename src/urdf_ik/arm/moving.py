@@ -47,13 +47,13 @@ class Moving(InCell):
             end: (n,) joint vector at the last waypoint; default: whichever is best.
             world: the :class:`urdf_ik.World` of obstacles to stay clear of.
             margin: m that bodies must stay apart.
-            collisions: False: nothing is asked about contacts. True: the arm's own links are, where the URDF has
-                collision shapes, at the waypoints and all the way between them.
+            collisions: whether collisions are checked, at the waypoints and all the way between them: of the arm with
+                itself, where the URDF has collision shapes, and with the world.
             cost: what is minimised, summed over the steps: 'l1' the sum of |dq| of the joints, 'l2' the sum of dq^2,
                 'max' the largest |dq|, 'time' the time of a step at the URDF's velocity limits.
             weights: (n,) factors of |dq|, of dq^2 for 'l2'; default: 1, which adds rad and m.
-            margins: weight of a cost at each waypoint for being near a joint limit: the square of how far, of the way
-                from the middle of its range to its limit, the joint goes that goes farthest.
+            margins: weight of a further cost at each waypoint: the square of how near the joints come to their limits,
+                0 in the middle of a joint's range and 1 at its limit, of the joint that comes nearest.
             max_step: rad or m that a joint may move between two waypoints: a number, or (n,).
             tolerance: (m, rad) that the tip may stray from the straight segments; default: (0.001, 0.02), four times as
                 much where no plan keeps to that. ``Plan.tolerance`` says which.
@@ -90,7 +90,15 @@ class Moving(InCell):
         )  # fmt: skip
 
     def tracker(self, q0: ArrayLike, dt: float, **options: Any) -> motion.Tracker:
-        """What follows targets, one a cycle of ``dt`` s, from ``q0`` on: see :class:`urdf_ik.motion.Tracker`."""
+        """A tracker of targets, one each cycle of ``dt`` s, from ``q0`` on: see :class:`urdf_ik.motion.Tracker`.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> tracker = arm.tracker([0.3, -0.5, 0.8, 0.4, 0.7, -0.2], dt=0.004)
+            >>> tracker.step(arm.fk([0.301, -0.5, 0.8, 0.4, 0.7, -0.2])).status
+            'ok'
+        """
         from urdf_ik import motion
 
         arm: Any = self

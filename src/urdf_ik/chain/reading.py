@@ -28,6 +28,12 @@ def from_urdf(model: UrdfModel, base: str | None = None, tip: str | None = None)
     Raises:
         ChainError: base or tip is unknown, ambiguous, or not on one chain.
         UnsupportedArm: a joint of the chain is of a type that cannot be solved.
+
+    Example:
+        >>> from urdf_ik import catalogue, urdf
+        >>> chain = from_urdf(urdf.read(catalogue.resolve("scara_rrpr").path), "base_link", "link_2")
+        >>> chain.joint_names
+        ('joint_1', 'joint_2')
     """
     base, tip = model.resolve_chain(base, tip)
     movable: list[Joint] = []

@@ -40,6 +40,12 @@ class Redundancy:
         default: value [unit] that ``ik`` takes where none is given: zero for a swivel, the middle of the joint's
             limits, zero where it has none.
         unit: 'rad' or 'm'.
+
+    Example:
+        >>> import urdf_ik
+        >>> redundancy = urdf_ik.load("srs_7r").redundancy
+        >>> redundancy.kind, redundancy.default, redundancy.unit
+        ('swivel', 0.0, 'rad')
     """
 
     kind: str
@@ -67,6 +73,11 @@ class Redundancy:
 
         Raises:
             JointVectorError: a value is not a finite number.
+
+        Example:
+            >>> import urdf_ik
+            >>> urdf_ik.load("srs_7r").redundancy.check([0, 0.5]).tolist()
+            [0.0, 0.5]
         """
         try:
             values = np.asarray(value, dtype=np.float64)
@@ -81,6 +92,13 @@ class Redundancy:
 
         Raises:
             JointVectorError: the values are no finite numbers, or the shapes do not fit.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("srs_7r")
+            >>> poses, values = arm.redundancy.spread(arm.fk([0.1] * 7), [0.0, 0.5, 1.0])
+            >>> poses.shape, values.shape
+            ((3, 4, 4), (3,))
         """
         values = self.check(value)
         batch = poses.shape[:-2]
@@ -96,7 +114,14 @@ class Redundancy:
         return all_poses, all_values
 
     def wrapped(self, values: Array) -> Array:
-        """``values`` with angles in (-pi, pi], as joint vectors of solutions hold them."""
+        """``values`` with angles in (-pi, pi], as joint vectors of solutions hold them.
+
+        Example:
+            >>> import numpy as np
+            >>> import urdf_ik
+            >>> urdf_ik.load("srs_7r").redundancy.wrapped(np.array([0.5, np.pi + 0.5])).round(4).tolist()
+            [0.5, -2.6416]
+        """
         return values if self.unit == "m" else wrapped(values)
 
 

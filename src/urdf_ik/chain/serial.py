@@ -43,7 +43,14 @@ class TreeJoint:
         return _core.Chain((R @ self.axis)[None], steps, R, np.array([self.prismatic]))
 
     def held(self, free: list[int], q: NDArray[np.float64]) -> TreeJoint:
-        """This joint when only the columns ``free`` of the joint vector are left, the others held at ``q``."""
+        """This joint when only the columns ``free`` of the joint vector are left, the others held at ``q``.
+
+        Example:
+            >>> import urdf_ik
+            >>> joint = urdf_ik.load("planar_2r").chain.tree[0]
+            >>> joint.column, joint.held([1], np.array([0.5, 0.0])).offset
+            (0, 0.5)
+        """
         if self.column is None:
             return self
         if self.column in free:
@@ -82,6 +89,12 @@ class Chain:
         root: the URDF's root link.
         locked: (name, value [rad or m]) of the joints that ``lock`` has made part of the fixed geometry.
         followers: the joints from base to tip that mimic others.
+
+    Example:
+        >>> import urdf_ik
+        >>> chain = urdf_ik.load("scara_rrpr").chain
+        >>> chain.joint_names, chain.H.shape, chain.P.shape
+        (('joint_1', 'joint_2', 'joint_3', 'joint_4'), (4, 3), (5, 3))
     """
 
     base: str
@@ -145,7 +158,15 @@ class Chain:
         return float(np.linalg.norm(self.P[1:], axis=1).sum()) or 1.0
 
     def reversed(self) -> Chain:
-        """The same joints from tip to base: its poses are the inverses, its joint vectors run backwards."""
+        """The same joints from tip to base: its poses are the inverses, its joint vectors run backwards.
+
+        Example:
+            >>> import urdf_ik
+            >>> chain = urdf_ik.load("scara_rrpr").chain
+            >>> back = chain.reversed()
+            >>> bool(np.allclose(back.fk([0.2, 0.1, 0.5, 0.3]) @ chain.fk([0.3, 0.5, 0.1, 0.2]), np.eye(4)))
+            True
+        """
         back = self.R_tip.T
         points = np.vstack([self.P.sum(axis=0), self.points[::-1], np.zeros(3)])
         return replace(
@@ -169,6 +190,11 @@ class Chain:
         Raises:
             ChainError: the chain has no such joint; the error lists those that it has.
             JointVectorError: a value is no finite number.
+
+        Example:
+            >>> import urdf_ik
+            >>> urdf_ik.load("scara_rrpr").chain.lock({"joint_3": 0.1}).joint_names
+            ('joint_1', 'joint_2', 'joint_4')
         """
         held = held_values(self, values)
         if not held:
@@ -200,6 +226,12 @@ class Chain:
 
         Raises:
             JointVectorError: the last dimension is not n, or a value is not finite.
+
+        Example:
+            >>> import urdf_ik
+            >>> chain = urdf_ik.load("scara_rrpr").chain
+            >>> (chain.fk([0.0, 0.0, 0.1, 0.0])[:3, 3].round(6) + 0.0).tolist()
+            [0.6, 0.0, 0.23]
         """
         T: NDArray[np.float64] | None = self.motion.fk(q)
         return self.motion.fk(self.check(q)) if T is None else T
@@ -215,12 +247,25 @@ class Chain:
 
         Raises:
             JointVectorError: the last dimension is not n, or a value is not finite.
+
+        Example:
+            >>> import urdf_ik
+            >>> chain = urdf_ik.load("planar_2r").chain
+            >>> (chain.jacobian([0.0, 0.0]).round(6) + 0.0)[[0, 1, 5]].tolist()
+            [[0.0, 0.0], [0.196, 0.13], [1.0, 1.0]]
         """
         J: NDArray[np.float64] | None = self.motion.jacobian(q)
         return self.motion.jacobian(self.check(q)) if J is None else J
 
     def placed(self, q: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-        """Directions (n, 3) of the axes at a joint vector (n,), points (n, 3) on them, the tip's pose (4, 4)."""
+        """Directions (n, 3) of the axes at a joint vector (n,), points (n, 3) on them, the tip's pose (4, 4).
+
+        Example:
+            >>> import urdf_ik
+            >>> H, points, T = urdf_ik.load("planar_2r").chain.placed(np.zeros(2))
+            >>> (points.round(6) + 0.0).tolist()
+            [[0.0, 0.0, 0.0], [0.066, 0.0, 0.0]]
+        """
         axes = self.motion.axes(q)
         return axes[3:].T.copy(), axes[:3].T.copy(), self.motion.fk(q)
 
@@ -237,6 +282,12 @@ class Chain:
 
         Raises:
             JointVectorError: the last dimension is not n, or a value is not finite.
+
+        Example:
+            >>> import urdf_ik
+            >>> poses = urdf_ik.load("scara_rrpr").chain.link_poses([0.0, 0.0, 0.1, 0.0])
+            >>> (poses["link_2"][:3, 3].round(6) + 0.0).tolist()
+            [0.325, 0.0, 0.38]
         """
         Q = self.check(q)
         batch = Q.shape[:-1]
@@ -254,6 +305,11 @@ class Chain:
 
         Raises:
             JointVectorError: the last dimension is not n, or a value is not finite.
+
+        Example:
+            >>> import urdf_ik
+            >>> urdf_ik.load("planar_2r").chain.check([[0, 1], [2, 3]]).tolist()
+            [[0.0, 1.0], [2.0, 3.0]]
         """
         try:
             given = np.asarray(q)

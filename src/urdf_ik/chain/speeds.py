@@ -20,6 +20,12 @@ def velocity_limits(model: UrdfModel, chain: Chain) -> NDArray[np.float64]:
 
     A speed of zero counts as not given: files have it where nobody filled it in, and the joint could not move. A joint
     of the chain that mimics another narrows its speed as it does its limits.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("scara_rrpr")
+        >>> velocity_limits(arm.model, arm.chain).tolist()
+        [3.0, 3.0, 1.0, 3.0]
     """
     speeds = dict.fromkeys(chain.joint_names, np.inf)
     followers = {follower.name for follower in chain.followers}

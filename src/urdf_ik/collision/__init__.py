@@ -9,7 +9,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from urdf_ik.collision.model import ALWAYS, SAMPLES, SEED, CollisionModel, Nearest
+    from urdf_ik.collision.model import ALWAYS, SAMPLES, SEED, CollisionModel
+    from urdf_ik.collision.questions import Nearest
     from urdf_ik.collision.swept import Motions
     from urdf_ik.collision.table import Table
     from urdf_ik.collision.world import Obstacle, World
@@ -26,7 +27,7 @@ __all__ = [
     "World",
 ]
 
-_MODULE = {"Motions": "swept", "Obstacle": "world", "Table": "table", "World": "world"}
+_MODULE = {"Motions": "swept", "Nearest": "questions", "Obstacle": "world", "Table": "table", "World": "world"}
 
 
 def __getattr__(name: str) -> Any:

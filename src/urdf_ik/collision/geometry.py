@@ -125,7 +125,7 @@ class Solid(NamedTuple):
 
     Attributes:
         exact: the shape.
-        hull: its convex hull, which takes a hundredth of the time to ask about; None where there is none.
+        hull: its convex hull, of which a query takes a hundredth of the time; None where the shape itself is queried.
     """
 
     exact: Any
@@ -138,7 +138,7 @@ def solid(exact: Any) -> Solid:
 
 
 class RoundedBox(NamedTuple):
-    """All points within ``radius`` of a box, which may have no end to some sides: holds a shape, closely or exactly.
+    """All points within ``radius`` of a box, which may be infinite on some sides: holds a shape, closely or exactly.
 
     Attributes:
         frame: (4, 4) of the box in the shape's frame.

@@ -1,31 +1,26 @@
-"""Collision and distance of an arm's links, among themselves and with a world, through Pinocchio and coal."""
+"""The collision shapes of an arm and of a world, and which pairs of them must not touch."""
 
 from __future__ import annotations
 
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from urdf_ik.chain import from_urdf
-from urdf_ik.collision import geometry, swept, table
+from urdf_ik.collision import geometry, table
+from urdf_ik.collision.questions import Questions, Seen
 from urdf_ik.collision.scene import ArmShapes, Scene
-from urdf_ik.errors import JointVectorError, PoseError, UrdfError, WorldError
-from urdf_ik.reference import Reference, finite
+from urdf_ik.errors import UrdfError, WorldError
+from urdf_ik.reference import Reference
 from urdf_ik.urdf import srdf as srdf_reader
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Mapping
 
-    from numpy.typing import ArrayLike, NDArray
-
-    from urdf_ik.collision.swept import Motions
     from urdf_ik.collision.table import Table
     from urdf_ik.collision.world import World
     from urdf_ik.urdf import UrdfModel
 
-    Array = NDArray[np.float64]
     Pair = tuple[str, str]
 
 SAMPLES = 200
@@ -38,22 +33,7 @@ SEED = 0
 """Seed of these joint vectors: the same URDF gives the same pairs."""
 
 
-class Nearest(NamedTuple):
-    """Two links, or a link and an obstacle, and the distance between them [m]; 0 where they collide."""
-
-    links: tuple[str, str]
-    distance: float
-
-
-class _Seen(NamedTuple):
-    """What a model looks at while the world's version stays the same."""
-
-    version: int
-    scene: Scene
-    table: Table
-
-
-class CollisionModel:
+class CollisionModel(Questions):
     """The collision shapes of a URDF and of a world, and which pairs of them must not touch.
 
     Joints outside the chain stay at zero; a joint that mimics another follows it. Meshes are surfaces: one that lies
@@ -65,6 +45,13 @@ class CollisionModel:
     Attributes:
         joint_names: joints of a joint vector, base to tip.
         world: the world, or None.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> model = CollisionModel(arm.model, arm.base, arm.tip)
+        >>> len(model.checked_pairs), model.in_collision([0.0] * 6)
+        (15, False)
     """
 
     def __init__(
@@ -100,7 +87,7 @@ class CollisionModel:
         self._links = model.links
         self._changes: dict[Pair, bool] = {}
         self._error: UrdfError | None = None
-        self._seen: _Seen | None = None
+        self._seen: Seen | None = None
         # The model that ``in_world`` made last: the same world is asked about again and again.
         self._last: CollisionModel | None = None
         disabled = () if srdf is None else srdf_reader.disabled_pairs(srdf, model.links)
@@ -147,6 +134,14 @@ class CollisionModel:
 
         Raises:
             UrdfError: there are no collision shapes, or not all of them were found.
+
+        Example:
+            >>> import urdf_ik
+            >>> print(urdf_ik.load("planar_2r").collision_model.table())
+            first      second
+            base_link  link_2  checked
+            base_link  link_1  allowed: adjacent
+            link_1     link_2  allowed: adjacent
         """
         self._require_geometry()
         return self._now().table
@@ -156,6 +151,14 @@ class CollisionModel:
 
         Every link that the joint vector moves against the base link is checked against every obstacle. The other links
         stand on the world, and may touch it ('rigid').
+
+        Example:
+            >>> import urdf_ik
+            >>> world = urdf_ik.World()
+            >>> world.add("floor", urdf_ik.HalfSpace((0, 0, 1)))
+            >>> model = urdf_ik.load("planar_2r").collision_model
+            >>> len(model.in_world(world).checked_pairs) - len(model.checked_pairs)
+            2
         """
         if world is None or world is self.world:
             return self
@@ -196,6 +199,13 @@ class CollisionModel:
         Raises:
             WorldError: there is no such link or obstacle, or it has no shape.
             UrdfError: there are no collision shapes, or not all of them were found.
+
+        Example:
+            >>> import urdf_ik
+            >>> model = urdf_ik.load("zyyzyz_6r").collision_model
+            >>> pair = next(iter(model.allowed_pairs))
+            >>> pair in model.checked_pairs, pair in model.check(*pair).checked_pairs
+            (False, True)
         """
         return self._changed(first, second, True)
 
@@ -207,167 +217,21 @@ class CollisionModel:
     def rebuilt(
         self, model: UrdfModel, base: str | None, tip: str | None, locked: Mapping[str, float] | None
     ) -> CollisionModel:
-        """The model of a URDF that has this one's links and more, with this one's SRDF, changes and world."""
+        """The model of a URDF that has this one's links and more, with this one's SRDF, changes and world.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> longer = arm.with_tool(urdf_ik.pose([0.0, 0.0, 0.1]), [urdf_ik.Sphere(0.02)], name="probe")
+            >>> model = arm.collision_model.rebuilt(longer.model, longer.base, longer.tip, None)
+            >>> any("probe" in pair for pair in model.checked_pairs)
+            True
+        """
         out = type(self)(model, base, tip, locked=locked)
         if out._error is None:
             out._allowed.update({pair: why for pair, why in self._allowed.items() if why == table.SRDF})
         out._changes, out.world = dict(self._changes), self.world
         return out
-
-    def in_collision(self, q: ArrayLike, margin: float = 0.0) -> bool | NDArray[np.bool_]:
-        """Whether something touches that must not.
-
-        Args:
-            q: (..., n) rad or m; rows that are not finite are not checked and give False.
-            margin: m that the bodies must stay apart.
-
-        Returns:
-            A bool for one joint vector, else (...) bool.
-
-        Raises:
-            UrdfError: there are no collision shapes, or not all of them were found.
-            JointVectorError: the last dimension is not n.
-            ArgumentError: ``margin`` is negative or not finite.
-        """
-        swept.check_margin(margin)
-        Q, places, scene = self._rows(q)
-        out = np.zeros(len(Q), dtype=np.bool_)
-        for part, placed in scene.chunks(Q):
-            near = scene.near(placed, margin)
-            for i in np.flatnonzero(near.any(axis=1)):
-                shapes = scene.place(Q[part.start + i])
-                out[part.start + i] = any(scene.touches(shapes, int(k), margin) for k in np.flatnonzero(near[i]))
-        whole = np.zeros(places.shape, dtype=np.bool_)
-        whole[places] = out
-        return bool(whole) if whole.ndim == 0 else whole
-
-    def distance(self, q: ArrayLike) -> float | Array:
-        """Smallest distance between what must not touch.
-
-        Args:
-            q: (..., n) rad or m; rows that are not finite give NaN.
-
-        Returns:
-            A float for one joint vector, else (...) [m]: 0 in collision, infinite where no pair is checked.
-
-        Raises:
-            UrdfError: there are no collision shapes, or not all of them were found.
-            JointVectorError: the last dimension is not n.
-        """
-        Q, places, scene = self._rows(q)
-        out = np.empty(len(Q))
-        for part, placed in scene.chunks(Q):
-            for i, least in enumerate(scene.closest(placed), part.start):
-                out[i] = scene.nearest(scene.place(Q[i]), least)[1]
-        whole = np.full(places.shape, np.nan)
-        whole[places] = out
-        return float(whole) if whole.ndim == 0 else whole
-
-    def colliding_pairs(self, q: ArrayLike) -> tuple[Pair, ...]:
-        """What touches and must not.
-
-        Args:
-            q: (n,) rad or m.
-
-        Returns:
-            Pairs of names, in the order of ``checked_pairs``; none where q is not finite.
-
-        Raises:
-            UrdfError: there are no collision shapes, or not all of them were found.
-            JointVectorError: q is no (n,).
-        """
-        Q, scene, checked = self._one(q)
-        found = set()
-        for part, placed in scene.chunks(Q):
-            shapes = scene.place(Q[part.start])
-            for k in np.flatnonzero(scene.near(placed, 0.0)[0]):
-                if scene.touches(shapes, int(k)):
-                    found.add(scene.pairs[k].names)
-        return tuple(pair for pair in checked if pair in found)
-
-    def nearest_pair(self, q: ArrayLike) -> Nearest | None:
-        """What comes closest to each other, of that which must not touch.
-
-        Args:
-            q: (n,) rad or m.
-
-        Returns:
-            The pair and its distance; where several collide, one of them. None where no pair is checked or q is not
-            finite.
-
-        Raises:
-            UrdfError: there are no collision shapes, or not all of them were found.
-            JointVectorError: q is no (n,).
-        """
-        Q, scene, _ = self._one(q)
-        for part, placed in scene.chunks(Q):
-            k, distance = scene.nearest(scene.place(Q[part.start]), scene.closest(placed)[0])
-            if k is not None:
-                return Nearest(scene.pairs[k].names, distance)
-        return None
-
-    def motions_free(self, q0: ArrayLike, q1: ArrayLike, margin: float = 0.0) -> Motions:
-        """Which straight motions in joint space are free from end to end, proven; see :func:`swept.motions`.
-
-        Args:
-            q0: (k, n) rad or m, where the motions begin.
-            q1: (k, n) rad or m, where they end; every joint goes its way in a straight line, turns included.
-            margin: m that the bodies must stay apart.
-
-        Raises:
-            UrdfError: there are no collision shapes, or not all of them were found.
-            JointVectorError: the arrays do not fit the arm or each other, or are not finite.
-            ArgumentError: ``margin`` is negative or not finite.
-        """
-        swept.check_margin(margin)
-        self._require_geometry()
-        start, end = (self._reference.vectors(q) for q in (q0, q1))
-        if start.ndim != 2 or start.shape != end.shape:
-            raise JointVectorError(
-                f"motions from {start.shape} to {end.shape} given; both must be (k, {len(self.joint_names)})"
-            )
-        for name, array in (("q0", start), ("q1", end)):
-            if len(bad := np.argwhere(~np.isfinite(array))):
-                raise JointVectorError(f"{name}{bad[0].tolist()} is {array[tuple(bad[0])]}; a motion's ends are finite")
-        return swept.motions(self._now().scene, start, end, margin)
-
-    def in_collision_with(self, link_poses: Mapping[str, ArrayLike]) -> bool | NDArray[np.bool_]:
-        """:meth:`in_collision`, with every link where the caller says instead of where Pinocchio puts it.
-
-        Args:
-            link_poses: link name to (..., 4, 4) [m], all in one frame; a set with a pose that is not finite gives
-                False.
-
-        Returns:
-            A bool for one set of poses, else (...) bool.
-
-        Raises:
-            UrdfError: there are no collision shapes, or not all of them were found.
-            PoseError: a link that has a shape has no pose, or a pose is no (..., 4, 4).
-        """
-        hits: bool | NDArray[np.bool_] = self._each_placing(link_poses, False)
-        return hits
-
-    def distance_with(self, link_poses: Mapping[str, ArrayLike]) -> float | Array:
-        """:meth:`distance`, with every link where the caller says instead of where Pinocchio puts it.
-
-        Args:
-            link_poses: link name to (..., 4, 4) [m], all in one frame; a set with a pose that is not finite gives
-                NaN.
-
-        Returns:
-            A float for one set of poses, else (...) [m].
-
-        Raises:
-            UrdfError: there are no collision shapes, or not all of them were found.
-            PoseError: a link that has a shape has no pose, or a pose is no (..., 4, 4).
-        """
-        distances: float | Array = self._each_placing(link_poses, np.nan)
-        return distances
-
-    def _require_geometry(self) -> None:
-        if self._error is not None:
-            raise self._error.with_traceback(None)
 
     def _copy(self) -> CollisionModel:
         out = object.__new__(type(self))
@@ -393,7 +257,7 @@ class CollisionModel:
             raise WorldError(f"the obstacle {same!r} has the name of a link of the arm; give it another")
         return rank
 
-    def _now(self) -> _Seen:
+    def _now(self) -> Seen:
         """The scene and the table of the world as it is."""
         seen, world = self._seen, self.world
         if seen is None or (world is not None and seen.version != world.version):
@@ -402,43 +266,5 @@ class CollisionModel:
             rank = self._rank(names)
             allowed, pairs = table.with_obstacles(self._arm, names)
             made, checked = table.made({**self._allowed, **allowed}, [*self._pairs, *pairs], self._changes, rank)
-            self._seen = seen = _Seen(version, Scene(self._arm, obstacles, checked), made)
+            self._seen = seen = Seen(version, Scene(self._arm, obstacles, checked), made)
         return seen
-
-    def _rows(self, q: ArrayLike) -> tuple[Array, NDArray[np.bool_], Scene]:
-        """The finite joint vectors (k, n), the places (...) that they come from, and the scene."""
-        self._require_geometry()
-        Q = self._reference.vectors(q)
-        places = np.asarray(np.isfinite(Q).all(axis=-1))
-        return np.ascontiguousarray(Q[places]).reshape(-1, Q.shape[-1]), places, self._now().scene
-
-    def _one(self, q: ArrayLike) -> tuple[Array, Scene, tuple[Pair, ...]]:
-        """A joint vector as (1, n), or (0, n) where it is not finite, the scene and its pairs."""
-        self._require_geometry()
-        Q = self._reference.vectors(q)
-        if Q.ndim != 1:
-            raise JointVectorError(f"one joint vector ({len(self.joint_names)},) is needed, not shape {Q.shape}")
-        now = self._now()
-        return Q[None][np.isfinite(Q).all(keepdims=True)], now.scene, now.table.checked
-
-    def _each_placing(self, link_poses: Mapping[str, ArrayLike], otherwise: Any) -> Any:
-        """Whether each set of link poses collides, or the distances, whichever ``otherwise`` stands for."""
-        self._require_geometry()
-        scene = self._now().scene
-        needed = dict.fromkeys([*self._arm.links, *([self._reference.base] if scene.places else [])])
-        if absent := sorted(set(needed) - set(link_poses)):
-            raise PoseError(f"links with collision shapes have no pose: {', '.join(absent)}")
-        poses = [np.asarray(link_poses[link], dtype=np.float64) for link in needed]
-        if any(pose.shape[-2:] != (4, 4) for pose in poses):
-            raise PoseError("link poses must be of shape (..., 4, 4)")
-        batch = np.broadcast_shapes(*(pose.shape[:-2] for pose in poses))
-        stack = np.stack([np.broadcast_to(pose, (*batch, 4, 4)) for pose in poses], axis=-3)
-        out = np.full(batch, otherwise)
-        every = range(len(scene.pairs))
-        for index in finite(stack.reshape(*batch, -1)):
-            shapes = scene.place_at(dict(zip(needed, stack[index], strict=True)))
-            if otherwise is False:
-                out[index] = any(scene.touches(shapes, k) for k in every)
-            else:
-                out[index] = scene.nearest(shapes, np.full(len(every), -np.inf))[1]
-        return out.item() if out.ndim == 0 else out

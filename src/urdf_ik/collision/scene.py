@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 CHUNK = 128
 """Joint vectors whose bounds are computed at once: few enough to stay in the processor's cache."""
 
-
 QUERY_ERROR = 1e-5
 """What a distance of coal may be too large by [m]: its iterations stop at 1e-6."""
 
@@ -75,7 +74,7 @@ class ArmShapes:
 
 
 class _Holds:
-    """What holds each of O obstacles: a box in a frame of its own, rounded, which may have no end to some sides.
+    """What holds each of O obstacles: a rounded box in a frame of its own, which may be infinite on some sides.
 
     Attributes:
         axes: (3, 3, O) that bring points (..., 3) of the base link into the frames.
@@ -151,7 +150,11 @@ class Scene:
         self._work = _Work(arm.reference.pin_model, self._shapes)
 
     def _build(self, obstacles: Sequence[tuple[Obstacle, Solid]]) -> tuple[Any, list[int]]:
-        """Pinocchio's geometry model: arm, obstacles, hulls; pair k and, if it has any, the pair of its hulls."""
+        """Pinocchio's geometry model: arm, obstacles, then convex hulls.
+
+        Returns:
+            The model; for each pair the index of the pair of its hulls in the model, -1 where neither shape has one.
+        """
         arm = self.arm
         shapes = arm.geometry.copy()
         shapes.removeAllCollisionPairs()

@@ -40,6 +40,11 @@ class Shape:
 
         Raises:
             WorldError: a mesh is not there, or cannot be read.
+
+        Example:
+            >>> import urdf_ik
+            >>> urdf_ik.Box((0.2, 0.4, 0.6)).geometry().halfSide.round(6).tolist()
+            [0.1, 0.2, 0.3]
         """
         raise NotImplementedError
 
@@ -50,6 +55,11 @@ class Box(Shape):
 
     Attributes:
         size: edge lengths along x, y and z [m]; one number: a cube.
+
+    Example:
+        >>> import urdf_ik
+        >>> urdf_ik.Box((1.0, 0.6, 0.1)), urdf_ik.Box(0.2).size
+        (Box(size=(1.0, 0.6, 0.1)), (0.2, 0.2, 0.2))
     """
 
     size: tuple[float, float, float]
@@ -71,6 +81,11 @@ class Sphere(Shape):
 
     Attributes:
         radius: m.
+
+    Example:
+        >>> import urdf_ik
+        >>> urdf_ik.Sphere(radius=0.05)
+        Sphere(radius=0.05)
     """
 
     radius: float
@@ -92,6 +107,11 @@ class Cylinder(Shape):
     Attributes:
         radius: m.
         length: m, along z.
+
+    Example:
+        >>> import urdf_ik
+        >>> urdf_ik.Cylinder(radius=0.05, length=0.4)
+        Cylinder(radius=0.05, length=0.4)
     """
 
     radius: float
@@ -114,6 +134,11 @@ class Capsule(Shape):
     Attributes:
         radius: m.
         length: m, of the cylinder alone: the whole is ``length + 2 radius`` long.
+
+    Example:
+        >>> import urdf_ik
+        >>> urdf_ik.Capsule(radius=0.05, length=0.4)
+        Capsule(radius=0.05, length=0.4)
     """
 
     radius: float
@@ -136,6 +161,11 @@ class HalfSpace(Shape):
     Attributes:
         normal: direction out of the solid; of length 1, whatever length was given.
         offset: distance of the plane from the origin along ``normal`` [m].
+
+    Example:
+        >>> import urdf_ik
+        >>> urdf_ik.HalfSpace((0, 0, 2), 0.1)
+        HalfSpace(normal=(0.0, 0.0, 1.0), offset=0.1)
     """
 
     normal: tuple[float, float, float]
@@ -167,6 +197,15 @@ class Mesh(Shape):
             meshes are. With ``package_dirs`` a path is sought in them, too.
         scale: of the file's numbers to metres; one number, or one each for x, y and z.
         package_dirs: folders that the file may come from.
+
+    Example:
+        >>> from pathlib import Path
+        >>> import urdf_ik
+        >>> Path("part.stl").touch()
+        >>> world = urdf_ik.World()
+        >>> world.add("part", urdf_ik.Mesh("part.stl", scale=0.001))
+        >>> world
+        World(part: Mesh)
     """
 
     path: str
@@ -193,6 +232,13 @@ class Mesh(Shape):
 
         Raises:
             WorldError: it is not there.
+
+        Example:
+            >>> from pathlib import Path
+            >>> import urdf_ik
+            >>> Path("part.stl").touch()
+            >>> urdf_ik.Mesh("part.stl").file().name
+            'part.stl'
         """
         if not self.package_dirs and "://" not in self.path:
             found = Path(self.path).expanduser().resolve()
@@ -229,6 +275,14 @@ class Points(Shape):
     Attributes:
         points: (k, 3) m, read-only.
         radius: m, of every ball.
+
+    Example:
+        >>> import numpy as np
+        >>> import urdf_ik
+        >>> world = urdf_ik.World()
+        >>> world.add("scan", urdf_ik.Points(np.array([[0.5, 0.0, 0.2], [0.5, 0.1, 0.2]]), radius=0.01))
+        >>> world
+        World(scan: Points)
     """
 
     points: Array

@@ -60,7 +60,7 @@ class Motions:
 
     def __bool__(self) -> bool:
         if self.free.ndim:
-            raise ArgumentError(f"{self.free.size} motions are not one truth: ask free.all() or free.any()")
+            raise ArgumentError(f"{self.free.size} motions have no single truth value: use free.all() or free.any()")
         return bool(self.free)
 
     def __repr__(self) -> str:

@@ -85,7 +85,7 @@ def always_colliding(scene: Scene, share: float, samples: int, seed: int) -> set
 
 
 def with_obstacles(arm: ArmShapes, names: Sequence[str]) -> tuple[dict[Pair, str], list[ShapePair]]:
-    """The same for pairs of a link and an obstacle: a link that cannot move against the base may touch them."""
+    """Pairs of a link and an obstacle that may touch, as the link cannot move against the base; all pairs of shapes."""
     moves = arm.bodies.path.sum(axis=1) > 0
     pairs = [
         ShapePair((link, name), i, len(arm.links) + o)

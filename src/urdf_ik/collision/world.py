@@ -81,6 +81,12 @@ class World:
         Raises:
             UrdfError: the URDF or one of its shapes is broken, or a mesh is not found.
             WorldError: a joint can move, a shape has no extent, or there is no collision shape at all.
+
+        Example:
+            >>> shape = '<collision><geometry><sphere radius="0.1"/></geometry></collision>'
+            >>> world = World.from_urdf(f'<robot name="cell"><link name="ball">{shape}</link></robot>')
+            >>> world.names
+            ('ball',)
         """
         model = urdf.read(source, mesh_roots=package_dirs)
         if moving := [joint for joint in model.joints if joint.type != "fixed"]:
@@ -137,8 +143,15 @@ class World:
             pose: (4, 4) of the shape in the arm's base link [m], or a ``pinocchio.SE3``; default: the identity.
 
         Raises:
-            WorldError: the name is empty or taken, ``shape`` is none, or its mesh is not there.
+            WorldError: the name is empty or taken, ``shape`` is no shape, or its mesh is not there.
             PoseError: ``pose`` is no pose.
+
+        Example:
+            >>> import urdf_ik
+            >>> world = urdf_ik.World()
+            >>> world.add("table", urdf_ik.Box((1.0, 1.0, 0.1)), urdf_ik.pose([0.5, 0.0, -0.05]))
+            >>> world.names
+            ('table',)
         """
         if not isinstance(name, str) or not name:
             raise WorldError(f"an obstacle's name is a text that is not empty, not {name!r}")
@@ -164,6 +177,14 @@ class World:
         Raises:
             WorldError: there is no such obstacle.
             PoseError: ``pose`` is no pose.
+
+        Example:
+            >>> import urdf_ik
+            >>> world = urdf_ik.World()
+            >>> world.add("ball", urdf_ik.Sphere(0.1))
+            >>> world.move("ball", urdf_ik.pose([0.0, 0.0, 0.5]))
+            >>> world["ball"].pose[:3, 3].tolist()
+            [0.0, 0.0, 0.5]
         """
         placed = _pose(pose)
         with self._lock:
@@ -175,6 +196,14 @@ class World:
 
         Raises:
             WorldError: there is no such obstacle.
+
+        Example:
+            >>> import urdf_ik
+            >>> world = urdf_ik.World()
+            >>> world.add("ball", urdf_ik.Sphere(0.1))
+            >>> world.remove("ball")
+            >>> world.names
+            ()
         """
         with self._lock:
             gone = self._obstacles.pop(self._known(name))
@@ -192,6 +221,14 @@ class World:
 
         Raises:
             WorldError: a mesh cannot be read.
+
+        Example:
+            >>> import urdf_ik
+            >>> world = urdf_ik.World()
+            >>> world.add("ball", urdf_ik.Sphere(0.1))
+            >>> version, solids = world.snapshot()
+            >>> [obstacle.name for obstacle, _ in solids]
+            ['ball']
         """
         from urdf_ik.collision.geometry import solid
 

@@ -161,6 +161,12 @@ class Comparison:
         branches: joint values, branch by branch; empty where they cannot be compared.
         tool: what happens when A's joint vectors are used on B; None where they cannot be.
         notes: what was not compared, and why.
+
+    Example:
+        >>> import urdf_ik
+        >>> comparison = urdf_ik.compare(urdf_ik.load("planar_2r"), urdf_ik.load("planar_2r_unit"), n=5)
+        >>> [round(length, 3) for length in comparison.farthest]
+        [0.196, 2.0]
     """
 
     a: Side
@@ -178,16 +184,42 @@ class Comparison:
     notes: tuple[str, ...]
 
     def to_dict(self) -> dict[str, Any]:
-        """The comparison as plain lists, numbers and text; numbers that are not finite are the text 'inf', 'nan'."""
+        """The comparison as plain lists, numbers and text; numbers that are not finite are the text 'inf', 'nan'.
+
+        Example:
+            >>> import urdf_ik
+            >>> comparison = urdf_ik.compare(urdf_ik.load("planar_2r"), urdf_ik.load("planar_2r_unit"), n=5)
+            >>> comparison.to_dict()["b"]["robot"]
+            'planar_2r_unit'
+        """
         out: dict[str, Any] = plain(asdict(self))
         return {"units": {"length": "m", "angle": "rad"}, **out}
 
     def to_json(self) -> str:
-        """:meth:`to_dict` as strict JSON."""
+        """:meth:`to_dict` as strict JSON.
+
+        Example:
+            >>> import json
+            >>> import urdf_ik
+            >>> comparison = urdf_ik.compare(urdf_ik.load("planar_2r"), urdf_ik.load("planar_2r_unit"), n=5)
+            >>> json.loads(comparison.to_json())["n"]
+            5
+        """
         return json_text(self.to_dict())
 
     def sections(self) -> tuple[Section, ...]:
-        """The tables of the text, in order."""
+        """The tables of the text, in order.
+
+        Example:
+            >>> import urdf_ik
+            >>> comparison = urdf_ik.compare(urdf_ik.load("planar_2r"), urdf_ik.load("planar_2r_unit"), n=5)
+            >>> print(comparison.sections()[3])
+            limits: 2 of 2 joints differ
+            joint    A lower  A upper  B lower  B upper  unit
+            -------  -------  -------  -------  -------  ----
+            joint_1     -105       99     -180      180  deg
+            joint_2     -145     25.5     -180      180  deg
+        """
         return tuple(section for make in _SECTIONS if (section := make(self)) is not None)
 
     def __str__(self) -> str:

@@ -45,6 +45,12 @@ def compare(
     Raises:
         UnsupportedArm: the arm has no solver, or is not one of six turning joints.
         ArgumentError: n is below 1, or the seed is negative.
+
+    Example:
+        >>> import urdf_ik
+        >>> report = compare(urdf_ik.load("puma_560"), n=1)
+        >>> report.passed, [group.solver == group.second for group in report.groups]
+        (True, [True, True, True])
     """
     if n < 1:
         raise ArgumentError(f"n = {n}: at least one pose must be compared")
@@ -99,6 +105,13 @@ def replay(arm: Arm, n: int, seed: int, index: int) -> tuple[Array, Array]:
 
     Returns:
         The planted joint vector (6,) [rad] and Pinocchio's pose for it, (4, 4) [m].
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("puma_560")
+        >>> q, T = replay(arm, n=10, seed=0, index=3)
+        >>> bool(abs(arm.fk(q) - T).max() < 1e-9)
+        True
     """
     q = plant(arm.chain, n, seed, index)
     return q, Reference(arm.model, arm.base, arm.tip).pose(q)

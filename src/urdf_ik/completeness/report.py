@@ -46,7 +46,16 @@ class Group:
     differences: int = 0
 
     def add(self, solver: int, second: int, answer: Unmatched) -> None:
-        """Count one pose."""
+        """Count one pose.
+
+        Example:
+            >>> import numpy as np
+            >>> from urdf_ik.completeness.sameness import Unmatched
+            >>> group = Group(None)
+            >>> group.add(8, 8, Unmatched(np.zeros((17, 6))))
+            >>> group.poses, group.solver, group.differences
+            (1, 8, 0)
+        """
         self.poses += 1
         self.solver += solver
         self.second += second
@@ -55,7 +64,12 @@ class Group:
         self.differences += len(answer.only_first) + len(answer.only_second) + answer.planted_lost
 
     def cells(self) -> tuple[str, ...]:
-        """The row of a table."""
+        """The row of a table.
+
+        Example:
+            >>> Group(None, poses=10, solver=80, second=80).cells()
+            ('random', '10', '80', '80', '0', '0', '0')
+        """
         place = in_words(self.near)
         numbers = self.poses, self.solver, self.second, self.double_roots, self.continua, self.differences
         return place, *map(str, numbers)
@@ -95,7 +109,13 @@ class Difference:
         return self.missed_by != SECOND or max(self.position_error, self.rotation_error) > EXACT
 
     def place(self) -> str:
-        """The pose, in words."""
+        """The pose, in words.
+
+        Example:
+            >>> q = (0.1,) * 6
+            >>> Difference(7, 1e-4, q, q, SECOND, "solution 1", 0.5, 1e-5, 0.0, 0.0).place()
+            'pose 7, 1e-04 rad from a singularity, planted q = [0.1, 0.1, 0.1, 0.1, 0.1, 0.1]'
+        """
         where = in_words(self.near)
         return f"pose {self.index}, {where}, planted q = [{', '.join(map(repr, self.planted))}]"
 
@@ -147,12 +167,27 @@ class Completeness:
         return not any(difference.counts for difference in self.differences)
 
     def to_dict(self) -> dict[str, Any]:
-        """The report as plain lists, numbers and text; infinite numbers are the text 'inf'."""
+        """The report as plain lists, numbers and text; infinite numbers are the text 'inf'.
+
+        Example:
+            >>> import urdf_ik
+            >>> from urdf_ik import completeness
+            >>> completeness.compare(urdf_ik.load("puma_560"), n=1).to_dict()["robot"]
+            'puma_560'
+        """
         out: dict[str, Any] = plain(asdict(self))
         return {"passed": self.passed, **out}
 
     def to_json(self) -> str:
-        """:meth:`to_dict` as strict JSON."""
+        """:meth:`to_dict` as strict JSON.
+
+        Example:
+            >>> import json
+            >>> import urdf_ik
+            >>> from urdf_ik import completeness
+            >>> json.loads(completeness.compare(urdf_ik.load("puma_560"), n=1).to_json())["n"]
+            1
+        """
         return json_text(self.to_dict())
 
     def __str__(self) -> str:
@@ -173,7 +208,14 @@ class Completeness:
         return [*lines, ""] if lines else []
 
     def verdict(self) -> str:
-        """The last line: who missed how many."""
+        """The last line: who missed how many.
+
+        Example:
+            >>> import urdf_ik
+            >>> from urdf_ik import completeness
+            >>> completeness.compare(urdf_ik.load("puma_560"), n=1).verdict()
+            'PASSED: 3 poses, no difference'
+        """
         poses = sum(group.poses for group in self.groups)
         missed = [difference.missed_by for difference in self.differences]
         parts = [f"{missed.count(who)} missed by {who}" for who in (SOLVER, SECOND, BOTH) if who in missed]

@@ -132,6 +132,13 @@ def replay(arm: Arm, seed: int, index: int) -> tuple[Array, Array]:
 
     Raises:
         ArgumentError: the seed or the index is negative.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("scara_rrpr")
+        >>> q, T = replay(arm, seed=0, index=3)
+        >>> bool(abs(arm.fk(q) - T).max() < 1e-9)
+        True
     """
     _require_seed(seed)
     if index < 0:

@@ -45,12 +45,22 @@ class Row:
     detail: str = ""
 
     def cells(self) -> tuple[str, ...]:
-        """The row of a table, under property, worst, tolerance, unit, checked and result."""
+        """The row of a table, under property, worst, tolerance, unit, checked and result.
+
+        Example:
+            >>> Row("forward kinematics, position", "m", 2e-16, 1e-9, passed=True, checked=200).cells()
+            ('forward kinematics, position', '2e-16', '1e-09', 'm', '200', 'passed')
+        """
         result = "passed" if self.passed else "FAILED"
         return self.name, f"{self.worst:.2g}", f"{self.tolerance:.2g}", self.unit, str(self.checked), result
 
     def place(self) -> str:
-        """Where the worst value was found, in words."""
+        """Where the worst value was found, in words.
+
+        Example:
+            >>> Row("forward kinematics, position", "m", 2e-3, 1e-9, False, 200, index=7, q=(0.1, 0.2)).place()
+            'pose 7, q = [0.1, 0.2]'
+        """
         parts = [
             "" if self.index is None else f"pose {self.index}",
             self.detail,
@@ -73,6 +83,13 @@ class Report:
         reference: who was asked, with the version.
         rows: one a property.
         skipped: (property, reason) of what could not be checked.
+
+    Example:
+        >>> import urdf_ik
+        >>> from urdf_ik import crosscheck
+        >>> report = crosscheck.check(urdf_ik.load("planar_2r"), n=5)
+        >>> report.passed, report.skipped
+        (True, ())
     """
 
     robot: str
@@ -100,6 +117,13 @@ class Report:
 
         Raises:
             KeyError: there is no such row; the message lists the rows.
+
+        Example:
+            >>> import urdf_ik
+            >>> from urdf_ik import crosscheck
+            >>> row = crosscheck.check(urdf_ik.load("planar_2r"), n=5).row("solutions, position")
+            >>> row.passed, row.unit
+            (True, 'm')
         """
         for row in self.rows:
             if row.name == name:
@@ -107,17 +131,40 @@ class Report:
         raise KeyError(f"no row {name!r}; rows: {', '.join(row.name for row in self.rows)}")
 
     def to_dict(self) -> dict[str, Any]:
-        """The report as plain lists, numbers and text; infinite numbers are the text 'inf' or '-inf'."""
+        """The report as plain lists, numbers and text; infinite numbers are the text 'inf' or '-inf'.
+
+        Example:
+            >>> import urdf_ik
+            >>> from urdf_ik import crosscheck
+            >>> crosscheck.check(urdf_ik.load("planar_2r"), n=5).to_dict()["joint_names"]
+            ['joint_1', 'joint_2']
+        """
         out: dict[str, Any] = plain(asdict(self))
         return {"passed": self.passed, **out}
 
     def to_json(self) -> str:
-        """:meth:`to_dict` as strict JSON."""
+        """:meth:`to_dict` as strict JSON.
+
+        Example:
+            >>> import json
+            >>> import urdf_ik
+            >>> from urdf_ik import crosscheck
+            >>> json.loads(crosscheck.check(urdf_ik.load("planar_2r"), n=5).to_json())["n"]
+            5
+        """
         return json_text(self.to_dict())
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Report:
-        """The report that :meth:`to_dict` wrote."""
+        """The report that :meth:`to_dict` wrote.
+
+        Example:
+            >>> import urdf_ik
+            >>> from urdf_ik import crosscheck
+            >>> report = crosscheck.check(urdf_ik.load("planar_2r"), n=5)
+            >>> Report.from_dict(report.to_dict()) == report
+            True
+        """
         own = {field.name: data[field.name] for field in fields(cls)}
         own["joint_names"] = tuple(own["joint_names"])
         own["skipped"] = tuple((name, reason) for name, reason in own["skipped"])
@@ -136,16 +183,38 @@ class Report:
 
     @classmethod
     def from_json(cls, text: str) -> Report:
-        """The report that :meth:`to_json` wrote."""
+        """The report that :meth:`to_json` wrote.
+
+        Example:
+            >>> import urdf_ik
+            >>> from urdf_ik import crosscheck
+            >>> report = crosscheck.check(urdf_ik.load("planar_2r"), n=5)
+            >>> Report.from_json(report.to_json()) == report
+            True
+        """
         return cls.from_dict(json.loads(text))
 
     def title(self) -> str:
-        """What was checked against whom."""
+        """What was checked against whom.
+
+        Example:
+            >>> import urdf_ik
+            >>> from urdf_ik import crosscheck
+            >>> crosscheck.check(urdf_ik.load("planar_2r"), n=5).title().split(", against")[0]
+            'planar_2r, base_link to tool0: 5 random poses, seed 0'
+        """
         poses = "1 random pose" if self.n == 1 else f"{self.n} random poses"
         return f"{self.robot}, {self.base} to {self.tip}: {poses}, seed {self.seed}, against {self.reference}"
 
     def remarks(self) -> tuple[str, ...]:
-        """Lines below the table: what was not checked, where each failure is, how to replay it, the verdict."""
+        """Lines below the table: what was not checked, where each failure is, how to replay it, the verdict.
+
+        Example:
+            >>> import urdf_ik
+            >>> from urdf_ik import crosscheck
+            >>> crosscheck.check(urdf_ik.load("planar_2r"), n=5).remarks()[-1].split(":")[0]
+            'PASSED'
+        """
         lines = [f"not checked: {name}: {reason}" for name, reason in self.skipped]
         lines += [f"FAILED {row.name}: {row.place() or 'nowhere in particular'}" for row in self.failed]
         at = next((row.index for row in self.failed if row.index is not None), None)

@@ -45,6 +45,13 @@ class DHTable:
         base: (4, 4) where the table begins, in the base link.
         tool: (4, 4) tip in the table's last frame.
         name: of the robot.
+
+    Example:
+        >>> import urdf_ik
+        >>> table = urdf_ik.DHTable.from_array([[0.0, 0.3, 0.0, 0.0], [0.0, 0.2, 0.0, 0.0]], "standard")
+        >>> arm = urdf_ik.load(table.to_urdf())
+        >>> arm.dof, (arm.fk([0.0, 0.0])[:3, 3].round(6) + 0.0).tolist()
+        (2, [0.5, 0.0, 0.0])
     """
 
     convention: str
@@ -95,6 +102,13 @@ class DHTable:
 
         Raises:
             DHError: it is no table; the error names row, column and value.
+
+        Example:
+            >>> import urdf_ik
+            >>> rows = [[0, 0.325, 0.38, 0], [180, 0.275, 0, 0], [0, 0, 0, 0]]  # alpha, a, d, theta
+            >>> table = urdf_ik.DHTable.from_array(rows, "standard", joint_types="RRR", degrees=True)
+            >>> table.joint_names, table.a.tolist()
+            (('joint_1', 'joint_2', 'joint_3'), [0.325, 0.275, 0.0])
         """
         table = table_array(rows)
         n = len(table)
@@ -134,6 +148,14 @@ class DHTable:
 
         Raises:
             DHError: the file cannot be read or holds no table; the error names file, row, column and value.
+
+        Example:
+            >>> from pathlib import Path
+            >>> import urdf_ik
+            >>> table = urdf_ik.DHTable.from_chain(urdf_ik.load("puma_560").chain)
+            >>> _ = Path("puma.csv").write_text(table.to_csv(degrees=True))
+            >>> (urdf_ik.DHTable.read("puma.csv").a.round(4) + 0.0).tolist()
+            [0.0, 0.4318, 0.0203, 0.0, 0.0, 0.0]
         """
         try:
             return cls.from_array(**files.read(path, convention, degrees))
@@ -156,6 +178,12 @@ class DHTable:
         Raises:
             DHError: the chain has no joints, or, without ``snap``, two axes are so nearly parallel that no table
                 in double precision holds them to 1e-9.
+
+        Example:
+            >>> import urdf_ik
+            >>> table = urdf_ik.DHTable.from_chain(urdf_ik.load("puma_560").chain)
+            >>> (table.a.round(4) + 0.0).tolist(), (table.d.round(4) + 0.0).tolist()
+            ([0.0, 0.4318, 0.0203, 0.0, 0.0, 0.0], [0.672, 0.0, 0.15, 0.4318, 0.0, 0.0])
         """
         check_convention(convention)
         if chain.n == 0:
@@ -190,7 +218,14 @@ class DHTable:
         return np.array([kind == "prismatic" for kind in self.joint_types], dtype=np.bool_)
 
     def origins(self) -> Array:
-        """(n + 1, 4, 4) joint frames at q = 0, each in the one before, then the tip; every axis is z of its frame."""
+        """(n + 1, 4, 4) joint frames at q = 0, each in the one before, then the tip; every axis is z of its frame.
+
+        Example:
+            >>> import urdf_ik
+            >>> table = urdf_ik.DHTable.from_array([[0.0, 0.3, 0.0, 0.0], [0.0, 0.2, 0.0, 0.0]], "standard")
+            >>> (table.origins()[:, 0, 3].round(6) + 0.0).tolist()
+            [0.0, 0.3, 0.2]
+        """
         about_x = [step_x(a, alpha) for a, alpha in zip(self.a, self.alpha, strict=True)]
         about_z = [rotation_z(theta) @ slide_z(d) for theta, d in zip(self.theta, self.d, strict=True)]
         if self.convention == "modified":
@@ -200,7 +235,14 @@ class DHTable:
         return np.array([self.base, *steps[:-1], steps[-1] @ self.tool])
 
     def chain(self, base: str = "base_link", tip: str = "tool0") -> Chain:
-        """The table as screw axes between links of these names."""
+        """The table as screw axes between links of these names.
+
+        Example:
+            >>> import urdf_ik
+            >>> table = urdf_ik.DHTable.from_array([[0.0, 0.3, 0.0, 0.0], [0.0, 0.2, 0.0, 0.0]], "standard")
+            >>> table.chain(tip="flange").joint_names
+            ('joint_1', 'joint_2')
+        """
         frames = np.array(list(_products(self.origins())))
         return Chain(
             base=base,
@@ -214,11 +256,26 @@ class DHTable:
         )
 
     def fk(self, q: ArrayLike) -> Array:
-        """Pose of the tip in the base link: (..., n) rad or m to (..., 4, 4); see :meth:`Chain.fk`."""
+        """Pose of the tip in the base link: (..., n) rad or m to (..., 4, 4); see :meth:`Chain.fk`.
+
+        Example:
+            >>> import urdf_ik
+            >>> table = urdf_ik.DHTable.from_array([[0.0, 0.3, 0.0, 0.0], [0.0, 0.2, 0.0, 0.0]], "standard")
+            >>> (table.fk([0.0, 0.0])[:3, 3].round(6) + 0.0).tolist()
+            [0.5, 0.0, 0.0]
+        """
         return self.chain().fk(q)
 
     def converted(self, convention: str) -> DHTable:
-        """The same arm in the other convention; what has no room in the table goes to base or tool."""
+        """The same arm in the other convention; what has no room in the table goes to base or tool.
+
+        Example:
+            >>> import urdf_ik
+            >>> table = urdf_ik.DHTable.from_array([[90, 0, 0.4, 0], [0, 0.2, 0, 0]], "standard", degrees=True)
+            >>> other = table.converted("modified")
+            >>> other.convention, (np.degrees(other.alpha).round(6) + 0.0).tolist()
+            ('modified', [0.0, 90.0])
+        """
         check_convention(convention)
         if convention == self.convention:
             return self
@@ -231,7 +288,14 @@ class DHTable:
         return replace(self, convention=convention, alpha=alpha, a=a, base=base)
 
     def deviation(self, chain: Chain) -> float:
-        """Greatest difference from the chain's poses over sampled joint vectors, in rad and shares of its size."""
+        """Greatest difference from the chain's poses over sampled joint vectors, in rad and shares of its size.
+
+        Example:
+            >>> import urdf_ik
+            >>> chain = urdf_ik.load("puma_560").chain
+            >>> urdf_ik.DHTable.from_chain(chain).deviation(chain) < 1e-9
+            True
+        """
         Q = np.random.default_rng(0).uniform(-np.pi, np.pi, (_SAMPLES, chain.n))
         Q = np.where(chain.prismatic, Q * chain.size / np.pi, Q)
         apart = self.fk(Q) - chain.fk(Q)
@@ -239,17 +303,44 @@ class DHTable:
         return float(np.abs(apart).max())
 
     def to_urdf(self, base_link: str = "base_link", tip_link: str = "tool0") -> str:
-        """URDF text with links of cylinders and boxes; frames and axes are those of :meth:`origins`."""
+        """URDF text with links of cylinders and boxes; frames and axes are those of :meth:`origins`.
+
+        Example:
+            >>> import urdf_ik
+            >>> table = urdf_ik.DHTable.from_array([[0.0, 0.3, 0.0, 0.0], [0.0, 0.2, 0.0, 0.0]], "standard")
+            >>> urdf_ik.load(table.to_urdf()).joint_names
+            ('joint_1', 'joint_2')
+        """
         from urdf_ik.dh import urdf_text
 
         return urdf_text.write(self, base_link, tip_link)
 
     def to_csv(self, *, degrees: bool = False) -> str:
-        """CSV text that :meth:`read` takes, with every digit."""
+        """CSV text that :meth:`read` takes, with every digit.
+
+        Example:
+            >>> import urdf_ik
+            >>> table = urdf_ik.DHTable.from_array([[0.0, 0.3, 0.0, 0.0], [0.0, 0.2, 0.0, 0.0]], "standard")
+            >>> print(table.to_csv(), end="")
+            # name: arm
+            # convention: standard
+            # angles: rad
+            name,type,alpha,a,d,theta,lower,upper
+            joint_1,continuous,0.0,0.3,0.0,0.0,,
+            joint_2,continuous,0.0,0.2,0.0,0.0,,
+        """
         return files.as_csv(self, degrees)
 
     def to_json(self, *, degrees: bool = False) -> str:
-        """JSON text that :meth:`read` takes, with every digit."""
+        """JSON text that :meth:`read` takes, with every digit.
+
+        Example:
+            >>> import json
+            >>> import urdf_ik
+            >>> table = urdf_ik.DHTable.from_array([[0.0, 0.3, 0.0, 0.0], [0.0, 0.2, 0.0, 0.0]], "standard")
+            >>> json.loads(table.to_json())["convention"]
+            'standard'
+        """
         return files.as_json(self, degrees)
 
     def __str__(self) -> str:

@@ -69,7 +69,12 @@ MIMICKING: list[Family] = [coupled.FAMILY, hollow_wrist.FAMILY]
 
 
 def every() -> list[Family]:
-    """Every family, in the order of cost among those that an arm may belong to."""
+    """Every family, in the order of cost among those that an arm may belong to.
+
+    Example:
+        >>> any("spherical wrist" in family.name for family in every())
+        True
+    """
     return [
         *FEW_JOINTS,
         *SIX_TURNING,
@@ -86,6 +91,12 @@ def choose(structure: Structure, chain: Chain) -> Plan | None:
 
     Of fewer joints than six, and of those that mimic others, the first family that takes the arm. Five turning joints
     of no family get an added axis; of seven joints one is given where they are of no family.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("scara_rrpr")
+        >>> choose(arm.structure, arm.chain).name
+        'RRPR SCARA'
     """
     if chain.axes is not chain:
         return _first(MIMICKING, structure, chain)
@@ -97,7 +108,14 @@ def choose(structure: Structure, chain: Chain) -> Plan | None:
 
 
 def of_six(structure: Structure, chain: Chain) -> Plan | None:
-    """How six joints are solved: in closed form from either end, else by elimination."""
+    """How six joints are solved: in closed form from either end, else by elimination.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("puma_560")
+        >>> of_six(arm.structure, arm.chain).name
+        '6R spherical wrist, 2||3 and 1x2'
+    """
     if singular := _first(SINGULAR_EVERYWHERE, structure, chain):
         return singular
     if structure.slides:

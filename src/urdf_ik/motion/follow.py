@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdf_ik.angles import TURN
 from urdf_ik.errors import PathError
 from urdf_ik.motion import waypoints
 from urdf_ik.motion.path import nodes as node_sets
@@ -15,6 +16,8 @@ from urdf_ik.motion.path import settings as settings_of
 from urdf_ik.motion.path.assembling import cut_coarse, made, not_found, priced
 from urdf_ik.motion.path.obstacles import Obstacles
 from urdf_ik.motion.path.search import Search
+from urdf_ik.motion.plan import Stop
+from urdf_ik.solutions.limits import LIMIT_TOLERANCE
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -51,11 +54,49 @@ def follow(
         arm, path, start=start, end=end, obstacles=_obstacles(arm, world, margin, collisions), cost=cost,
         weights=weights, max_step=max_step, tolerance=tolerance, margins=margins, reconfigure=reconfigure,
     )  # fmt: skip
-    plan = _plan(settings, path)
+    plan = _within_limits(settings, _plan(settings, path))
     if plan.found or not settings.looser or all(stop.cause != "jump" for stop in plan.stops):
         return plan
     # Where there is none either, its stops are what matters: a motion that bends too much was not the cause.
-    return _plan(replace(settings, tolerance=settings.tolerance.times(settings_of.LOOSER)), path)
+    looser = replace(settings, tolerance=settings.tolerance.times(settings_of.LOOSER))
+    return _within_limits(looser, _plan(looser, path))
+
+
+def _within_limits(settings: Settings, plan: Plan) -> Plan:
+    """The cheapest of a plan and its alternatives that keeps to the joint limits and begins at ``start``.
+
+    The graph takes joints with many turns inside their limits for joints without limits (``Joints.counted``).
+    """
+    joints = settings.joints
+    loose = (joints.turn > 0.0) & (joints.counted == 0) & np.isfinite(settings.arm.limits).any(axis=1)
+    if not plan.found or not loose.any():
+        return plan
+    if _first_beyond(settings, plan) is None:
+        return plan.with_others(lambda: tuple(p for p in plan.alternatives if _first_beyond(settings, p) is None))
+    ends = [(each, _first_beyond(settings, each)) for each in plan.alternatives or (plan,)]
+    kept = tuple(each for each, beyond in ends if beyond is None)
+    if kept:
+        return kept[0].with_others(lambda: kept)
+    stops = sorted((beyond for _, beyond in ends if beyond is not None), key=lambda stop: -stop.waypoint)
+    return replace(plan, q=plan.q[:0], branches=(), changes=(), cost=np.inf, stops=tuple(stops),
+                   motion=plan.motion[:0], place=plan.place[:0], others=None)  # fmt: skip
+
+
+def _first_beyond(settings: Settings, plan: Plan) -> Stop | None:
+    """Where a plan, turned back to ``start`` by whole turns, first leaves the joint limits; None where it does not."""
+    low, high = settings.arm.limits.T
+    turned = 0.0 if settings.start is None else settings.start - plan.q[0]
+    q = plan.motion + turned
+    beyond = (q < low - LIMIT_TOLERANCE) | (q > high + LIMIT_TOLERANCE)
+    if not beyond.any():
+        return None
+    row, k = np.argwhere(beyond)[0]
+    name, turns = settings.arm.joint_names[k], (q[:, k].max() - q[:, k].min()) / TURN
+    return Stop(
+        plan.branches[0], int(np.ceil(plan.place[row])), "limit",
+        f"{name} turns {turns:.4g} times, and its limits {np.degrees(low[k]):.4g}° and {np.degrees(high[k]):.4g}° have "
+        "no room for that from where it starts",
+    )  # fmt: skip
 
 
 def _plan(settings: Settings, path: Array) -> Plan:

@@ -33,7 +33,8 @@ class Change(NamedTuple):
         waypoint: number of the first waypoint after it.
         before: branch at the waypoint before.
         after: branch at ``waypoint``.
-        free: whether the straight joint motion from one to the other touches nothing; None where it was not asked.
+        free: whether the straight joint motion from one to the other touches nothing; None without a check
+            for collisions.
     """
 
     waypoint: int
@@ -71,7 +72,7 @@ class Margins:
 
     Attributes:
         limits: (m,) rad or m, to the nearest joint limit; infinite where no joint has one.
-        clearance: (m,) m, between the nearest two bodies that must not touch; NaN where there are no shapes to ask.
+        clearance: (m,) m, between the nearest two bodies that must not touch; NaN where no collisions are checked.
         manipulability: (m,) Yoshikawa's.
     """
 
@@ -82,21 +83,31 @@ class Margins:
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """Joint vectors along a path, or why there are none.
+    """Joint vectors along a path, or the reason why there is no plan.
 
     Attributes:
         arm: the arm.
         poses: (m, 4, 4) m, the waypoints.
         found: whether there is a plan.
-        q: (m, n) rad or m, one joint vector a waypoint; (0, n) where there is none.
+        q: (m, n) rad or m, one joint vector a waypoint; (0, n) where there is no plan.
         branches: m names of branches.
-        cost: what was minimised, summed over the path; infinite where there is none.
+        cost: what was minimised, summed over the path; infinite where there is no plan.
         changes: reconfigurations; () for a plan without.
         stops: where there is no plan, what stops the ways from each branch of the first waypoint.
         motion: (k, n) rad or m, the joint vectors with those between waypoints, where the segments had to be refined:
             moving linearly from one to the next, the tip keeps to the path.
         place: (k,) where each one is: 2.5 is half way from waypoint 2 to waypoint 3.
         tolerance: (m, rad) of the straight segments that every motion was proven to keep within.
+        obstacles: what the plan stays clear of; None where no collisions are checked.
+        others: what finds the ``alternatives`` when they are asked for.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("scara_rrpr")
+        >>> T0, T1 = arm.fk([[0.3, 0.5, 0.1, 0.2], [0.5, 0.7, 0.1, 0.2]])
+        >>> plan = arm.follow(urdf_ik.line(T0, T1, 10))
+        >>> plan.found, plan.q.shape, plan.changes
+        (True, (10, 4), ())
     """
 
     arm: Arm
@@ -129,7 +140,16 @@ class Plan:
         return () if self.others is None else self.others()
 
     def with_others(self, others: Callable[[], tuple[Plan, ...]]) -> Plan:
-        """This plan, its alternatives found by ``others`` when they are asked for."""
+        """This plan, its alternatives found by ``others`` when they are asked for.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> T0, T1 = arm.fk([[0.3, 0.5, 0.1, 0.2], [0.5, 0.7, 0.1, 0.2]])
+            >>> plan = arm.follow(urdf_ik.line(T0, T1, 10))
+            >>> len(plan.with_others(lambda: (plan,)).alternatives)
+            1
+        """
         return replace(self, others=others)
 
     @cached_property
@@ -147,11 +167,29 @@ class Plan:
 
         Returns:
             '' where there is a plan.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> T = arm.fk([0.3, 0.5, 0.1, 0.2])
+            >>> away = T.copy()
+            >>> away[0, 3] = 0.9
+            >>> "out of reach" in arm.follow(urdf_ik.line(T, away, 10)).explain()
+            True
         """
         return "" if self.found else "\n".join(str(stop) for stop in self.stops)
 
     def timed(self, velocity: Any = None, acceleration: Any = None, *, dt: float = 0.01) -> Timed:
-        """When the arm is where, as fast as the limits allow; see :func:`urdf_ik.motion.timing.timed`."""
+        """When the arm is where, as fast as the limits allow; see :func:`urdf_ik.motion.timing.timed`.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> T0, T1 = arm.fk([[0.3, 0.5, 0.1, 0.2], [0.5, 0.7, 0.1, 0.2]])
+            >>> timed = arm.follow(urdf_ik.line(T0, T1, 10)).timed(velocity=1.0, acceleration=5.0)
+            >>> timed.duration > 0.0, bool(abs(timed.qd).max() < 1.001)
+            (True, True)
+        """
         from urdf_ik.motion.timing import timed
 
         return timed(self, velocity, acceleration, dt=dt)
@@ -161,6 +199,15 @@ class Plan:
 
         Raises:
             PathError: there is no plan, or the file cannot be written.
+
+        Example:
+            >>> from pathlib import Path
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> T0, T1 = arm.fk([[0.3, 0.5, 0.1, 0.2], [0.5, 0.7, 0.1, 0.2]])
+            >>> arm.follow(urdf_ik.line(T0, T1, 10)).to_csv("plan.csv")
+            >>> Path("plan.csv").read_text().splitlines()[0]
+            'waypoint,branch,joint_1,joint_2,joint_3,joint_4'
         """
         self._require()
         with writable(path).open("w", newline="", encoding="utf-8") as file:
@@ -174,6 +221,14 @@ class Plan:
 
         Raises:
             PathError: the file cannot be written.
+
+        Example:
+            >>> import json
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> T0, T1 = arm.fk([[0.3, 0.5, 0.1, 0.2], [0.5, 0.7, 0.1, 0.2]])
+            >>> json.loads(arm.follow(urdf_ik.line(T0, T1, 10)).to_json())["found"]
+            True
         """
         text = json.dumps(
             {
@@ -199,6 +254,15 @@ class Plan:
 
         Raises:
             PathError: there is no plan, or the file cannot be written.
+
+        Example:
+            >>> import numpy as np
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> T0, T1 = arm.fk([[0.3, 0.5, 0.1, 0.2], [0.5, 0.7, 0.1, 0.2]])
+            >>> arm.follow(urdf_ik.line(T0, T1, 10)).to_npz("plan.npz")
+            >>> np.load("plan.npz")["q"].shape
+            (10, 4)
         """
         self._require()
         with writable(path).open("wb") as file:

@@ -92,16 +92,17 @@ class Timed:
 def timed(plan: Any, velocity: Any = None, acceleration: Any = None, *, dt: float = 0.01) -> Timed:
     """The plan in time, from rest to rest.
 
-    The joints pass all joint vectors of ``plan.motion`` on a cubic spline. With TOPP-RA installed (``pip install
-    'urdf-ik[timing]'``; Pham and Pham, "A new approach to time-optimal path parameterization based on reachability
-    analysis", IEEE T-RO 34(3), 2018) it is passed as fast as the limits allow. Without it, the whole motion is slowed
-    down by one factor until it keeps within them: slower, and as correct.
+    With TOPP-RA installed (``pip install 'urdf-ik[timing]'``; Pham and Pham, "A new approach to time-optimal path
+    parameterization based on reachability analysis", IEEE T-RO 34(3), 2018) the joints pass all joint vectors of
+    ``plan.motion`` on a cubic spline, as fast as the limits allow. Without it, they move linearly from one to the next,
+    and the whole motion is slowed down by one factor until its sampled velocities and accelerations keep within the
+    limits.
 
     Args:
         plan: a ``Plan`` without changes of branch.
         velocity: rad/s or m/s, a number or one a joint; default: the URDF's limits.
         acceleration: rad/s^2 or m/s^2, a number or one a joint; default: what reaches the velocity limit in half a
-            second, as a URDF gives none.
+            second, as a URDF states no accelerations.
         dt: s between samples.
 
     Raises:
@@ -127,7 +128,7 @@ def timed(plan: Any, velocity: Any = None, acceleration: Any = None, *, dt: floa
 
 
 def _toppra(q: Array, place: Array, v: Array, a: Array, dt: float) -> Timed:
-    toppra: Any = import_module("toppra")  # which says nothing of its types
+    toppra: Any = import_module("toppra")  # which has no type annotations
     toppra.setup_logging("ERROR")
     logging.getLogger("toppra").setLevel(logging.ERROR)
     path = toppra.SplineInterpolator(place, q)
@@ -147,7 +148,7 @@ def _toppra(q: Array, place: Array, v: Array, a: Array, dt: float) -> Timed:
 
 
 def _scaled(q: Array, place: Array, v: Array, a: Array, dt: float) -> Timed:
-    """One factor for the whole motion, with a speed that rises and falls as a cubic does: s = 3 u^2 - 2 u^3."""
+    """One factor for the whole motion, of which the share s = 3 u^2 - 2 u^3 is done at the share u of the time."""
     t = np.linspace(0.0, 1.0, max(8 * len(q), 200))
     s = (3.0 - 2.0 * t) * t * t
     samples = np.column_stack([np.interp(s * place[-1], place, column) for column in q.T])

@@ -43,6 +43,12 @@ def arm(arm: Arm, q: ArrayLike | None = None, *, shapes: bool = True) -> Figure:
 
     Raises:
         JointVectorError: ``q`` is no joint vector.
+
+    Example:
+        >>> import urdf_ik
+        >>> figure = urdf_ik.plot.arm(urdf_ik.load("planar_2r"), [0.3, 0.5])
+        >>> len(figure.axes)
+        1
     """
     at = draw.posture(arm, q)
     figure = draw.Picture(figsize=(5.0, 5.0), layout="constrained")
@@ -65,6 +71,13 @@ def branches(solutions: IKSolutions, *, overlaid: bool = False, shapes: bool = F
     Raises:
         PlotError: there is no solution.
         TypeError: the solutions are those of a batch.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("planar_2r")
+        >>> figure = urdf_ik.plot.branches(arm.ik([0.1, 0.1], task="planar position"))
+        >>> len(figure.axes)
+        2
     """
     found = list(solutions)
     if not found:
@@ -106,6 +119,13 @@ def limits(solutions: IKSolutions, *, degrees: bool = True) -> Figure:
     Raises:
         PlotError: there is no solution.
         UrdfIkError: the turns are too many for one array.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("scara_rrpr")
+        >>> figure = urdf_ik.plot.limits(arm.ik(arm.fk([0.3, 0.5, 0.1, 0.2])))
+        >>> len(figure.axes)
+        2
     """
     owner, found = _owner(solutions), list(solutions)
     if not found:
@@ -148,6 +168,13 @@ def workspace_slice(found: WorkspaceMap, axis: str = "z", at: float = 0.0, what:
 
     Raises:
         WorkspaceError: there is no such layer or value.
+
+    Example:
+        >>> import urdf_ik
+        >>> found = urdf_ik.workspace.compute(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
+        >>> figure = urdf_ik.plot.workspace_slice(found)
+        >>> figure.axes[0].get_xlabel()
+        'x [m]'
     """
     from urdf_ik.workspace import VALUES
 
@@ -164,7 +191,15 @@ def workspace_slice(found: WorkspaceMap, axis: str = "z", at: float = 0.0, what:
 
 
 def planar_workspace(region: PlanarWorkspace, q: ArrayLike | None = None) -> Figure:
-    """The regions of both elbows and their overlap, with their boundary, and the arm at ``q`` (2,) rad."""
+    """The regions of both elbows and their overlap, with their boundary, and the arm at ``q`` (2,) rad.
+
+    Example:
+        >>> import urdf_ik
+        >>> region = urdf_ik.workspace.planar(urdf_ik.load("planar_2r"))
+        >>> figure = urdf_ik.plot.planar_workspace(region, [0.3, 0.5])
+        >>> len(figure.axes)
+        1
+    """
     figure = draw.Picture(figsize=(6.4, 5.0), layout="constrained")
     axes = figure.add_subplot()
     draw.regions(axes, region)
@@ -180,6 +215,13 @@ def save(figure: Figure, path: str | os.PathLike[str], dpi: float = _DPI) -> Non
 
     Raises:
         PlotError: the ending is another one, or the file cannot be written.
+
+    Example:
+        >>> from pathlib import Path
+        >>> import urdf_ik
+        >>> urdf_ik.plot.save(urdf_ik.plot.arm(urdf_ik.load("planar_2r")), "arm.svg")
+        >>> Path("arm.svg").is_file()
+        True
     """
     target = Path(path)
     if target.suffix.lower() not in SUFFIXES:

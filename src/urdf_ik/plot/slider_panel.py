@@ -111,6 +111,12 @@ def sliders(arm: Arm, q: ArrayLike | None = None, *, window: bool = True) -> Sli
 
     Raises:
         PlotError: there is no display to open a window on.
+
+    Example:
+        >>> import urdf_ik
+        >>> panel = urdf_ik.plot.sliders(urdf_ik.load("planar_2r"), [0.3, 0.5], window=False)
+        >>> len(panel.sliders), panel.q.round(6).tolist()
+        (2, [0.3, 0.5])
     """
     figure = draw.Picture(figsize=size(arm))
     if window:  # before the sliders, which listen to the canvas that they find

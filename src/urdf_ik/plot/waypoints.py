@@ -74,6 +74,14 @@ def path(plan: Plan, *, degrees: bool = True) -> Figure:
     Args:
         plan: of ``arm.follow``, found or not.
         degrees: joints that turn in degrees; else in rad.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("scara_rrpr")
+        >>> T0, T1 = arm.fk([[0.3, 0.5, 0.1, 0.2], [0.5, 0.7, 0.1, 0.2]])
+        >>> figure = urdf_ik.plot.path(arm.follow(urdf_ik.line(T0, T1, 5)))
+        >>> len(figure.axes)
+        4
     """
     arm, found = plan.arm, background(plan)
     rows = math.ceil(arm.dof / _COLUMNS)

@@ -43,6 +43,13 @@ class Sweep:
         intervals: (k, 2) rad or m, where there are solutions, lowest first, edges included to 1e-9. One that passes
             half a turn goes on beyond pi; one that is the whole circle is (-pi, pi).
         parameter: what the values mean.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("srs_7r")
+        >>> sweep = arm.sweep(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]), n=16)
+        >>> sweep.parameter.kind, sweep.solutions.redundancy.shape
+        ('swivel', (16,))
     """
 
     solutions: IKSolutions

@@ -25,6 +25,13 @@ class IKSolutions(KeptSolutions):
     ones only; a batch is indexed like a NumPy array of its poses, ``s[i]``, ``s[2:5]``, ``s[mask]``.
     ``within_limits``, ``turns``, ``collision_free``, ``nearest`` and ``best`` return solutions, and compose. Solutions
     do not change.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> s = arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))
+        >>> len(s), s.q.shape, s[0].branch
+        (8, (8, 6), 'shoulder front, elbow up, wrist noflip')
     """
 
     __slots__ = ()
@@ -41,6 +48,13 @@ class IKSolutions(KeptSolutions):
 
         Raises:
             ArgumentError: ``tol`` is not finite.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("puma_560")
+            >>> s = arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))
+            >>> len(s), len(s.within_limits())
+            (8, 2)
         """
         return self._moved_inside(limits.nearest_image(self._q, self.arm.limits, self._turning, tol), tol)
 
@@ -57,6 +71,13 @@ class IKSolutions(KeptSolutions):
 
         Raises:
             ArgumentError: ``tol`` is not finite, or there are too many images for one array; see ``iter_turns``.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("puma_560")
+            >>> s = arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))
+            >>> len(s), len(s.turns())
+            (8, 3)
         """
         if "turns" in self.filters:
             return self
@@ -75,6 +96,13 @@ class IKSolutions(KeptSolutions):
 
         Raises:
             TypeError: this is a batch.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("puma_560")
+            >>> s = arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))
+            >>> len(list(s.iter_turns())) == len(s.turns())
+            True
         """
         columns, names, turning = self._columns("iter_turns()"), self.names, self._turning
         is_turned = "turns" in self.filters
@@ -113,6 +141,13 @@ class IKSolutions(KeptSolutions):
             JointVectorError: ``q_ref``, ``weights`` or ``within`` do not fit the arm, or are not finite.
             ArgumentError: ``n`` is not a number of columns, ``within`` is negative, there is no such metric, or the
                 URDF lacks a speed that 'time' needs.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> q = [0.3, -0.5, 0.8, 0.4, 0.7, -0.2]
+            >>> arm.ik(arm.fk(q)).nearest(q)[0].q.round(6).tolist()
+            [0.3, -0.5, 0.8, 0.4, 0.7, -0.2]
         """
         reference = select.reference(q_ref, self.arm.joint_names, self.shape)[..., None, :]
         measure = select.measure(self.arm, metric, weights, within)
@@ -150,6 +185,12 @@ class IKSolutions(KeptSolutions):
             ArgumentError: there is no such measure, ``n`` is not a number of columns, or a world is given that the
                 measure does not look at.
             UrdfError: 'clearance' is asked for, and the URDF's collision shapes are missing or cannot be read.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> arm.ik(arm.fk([0.3, 0.5, 0.1, 0.2])).best("limits")[0].branch
+            'elbow right'
         """
         self._require_columns(n, "best")
         kept: IKSolutions = self
@@ -170,6 +211,12 @@ class IKSolutions(KeptSolutions):
         Raises:
             ArgumentError: there is no such measure, or a world is given that the measure does not look at.
             UrdfError: 'clearance' is asked for, and the URDF's collision shapes are missing or cannot be read.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> arm.ik(arm.fk([0.3, 0.5, 0.1, 0.2])).scores("limits").round(4).tolist()
+            [0.6662, 0.8024]
         """
         if by not in select.QUALITIES:
             raise ArgumentError(f"by={by!r} given; there are {', '.join(map(repr, select.QUALITIES))}")
@@ -197,6 +244,14 @@ class IKSolutions(KeptSolutions):
             ArgumentError: ``margin`` is negative or not finite.
             UrdfError: the URDF has no collision shapes, or not all of them were found.
             WorldError: an obstacle's mesh cannot be read, or it has the name of a link.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm, world = urdf_ik.load("zyyzyz_6r"), urdf_ik.World()
+            >>> world.add("ball", urdf_ik.Sphere(0.3), urdf_ik.pose([0.4, 0.0, 1.6]))
+            >>> s = arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))
+            >>> len(s), len(s.collision_free(world))
+            (8, 4)
         """
         if not 0.0 <= margin < np.inf:
             raise ArgumentError(f"a margin of {margin} given; it must be zero or a positive number of m")
@@ -213,6 +268,12 @@ class IKSolutions(KeptSolutions):
         Returns:
             A sentence for a single pose, '' if it has a solution. For a batch a line for each pose without one, which
             begins with the pose's index.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("planar_2r")
+            >>> print(arm.ik([0.3, 0.0], task="planar position").explain())
+            the tip is 0.3 m from axis 1, reach 0.196 m
         """
         if not self.shape:
             return sentences.explanation(self)
@@ -220,7 +281,17 @@ class IKSolutions(KeptSolutions):
         return "\n".join(f"pose {list(place)}: {sentences.explanation(self[place])}" for place in lost)
 
     def table(self, degrees: bool = False) -> str:
-        """The solutions of a single pose as text, a line each; a batch in one sentence."""
+        """The solutions of a single pose as text, a line each; a batch in one sentence.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> print(arm.ik(arm.fk([0.3, 0.5, 0.1, 0.2])).table(degrees=True))
+            scara_rrpr: 2 solutions
+            #  branch       q1 [deg]  q2 [deg]  q3 [m]  q4 [deg]
+            0  elbow left      43.40    -28.65  0.1000    -19.63
+            1  elbow right     17.19     28.65  0.1000     11.46
+        """
         return sentences.table(self, degrees)
 
     def __str__(self) -> str:

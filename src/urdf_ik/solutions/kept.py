@@ -222,6 +222,12 @@ class KeptSolutions(Answer):
 
         Raises:
             TypeError: this is a batch.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> arm.ik(arm.fk([0.3, 0.5, 0.1, 0.2])).to_array().round(4).tolist()
+            [[0.7574, -0.5, 0.1, -0.3426], [0.3, 0.5, 0.1, 0.2]]
         """
         return self._q[self._columns("to_array()")]
 

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     Vector = NDArray[np.float64]
 
 
-
 _KINDS = {"revolute": "R", "continuous": "R", "prismatic": "P"}
 # Below this [rad or m] a deviation is not worth a word.
 _ROUNDING = 1e-12
@@ -93,6 +92,12 @@ class Structure:
         is_general: whether the arm is solved by elimination alone, without a closed form.
         by_quadratics: whether each joint follows from the root of a quadratic, one step after the other, of the arm
             as written.
+
+    Example:
+        >>> import urdf_ik
+        >>> structure = urdf_ik.load("scara_rrpr").structure
+        >>> structure.family, structure.branches
+        ('RRPR SCARA', ('elbow left', 'elbow right'))
     """
 
     joint_types: tuple[str, ...]
@@ -128,19 +133,45 @@ class Structure:
         return len(self.branches)
 
     def is_parallel(self, first: int) -> bool:
-        """Whether axes ``first`` and ``first + 1`` are parallel or coincident."""
+        """Whether axes ``first`` and ``first + 1`` are parallel or coincident.
+
+        Example:
+            >>> import urdf_ik
+            >>> structure = urdf_ik.load("puma_560").structure
+            >>> [k for k in range(1, 6) if structure.is_parallel(k)]
+            [2]
+        """
         return self.pairs[first - 1].relation in ("parallel", "coincident")
 
     def is_intersecting(self, first: int) -> bool:
-        """Whether axes ``first`` and ``first + 1`` meet under an angle."""
+        """Whether axes ``first`` and ``first + 1`` meet under an angle.
+
+        Example:
+            >>> import urdf_ik
+            >>> structure = urdf_ik.load("puma_560").structure
+            >>> [k for k in range(1, 6) if structure.is_intersecting(k)]
+            [1, 4, 5]
+        """
         return self.pairs[first - 1].relation == "intersecting"
 
     def triple(self, first: int, relation: str) -> AxisTriple | None:
-        """The triple that begins with axis ``first``, if its relation is this one."""
+        """The triple that begins with axis ``first``, if its relation is this one.
+
+        Example:
+            >>> import urdf_ik
+            >>> str(urdf_ik.load("puma_560").structure.triple(4, "meet"))
+            'axes 4, 5 and 6 meet in a point'
+        """
         return next((t for t in self.triples if t.first == first and t.relation == relation), None)
 
     def solutions_in_words(self) -> str:
-        """How many solutions there can be, and how the columns are counted."""
+        """How many solutions there can be, and how the columns are counted.
+
+        Example:
+            >>> import urdf_ik
+            >>> urdf_ik.load("puma_560").structure.solutions_in_words()
+            'up to 8 solutions'
+        """
         further = sum(name.startswith("further ") for name in self.branches)
         most = f"up to {self.max_solutions} solutions"
         if not further:
@@ -149,7 +180,13 @@ class Structure:
         return f"{most}: {ideal} next to those of the ideal arm, and {further} that only the arm as written can have"
 
     def imperfection_in_words(self) -> str:
-        """How far the URDF as written is off its family, and what is done about it."""
+        """How far the URDF as written is off its family, and what is done about it.
+
+        Example:
+            >>> import urdf_ik
+            >>> urdf_ik.load("puma_560").structure.imperfection_in_words()
+            'none: the URDF as written is of this family, exact to rounding'
+        """
         if self.is_general:
             return (
                 "none, since no relation between the axes is made use of; solutions are verified on the URDF as written"
@@ -194,7 +231,12 @@ def analyse(chain: Chain) -> Structure:
 
 
 def cross(a: Vector, b: Vector) -> Vector:
-    """Vector product of two vectors (3,), ten times as fast as NumPy's, which an arm needs some hundred times."""
+    """Vector product of two vectors (3,), ten times as fast as NumPy's, which an arm needs some hundred times.
+
+    Example:
+        >>> cross(np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])).tolist()
+        [0.0, 0.0, 1.0]
+    """
     (x, y, z), (u, v, w) = a.tolist(), b.tolist()
     return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
 
@@ -204,7 +246,14 @@ def _length(v: Vector) -> float:
 
 
 def closest_points(p: Vector, u: Vector, q: Vector, v: Vector) -> tuple[Vector, Vector]:
-    """Feet of the common normal of the lines p + s u and q + t v, unit directions that are not parallel."""
+    """Feet of the common normal of the lines p + s u and q + t v, unit directions that are not parallel.
+
+    Example:
+        >>> x, y, z = np.eye(3)
+        >>> feet = closest_points(np.zeros(3), x, 2 * z + x, y)
+        >>> [foot.tolist() for foot in feet]
+        [[1.0, 0.0, 0.0], [1.0, 0.0, 2.0]]
+    """
     normal = cross(u, v)
     square = normal @ normal
     s = cross(q - p, v) @ normal / square
@@ -213,7 +262,13 @@ def closest_points(p: Vector, u: Vector, q: Vector, v: Vector) -> tuple[Vector, 
 
 
 def meeting_point(points: Vector, directions: Vector) -> Vector:
-    """The point with the least sum of squared distances from lines (k, 3), (k, 3)."""
+    """The point with the least sum of squared distances from lines (k, 3), (k, 3).
+
+    Example:
+        >>> points = np.array([[0.0, 1.0, 2.0], [3.0, 0.0, 2.0]])
+        >>> (meeting_point(points, np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])).round(6) + 0.0).tolist()
+        [0.0, 0.0, 2.0]
+    """
     across = np.eye(3) - directions[:, :, None] * directions[:, None, :]
     # Relative to one of the points, so that an arm far from its base loses no digits.
     offset = np.einsum("kij,kj->i", across, points - points[0])

@@ -73,6 +73,12 @@ class UrdfModel:
         left_out: errors of the shapes and inertias that no reader could use and that ``xml`` is without;
             kinematics does not touch them, but a collision check would miss them.
         robot: yourdfpy's model of ``xml``, without meshes and without a scene.
+
+    Example:
+        >>> import urdf_ik
+        >>> model = urdf_ik.load("planar_2r").model
+        >>> model.name, model.links
+        ('planar_2r', ('base_link', 'link_1', 'link_2', 'tool0'))
     """
 
     name: str
@@ -101,6 +107,11 @@ class UrdfModel:
 
         Raises:
             ChainError: there is no such link.
+
+        Example:
+            >>> import urdf_ik
+            >>> urdf_ik.load("planar_2r").model.parent_joint("link_1").name
+            'joint_1'
         """
         self._require(link)
         return self._carrier.get(link)
@@ -110,6 +121,12 @@ class UrdfModel:
 
         Raises:
             ChainError: there is no such link.
+
+        Example:
+            >>> import urdf_ik
+            >>> model = urdf_ik.load("planar_2r").model
+            >>> [joint.name for joint in model.children("base_link")]
+            ['joint_1']
         """
         self._require(link)
         return self._carried.get(link, ())
@@ -119,6 +136,12 @@ class UrdfModel:
 
         Raises:
             ChainError: there is no such link.
+
+        Example:
+            >>> import urdf_ik
+            >>> model = urdf_ik.load("planar_2r").model
+            >>> [joint.name for joint in model.path_between("base_link", "tool0")]
+            ['joint_1', 'joint_2', 'tool_joint']
         """
         up = self._up_from(self._require(base, "base"))
         down = self._up_from(self._require(tip, "tip"))
@@ -133,6 +156,11 @@ class UrdfModel:
         Raises:
             ChainError: no joint moves, or several leaves could be the tip; the candidates are these leaves,
                 the deepest first.
+
+        Example:
+            >>> import urdf_ik
+            >>> urdf_ik.load("planar_2r").model.default_chain()
+            ('base_link', 'tool0')
         """
         return self.root, self._only_tip(self.root)
 
@@ -143,12 +171,25 @@ class UrdfModel:
 
         Raises:
             ChainError: there is no such link, or the tip is ambiguous; the candidates say what is valid.
+
+        Example:
+            >>> import urdf_ik
+            >>> urdf_ik.load("planar_2r").model.resolve_chain(tip="link_1")
+            ('base_link', 'link_1')
         """
         base = self.root if base is None else self._require(base, "base")
         return base, self._only_tip(base) if tip is None else self._require(tip, "tip")
 
     def driver(self, joint: Joint) -> tuple[Joint, float, float]:
-        """The joint at the end of a row of mimics, itself for one that is free, with multiplier and offset."""
+        """The joint at the end of a row of mimics, itself for one that is free, with multiplier and offset.
+
+        Example:
+            >>> import urdf_ik
+            >>> model = urdf_ik.load("planar_2r").model
+            >>> joint, multiplier, offset = model.driver(model.joints[0])
+            >>> joint.name, multiplier, offset
+            ('joint_1', 1.0, 0.0)
+        """
         by_name = {each.name: each for each in self.joints} if joint.mimic else {}
         multiplier, offset = 1.0, 0.0
         while joint.mimic is not None and joint.mimic[0] in by_name:
@@ -239,6 +280,12 @@ def read(
 
     Raises:
         UrdfError: the URDF cannot be read, or is broken; the message names file, line, element and hint.
+
+    Example:
+        >>> from urdf_ik import catalogue
+        >>> model = read(catalogue.resolve("planar_2r").path)
+        >>> model.name, model.root, len(model.links)
+        ('planar_2r', 'base_link', 4)
     """
     opened = open_source(source)
     original = parse(opened)
@@ -284,6 +331,14 @@ def resolve_mesh(model: UrdfModel, filename: str) -> Path:
 
     Raises:
         UrdfError: the name leads outside these folders, or is not found there; the message lists them.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from urdf_ik import urdf
+        >>> Path("hand.stl").touch()
+        >>> _ = Path("arm.urdf").write_text('<robot name="arm"><link name="base"/></robot>')
+        >>> resolve_mesh(urdf.read("arm.urdf"), "hand.stl").name
+        'hand.stl'
     """
     return meshes.resolve(filename, [Path(folder) for folder in model.package_dirs], model.source)
 

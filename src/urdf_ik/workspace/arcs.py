@@ -44,7 +44,12 @@ class Arc:
         return self.radius * abs(self.sweep)
 
     def points(self, n: int = 64) -> Array:
-        """(n, 2) m, points from its start to its end, evenly spaced."""
+        """(n, 2) m, points from its start to its end, evenly spaced.
+
+        Example:
+            >>> (Arc(np.zeros(2), radius=1.0, start=0.0, sweep=np.pi).points(3).round(6) + 0.0).tolist()
+            [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]]
+        """
         angles = self.start + np.linspace(0.0, self.sweep, n)
         return self.centre + self.radius * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
 
@@ -65,7 +70,14 @@ class Region:
         return 0.5 * float(total)
 
     def loops(self, n: int = 64) -> list[Array]:
-        """Closed outlines (k, 2) m, the arcs joined end to start; outer ones counter-clockwise, holes clockwise."""
+        """Closed outlines (k, 2) m, the arcs joined end to start; outer ones counter-clockwise, holes clockwise.
+
+        Example:
+            >>> import urdf_ik
+            >>> region = urdf_ik.workspace.planar(urdf_ik.load("planar_2r")).boundary
+            >>> [loop.shape[1] for loop in region.loops()]
+            [2]
+        """
         left = [arc.points(n) for arc in self.arcs]
         found: list[Array] = []
         while left:

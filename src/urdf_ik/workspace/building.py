@@ -72,6 +72,12 @@ def compute(
         WorkspaceError: a number that makes no sense, or a map that does not fit in memory or on the disk.
         UnsupportedArm: no solver takes this arm.
         UrdfError: the URDF has no collision shapes, and ``collision_free`` asks for them.
+
+    Example:
+        >>> import urdf_ik
+        >>> found = compute(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
+        >>> found.grid.shape, round(float(found.reach([1, 0, 0])[-1, 1]), 3)
+        ((8, 8, 1), 0.2)
     """
     if not arm.structure.branches:
         raise UnsupportedArm(f"{arm.name}: no solver for this arm yet. {arm.structure}")

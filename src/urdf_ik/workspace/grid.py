@@ -50,11 +50,21 @@ class Grid:
         return math.prod(self.shape)
 
     def coordinates(self, axis: int) -> Array:
-        """Centres (shape[axis],) m along an axis."""
+        """Centres (shape[axis],) m along an axis.
+
+        Example:
+            >>> Grid(np.zeros(3), 0.1, (3, 1, 1)).coordinates(0).round(6).tolist()
+            [0.05, 0.15, 0.25]
+        """
         return np.asarray(self.lower[axis] + self.voxel * (np.arange(self.shape[axis]) + 0.5))
 
     def centres(self, part: slice) -> Array:
-        """(k, 3) m, centres of the voxels ``part`` counts, the last axis first."""
+        """(k, 3) m, centres of the voxels ``part`` counts, the last axis first.
+
+        Example:
+            >>> Grid(np.zeros(3), 0.1, (2, 1, 1)).centres(slice(0, 2)).round(6).tolist()
+            [[0.05, 0.05, 0.05], [0.15, 0.05, 0.05]]
+        """
         places = np.unravel_index(np.arange(part.start, part.stop), self.shape)
         return np.asarray(self.lower + self.voxel * (np.stack(places, axis=-1) + 0.5))
 

@@ -154,6 +154,12 @@ class WorkspaceMap:
 
         Raises:
             WorkspaceError: there is no such value, or it was not computed.
+
+        Example:
+            >>> import urdf_ik
+            >>> found = urdf_ik.workspace.compute(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
+            >>> float(np.nanmax(found.values("reach")))
+            1.0
         """
         if what not in VALUES:
             raise WorkspaceError(f"no value is called {what!r}; there are {', '.join(VALUES)}")
@@ -172,6 +178,12 @@ class WorkspaceMap:
 
         Raises:
             WorkspaceError: there is no such axis or value, or the coordinate is outside the grid.
+
+        Example:
+            >>> import urdf_ik
+            >>> found = urdf_ik.workspace.compute(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
+            >>> found.slice().axes, found.slice().values.shape
+            (('x', 'y'), (8, 8))
         """
         if axis not in tuple(AXES):
             raise WorkspaceError(f"no axis is called {axis!r}; there are x, y and z")
@@ -203,6 +215,12 @@ class WorkspaceMap:
 
         Raises:
             WorkspaceError: the direction or the origin is invalid.
+
+        Example:
+            >>> import urdf_ik
+            >>> found = urdf_ik.workspace.compute(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
+            >>> found.reach([1, 0, 0]).round(3).tolist()
+            [[0.1, 0.2]]
         """
         ray, start = np.asarray(direction, np.float64), np.asarray(origin, np.float64)
         length = float(np.linalg.norm(ray)) if ray.shape == (3,) else 0.0
@@ -224,7 +242,14 @@ class WorkspaceMap:
         return np.stack([cuts[change[: len(cuts)] > 0], cuts[change[: len(cuts)] < 0]], axis=-1)
 
     def branch_shares(self) -> dict[str, BranchShare]:
-        """How much of what is reached each branch covers, by name; zeros where nothing is reached."""
+        """How much of what is reached each branch covers, by name; zeros where nothing is reached.
+
+        Example:
+            >>> import urdf_ik
+            >>> found = urdf_ik.workspace.compute(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
+            >>> sorted(found.branch_shares())
+            ['elbow left', 'elbow right']
+        """
         voxels, poses = max(1, int(self.reached.sum())), max(1, int((self.counts > 0).sum()))
         flat = self.branch_poses.reshape(-1, len(self.about.branches))
         covered, solved = (flat > 0).sum(axis=0), flat.sum(axis=0, dtype=np.int64)
@@ -238,6 +263,13 @@ class WorkspaceMap:
 
         Raises:
             WorkspaceError: the file cannot be written.
+
+        Example:
+            >>> import urdf_ik
+            >>> found = urdf_ik.workspace.compute(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
+            >>> found.save("map.npz")
+            >>> urdf_ik.workspace.read("map.npz").about.robot
+            'planar_2r'
         """
         grid = {"lower": self.grid.lower.tolist(), "voxel": self.grid.voxel, "shape": list(self.grid.shape)}
         arrays = {name: getattr(self, name) for name in _ALWAYS + _PERHAPS if getattr(self, name) is not None}
@@ -253,6 +285,12 @@ def read(path: str | os.PathLike[str]) -> WorkspaceMap:
 
     Raises:
         WorkspaceError: the file cannot be read, or is no such map; the message says why.
+
+    Example:
+        >>> import urdf_ik
+        >>> urdf_ik.workspace.compute(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4).save("map.npz")
+        >>> urdf_ik.workspace.read("map.npz").grid.shape
+        (8, 8, 1)
     """
     return files.read(path, _built)
 

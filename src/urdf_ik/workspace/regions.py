@@ -42,6 +42,12 @@ class PlanarWorkspace:
         regions: what each of ``ELBOWS`` reaches within the limits.
         boundary: what the arm reaches, with either elbow.
         overlap: what it reaches with both, in two ways.
+
+    Example:
+        >>> import urdf_ik
+        >>> region = urdf_ik.workspace.planar(urdf_ik.load("planar_2r"))
+        >>> region.lengths.round(6).tolist(), len(region.boundary.arcs) > 0
+        ([0.066, 0.13], True)
     """
 
     name: str
@@ -56,21 +62,48 @@ class PlanarWorkspace:
     overlap: Region
 
     def joints(self, points: ArrayLike, elbow: str) -> Array:
-        """Joint vectors (..., 2) rad within the limits for points (..., 2) m, NaN where a point is not reached."""
+        """Joint vectors (..., 2) rad within the limits for points (..., 2) m, NaN where a point is not reached.
+
+        Example:
+            >>> import urdf_ik
+            >>> region = urdf_ik.workspace.planar(urdf_ik.load("planar_2r"))
+            >>> q = region.joints([0.12, 0.1], "elbow left")
+            >>> region.tip(q).round(6).tolist()
+            [0.12, 0.1]
+        """
         return _joints(self.centre, self.lengths, self.angles, self.signs, self.limits, _points(points), elbow)
 
     def reaches(self, points: ArrayLike, elbow: str | None = None) -> Mask:
-        """Whether points (..., 2) m are reached within the limits, with that elbow or with either."""
+        """Whether points (..., 2) m are reached within the limits, with that elbow or with either.
+
+        Example:
+            >>> import urdf_ik
+            >>> region = urdf_ik.workspace.planar(urdf_ik.load("planar_2r"))
+            >>> region.reaches([[0.12, 0.1], [0.3, 0.0]]).tolist()
+            [True, False]
+        """
         names = ELBOWS if elbow is None else (elbow,)
         return np.asarray(np.any([~np.isnan(self.joints(points, name)[..., 0]) for name in names], axis=0))
 
     def elbow(self, q: ArrayLike) -> Array:
-        """Position (..., 2) m of the second axis at joint vectors (..., 2) rad."""
+        """Position (..., 2) m of the second axis at joint vectors (..., 2) rad.
+
+        Example:
+            >>> import urdf_ik
+            >>> (urdf_ik.workspace.planar(urdf_ik.load("planar_2r")).elbow([0.0, 0.5]).round(6) + 0.0).tolist()
+            [0.066, 0.0]
+        """
         turned = self.angles[0] + self.signs[0] * np.asarray(q, np.float64)[..., 0]
         return np.asarray(self.centre + self.lengths[0] * _unit(turned))
 
     def tip(self, q: ArrayLike) -> Array:
-        """Position (..., 2) m of the tip at joint vectors (..., 2) rad."""
+        """Position (..., 2) m of the tip at joint vectors (..., 2) rad.
+
+        Example:
+            >>> import urdf_ik
+            >>> (urdf_ik.workspace.planar(urdf_ik.load("planar_2r")).tip([0.0, 0.0]).round(6) + 0.0).tolist()
+            [0.196, 0.0]
+        """
         turned = (self.angles + self.signs * np.asarray(q, np.float64)).sum(axis=-1)
         return np.asarray(self.elbow(q) + self.lengths[1] * _unit(turned))
 
@@ -83,6 +116,12 @@ def planar(arm: Arm) -> PlanarWorkspace:
 
     Raises:
         WorkspaceError: the arm is of another build.
+
+    Example:
+        >>> import urdf_ik
+        >>> region = planar(urdf_ik.load("planar_2r"))
+        >>> region.lengths.round(6).tolist(), sorted(region.regions)
+        ([0.066, 0.13], ['elbow left', 'elbow right'])
     """
     chain, plane = arm.chain, arm.plane
     if plane is None or chain.n != 2 or chain.prismatic.any():

@@ -92,9 +92,7 @@ def as_text(arm: Arm, q: Array, angles: Angles, to_file: bool) -> str:
         T = poses[0]
         rpy = ", ".join(tables.number(float(x), 6) for x in angles.angle(to_rpy(T)))
         lines = [f"{arm.name}: pose of {arm.tip} in {arm.base}", "", tables.matrix(T), ""]
-        return tables.render(
-            *lines, tables.pose_line(T, 6), f"roll, pitch, yaw ({rpy}) {angles.unit}", to_file=to_file
-        )
+        return tables.render(*lines, tables.pose_line(T, 6), f"roll, pitch, yaw ({rpy}) {angles.unit}", to_file=to_file)
     rows = [
         [i, *(tables.number(x, 6) for x in row)] for i, row in enumerate(_positions_and_quaternions(poses).tolist())
     ]

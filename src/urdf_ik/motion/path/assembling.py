@@ -1,4 +1,4 @@
-"""What plans are put together from, of every arm: waypoints cut, graphs priced, plans made."""
+"""Steps that the plans of all arms share: long segments are cut, motions priced, and a way made into a plan."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 COARSE_TURN, COARSE_MOVE = 0.5, 0.15
-"""rad and share of the arm's size: longer segments are cut before anything is looked at."""
+"""rad and share of the arm's size: longer segments are cut into equal pieces before the arm is solved."""
 
 
 class Refined(NamedTuple):
-    """Waypoints with others between them.
+    """The given waypoints, and others between them.
 
     Attributes:
         T: (k, 4, 4) m.
-        place: (k,) 2.5 is half way from waypoint 2 to waypoint 3.
-        pieces: (k - 1,) in how many pieces the segment was cut that each piece belongs to.
+        place: (k,) where each one is: 2.5 is half way from given waypoint 2 to given waypoint 3.
+        pieces: (k - 1,) at each piece, how many equal ones the segment between two given waypoints was cut into.
     """
 
     T: Array
@@ -39,13 +39,13 @@ class Refined(NamedTuple):
 
 
 def not_found(settings: Settings, path: Array, refined: Refined, search: Search) -> Plan:
-    """The plan that says what stops the path."""
+    """The plan without joint vectors, which says what stops the path."""
     stops = stops_of(settings, search, refined.T, refined.place)
     return Plan(settings.arm, path, np.empty((0, settings.arm.dof)), stops=stops, obstacles=settings.obstacles)
 
 
 def made(settings: Settings, path: Array, refined: Refined, search: Search, way: Way, *, alone: bool = False) -> Plan:
-    """The plan of a way."""
+    """The plan that a way through the graph is; ``alone``: without alternatives."""
     layers = search.graph.layers
     q = way.q
     whole = np.flatnonzero(refined.place == np.round(refined.place))

@@ -33,8 +33,8 @@ if TYPE_CHECKING:
 COSTS = ("l1", "l2", "max")
 """Sum of |dq|, sum of dq^2, largest |dq|, as the compiled core counts them."""
 MISMATCH = (0.05, 0.2)
-"""Share of the arm's size and rad that J dq may be off the twist, where a motion is looked at: four times what its
-middle strays by, to third order."""
+"""A motion whose J dq is off the segment's twist by more (position as a share of the arm's size, rotation in rad) is no
+edge. Up to terms of third order that is four times what the motion strays by in its middle."""
 EQUAL = 1e-9
 """Share by which the costs of two images' ways may differ and count as equal."""
 CHANGE = -2
@@ -48,8 +48,8 @@ class Layers:
     Attributes:
         T: (m, 4, 4) m, the waypoints.
         first: (m + 1,) each waypoint's first node.
-        q: (N, n) rad or m, lowest images.
-        counts: (N, n) uint8, images of each joint.
+        q: (N, n) rad or m, each joint at its least value inside the limits, among those whole turns apart.
+        counts: (N, n) uint8, how many such values each joint has.
         column: (N,) which branch of the family it is.
         value: (N,) of the redundancy parameter, 0 for an arm without one.
     """
@@ -90,7 +90,7 @@ class Pricing:
         kind: index in ``COSTS``.
         weights: (n,) of |dq|, of dq^2 for 'l2'.
         window: (n,) greatest |dq| between two waypoints [rad or m].
-        pieces: (m - 1,) in how many equal pieces the segment was cut that each segment belongs to.
+        pieces: (m - 1,) at each piece, how many equal ones the segment between two given waypoints was cut into.
     """
 
     kind: int
@@ -112,7 +112,7 @@ class Graph:
         node_cost: (N,) of being at a node, infinite where it is ruled out.
         proven: (E,) whether an edge was shown to keep within the tolerance.
         image_cost: (N, states) of being at an image of a node; None where all cost the same.
-        between: shares and joint vectors between the ends of the edges that have some.
+        between: of an edge that is no single linear motion, the shares of the segment and the joint vectors in between.
     """
 
     joints: Joints
@@ -151,7 +151,7 @@ class Graph:
         return cls(joints, layers, first, end[:count].copy(), cost[:count].copy(), np.zeros(nodes), proven)
 
     def motion(self, edges: Ints) -> tuple[Array, Array]:
-        """Where edges (k,) start, and how the joints move, (k, n) each."""
+        """The joint vectors at which edges (k,) start, and how the joints move along them, (k, n) each."""
         q = self.layers.q[self.start_of(edges)]
         return q, self.joints.step(q, self.layers.q[self.end[edges]])
 
@@ -357,8 +357,8 @@ class Way:
     Attributes:
         graph: the graph.
         nodes: (m,) nodes.
-        images: (m,) their states.
-        edges: (m - 1,) edges taken; -2 where the branch is changed instead.
+        images: (m,) which state of each node.
+        edges: (m - 1,) edges taken; ``CHANGE`` where the branch is changed instead.
         cost: of all of it.
     """
 

@@ -33,7 +33,7 @@ class Joints:
         chain: the arm's joints.
         turn: (n,) rad between images, 0 for one that slides.
         counted: (n,) uint8, whether images inside the limits are states of their own.
-        digits: (states, n) uint8, which image each joint has in each state.
+        digits: (states, n) uint8, the number of each joint's image in each state.
         strides: (n,) what one image more adds to a state's number.
         core: the compiled functions.
     """
@@ -65,7 +65,7 @@ class Joints:
     def choose(
         self, q: Array, flags: NDArray[np.uint8], centres: Array | None = None, near: float = 0.0, outside: bool = False
     ) -> tuple[Ints, Array, NDArray[np.uint8]]:
-        """Joint vectors that are wanted: their numbers (k,), lowest images (k, n) and numbers of images (k, n).
+        """Joint vectors that are wanted: their indices (k,), lowest images (k, n) and how many images there are (k, n).
 
         Args:
             q: (m, n) rad or m.

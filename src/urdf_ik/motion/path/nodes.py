@@ -27,6 +27,7 @@ TANGENTS = 2
 FREE = 1e-4
 """Singular values of the Jacobian below this share of the largest one are taken as zero, where tangents are drawn."""
 _NUMBERS = 1 << 22
+"""Numbers in the solutions that are computed at once: 32 MB of them."""
 
 
 class Nodes(NamedTuple):
@@ -34,8 +35,8 @@ class Nodes(NamedTuple):
 
     Attributes:
         at: (k,) number of the waypoint.
-        q: (k, n) rad or m, lowest images.
-        counts: (k, n) uint8, images of each joint.
+        q: (k, n) rad or m, each joint at its least value inside the limits, among those whole turns apart.
+        counts: (k, n) uint8, how many such values each joint has.
         column: (k,) which branch.
         value: (k,) of the redundancy parameter.
         singular: (k,) whether the arm is singular there.
@@ -136,7 +137,7 @@ def at_vector(arm: Arm, joints: Joints, q: Array, at: int, value: float, column:
 
 
 def with_representatives(arm: Arm, joints: Joints, T: Array, nodes: Nodes) -> Nodes:
-    """The nodes, and at singular poses those that continue the neighbouring waypoints' best.
+    """The nodes, and at singular poses those that continue the nodes of the neighbouring waypoints best.
 
     Where a pose leaves a joint free, ``ik`` returns the representative nearest to a reference. Along each singular part
     of the path, the nodes before it are carried on from waypoint to waypoint, those after it carried back, and the

@@ -1,4 +1,4 @@
-"""What a path must stay clear of, asked once for each joint vector and each motion."""
+"""What a path must stay clear of."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Obstacles(NamedTuple):
     """The arm's own links and a world.
 
     Attributes:
-        model: which answers.
+        model: the arm's collision model, in its world where there is one.
         margin: m that bodies must stay apart.
     """
 

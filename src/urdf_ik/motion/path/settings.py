@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 POSITION, ROTATION = 1e-3, 0.02
 """m and rad: how far the tip may stray from the straight segment between two waypoints, where nothing else is asked."""
 LOOSER = 4.0
-"""So many times as far, where nothing is asked and no plan keeps to that."""
+"""Factor on both, where no tolerance is asked for and no plan keeps to them."""
 AT_WAYPOINT = 1e-6
-"""m and rad: a start or an end whose pose is farther from its waypoint is none of its solutions."""
+"""m and rad: a start or an end whose pose is farther from its waypoint does not solve it."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Settings:
         obstacles: what to stay clear of.
         margins: weight of the costs of being near a joint limit.
         reconfigure: whether the branch may be changed.
-        looser: whether a plan may stray ``LOOSER`` times as far where there is none else.
+        looser: whether a plan may stray ``LOOSER`` times as far where no plan keeps to the tolerance.
     """
 
     arm: Arm
@@ -108,7 +108,7 @@ def velocities(arm: Arm) -> Array:
     """(n,) rad/s or m/s, the velocity limits that the URDF gives.
 
     Raises:
-        PathError: a joint has none.
+        PathError: a joint has no velocity limit.
     """
     found = {joint.name: joint.velocity for joint in arm.model.joints}
     limits = np.array([found.get(name) or np.nan for name in arm.joint_names], dtype=np.float64)

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     Ints = NDArray[np.int64]
 
 _LOOKED_AT = 16
-"""States at the farthest waypoint that are asked why they go no farther."""
+"""States at the farthest waypoint of which it is found out why they lead no farther."""
 _LOOSE = 10.0
-"""A solution outside the limits counts as the next one where the motion to it keeps to so many times the tolerance."""
+"""A solution continues a branch where the motion to it keeps to so many times the tolerance; else the branch ends."""
 
 
 def stops_of(settings: Settings, search: Search, T: Array, place: Array) -> tuple[Stop, ...]:
@@ -190,7 +190,7 @@ def _solutions(settings: Settings, T: Array, at: int, values: Array | None) -> n
 
 def _all_values(settings: Settings) -> Array:
     parameter = settings.arm.redundancy
-    assert parameter is not None  # who has none is not asked
+    assert parameter is not None  # an arm without one is not asked
     return np.linspace(*parameter.range, 256)
 
 
@@ -206,7 +206,7 @@ def _limits(settings: Settings, q: Array, outside: NDArray[np.bool_]) -> str:
 
 
 def _contact(search: Search, q: Array, before: Array | None = None) -> str:
-    assert search.obstacles is not None  # nothing touches where nothing is asked
+    assert search.obstacles is not None  # without obstacles nothing is in contact
     model, margin = search.obstacles
     if before is not None and search.obstacles.free(q[None])[0]:
         motion = model.motions_free(before[None], q[None], margin)

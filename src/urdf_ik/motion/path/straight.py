@@ -122,7 +122,7 @@ def _samples_within(
     tolerance: Tolerance,
     allowed: float,
 ) -> Mask:
-    """Whether the samples at odd multiples of 1 / count keep within the share of a tolerance that is theirs."""
+    """Whether the samples at odd multiples of 1 / count keep within 1 - ``PROVEN`` of a tolerance."""
     shares = np.arange(1, count, 2) / count
     real = chain.fk(q[:, None] + shares[:, None] * dq[:, None])
     segments, place = np.unique(at, return_inverse=True)

@@ -1,4 +1,4 @@
-"""What a tracker keeps to: the numbers that say so, checked."""
+"""The limits that a tracker keeps to, checked."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def positive(name: str, value: float, unit: str, *, zero: bool = False) -> float
 
 
 def stated_velocities(arm: Arm) -> Array:
-    """(n,) the URDF's velocity limits; infinite where a joint has none, or zero, which no robot means."""
+    """(n,) the URDF's velocity limits; infinite where none is stated, or zero, which cannot be meant."""
     stated = {joint.name: joint.velocity for joint in arm.model.joints}
     return np.array([stated[name] or math.inf for name in arm.joint_names])
 

@@ -4,9 +4,9 @@ A cycle starts from the last joint vector and looks for no other: steps of least
 region; Nocedal and Wright, Numerical Optimization, 2006, chapters 4 and 10) inside the box that the cycle's limits of
 position and velocity make. The joint motion of a cycle is proven to meet no singularity, by bounds on how much the
 Jacobian changes along it (Weyl's inequality), or it is cut into pieces of at most 0.05 rad, and where one has crossed
-a fold (a singularity at which two branches merge) it is moved back. So the joints stay on their branch but through a
-wrist or a shoulder singularity, which both sides share. Only the first of these is a proof: where
-singularities lie closer to each other than a piece is long, a fold may be crossed unseen.
+a fold (a singularity at which two branches merge) it is moved back. So the joints stay on their branch, unless they
+pass through a wrist or a shoulder singularity, which branches on both sides of it share. Only the first of these is a
+proof: where singularities lie closer to each other than a piece is long, a fold may be crossed unseen.
 """
 
 from __future__ import annotations
@@ -48,14 +48,22 @@ _KINDS = {
 class Tracker:
     """An arm that follows targets, one a control cycle; made by :meth:`urdf_ik.Arm.tracker`.
 
-    It is not safe to step one tracker from several threads at once; several trackers are. It cannot be pickled: where
-    it stands is ``q`` and ``velocity``, from which another one goes on.
+    One tracker must not be stepped from several threads at once; different trackers may. It cannot be pickled; another
+    one goes on from its ``q`` and ``velocity``.
 
     Attributes:
         arm: the arm.
         dt: s, length of a cycle.
         velocity_limits: (n,) rad/s or m/s, infinite where there is none.
         acceleration_limits: (n,) rad/s^2 or m/s^2, infinite where there is none.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> tracker = arm.tracker([0.3, -0.5, 0.8, 0.4, 0.7, -0.2], dt=0.004, velocity=1.0)
+        >>> step = tracker.step(arm.fk([0.5, -0.5, 0.8, 0.4, 0.7, -0.2]))
+        >>> step.status, step.why, bool(abs(step.velocity).max() < 1.0 + 1e-9)
+        ('limited', 'velocity', True)
     """
 
     def __init__(
@@ -78,7 +86,7 @@ class Tracker:
             arm: the arm.
             q0: (n,) rad or m, where the joints are, within their limits.
             dt: s, length of a cycle.
-            targets: what reads the targets of a task other than a pose; :meth:`urdf_ik.Arm.tracker` knows it.
+            targets: what reads the targets of a task other than a pose; :meth:`urdf_ik.Arm.tracker` passes it.
             velocity: greatest speed of each joint (n,), or of all, rad/s or m/s; the URDF's where left out, and no
                 limit for a joint of which the URDF states none, or zero.
             acceleration: greatest acceleration of each joint (n,), or of all, rad/s^2 or m/s^2; no limit where left
@@ -137,7 +145,7 @@ class Tracker:
         if world is not None or self_collision:
             model: Any = arm.collision_model
             self._collision = model.in_world(world)
-        # What a cycle is, where nothing but a pose is asked for.
+        # The whole of a cycle where a pose is followed and no collision is checked.
         self._quick = self._core.step if self._targets is None and self._collision is None else None
         self.reset(q0)
 
@@ -163,6 +171,13 @@ class Tracker:
 
         Raises:
             JointVectorError: a vector does not fit the arm, or ``q`` is outside the limits.
+
+        Example:
+            >>> import urdf_ik
+            >>> tracker = urdf_ik.load("scara_rrpr").tracker([0.3, 0.5, 0.1, 0.2], dt=0.004)
+            >>> tracker.reset([0.2, 0.4, 0.1, 0.0])
+            >>> tracker.q.tolist()
+            [0.2, 0.4, 0.1, 0.0]
         """
         chain, n = self.arm.chain, self.arm.dof
         place, speed = chain.check(q), np.zeros(n) if velocity is None else chain.check(velocity)
@@ -205,6 +220,14 @@ class Tracker:
 
         Raises:
             PoseError: ``T`` is no pose, or no target of the task; nothing has moved.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> tracker = arm.tracker([0.3, 0.5, 0.1, 0.2], dt=0.004)
+            >>> step = tracker.step(arm.fk([0.301, 0.499, 0.1, 0.2]))
+            >>> step.status, step.q.round(6).tolist()
+            ('ok', [0.301, 0.499, 0.1, 0.2])
         """
         if self._quick is not None and T is not None:
             step = self._quick(T)
@@ -225,7 +248,7 @@ class Tracker:
         return step
 
     def _pose(self, T: Any) -> Array:
-        """A target as a pose (4, 4), of which the core heeds what the task asks for."""
+        """A target as a pose (4, 4), of which the core uses what the task controls."""
         if self._targets is None:
             pose = check_poses(T)
             if pose.ndim != 2:

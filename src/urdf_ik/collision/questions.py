@@ -1,0 +1,293 @@
+"""Collision and distance of an arm's links, among themselves and with a world, through Pinocchio and coal."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from urdf_ik.collision import swept
+from urdf_ik.collision.scene import ArmShapes, Scene
+from urdf_ik.errors import JointVectorError, PoseError, UrdfError
+from urdf_ik.reference import Reference, finite
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from urdf_ik.collision.swept import Motions
+    from urdf_ik.collision.table import Table
+
+    Array = NDArray[np.float64]
+    Pair = tuple[str, str]
+
+
+class Nearest(NamedTuple):
+    """Two links, or a link and an obstacle, and the distance between them [m]; 0 where they collide."""
+
+    links: tuple[str, str]
+    distance: float
+
+
+class Seen(NamedTuple):
+    """What a model looks at while the world's version stays the same."""
+
+    version: int
+    scene: Scene
+    table: Table
+
+
+class Questions:
+    """What is asked about a :class:`urdf_ik.collision.CollisionModel`, whatever decides which pairs are checked."""
+
+    joint_names: tuple[str, ...]
+    _reference: Reference
+    _arm: ArmShapes
+    _error: UrdfError | None
+
+    def _now(self) -> Seen:
+        """The scene and the table of the world as it is."""
+        raise NotImplementedError
+
+    def in_collision(self, q: ArrayLike, margin: float = 0.0) -> bool | NDArray[np.bool_]:
+        """Whether something touches that must not.
+
+        Args:
+            q: (..., n) rad or m; rows that are not finite are not checked and give False.
+            margin: m that the bodies must stay apart.
+
+        Returns:
+            A bool for one joint vector, else (...) bool.
+
+        Raises:
+            UrdfError: there are no collision shapes, or not all of them were found.
+            JointVectorError: the last dimension is not n.
+            ArgumentError: ``margin`` is negative or not finite.
+
+        Example:
+            >>> import urdf_ik
+            >>> world = urdf_ik.World()
+            >>> world.add("ceiling", urdf_ik.HalfSpace((0, 0, -1), -3.33))
+            >>> model = urdf_ik.load("zyyzyz_6r").collision_model.in_world(world)
+            >>> model.in_collision([0.0] * 6), model.in_collision([0.0] * 6, margin=0.05)
+            (False, True)
+        """
+        swept.check_margin(margin)
+        Q, places, scene = self._rows(q)
+        out = np.zeros(len(Q), dtype=np.bool_)
+        for part, placed in scene.chunks(Q):
+            near = scene.near(placed, margin)
+            for i in np.flatnonzero(near.any(axis=1)):
+                shapes = scene.place(Q[part.start + i])
+                out[part.start + i] = any(scene.touches(shapes, int(k), margin) for k in np.flatnonzero(near[i]))
+        whole = np.zeros(places.shape, dtype=np.bool_)
+        whole[places] = out
+        return bool(whole) if whole.ndim == 0 else whole
+
+    def distance(self, q: ArrayLike) -> float | Array:
+        """Smallest distance between what must not touch.
+
+        Args:
+            q: (..., n) rad or m; rows that are not finite give NaN.
+
+        Returns:
+            A float for one joint vector, else (...) [m]: 0 in collision, infinite where no pair is checked.
+
+        Raises:
+            UrdfError: there are no collision shapes, or not all of them were found.
+            JointVectorError: the last dimension is not n.
+
+        Example:
+            >>> import urdf_ik
+            >>> world = urdf_ik.World()
+            >>> world.add("ceiling", urdf_ik.HalfSpace((0, 0, -1), -3.33))
+            >>> round(urdf_ik.load("zyyzyz_6r").collision_model.in_world(world).distance([0.0] * 6), 3)
+            0.03
+        """
+        Q, places, scene = self._rows(q)
+        out = np.empty(len(Q))
+        for part, placed in scene.chunks(Q):
+            for i, least in enumerate(scene.closest(placed), part.start):
+                out[i] = scene.nearest(scene.place(Q[i]), least)[1]
+        whole = np.full(places.shape, np.nan)
+        whole[places] = out
+        return float(whole) if whole.ndim == 0 else whole
+
+    def colliding_pairs(self, q: ArrayLike) -> tuple[Pair, ...]:
+        """What touches and must not.
+
+        Args:
+            q: (n,) rad or m.
+
+        Returns:
+            Pairs of names, in the order of ``checked_pairs``; none where q is not finite.
+
+        Raises:
+            UrdfError: there are no collision shapes, or not all of them were found.
+            JointVectorError: q is no (n,).
+
+        Example:
+            >>> import urdf_ik
+            >>> world = urdf_ik.World()
+            >>> world.add("ball", urdf_ik.Sphere(0.1), urdf_ik.pose([0.0, 0.0, 1.0]))
+            >>> urdf_ik.load("zyyzyz_6r").collision_model.in_world(world).colliding_pairs([0.0] * 6)
+            (('link_1', 'ball'),)
+        """
+        Q, scene, checked = self._one(q)
+        found = set()
+        for part, placed in scene.chunks(Q):
+            shapes = scene.place(Q[part.start])
+            for k in np.flatnonzero(scene.near(placed, 0.0)[0]):
+                if scene.touches(shapes, int(k)):
+                    found.add(scene.pairs[k].names)
+        return tuple(pair for pair in checked if pair in found)
+
+    def nearest_pair(self, q: ArrayLike) -> Nearest | None:
+        """What comes closest to each other, of that which must not touch.
+
+        Args:
+            q: (n,) rad or m.
+
+        Returns:
+            The pair and its distance; where several collide, one of them. None where no pair is checked or q is not
+            finite.
+
+        Raises:
+            UrdfError: there are no collision shapes, or not all of them were found.
+            JointVectorError: q is no (n,).
+
+        Example:
+            >>> import urdf_ik
+            >>> world = urdf_ik.World()
+            >>> world.add("ceiling", urdf_ik.HalfSpace((0, 0, -1), -3.33))
+            >>> pair = urdf_ik.load("zyyzyz_6r").collision_model.in_world(world).nearest_pair([0.0] * 6)
+            >>> pair.links, round(pair.distance, 3)
+            (('link_6', 'ceiling'), 0.03)
+        """
+        Q, scene, _ = self._one(q)
+        for part, placed in scene.chunks(Q):
+            k, distance = scene.nearest(scene.place(Q[part.start]), scene.closest(placed)[0])
+            if k is not None:
+                return Nearest(scene.pairs[k].names, distance)
+        return None
+
+    def motions_free(self, q0: ArrayLike, q1: ArrayLike, margin: float = 0.0) -> Motions:
+        """Which straight motions in joint space are free from end to end, proven; see :func:`swept.motions`.
+
+        Args:
+            q0: (k, n) rad or m, where the motions begin.
+            q1: (k, n) rad or m, where they end; every joint goes its way in a straight line, turns included.
+            margin: m that the bodies must stay apart.
+
+        Raises:
+            UrdfError: there are no collision shapes, or not all of them were found.
+            JointVectorError: the arrays do not fit the arm or each other, or are not finite.
+            ArgumentError: ``margin`` is negative or not finite.
+
+        Example:
+            >>> import urdf_ik
+            >>> model = urdf_ik.load("zyyzyz_6r").collision_model
+            >>> model.motions_free([[0.0] * 6], [[0.3, 0.2, 0.1, 0.0, 0.0, 0.0]]).free.tolist()
+            [True]
+        """
+        swept.check_margin(margin)
+        self._require_geometry()
+        start, end = (self._reference.vectors(q) for q in (q0, q1))
+        if start.ndim != 2 or start.shape != end.shape:
+            raise JointVectorError(
+                f"motions from {start.shape} to {end.shape} given; both must be (k, {len(self.joint_names)})"
+            )
+        for name, array in (("q0", start), ("q1", end)):
+            if len(bad := np.argwhere(~np.isfinite(array))):
+                raise JointVectorError(f"{name}{bad[0].tolist()} is {array[tuple(bad[0])]}; a motion's ends are finite")
+        return swept.motions(self._now().scene, start, end, margin)
+
+    def in_collision_with(self, link_poses: Mapping[str, ArrayLike]) -> bool | NDArray[np.bool_]:
+        """:meth:`in_collision`, with every link where the caller says instead of where Pinocchio puts it.
+
+        Args:
+            link_poses: link name to (..., 4, 4) [m], all in one frame; a set with a pose that is not finite gives
+                False.
+
+        Returns:
+            A bool for one set of poses, else (...) bool.
+
+        Raises:
+            UrdfError: there are no collision shapes, or not all of them were found.
+            PoseError: a link that has a shape has no pose, or a pose is no (..., 4, 4).
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> arm.collision_model.in_collision_with(arm.link_poses([0.0] * 6))
+            False
+        """
+        hits: bool | NDArray[np.bool_] = self._each_placing(link_poses, False)
+        return hits
+
+    def distance_with(self, link_poses: Mapping[str, ArrayLike]) -> float | Array:
+        """:meth:`distance`, with every link where the caller says instead of where Pinocchio puts it.
+
+        Args:
+            link_poses: link name to (..., 4, 4) [m], all in one frame; a set with a pose that is not finite gives
+                NaN.
+
+        Returns:
+            A float for one set of poses, else (...) [m].
+
+        Raises:
+            UrdfError: there are no collision shapes, or not all of them were found.
+            PoseError: a link that has a shape has no pose, or a pose is no (..., 4, 4).
+
+        Example:
+            >>> import urdf_ik
+            >>> arm, q = urdf_ik.load("zyyzyz_6r"), [0.3, -0.5, 0.8, 0.4, 0.7, -0.2]
+            >>> model = arm.collision_model
+            >>> round(model.distance_with(arm.link_poses(q)) - model.distance(q), 6) + 0.0
+            0.0
+        """
+        distances: float | Array = self._each_placing(link_poses, np.nan)
+        return distances
+
+    def _require_geometry(self) -> None:
+        if self._error is not None:
+            raise self._error.with_traceback(None)
+
+    def _rows(self, q: ArrayLike) -> tuple[Array, NDArray[np.bool_], Scene]:
+        """The finite joint vectors (k, n), the places (...) that they come from, and the scene."""
+        self._require_geometry()
+        Q = self._reference.vectors(q)
+        places = np.asarray(np.isfinite(Q).all(axis=-1))
+        return np.ascontiguousarray(Q[places]).reshape(-1, Q.shape[-1]), places, self._now().scene
+
+    def _one(self, q: ArrayLike) -> tuple[Array, Scene, tuple[Pair, ...]]:
+        """A joint vector as (1, n), or (0, n) where it is not finite, the scene and its pairs."""
+        self._require_geometry()
+        Q = self._reference.vectors(q)
+        if Q.ndim != 1:
+            raise JointVectorError(f"one joint vector ({len(self.joint_names)},) is needed, not shape {Q.shape}")
+        now = self._now()
+        return Q[None][np.isfinite(Q).all(keepdims=True)], now.scene, now.table.checked
+
+    def _each_placing(self, link_poses: Mapping[str, ArrayLike], otherwise: Any) -> Any:
+        """Whether each set of link poses collides, or the distances, whichever ``otherwise`` stands for."""
+        self._require_geometry()
+        scene = self._now().scene
+        needed = dict.fromkeys([*self._arm.links, *([self._reference.base] if scene.places else [])])
+        if absent := sorted(set(needed) - set(link_poses)):
+            raise PoseError(f"links with collision shapes have no pose: {', '.join(absent)}")
+        poses = [np.asarray(link_poses[link], dtype=np.float64) for link in needed]
+        if any(pose.shape[-2:] != (4, 4) for pose in poses):
+            raise PoseError("link poses must be of shape (..., 4, 4)")
+        batch = np.broadcast_shapes(*(pose.shape[:-2] for pose in poses))
+        stack = np.stack([np.broadcast_to(pose, (*batch, 4, 4)) for pose in poses], axis=-3)
+        out = np.full(batch, otherwise)
+        every = range(len(scene.pairs))
+        for index in finite(stack.reshape(*batch, -1)):
+            shapes = scene.place_at(dict(zip(needed, stack[index], strict=True)))
+            if otherwise is False:
+                out[index] = any(scene.touches(shapes, k) for k in every)
+            else:
+                out[index] = scene.nearest(shapes, np.full(len(every), -np.inf))[1]
+        return out.item() if out.ndim == 0 else out
