@@ -77,6 +77,7 @@ bench: $(VENV)/.bench-installed
 	@$(BIN)/python benchmarks/few_joints.py
 	@$(BIN)/python benchmarks/seven_joints.py
 	@$(BIN)/python benchmarks/tracker.py
+	@$(BIN)/python benchmarks/paths.py
 
 million: $(VENV)/.bench-installed
 	@$(BIN)/python benchmarks/million.py $(ARGS)

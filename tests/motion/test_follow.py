@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import re
+
+import arms
+import arms_closed_forms
+import arms_general
 import numpy as np
 import pytest
 from lxml import etree
@@ -57,6 +62,91 @@ def test_a_moved_joint_path_is_found_and_costs_no_more(name: str, seed: int) -> 
     plan = arm.follow(arm.fk(q), collisions=False)
     check(arm, plan)
     assert plan.cost <= (np.diff(q, axis=0) ** 2).sum() * (1.0 + 1e-6)
+
+
+def smooth(arm: urdf_ik.Arm, rng: np.random.Generator, size: float = 0.15) -> np.ndarray:
+    """Joint vectors (600, n) of a smooth motion inside the limits, dense enough to keep to straight segments."""
+    low, high = np.clip(arm.limits.T, -2.8, 2.8)
+    middle = rng.uniform(low + 0.25 * (high - low), high - 0.25 * (high - low))
+    s = np.linspace(0.0, np.pi, 600)[:, None]
+    return np.clip(middle + rng.normal(size=arm.dof) * size * np.sin(s + rng.uniform(0.0, 6.0, arm.dof)), low, high)
+
+
+def singularity(arm: urdf_ik.Arm, q: np.ndarray, rng: np.random.Generator) -> np.ndarray | None:
+    """A singular joint vector (n,) on the motion q (m, n), to the last digit; None where it meets none."""
+
+    def determinant(q: np.ndarray) -> float:
+        return float(np.linalg.det(arm.jacobian(q)))
+
+    values = np.linalg.det(arm.jacobian(q))
+    crossed = np.flatnonzero(values[:-1] * values[1:] < 0.0)
+    if not len(crossed):
+        return None
+    k = rng.choice(crossed)
+    a, b = q[k], q[k + 1]
+    for _ in range(80):
+        middle = 0.5 * (a + b)
+        a, b = (middle, b) if (determinant(middle) < 0.0) == (values[k] < 0.0) else (a, middle)
+    return np.asarray(a)
+
+
+def described(kind: str, seed: int) -> urdf_ik.Arm:
+    """A random member of a family of the tests, or one of their other arms."""
+    if kind in arms.KINDS:
+        arm = arms.random_arm(kind, seed, orthogonal=seed % 3 == 1, aligned=seed % 3 == 2)
+    elif kind in arms_closed_forms.KINDS:
+        arm = arms.random_arm(kind, seed, kinds=arms_closed_forms.KINDS, orthogonal=seed % 3 == 1)
+    elif kind == "imperfect":
+        arm = arms_general.near_member(list(arms.KINDS)[seed % len(arms.KINDS)], (1e-3, 1e-5, 1e-8)[seed % 3], seed)
+    else:
+        arm = arms_general.unstructured(seed)
+    return urdf_ik.load(arm.urdf, base="base", tip="tool")
+
+
+ALL_KINDS = (*arms.KINDS, *arms_closed_forms.KINDS, "general", "imperfect")
+
+
+def cost_of(q: np.ndarray) -> float:
+    """Sum of squares of the steps between joint vectors (m, n)."""
+    return float((np.diff(q, axis=0) ** 2).sum())
+
+
+@pytest.mark.parametrize("kind", ALL_KINDS)
+def test_members_of_every_family_follow_a_moved_joint_path(kind: str) -> None:
+    """Members of every family follow a moved joint path, and find none that costs more."""
+    for seed in range(2):
+        arm = described(kind, seed)
+        q = smooth(arm, np.random.default_rng(seed))[::5]
+        plan = arm.follow(arm.fk(q), collisions=False)
+        assert plan.found, (seed, plan.explain())
+        assert plan.cost <= cost_of(q) * (1.0 + 1e-6)
+
+
+@pytest.mark.parametrize("kind", ALL_KINDS)
+def test_a_singularity_of_every_family_is_crossed(kind: str) -> None:
+    """A motion through a singularity, exactly at a waypoint and 1e-9 to 1e-3 beside it."""
+    rng = np.random.default_rng(len(kind))
+    crossed = 0
+    for seed in range(12):
+        arm = described(kind, seed)
+        q = smooth(arm, rng, size=0.4)
+        singular = singularity(arm, q, rng)
+        if singular is None:
+            continue
+        crossed += 1
+        direction = q[-1] - q[0]
+        direction *= 0.1 / np.abs(direction).max()
+        for beside in (0.0, 10.0 ** rng.uniform(-9.0, -3.0)):
+            aside = rng.normal(size=arm.dof)
+            way = singular + np.linspace(-1.0, 1.0, 81)[:, None] * direction + beside * aside / np.linalg.norm(aside)
+            if (way < arm.limits[:, 0]).any() or (way > arm.limits[:, 1]).any():
+                continue
+            plan = arm.follow(arm.fk(way), collisions=False)
+            assert plan.found, (seed, beside, plan.explain())
+            assert plan.cost <= cost_of(way) * (1.0 + 1e-5), (seed, beside)
+        if crossed == 2:
+            break
+    assert crossed
 
 
 @pytest.mark.parametrize("cost", ["l1", "l2", "max"])
@@ -123,6 +213,20 @@ def test_along_the_edge_of_reach() -> None:
         plan = arm.follow(arm.fk(q), collisions=False)
         check(arm, plan)
         assert plan.cost <= (np.diff(q, axis=0) ** 2).sum() * (1.0 + 1e-6)
+
+
+@pytest.mark.parametrize("bend", [0.0, 1e-8, 1e-6, 1e-4])
+def test_along_a_fold(bend: float) -> None:
+    """The elbow stays straight to within the bend while the other joints move; it may wave from side to side."""
+    arm = urdf_ik.load("zyyzyz_6r")
+    for waves in (0, 3):
+        s = np.linspace(0.0, 1.0, 81)[:, None]
+        q = np.array([0.3, 0.4, 0.0, 0.5, 0.8, -0.3]) + s * np.array([0.3, -0.2, 0.0, 0.1, 0.2, 0.1])
+        q[:, 2] = bend * np.cos(waves * np.pi * s[:, 0])
+        plan = arm.follow(arm.fk(q), collisions=False)
+        check(arm, plan)
+        # Where two solutions are one to within their resolution, the plan may pass through either.
+        assert plan.cost <= cost_of(q) * (1.0 + 1e-5)
 
 
 def test_across_half_a_turn() -> None:
@@ -240,6 +344,90 @@ def test_a_limit_in_the_way_of_every_branch_is_named() -> None:
     assert any(arm.joint_names[0] in stop.reason for stop in own)
     first_outside = int(np.argmax(q[:, 0] > high))
     assert first_outside in {stop.waypoint for stop in own}
+
+
+@pytest.mark.parametrize("kind", ["wrist, 2||3", "2||3||4, 1x2, 5x6", "general", "imperfect"])
+def test_each_branch_is_stopped_where_its_limit_is(kind: str) -> None:
+    """The first joint turns the whole way and more: each branch ends where its own would leave the limits."""
+    arm = described(kind, 2)
+    low, high = arm.limits[0]
+    low, high = (low, high) if np.isfinite(high - low) else (-3.0, 3.0)
+    q = np.tile(smooth(arm, np.random.default_rng(1))[0], (int((high - low + 1.0) / 0.03), 1))
+    turned = 0.03 * np.arange(len(q))
+    q[:, 0] = q[0, 0] + turned
+    plan = arm.follow(arm.fk(q), collisions=False)
+    if not np.isfinite(arm.limits[0]).all():
+        assert plan.found
+        return
+    assert not plan.found
+    begins: dict[str, int] = {}
+    for solution in arm.ik(arm.fk(q[0])).within_limits():
+        images = solution.q[0] + 2.0 * np.pi * np.arange(-3, 4)
+        inside = images[(images >= low - 1e-9) & (images <= high + 1e-9)]
+        begins[solution.branch] = int((inside.min() + turned <= high + 1e-9).sum())
+    own = {stop.branch: stop for stop in plan.stops if stop.branch != "every branch"}
+    assert {name: stop.waypoint for name, stop in own.items()} == begins
+    assert all(stop.cause == "limit" and arm.joint_names[0] in stop.reason for stop in own.values())
+
+
+@pytest.mark.parametrize("kind", ["wrist, general", "2||3||4", "general", "imperfect"])
+def test_one_waypoint_out_of_reach_is_named(kind: str) -> None:
+    """One waypoint out of reach, those before and after it well inside."""
+    arm = described(kind, 1)
+    T = arm.fk(smooth(arm, np.random.default_rng(4))[::10])
+    T[37, :3, 3] += [4.0 * arm.chain.size, 0.0, 0.0]
+    plan = arm.follow(T, collisions=False)
+    assert not plan.found
+    assert (plan.stops[0].branch, plan.stops[0].waypoint, plan.stops[0].cause) == ("every branch", 37, "reach")
+
+
+def test_contact_is_named_for_every_branch_that_meets_it_first() -> None:
+    """Each branch's explanation names the first contact on its way, although other branches are cheaper."""
+    arm = urdf_ik.load("zyyzyz_6r")
+    T = arm.fk(joint_path(arm, 30, 4, size=0.2))
+    free = arm.follow(T, collisions=False)
+    world = urdf_ik.World()
+    world.add("crate", urdf_ik.Box((0.3, 0.3, 0.3)), T[18])
+    model = arm.collision_model.in_world(world)
+    stops = {stop.branch: stop for stop in arm.follow(T, world=world).stops}
+    for other in free.alternatives:
+        if len(set(other.branches)) > 1:
+            continue
+        stop = stops[other.branches[0]]
+        assert stop.cause == "contact"
+        assert stop.waypoint == np.flatnonzero(model.in_collision(other.q))[0]
+        assert "crate" in stop.reason
+
+
+# FANUC's CRX-10iA/L as the code that comes with Elias and Wen, "Path planning and optimization for cuspidal 6R
+# manipulators" (2025, rpiRobotics/cuspidal-path-planning) describes it: axes z x x y x y, 0.71, 0.54 and 0.15 m, joints
+# without limits.
+CRX_START = (2.0323, 1.2241, -1.1492, 2.8288, -2.9252, -0.3849)
+CRX_END = (-2.6111, -0.6297, -1.5088, 1.8854, -0.4309, 2.5802)
+
+
+def test_the_published_cuspidal_line() -> None:
+    """Twelve solutions at the start, four at the end; four of the start branches lead there, as is published.
+
+    The eight others end in pairs where two solutions merge and are gone: four of them at each of two folds.
+    """
+    x, y, z = np.eye(3)
+    steps = np.array([0 * z, 0 * z, 0.71 * z, 0 * z, 0.54 * y + 0.15 * x, 0 * z])
+    points = np.cumsum(steps, axis=0)
+    text = arms_general.from_screws("crx", "general", np.array([z, x, x, y, x, y]), points, points[-1]).urdf
+    text = re.sub(r"<limit[^>]*/>", "", text.replace('type="revolute"', 'type="continuous"'))
+    arm = urdf_ik.load(text, base="base", tip="tool")
+    T = urdf_ik.line(arm.fk(CRX_START), arm.fk(CRX_END), 500)
+    assert arm.ik(T[[0, -1]]).valid.sum(axis=1).tolist() == [12, 4]
+    plan = arm.follow(T, collisions=False)
+    check(arm, plan)
+    ends = {other.branches[-1] for other in plan.alternatives}
+    assert ends == set(arm.structure.branches[:4])
+    leading = {k: len(arm.follow(T[:k], collisions=False).alternatives) for k in (206, 207, 365, 366, 500)}
+    assert leading == {206: 12, 207: 8, 365: 8, 366: 4, 500: 4}
+    stopped = arm.follow(T, start=CRX_START, collisions=False)
+    assert (stopped.stops[0].waypoint, stopped.stops[0].cause) == (206, "jump")
+    assert "its solutions end here" in stopped.explain()
 
 
 def test_a_box_across_the_path_is_named() -> None:

@@ -102,3 +102,15 @@ def test_the_grid_is_finer_where_the_limits_leave_little() -> None:
     whole = assembling.Refined(T, np.arange(10.0), np.ones(9))
     count = redundant._values(asked, whole)
     assert redundant.FEWEST < count <= redundant.MOST
+
+
+@pytest.mark.parametrize("count", [1, 2, 5])
+def test_waypoints_that_stay_where_they_are(count: int) -> None:
+    """One waypoint, or the same one several times: the arm does not move."""
+    for name in ("srs_7r", "zyyzyz_6r"):
+        arm = urdf_ik.load(name)
+        T = np.repeat(arm.fk(joint_path(arm, 3, 1))[:1], count, axis=0)
+        plan = arm.follow(T, collisions=False)
+        check(arm, plan)
+        assert len(plan.q) == count
+        assert np.abs(np.diff(plan.q, axis=0)).max(initial=0.0) < 1e-9

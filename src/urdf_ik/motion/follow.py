@@ -16,7 +16,7 @@ from urdf_ik.motion.path import settings as settings_of
 from urdf_ik.motion.path.assembling import cut_coarse, made, not_found, priced
 from urdf_ik.motion.path.obstacles import Obstacles
 from urdf_ik.motion.path.search import Search
-from urdf_ik.motion.plan import EVERY_BRANCH, Stop
+from urdf_ik.motion.plan import Stop
 from urdf_ik.solutions.limits import LIMIT_TOLERANCE
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ def follow(
         weights=weights, max_step=max_step, tolerance=tolerance, margins=margins, reconfigure=reconfigure,
     )  # fmt: skip
     plan = _within_limits(settings, _plan(settings, path))
-    if plan.found or not settings.looser or plan.stops[0].branch == EVERY_BRANCH:
+    if plan.found or not settings.looser or all(stop.cause != "jump" for stop in plan.stops):
         return plan
     # Where there is none either, its stops are what matters: a motion that bends too much was not the cause.
     looser = replace(settings, tolerance=settings.tolerance.times(settings_of.LOOSER))

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from urdf_ik.motion.path.bisect import WIDEST
 from urdf_ik.motion.path.graph import Layers
 
 if TYPE_CHECKING:
@@ -177,16 +178,19 @@ def _straight_ways(joints: Joints, a: Array, b: Array, count: int) -> Array:
 def _continue(arm: Arm, joints: Joints, T: Array, at: int, here: list[Nodes], references: Array) -> Array:
     """Add to a waypoint's nodes the solutions that are nearest to each of the references (k, n); returns these."""
     known = np.concatenate([part.q for part in here])
-    carried = []
+    carried = references[:0]
     for reference in references:
         found = _nearest_loose(arm, joints, T, at, reference)
-        if found is None:
+        # None can be reached in one motion, or another reference has led there.
+        if found is None or np.abs(joints.step(reference, found.q[0])).max() > WIDEST:
             continue
-        carried.append(found.q)
+        if np.abs(joints.step(carried, found.q[0])).max(axis=1).min(initial=np.inf) <= SAME:
+            continue
+        carried = np.concatenate([carried, found.q])
         if np.abs(joints.step(known, found.q[0])).max(axis=1).min() > SAME:
             known = np.concatenate([known, found.q])
             here.append(found)
-    return np.concatenate([*carried, references[:0]])
+    return carried
 
 
 def _nearest_loose(arm: Arm, joints: Joints, T: Array, at: int, reference: Array) -> Nodes | None:

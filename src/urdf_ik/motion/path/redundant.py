@@ -105,8 +105,24 @@ def plan(settings: Settings, path: Array) -> Plan:
         found = _plan(settings, path, whole, whole, search, step)
         if found is not None:
             return found
+        if _closed(settings, whole, search):
+            break
     search.graph.solve(settings.reconfigure)
     return not_found(settings, path, whole, search)
+
+
+def _closed(settings: Settings, refined: Refined, search: Search) -> bool:
+    """Whether there is a waypoint where everything on the finest grid touches something."""
+    if search.obstacles is None:
+        return False
+    layers = search.graph.layers
+    hits = np.bincount(layers.at[search.hits], minlength=len(layers.T))
+    touching = np.flatnonzero((hits == np.diff(layers.first)) & (hits > 0))
+    if not len(touching):
+        return False
+    at = touching[:1]
+    grid = _grid(settings, refined, GRIDS[-1])[at]
+    return not search.obstacles.free(node_sets.solved(settings.arm, settings.joints, refined.T, at, grid).q).any()
 
 
 def _some(settings: Settings, refined: Refined) -> Refined:
@@ -117,8 +133,8 @@ def _some(settings: Settings, refined: Refined) -> Refined:
         np.linalg.norm(apart[:, 3:], axis=1) / APART_TURN,
     )
     place = np.concatenate([[0.0], np.cumsum(way)])
-    chosen = np.unique(np.searchsorted(place, np.arange(0.0, place[-1], 1.0)))
-    chosen = np.unique(np.append(chosen, len(place) - 1))
+    chosen = np.searchsorted(place, np.arange(0.0, place[-1], 1.0))
+    chosen = np.unique(np.concatenate([[0], chosen, [len(place) - 1]]))
     at = refined.place[chosen]
     return Refined(refined.T[chosen], at, 1.0 / np.diff(at))
 
@@ -276,6 +292,8 @@ def _is_smooth(settings: Settings) -> bool:
 
 
 def _smoothed(settings: Settings, refined: Refined, guide: Guide) -> Guide:
+    if len(guide.q) < 2:
+        return guide
     q, value = smoothed(settings, refined, guide.q, guide.value)
     steps = np.diff(q, axis=0)
     cost = float((settings.weights * steps * steps * refined.pieces[:, None]).sum())
