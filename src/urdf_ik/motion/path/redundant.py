@@ -32,7 +32,7 @@ where the limits leave few, the grid is finer, so that a step to the next value 
 APART_TURN, APART_MOVE = 0.2, 0.06
 """rad and share of the arm's size between these waypoints."""
 GRIDS = (64, 128, 256)
-"""The same for a grid at every waypoint, where a grid at some of them gave no plan: the next where one finds no way."""
+"""Values of grids at every waypoint, tried one after the other where the grid at some of them led to no plan."""
 LOOSE = (0.25, 1.0)
 """See ``graph.MISMATCH``, on grids that only guide: from one of their values to the next a motion strays far."""
 STEPS = 1.0
@@ -51,6 +51,7 @@ PASSES = 6
 ROUGH_PASSES, LAST_PASSES = 4, 3
 """The same at all waypoints: before the way is smoothed, and after."""
 BETTER = 0.99
+"""Share of the cost before that another pass must come below to be worth one more."""
 SAME = 1e-6
 """Share by which the costs of two ways may differ and count as the same."""
 WORTH = 3.0
@@ -266,9 +267,17 @@ def _finished(
             before, guide = guide.cost, _guide(settings, way)
             if not guide.cost < BETTER * before:
                 break
-    last: tuple[Search, Way] | None = None
     if _is_smooth(settings) and not guide.changes.any():
-        guide = _smoothed(settings, whole, guide)
+        found = _proven(settings, whole, _smoothed(settings, whole, guide), step)
+        if found is not None:
+            return found
+        # Smoothing knows no obstacles: the way may lead into one.
+    return _proven(settings, whole, guide, step)
+
+
+def _proven(settings: Settings, whole: Refined, guide: Guide, step: float) -> tuple[Search, Way] | None:
+    """The way near a guide whose motions are proven and clear; None where there is none."""
+    last: tuple[Search, Way] | None = None
     for wider in (FINER, 1):
         for turn in range(LAST_PASSES):
             around = AROUND[0] if last is None and turn else AROUND[-1]
@@ -287,7 +296,7 @@ def _finished(
 
 
 def _is_smooth(settings: Settings) -> bool:
-    """Whether the cost is the sum of squares, and nothing stands in the way of the least one."""
+    """Whether the cost is the sum of squares alone, which is what smoothing makes least."""
     return COSTS[settings.kind] == "l2" and not settings.margins
 
 

@@ -50,7 +50,8 @@ class Search:
         Args:
             arm: the arm.
             graph: its costs are changed.
-            tolerance: that motions must keep to; None: none is proven, and none is asked for obstacles.
+            tolerance: that motions must keep to; None: they are neither proven nor asked about contacts, only joint
+                vectors are.
             obstacles: what to stay clear of.
             reconfigure: whether the branch may be changed, as rarely as possible.
         """
