@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -12,6 +11,8 @@ import numpy as np
 
 from urdf_ik.errors import PathError
 from urdf_ik.motion.files import writable
+from urdf_ik.solutions import limits
+from urdf_ik.text import json_text
 
 if TYPE_CHECKING:
     import os
@@ -155,8 +156,7 @@ class Plan:
     @cached_property
     def margins(self) -> Margins:
         """Room to limits, obstacles and singularities along the plan."""
-        low, high = self.arm.limits.T
-        room = np.minimum(self.q - low, high - self.q).min(axis=1, initial=np.inf)
+        room = limits.room(self.q, self.arm.limits)
         clearance = np.full(len(self.q), np.nan)
         if self.obstacles is not None and self.found:
             clearance = np.asarray(self.obstacles.model.distance(self.q))
@@ -230,7 +230,7 @@ class Plan:
             >>> json.loads(arm.follow(urdf_ik.line(T0, T1, 10)).to_json())["found"]
             True
         """
-        text = json.dumps(
+        text = json_text(
             {
                 "arm": self.arm.name,
                 "base": self.arm.base,
@@ -243,10 +243,9 @@ class Plan:
                 "changes": [change._asdict() for change in self.changes],
                 "stops": [stop._asdict() for stop in self.stops],
             },
-            indent=1,
         )
         if path is not None:
-            writable(path).write_text(text + "\n", encoding="utf-8")
+            writable(path).write_text(text, encoding="utf-8")
         return text
 
     def to_npz(self, path: str | os.PathLike[str]) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 import logging
 from dataclasses import dataclass, replace
 from importlib import import_module
@@ -15,6 +14,7 @@ import numpy as np
 from urdf_ik.errors import PathError
 from urdf_ik.motion.files import writable
 from urdf_ik.motion.path import settings
+from urdf_ik.text import json_text
 
 if TYPE_CHECKING:
     import os
@@ -79,9 +79,9 @@ class Timed:
             PathError: the file cannot be written.
         """
         arrays = {"t": self.t, "q": self.q, "qd": self.qd, "qdd": self.qdd}
-        text = json.dumps({"joints": self.joints, **{name: array.tolist() for name, array in arrays.items()}})
+        text = json_text({"joints": self.joints, **arrays})
         if path is not None:
-            writable(path).write_text(text + "\n", encoding="utf-8")
+            writable(path).write_text(text, encoding="utf-8")
         return text
 
     def to_npz(self, path: str | os.PathLike[str]) -> None:

@@ -56,6 +56,12 @@ def middle(limits: Array) -> Array:
     return 0.5 * (np.where(ends, low, 0.0) + np.where(ends, high, 0.0))
 
 
+def room(q: Array, limits: Array) -> Array:
+    """How far joint vectors (..., n) are inside the limits (n, 2), negative outside: (...) of the least joint."""
+    low, high = limits.T
+    return np.asarray(np.minimum(q - low, high - q).min(axis=-1, initial=np.inf))
+
+
 def drawn(limits: Array, turning: Mask) -> Array:
     """(n, 2) rad or m, the limits; where a limit is missing, half a turn or a metre from zero or from the other one.
 

@@ -10,6 +10,7 @@ from urdf_ik.motion import waypoints
 from urdf_ik.motion.path.graph import CHANGE, MISMATCH, Graph, Pricing
 from urdf_ik.motion.path.stops import stops_of
 from urdf_ik.motion.plan import Change, Plan
+from urdf_ik.solutions import limits
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -95,13 +96,9 @@ def add_margins(settings: Settings, graph: Graph) -> None:
     """The cost of being near a joint limit: weight times (1 - share of the way to the middle of the range)^2."""
     if not settings.margins:
         return
-    low, high = settings.arm.limits.T
     joints = graph.joints
     q = graph.layers.q[:, None] + joints.digits * joints.turn
-    bounded = np.isfinite(high - low)
-    with np.errstate(invalid="ignore"):
-        off = np.abs(2.0 * (q - low) / np.where(bounded, high - low, 1.0) - 1.0)
-    graph.image_cost = settings.margins * np.where(bounded, off, 0.0).max(axis=2) ** 2
+    graph.image_cost = settings.margins * (1.0 - limits.margin(q, settings.arm.limits)) ** 2
 
 
 def cut_coarse(

@@ -110,9 +110,8 @@ def velocities(arm: Arm) -> Array:
     Raises:
         PathError: a joint has no velocity limit.
     """
-    found = {joint.name: joint.velocity for joint in arm.model.joints}
-    limits = np.array([found.get(name) or np.nan for name in arm.joint_names], dtype=np.float64)
-    if missing := [name for name, limit in zip(arm.joint_names, limits, strict=True) if not limit > 0.0]:
+    limits = arm.velocity_limits
+    if missing := [name for name, limit in zip(arm.joint_names, limits, strict=True) if np.isinf(limit)]:
         raise PathError(
             f"{arm.name} has no velocity limit for {', '.join(missing)}: give them, or write "
             '<limit velocity="..."/> in the URDF'

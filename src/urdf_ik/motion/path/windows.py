@@ -31,9 +31,7 @@ def central(settings: Settings, q: Array) -> Array:
 
 def room(settings: Settings, q: Array) -> Array:
     """How far joint vectors (k, n) are inside the limits by their best images, negative outside (k,) [rad or m]."""
-    low, high = settings.arm.limits.T
-    near = central(settings, q)
-    return np.asarray(np.minimum(near - low, high - near).min(axis=1, initial=np.inf))
+    return limits.room(central(settings, q), settings.arm.limits)
 
 
 def narrow(settings: Settings, T: Array, everything: Nodes, grid: Array) -> Nodes:

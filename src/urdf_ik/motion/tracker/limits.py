@@ -30,12 +30,6 @@ def positive(name: str, value: float, unit: str, *, zero: bool = False) -> float
     return number
 
 
-def stated_velocities(arm: Arm) -> Array:
-    """(n,) the URDF's velocity limits; infinite where none is stated, or zero, which cannot be meant."""
-    stated = {joint.name: joint.velocity for joint in arm.model.joints}
-    return np.array([stated[name] or math.inf for name in arm.joint_names])
-
-
 def limits_of(arm: Arm, name: str, value: ArrayLike) -> Array:
     """(n,) numbers above zero, infinite for no limit, from one number or one a joint."""
     try:

@@ -20,7 +20,7 @@ from urdf_ik._core import Tracker as CoreTracker
 from urdf_ik.chain import CoupledChain
 from urdf_ik.errors import JointVectorError, PoseError, UnsupportedArm
 from urdf_ik.families.parts import aim
-from urdf_ik.motion.tracker.limits import limits_of, positive, stated_velocities
+from urdf_ik.motion.tracker.limits import limits_of, positive
 from urdf_ik.poses import check_poses
 from urdf_ik.solutions.limits import LIMIT_TOLERANCE
 
@@ -113,7 +113,7 @@ class Tracker:
             raise UnsupportedArm(f"{arm.name}: arms of 1 to {MOST_JOINTS} joints are tracked, and it has {chain.n}")
         self.arm = arm
         self.dt = positive("dt", dt, "s")
-        self.velocity_limits = stated_velocities(arm) if velocity is None else limits_of(arm, "velocity", velocity)
+        self.velocity_limits = arm.velocity_limits.copy() if velocity is None else limits_of(arm, "velocity", velocity)
         self.acceleration_limits = limits_of(arm, "acceleration", np.inf if acceleration is None else acceleration)
         for limits in (self.velocity_limits, self.acceleration_limits):
             limits.setflags(write=False)
