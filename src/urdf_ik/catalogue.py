@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from urdf_ik.errors import CatalogueError
+from urdf_ik.text import MOST_OF_A_NAME, quoted
 
 BUNDLED: Mapping[str, str] = {
     "zyyzyz_6r": "six axes z y y z y z with a spherical wrist, upright at zero",
@@ -99,10 +100,12 @@ def resolve(name: str) -> Entry:
         >>> resolve("zyyzyz_6r").tip
         'tool0'
     """
+    if not isinstance(name, str):
+        raise CatalogueError(f"{quoted(name)} given; the name of an arm is a text: {', '.join(names())}")
     if name in BUNDLED:
         return Entry(name, _bundled_folder() / f"{name}.urdf", "base_link", "tool0", description=BUNDLED[name])
     if name not in EXAMPLE_ROBOT_DATA:
-        raise CatalogueError(f"no arm is called {name!r}; {_alternatives(name)}")
+        raise CatalogueError(f"no arm is called {quoted(name)}; {_alternatives(name)}")
     share = _example_robot_data_share()
     if share is None:
         raise CatalogueError(
@@ -146,6 +149,6 @@ def _alternatives(name: str) -> str:
     """The names nearest to one that the catalogue does not hold, or all of them where none is near."""
     import difflib
 
-    if nearest := difflib.get_close_matches(name.lower(), names(), n=4, cutoff=0.5):
+    if nearest := difflib.get_close_matches(name[:MOST_OF_A_NAME].lower(), names(), n=4, cutoff=0.5):
         return f"nearest: {', '.join(nearest)}"
     return f"there are: {', '.join(names())}"

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from urdf_ik import urdf
+from urdf_ik import inputs, urdf
 from urdf_ik.errors import JointVectorError, UnsupportedArm, UrdfError
+from urdf_ik.poses import as_pose_array
 
 if TYPE_CHECKING:
     import os
@@ -183,12 +184,9 @@ class Reference:
         Raises:
             JointVectorError: the last dimension is not nq, or a value is not finite.
         """
-        try:
-            full = np.asarray(q_pin, dtype=np.float64)
-        except (TypeError, ValueError) as error:
-            raise JointVectorError(f"a configuration must be an array of numbers: {error}") from None
         nq = self.pin_model.nq
-        if full.shape[-1:] != (nq,) or not np.isfinite(full).all():
+        full = inputs.real(q_pin, "a configuration", f"an array of numbers (..., {nq})", JointVectorError)
+        if full.shape[-1:] != (nq,) or inputs.first_bad(full) is not None:
             raise JointVectorError(f"configurations of shape {full.shape} given; (..., {nq}) finite numbers are needed")
         out = np.empty((*full.shape[:-1], self.dof))
         for column, name in enumerate(self.joint_names):
@@ -288,7 +286,7 @@ class Reference:
         Raises:
             JointVectorError: the last dimension of q is not n.
         """
-        return pose_errors(self.pose(q), np.asarray(T, dtype=np.float64))
+        return pose_errors(self.pose(q), as_pose_array(T))
 
     def vectors(self, q: ArrayLike) -> Array:
         """``q`` as a float64 array (..., n).
@@ -296,10 +294,7 @@ class Reference:
         Raises:
             JointVectorError: the last dimension is not n.
         """
-        try:
-            Q = np.asarray(q, dtype=np.float64)
-        except (TypeError, ValueError) as error:
-            raise JointVectorError(f"a joint vector must be an array of numbers (..., {self.dof}): {error}") from None
+        Q = inputs.real(q, "a joint vector", f"an array of numbers (..., {self.dof})", JointVectorError)
         if Q.ndim == 0 or Q.shape[-1] != self.dof:
             raise JointVectorError(
                 f"joint vectors of shape {Q.shape} given; the last dimension must be {self.dof} "

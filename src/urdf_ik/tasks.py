@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik import families
+from urdf_ik import families, inputs
 from urdf_ik.chain import least_stretches, sampled
 from urdf_ik.chain.plane import Plane, plane_of
 from urdf_ik.errors import PoseError, TaskError, UnsupportedArm
@@ -159,7 +159,12 @@ class Targets:
         if self.task == "position and axis" and isinstance(T, tuple | list) and len(T) == 2:
             point, direction = (_numbers(part, self.task, "") for part in T)
             if point.shape[-1:] == direction.shape[-1:] == (3,):
-                shape = np.broadcast_shapes(point.shape[:-1], direction.shape[:-1])
+                try:
+                    shape = np.broadcast_shapes(point.shape[:-1], direction.shape[:-1])
+                except ValueError:
+                    raise PoseError(
+                        f"positions {point.shape} and directions {direction.shape} given; the shapes do not broadcast"
+                    ) from None
                 T = np.concatenate([np.broadcast_to(a, (*shape, 3)) for a in (point, direction)], axis=-1)
         words = {
             "position": "x, y, z [m] in the base",
@@ -174,17 +179,16 @@ class Targets:
             )
         if self.task == "position and axis":
             target = target.copy()
-            length = np.linalg.norm(target[..., 3:], axis=-1, keepdims=True)
-            with np.errstate(invalid="ignore", divide="ignore"):
-                target[..., 3:] /= length
+            with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+                target[..., 3:] /= np.abs(target[..., 3:]).max(axis=-1, keepdims=True)  # lest squares overflow
+                target[..., 3:] /= np.linalg.norm(target[..., 3:], axis=-1, keepdims=True)
         else:
             target = target.copy() if target is T else target
-        if not np.isfinite(target).all():
-            place = tuple(np.argwhere(~np.isfinite(target))[0][:-1].tolist())
+        if (bad := inputs.first_bad(target)) is not None:
             raise PoseError(
-                f"the target {target[place].tolist()} for the task {self.task!r} is not finite, or its direction has "
-                "no length",
-                place or None,
+                f"the target {target[bad[:-1]].tolist()} for the task {self.task!r} is not finite, or its direction "
+                f"has no length: {inputs.why_bad(target[bad])}",
+                bad[:-1] or None,
             )
         return target
 
@@ -225,13 +229,8 @@ def _plan(chain: Chain, control: Control) -> Plan | None:
 
 
 def _numbers(value: Any, task: str, words: str) -> Array:
-    try:
-        given = np.asarray(value)
-        if given.dtype.kind in "cSUb":
-            raise TypeError(f"its elements are of type {given.dtype}")
-        return np.ascontiguousarray(given, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise PoseError(f"a target for the task {task!r} must be an array of numbers, {words}: {error}") from None
+    needed = f"an array of numbers{', ' if words else ''}{words}"
+    return inputs.real(value, f"a target for the task {task!r}", needed, PoseError)
 
 
 def _turn_to(axis: Array, directions: Array) -> Array:

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Collection, Sequence
+import reprlib
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 MOST_OF_A_NAME = 80
 """Characters of a name or value that a message quotes at most."""
+_SHORT = reprlib.Repr()
+_SHORT.maxlist = _SHORT.maxtuple = _SHORT.maxdict = _SHORT.maxset = 16
+_SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = 4 * MOST_OF_A_NAME
 
 
 def quoted(value: object, most: int = MOST_OF_A_NAME) -> str:
@@ -19,9 +23,13 @@ def quoted(value: object, most: int = MOST_OF_A_NAME) -> str:
         >>> quoted("tool" * 30)
         "'tooltooltooltooltooltooltooltooltooltooltooltooltooltooltooltooltooltooltool..."
     """
-    # What is cut off need not be written first: a text may be as long as a file.
-    cut = value[: most + 1] if isinstance(value, str | bytes) else value
-    return printable(" ".join(repr(cut).split()) if not isinstance(cut, str | bytes) else repr(cut), most)
+    if isinstance(value, str | bytes):  # what is cut off need not be written first: it may be as long as a file
+        return printable(repr(value[: most + 1]), most)
+    try:
+        written = _SHORT.repr(value)
+    except Exception:  # an object of unknown origin, or lists in each other without end
+        written = f"<{type(value).__name__}>"
+    return printable(" ".join(written.split()), most)
 
 
 def printable(text: object, most: int = MOST_OF_A_NAME) -> str:
@@ -38,11 +46,26 @@ def printable(text: object, most: int = MOST_OF_A_NAME) -> str:
         >>> printable("tool\x9b31m\u202e")
         'tool\\x9b31m\\u202e'
     """
-    written = str(text)
+    try:
+        written = str(text)
+    except Exception:  # an object of unknown origin
+        written = f"<{type(text).__name__}>"
     cut = written[:most]
     if not cut.isprintable():
         cut = "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in cut)
     return cut if len(cut) <= most and len(written) <= most else cut[: most - 3] + "..."
+
+
+def listed(names: Iterable[object], most: int = 20) -> str:
+    """Names as a message lists them, each of them :func:`printable`; of many the first ones.
+
+    Example:
+        >>> listed(["base", "tool"]), listed("abc", most=2)
+        ('base, tool', 'a, b, ... (3)')
+    """
+    every = list(names)
+    shown = [printable(name) for name in every[:most]]
+    return ", ".join(shown if len(every) <= most else [*shown, f"... ({len(every)})"])
 
 
 def aligned(rows: Sequence[Sequence[str]], *, left: Collection[int] = (), rule: bool = False) -> list[str]:

@@ -8,18 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik import families
+from urdf_ik import families, inputs
 from urdf_ik.angles import shortest
 from urdf_ik.arm.moving import Moving
 from urdf_ik.arm.refusals import unsupported
-from urdf_ik.errors import ArgumentError, JointVectorError, PoseError, UnsupportedArm
+from urdf_ik.errors import JointVectorError, PoseError, TaskError, UnsupportedArm
 from urdf_ik.families import Plan, RedundantPlan
 from urdf_ik.poses import as_pose_array, check_poses
 from urdf_ik.redundancy import nearest, sweep
 from urdf_ik.solutions import IKSolutions
 from urdf_ik.solutions.representatives import near_each
 from urdf_ik.structure import Structure, analyse
-from urdf_ik.tasks import Targets
+from urdf_ik.tasks import TASKS, Targets
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -113,6 +114,8 @@ class Arm(Moving):
             >>> len(arm.ik([0.1, 0.1]))
             2
         """
+        if not isinstance(task, str):
+            raise TaskError(f"task={quoted(task)} given; one of {', '.join(map(repr, TASKS))} is needed")
         if task not in self._by_task:
             self._by_task[task] = arm = Arm(self.model, self.chain, task)
             arm._by_task = self._by_task
@@ -185,12 +188,13 @@ class Arm(Moving):
             shoulder back, elbow down, wrist noflip
             shoulder back, elbow down, wrist flip
         """
-        if task is not None and task != self._task:
+        if task is not None and not (isinstance(task, str) and task == self._task):
             return self.for_task(task).ik(T, q_ref, redundancy=redundancy, threads=threads)
         single: Any = self._of_single_poses
         if (
             single is not None
             and redundancy is None
+            and type(threads) is int
             and threads == 1
             and T is not None
             and (q_ref is None or type(T) is np.ndarray)
@@ -204,8 +208,7 @@ class Arm(Moving):
                 return solutions
         if self._plan is None:
             raise unsupported(self.name, self.chain, self.structure)
-        if threads < 1:
-            raise ArgumentError(f"threads={threads} given; a batch is shared by one or more")
+        threads = inputs.whole(threads, "threads", low=1)
         if self._targets is not None:
             if redundancy is not None:
                 raise UnsupportedArm(f"{self.name}: targets of the task {self._task!r} leave nothing free")
@@ -327,7 +330,7 @@ class Arm(Moving):
             >>> arm.ik_nearest(arm.fk(q), q).q.round(6).tolist()
             [[0.3, -0.5, 0.8, 0.4, 0.7, -0.2]]
         """
-        if task is not None and task != self._task:
+        if task is not None and not (isinstance(task, str) and task == self._task):
             arm = self.for_task(task)
             return arm.ik_nearest(
                 T, q_ref, metric=metric, weights=weights, within=within, within_limits=within_limits, threads=threads

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
@@ -11,7 +12,7 @@ from urdf_ik.arm.arm import Arm
 from urdf_ik.chain import from_urdf
 
 if TYPE_CHECKING:
-    import os
+
     from collections.abc import Mapping, Sequence
 
 
@@ -48,11 +49,16 @@ def load(
         entry = catalogue.resolve(source)
         source = entry.path
         base, tip = entry.base if base is None else base, entry.tip if tip is None else tip
-        mesh_roots = (*mesh_roots, *entry.package_dirs)
+        mesh_roots = (*([mesh_roots] if isinstance(mesh_roots, str | os.PathLike) else mesh_roots), *entry.package_dirs)
     model = urdf.read(source, mesh_roots=mesh_roots)
-    return Arm(model, from_urdf(model, base, tip).lock(locked or {}))
+    return Arm(model, from_urdf(model, base, tip).lock({} if locked is None else locked))
 
 
 def _is_name(source: str) -> bool:
     """Whether ``source`` can only be meant as a catalogue name: no markup, no folder, no ending, no such file."""
-    return bool(re.fullmatch(r"[\w-]+", source)) and not Path(source).exists()
+    if not re.fullmatch(r"[\w-]+", source):
+        return False
+    try:
+        return not Path(source).exists()
+    except OSError:  # too long to be the name of a file
+        return True

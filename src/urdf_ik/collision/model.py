@@ -5,6 +5,7 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
+from urdf_ik import inputs
 from urdf_ik.chain import from_urdf
 from urdf_ik.collision import geometry, table
 from urdf_ik.collision.questions import Questions, Seen
@@ -162,6 +163,7 @@ class CollisionModel(Questions):
         """
         if world is None or world is self.world:
             return self
+        inputs.kind(world, "snapshot", "world", "a urdf_ik.World", WorldError)
         last = self._last
         if last is None or last.world is not world:
             last = self._copy()

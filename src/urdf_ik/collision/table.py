@@ -11,7 +11,7 @@ import numpy as np
 
 from urdf_ik.collision.scene import ShapePair
 from urdf_ik.errors import WorldError
-from urdf_ik.text import aligned
+from urdf_ik.text import aligned, listed, printable, quoted
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -138,11 +138,11 @@ def named(a: str, b: str, rank: Mapping[str, int], shaped: Sequence[str]) -> Pai
         WorldError: there is no such link or obstacle, it has no shape, or both are the same.
     """
     for name in (a, b):
-        if name not in rank:
-            close = difflib.get_close_matches(str(name), rank, n=3) or list(rank)
-            raise WorldError(f"there is no link or obstacle {name!r}; there are: {', '.join(close)}")
+        if not isinstance(name, str) or name not in rank:
+            close = difflib.get_close_matches(printable(name), rank, n=3) or list(rank)
+            raise WorldError(f"there is no link or obstacle {quoted(name)}; there are: {listed(close)}")
         if name not in shaped:
-            raise WorldError(f"link {name!r} has no collision shape; links with one: {', '.join(shaped)}")
+            raise WorldError(f"link {quoted(name)} has no collision shape; links with one: {', '.join(shaped)}")
     if a == b:
         raise WorldError(f"{a!r} and itself given; a pair is of two links, or of a link and an obstacle")
     return ordered(a, b, rank)

@@ -12,6 +12,7 @@ from lxml import etree
 from urdf_ik import poses, urdf
 from urdf_ik.collision.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from urdf_ik.errors import PoseError, UrdfError, WorldError
+from urdf_ik.text import listed, printable, quoted
 
 if TYPE_CHECKING:
     import os
@@ -126,7 +127,7 @@ class World:
         return iter(tuple(self._obstacles.values()))
 
     def __contains__(self, name: object) -> bool:
-        return name in self._obstacles
+        return isinstance(name, str) and name in self._obstacles
 
     def __getitem__(self, name: str) -> Obstacle:
         return self._obstacles[self._known(name)]
@@ -154,10 +155,10 @@ class World:
             ('table',)
         """
         if not isinstance(name, str) or not name:
-            raise WorldError(f"an obstacle's name is a text that is not empty, not {name!r}")
+            raise WorldError(f"an obstacle's name is a text that is not empty, not {quoted(name)}")
         if not isinstance(shape, Shape):
             kinds = "Box, Sphere, Cylinder, Capsule, HalfSpace, Mesh or Points"
-            raise WorldError(f"obstacle {name!r}: a shape is needed ({kinds}), not {type(shape).__name__}")
+            raise WorldError(f"obstacle {quoted(name)}: a shape is needed ({kinds}), not {type(shape).__name__}")
         placed = _pose(np.eye(4) if pose is None else pose)
         if isinstance(shape, Mesh):
             shape.file()
@@ -246,14 +247,14 @@ class World:
         self.__dict__.update(state)
 
     def _known(self, name: str) -> str:
-        if name not in self._obstacles:
-            close = difflib.get_close_matches(str(name), self._obstacles, n=3)
+        if name not in self:
+            close = difflib.get_close_matches(printable(name), self._obstacles, n=3)
             hint = (
-                f"did you mean {' or '.join(map(repr, close))}?"
+                f"did you mean {' or '.join(map(quoted, close))}?"
                 if close
-                else f"there are: {', '.join(self.names) or 'no'}"
+                else f"there are: {listed(self.names) or 'no'}"
             )
-            raise WorldError(f"there is no obstacle {name!r} in this world; {hint}")
+            raise WorldError(f"there is no obstacle {quoted(name)} in this world; {hint}")
         return name
 
 

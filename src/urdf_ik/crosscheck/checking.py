@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pinocchio as pin
 
+from urdf_ik import inputs
 from urdf_ik.collision import CollisionModel
 from urdf_ik.crosscheck.properties import Collision, Inverse, Kinematics, limits
 from urdf_ik.crosscheck.report import Report
@@ -82,8 +83,8 @@ def check(
         >>> check(urdf_ik.load("planar_2r"), n=5).passed
         True
     """
-    if n < 1:
-        raise ArgumentError(f"n = {n}: at least one pose must be checked")
+    inputs.arm(arm)
+    n = inputs.whole(n, "n", low=1)
     _require_seed(seed)
     reference = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
     names = limits(arm, reference)
@@ -156,8 +157,7 @@ def _draw(reference: Reference, seed: int, index: int) -> Array:
 
 
 def _require_seed(seed: int) -> None:
-    if seed < 0:
-        raise ArgumentError(f"seed = {seed}: a seed is zero or more")
+    inputs.whole(seed, "seed", high=2**64)
 
 
 def _collision(arm: Arm, wanted: bool | None, most: int | None) -> tuple[Collision | None, str]:

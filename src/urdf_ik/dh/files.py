@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdf_ik import inputs
 from urdf_ik.dh.checks import COLUMNS
 from urdf_ik.errors import DHError, PoseError
 from urdf_ik.poses import pose, to_rpy
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
+MAX_BYTES = 2**20
+"""Greatest size of a table's file; one of 500 joints has less than a tenth of it."""
 KEYS = ("name", "convention", "angles", "base", "tool")
 OPTIONAL = ("name", "type", "offset", "lower", "upper")
 _UNITS = {"rad": False, "deg": True}
@@ -42,9 +45,7 @@ def read(path: str | os.PathLike[str], convention: str | None, degrees: bool) ->
         DHError: the file cannot be read or holds no table; the error names row, column and value.
     """
     try:
-        text = Path(path).read_text("utf-8-sig")
-    except OSError as error:
-        raise DHError(f"cannot be read: {error.strerror}") from None
+        text = inputs.read_bytes(inputs.path(path, "path", DHError), MAX_BYTES, DHError).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise DHError("is no text; a table is CSV or JSON") from None
     parse = _from_json if text.lstrip().startswith(("{", "[")) else _from_csv

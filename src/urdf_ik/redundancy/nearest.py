@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdf_ik import inputs
 from urdf_ik.errors import JointVectorError
 from urdf_ik.poses import as_pose_array
 from urdf_ik.redundancy.sweep import FINER, FINEST, GRID, span
@@ -61,6 +62,7 @@ def nearest(
     may lie at a limit, where a branch ends, or anywhere between.
     """
     measure = select.measure(arm, metric, weights, within)
+    within_limits = inputs.flag(within_limits, "within_limits")
     target = as_pose_array(T)
     reference = arm.chain.check(q_ref)
     shape = target.shape[:-2]

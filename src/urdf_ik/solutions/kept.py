@@ -12,6 +12,7 @@ import numpy as np
 from urdf_ik._core import Answer
 from urdf_ik.angles import TURN
 from urdf_ik.solutions.turn_names import suffix
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -269,7 +270,9 @@ class KeptSolutions(Answer):
             if isinstance(index, int | np.integer):
                 column = self._columns("an index")[index]
                 return self._solution(column, self.names[column])
-            raise TypeError(f"index {index!r}: the solutions of a single pose take a whole number; or use to_array()")
+            raise TypeError(
+                f"index {quoted(index)}: the solutions of a single pose take a whole number; or use to_array()"
+            )
         place: tuple[Any, ...] = index if isinstance(index, tuple) else (index,)
         if not all(isinstance(i, int | np.integer | slice) for i in place):
             # Whatever NumPy makes of it, applied to the places of the poses so that columns and joints stay whole.

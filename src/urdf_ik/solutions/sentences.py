@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik import inputs
 from urdf_ik.solutions import limits
 from urdf_ik.text import aligned
 
@@ -38,6 +39,7 @@ def explanation(solutions: KeptSolutions) -> str:
 
 def table(solutions: KeptSolutions, degrees: bool = False) -> str:
     """The solutions of a single pose, a line each; a batch in one sentence."""
+    degrees = inputs.flag(degrees, "degrees")
     name = solutions.arm.name
     how = f" ({', '.join(solutions.filters)})" if solutions.filters else ""
     if solutions.shape:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import io
 import os
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -13,13 +14,15 @@ from typing import IO, TYPE_CHECKING, Any
 import numpy as np
 from lxml import etree
 
-from urdf_ik.errors import ChainError, UrdfError
+from urdf_ik import inputs
+from urdf_ik.errors import ArgumentError, ChainError, UrdfError
+from urdf_ik.text import printable, quoted
 from urdf_ik.urdf import bodies, checks, meshes, tree
 from urdf_ik.urdf.checks import MOVABLE
 from urdf_ik.urdf.xml import open_source, parse
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
@@ -95,6 +98,11 @@ class UrdfModel:
     def robot(self) -> Any:
         """The yourdfpy.URDF of ``xml``, without meshes and without a scene."""
         return _yourdfpy(self.xml)
+
+    @property
+    def folders(self) -> list[Path]:
+        """The same folders as ``package_dirs``, as paths."""
+        return [Path(folder) for folder in self.package_dirs]
 
     @property
     def package_dirs(self) -> tuple[str, ...]:
@@ -211,12 +219,15 @@ class UrdfModel:
         return carried
 
     def _require(self, link: str, role: str = "link") -> str:
-        if link == self.root or link in self._carrier:
+        if isinstance(link, str) and (link == self.root or link in self._carrier):
             return link
-        close = difflib.get_close_matches(str(link), self.links, n=3)
-        hint = f"; did you mean {' or '.join(map(repr, close))}?" if close else ""
+        close = difflib.get_close_matches(printable(link), self.links, n=3)
+        hint = f"; did you mean {' or '.join(map(quoted, close))}?" if close else ""
         what = "link" if role == "link" else f"{role} link"
-        raise ChainError(f"{self.source}: there is no {what} {link!r}{hint}", dict.fromkeys([*close, *self.links]))
+        raise ChainError(
+            f"{printable(self.source, 200)}: there is no {what} {quoted(link)}{hint}",
+            dict.fromkeys([*close, *self.links]),
+        )
 
     def _up_from(self, link: str) -> list[Joint]:
         """The joints from ``link`` to the root."""
@@ -253,15 +264,16 @@ class UrdfModel:
             return leaves[0]
         if not leaves:
             raise ChainError(
-                f"{self.source}: no {', '.join(MOVABLE)} joint below base {base!r}: there is no movable chain",
+                f"{printable(self.source, 200)}: no {', '.join(MOVABLE)} joint below base {quoted(base)}: "
+                "there is no movable chain",
                 [] if base == self.root else [self.root],
             )
         if len(last_moving) == 1:
             moving = next(iter(last_moving))
-            why = f"{len(leaves)} links end the chain, all fixed to {moving!r}"
+            why = f"{len(leaves)} links end the chain, all fixed to {quoted(moving)}"
         else:
-            why = f"{len(last_moving)} movable chains begin at {base!r}"
-        raise ChainError(f"{self.source}: the tip is ambiguous: {why}; name one with tip=...", leaves)
+            why = f"{len(last_moving)} movable chains begin at {quoted(base)}"
+        raise ChainError(f"{printable(self.source, 200)}: the tip is ambiguous: {why}; name one with tip=...", leaves)
 
 
 def read(
@@ -287,6 +299,7 @@ def read(
         >>> model.name, model.root, len(model.links)
         ('planar_2r', 'base_link', 4)
     """
+    folders = _folders(mesh_roots)
     opened = open_source(source)
     original = parse(opened)
     name = tree.check_robot(original, opened.name)
@@ -314,7 +327,7 @@ def read(
         links=tuple(links),
         joints=tuple(_joint(each, theirs[each.name]) for each in raw),
         root=root,
-        mesh_roots=_folders(mesh_roots),
+        mesh_roots=folders,
         left_out=left_out,
     )
 
@@ -340,7 +353,10 @@ def resolve_mesh(model: UrdfModel, filename: str) -> Path:
         >>> resolve_mesh(urdf.read("arm.urdf"), "hand.stl").name
         'hand.stl'
     """
-    return meshes.resolve(filename, [Path(folder) for folder in model.package_dirs], model.source)
+    inputs.kind(model, "folders", "model", "the model of a URDF, as urdf_ik.urdf.read gives it,")
+    if not isinstance(filename, str):
+        raise UrdfError(f"{quoted(filename)} given; a mesh's filename is a text", source=model.source)
+    return meshes.resolve(filename, model.folders, model.source)
 
 
 def _yourdfpy(xml: bytes) -> Any:
@@ -379,4 +395,6 @@ def _joint(raw: checks.RawJoint, theirs: Any) -> Joint:
 
 def _folders(roots: Iterable[str | os.PathLike[str]] | str | os.PathLike[str]) -> tuple[Path, ...]:
     each = [roots] if isinstance(roots, str | os.PathLike) else roots
-    return tuple(Path(root).absolute() for root in each)
+    if not isinstance(each, Iterable):
+        raise ArgumentError(f"mesh_roots={quoted(roots)} given; paths of folders are needed")
+    return tuple(inputs.path(root, "a folder of mesh_roots").absolute() for root in each)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Callable
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdf_ik import inputs
 from urdf_ik.angles import TURN
 from urdf_ik.errors import UnsupportedArm, WorkspaceError
 from urdf_ik.solutions import limits as joint_limits
@@ -79,14 +79,15 @@ def compute(
         >>> found.grid.shape, round(float(found.reach([1, 0, 0])[-1, 1]), 3)
         ((8, 8, 1), 0.2)
     """
+    inputs.arm(arm, error=WorkspaceError)
     if not arm.structure.branches:
         raise UnsupportedArm(f"{arm.name}: no solver for this arm yet. {arm.structure}")
-    if not 1 <= orientations <= MAX_SAMPLES or chunk < 1:
-        raise WorkspaceError(
-            f"{orientations} orientations, {chunk} poses a chunk: 1 to {MAX_SAMPLES} and 1 or more are needed"
-        )
+    orientations = inputs.whole(orientations, "orientations", WorkspaceError, low=1, high=MAX_SAMPLES)
+    chunk, threads = (
+        inputs.whole(value, name, WorkspaceError, low=1) for value, name in ((chunk, "chunk"), (threads, "threads"))
+    )
     grid = grid_of(arm, voxel, bounds)
-    path = None if output is None else Path(output)
+    path = None if output is None else inputs.path(output, "output", WorkspaceError)
     branches = arm.for_task(arm.task).structure.branches
     count = 1 if sampled(arm) == NOTHING else orientations
     in_limits = within_limits or collision_free
