@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -109,7 +110,7 @@ def table_array(rows: ArrayLike, columns: Sequence[str] = COLUMNS) -> Array:
         given = list(rows)  # type: ignore[arg-type]
     except Exception:  # whatever an object of unknown origin raises
         raise DHError(f"{quoted(rows)} is no table; rows of {', '.join(columns)} are needed") from None
-    out = np.empty((len(given), len(columns)))
+    out = np.full((len(given), len(columns)), np.inf)
     for i, row in enumerate(given):
         try:
             values = np.atleast_1d(np.asarray(row, dtype=object))
@@ -118,10 +119,10 @@ def table_array(rows: ArrayLike, columns: Sequence[str] = COLUMNS) -> Array:
         if values.shape != (len(columns),):
             raise DHError(f"{values.size} columns given, {len(columns)} are needed: {', '.join(columns)}", row=i + 1)
         for k, value in enumerate(values):
-            try:
-                out[i, k] = float(value) if inputs.is_real(value) else None
-            except (OverflowError, TypeError, ValueError):
-                raise DHError(f"{quoted(value)} is no number", row=i + 1, column=columns[k]) from None
+            if not inputs.is_real(value):
+                raise DHError(f"{quoted(value)} is no number", row=i + 1, column=columns[k])
+            with contextlib.suppress(OverflowError):  # then it stays infinite
+                out[i, k] = float(value)
     return out
 
 
