@@ -41,10 +41,7 @@ def as_urdf(source: Source) -> tuple[Source, tuple[UrdfError, ...]]:
     except ImportError:
         raise MissingPackage(f"{source.name}: this is a MuJoCo model, and mujoco is not installed: {INSTALL}") from None
     try:
-        if source.path is None or source.path.suffix == ".gz":
-            spec = mujoco.MjSpec.from_string(source.text)
-        else:
-            spec = mujoco.MjSpec.from_file(str(source.path))
+        spec = _spec(mujoco, source)
         lost = _without_missing_files(spec, source)
         model = spec.compile()
     except (ValueError, mujoco.FatalError) as error:
@@ -57,11 +54,20 @@ def as_urdf(source: Source) -> tuple[Source, tuple[UrdfError, ...]]:
     return Source(text, f"{source.name} (as URDF)", source.path), (*lost, *writer.lost)
 
 
+def _spec(mujoco: Any, source: Source) -> Any:
+    """MuJoCo's reading of the model, not compiled."""
+    if source.path is not None and source.path.suffix != ".gz":
+        return mujoco.MjSpec.from_file(str(source.path))
+    if "<include" in source.text:
+        raise UrdfError("<include> in text", source=source.name, hint="give the path of the file that includes")
+    return mujoco.MjSpec.from_string(source.text)
+
+
 def _without_missing_files(spec: Any, source: Source) -> tuple[UrdfError, ...]:
     """Take meshes whose files are not there, and all that only colours need, out of a model that is not compiled."""
-    folder = Path.cwd() if source.path is None else source.path.parent
-    missing = {mesh.name for mesh in spec.meshes if mesh.file and not (folder / spec.meshdir / mesh.file).is_file()}
-    missing |= {Path(mesh.file).stem for mesh in spec.meshes if mesh.name in missing}
+    folder = None if source.path is None else source.path.parent / spec.meshdir
+    absent = [mesh for mesh in spec.meshes if mesh.file and (folder is None or not (folder / mesh.file).is_file())]
+    missing = {mesh.name or Path(mesh.file).stem for mesh in absent}
     lost = []
     for geom in list(spec.geoms):
         if geom.meshname and geom.meshname in missing:
@@ -70,11 +76,11 @@ def _without_missing_files(spec: Any, source: Source) -> tuple[UrdfError, ...]:
             spec.delete(geom)
         else:
             geom.material = ""
-    for kind in (spec.skins, spec.materials, spec.textures):
+    for kind in (spec.skins, spec.materials, spec.textures, *([spec.hfields] if folder is None else [])):
         for each in list(kind):
             spec.delete(each)
     for mesh in list(spec.meshes):
-        if mesh.name in missing:
+        if mesh in absent:
             spec.delete(mesh)
     spec.compiler.boundmass = max(spec.compiler.boundmass, 1e-9)  # a body may have lost all that it weighs
     spec.compiler.boundinertia = max(spec.compiler.boundinertia, 1e-12)

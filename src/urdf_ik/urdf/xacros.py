@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from urdf_ik.errors import MissingPackage, UrdfError
+from urdf_ik.text import quoted
 from urdf_ik.urdf import packages
-from urdf_ik.urdf.xml import Source, show
+from urdf_ik.urdf.xml import Source
 
 INSTALL = "pip install 'urdf-ik[xacro]'"
 
@@ -75,7 +76,7 @@ def expanded(source: Source, roots: Sequence[Path], given: Mapping[str, object])
             raise _refused(source, error, arguments) from None
     if unknown := sorted(set(arguments) & set(given) - arguments.known):
         raise UrdfError(
-            f"it has no argument {show(unknown[0])}", source=source.name, element="<xacro:arg>", hint=_has(arguments)
+            f"it has no argument {quoted(unknown[0])}", source=source.name, element="<xacro:arg>", hint=_has(arguments)
         )
     return Source(document.toprettyxml(indent="  "), f"{source.name} (expanded)", source.path)
 
