@@ -273,7 +273,7 @@ def test_what_is_wrong_with_an_arm_is_said_and_the_old_one_stays(viewer: Viewer,
         ("zyyzyz", "nearest: zyyzyz_6r"),
         ("no/such.urdf", "no/such.urdf"),
         (broken, "link 'x' is not declared"),
-        (forked, "candidates: d, e"),
+        (forked, "candidates: c, d, e"),
         (b"", "empty"),
     ):
         viewer.open(source)

@@ -58,14 +58,9 @@ def load(
         >>> load("zyyzyz_6r")
         <Arm 'zyyzyz_6r': base_link to tool0, 6R spherical wrist, 2||3 and 1x2>
     """
-    if isinstance(source, str) and _is_name(source):
-        entry = catalogue.resolve(source)
-        source = entry.path
+    model, entry = read(source, mesh_roots=mesh_roots, xacro_args=xacro_args)
+    if entry is not None and chain is None and srdf is None:
         base, tip = entry.base if base is None else base, entry.tip if tip is None else tip
-        mesh_roots = (*mesh_roots, *entry.package_dirs)
-        if entry.xacro_args is not None:
-            xacro_args = {**entry.xacro_args, **(xacro_args or {})}
-    model = urdf.read(source, mesh_roots=mesh_roots, xacro_args=xacro_args)
     if tip is None and srdf is not None:
         base, tip = _of_group(model, srdf, base, chain)
     elif tip is None:
@@ -73,6 +68,33 @@ def load(
     elif chain is not None:
         raise ArgumentError(f"chain={chain!r} and tip={tip!r} say the same; give one of them")
     return Arm(model, from_urdf(model, base, tip).lock(locked or {}))
+
+
+def read(
+    source: str | os.PathLike[str] | IO[Any],
+    *,
+    mesh_roots: Sequence[str | os.PathLike[str]] = (),
+    xacro_args: Mapping[str, object] | None = None,
+) -> tuple[urdf.UrdfModel, catalogue.Entry | None]:
+    """The URDF behind a path, XML text, an open file or a name, with what the catalogue says of the name.
+
+    Raises:
+        UrdfError: the URDF is broken.
+        CatalogueError: a name that there is not, or whose model cannot be downloaded.
+        MissingPackage: the package that reads a xacro or MJCF is not installed.
+
+    Example:
+        >>> model, entry = read("planar_2r")
+        >>> model.name, entry.tip
+        ('planar_2r', 'tool0')
+    """
+    entry = None
+    if isinstance(source, str) and _is_name(source):
+        entry = catalogue.resolve(source)
+        source, mesh_roots = entry.path, (*mesh_roots, *entry.package_dirs)
+        if entry.xacro_args is not None:
+            xacro_args = {**entry.xacro_args, **(xacro_args or {})}
+    return urdf.read(source, mesh_roots=mesh_roots, xacro_args=xacro_args), entry
 
 
 def _of_group(
@@ -86,9 +108,9 @@ def _of_group(
     groups = dict(chain_groups(srdf, model.links))
     if name is None and len(groups) == 1:
         name = next(iter(groups))
-    if name not in groups:
-        what = "no group holds a chain" if not groups else f"there is no group {name!r} with a chain"
-        raise ChainError(f"{model.source}: {what if name else 'the SRDF has several chains; name one'}", groups)
+    if name is None or name not in groups:
+        what = "the SRDF has several chains, or none; name one" if name is None else f"the SRDF has no chain {name!r}"
+        raise ChainError(f"{model.source}: {what}", groups)
     return base or groups[name][0], groups[name][1]
 
 

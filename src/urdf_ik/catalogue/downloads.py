@@ -107,7 +107,8 @@ def fetch(model: str) -> Model:
         ) from None
     for attribute in ("URDF_PATH", "XACRO_PATH", "MJCF_PATH"):
         if path := getattr(module, attribute, None):
-            folders = [module.PACKAGE_PATH, module.REPOSITORY_PATH, *getattr(module, "XACRO_PACKAGE_PATHS", {}).values()]
+            others = getattr(module, "XACRO_PACKAGE_PATHS", {}).values()
+            folders = [module.PACKAGE_PATH, module.REPOSITORY_PATH, *others]
             folders += [os.path.dirname(folder) for folder in folders]
             arguments = getattr(module, "XACRO_ARGS", {}) if attribute == "XACRO_PATH" else None
             return Model(Path(path), tuple(dict.fromkeys(map(Path, folders))), arguments)

@@ -38,22 +38,28 @@ def root(version: options.Version = False) -> None:
         "urdf-ik info zyyzyz_6r",
         "urdf-ik info my_arm.urdf --base base_link --tip tool0 --format json",
         "urdf-ik info panda --lock panda_joint3=30deg",
+        "urdf-ik info my_arm.urdf --chains",
     )
 )
 @on_an_arm
 def info(
     *,
+    chains: options.Chains = False,
     chosen: ChosenArm,
     degrees: options.Degrees = False,
     printed_as: options.TextFormat = ReportFormat.TABLE,
 ) -> None:
     """Print what is known of the arm."""
     from urdf_ik.cli import console
+    from urdf_ik.cli.commands import chains as chains_command
     from urdf_ik.cli.commands import info as info_command
 
+    if chains:
+        show = chains_command.as_json if printed_as is ReportFormat.JSON else chains_command.as_text
+        return console.write(show(chosen.model(), chosen.base), None)
     arm = chosen.load()
     write = info_command.as_json if printed_as is ReportFormat.JSON else info_command.as_text
-    console.write(write(arm, angles_of(arm, degrees)), None)
+    return console.write(write(arm, angles_of(arm, degrees)), None)
 
 
 @app.command(

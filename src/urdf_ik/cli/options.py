@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import glob
 from enum import StrEnum
 from pathlib import Path
 from typing import IO, Annotated
@@ -83,12 +84,51 @@ class DHFormat(StrEnum):
     URDF = "urdf"
 
 
+def robots_and_files(incomplete: str) -> list[str]:
+    """What a shell offers for a robot: names that begin so, and folders and files that can be read.
+
+    Example:
+        >>> robots_and_files("zyy")
+        ['zyyzyz_6r']
+    """
+    from urdf_ik import catalogue
+    from urdf_ik.catalogue import downloads
+
+    names = [name for name in (*catalogue.names(), *downloads.names()) if name.startswith(incomplete)]
+    folder, _, start = incomplete.rpartition("/")
+    files = []
+    for found in sorted(Path(folder or ("/" if incomplete.startswith("/") else ".")).glob(f"{glob.escape(start)}*")):
+        written = f"{incomplete[: len(incomplete) - len(start)]}{found.name}"
+        if found.is_dir():
+            files.append(f"{written}/")
+        elif found.name.removesuffix(".gz").endswith((".urdf", ".xacro", ".xml")):
+            files.append(written)
+    return [*names, *files]
+
+
 # What every command takes.
 Robot = Annotated[
-    str, Argument(metavar="ROBOT", help="URDF file, a catalogue name (zyyzyz_6r, dh_6r, ur5, ...), or - for stdin.")
+    str,
+    Argument(
+        metavar="ROBOT",
+        help="File (URDF, xacro, MJCF, or one of them in gzip), a name that `urdf-ik robots` lists, or - for stdin.",
+        autocompletion=robots_and_files,
+    ),
 ]
 Base = Annotated[str | None, Option("--base", metavar="LINK", help="Base link; poses are given in its frame.")]
 Tip = Annotated[str | None, Option("--tip", metavar="LINK", help="Tip link, whose pose is meant.")]
+ChainName = Annotated[
+    str | None,
+    Option("--chain", metavar="NAME", help="Which arm of several, as `info --chains` names it, or an SRDF's group."),
+]
+Srdf = Annotated[
+    Path | None,
+    Option("--srdf", metavar="FILE", exists=True, dir_okay=False, help="SRDF, whose groups are the chains."),
+]
+XacroArg = Annotated[
+    list[str] | None,
+    Option("--xacro-arg", metavar="NAME:=VALUE", help="Argument of a xacro; repeatable."),
+]
 MeshRoot = Annotated[
     list[Path] | None,
     Option(
@@ -96,7 +136,7 @@ MeshRoot = Annotated[
         metavar="DIR",
         exists=True,
         file_okay=False,
-        help="Where meshes may be read from; repeatable.",
+        help="Where meshes and ROS packages are looked for; repeatable.",
     ),
 ]
 Degrees = Annotated[bool, Option("--degrees", help="Angles in degrees, in and out, instead of rad.")]
@@ -118,6 +158,11 @@ DataFormat = Annotated[
 ]
 TextFormat = Annotated[ReportFormat, Option("--format", "-f", help="How to print it.")]
 Seed = Annotated[int, Option("--seed", min=0, help="Seed of everything that is drawn.")]
+
+# What else `info` shows, and what `robots` lists.
+Chains = Annotated[bool, Option("--chains", help="List the chains of the URDF instead, and which is meant by itself.")]
+Word = Annotated[str, Argument(metavar="[WORD]", help="Only names that hold this.")]
+All = Annotated[bool, Option("--all", help="The arms of robot_descriptions that are not here, too.")]
 
 # Joint vectors of fk.
 Vectors = Annotated[list[str] | None, Option("--q", metavar="Q1,Q2,...", help="Joint vector, rad or m; repeatable.")]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from urdf_ik.urdf.checks import MOVABLE
 from urdf_ik.urdf.chains import Candidate
+from urdf_ik.urdf.checks import MOVABLE
 from urdf_ik.urdf.joint import Joint
 from urdf_ik.urdf.model import UrdfModel, read, resolve_mesh
 

@@ -132,19 +132,21 @@ class Chains:
             below = self._body(joint.child, joint)
             if joint.type not in MOVABLE:
                 ways += self._ways(below, 0)
-            elif self._height(joint) and not self._is_finger(joint, len(body.carried), depth):
+            elif not self._is_finger(joint, len(body.carried), depth):
                 ways += [[body, *way] for way in self._ways(below, depth + int(_moves(joint)))]
         return ways or [[body]]
 
     def _is_finger(self, joint: Joint, beside: int, depth: int) -> bool:
         """Whether a joint moves a finger rather than the arm: one of several in a hand, or an arm's last one."""
+        height = self._height(joint)
+        if beside > 1 and not height:
+            return True
         if depth < ARM_JOINTS:
             return False
-        height = self._height(joint)
         if beside > 1:
             named = _FINGER.search(joint.name) or _FINGER.search(joint.child)
             return height <= (FINGER_JOINTS if named else SLIDING_JOINTS * (joint.type == "prismatic"))
-        return height == 1 and bool(_FINGER.search(joint.name)) and not _WRIST.search(joint.name)
+        return height <= 1 and bool(_FINGER.search(joint.name)) and not _WRIST.search(joint.name)
 
     def _candidate(self, way: Sequence[_Body], start: int, chosen: bool, name: str) -> Candidate:
         tip, reason = self._tip(way[-1])

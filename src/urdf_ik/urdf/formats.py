@@ -8,10 +8,10 @@ from pathlib import Path
 
 from urdf_ik.errors import UrdfError
 from urdf_ik.urdf import mjcf, xacros
-from urdf_ik.urdf.xml import Source
+from urdf_ik.urdf.xml import Source, prolog_end
 
 _XACRO_NAME = re.compile(r"\.xacro(\.gz)?$", re.IGNORECASE)
-_MUJOCO = re.compile(r"\s*(<\?.*?\?>\s*|<!--.*?-->\s*)*<mujoco[\s>]", re.DOTALL)
+_MUJOCO = re.compile(r"<mujoco[\s/>]")
 
 
 def as_urdf(
@@ -33,6 +33,6 @@ def as_urdf(
     """
     if xacro_args is not None or _XACRO_NAME.search(source.name):
         return xacros.expanded(source, roots, xacro_args or {}), ()
-    if _MUJOCO.match(source.text):
+    if _MUJOCO.match(source.text, prolog_end(source.text)):
         return mjcf.as_urdf(source)
     return source, ()

@@ -33,16 +33,21 @@ def as_urdf(source: Source) -> tuple[Source, tuple[UrdfError, ...]]:
         The URDF, and errors of the shapes that it cannot hold.
 
     Raises:
-        UrdfError: MuJoCo refuses the model.
+        UrdfError: it is no file, or MuJoCo refuses the model.
         MissingPackage: the package mujoco is not installed.
     """
+    path = source.path
+    if path is None:
+        raise UrdfError("a MuJoCo model as text", source=source.name, hint="save it, and give the file's path")
     try:
         import mujoco
     except ImportError:
         raise MissingPackage(f"{source.name}: this is a MuJoCo model, and mujoco is not installed: {INSTALL}") from None
     try:
-        spec = _spec(mujoco, source)
-        lost = _without_missing_files(spec, source)
+        # Text that came packed is parsed as it was unpacked; it can include no files.
+        packed = path.suffix == ".gz"
+        spec = mujoco.MjSpec.from_string(source.text) if packed else mujoco.MjSpec.from_file(str(path))
+        lost = _without_missing_files(spec, source, path.parent / spec.meshdir)
         model = spec.compile()
     except (ValueError, mujoco.FatalError) as error:
         text = " ".join(str(error).split())
@@ -54,19 +59,9 @@ def as_urdf(source: Source) -> tuple[Source, tuple[UrdfError, ...]]:
     return Source(text, f"{source.name} (as URDF)", source.path), (*lost, *writer.lost)
 
 
-def _spec(mujoco: Any, source: Source) -> Any:
-    """MuJoCo's reading of the model, not compiled."""
-    if source.path is not None and source.path.suffix != ".gz":
-        return mujoco.MjSpec.from_file(str(source.path))
-    if "<include" in source.text:
-        raise UrdfError("<include> in text", source=source.name, hint="give the path of the file that includes")
-    return mujoco.MjSpec.from_string(source.text)
-
-
-def _without_missing_files(spec: Any, source: Source) -> tuple[UrdfError, ...]:
+def _without_missing_files(spec: Any, source: Source, folder: Path) -> tuple[UrdfError, ...]:
     """Take meshes whose files are not there, and all that only colours need, out of a model that is not compiled."""
-    folder = None if source.path is None else source.path.parent / spec.meshdir
-    absent = [mesh for mesh in spec.meshes if mesh.file and (folder is None or not (folder / mesh.file).is_file())]
+    absent = [mesh for mesh in spec.meshes if mesh.file and not (folder / mesh.file).is_file()]
     missing = {mesh.name or Path(mesh.file).stem for mesh in absent}
     lost = []
     for geom in list(spec.geoms):
@@ -76,7 +71,7 @@ def _without_missing_files(spec: Any, source: Source) -> tuple[UrdfError, ...]:
             spec.delete(geom)
         else:
             geom.material = ""
-    for kind in (spec.skins, spec.materials, spec.textures, *([spec.hfields] if folder is None else [])):
+    for kind in (spec.skins, spec.materials, spec.textures):
         for each in list(kind):
             spec.delete(each)
     for mesh in list(spec.meshes):

@@ -23,7 +23,6 @@ from urdf_ik.urdf.xml import open_source, parse
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from numpy.typing import NDArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -232,11 +232,17 @@ def _without_declaration(text: str) -> str:
     return "\n" * found[0].count("\n") + text[found.end() :] if found else text
 
 
-def _refuse_doctype(text: str, name: str) -> None:
-    """Refuse a DOCTYPE before the parser sees it, so that no entity is ever expanded."""
+def prolog_end(text: str) -> int:
+    """Where the text's DOCTYPE or first element begins: behind white space, comments and instructions."""
     end = 0
     while (part := _PROLOG_PART.match(text, end)) is not None:
         end = part.end()
+    return end
+
+
+def _refuse_doctype(text: str, name: str) -> None:
+    """Refuse a DOCTYPE before the parser sees it, so that no entity is ever expanded."""
+    end = prolog_end(text)
     if text.startswith("<!DOCTYPE", end):
         raise UrdfError(
             "a DOCTYPE is refused",
