@@ -33,6 +33,8 @@ class ChosenArm:
     mesh_root: list[Path] | None = None
     tool_xyz: str | None = None
     tool_rpy: str | None = None
+    free_axis: str | None = None
+    free_at: str | None = None
     degrees: bool = False
     suffix: str = ""
 
@@ -52,10 +54,23 @@ class ChosenArm:
         tool = self._tool()
         source = sys.stdin.buffer if self.robot == "-" else self.robot
         arm = load(source, base=self.base, tip=self.tip, locked=locked, mesh_roots=self.mesh_root or ())
-        if tool is None:
+        if tool is not None:
+            names = ("tool", *(f"tool_{k}" for k in range(2, len(arm.model.links) + 3)))
+            arm = arm.with_tool(tool, name=next(name for name in names if name not in arm.model.links))
+        return self._freed(arm)
+
+    def _freed(self, arm: Arm) -> Arm:
+        """The arm with its free axis, where one is asked for."""
+        from urdf_ik.cli import console
+
+        if self.free_axis is None:
+            if self.free_at is not None:
+                raise console.usage("a point on an axis needs the axis: --free-axis z", "--free-at")
             return arm
-        names = ("tool", *(f"tool_{k}" for k in range(2, len(arm.model.links) + 3)))
-        return arm.with_tool(tool, name=next(name for name in names if name not in arm.model.links))
+        named = self.free_axis.strip() in ("x", "y", "z")
+        axis = self.free_axis.strip() if named else console.numbers(self.free_axis, "--free-axis", ("x", "y", "z"))
+        at = None if self.free_at is None else console.numbers(self.free_at, "--free-at", ("x", "y", "z"))
+        return arm.with_free_axis(axis, at)
 
     def _tool(self) -> NDArray[np.float64] | None:
         """Pose of the tool's centre point in the tip link; None without a tool."""
@@ -126,6 +141,8 @@ _CHOSEN = {
     "mesh_root": options.MeshRoot,
     "tool_xyz": options.ToolXyz,
     "tool_rpy": options.ToolRpy,
+    "free_axis": options.FreeAxis,
+    "free_at": options.FreeAt,
 }
 _TYPED = {
     "xyz": options.Position,
