@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdf_ik.errors import UrdfError
-from urdf_ik.urdf.xml import XACRO_HINT, has_xacro, show
+from urdf_ik.text import quoted
+from urdf_ik.urdf.xml import XACRO_HINT, has_xacro
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
 
 def resolve(filename: str, roots: Sequence[Path], source: str) -> Path:
     """Find a mesh inside ``roots``: see :func:`urdf_ik.urdf.resolve_mesh`."""
-    element = f"<mesh filename={show(filename)}>"
+    element = f"<mesh filename={quoted(filename)}>"
     searched = ", ".join(map(str, roots)) or "none"
 
     def error(problem: str, hint: str) -> UrdfError:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from lxml import etree
 
 from urdf_ik.errors import UrdfError
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -53,14 +54,14 @@ def open_source(source: object) -> Source:
         if not start:
             raise UrdfError("the text is empty", source=TEXT, hint="give a URDF's path or its XML text")
         if not isinstance(source, str):
-            raise UrdfError(f"{show(start[:40])} is no XML", source=TEXT, hint="XML text begins with '<'")
+            raise UrdfError(f"{quoted(start[:40])} is no XML", source=TEXT, hint="XML text begins with '<'")
         return _open_path(source)
     if isinstance(source, os.PathLike):
         return _open_path(os.fspath(source))
     reader = getattr(source, "read", None)
     if reader is None:
         raise UrdfError(
-            f"cannot read a URDF from {type(source).__name__} {show(source)}",
+            f"cannot read a URDF from {type(source).__name__} {quoted(source)}",
             source=TEXT,
             hint="give a path, XML text (str or bytes) or an open file",
         )
@@ -136,12 +137,6 @@ def written_tag(element: Any) -> str:
 def has_xacro(value: str | None) -> bool:
     """Whether an attribute's value holds an unresolved ``$(...)`` or ``${...}``."""
     return value is not None and _XACRO_EXPRESSION.search(value) is not None
-
-
-def show(value: object) -> str:
-    """A value as messages quote it, cut where it is long."""
-    text = repr(value)
-    return text if len(text) <= 80 else text[:77] + "..."
 
 
 def _open_path(name: str | bytes) -> Source:
