@@ -37,6 +37,8 @@ class ChosenArm:
     xacro_arg: list[str] | None = None
     tool_xyz: str | None = None
     tool_rpy: str | None = None
+    free_axis: str | None = None
+    free_at: str | None = None
     degrees: bool = False
     suffix: str = ""
 
@@ -64,10 +66,23 @@ class ChosenArm:
             xacro_args=self._xacro_args(),
         )
         self._say_which(arm)
-        if tool is None:
+        if tool is not None:
+            names = ("tool", *(f"tool_{k}" for k in range(2, len(arm.model.links) + 3)))
+            arm = arm.with_tool(tool, name=next(name for name in names if name not in arm.model.links))
+        return self._freed(arm)
+
+    def _freed(self, arm: Arm) -> Arm:
+        """The arm with its free axis, where one is asked for."""
+        from urdf_ik.cli import console
+
+        if self.free_axis is None:
+            if self.free_at is not None:
+                raise console.usage("a point on an axis needs the axis: --free-axis z", "--free-at")
             return arm
-        names = ("tool", *(f"tool_{k}" for k in range(2, len(arm.model.links) + 3)))
-        return arm.with_tool(tool, name=next(name for name in names if name not in arm.model.links))
+        named = self.free_axis.strip() in ("x", "y", "z")
+        axis = self.free_axis.strip() if named else console.numbers(self.free_axis, "--free-axis", ("x", "y", "z"))
+        at = None if self.free_at is None else console.numbers(self.free_at, "--free-at", ("x", "y", "z"))
+        return arm.with_free_axis(axis, at)
 
     def model(self) -> UrdfModel:
         """The whole URDF, whichever chain is meant.
@@ -179,6 +194,8 @@ _CHOSEN = {
     "xacro_arg": options.XacroArg,
     "tool_xyz": options.ToolXyz,
     "tool_rpy": options.ToolRpy,
+    "free_axis": options.FreeAxis,
+    "free_at": options.FreeAt,
 }
 _TYPED = {
     "xyz": options.Position,

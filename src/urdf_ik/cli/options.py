@@ -152,6 +152,15 @@ ToolRpy = Annotated[
     str | None,
     Option("--tool-rpy", metavar="R,P,Y", help="Orientation of the tool at its centre point, in the tip link."),
 ]
+FreeAxis = Annotated[
+    str | None,
+    Option(
+        "--free-axis",
+        metavar="x|y|z|X,Y,Z",
+        help="Let the tip turn about this axis of it, a tool that is round: the rotation is what --redundancy gives.",
+    ),
+]
+FreeAt = Annotated[str | None, Option("--free-at", metavar="X,Y,Z", help="A point of that axis, in the tip link [m].")]
 Output = Annotated[Path | None, Option("--output", "-o", metavar="FILE", help="Write here instead of stdout.")]
 DataFormat = Annotated[
     Format | None, Option("--format", "-f", help="Default: by the name of --output, else table.", show_default=False)
@@ -187,8 +196,8 @@ Redundancy = Annotated[
     Option(
         "--redundancy",
         metavar="V1,V2,...",
-        help="Of seven joints: solve each pose at these values of the parameter that `info` names. "
-        "Default: what it is at the joint vector that a pose was made of, else the arm's default.",
+        help="Of seven joints, or with a free axis: solve each pose at these values of the parameter that "
+        "`info` names. Default: what it is at the joint vector that a pose was made of, else the arm's default.",
         show_default=False,
     ),
 ]
