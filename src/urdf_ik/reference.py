@@ -11,6 +11,7 @@ import pinocchio as pin
 from urdf_ik import inputs, urdf
 from urdf_ik.errors import JointVectorError, UnsupportedArm, UrdfError
 from urdf_ik.poses import as_pose_array
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     import os
@@ -110,7 +111,7 @@ class Reference:
             joint = self._joint(name)
             if joint.nv != 1:
                 raise UnsupportedArm(
-                    f"{model.source}: joint {name!r} of the chain has {joint.nv} degrees of freedom; "
+                    f"{model.source}: joint {quoted(name)} of the chain has {joint.nv} degrees of freedom; "
                     "only joints with one can be in a joint vector"
                 )
         column = {name: i for i, name in enumerate(self.joint_names)}
@@ -324,7 +325,7 @@ class Reference:
     def _frame(self, link: str) -> int:
         index = self.pin_model.getFrameId(link, pin.FrameType.BODY)
         if index >= self.pin_model.nframes:  # its way of saying no
-            raise UrdfError(f"Pinocchio's model has no link {link!r}", source="Pinocchio")
+            raise UrdfError(f"Pinocchio's model has no link {quoted(link)}", source="Pinocchio")
         return int(index)
 
     def _joint(self, name: str) -> Any:

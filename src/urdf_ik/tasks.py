@@ -18,6 +18,7 @@ from urdf_ik.errors import PoseError, TaskError, UnsupportedArm
 from urdf_ik.families import Plan, few_joints, planar
 from urdf_ik.families.wrappers import axis_added
 from urdf_ik.structure import analyse
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -129,7 +130,7 @@ class Targets:
             TaskError: there is no such task, or the arm cannot control it.
         """
         if task not in TASKS:
-            raise TaskError(f"no task is called {task!r}; tasks: {', '.join(map(repr, TASKS))}")
+            raise TaskError(f"no task is called {quoted(task)}; tasks: {', '.join(map(repr, TASKS))}")
         if task != control.task or task == "pose":
             fitting = "the whole pose" if control.task == "pose" else f"the whole pose, or the task {control.task!r}"
             raise TaskError(f"{name}: its {chain.n} joints do not control {task!r} and nothing else; give {fitting}")
@@ -145,7 +146,7 @@ class Targets:
         """
         plan = _plan(self._chain, self._control)
         if plan is None:
-            raise UnsupportedArm(f"{self._name}: no solver for the task {self.task!r} of this arm. {structure}")
+            raise UnsupportedArm(f"{self._name}: no solver for the task {quoted(self.task)} of this arm. {structure}")
         self._takes_points = plan.solver.numbers == _WIDTH["planar position"]
         return replace(plan, imperfection=(0.0, 0.0))
 
@@ -175,7 +176,7 @@ class Targets:
         target = _numbers(T, self.task, words)
         if target.ndim == 0 or target.shape[-1] != width:
             raise PoseError(
-                f"a target of shape {target.shape} given; the task {self.task!r} takes (..., {width}): {words}"
+                f"a target of shape {target.shape} given; the task {quoted(self.task)} takes (..., {width}): {words}"
             )
         if self.task == "position and axis":
             target = target.copy()
@@ -230,7 +231,7 @@ def _plan(chain: Chain, control: Control) -> Plan | None:
 
 def _numbers(value: Any, task: str, words: str) -> Array:
     needed = f"an array of numbers{', ' if words else ''}{words}"
-    return inputs.real(value, f"a target for the task {task!r}", needed, PoseError)
+    return inputs.real(value, f"a target for the task {quoted(task)}", needed, PoseError)
 
 
 def _turn_to(axis: Array, directions: Array) -> Array:

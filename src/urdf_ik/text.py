@@ -7,13 +7,30 @@ import math
 import reprlib
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any
 
 MOST_OF_A_NAME = 80
 """Characters of a name or value that a message quotes at most."""
+_MOST_COMPARED = 1000
+"""Names that are compared with one that is not there."""
 _SHORT = reprlib.Repr()
 _SHORT.maxlist = _SHORT.maxtuple = _SHORT.maxdict = _SHORT.maxset = 16
 _SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = 4 * MOST_OF_A_NAME
+
+
+def escaped(text: str) -> str:
+    r"""``text`` with its lines, and without what a terminal takes for an order: such characters become escapes.
+
+    Control characters and marks that turn the direction of writing come with names in files of unknown origin.
+
+    Example:
+        >>> escaped("tool\x9b31m\ntip\u202e")
+        'tool\\x9b31m\ntip\\u202e'
+    """
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
 
 
 def quoted(value: object, most: int = MOST_OF_A_NAME) -> str:
@@ -50,9 +67,7 @@ def printable(text: object, most: int = MOST_OF_A_NAME) -> str:
         written = str(text)
     except Exception:  # an object of unknown origin
         written = f"<{type(text).__name__}>"
-    cut = written[:most]
-    if not cut.isprintable():
-        cut = "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in cut)
+    cut = escaped(written[:most]).replace("\n", "\\n")
     return cut if len(cut) <= most and len(written) <= most else cut[: most - 3] + "..."
 
 
@@ -68,6 +83,21 @@ def listed(names: Iterable[object], most: int = 20) -> str:
     return ", ".join(shown if len(every) <= most else [*shown, f"... ({len(every)})"])
 
 
+def nearest(name: object, names: Iterable[str], n: int = 3, cutoff: float = 0.6) -> list[str]:
+    """Those of ``names`` that may have been meant by ``name``, the likeliest first.
+
+    Long names are compared by their beginnings, and of many names the first are looked at: the work grows with both.
+
+    Example:
+        >>> nearest("too0", ["base_link", "tool0"])
+        ['tool0']
+    """
+    import difflib
+
+    cut = {each[:MOST_OF_A_NAME]: each for each in reversed(list(islice(names, _MOST_COMPARED)))}
+    return [cut[each] for each in difflib.get_close_matches(str(name)[:MOST_OF_A_NAME], cut, n, cutoff)]
+
+
 def aligned(rows: Sequence[Sequence[str]], *, left: Collection[int] = (), rule: bool = False) -> list[str]:
     """Rows of cells as lines with columns of equal width, two blanks between them.
 
@@ -80,6 +110,7 @@ def aligned(rows: Sequence[Sequence[str]], *, left: Collection[int] = (), rule: 
         >>> aligned([["joint", "value"], ["joint_1", "0.5"]], left=[0])
         ['joint    value', 'joint_1    0.5']
     """
+    rows = [[escaped(cell).replace("\n", "\\n") for cell in row] for row in rows]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     ruled = [rows[0], ["-" * width for width in widths], *rows[1:]] if rule else rows
     return [
@@ -114,7 +145,7 @@ class Section:
         if self.rows:
             left = [k for k, name in enumerate(self.header) if name in self.left]
             lines += aligned([self.header, *self.rows], left=left, rule=True)
-        return "\n".join([*lines, *self.remarks])
+        return escaped("\n".join([*lines, *self.remarks]))
 
 
 def plain(value: Any, *, nulls: bool = False) -> Any:

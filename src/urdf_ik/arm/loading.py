@@ -11,6 +11,7 @@ from urdf_ik import catalogue, urdf
 from urdf_ik.arm.arm import Arm
 from urdf_ik.chain import from_urdf
 from urdf_ik.errors import ArgumentError, ChainError
+from urdf_ik.text import quoted
 from urdf_ik.urdf.srdf import chain_groups
 
 if TYPE_CHECKING:
@@ -67,7 +68,7 @@ def load(
     elif tip is None:
         base, tip = model.resolve_chain(base, tip, chain)
     elif chain is not None:
-        raise ArgumentError(f"chain={chain!r} and tip={tip!r} say the same; give one of them")
+        raise ArgumentError(f"chain={quoted(chain)} and tip={quoted(tip)} say the same; give one of them")
     return Arm(model, from_urdf(model, base, tip).lock(locked or {}))
 
 

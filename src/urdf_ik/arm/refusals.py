@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from urdf_ik.chain import CoupledChain, is_redundant, kinds_of
 from urdf_ik.errors import UnsupportedArm
 from urdf_ik.families import coupled
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from urdf_ik.chain import Chain
@@ -21,7 +22,7 @@ def unsupported(name: str, chain: Chain, structure: Structure) -> UnsupportedArm
             f"{', '.join(map(str, chain.followers))}; independent: {', '.join(chain.joint_names)}"
         )
     if chain.n == 0:
-        return UnsupportedArm(f"{name}: no joint moves between {chain.base!r} and {chain.tip!r}")
+        return UnsupportedArm(f"{name}: no joint moves between {quoted(chain.base)} and {quoted(chain.tip)}")
     if is_redundant(chain) and chain.n <= 6:
         return UnsupportedArm(
             f"{name}: the joints are redundant: at every joint vector some move the tip as others do, so that a pose "
@@ -36,7 +37,7 @@ def unsupported(name: str, chain: Chain, structure: Structure) -> UnsupportedArm
         )
     if chain.n <= 7:
         return UnsupportedArm(f"{name}: no solver for this arm yet. {structure}")
-    held = ", ".join(f"{name!r}: 0.0" for name in chain.joint_names[: chain.n - 7])
+    held = ", ".join(f"{quoted(name)}: 0.0" for name in chain.joint_names[: chain.n - 7])
     return UnsupportedArm(
         f"{name}: {chain.n} joints from {chain.base!r} to {chain.tip!r} ({', '.join(chain.joint_names)}); at "
         f"most seven are solved: hold {chain.n - 7} or more of them, each at a value [rad or m], as in "

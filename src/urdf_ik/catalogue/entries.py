@@ -8,7 +8,7 @@ from pathlib import Path
 
 from urdf_ik.catalogue import downloads
 from urdf_ik.errors import CatalogueError
-from urdf_ik.text import MOST_OF_A_NAME, quoted
+from urdf_ik.text import nearest, quoted
 
 BUNDLED: Mapping[str, str] = {
     "zyyzyz_6r": "six axes z y y z y z with a spherical wrist, upright at zero",
@@ -140,12 +140,12 @@ def _from_example_robot_data(name: str) -> Entry:
     share = _example_robot_data_share()
     if share is None:
         raise CatalogueError(
-            f"{name!r} is an arm of {_DISTRIBUTION}, which is not installed: {INSTALL_EXAMPLE_ROBOT_DATA}"
+            f"{quoted(name)} is an arm of {_DISTRIBUTION}, which is not installed: {INSTALL_EXAMPLE_ROBOT_DATA}"
         )
     path = _robot_file(share, name)
     if not path.is_file():
         raise CatalogueError(
-            f"{name!r} is not in the installed {_DISTRIBUTION}, {path} is missing: "
+            f"{quoted(name)} is not in the installed {_DISTRIBUTION}, {path} is missing: "
             f"{INSTALL_EXAMPLE_ROBOT_DATA} --upgrade"
         )
     return Entry(name, path, *EXAMPLE_ROBOT_DATA[name][1:], (share,))
@@ -181,10 +181,8 @@ def _example_robot_data_share() -> Path | None:
 
 def _alternatives(name: str) -> str:
     """The names nearest to one that the catalogue does not hold, or all of them where none is near."""
-    import difflib
-
     known = (*names(), *downloads.names())
     more = "" if downloads.names() else f"; robot_descriptions has more: {downloads.INSTALL}"
-    if nearest := difflib.get_close_matches(name[:MOST_OF_A_NAME].lower(), known, n=4, cutoff=0.5):
-        return f"nearest: {', '.join(nearest)}{more}"
+    if found := nearest(name.lower(), known, n=4, cutoff=0.5):
+        return f"nearest: {', '.join(found)}{more}"
     return f"there are: {', '.join(names())}{more or ', and those that `urdf-ik robots --all` lists'}"

@@ -71,8 +71,8 @@ class Redundancy:
     def __str__(self) -> str:
         low, high = self.range
         what = {
-            SWIVEL: f"swivel angle of the arm's plane, the one across the axis of joint {self.joint!r}",
-            LOCKED_JOINT: f"value of joint {self.joint!r}",
+            SWIVEL: f"swivel angle of the arm's plane, the one across the axis of joint {quoted(self.joint)}",
+            LOCKED_JOINT: f"value of joint {quoted(self.joint)}",
         }.get(self.kind, self.label)
         return f"{what}, {low:.4f} to {high:.4f} {self.unit}, by default {self.default + 0.0:.4f}"
 

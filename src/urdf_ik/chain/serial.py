@@ -332,7 +332,7 @@ def held_values(chain: Chain, values: Mapping[str, float]) -> dict[str, float]:
     if unknown := [name for name in held if name not in chain.joint_names]:
         raise ChainError(
             f"joint {quoted(unknown[0])} cannot be locked: it is not among the movable joints from "
-            f"{chain.base!r} to {chain.tip!r}",
+            f"{quoted(chain.base)} to {quoted(chain.tip)}",
             chain.joint_names,
         )
     return held

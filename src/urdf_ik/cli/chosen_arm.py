@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from urdf_ik.cli import options
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     import numpy as np
@@ -105,7 +106,7 @@ class ChosenArm:
         parts = [typed.partition(":=") for typed in self.xacro_arg or ()]
         for (name, given, _), typed in zip(parts, self.xacro_arg or (), strict=True):
             if not (name and given):
-                raise typer.BadParameter(f"{typed!r} is not NAME:=VALUE", param_hint="--xacro-arg")
+                raise typer.BadParameter(f"{quoted(typed)} is not NAME:=VALUE", param_hint="--xacro-arg")
         return {name: value for name, _, value in parts} or None
 
     def _say_which(self, arm: Arm) -> None:

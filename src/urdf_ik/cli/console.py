@@ -17,6 +17,7 @@ import numpy as np
 import typer
 
 from urdf_ik import text as texts
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -80,11 +81,11 @@ def numbers(text: str, option: str, names: Sequence[str]) -> NDArray[np.float64]
         try:
             out.append(float(part))
         except ValueError:
-            raise usage(f"{part!r} in {text!r} is no number; give {','.join(names)}", option) from None
+            raise usage(f"{quoted(part)} in {quoted(text)} is no number; give {','.join(names)}", option) from None
     if len(out) != len(names):
-        raise usage(f"{text!r} holds {len(out)} values, {len(names)} are needed: {','.join(names)}", option)
+        raise usage(f"{quoted(text)} holds {len(out)} values, {len(names)} are needed: {','.join(names)}", option)
     if not np.isfinite(out).all():
-        raise usage(f"{text!r} holds a value that is not finite", option)
+        raise usage(f"{quoted(text)} holds a value that is not finite", option)
     return np.array(out)
 
 
@@ -272,10 +273,10 @@ def _from_csv(text: str, columns: Sequence[str]) -> NDArray[np.float64]:
 
 def _csv_row(row: Sequence[str], picked: Sequence[int], width: int) -> list[float]:
     if len(row) != width:
-        raise ValueError(f"the line {','.join(row)!r} has {len(row)} values, the first line has {width}")
+        raise ValueError(f"the line {quoted(','.join(row))} has {len(row)} values, the first line has {width}")
     bad = next((row[i] for i in picked if not _is_number(row[i])), None)
     if bad is not None:
-        raise ValueError(f"{bad!r} in the line {','.join(row)!r} is no number")
+        raise ValueError(f"{quoted(bad)} in the line {quoted(','.join(row))} is no number")
     return [float(row[i]) for i in picked]
 
 

@@ -12,6 +12,7 @@ from urdf_ik.collision.questions import Questions, Seen
 from urdf_ik.collision.scene import ArmShapes, Scene
 from urdf_ik.errors import UrdfError, WorldError
 from urdf_ik.reference import Reference
+from urdf_ik.text import quoted
 from urdf_ik.urdf import srdf as srdf_reader
 
 if TYPE_CHECKING:
@@ -256,7 +257,7 @@ class CollisionModel(Questions):
         rank = {name: i for i, name in enumerate((*self._links, *obstacles))}
         if len(rank) < len(self._links) + len(obstacles):
             same = next(name for name in obstacles if name in self._links)
-            raise WorldError(f"the obstacle {same!r} has the name of a link of the arm; give it another")
+            raise WorldError(f"the obstacle {quoted(same)} has the name of a link of the arm; give it another")
         return rank
 
     def _now(self) -> Seen:

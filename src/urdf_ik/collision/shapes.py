@@ -260,7 +260,7 @@ class Mesh(Shape):
             return meshes.resolve(self.path, [Path(folder) for folder in self.package_dirs], "Mesh")
         except UrdfError as error:
             hint = "give the folder that holds it, or its package, in package_dirs"
-            raise WorldError(f"Mesh {self.path!r}: {error.problem} ({hint})") from None
+            raise WorldError(f"Mesh {quoted(self.path)}: {error.problem} ({hint})") from None
 
     def geometry(self) -> Any:
         """A ``coal.BVHModelOBBRSS`` of the file's triangles."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -11,7 +10,7 @@ import numpy as np
 
 from urdf_ik.collision.scene import ShapePair
 from urdf_ik.errors import WorldError
-from urdf_ik.text import aligned, listed, printable, quoted
+from urdf_ik.text import aligned, listed, nearest, printable, quoted
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -139,10 +138,10 @@ def named(a: str, b: str, rank: Mapping[str, int], shaped: Sequence[str]) -> Pai
     """
     for name in (a, b):
         if not isinstance(name, str) or name not in rank:
-            close = difflib.get_close_matches(printable(name), rank, n=3) or list(rank)
+            close = nearest(printable(name), rank) or list(rank)
             raise WorldError(f"there is no link or obstacle {quoted(name)}; there are: {listed(close)}")
         if name not in shaped:
             raise WorldError(f"link {quoted(name)} has no collision shape; links with one: {', '.join(shaped)}")
     if a == b:
-        raise WorldError(f"{a!r} and itself given; a pair is of two links, or of a link and an obstacle")
+        raise WorldError(f"{quoted(a)} and itself given; a pair is of two links, or of a link and an obstacle")
     return ordered(a, b, rank)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import threading
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -12,7 +11,7 @@ from lxml import etree
 from urdf_ik import poses, urdf
 from urdf_ik.collision.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from urdf_ik.errors import PoseError, UrdfError, WorldError
-from urdf_ik.text import listed, printable, quoted
+from urdf_ik.text import listed, nearest, printable, quoted
 
 if TYPE_CHECKING:
     import os
@@ -91,7 +90,7 @@ class World:
         """
         model = urdf.read(source, mesh_roots=package_dirs)
         if moving := [joint for joint in model.joints if joint.type != "fixed"]:
-            listed = ", ".join(f"{joint.name!r} ({joint.type})" for joint in moving[:5])
+            listed = ", ".join(f"{quoted(joint.name)} ({joint.type})" for joint in moving[:5])
             raise WorldError(
                 f"{model.source}: a world stands still, and {len(moving)} of its joints can move: {listed}; "
                 'write type="fixed", or add the moving part\'s shapes with World.add and move them with World.move'
@@ -110,7 +109,7 @@ class World:
                     f"{link}/{taken}" if taken else link, _shape(body.find("geometry")[0], model), placed[link] @ offset
                 )
             except WorldError as error:
-                raise WorldError(f"{model.source}: link {link!r}: {error}") from None
+                raise WorldError(f"{model.source}: link {quoted(link)}: {error}") from None
         if not world:
             raise WorldError(f"{model.source}: no link has a collision shape; add <collision> to the links")
         return world
@@ -248,7 +247,7 @@ class World:
 
     def _known(self, name: str) -> str:
         if name not in self:
-            close = difflib.get_close_matches(printable(name), self._obstacles, n=3)
+            close = nearest(printable(name), self._obstacles)
             hint = (
                 f"did you mean {' or '.join(map(quoted, close))}?"
                 if close

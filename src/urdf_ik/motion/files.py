@@ -16,7 +16,7 @@ from urdf_ik import inputs
 from urdf_ik.errors import PathError, PoseError
 from urdf_ik.motion.waypoints import read
 from urdf_ik.poses import pose
-from urdf_ik.text import printable
+from urdf_ik.text import printable, quoted
 
 if TYPE_CHECKING:
     import os
@@ -242,7 +242,7 @@ def _numbers(
             raise PathError(f"{name}, line {line}: {len(row)} values; {len(header)} are needed, as in the first line")
         for j, (column, place) in enumerate(picked):
             if not _is_number(row[place]) or not np.isfinite(float(row[place])):
-                raise PathError(f"{name}, line {line}, column {column}: {row[place]!r} is no finite number")
+                raise PathError(f"{name}, line {line}, column {column}: {quoted(row[place])} is no finite number")
             out[k, j] = float(row[place])
     return out
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
 from dataclasses import dataclass
@@ -11,11 +10,13 @@ from typing import Any, NoReturn
 from lxml import etree
 
 from urdf_ik.errors import UrdfError
-from urdf_ik.text import quoted
+from urdf_ik.text import listed, nearest, quoted
 from urdf_ik.urdf.xml import XACRO_HINT, child, has_xacro, is_xacro, tag, written_tag
 
 MIN_AXIS = 1e-12
 """A shorter axis is what rounding leaves of zero, and gives no direction."""
+_LONGEST = 1000
+"""Characters of an attribute that holds numbers, at most: six times what three numbers with all their digits have."""
 MOVABLE = ("revolute", "continuous", "prismatic")
 TYPES = (*MOVABLE, "fixed", "floating", "planar")
 
@@ -44,6 +45,9 @@ class Place:
     def numbers(self, element: Any, attribute: str, count: int, default: str | None = None) -> list[str]:
         """The attribute's ``count`` finite decimal numbers, as written."""
         text = element.get(attribute, default)
+        if text is not None and len(text) > _LONGEST:
+            problem = f"{attribute}={quoted(text)} has {len(text)} characters"
+            self.fail(problem, hint="write numbers with at most 17 digits", at=element)
         if text is not None and _NUMBERS.fullmatch(text):
             good: list[str] = text.split()
             if len(good) == count and all(map(math.isfinite, map(float, good))):
@@ -176,9 +180,9 @@ def _end(place: Place, end: str, links: dict[str, Any]) -> str:
     if has_xacro(name):
         place.fail(f"link={quoted(name)} holds an unresolved xacro expression", hint=XACRO_HINT, at=element)
     if name not in links:
-        close = difflib.get_close_matches(name, links, n=3)
+        close = nearest(name, links)
         hint = f"declare it with <link name={quoted(name)}/>" + (
-            f", or did you mean {', '.join(close)}?" if close else ""
+            f", or did you mean {listed(close)}?" if close else ""
         )
         place.fail(f"link {quoted(name)} is not declared", hint=hint, at=element)
     return name

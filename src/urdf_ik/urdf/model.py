@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import io
 import os
 from collections.abc import Iterable
@@ -16,7 +15,7 @@ from lxml import etree
 
 from urdf_ik import inputs
 from urdf_ik.errors import ArgumentError, ChainError, UrdfError
-from urdf_ik.text import printable, quoted
+from urdf_ik.text import nearest, printable, quoted
 from urdf_ik.urdf import bodies, checks, formats, meshes, packages, tree
 from urdf_ik.urdf.chains import Candidate, Chains, doubt
 from urdf_ik.urdf.checks import MOVABLE
@@ -172,7 +171,7 @@ class UrdfModel:
         if not candidates:
             start = self.root if base is None else base
             raise ChainError(
-                f"{self.source}: no {', '.join(MOVABLE)} joint below base {start!r}: there is no movable chain",
+                f"{self.source}: no {', '.join(MOVABLE)} joint below base {quoted(start)}: there is no movable chain",
                 [] if start == self.root else [self.root],
             )
         meant = [each for each in candidates if (each.chosen if chain is None else each.name == chain)]
@@ -190,7 +189,7 @@ class UrdfModel:
             >>> joint.name, multiplier, offset
             ('joint_1', 1.0, 0.0)
         """
-        by_name = {each.name: each for each in self.joints} if joint.mimic else {}
+        by_name = self._by_name if joint.mimic else {}
         multiplier, offset = 1.0, 0.0
         while joint.mimic is not None and joint.mimic[0] in by_name:
             name, factor, shift = joint.mimic
@@ -198,6 +197,10 @@ class UrdfModel:
             multiplier *= factor
             joint = by_name[name]
         return joint, multiplier, offset
+
+    @cached_property
+    def _by_name(self) -> dict[str, Joint]:
+        return {joint.name: joint for joint in self.joints}
 
     @cached_property
     def _carrier(self) -> dict[str, Joint]:
@@ -213,7 +216,7 @@ class UrdfModel:
     def _require(self, link: str, role: str = "link") -> str:
         if isinstance(link, str) and (link == self.root or link in self._carrier):
             return link
-        close = difflib.get_close_matches(printable(link), self.links, n=3)
+        close = nearest(printable(link), self.links)
         hint = f"; did you mean {' or '.join(map(quoted, close))}?" if close else ""
         what = "link" if role == "link" else f"{role} link"
         raise ChainError(

@@ -63,7 +63,7 @@ def expanded(source: Source, roots: Sequence[Path], given: Mapping[str, object])
     def folder(package: str) -> str:
         found = packages.find(package, searched)
         if found is None:
-            raise _NoPackage(f"there is no ROS package {package!r}")
+            raise _NoPackage(f"there is no ROS package {quoted(package)}")
         return str(found.absolute())
 
     arguments = _Arguments(given)

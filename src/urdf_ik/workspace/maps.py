@@ -170,7 +170,7 @@ class WorkspaceMap:
             1.0
         """
         if what not in VALUES:
-            raise WorkspaceError(f"no value is called {what!r}; there are {', '.join(VALUES)}")
+            raise WorkspaceError(f"no value is called {quoted(what)}; there are {', '.join(VALUES)}")
         if what in ("reach", "solutions"):
             counts = self.counts if what == "solutions" else self.counts > 0
             values = counts.mean(axis=-1, dtype=np.float64)
@@ -321,9 +321,9 @@ def _built(header: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Workspace
     fields["limits"] = tuple((lower, upper) for lower, upper in fields["limits"])
     for name in _ALWAYS:
         if name not in arrays:
-            raise ValueError(f"the array {name!r} is missing")
+            raise ValueError(f"the array {quoted(name)} is missing")
     if fields["counted"] != "solutions" and fields["counted"] not in arrays:
-        raise ValueError(f"the array {fields['counted']!r} is missing")
+        raise ValueError(f"the array {quoted(fields['counted'])} is missing")
     arrays = {name: array for name, array in arrays.items() if name in _ALWAYS + _PERHAPS}
     for name, array in arrays.items():
         last = len(fields["branches"]) if name == "branch_poses" else len(arrays["samples"])

@@ -16,6 +16,7 @@ from urdf_ik.chain.free_axis import turning
 from urdf_ik.chain.redundancy import locked_joint
 from urdf_ik.families.parts.family import Plan, RedundantPlan
 from urdf_ik.structure import analyse
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -61,7 +62,7 @@ def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
         back = np.eye(4)
         back[:3] = np.tensordot([1.0, np.cos(value), np.sin(value)] if turns else [1.0, value, 0.0], motion, 1)
         why = plan.explain(T @ back if last else back @ T)
-        return f"with {parameter.joint!r} at {value:.6g} {parameter.unit}: {why}"
+        return f"with {quoted(parameter.joint)} at {value:.6g} {parameter.unit}: {why}"
 
     return RedundantPlan(
         family=plan.family,

@@ -23,6 +23,7 @@ from urdf_ik.families.parts import aim
 from urdf_ik.motion.tracker.limits import limits_of, positive
 from urdf_ik.poses import check_poses
 from urdf_ik.solutions.limits import LIMIT_TOLERANCE
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -194,7 +195,7 @@ class Tracker:
         if outside.any():
             k = int(np.argmax(outside))
             raise JointVectorError(
-                f"joint {chain.joint_names[k]!r} is at {place[k]:.9g}, outside its limits [{lower[k]:.9g}, "
+                f"joint {quoted(chain.joint_names[k])} is at {place[k]:.9g}, outside its limits [{lower[k]:.9g}, "
                 f"{upper[k]:.9g}]: tracking begins inside them"
             )
         self._start, self._start_velocity = np.clip(place, lower, upper), speed.copy()
