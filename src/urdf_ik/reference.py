@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -96,6 +97,7 @@ class Reference:
             UnsupportedArm: the chain has a joint that one number does not describe (floating, planar).
         """
         model = source if isinstance(source, urdf.UrdfModel) else urdf.read(source)
+        self._made_from = partial(Reference, locked=dict(locked or {})), (model, base, tip)
         self.base, self.tip = model.resolve_chain(base, tip)
         self.pin_model = _build(model)
         self._base, self._tip = self._frame(self.base), self._frame(self.tip)
@@ -122,9 +124,8 @@ class Reference:
             offset += multiplier * held.get(driver, 0.0)
             # A joint that Pinocchio itself makes follow another has no entry of its own.
             if joint.nq and joint.nv == 1 and (driver in column or offset):
-                self._drives.append(
-                    _Drive(joint.idx_q, joint.idx_v, joint.nq == 2, column.get(driver), multiplier, offset)
-                )
+                place = column.get(driver)
+                self._drives.append(_Drive(joint.idx_q, joint.idx_v, joint.nq == 2, place, multiplier, offset))
         # Pinocchio's velocities from the joint vector's.
         self._spread = np.zeros((self.pin_model.nv, self.dof))
         for drive in self._drives:
@@ -141,6 +142,9 @@ class Reference:
         for array in (self._spread, self.prismatic, self.limits, self.ranges):
             array.setflags(write=False)
         self._work = _Work(self.pin_model)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return self._made_from
 
     @property
     def dof(self) -> int:

@@ -14,7 +14,7 @@ import pytest
 
 import urdf_ik
 from urdf_ik import Mesh, UrdfError, World, WorldError
-from urdf_ik.urdf import link_shapes, mesh_files
+from urdf_ik.urdf import link_shapes, meshes
 
 ARM = """<robot name="m"><link name="a"><collision><geometry><box size="1 1 1"/></geometry></collision></link>
 <link name="b"/><link name="c"><visual><geometry><mesh filename="{mesh}"/></geometry></visual>
@@ -164,5 +164,5 @@ def test_what_is_too_large_or_unknown_is_refused(folder: Path, monkeypatch: pyte
     refused(folder, "a.gltf", "{", "no valid glTF")
     refused(folder, "b.gltf", '{"meshes": [{"primitives": [{}]}]}', "no valid glTF")
     refused(folder, "a.glb", b"glTF" + bytes(30), "no valid glTF")
-    monkeypatch.setattr(mesh_files, "MAX_BYTES", 2**10)
+    monkeypatch.setattr(meshes, "MAX_BYTES", 2**10)
     refused(folder, "a.stl", stl() + bytes(2**10), "larger than")

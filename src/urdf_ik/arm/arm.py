@@ -100,8 +100,13 @@ class Arm(Free):
     def __repr__(self) -> str:
         return f"<Arm {self.name!r}: {self.base} to {self.tip}, {self.structure.family or f'{self.dof} joints'}>"
 
-    def __reduce__(self) -> tuple[type[Arm], tuple[UrdfModel, Chain, str, FreeAxis | None]]:
-        return Arm, (self.model, self.chain, self._task, self._free_axis)
+    def __reduce__(
+        self,
+    ) -> tuple[type[Arm], tuple[UrdfModel, Chain, str, FreeAxis | None], dict[str, Any] | None]:
+        # The collision model is built when it is asked for; only what a user changed of it must not be lost.
+        own = self.__dict__.get("collision_model")
+        kept = {"collision_model": own} if own is not None and own.is_changed else None
+        return Arm, (self.model, self.chain, self._task, self._free_axis), kept
 
     def _again(self, **changed: Any) -> Self:
         make: Any = type(self)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError
+from urdf_ik.frozen import Frozen
 from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ _NAMED = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
 @dataclass(frozen=True)
-class FreeAxis:
+class FreeAxis(Frozen):
     """A line in the tip's frame.
 
     Attributes:

@@ -11,6 +11,7 @@ import numpy as np
 
 from urdf_ik import _core, inputs
 from urdf_ik.errors import ArgumentError, ChainError, JointVectorError
+from urdf_ik.frozen import Frozen
 from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class TreeJoint:
+class TreeJoint(Frozen):
     """One joint of the URDF's whole tree, as :meth:`Chain.link_poses` walks it.
 
     ``column`` is the index in the joint vector that drives it (None: it stays at ``offset``), with
@@ -70,7 +71,7 @@ class Follower(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Chain:
+class Chain(Frozen):
     """The joints between ``base`` and ``tip`` as a product of exponentials.
 
     Where joints mimic others, a :class:`urdf_ik.chain.mimic.CoupledChain`.

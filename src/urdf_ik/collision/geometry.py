@@ -13,7 +13,7 @@ from scipy import spatial
 
 from urdf_ik.collision.shapes import Capsule, HalfSpace, Sphere, reason_of
 from urdf_ik.errors import UrdfError
-from urdf_ik.urdf import mesh_files, resolve_mesh
+from urdf_ik.urdf import meshes, resolve_mesh
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -42,7 +42,7 @@ def build(model: UrdfModel, pin_model: Any) -> Any:
     for mesh in tree.iterfind("link/collision/geometry/mesh"):
         files.append(resolve_mesh(model, mesh.get("filename")))
         mesh.set("filename", str(files[-1]))
-    mesh_files.check_all(files, model.folders, model.source)
+    meshes.check_all(files, model.folders, model.source)
     for visual in tree.findall("link/visual"):
         visual.getparent().remove(visual)
     try:
@@ -57,7 +57,7 @@ def build(model: UrdfModel, pin_model: Any) -> Any:
         )
     for shape in geometry.geometryObjects:
         if isinstance(shape.geometry, coal.BVHModelBase):
-            mesh_files.check_vertices(shape.geometry.vertices(), Path(shape.meshPath), model.source)
+            meshes.check_vertices(shape.geometry.vertices(), Path(shape.meshPath), model.source)
         if isinstance(shape.geometry, coal.Sphere):
             shape.geometry = Sphere(shape.geometry.radius).geometry()
     return geometry

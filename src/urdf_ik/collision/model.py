@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from urdf_ik import inputs
 from urdf_ik.chain import from_urdf
@@ -17,7 +17,7 @@ from urdf_ik.urdf import srdf as srdf_reader
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from urdf_ik.collision.table import Table
     from urdf_ik.collision.world import World
@@ -83,6 +83,7 @@ class CollisionModel(Questions):
             ChainError: base or tip is unknown, or the tip is ambiguous.
             UnsupportedArm: the chain has a joint that one number does not describe.
         """
+        self._made_from = (model, base, tip, dict(locked or {}), samples, seed)
         self._reference = Reference(model, base, tip, locked=locked)
         self.joint_names = self._reference.joint_names
         self.world: World | None = None
@@ -107,6 +108,10 @@ class CollisionModel(Questions):
             kept = [pair for pair in self._pairs if pair.names not in self._allowed]
             always = table.always_colliding(Scene(self._arm, (), kept), ALWAYS, samples, seed)
             self._allowed.update(dict.fromkeys(always, table.ALWAYS_COLLIDE))
+
+    def __reduce__(self) -> tuple[Callable[..., CollisionModel], tuple[Any, ...]]:
+        allowed = None if self._error is not None else dict(self._allowed)
+        return _restored, (*self._made_from, allowed, dict(self._changes), self.world)
 
     @property
     def has_geometry(self) -> bool:
@@ -271,3 +276,23 @@ class CollisionModel(Questions):
             made, checked = table.made({**self._allowed, **allowed}, [*self._pairs, *pairs], self._changes, rank)
             self._seen = seen = Seen(version, Scene(self._arm, obstacles, checked), made)
         return seen
+
+
+def _restored(
+    model: UrdfModel,
+    base: str | None,
+    tip: str | None,
+    locked: dict[str, float],
+    samples: int,
+    seed: int,
+    allowed: dict[Pair, str] | None,
+    changes: dict[Pair, bool],
+    world: World | None,
+) -> CollisionModel:
+    """A collision model as it was before it was pickled: coal's shapes are made again."""
+    out = CollisionModel(model, base, tip, samples=0 if allowed is not None else samples, seed=seed, locked=locked)
+    if allowed is not None:
+        out._allowed = allowed
+    out._made_from = (model, base, tip, locked, samples, seed)
+    out._changes, out.world = changes, world
+    return out

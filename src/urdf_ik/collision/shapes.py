@@ -14,8 +14,9 @@ import numpy as np
 
 from urdf_ik import inputs
 from urdf_ik.errors import UrdfError, WorldError
+from urdf_ik.frozen import Frozen
 from urdf_ik.text import printable, quoted
-from urdf_ik.urdf import mesh_files, meshes
+from urdf_ik.urdf import meshes
 
 if TYPE_CHECKING:
 
@@ -269,9 +270,9 @@ class Mesh(Shape):
         path = self.file()
         name = quoted(str(path), 200)
         try:
-            mesh_files.check(path, [Path(folder) for folder in self.package_dirs] or [path.parent], "Mesh")
+            meshes.check(path, [Path(folder) for folder in self.package_dirs] or [path.parent], "Mesh")
             mesh = coal.MeshLoader().load(str(path), np.array(self.scale))
-            mesh_files.check_vertices(mesh.vertices(), path, "Mesh")
+            meshes.check_vertices(mesh.vertices(), path, "Mesh")
         except UrdfError as error:
             raise WorldError(f"Mesh {name}: {error.problem} ({error.hint})") from None
         except (ValueError, RuntimeError, MemoryError) as error:
@@ -282,7 +283,7 @@ class Mesh(Shape):
 
 
 @dataclass(frozen=True, eq=False)
-class Points(Shape):
+class Points(Frozen, Shape):
     """A cloud of points, each of them the centre of a ball: the solid is the union of the balls.
 
     What is found is exact to ``2 SPECK``, 0.02 micrometres, and never farther apart than the balls are.

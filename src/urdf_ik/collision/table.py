@@ -13,7 +13,7 @@ from urdf_ik.errors import WorldError
 from urdf_ik.text import aligned, listed, nearest, printable, quoted
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from urdf_ik.collision.scene import ArmShapes, Scene
 
@@ -42,10 +42,18 @@ class Table:
     allowed: Mapping[Pair, str]
     checked: tuple[Pair, ...]
 
+    def __reduce__(self) -> tuple[Callable[..., Table], tuple[dict[Pair, str], tuple[Pair, ...]]]:
+        return _table, (dict(self.allowed), self.checked)
+
     def __str__(self) -> str:
         rows = [[*pair, "checked"] for pair in self.checked]
         rows += [[*pair, "allowed" if why == USER else f"allowed: {why}"] for pair, why in self.allowed.items()]
         return "\n".join(line.rstrip() for line in aligned([["first", "second", ""], *rows], left=(0, 1, 2)))
+
+
+def _table(allowed: dict[Pair, str], checked: tuple[Pair, ...]) -> Table:
+    """A table as it was before it was copied."""
+    return Table(MappingProxyType(allowed), checked)
 
 
 def among_links(arm: ArmShapes, rank: Mapping[str, int], excused: set[Pair]) -> tuple[dict[Pair, str], list[ShapePair]]:

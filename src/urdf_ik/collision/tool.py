@@ -47,7 +47,7 @@ def with_tool(arm: AnyArm, pose: Any, shapes: Shapes, name: str) -> AnyArm:
     model = _written(arm.model, arm.tip, name, centre, bodies)
     # Made again as a copy of it would be, which keeps the task, from another URDF.
     parts: Any = arm.__reduce__()
-    make, (_, _, *rest) = parts
+    make, (_, _, *rest), _ = parts
     new: AnyArm = make(model, from_urdf(model, arm.base, name).lock(arm.locked), *rest)
     # The allowed-collision table is only taken along where somebody changed it: the others are built when asked for.
     own = arm.__dict__.get("collision_model")

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import threading
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from lxml import etree
 
-from urdf_ik import poses, urdf
+from urdf_ik import forks, poses, urdf
 from urdf_ik.collision.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from urdf_ik.errors import PoseError, UrdfError, WorldError
+from urdf_ik.frozen import frozen
 from urdf_ik.text import listed, nearest, printable, quoted
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
     from typing import IO
 
     from numpy.typing import NDArray
@@ -37,6 +37,14 @@ class Obstacle(NamedTuple):
     name: str
     shape: Shape
     pose: Array
+
+    def __reduce__(self) -> tuple[Callable[..., Obstacle], tuple[str, Shape, Array]]:
+        return _obstacle, (self.name, self.shape, self.pose)
+
+
+def _obstacle(name: str, shape: Shape, pose: Array) -> Obstacle:
+    """An obstacle as it was before it was copied."""
+    return Obstacle(name, shape, frozen(pose))
 
 
 class World:
@@ -61,7 +69,7 @@ class World:
         self._obstacles: dict[str, Obstacle] = {}
         self._solids: dict[int, Solid] = {}
         self._version = 0
-        self._lock = threading.RLock()
+        self._lock = forks.lock()
 
     @classmethod
     def from_urdf(

@@ -14,6 +14,7 @@ from urdf_ik.dh.checks import check, check_convention, joint_types_of, names_of,
 from urdf_ik.dh.frames import rotation_z, slide_z, step_x
 from urdf_ik.dh.from_chain import fields_of, frames_of
 from urdf_ik.errors import DHError
+from urdf_ik.frozen import Frozen
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ _SAMPLES = 12
 
 
 @dataclass(frozen=True, eq=False)
-class DHTable:
+class DHTable(Frozen):
     """A serial arm as a Denavit-Hartenberg table between a base and a tool transform.
 
     The joint's variable is added to ``theta`` (revolute, continuous) or to ``d`` (prismatic): what stands there is

@@ -9,8 +9,9 @@ import numpy as np
 
 from urdf_ik import inputs
 from urdf_ik.errors import ArgumentError
+from urdf_ik.frozen import frozen
 from urdf_ik.solutions import limits, select, sentences
-from urdf_ik.solutions.kept import KeptSolutions, Singular, Solution, Step, frozen
+from urdf_ik.solutions.kept import KeptSolutions, Singular, Solution, Step
 from urdf_ik.solutions.turn_names import suffix, turned_branches
 
 if TYPE_CHECKING:

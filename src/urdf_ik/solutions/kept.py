@@ -11,10 +11,13 @@ import numpy as np
 
 from urdf_ik._core import Answer
 from urdf_ik.angles import TURN
+from urdf_ik.frozen import frozen
 from urdf_ik.solutions.turn_names import suffix
 from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from urdf_ik.solutions.solved_arm import SolvedArm
@@ -69,9 +72,17 @@ class Solution:
     singular: Singular
     index: int
 
+    def __reduce__(self) -> tuple[Callable[..., Solution], tuple[Array, str, Singular, int]]:
+        return _solution, (self.q, self.branch, self.singular, self.index)
+
     def __str__(self) -> str:
         flag = f" (singular: {self.singular.name})" if self.singular else ""
         return f"{self.branch}: [{', '.join(f'{x:.6f}' for x in self.q)}]{flag}"
+
+
+def _solution(q: Array, branch: str, singular: Singular, index: int) -> Solution:
+    """A solution as it was before it was copied."""
+    return Solution(frozen(q), branch, singular, index)
 
 
 class Step(NamedTuple):
@@ -92,6 +103,15 @@ class Step(NamedTuple):
     amount: float = 0.0
     apart: Array | None = None
     within: Array | None = None
+
+    def __reduce__(self) -> tuple[Callable[..., Step], tuple[Any, ...]]:
+        return _step, tuple(self)
+
+
+def _step(*fields: Any) -> Step:
+    """A step as it was before it was copied."""
+    parts: list[Any] = [frozen(each) if isinstance(each, np.ndarray) else each for each in fields]
+    return Step(*parts)
 
 
 class KeptSolutions(Answer):
@@ -316,9 +336,3 @@ class KeptSolutions(Answer):
 
     def _solution(self, column: np.intp, name: str) -> Solution:
         return Solution(frozen(self._q[column]), name, Singular(int(self._info[column]) >> 1 & 15), int(column))
-
-
-def frozen(array: NDArray[_Number]) -> NDArray[_Number]:
-    """``array``, read-only: a view or a fresh array, never one that somebody else writes to."""
-    array.setflags(write=False)
-    return array

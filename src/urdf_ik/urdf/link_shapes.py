@@ -11,7 +11,7 @@ from lxml import etree
 
 from urdf_ik.errors import UrdfIkError
 from urdf_ik.poses import pose
-from urdf_ik.urdf import mesh_files
+from urdf_ik.urdf import meshes as mesh_files
 from urdf_ik.urdf.model import resolve_mesh
 
 if TYPE_CHECKING:

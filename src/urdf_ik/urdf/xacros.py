@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from urdf_ik import forks
 from urdf_ik.errors import MissingPackage, UrdfError
 from urdf_ik.text import quoted
 from urdf_ik.urdf import packages
@@ -16,7 +16,7 @@ from urdf_ik.urdf.xml import Source
 INSTALL = "pip install 'urdf-ik[xacro]'"
 
 # The package keeps its arguments, its stack of files and the search for packages in variables of its modules.
-_ONE_AT_A_TIME = threading.Lock()
+_ONE_AT_A_TIME = forks.lock()
 
 
 class _NoPackage(Exception):

@@ -9,6 +9,7 @@ import numpy as np
 
 from urdf_ik import inputs
 from urdf_ik.errors import WorkspaceError
+from urdf_ik.frozen import Frozen
 from urdf_ik.text import quoted
 from urdf_ik.workspace import files
 from urdf_ik.workspace.grid import AXES, Grid
@@ -102,7 +103,7 @@ class BranchShare(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class WorkspaceMap:
+class WorkspaceMap(Frozen):
     """Positions x orientations of an arm's tip, with what they have as solutions.
 
     Attributes:

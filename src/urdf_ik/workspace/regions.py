@@ -11,6 +11,7 @@ import numpy as np
 from urdf_ik import inputs
 from urdf_ik.angles import TURN
 from urdf_ik.errors import JointVectorError, WorkspaceError
+from urdf_ik.frozen import Frozen
 from urdf_ik.solutions import limits
 from urdf_ik.text import quoted
 from urdf_ik.tolerances import DEFAULT
@@ -30,7 +31,7 @@ ELBOWS = ("elbow left", "elbow right")
 
 
 @dataclass(frozen=True, eq=False)
-class PlanarWorkspace:
+class PlanarWorkspace(Frozen):
     """Where the tip of two turning joints can be, in the coordinates of ``arm.plane``.
 
     Attributes:
