@@ -11,8 +11,11 @@ from lxml import etree
 
 from urdf_ik.errors import UrdfError
 from urdf_ik.text import listed, nearest, quoted
+from urdf_ik.tolerances import LARGEST
 from urdf_ik.urdf.xml import XACRO_HINT, child, has_xacro, is_xacro, tag, written_tag
 
+LEAST = 1e-15
+"""Lengths that are a smaller share of the URDF's size, and smaller factors of mimics, are left over from rounding."""
 MIN_AXIS = 1e-12
 """A shorter axis is what rounding leaves of zero, and gives no direction."""
 _LONGEST = 1000
@@ -76,7 +79,15 @@ class Place:
             # URDF 1.2 only: Pinocchio would read it there, and yourdfpy never.
             problem = f"quat_xyzw={quoted(origin.get('quat_xyzw'))} is read by some URDF readers only"
             self.fail(problem, hint="write the rotation as rpy, in rad", at=origin)
-        return {name: " ".join(self.numbers(origin, name, 3, "0 0 0")) for name in ("xyz", "rpy")}
+        values = {name: self.numbers(origin, name, 3, "0 0 0") for name in ("xyz", "rpy")}
+        return {name: " ".join(self.in_range(origin, name, each)) for name, each in values.items()}
+
+    def in_range(self, element: Any, attribute: str, values: list[str]) -> list[str]:
+        """These values of the attribute, none of them beyond ``LARGEST``."""
+        if any(abs(float(value)) > LARGEST for value in values):
+            problem = f"{attribute}={quoted(element.get(attribute))} is beyond {LARGEST:g}, where no digit is left"
+            self.fail(problem, hint="write lengths in m, and angles in rad", at=element)
+        return values
 
 
 @dataclass(frozen=True)
@@ -239,6 +250,10 @@ def _mimic(place: Place) -> tuple[str, float, float] | None:
     if not driver:
         place.fail("joint is missing", hint='write <mimic joint="..."/> with the joint to follow', at=element)
     multiplier, offset = (
-        float(place.numbers(element, name, 1, default)[0]) for name, default in (("multiplier", "1"), ("offset", "0"))
+        float(place.in_range(element, name, place.numbers(element, name, 1, default))[0])
+        for name, default in (("multiplier", "1"), ("offset", "0"))
     )
+    if 0.0 < abs(multiplier) < LEAST:
+        problem = f"multiplier={quoted(element.get('multiplier'))} is below {LEAST:g}, where the joint does not move"
+        place.fail(problem, hint="write 0, or a fixed joint", at=element)
     return driver, multiplier, offset

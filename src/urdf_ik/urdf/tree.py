@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 from urdf_ik.text import listed, nearest, printable, quoted
-from urdf_ik.urdf.checks import MOVABLE, Place, RawJoint, check_joint, check_name, label_of
+from urdf_ik.urdf.checks import LEAST, MOVABLE, Place, RawJoint, check_joint, check_name, label_of
 from urdf_ik.urdf.xml import XACRO_HINT, child, children, is_xacro, written_tag
 
 if TYPE_CHECKING:
@@ -75,6 +76,7 @@ def check_joints(robot: Any, links: dict[str, Any], source: str) -> list[RawJoin
         joints[joint.name] = joint
         if len(joints) > MAX_LINKS:
             joint.place.fail(f"more than {MAX_LINKS} joints", hint=f"keep to {MAX_LINKS} links: split the robot")
+    _check_lengths(joints)
     _check_mimics(joints)
     return list(joints.values())
 
@@ -114,6 +116,21 @@ def check_tree(joints: Sequence[RawJoint], links: dict[str, Any], source: str) -
             hint="join them with fixed joints, or remove all but one",
         )
     return roots[0]
+
+
+def _check_lengths(joints: dict[str, RawJoint]) -> None:
+    """Refuse steps from joint to joint so short that they are lost beside the others, though they are not zero."""
+    lengths = {name: math.hypot(*map(float, joint.origin.get("xyz", "0").split())) for name, joint in joints.items()}
+    size = sum(lengths.values())
+    for name, length in lengths.items():
+        if 0.0 < length < LEAST * size:
+            place = joints[name].place
+            origin = child(place.element, "origin")
+            place.fail(
+                f"xyz={quoted(origin.get('xyz'))} is {length:.3g} m long, no digit beside the URDF's {size:.3g} m",
+                hint='write xyz="0 0 0"',
+                at=origin,
+            )
 
 
 def _check_mimics(joints: dict[str, RawJoint]) -> None:
