@@ -267,13 +267,13 @@ def test_another_arm_takes_the_place(viewer: Viewer) -> None:
 def test_what_is_wrong_with_an_arm_is_said_and_the_old_one_stays(viewer: Viewer, arm: Arm) -> None:
     """A name that the catalogue lacks gives the nearest; a broken URDF its line; an ambiguous tip the candidates."""
     broken = BARE.replace('parent link="b"', 'parent link="x"').encode()
-    forked = BARE.replace("</robot>", '<link name="e"/><joint name="f" type="fixed"><parent link="c"/>'
-                          '<child link="e"/></joint></robot>').encode()  # fmt: skip
+    forked = BARE.replace("</robot>", '<link name="e"/><joint name="f" type="fixed"><origin xyz="1 0 0"/>'
+                          '<parent link="c"/><child link="e"/></joint></robot>').encode()  # fmt: skip
     for source, answer in (
         ("zyyzyz", "nearest: zyyzyz_6r"),
         ("no/such.urdf", "no/such.urdf"),
         (broken, "link 'x' is not declared"),
-        (forked, "candidates: d, e"),
+        (forked, "candidates: c, d, e"),
         (b"", "empty"),
     ):
         viewer.open(source)
