@@ -21,7 +21,7 @@ public:
             if (part.values) part.values += start;
             step.move(given, part, T, values);
             const double* reference = part.q_ref && !given.last ? part.q_ref + 1 : part.q_ref;
-            const long bad = six->solve({T, part.m, reference, nullptr, q, part.flags});
+            const long bad = six->solve({T, part.m, reference, nullptr, q, part.flags, batch.beyond});
             if (bad >= 0) return start + bad;
             step.insert(given, part, q, values, branches);
         }
