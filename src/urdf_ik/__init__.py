@@ -45,7 +45,7 @@ if TYPE_CHECKING:
         to_rotvec,
         to_rpy,
     )
-    from urdf_ik.redundancy import Redundancy, Sweep
+    from urdf_ik.redundancy import Interval, Intervals, Redundancy, Sweep
     from urdf_ik.solutions import IKSolutions, Singular, Solution
     from urdf_ik.structure import Structure
 
@@ -65,6 +65,8 @@ __all__ = [
     "DHTable",
     "HalfSpace",
     "IKSolutions",
+    "Interval",
+    "Intervals",
     "JointVectorError",
     "Mesh",
     "MissingPackage",
@@ -148,7 +150,7 @@ _NAMES = {
         "to_rotvec",
         "to_rpy",
     ),
-    "redundancy": ("Redundancy", "Sweep"),
+    "redundancy": ("Interval", "Intervals", "Redundancy", "Sweep"),
     "solutions": (
         "IKSolutions",
         "Singular",

@@ -74,7 +74,9 @@ struct PySelfMotion {
                 found.push_back(double(each));
             }
         }
-        return nb::make_tuple(array_of(samples, 17), array_of(found, 8));
+        std::vector<double> unseen;
+        for (const auto& [pose, value] : all.unseen) unseen.push_back(double(pose)), unseen.push_back(value);
+        return nb::make_tuple(array_of(samples, 17), array_of(found, 8), array_of(unseen, 2));
     }
 
     // Joint vectors at given values, from starts near them: T (m, 4, 4), q (m, 7), values (m) -> (m, 7), NaN where there is none.

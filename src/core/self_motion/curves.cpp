@@ -14,8 +14,9 @@ constexpr double PI = 3.141592653589793, TURN = 2.0 * PI;
 // TOO_MUCH [rad] or where Newton's method leads further than ASIDE times the step away. A curve whose steps would have to be
 // shorter than SHORTEST has come to a singularity.
 constexpr double LONGEST = 0.3, AIM = 0.2, TOO_MUCH = 0.45, ASIDE = 0.12, SHORTEST = 1e-7;
-// Newton's method ends below these errors: on the way, and at the points that count.
-constexpr double ON_THE_WAY = 1e-7, EXACT = 3e-15, SETTLED = 1e-11;
+// Newton's method ends below these errors: on the way, where steps are as long as WIDE_STEP (less by the square of shorter ones,
+// which there are next to singularities), and at the points that count.
+constexpr double ON_THE_WAY = 1e-7, WIDE_STEP = 0.03, EXACT = 3e-15, SETTLED = 1e-11;
 constexpr int FEW_ROUNDS = 4, MANY_ROUNDS = 12;
 // Two joint vectors nearer than this in every joint are one; the same for places between samples, which are interpolated.
 constexpr double SAME = 1e-6, NEARLY_SAME = 3e-3;
@@ -183,15 +184,15 @@ private:
     void mark_reach(std::vector<Piece>& pieces) const;
 
     // Of a limit: which joint, which side, where.
+    // The image of a joint of more than a turn leaves the limits there, another one is still inside: it ends nothing.
     struct Crossing {
         CurveSample at;
         double share;
         int joint;
-        bool upper;
+        bool upper, wide;
     };
-    bool limited(int j) const {
-        return std::isfinite(given_.lower[j]) || std::isfinite(given_.upper[j]);
-    }
+    bool limited(int j) const { return std::isfinite(given_.lower[j]) || std::isfinite(given_.upper[j]); }
+    bool wide(int j) const { return !arm_.written.slides[j] && given_.upper[j] - given_.lower[j] >= TURN; }
     double room(int j, double q) const;
     bool inside(const double* q) const;
     void split(const CurveSample& a, const CurveSample& b, int depth, std::vector<CurveSample>& to) const;
@@ -219,7 +220,8 @@ bool Follower::step(const CurveSample& from, const CurveSample* before, double& 
             const double curved = before ? bend * (from.along[j] - before->along[j]) : 0.0;
             q[j] = from.q[j] + unit(j) * (h * from.along[j] + curved);
         }
-        if (settle(q, {Pin::nothing, 0, 0.0}, from.along, from.value, ON_THE_WAY, to) && moved_ <= ASIDE * h) {
+        const double share = std::min(1.0, h / WIDE_STEP), enough = std::max(ON_THE_WAY * share * share, EXACT);
+        if (settle(q, {Pin::nothing, 0, 0.0}, from.along, from.value, enough, to) && moved_ <= ASIDE * h) {
             double same = 0.0;
             for (int j = 0; j < 7; ++j) same += to.along[j] * from.along[j];
             const double turned = std::acos(std::min(1.0, same));
@@ -650,8 +652,7 @@ void Follower::mark_reach(std::vector<Piece>& pieces) const {
 double Follower::room(int j, double q) const {
     const double low = given_.lower[j], high = given_.upper[j];
     if (arm_.written.slides[j]) return std::min(q - low, high - q);
-    if (!std::isfinite(low)) return high - wrapped(q - high) - q >= 0.0 ? PI : PI;
-    if (!std::isfinite(high) || high - low >= TURN) return PI;
+    if (!std::isfinite(high - low) || high - low >= TURN) return PI;  // some image is inside
     const double middle = 0.5 * (low + high);
     return 0.5 * (high - low) - std::abs(wrapped(q - middle));
 }
@@ -700,7 +701,7 @@ void Follower::crossings(const CurveSample& a, const CurveSample& b, std::vector
         if (!limited(j)) continue;
         for (int side = 0; side < 2; ++side) {
             const double limit = side ? given_.upper[j] : given_.lower[j];
-            if (!std::isfinite(limit) || room(j, limit) > 1.0) continue;
+            if (!std::isfinite(limit)) continue;
             const double from = gap(j, a.q[j], limit), d = gap(j, b.q[j], a.q[j]);
             if (std::abs(from) > 2.0 || from * (from + d) > 0.0 || (from + d == 0.0)) continue;
             // The cubic's root, by bisection; where there are three, one of them: samples lie where a joint turns round.
@@ -712,7 +713,7 @@ void Follower::crossings(const CurveSample& a, const CurveSample& b, std::vector
                 else high = u;
             }
             Crossing c;
-            c.share = 0.5 * (low + high), c.joint = j, c.upper = side;
+            c.share = 0.5 * (low + high), c.joint = j, c.upper = side, c.wide = wide(j);
             double q[7];
             between(a, b, c.share, q);
             if (!settle(q, {Pin::joint, j, arm_.written.slides[j] ? limit : wrapped(limit)}, a.along, a.value, EXACT, c.at)) continue;
@@ -774,7 +775,7 @@ void Follower::cut(const Piece& piece, long pose, Intervals& to) const {
                 open = false;
             }
             if (k < met.size()) {
-                last_crossing = met[k], crossed = true;
+                if (!met[k].wide) last_crossing = met[k], crossed = true;
                 if (open) {
                     CurveSample at = met[k].at;
                     at.arc = (end - from) * b.arc;
@@ -823,7 +824,11 @@ void Follower::cut(const Piece& piece, long pose, Intervals& to) const {
 void follow_curves(const FreeArm& arm, const SelfMotionFunctions& core, const GridOfSolutions& given, long pose, Intervals& to) {
     Follower follower(arm, core, given);
     follower.follow();
-    for (const Piece& piece : follower.pieces()) follower.cut(piece, pose, to);
+    for (const Piece& piece : follower.pieces()) {
+        follower.cut(piece, pose, to);
+        const bool seen = std::any_of(piece.columns.begin(), piece.columns.end(), [](const auto& each) { return each.second >= 0; });
+        if (!seen) to.unseen.push_back({pose, piece.samples[piece.samples.size() / 2].value});
+    }
 }
 
 }  // namespace urdf_ik

@@ -7,6 +7,7 @@
 // values of the grid are looked for by Newton's method from starts all over the joints.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "curve_arm.hpp"
@@ -32,6 +33,8 @@ struct Interval {
 struct Intervals {
     std::vector<CurveSample> samples;
     std::vector<Interval> found;
+    // Of parts that hold no given solution: the pose, and a value in its middle. Other branches may have such parts there, too.
+    std::vector<std::pair<long, double>> unseen;
 };
 
 // What is given for one pose.

@@ -15,7 +15,7 @@ from urdf_ik.arm.refusals import unsupported
 from urdf_ik.errors import ArgumentError, JointVectorError, PoseError, UnsupportedArm
 from urdf_ik.families import Plan, RedundantPlan
 from urdf_ik.poses import as_pose_array, check_poses
-from urdf_ik.redundancy import nearest, sweep
+from urdf_ik.redundancy import finding, nearest, sweep
 from urdf_ik.solutions import IKSolutions
 from urdf_ik.solutions.representatives import near_each
 from urdf_ik.structure import Structure, analyse
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from urdf_ik._core import Solver
     from urdf_ik.chain import Chain
     from urdf_ik.chain.redundancy import Redundancy
-    from urdf_ik.redundancy import Sweep
+    from urdf_ik.redundancy import Intervals, Sweep
     from urdf_ik.solutions.select import Metric
     from urdf_ik.urdf import UrdfModel
 
@@ -310,8 +310,7 @@ class Arm(Moving):
 
         Returns:
             One column a pose; of a continuum what ``ik`` gives near ``q_ref``, its free joint there. With seven
-            joints, ``redundancy`` holds the values of the parameter; see
-            :mod:`urdf_ik.redundancy.nearest` for how they are searched, and what may be missed.
+            joints, ``redundancy`` holds the values of the parameter, of all in :meth:`intervals`, to 1e-8.
 
         Raises:
             PoseError: a target is no pose.
@@ -334,12 +333,46 @@ class Arm(Moving):
             )
         options: Any = {"metric": metric, "weights": weights, "within": within, "within_limits": within_limits}
         if isinstance(self._plan, RedundantPlan):
-            return nearest.nearest(self, self._plan.parameter, T, q_ref, threads=threads, **options)
+            return nearest.nearest(self, self._plan, T, q_ref, threads=threads, **options)
         reference = self.chain.check(q_ref)
         near = reference if reference.ndim == 1 else None
         solutions = self.ik(T, near, threads=threads)
         solutions = near_each(solutions, reference) if near is None else solutions
         return solutions.nearest(reference, **options)
+
+    def intervals(self, T: Any, within_limits: bool = True, world: Any = None, *, threads: int = 1) -> Intervals:
+        """Where along the redundancy parameter each branch has solutions, and what ends them.
+
+        Every solution at the values of a grid is followed along its curve to both sides, and every solution must be met
+        from both; ends are computed to 1e-9. An interval between two values of the grid is found where a branch of the
+        closed form, taken beyond its ends, comes near, or by Newton's method from starts all over the joints: see
+        docs/completeness.md for how often one was missed.
+
+        Args:
+            T: (..., 4, 4) poses of the tip in the base [m], or a ``pinocchio.SE3``.
+            within_limits: only solutions inside the joint limits count.
+            world: a :class:`urdf_ik.World`; only solutions count that touch neither it nor the arm itself. Between two
+                contacts, what is free for less than 1e-5 rad or m of the parameter may be missed.
+            threads: number of threads that share the solving.
+
+        Returns:
+            The intervals: of a single pose a sequence of :class:`urdf_ik.Interval`, by branch and by value; of a batch,
+            ``intervals[i]`` are those of one pose.
+
+        Raises:
+            PoseError: a target is no pose.
+            UnsupportedArm: the arm has no redundancy parameter.
+            UrdfError: a world is given, and the URDF's collision shapes are missing or cannot be read.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("srs_7r")
+            >>> print(arm.intervals(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]))[0])
+            shoulder
+        """
+        return finding.intervals(
+            self, self._redundant_plan(), as_pose_array(T), within_limits=within_limits, world=world, threads=threads
+        )
 
     def sweep(self, T: Any, n: int = 64, *, within_limits: bool = False, threads: int = 1) -> Sweep:
         """The solutions of one pose at ``n`` values of the redundancy parameter, and where there are any.
@@ -361,7 +394,7 @@ class Arm(Moving):
             >>> sweep.solutions.q.shape, sweep.intervals.round(3).tolist()
             ((16, 8, 7), [[-3.142, 3.142]])
         """
-        return sweep.sweep(self, self._redundant_plan().parameter, T, n, within_limits, threads)
+        return sweep.sweep(self, self._redundant_plan(), T, n, within_limits, threads)
 
     def explain(self, T: Any, redundancy: float | None = None) -> str:
         """Why the single pose ``T`` (4, 4) has no solution, with the number that is out of range.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from urdf_ik.chain.redundancy import Redundancy
+from urdf_ik.redundancy.interval import End, Interval, Intervals
 from urdf_ik.redundancy.sweep import Sweep
 
-__all__ = ["Redundancy", "Sweep"]
+__all__ = ["End", "Interval", "Intervals", "Redundancy", "Sweep"]

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from urdf_ik._core import Solver
+    from urdf_ik._core import SelfMotion, Solver
     from urdf_ik.chain import Chain
     from urdf_ik.chain.redundancy import Redundancy
     from urdf_ik.structure import Structure
@@ -128,11 +128,13 @@ class RedundantPlan(Plan):
 
     Attributes:
         parameter: what is given.
+        self_motion: what follows the curves of joint vectors that hold a pose.
         value_of: joint vectors (m, 7) -> their values (m,).
         explain_at: (T (4, 4), value) -> why there is no solution.
     """
 
     parameter: Redundancy
+    self_motion: SelfMotion
     value_of: Callable[[Array], Array]
     explain_at: Callable[[Array, float], str]
 

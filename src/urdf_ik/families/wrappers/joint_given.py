@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik._core import Solver
+from urdf_ik._core import SelfMotion, Solver
 from urdf_ik.chain.redundancy import locked_joint
 from urdf_ik.families.parts.family import Plan, RedundantPlan
+from urdf_ik.families.parts.values import written_values
 from urdf_ik.structure import analyse
 
 if TYPE_CHECKING:
@@ -71,6 +72,7 @@ def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
         error=plan.error,
         solver=Solver("one joint given", values),
         parameter=parameter,
+        self_motion=SelfMotion({"written": written_values(chain), "given": k}),
         value_of=lambda Q: parameter.wrapped(Q[:, k]),
         explain=lambda T: explain_at(T, parameter.default),
         explain_at=explain_at,

@@ -15,7 +15,7 @@ from urdf_ik.motion.path.smooth import smoothed
 from urdf_ik.motion.path.windows import narrow
 from urdf_ik.motion.plan import Plan
 from urdf_ik.motion.waypoints import twists
-from urdf_ik.redundancy.sweep import span
+from urdf_ik.redundancy.finding import span
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
