@@ -15,6 +15,7 @@ import numpy as np
 
 from urdf_ik.angles import TURN, wrapped
 from urdf_ik.chain.redundancy import SWIVEL
+from urdf_ik.errors import UnsupportedArm
 from urdf_ik.redundancy.along import Curves
 from urdf_ik.redundancy.contacts import without_contacts
 from urdf_ik.redundancy.interval import End, Found, Intervals
@@ -45,6 +46,11 @@ def intervals(
     arm: SolvingArm, plan: RedundantPlan, T: Array, *, within_limits: bool, world: Any, threads: int
 ) -> Intervals:
     """See :meth:`urdf_ik.Arm.intervals`."""
+    if plan.self_motion is None:
+        raise UnsupportedArm(
+            f"{arm.name}: intervals of the redundancy parameter are not found for arms whose joints mimic others, or that "
+            "have several parameters; ik(T, redundancy=values) solves at values"
+        )
     curves = Curves(plan.self_motion, plan.parameter, arm.dof < 7, ~arm.chain.prismatic)
     stack = T.reshape(-1, 4, 4)
     parts = [

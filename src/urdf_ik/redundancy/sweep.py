@@ -16,7 +16,7 @@ from urdf_ik.poses import check_poses
 from urdf_ik.redundancy.finding import intervals, span
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik.chain.redundancy import Redundancy
     from urdf_ik.families.parts.family import RedundantPlan
@@ -74,13 +74,14 @@ def sweep(arm: SolvingArm, plan: RedundantPlan, T: Any, n: int, within_limits: b
     return Sweep(solutions.within_limits() if within_limits else solutions, found, parameter)
 
 
-def explanation(arm: SolvingArm, plan: RedundantPlan, T: Array, value: float | None) -> str:
+def explanation(arm: SolvingArm, plan: RedundantPlan, T: Array, value: ArrayLike | None) -> str:
     """Why the pose ``T`` (4, 4) has no solution at a value of the parameter (None: its default), and where it has."""
     parameter = plan.parameter
     at = parameter.default if value is None else float(parameter.check(value))
     found = sweep(arm, plan, T, 1, within_limits=False, threads=1).intervals
     places = ", ".join(f"{low:.4f} to {high:.4f} {parameter.unit}" for low, high in found)
-    return f"{plan.explain_at(T, at)}; " + (f"there are solutions at {places}" if places else "nor at other values")
+    why = plan.explain_at(T, np.array([at]))
+    return f"{why}; " + (f"there are solutions at {places}" if places else "nor at other values")
 
 
 def _spread(intervals: Array, n: int, is_round: bool) -> Array:
