@@ -267,8 +267,7 @@ template <class Family> STEP int solve_block(const typename Family::Arm& arm, co
 struct AllBranches {
     Block q[8][6];
     Clearance<Block> clear[8];
-    STEP void set(int b, const Block (&angles)[6], const MaskOf<Block>&, const MaskOf<Block>&,
-                  const Clearance<Block>& at = {}) {
+    STEP void set(int b, const Block (&angles)[6], const MaskOf<Block>&, const MaskOf<Block>&, const Clearance<Block>& at = {}) {
         for (int j = 0; j < 6; ++j) q[b][j] = angles[j];
         clear[b] = at;
     }
@@ -294,7 +293,8 @@ template <class Family> PART void branches_beyond(const typename Family::Arm& ar
         Family::fast(arm, to_frame_1(t, arm.ideal), all);
         for (int i = 0; i < many; ++i) {
             for (int b = 0; b < columns; ++b) {
-                for (int j = 0; j < 6; ++j) batch.q[6 * (columns * (start + i) + b) + j] = b < 8 ? all.q[b][j][i] : __builtin_nan("");
+                for (int j = 0; j < 6; ++j)
+                    batch.q[6 * (columns * (start + i) + b) + j] = b < 8 ? all.q[b][j][i] : __builtin_nan("");
             }
         }
     }

@@ -37,8 +37,9 @@ struct SelfMotionFunctions {
     OnCurve (*settle)(const FreeArm&, const double* T, const double* q, const Pinned&, int rounds, double enough);
     // Points on the curve from starts (count, 7), of which those with NaN are left out, to q (count, 7); returns how many.
     int (*search)(const FreeArm&, const double* T, const double* starts, int count, double* q);
-    // How far a joint vector is from the pose [rad, share of size]: the greatest entry of the twist between, 2 beyond 60 degrees.
-    double (*error)(const FreeArm&, const double* T, const double* q);
+    // How far joint vectors (count, 7) are from the pose [rad, share of size]: the greatest entry of the twist between, 2 beyond
+    // 60 degrees, NaN where one is.
+    void (*errors)(const FreeArm&, const double* T, const double* q, long count, double* to);
 };
 
 }  // namespace urdf_ik

@@ -26,6 +26,8 @@ constexpr double STANDS = 1e-9;
 constexpr double CLOSE = 4e-3;
 // Error [rad, share of size] of a branch beyond its ends from which it is not looked at.
 constexpr double FAR_FROM = 0.5;
+// Values to each side of where such a branch comes nearest that are starts, too.
+constexpr long BESIDE = 2;
 constexpr int MOST_SPLITS = 5, MOST_STEPS = 4000, MOST_REDONE = 3;
 
 double wrapped(double a) {
@@ -92,8 +94,8 @@ public:
     void cut(const Piece& piece, long pose, Intervals& to) const;
 
 private:
-    double unit(int j) const { return arm_.written.slides[j] ? arm_.written.size : 1.0; }
-    double gap(int j, double a, double b) const { return arm_.written.slides[j] ? (a - b) / arm_.written.size : wrapped(a - b); }
+    double unit(int j) const { return arm_.unit[j]; }
+    double gap(int j, double a, double b) const { return gap_of(arm_, j, a, b); }
     double apart(const double* a, const double* b) const {
         double most = 0.0;
         for (int j = 0; j < 7; ++j) most = std::max(most, std::abs(gap(j, a[j], b[j])));
@@ -131,14 +133,8 @@ private:
         return true;
     }
 
-    // The cubic through two samples with their tangents, at a share u of the way: joint vector and tangent.
     void between(const CurveSample& a, const CurveSample& b, double u, double* q, double* along = nullptr) const {
-        for (int j = 0; j < 7; ++j) {
-            const double d = gap(j, b.q[j], a.q[j]), s = b.arc * a.along[j], e = b.arc * b.along[j];
-            const double third = s + e - 2.0 * d, second = 3.0 * d - 2.0 * s - e;
-            q[j] = a.q[j] + unit(j) * u * (s + u * (second + u * third));
-            if (along) along[j] = s + u * (2.0 * second + 3.0 * u * third);
-        }
+        interpolate(arm_, a, b, u, q, along);
     }
     // Where the parameter changes along the curve's cubic by least, between two samples in order.
     double least_rate(const CurveSample& a, const CurveSample& b, double& u) const {
@@ -175,7 +171,7 @@ private:
     bool known(const CurveSample& at) const;
     void add_loop(const CurveSample& at);
     bool leads_on(const Part& part, int side) const {
-        const long *node = part.node[side];
+        const long* node = part.node[side];
         if (node[0] < 0) return false;
         const Node& n = nodes_[node[0]][node[1]];
         return (side ? n.behind : n.before) >= 0;
@@ -547,28 +543,38 @@ void Follower::add_loop(const CurveSample& at) {
     follow_cells();
 }
 
-// Where a branch of the closed form comes nearest to being a solution, beyond its ends: starts for the search.
+// Where a branch of the closed form comes nearest to being a solution, beyond its ends, and next to its ends: starts for the
+// search.
 void Follower::add_nearest(std::vector<double>& starts) const {
     if (!given_.beyond) return;
-    std::vector<double> error(given_.values);
-    for (int b = 0; b < given_.branches; ++b) {
-        const double* q = given_.beyond + 7 * b;
-        const long stride = 7 * given_.branches;
-        bool any = false;
-        for (long k = 0; k < given_.values; ++k) {
-            error[k] = given_.flags[k * given_.branches + b] & 1 ? 0.0 : core_.error(arm_, given_.T, q + k * stride);
-            any |= !(error[k] <= 0.0) && error[k] < FAR_FROM;
+    const long fine = given_.fine, branches = given_.branches;
+    std::vector<double> errors(fine * branches);
+    core_.errors(arm_, given_.T, given_.beyond, fine * branches, errors.data());
+    const auto error = [&](long k, long b) {
+        if (k < 0 || k >= fine) {
+            if (!given_.round) return INFINITY;
+            k = (k + fine) % fine;
         }
-        for (long k = 0; any && k < given_.values; ++k) {
-            const bool first = k == 0, last = k + 1 == given_.values;
-            const double before = first ? (given_.round ? error[given_.values - 1] : 3.0) : error[k - 1];
-            const double after = last ? (given_.round ? error[0] : 3.0) : error[k + 1];
-            if (!(error[k] > 0.0 && error[k] < FAR_FROM && error[k] <= before && error[k] <= after)) continue;
-            // From both sides, too: near a special arm two loops may be as near.
-            for (long near = k - 1; near <= k + 1; ++near) {
-                const long at = (near + given_.values) % given_.values;
-                if ((near == at || given_.round) && error[at] > 0.0) starts.insert(starts.end(), q + at * stride, q + at * stride + 7);
+        return float(errors[k * branches + b]);
+    };
+    std::vector<bool> wanted(fine);
+    for (long b = 0; b < branches; ++b) {
+        std::fill(wanted.begin(), wanted.end(), false);
+        for (long k = 0; k < fine; ++k) {
+            const float here = error(k, b), before = error(k - 1, b), after = error(k + 1, b);
+            if (!(here > given_.off && here < FAR_FROM)) continue;
+            const bool nearest = !(before < here) && !(after < here), at_end = before <= given_.off || after <= given_.off;
+            if (!nearest && !at_end) continue;
+            // Another loop may be beside the one that is nearest.
+            for (long near = k - BESIDE; near <= k + BESIDE; ++near) {
+                if (given_.round || (near >= 0 && near < fine)) wanted[(near + fine) % fine] = true;
             }
+        }
+        for (long k = 0; k < fine; ++k) {
+            const float here = error(k, b);
+            if (!wanted[k] || !(here > given_.off && here < FAR_FROM)) continue;
+            const double* q = given_.beyond + 7 * (k * branches + b);
+            starts.insert(starts.end(), q, q + 7);
         }
     }
 }
@@ -716,7 +722,8 @@ void Follower::crossings(const CurveSample& a, const CurveSample& b, std::vector
             c.share = 0.5 * (low + high), c.joint = j, c.upper = side, c.wide = wide(j);
             double q[7];
             between(a, b, c.share, q);
-            if (!settle(q, {Pin::joint, j, arm_.written.slides[j] ? limit : wrapped(limit)}, a.along, a.value, EXACT, c.at)) continue;
+            if (!settle(q, {Pin::joint, j, arm_.written.slides[j] ? limit : wrapped(limit)}, a.along, a.value, EXACT, c.at))
+                continue;
             c.at.arc = c.share * b.arc;
             to.push_back(c);
         }
@@ -804,8 +811,8 @@ void Follower::cut(const Piece& piece, long pose, Intervals& to) const {
     }
     for (const Run& run : runs) {
         if (run.samples.size() < 2) continue;
-        Interval found = {pose, long(to.samples.size()), long(run.samples.size()), -1, {run.why[0], run.why[1]},
-                          {run.joint[0], run.joint[1]}};
+        Interval found = {pose, long(to.samples.size()),  long(run.samples.size()),
+                          -1,   {run.why[0], run.why[1]}, {run.joint[0], run.joint[1]}};
         const double low = run.samples.front().value, high = run.samples.back().value, middle = 0.5 * (low + high);
         double nearest = INFINITY;
         for (const auto& [value, column] : piece.columns) {
@@ -821,12 +828,27 @@ void Follower::cut(const Piece& piece, long pose, Intervals& to) const {
 
 }  // namespace
 
+double gap_of(const FreeArm& arm, int j, double a, double b) {
+    return arm.written.slides[j] ? (a - b) / arm.unit[j] : wrapped(a - b);
+}
+
+void interpolate(const FreeArm& arm, const CurveSample& a, const CurveSample& b, double share, double* q, double* along) {
+    const double u = share;
+    for (int j = 0; j < 7; ++j) {
+        const double d = gap_of(arm, j, b.q[j], a.q[j]), s = b.arc * a.along[j], e = b.arc * b.along[j];
+        const double third = s + e - 2.0 * d, second = 3.0 * d - 2.0 * s - e;
+        q[j] = a.q[j] + arm.unit[j] * u * (s + u * (second + u * third));
+        if (along) along[j] = s + u * (2.0 * second + 3.0 * u * third);
+    }
+}
+
 void follow_curves(const FreeArm& arm, const SelfMotionFunctions& core, const GridOfSolutions& given, long pose, Intervals& to) {
     Follower follower(arm, core, given);
     follower.follow();
     for (const Piece& piece : follower.pieces()) {
         follower.cut(piece, pose, to);
-        const bool seen = std::any_of(piece.columns.begin(), piece.columns.end(), [](const auto& each) { return each.second >= 0; });
+        const bool seen =
+            std::any_of(piece.columns.begin(), piece.columns.end(), [](const auto& each) { return each.second >= 0; });
         if (!seen) to.unseen.push_back({pose, piece.samples[piece.samples.size() / 2].value});
     }
 }

@@ -47,11 +47,20 @@ struct GridOfSolutions {
     const std::uint8_t* flags;    // (values, branches) bit 0: valid
     int branches;
     const double *lower, *upper;  // (7) limits; infinite where there is none
-    // All branches at the values, beyond their ends too, not verified; null: none are known.
-    const double* beyond;         // (values, branches, 7)
-    const double* starts;         // (count, 7) joint vectors for the search for loops
+    // All branches at more values, which are as round as the grid's, beyond their ends too, not verified; null: none are known.
+    const double* beyond;  // (fine, branches, 7)
+    long fine;
+    double off;  // error below which these are solutions
+    const double* starts;  // (count, 7) joint vectors for the search for loops
     int count;
 };
+
+// From one value of a joint to another, the shorter way round [rad, shares of size].
+double gap_of(const FreeArm& arm, int joint, double to, double from);
+
+// The cubic through two neighbouring samples with their tangents, at a share of the way: a joint vector near the curve, and the
+// tangent times the arc where it is asked for.
+void interpolate(const FreeArm& arm, const CurveSample& a, const CurveSample& b, double share, double* q, double* along = nullptr);
 
 void follow_curves(const FreeArm& arm, const SelfMotionFunctions& core, const GridOfSolutions& given, long pose, Intervals& to);
 

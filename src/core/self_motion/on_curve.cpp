@@ -42,7 +42,7 @@ STEP Row row_of(const double (&a)[LANES]) {
 // Longest step of Newton's method [rad, share of size].
 constexpr double LONGEST_STEP = 0.5;
 // A search ends after so many rounds, or below this error.
-constexpr int SEARCH_ROUNDS = 24;
+constexpr int SEARCH_ROUNDS = 40, SEARCH_PATIENCE = 14;
 constexpr double SEARCH_ENOUGH = 1e-9, SEARCH_FOUND = 1e-6;
 
 // Where the joints are: in the base, one a lane the axes and the origins of their frames; and the tip.
@@ -207,7 +207,8 @@ int search(const FreeArm& arm, const double* T, const double* starts, int count,
             const double* from = starts + 7 * (k + l < count ? k + l : count - 1);
             for (int j = 0; j < 7; ++j) x[j].set(l, written.slides[j] ? from[j] : wrap(from[j]));
         }
-        const Block error = polish<true, Written<7>, Block>(written, goals, x, {SEARCH_ROUNDS, SEARCH_ENOUGH, PATIENCE}, zero <= zero).error;
+        const Block error =
+            polish<true, Written<7>, Block>(written, goals, x, {SEARCH_ROUNDS, SEARCH_ENOUGH, SEARCH_PATIENCE}, zero <= zero).error;
         for (int l = 0; l < BLOCK && k + l < count; ++l) {
             if (!(error[l] <= SEARCH_FOUND)) continue;
             for (int j = 0; j < 7; ++j) q[7 * many + j] = x[j][l];
@@ -217,15 +218,26 @@ int search(const FreeArm& arm, const double* T, const double* starts, int count,
     return many;
 }
 
-double error_of(const FreeArm& arm, const double* T, const double* q) {
-    double given[LANES] = {};
-    for (int j = 0; j < 7; ++j) given[j] = arm.slides[j] > 0.0 ? q[j] : wrap(q[j]);
-    return pose_error(goal_of(T), axes_at(arm.written, row_of(given)).tip, 1.0 / arm.written.size).size;
+void errors(const FreeArm& arm, const double* T, const double* q, long count, double* to) {
+    const Written<7>& written = arm.written;
+    const Goal<Block> goals = spread<Block>(goal_of(T));
+    for (long k = 0; k < count; k += BLOCK) {
+        const int many = count - k < BLOCK ? int(count - k) : BLOCK;
+        Block x[7];
+        for (int l = 0; l < BLOCK; ++l) {
+            const double* from = q + 7 * (k + (l < many ? l : many - 1));
+            for (int j = 0; j < 7; ++j) x[j].set(l, written.slides[j] ? from[j] : wrap(from[j]));
+        }
+        Block lost = 0.0;
+        for (int j = 0; j < 7; ++j) lost = lost + 0.0 * x[j];
+        const Block size = pose_error(goals, place(written, x).tip, 1.0 / written.size).size + lost;
+        for (int l = 0; l < many; ++l) to[k + l] = size[l];
+    }
 }
 
 }  // namespace
 
 extern const SelfMotionFunctions self_motion_functions;
-const SelfMotionFunctions self_motion_functions = {settle, search, error_of};
+const SelfMotionFunctions self_motion_functions = {settle, search, errors};
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -360,8 +360,9 @@ class Arm(Free):
         Example:
             >>> import urdf_ik
             >>> arm = urdf_ik.load("srs_7r")
-            >>> print(arm.intervals(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]))[0])
-            shoulder
+            >>> first = arm.intervals(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]))[0]
+            >>> round(first.low, 6), round(first.high, 6), str(first.ends[0])
+            (-2.588603, -1.49593, "lower limit of joint 'joint_3'")
         """
         return finding.intervals(
             self,

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from urdf_ik._core import SelfMotion
     from urdf_ik.chain.redundancy import Redundancy
-    from urdf_ik.redundancy.interval import Found
+    from urdf_ik.redundancy.found import Found
     from urdf_ik.solutions.select import Measure, Quality
     from urdf_ik.solutions.solved_arm import SolvingArm
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     Cost = Callable[[Array, Columns], Array]
     """(joint vectors (k, n), numbers of their poses (k,)) -> costs (k,)."""
 
-# Widths [rad or m] at which the search for a minimum ends; it began from samples at most 0.3 rad apart.
+# Share of the way between two samples at which the search for a minimum ends.
 _FINEST = 1e-8
 _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 # What a solution outside the limits costs more than any distance inside them, and one that is too far from the
@@ -57,6 +57,11 @@ class Curves:
         """The arm's joints of vectors (..., 7)."""
         return q[..., :-1] if self.appended else q
 
+    def samples(self, T: Array, q: Array, values: Array) -> Array:
+        """(k, 17) joint vectors (k, n) of one curve of a pose (4, 4), at growing values (k,), as the core has them."""
+        seven = np.ascontiguousarray(self.seven(q, values))
+        return np.asarray(self.core.samples(np.ascontiguousarray(T), seven, np.ascontiguousarray(values)))
+
     def at(self, T: Array, q: Array, values: Array) -> Array:
         """Joint vectors (k, n) that hold poses (k, 4, 4) at values (k,), from others near them; NaN where none do."""
         values = self.parameter.wrapped(np.ascontiguousarray(values))
@@ -67,8 +72,8 @@ class Curves:
 def least(curves: Curves, T: Array, found: Found, cost: Cost) -> tuple[Array, Array]:
     """Where in the intervals of poses (m, 4, 4) a cost is least: values (m,) of the parameter, and the costs.
 
-    The lowest of the samples along each interval are closed in upon between their neighbours by golden sections, until
-    values are 1e-8 apart. Samples are at most 0.3 rad apart along the curve, less where it bends.
+    The lowest of the samples along each interval are closed in upon between their neighbours by golden sections along
+    the curve, to 1e-8 of the way. Samples are at most 0.3 rad apart, less where the curve bends.
 
     Returns:
         NaN and infinity for a pose without an interval.
@@ -92,18 +97,25 @@ def least(curves: Curves, T: Array, found: Found, cost: Cost) -> tuple[Array, Ar
     before, after = np.roll(costs, 1), np.roll(costs, -1)
     valley = (first | (costs <= before)) & (last | (costs <= after)) & np.isfinite(costs)
     places = np.flatnonzero(valley)
-    low = found.value[sample[np.where(first[places], places, places - 1)]]
-    high = found.value[sample[np.where(last[places], places, places + 1)]]
     here, of = sample[places], pose[places]
+    before = found.core[np.where(first[places], here, here - 1)]
+    middle = found.core[here]
+    after = found.core[np.where(last[places], here, here + 1)]
+    values = np.empty(len(here))
 
-    def at(values: Array) -> Array:
-        q = curves.at(T[of], found.q[here], values)
-        out = np.full(len(values), np.inf)
+    def at(share: Array) -> Array:
+        """Costs at shares from -1, the sample before, by 0, the one in the middle, to 1, the one behind."""
+        back = (share < 0.0)[:, None]
+        one, other = np.where(back, before, middle), np.where(back, middle, after)
+        points = np.asarray(curves.core.between(T[of], one, other, np.where(share < 0.0, 1.0 + share, share)))
+        q = curves.joints(points[:, 1:])
+        out = np.full(len(share), np.inf)
         good = ~np.isnan(q).any(axis=1)
         out[good] = cost(q[good], of[good])
+        values[:] = points[:, 0]
         return out
 
-    a, b = low, high
+    a, b = np.where(first[places], 0.0, -1.0), np.where(last[places], 0.0, 1.0)
     c, d = b - _GOLDEN * (b - a), a + _GOLDEN * (b - a)
     at_c, at_d = at(c), at(d)
     while len(a) and (b - a).max() > _FINEST:
@@ -113,10 +125,10 @@ def least(curves: Curves, T: Array, found: Found, cost: Cost) -> tuple[Array, Ar
         at_fresh = at(fresh)
         c, d = np.where(left, fresh, d), np.where(left, c, fresh)
         at_c, at_d = np.where(left, at_fresh, at_d), np.where(left, at_c, at_fresh)
-    closest, reached = np.where(at_c <= at_d, c, d), np.minimum(at_c, at_d)
+    reached = at(np.where(at_c <= at_d, c, d))
     for k in np.argsort(-reached, kind="stable"):
         if reached[k] < lowest[of[k]]:
-            value[of[k]], lowest[of[k]] = closest[k], reached[k]
+            value[of[k]], lowest[of[k]] = values[k], reached[k]
     return value, lowest
 
 

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from urdf_ik.angles import shortest
-from urdf_ik.redundancy.interval import End, Found
+from urdf_ik.redundancy.found import End
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.redundancy.along import Curves
+    from urdf_ik.redundancy.found import Found
     from urdf_ik.solutions.solved_arm import Collisions
 
     Array = NDArray[np.float64]
@@ -35,6 +36,7 @@ def without_contacts(model: Collisions, curves: Curves, T: Array, found: Found) 
     pieces = [piece for k in range(len(found.low)) for piece in _cut(model, curves, T[found.pose[k]], found, k)]
     count = np.array([len(piece.values) for piece in pieces], dtype=np.intp)
     of = found.of(np.array([piece.interval for piece in pieces], dtype=np.intp))
+    samples = [curves.samples(T[pose], each.q, each.values) for pose, each in zip(of.pose, pieces, strict=True)]
     return replace(
         of,
         low=np.array([piece.values[0] for piece in pieces]),
@@ -44,6 +46,7 @@ def without_contacts(model: Collisions, curves: Curves, T: Array, found: Found) 
         count=count,
         value=np.concatenate([*(piece.values for piece in pieces), []]),
         q=np.concatenate([*(piece.q for piece in pieces), found.q[:0]]),
+        core=np.concatenate([*samples, found.core[:0]]),
     )
 
 

@@ -9,7 +9,7 @@ the pose, and from starts all over the joints where there is no closed form.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -18,7 +18,8 @@ from urdf_ik.chain.redundancy import SWIVEL
 from urdf_ik.errors import UnsupportedArm
 from urdf_ik.redundancy.along import Curves
 from urdf_ik.redundancy.contacts import without_contacts
-from urdf_ik.redundancy.interval import End, Found, Intervals
+from urdf_ik.redundancy.found import End, Found
+from urdf_ik.redundancy.interval import Intervals
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -31,6 +32,11 @@ if TYPE_CHECKING:
 
 GRID, GRID_GENERAL = 32, 24
 """Values at which everything is solved: where a closed form does that, and where the elimination does."""
+FINER = 4
+"""By what the grid is finer on which the branches of a closed form are taken beyond their ends."""
+_OFF, _OFF_BY_ERROR = 1e-9, 8.0
+"""Error [rad, share of the arm's size] below which such a branch is a solution: of an exact closed form, and as a
+multiple of how far the ideal arm is off."""
 STARTS = 96
 """Joint vectors from which loops between two values are looked for where the elimination solves."""
 _AT_ONCE = 64
@@ -48,8 +54,8 @@ def intervals(
     """See :meth:`urdf_ik.Arm.intervals`."""
     if plan.self_motion is None:
         raise UnsupportedArm(
-            f"{arm.name}: intervals of the redundancy parameter are not found for arms whose joints mimic others, or that "
-            "have several parameters; ik(T, redundancy=values) solves at values"
+            f"{arm.name}: intervals of the redundancy parameter are not found for arms whose joints mimic others, or "
+            "that have several parameters; ik(T, redundancy=values) solves at values"
         )
     curves = Curves(plan.self_motion, plan.parameter, arm.dof < 7, ~arm.chain.prismatic)
     stack = T.reshape(-1, 4, 4)
@@ -87,7 +93,7 @@ def joined(parts: list[Found]) -> Found:
     ends = [end for part in parts for end in part.ends]
     return Found(
         together("pose"), together("low"), together("high"), together("column"), ends, first, together("count"),
-        together("value"), together("q"),
+        together("value"), together("q"), together("core"),
     )  # fmt: skip
 
 
@@ -106,13 +112,15 @@ def _found(
         bounds[: arm.dof] = arm.limits
     beyond = None
     if not general:
-        beyond = np.ascontiguousarray(_beyond(arm, plan, curves, T, grid, q.shape))
+        fine = np.linspace(low, high, FINER * len(grid), endpoint=not parameter.round)
+        beyond = np.ascontiguousarray(_beyond(arm, plan, curves, T, fine))
     scale = np.ones(7)
     scale[: arm.dof] = np.where(arm.chain.prismatic, arm.chain.size, np.pi)
     starts = np.random.default_rng(0).uniform(-1.0, 1.0, (STARTS if general else 0, 7)) * scale
     flags = np.ascontiguousarray(solutions.valid.view(np.uint8))
     poses = np.ascontiguousarray(T)
-    samples, rows = _followed(arm, curves, poses, grid, (q, flags, bounds, beyond), starts)
+    given = _Given(grid, q, flags, bounds, beyond, max(_OFF, _OFF_BY_ERROR * plan.error), starts)
+    samples, rows = _followed(arm, curves, poses, given)
     numbers = rows.astype(np.intp)
     pose, first, count, column = numbers[:, :4].T
     value, joints = samples[:, _VALUE], curves.joints(samples[:, _JOINTS])
@@ -126,42 +134,62 @@ def _found(
         value[samples_of] += np.repeat(turned, count)
         low, high = low + turned, high + turned
     ends = [(_end(arm, row[4], row[6]), _end(arm, row[5], row[7])) for row in numbers.tolist()]
-    found = Found(pose, low, high, column, ends, first, count, value, joints)
+    found = Found(pose, low, high, column, ends, first, count, value, joints, samples)
     _name(arm, T, found)
     order = np.lexsort((low, column, pose))
     return replace(found.of(order), pose=pose[order] + offset)
 
 
-def _followed(
-    arm: SolvingArm,
-    curves: Curves,
-    T: Array,
-    grid: Array,
-    given: tuple[Array, Array, Array, Array | None],
-    starts: Array,
-) -> tuple[Array, Array]:
+class _Given(NamedTuple):
+    """What the core is given for poses (m, 4, 4).
+
+    Attributes:
+        grid: (v,) values.
+        q: (m, v, B, 7) the solutions there.
+        flags: (m, v, B) whether there is one.
+        limits: (7, 2), infinite where there is none.
+        beyond: (m, w, B, 7) the closed form's branches at finer values, beyond their ends too; None without one.
+        off: error below which these are solutions.
+        starts: (k, 7) joint vectors from which loops are looked for.
+    """
+
+    grid: Array
+    q: Array
+    flags: NDArray[np.uint8]
+    limits: Array
+    beyond: Array | None
+    off: float
+    starts: Array
+
+    def of(self, i: int, more: Array) -> _Given:
+        """Of one pose, with more starts (k, 7)."""
+        one = slice(i, i + 1)
+        beyond = None if self.beyond is None else self.beyond[one]
+        starts = np.ascontiguousarray(np.vstack([self.starts, more]))
+        return self._replace(q=self.q[one], flags=self.flags[one], beyond=beyond, starts=starts)
+
+
+def _followed(arm: SolvingArm, curves: Curves, T: Array, given: _Given) -> tuple[Array, Array]:
     """Samples and intervals of poses (m, 4, 4) from the core.
 
     A part of a curve that holds no value of the grid is seldom alone: all solutions at a value in its middle are starts
     for another look at its pose.
     """
-    is_round = curves.parameter.round
-    samples, rows, unseen = curves.core.intervals(T, grid, is_round, *given, starts)
+
+    def ask(poses: Array, what: _Given) -> tuple[Array, Array, Array]:
+        grid, q, flags, limits, beyond, off, starts = what
+        is_round = curves.parameter.round
+        samples, rows, unseen = curves.core.intervals(poses, grid, is_round, q, flags, limits, beyond, off, starts)
+        return np.asarray(samples), np.asarray(rows), np.asarray(unseen)
+
+    samples, rows, unseen = ask(T, given)
     again = np.unique(unseen[:, 0].astype(np.intp))
-    if not len(again):
-        return samples, rows
-    q, flags, bounds, beyond = given
-    kept = ~np.isin(rows[:, 0], again)
-    parts, tables, first = [samples], [rows[kept]], len(samples)
-    for i in again:
+    parts, tables, first = [samples], [rows[~np.isin(rows[:, 0], again)]], len(samples)
+    for i in again.tolist():
         values = curves.parameter.wrapped(unseen[unseen[:, 0] == i, 1])
         found = arm.ik(T[i], redundancy=values)
         there = curves.seven(found.q, np.broadcast_to(values[:, None], found.valid.shape))[found.valid]
-        one = slice(i, i + 1)
-        more, table, _ = curves.core.intervals(
-            T[one], grid, is_round, q[one], flags[one], bounds, None if beyond is None else beyond[one],
-            np.ascontiguousarray(np.vstack([starts, there])),
-        )  # fmt: skip
+        more, table, _ = ask(T[i : i + 1], given.of(i, there))
         table[:, 0] = i
         table[:, 1] += first
         first += len(more)
@@ -170,17 +198,16 @@ def _followed(
     return np.concatenate(parts), np.concatenate(tables)
 
 
-def _beyond(
-    arm: SolvingArm, plan: RedundantPlan, curves: Curves, T: Array, grid: Array, shape: tuple[int, ...]
-) -> Array:
-    """Joint vectors (m, v, B, 7) of all branches at the values of the grid, beyond their ends too; not verified."""
+def _beyond(arm: SolvingArm, plan: RedundantPlan, curves: Curves, T: Array, grid: Array) -> Array:
+    """Joint vectors (m, v, B, 7) of all branches at the values (v,), beyond their ends too; not verified."""
     poses, values = plan.parameter.spread(T[:, None], np.broadcast_to(grid, (len(T), len(grid))))
-    q = np.full((*shape[:-1], arm.dof), np.nan)
-    rows = q.reshape(-1, shape[-2], arm.dof)
+    branches = len(plan.branches)
+    q = np.full((*values.shape, branches, arm.dof), np.nan)
+    rows = q.reshape(-1, branches, arm.dof)
     plan.solver.solve(
         poses.reshape(-1, 4, 4), None, rows, np.zeros(rows.shape[:2], np.uint8), values.reshape(-1), 1, beyond=True
     )
-    out = curves.seven(q, np.broadcast_to(values[..., None], shape[:-1]))
+    out = curves.seven(q, np.broadcast_to(values[..., None], q.shape[:-1]))
     if plan.parameter.kind != SWIVEL:
         given = 6 if curves.appended else arm.joint_names.index(plan.parameter.joint)
         out[..., given] = values[..., None]  # branches that are no solution have no value yet

@@ -11,6 +11,7 @@ import numpy as np
 from urdf_ik.angles import TURN
 from urdf_ik.errors import ArgumentError
 from urdf_ik.redundancy import along
+from urdf_ik.redundancy.found import End, Found
 from urdf_ik.solutions import select
 from urdf_ik.solutions.select import QUALITIES
 from urdf_ik.text import aligned
@@ -25,46 +26,6 @@ if TYPE_CHECKING:
     from urdf_ik.solutions.solved_arm import SolvingArm
 
     Array = NDArray[np.float64]
-
-CAUSES = ("none", "fold", "reach", "singularity", "limit", "contact", "range")
-"""Why an interval ends: 'none': it is the whole circle; 'fold': two branches become one and end there; 'reach': the
-same, and beyond it no branch has a solution; 'singularity': the joints could not be followed further; 'limit': of a
-joint; 'contact': two bodies touch; 'range': the parameter's values end there."""
-
-
-@dataclass(frozen=True)
-class End:
-    """Why an interval ends.
-
-    Attributes:
-        cause: one of ``CAUSES``.
-        joint: whose limit it is, for 'limit'.
-        upper: whether it is the upper limit, for 'limit'.
-        pair: the two that touch, for 'contact': links or obstacles.
-
-    Example:
-        >>> str(End("limit", "elbow", upper=True))
-        "upper limit of joint 'elbow'"
-    """
-
-    cause: str
-    joint: str | None = None
-    upper: bool | None = None
-    pair: tuple[str, str] | None = None
-
-    def __str__(self) -> str:
-        if self.cause == "limit":
-            return f"{'upper' if self.upper else 'lower'} limit of joint {self.joint!r}"
-        if self.cause == "contact" and self.pair is not None:
-            return f"contact of {self.pair[0]!r} and {self.pair[1]!r}"
-        return {
-            "none": "no end",
-            "fold": "fold",
-            "reach": "edge of reach",
-            "singularity": "singularity",
-            "contact": "contact",
-            "range": "end of the parameter's range",
-        }[self.cause]
 
 
 @dataclass(frozen=True)
@@ -104,40 +65,6 @@ class Interval:
         return f"{self.branch}: {self.low:.6f} ({self.ends[0]}) to {self.high:.6f} ({self.ends[1]})"
 
 
-@dataclass(frozen=True, eq=False)
-class Found:
-    """Intervals as arrays, of k intervals.
-
-    Attributes:
-        pose: (k,) number of the pose.
-        low: (k,) rad or m.
-        high: (k,) rad or m.
-        column: (k,) of the solver, in the middle.
-        ends: of each the two ends.
-        first: (k,) its first sample.
-        count: (k,) its samples, of growing value.
-        value: (s,) rad or m, of samples on the curves, the ends of every interval among them.
-        q: (s, n) rad or m.
-    """
-
-    pose: NDArray[np.intp]
-    low: Array
-    high: Array
-    column: NDArray[np.intp]
-    ends: list[tuple[End, End]]
-    first: NDArray[np.intp]
-    count: NDArray[np.intp]
-    value: Array
-    q: Array
-
-    def of(self, which: NDArray[np.intp]) -> Found:
-        """Some of the intervals; the samples stay as they are."""
-        return Found(
-            self.pose[which], self.low[which], self.high[which], self.column[which], [self.ends[k] for k in which],
-            self.first[which], self.count[which], self.value, self.q,
-        )  # fmt: skip
-
-
 class Intervals:
     """Where along the redundancy parameter a pose has solutions: for each branch its intervals, and what ends them.
 
@@ -148,7 +75,7 @@ class Intervals:
         >>> arm = urdf_ik.load("srs_7r")
         >>> intervals = arm.intervals(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]))
         >>> len(intervals), {interval.branch for interval in intervals} <= set(arm.structure.branches)
-        (8, True)
+        (26, True)
     """
 
     def __init__(self, arm: SolvingArm, T: Array, curves: Curves, found: Found, within_limits: bool) -> None:
@@ -248,6 +175,15 @@ class Intervals:
 
         Where nothing is near enough, or inside the limits, at those at which the best one is least far out. Arguments
         as :meth:`nearest` has them; ``within_limits``: whether only images inside the limits count.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("srs_7r")
+            >>> q = np.array([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1])
+            >>> options = {"metric": "l2", "weights": None, "within": None, "within_limits": True}
+            >>> value = arm.intervals(arm.fk(q)).nearest_values(q, **options)
+            >>> bool(abs(value - arm.redundancy_of(q)) < 1e-6)
+            True
         """
         measure = select.measure(self.arm, metric, weights, within)
         each = np.broadcast_to(q_ref, (*self.shape, self.arm.dof)).reshape(-1, self.arm.dof)
@@ -285,7 +221,15 @@ class Intervals:
         return solutions.within_limits().best(by) if self.within_limits else solutions.best(by)
 
     def table(self) -> str:
-        """One line an interval of a single pose: its branch, its ends [rad or m], and why it ends."""
+        """One line an interval of a single pose: its branch, its ends [rad or m], and why it ends.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("srs_7r")
+            >>> T = arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1])
+            >>> print(arm.intervals(T).table().splitlines()[1].split(" [")[0])
+            branch                                     from
+        """
         self._single("table()")
         unit = self.parameter.unit
         rows = [["branch", f"from [{unit}]", "because", f"to [{unit}]", "because"]]
@@ -346,4 +290,3 @@ def _union(low: Array, high: Array, is_round: bool) -> Array:
         if merged[0][1] - merged[0][0] >= TURN or (len(merged) == 1 and merged[0][1] - TURN >= merged[0][0]):
             return np.array([[-np.pi, np.pi]])
     return np.array(merged)
-

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
+
 @dataclass(frozen=True)
 class Sweep:
     """Solutions of one pose along the redundancy parameter.

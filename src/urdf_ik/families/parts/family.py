@@ -129,8 +129,8 @@ class RedundantPlan(Plan):
 
     Attributes:
         parameters: what is given, as the solver takes the values: the parameter that was added last comes first.
-        self_motion: what follows the curves of joint vectors that hold a pose, None where there are several parameters, or
-            joints that mimic others.
+        self_motion: what follows the curves of joint vectors that hold a pose; None where there are several
+            parameters, or joints that mimic others.
         value_of: joint vectors (m, n) and the poses (m, 4, 4) that they are to reach -> their values (m, parameters).
         explain_at: (T (4, 4), values (parameters,)) -> why there is no solution.
     """
