@@ -18,7 +18,7 @@ FLOORS = (
     {"chain", "dh", "structure", "velocity"},
     {"families"},
     {"arm", "redundancy", "solutions", "tasks"},
-    {"collision", "motion", "reference"},
+    {"collision", "motion", "reference", "scale"},
     {"comparison", "completeness", "crosscheck", "cuspidality", "testing", "workspace"},
     {"cli", "plot", "viewer"},
 )
