@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.motion.test_follow import check, joint_path
+from paths import check, joint_path
 
 import urdf_ik
 from urdf_ik.motion.path import assembling, redundant, settings, smooth

@@ -1,5 +1,5 @@
-// Seven joints, one end of which is given: T' = E1(v)^-1 T for the first joint, T' = T E7(v)^-1 for the last. The six others
-// stay the same arm for every value; only their targets move.
+// Joints, one end of which is given: T' = E1(v)^-1 T for the first joint, T' = T En(v)^-1 for the last. The others stay the
+// same arm for every value; only their targets move. A rotation of the target about an axis of the tip is the same.
 #include "../blocks.hpp"
 #include "one_given_arm.hpp"
 
@@ -52,21 +52,25 @@ static void move(const GivenJoint& given, const Batch& part, double* T, double* 
     }
 }
 
-template <int first> static STEP void insert_rows(const Batch& part, const double* six, const double* values, int branches) {
+// N: how many joints the others are, 0 where that is not known at compile time.
+template <int N> static STEP void insert_rows(const GivenJoint& given, const Batch& part, const double* others,
+                                              const double* values, int joints, int branches) {
+    const int n = N ? N : joints, first = given.last ? 0 : 1;
     for (long i = 0; i < part.m; ++i) {
         for (long row = branches * i; row < branches * (i + 1); ++row) {
-            const double* from = six + 6 * row;
-            double* to = part.q + 7 * row;
+            const double* from = others + n * row;
+            double* to = part.q + (n + 1) * row;
             const double value = part.flags[row] & VALID ? values[i] : __builtin_nan("");
-            to[first ? 0 : 6] = value;
-            __builtin_memcpy(to + first, from, 6 * sizeof(double));
+            to[first ? 0 : n] = value;
+            __builtin_memcpy(to + first, from, n * sizeof(double));
         }
     }
 }
 
-static void insert(const GivenJoint& given, const Batch& part, const double* six, const double* values, int branches) {
-    if (given.last) insert_rows<0>(part, six, values, branches);
-    else insert_rows<1>(part, six, values, branches);
+static void insert(const GivenJoint& given, const Batch& part, const double* others, const double* values, int joints,
+                   int branches) {
+    if (joints == 6) insert_rows<6>(given, part, others, values, joints, branches);
+    else insert_rows<0>(given, part, others, values, joints, branches);
 }
 
 extern const OneGivenSolvers one_given_solvers;

@@ -1,4 +1,4 @@
-// Seven joints, the first or the last of which is given: what is done with it before and after the six others are solved.
+// Joints, the first or the last of which is given: what is done with it before and after the others are solved.
 #pragma once
 
 #include "../arm.hpp"
@@ -14,11 +14,11 @@ struct GivenJoint {
 };
 
 struct OneGivenSolvers {
-    // Targets of part.m poses as the six other joints see them, to T (up to the next multiple of a block), and the values
+    // Targets of part.m poses as the other joints see them, to T (up to the next multiple of a block), and the values
     // as joint vectors hold them, to values.
     void (*move)(const GivenJoint&, const Batch& part, double* T, double* values);
-    // Joint vectors (part.m, branches, 6) with their values before or behind them to part.q.
-    void (*insert)(const GivenJoint&, const Batch& part, const double* six, const double* values, int branches);
+    // Joint vectors (part.m, branches, joints) with their values before or behind them to part.q.
+    void (*insert)(const GivenJoint&, const Batch& part, const double* others, const double* values, int joints, int branches);
 };
 inline constexpr int MOST_LANES = 8;  // of a block, in every instruction set
 

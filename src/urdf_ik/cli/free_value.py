@@ -53,5 +53,5 @@ def unit(arm: Arm, angles: Angles) -> str:
 
 def line(arm: Arm, value: float, angles: Angles) -> str:
     """A value in words."""
-    name = "swivel angle" if arm.redundancy is None or arm.redundancy.kind == "swivel" else arm.redundancy.joint
+    name = "" if arm.redundancy is None else arm.redundancy.label
     return f"{name} {float(shown(arm, value, angles)) + 0.0:.4f} {unit(arm, angles)}"

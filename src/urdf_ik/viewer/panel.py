@@ -54,7 +54,7 @@ class Panel:
             low, high = arm.redundancy.range
             self._folders.append(gui.add_folder("Redundancy"))
             with self._folders[-1]:
-                name = f"{arm.redundancy.kind} {arm.redundancy.joint} [{arm.redundancy.unit}]"
+                name = f"{arm.redundancy.label} [{arm.redundancy.unit}]"
                 self.redundancy = _slider(gui, name, low, high)
             on_change(self.redundancy, on_redundancy)
         self._folders.append(gui.add_folder("Joints"))

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik._core import Solver
+from urdf_ik.chain.free_axis import turning
 from urdf_ik.chain.redundancy import locked_joint
 from urdf_ik.families.parts.family import Plan, RedundantPlan
 from urdf_ik.structure import analyse
@@ -55,7 +56,8 @@ def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
     motion, turns, last = _motion_back(chain, k), not bool(chain.prismatic[k]), k > 0
     values = {"motion": motion, "turns": turns, "last": last, "value": parameter.default, "solver": plan.solver}
 
-    def explain_at(T: Array, value: float) -> str:
+    def explain_at(T: Array, at: Array) -> str:
+        value = float(at[0])
         back = np.eye(4)
         back[:3] = np.tensordot([1.0, np.cos(value), np.sin(value)] if turns else [1.0, value, 0.0], motion, 1)
         why = plan.explain(T @ back if last else back @ T)
@@ -70,9 +72,9 @@ def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
         imperfection=plan.imperfection,
         error=plan.error,
         solver=Solver("one joint given", values),
-        parameter=parameter,
-        value_of=lambda Q: parameter.wrapped(Q[:, k]),
-        explain=lambda T: explain_at(T, parameter.default),
+        parameters=(parameter,),
+        value_of=lambda Q, T: parameter.wrapped(Q[:, k : k + 1]),
+        explain=lambda T: explain_at(T, np.array([parameter.default])),
         explain_at=explain_at,
     )
 
@@ -82,17 +84,9 @@ def _motion_back(chain: Chain, k: int) -> Array:
     h, p = chain.H[k], chain.points[k]
     if k:
         h, p = chain.R_tip.T @ h, chain.R_tip.T @ (p - chain.P.sum(axis=0))
+    if not chain.prismatic[k]:
+        return turning(-h, p)
     motion = np.zeros((3, 3, 4))
-    if chain.prismatic[k]:
-        motion[0, :, :3] = np.eye(3)
-        motion[1, :, 3] = -h
-        return motion
-    x, y, z = h
-    along = np.outer(h, h)
-    # Rodrigues' formula for the angle's negative.
-    across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    for part, R in zip(motion, (along, np.eye(3) - along, -across), strict=True):
-        part[:, :3] = R
-        part[:, 3] = -R @ p
-    motion[0, :, 3] += p
+    motion[0, :, :3] = np.eye(3)
+    motion[1, :, 3] = -h
     return motion

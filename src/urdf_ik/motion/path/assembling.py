@@ -83,7 +83,7 @@ def _kept(settings: Settings) -> tuple[float, float]:
 def priced(settings: Settings, refined: Refined, layers: Layers, mismatch: tuple[float, float] = MISMATCH) -> Graph:
     """A graph with the costs of the settings, steps and nodes."""
     pricing = Pricing(settings.kind, settings.weights, settings.window, refined.pieces)
-    graph = Graph.connected(settings.joints, layers, pricing, mismatch)
+    graph = Graph.connected(settings.joints, layers, pricing, mismatch, settings.arm.free_axis)
     if np.isfinite(settings.max_step).any() and len(graph.end):
         _, dq = graph.motion(np.arange(len(graph.end)))
         pieces = refined.pieces[layers.at[graph.start_of(np.arange(len(graph.end)))]]

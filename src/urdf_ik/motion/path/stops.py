@@ -143,9 +143,7 @@ def _stop(settings: Settings, search: Search, T: Array, last: int, nodes: Ints, 
     candidates = _solutions(settings, T, last + 1, None if arm.redundancy is None else np.unique(values))
     if not len(candidates.q):
         if arm.redundancy is not None and len(_solutions(settings, T, last + 1, _all_values(settings)).q):
-            return "jump", "its solutions end here: the next waypoint has none at this value of " + str(
-                arm.redundancy.joint
-            )
+            return "jump", f"its solutions end here: the next waypoint has none at this {arm.redundancy.label}"
         return "reach", f"out of reach: {arm.explain(T[last + 1])}"
     found = {}
     nearest_jump = np.inf
@@ -156,7 +154,7 @@ def _stop(settings: Settings, search: Search, T: Array, last: int, nodes: Ints, 
         k = int(np.argmin(size))
         straight = keeps_straight(
             arm.chain, q[None], steps[k][None], T, np.array([last]), graph.layers.twists[:, 3:],
-            settings.tolerance.times(_LOOSE),
+            settings.tolerance.times(_LOOSE), arm.free_axis,
         )  # fmt: skip
         if not straight[0]:
             if size[k] < nearest_jump:
