@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from urdf_ik.collision.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Points, Sphere
     from urdf_ik.collision.world import World
     from urdf_ik.comparison import Comparison, compare
+    from urdf_ik.datasets import dataset
     from urdf_ik.dh import DHTable
     from urdf_ik.errors import (
         ArgumentError,
@@ -93,6 +94,7 @@ __all__ = [
     "WorldError",
     "arc",
     "compare",
+    "dataset",
     "line",
     "load",
     "polyline",
@@ -118,6 +120,7 @@ _NAMES = {
         "Comparison",
         "compare",
     ),
+    "datasets": ("dataset",),
     "dh": ("DHTable",),
     "errors": (
         "ArgumentError",

@@ -31,7 +31,7 @@ def noise(chunk: int) -> dict[str, bytes]:
 
 def folder(path: Path, question: dict[str, object] | None = None) -> Folder:
     """A store of noise."""
-    return Folder(path, question or QUESTION, CHUNKS, lambda at: (at / "about.txt").write_text("noise"))
+    return Folder(path, question or QUESTION, CHUNKS, {"about.txt": b"noise", "state": b"begun"}, {"state": b"done"})
 
 
 def contents(path: Path) -> dict[str, str]:
@@ -56,7 +56,7 @@ def finish(path: Path) -> int:
     """Make what is left of a store; the number of chunks that were made."""
     with folder(path) as store:
         made = run(noise, store)
-        store.finish({"last.txt": b"done"})
+        store.finish()
     return made
 
 
@@ -123,11 +123,14 @@ def test_a_write_that_was_cut_short_counts_for_nothing(tmp_path: Path, whole: di
 
 
 def test_a_store_that_was_being_made_is_made(tmp_path: Path, whole: dict[str, str]) -> None:
-    """Killed before its question was written, a store is an empty one."""
+    """Killed before its question was written, a store is an empty one; what stands beside the chunks is mended, too."""
     path = tmp_path / "store"
-    with pytest.raises(ZeroDivisionError):
-        Folder(path, QUESTION, CHUNKS, lambda at: 1 // 0)
+    (path / PRIVATE).mkdir(parents=True)
     finish(path)
+    assert contents(path) == whole
+    (path / "about.txt").write_text("nois")
+    (path / "state").unlink()
+    assert finish(path) == 0
     assert contents(path) == whole
 
 
@@ -256,5 +259,5 @@ def test_what_is_no_store_is_left_alone(tmp_path: Path) -> None:
         with pytest.raises(urdf_ik.StoreError, match=words):
             folder(path)
     with pytest.raises(urdf_ik.StoreError, match="a store is a folder on a disk"):
-        Folder("s3://bucket/map.zarr", QUESTION, 1, print)
+        Folder("s3://bucket/map.zarr", QUESTION, 1)
     assert os.listdir(tmp_path / "full") == ["letter"]

@@ -4,7 +4,7 @@ A store is a folder that outlives the run which fills it: killed at any moment, 
 and ends with the same bytes. What maps, data sets and placements have in common stands here.
 
 >>> from urdf_ik.scale import Folder, run
->>> with Folder("numbers", {"what": "squares"}, 3, prepare=lambda path: None) as store:
+>>> with Folder("numbers", {"what": "squares"}, 3) as store:
 ...     run(lambda k: {str(k): str(k * k).encode()}, store)
 3
 """

@@ -35,17 +35,18 @@ class Folder:
         path: the store's folder; it is made where there is none.
         question: all that the data depend on, as JSON can hold it.
         chunks: number of chunks.
-        prepare: writes what stands in the store before any chunk; it may be called again after a kill.
+        files: what stands in the store before any chunk, by paths in it.
+        last: those of ``files`` that are others when all chunks are there.
 
     Raises:
         StoreError: the folder is no store, is a store of another question, is in use, or cannot be written.
 
     Example:
-        >>> with Folder("numbers", {"what": "squares"}, 2, prepare=lambda path: None) as store:
+        >>> with Folder("numbers", {"what": "squares"}, 2) as store:
         ...     store.keep(1, {"one": b"1"})
         ...     store.pending()
         [0]
-        >>> with Folder("numbers", {"what": "squares"}, 2, prepare=lambda path: None) as store:
+        >>> with Folder("numbers", {"what": "squares"}, 2) as store:
         ...     store.pending()
         [0]
     """
@@ -55,9 +56,11 @@ class Folder:
         path: str | os.PathLike[str],
         question: Question,
         chunks: int,
-        prepare: Callable[[Path], object],
+        files: Mapping[str, bytes] | None = None,
+        last: Mapping[str, bytes] | None = None,
     ) -> None:
         self.path = checked_path(path)
+        self._last = last or {}
         self.chunks = chunks
         self._own = self.path / PRIVATE
         self._temporary = self._own / "unfinished"
@@ -73,9 +76,11 @@ class Folder:
         try:
             shutil.rmtree(self._temporary, ignore_errors=True)
             if not (self._own / "question").exists():
-                prepare(self.path)
                 self._write("question", (self._own / "question"), json_text(asked).encode())
             require_same(self.path, read_question(self.path), asked)
+            for name, data in (files or {}).items():
+                if not self._holds(name, data) and not self._holds(name, self._last.get(name)):
+                    self._write("first", self.path / name, data)
             self._journal = Journal(self._own / "journal")
         except OSError as error:
             self.close()
@@ -94,7 +99,7 @@ class Folder:
         """Let another run in.
 
         Example:
-            >>> store = Folder("numbers", {"what": "squares"}, 2, prepare=lambda path: None)
+            >>> store = Folder("numbers", {"what": "squares"}, 2)
             >>> store.close()
         """
         shutil.rmtree(self._temporary, ignore_errors=True)
@@ -109,7 +114,7 @@ class Folder:
             tick: called with the number of chunks that were looked at, and of all.
 
         Example:
-            >>> with Folder("others", {"what": "cubes"}, 2, prepare=lambda path: None) as store:
+            >>> with Folder("others", {"what": "cubes"}, 2) as store:
             ...     store.pending()
             [0, 1]
         """
@@ -129,7 +134,7 @@ class Folder:
             StoreError: the disk is full, or cannot be written; the chunk then counts as not finished.
 
         Example:
-            >>> with Folder("numbers", {"what": "squares"}, 1, prepare=lambda path: None) as store:
+            >>> with Folder("numbers", {"what": "squares"}, 1) as store:
             ...     store.keep(0, {"zero": b"0"})
             ...     store.pending()
             []
@@ -141,25 +146,33 @@ class Folder:
         except OSError as error:
             raise self._cannot_write(error) from None
 
-    def finish(self, files: Mapping[str, bytes]) -> None:
+    def finish(self) -> None:
         """All chunks are finished: write the last files, and put the journal in order.
 
         Raises:
             StoreError: the disk is full, or cannot be written.
 
         Example:
-            >>> with Folder("numbers", {"what": "squares"}, 1, prepare=lambda path: None) as store:
+            >>> with Folder("numbers", {"what": "squares"}, 1, {"state": b"begun"}, {"state": b"done"}) as store:
             ...     store.keep(0, {"zero": b"0"})
-            ...     store.finish({"README": b"squares"})
+            ...     store.finish()
         """
         try:
-            for name, data in files.items():
-                self._write("last", self.path / name, data)
+            for name, data in self._last.items():
+                if not self._holds(name, data):
+                    self._write("last", self.path / name, data)
             text = self._journal.text()
             if text != (self._own / "journal").read_bytes():
                 self._write("journal", self._own / "journal", text)
         except OSError as error:
             raise self._cannot_write(error) from None
+
+    def _holds(self, name: str, data: bytes | None) -> bool:
+        """Whether a file has these bytes."""
+        try:
+            return data is not None and (self.path / name).read_bytes() == data
+        except OSError:
+            return False
 
     def _write(self, name: str, target: Path, data: bytes) -> None:
         """Write a file whole or not at all."""
@@ -222,7 +235,7 @@ def read_question(path: Path) -> dict[str, Any]:
         StoreError: it is no store, or its question cannot be read.
 
     Example:
-        >>> with Folder("numbers", {"what": "squares"}, 1, prepare=lambda path: None):
+        >>> with Folder("numbers", {"what": "squares"}, 1):
         ...     read_question(Path("numbers"))
         {'what': 'squares'}
     """
@@ -242,7 +255,7 @@ def finished(path: Path) -> frozenset[int]:
     """The chunks of a store that its journal calls finished; their files are not read.
 
     Example:
-        >>> with Folder("odd", {"what": "squares"}, 2, prepare=lambda path: None) as store:
+        >>> with Folder("odd", {"what": "squares"}, 2) as store:
         ...     store.keep(1, {"one": b"1"})
         >>> sorted(finished(Path("odd")))
         [1]

@@ -35,7 +35,7 @@ def run(job: Job, store: Folder, *, client: Any = None, progress: Tick | None = 
 
     Example:
         >>> from urdf_ik.scale import Folder
-        >>> with Folder("numbers", {"what": "squares"}, 3, prepare=lambda path: None) as store:
+        >>> with Folder("numbers", {"what": "squares"}, 3) as store:
         ...     run(lambda k: {str(k): str(k * k).encode()}, store)
         3
     """

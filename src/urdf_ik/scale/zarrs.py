@@ -19,8 +19,6 @@ from urdf_ik.errors import MissingPackage
 from urdf_ik.text import plain
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from numpy.typing import NDArray
 
 INSTALL = "stores need Zarr; install it with: pip install 'urdf-ik[scale]'"
@@ -85,44 +83,43 @@ def package() -> Any:
     return zarr
 
 
-def prepare(
-    path: Path, plans: tuple[ArrayPlan, ...], coordinates: tuple[Coordinate, ...], about: Mapping[str, Any]
-) -> None:
-    """Write a group without chunks: metadata, attributes and coordinates.
+def group_files(
+    plans: tuple[ArrayPlan, ...], coordinates: tuple[Coordinate, ...], about: Mapping[str, Any]
+) -> dict[str, bytes]:
+    """The files of a group without chunks, by their paths in it: metadata, attributes and coordinates.
 
     Example:
-        >>> from pathlib import Path
         >>> plan = ArrayPlan("height", ("x",), (4,), (2,), "float32", np.nan, {"units": "m"})
-        >>> prepare(Path("map.zarr"), (plan,), (Coordinate("x", ("x",), np.arange(4.0)),), {"robot": "none"})
-        >>> sorted(package().open_group("map.zarr").array_keys())
-        ['height', 'x']
+        >>> sorted(group_files((plan,), (Coordinate("x", ("x",), np.arange(4.0)),), {"robot": "none"}))
+        ['height/zarr.json', 'x/c/0', 'x/zarr.json', 'zarr.json']
     """
     zarr = package()
-    group = zarr.open_group(str(path), mode="a", zarr_format=3)
-    group.attrs.update(plain(dict(about), nulls=True))
+    memory: dict[str, Any] = {}
+    store = zarr.storage.MemoryStore(store_dict=memory)
+    group = zarr.create_group(store, zarr_format=3, attributes=plain(dict(about), nulls=True))
     for each in coordinates:
         group.create_array(
-            each.name, data=each.values, dimension_names=each.dimensions, overwrite=True, compressors=_codecs(),
-            attributes=plain(dict(each.attributes)),
+            each.name, data=each.values, dimension_names=each.dimensions, compressors=_codecs(),
+            attributes=plain(dict(each.attributes)), config={"write_empty_chunks": True},
         )  # fmt: skip
     for plan in plans:
         _create(group, plan, plan.shape)
     with warnings.catch_warnings():
         # Zarr warns that other readers may not know of it; those find each array's own metadata.
         warnings.simplefilter("ignore")
-        zarr.consolidate_metadata(str(path))
+        zarr.consolidate_metadata(store)
+    return {name: buffer.to_bytes() for name, buffer in memory.items()}
 
 
-def attributes_changed(path: Path, changes: Mapping[str, Any]) -> dict[str, bytes]:
+def with_attributes(files: Mapping[str, bytes], changes: Mapping[str, Any]) -> dict[str, bytes]:
     """The file with a group's attributes after changes, by its path in the group.
 
     Example:
-        >>> from pathlib import Path
-        >>> prepare(Path("map.zarr"), (), (), {"complete": False})
-        >>> json.loads(attributes_changed(Path("map.zarr"), {"complete": True})["zarr.json"])["attributes"]
+        >>> files = group_files((), (), {"complete": False})
+        >>> json.loads(with_attributes(files, {"complete": True})["zarr.json"])["attributes"]
         {'complete': True}
     """
-    found = json.loads((path / "zarr.json").read_text())
+    found = json.loads(files["zarr.json"])
     found["attributes"] |= changes
     return {"zarr.json": json.dumps(found, indent=2).encode()}
 
@@ -175,7 +172,7 @@ class Encoder:
 def _create(group: Any, plan: ArrayPlan, shape: tuple[int, ...]) -> Any:
     return group.create_array(
         plan.name, shape=shape, chunks=plan.chunk, dtype=plan.kind, fill_value=plan.fill, compressors=_codecs(),
-        dimension_names=plan.dimensions, attributes=plain(dict(plan.attributes)), overwrite=True,
+        dimension_names=plan.dimensions, attributes=plain(dict(plan.attributes)),
         config={"write_empty_chunks": True},  # one that is missing was lost
     )  # fmt: skip
 

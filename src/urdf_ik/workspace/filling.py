@@ -164,11 +164,10 @@ def write(
         if progress is not None:
             progress(done * poses // total, poses)
 
-    with Folder(
-        path, question, blocks.count, lambda at: zarrs.prepare(at, layout.plans, layout.coordinates, layout.attributes)
-    ) as store:
+    files = zarrs.group_files(layout.plans, layout.coordinates, layout.attributes)
+    with Folder(path, question, blocks.count, files, zarrs.with_attributes(files, {"complete": True})) as store:
         run(job, store, client=client, progress=tick)
-        store.finish(zarrs.attributes_changed(store.path, {"complete": True}))
+        store.finish()
 
 
 def _bytes(plan: zarrs.ArrayPlan) -> int:

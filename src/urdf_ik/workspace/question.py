@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
-    from urdf_ik.collision import CollisionModel, World
+    from urdf_ik.collision import World
     from urdf_ik.workspace.grid import Grid
 
     Array = NDArray[np.float64]
@@ -89,7 +89,7 @@ class Question:
         pairs = state.pop("pairs")
         self.__dict__.update(state)
         if pairs is not None:
-            self.arm.collision_model = with_pairs(self.arm.collision_model, pairs)
+            self.arm.collision_model = self.arm.collision_model.checking(pairs)
 
     @property
     def counted(self) -> str:
@@ -200,13 +200,3 @@ class Solver:
             columns["clearance"] = counting.greatest(counting.clearance(asked.world))
         shaped = {name: values.reshape(-1, count) for name, values in columns.items()}
         return {**shaped, "branch_poses": sum_over_samples(counting.kept, count)}
-
-
-def with_pairs(model: CollisionModel, pairs: tuple[tuple[str, str], ...]) -> CollisionModel:
-    """A collision model that checks exactly these pairs."""
-    own = set(model.checked_pairs)
-    for pair in sorted(own - set(pairs)):
-        model = model.allow(*pair)
-    for pair in sorted(set(pairs) - own):
-        model = model.check(*pair)
-    return model
