@@ -12,6 +12,7 @@ from urdf_ik import families
 from urdf_ik.angles import shortest
 from urdf_ik.arm.freedom import Free
 from urdf_ik.arm.refusals import check_given, unsupported
+from urdf_ik.arm.shown import html
 from urdf_ik.chain.redundancy import spread
 from urdf_ik.errors import ArgumentError, JointVectorError, PoseError, TaskError, UnsupportedArm
 from urdf_ik.families import Plan, RedundantPlan
@@ -106,6 +107,9 @@ class Arm(Free):
             self._branches, self._shape = plan.branches, (1, len(plan.branches), chain.n)
         # The solver where targets are poses: it takes a single one without detours.
         self._of_single_poses = None if self._targets else self._core
+
+    def _repr_html_(self) -> str:
+        return html(self)
 
     def __repr__(self) -> str:
         return f"<Arm {self.name!r}: {self.base} to {self.tip}, {self.structure.family or f'{self.dof} joints'}>"
