@@ -130,6 +130,14 @@ ToolRpy = Annotated[
     str | None,
     Option("--tool-rpy", metavar="R,P,Y", help="Orientation of the tool at its centre point, in the tip link."),
 ]
+RedundancyJoint = Annotated[
+    list[str] | None,
+    Option(
+        "--redundancy-joint",
+        metavar="NAME",
+        help="Of more than six joints: the value of this one is what is free in a pose; repeatable.",
+    ),
+]
 FreeAxis = Annotated[
     str | None,
     Option(
