@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from urdf_ik._core import Solver
 from urdf_ik.angles import TURN, wrapped
 from urdf_ik.chain.redundancy import SWIVEL
 from urdf_ik.errors import UnsupportedArm
@@ -101,7 +102,9 @@ def _found(
     arm: SolvingArm, plan: RedundantPlan, curves: Curves, T: Array, within_limits: bool, threads: int, offset: int
 ) -> Found:
     """The intervals of a few poses, numbered from ``offset``."""
-    parameter, general = plan.parameter, plan.family.by_elimination
+    parameter = plan.parameter
+    # Where another plan serves every value, there are no branches beyond their ends either.
+    general = plan.family.by_elimination or not isinstance(plan.solver, Solver)
     low, high = span(arm, parameter, T)
     grid = np.linspace(low, high, GRID_GENERAL if general else GRID, endpoint=not parameter.round)
     solutions = arm.ik(T[:, None], redundancy=np.broadcast_to(grid, (len(T), len(grid))), threads=threads)
