@@ -90,7 +90,7 @@ def prepare(chain: Chain, k: int, number: int, plan_of: Callable[[Chain], Plan |
         solver=solver,
         parameters=parameters,
         self_motion=None if inner else SelfMotion({"written": written_values(chain), "given": k}),
-        value_of,
+        value_of=value_of,
         explain=lambda T: explain_at(T, defaults),
         explain_at=explain_at,
     )
