@@ -40,6 +40,7 @@ if TYPE_CHECKING:
         WorldError,
     )
     from urdf_ik.motion import Plan, arc, line, polyline, read_waypoints
+    from urdf_ik.placements import placement
     from urdf_ik.poses import (
         pose,
         to_euler_zyx,
@@ -97,6 +98,7 @@ __all__ = [
     "dataset",
     "line",
     "load",
+    "placement",
     "polyline",
     "pose",
     "read_waypoints",
@@ -149,6 +151,7 @@ _NAMES = {
         "polyline",
         "read_waypoints",
     ),
+    "placements": ("placement",),
     "poses": (
         "pose",
         "to_euler_zyx",
