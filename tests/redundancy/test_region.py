@@ -1,4 +1,4 @@
-"""Target regions, and arms with several redundancy parameters: the nearest joint vector, by Pinocchio and by sampling."""
+"""Target regions, and arms with several redundancy parameters: the nearest joint vector, by sampling."""
 
 from __future__ import annotations
 

@@ -86,9 +86,7 @@ def nearest(
     count = len(arm.redundancies)
     at = values.reshape(shape if count == 1 else (*shape, count)) if count else None
     solutions = arm.ik(stack.reshape(*shape, 4, 4), redundancy=at, threads=threads)
-    chosen: IKSolutions = solutions.nearest(
-        reference, weights, metric="l2", within=within, within_limits=within_limits
-    )
+    chosen: IKSolutions = solutions.nearest(reference, weights, metric="l2", within=within, within_limits=within_limits)
     return chosen
 
 
