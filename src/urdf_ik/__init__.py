@@ -49,7 +49,7 @@ if TYPE_CHECKING:
         to_rotvec,
         to_rpy,
     )
-    from urdf_ik.redundancy import Redundancy, Sweep
+    from urdf_ik.redundancy import Redundancy, Region, Sweep
     from urdf_ik.solutions import IKSolutions, Singular, Solution
     from urdf_ik.structure import Structure
 
@@ -79,6 +79,7 @@ __all__ = [
     "Points",
     "PoseError",
     "Redundancy",
+    "Region",
     "Singular",
     "Solution",
     "Sphere",
@@ -160,7 +161,7 @@ _NAMES = {
         "to_rotvec",
         "to_rpy",
     ),
-    "redundancy": ("Redundancy", "Sweep"),
+    "redundancy": ("Redundancy", "Region", "Sweep"),
     "solutions": (
         "IKSolutions",
         "Singular",
