@@ -40,6 +40,7 @@ if TYPE_CHECKING:
         WorldError,
     )
     from urdf_ik.motion import Plan, arc, line, polyline, read_waypoints
+    from urdf_ik.placements import placement
     from urdf_ik.poses import (
         pose,
         to_euler_zyx,
@@ -48,7 +49,7 @@ if TYPE_CHECKING:
         to_rotvec,
         to_rpy,
     )
-    from urdf_ik.redundancy import Interval, Intervals, Redundancy, Sweep
+    from urdf_ik.redundancy import Interval, Intervals, Redundancy, Region, Sweep
     from urdf_ik.solutions import IKSolutions, Singular, Solution
     from urdf_ik.structure import Structure
 
@@ -80,6 +81,7 @@ __all__ = [
     "Points",
     "PoseError",
     "Redundancy",
+    "Region",
     "Singular",
     "Solution",
     "Sphere",
@@ -99,6 +101,7 @@ __all__ = [
     "dataset",
     "line",
     "load",
+    "placement",
     "polyline",
     "pose",
     "read_waypoints",
@@ -151,6 +154,7 @@ _NAMES = {
         "polyline",
         "read_waypoints",
     ),
+    "placements": ("placement",),
     "poses": (
         "pose",
         "to_euler_zyx",
@@ -159,7 +163,7 @@ _NAMES = {
         "to_rotvec",
         "to_rpy",
     ),
-    "redundancy": ("Interval", "Intervals", "Redundancy", "Sweep"),
+    "redundancy": ("Interval", "Intervals", "Redundancy", "Region", "Sweep"),
     "solutions": (
         "IKSolutions",
         "Singular",
