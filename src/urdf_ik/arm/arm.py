@@ -11,7 +11,7 @@ import numpy as np
 from urdf_ik import families
 from urdf_ik.angles import shortest
 from urdf_ik.arm.freedom import Free
-from urdf_ik.arm.refusals import unsupported
+from urdf_ik.arm.refusals import check_given, unsupported
 from urdf_ik.arm.shown import html
 from urdf_ik.chain.redundancy import spread
 from urdf_ik.errors import ArgumentError, JointVectorError, PoseError, TaskError, UnsupportedArm
@@ -55,7 +55,12 @@ class Arm(Free):
     """
 
     def __init__(
-        self, model: UrdfModel, chain: Chain, task: str = "pose", free_axis: FreeAxis | None = None
+        self,
+        model: UrdfModel,
+        chain: Chain,
+        task: str = "pose",
+        free_axis: FreeAxis | None = None,
+        given: tuple[str, ...] = (),
     ) -> None:
         """Analyse the chain and prepare its solver.
 
@@ -64,19 +69,25 @@ class Arm(Free):
             chain: the joints from base to tip.
             task: what ``ik`` takes as target where it is not said there; see :meth:`ik`.
             free_axis: a line in the tip about which it may be turned; see :meth:`with_free_axis`.
+            given: names of joints whose values are the redundancy parameters; see :meth:`with_redundancy`.
 
         Raises:
+            ChainError: one of ``given`` is no joint of the chain.
+            ArgumentError: more joints are given than a pose leaves free.
             TaskError: there is no such task, or the arm cannot control it.
             UnsupportedArm: no solver takes this arm for a task other than 'pose'.
         """
         super().__init__(model, chain, free_axis)
+        check_given(self.name, chain, given)
         self.structure: Structure = analyse(chain)
         self._by_task: dict[str, Arm] = {task: self}
         self._core: Solver | None = None
-        self._task = task
+        self._task, self._given = task, given
         # How targets of a task other than a pose are read.
         self._targets: Targets | None = None if task == "pose" else Targets(self.name, chain, self.control, task)
-        plan = families.choose(self.structure, chain) if self._targets is None else self._targets.plan(self.structure)
+        plan = self._targets.plan(self.structure) if self._targets else families.choose(self.structure, chain, given)
+        if plan is None and given:
+            raise UnsupportedArm(f"{self.name}: no solver for the other joints with {', '.join(given)} given")
         if plan is not None and free_axis is not None:
             plan = axis_free.prepare(chain, plan, free_axis)
         self._plan: Plan | None = plan
@@ -103,12 +114,14 @@ class Arm(Free):
     def __repr__(self) -> str:
         return f"<Arm {self.name!r}: {self.base} to {self.tip}, {self.structure.family or f'{self.dof} joints'}>"
 
-    def __reduce__(self) -> tuple[type[Arm], tuple[UrdfModel, Chain, str, FreeAxis | None]]:
-        return Arm, (self.model, self.chain, self._task, self._free_axis)
+    def __reduce__(self) -> tuple[type[Arm], tuple[UrdfModel, Chain, str, FreeAxis | None, tuple[str, ...]]]:
+        return Arm, (self.model, self.chain, self._task, self._free_axis, self._given)
 
     def _again(self, **changed: Any) -> Self:
         make: Any = type(self)
-        made: Self = make(self.model, self.chain, **{"task": self._task, "free_axis": self._free_axis, **changed})
+        settings: dict[str, Any] = {"free_axis": self._free_axis, "given": self._given, **changed}
+        chain = settings.pop("chain", self.chain)
+        made: Self = make(self.model, chain, self._task, **settings)
         return made
 
     def for_task(self, task: str) -> Arm:

@@ -7,14 +7,18 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+from urdf_ik._core import Solver
 from urdf_ik.arm.moving import Moving
 from urdf_ik.arm.refusals import unsupported
+from urdf_ik.chain import from_urdf
 from urdf_ik.chain.free_axis import FreeAxis
 from urdf_ik.errors import ArgumentError, JointVectorError, TaskError, UnsupportedArm
 from urdf_ik.families import Plan, RedundantPlan
 from urdf_ik.poses import check_poses
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik.chain.redundancy import Redundancy
@@ -73,7 +77,7 @@ class Free(Moving):
             at: (3,) m, a point on the axis in the tip's frame; default: the tip's origin.
 
         Raises:
-            ArgumentError: no axis, or the arm has a free axis already.
+            ArgumentError: no axis, the arm has a free axis already, or a joint in its middle is given.
             TaskError: the arm controls less than a pose, which leaves more free.
             UnsupportedArm: no solver takes this arm.
 
@@ -95,9 +99,62 @@ class Free(Moving):
             )
         if self._plan is None:
             raise unsupported(self.name, self.chain, self.structure)
+        if not isinstance(self._plan.solver, Solver):
+            joint = self.redundancies[0].joint
+            raise ArgumentError(
+                f"{self.name}: {joint} is given, a joint in the middle, and such an arm takes no free axis; name an "
+                "end joint, or none: arm.with_redundancy(...)"
+            )
         made = self._again(free_axis=free)
         made.__dict__["fixed"] = self
         return made
+
+    def with_redundancy(self, *joints: str) -> Self:
+        """This arm, the values of these joints being its redundancy parameters: a new arm.
+
+        A rail, the joint of a positioner, or any other of seven joints or more. An end joint costs what the six others
+        cost, whatever its value. One in the middle makes another arm of every value, which is prepared when the value
+        is first asked for: a fraction of a millisecond for closed forms, up to a second for an elimination, after which
+        it is kept; searches over many values (``ik_nearest``, ``follow``) take that many times as long. Which parameter
+        an arm has by itself, and why, says ``arm.structure.reason``.
+
+        Args:
+            joints: names, as many as a pose leaves free, or fewer, to which others are added. ``arm.redundancies``
+                says in which order ``ik`` takes their values.
+
+        Raises:
+            ChainError: the chain has no such joint; the error lists those it has.
+            ArgumentError: more joints than a pose leaves free.
+            UnsupportedArm: no solver takes the other joints, or joints mimic others.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("srs_7r").with_redundancy("joint_1")
+            >>> arm.redundancy.joint, arm.redundancy.kind
+            ('joint_1', 'locked joint')
+        """
+        return self._again(given=joints)
+
+    def with_locked(self, values: Mapping[str, float]) -> Self:
+        """This arm, joints being held at these values [rad or m]: a new arm of the other joints.
+
+        Joints of the chain become part of the fixed geometry; those beside it, such as the joints of a second arm,
+        stand there as obstacles. What is held already stays held, those that are named anew at their new values.
+
+        Raises:
+            ChainError: the URDF has no such joint; the error lists those that it has.
+            JointVectorError: a value is no finite number.
+
+        Example:
+            >>> import urdf_ik
+            >>> left = urdf_ik.load("dual_6r", tip="left_tool0")
+            >>> q = [-1.2, 0.4, -2.6, 2.3, -0.9, -2.5]
+            >>> crossed = left.with_locked({"right_joint_1": 1.6, "right_joint_2": 0.4, "right_joint_3": -2.6})
+            >>> bool(left.clearance(q) > 0.02), float(crossed.clearance(q))
+            (True, 0.0)
+        """
+        chain = from_urdf(self.model, self.base, self.tip).lock({**self.locked, **values})
+        return self._again(chain=chain)
 
     def _again(self, **changed: Any) -> Self:
         """This arm, made again with other settings."""

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from urdf_ik.arm import Arm
     from urdf_ik.solutions import IKSolutions
-    from urdf_ik.workspace import PlanarWorkspace, WorkspaceMap
+    from urdf_ik.workspace import PlanarWorkspace, StoredMap, WorkspaceMap
 
 SUFFIXES = (".png", ".svg", ".pdf")
 _COLUMNS = 4
@@ -163,7 +163,9 @@ def limits(solutions: IKSolutions, *, degrees: bool = True) -> Figure:
     return figure
 
 
-def workspace_slice(found: WorkspaceMap, axis: str = "z", at: float = 0.0, what: str = "reach") -> Figure:
+def workspace_slice(
+    found: WorkspaceMap | StoredMap, axis: str = "z", at: float = 0.0, what: str = "reach"
+) -> Figure:
     """One layer of a workspace map; see :meth:`urdf_ik.workspace.WorkspaceMap.slice`.
 
     Raises:
