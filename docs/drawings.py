@@ -15,7 +15,7 @@ import urdf_ik
 from urdf_ik import palette, plot
 
 _ROW = tuple[float, float, float, float]
-_RIGHT = np.pi / 2.0
+_R = np.pi / 2.0
 
 
 @dataclass(frozen=True)
@@ -48,37 +48,37 @@ class Drawing:
 DRAWINGS = {
     "spherical-wrist": Drawing("zyyzyz_6r", (0.4, 0.5, 0.9, 0.3, 0.7, 0.0), (4, 5, 6)),
     "three-parallel": Drawing(
-        ((0, 0, 0.3, 0), (_RIGHT, 0, 0, 0), (0, 0.5, 0, 0), (0, 0.4, 0.15, 0), (_RIGHT, 0, 0.12, 0), (-_RIGHT, 0, 0.1, 0)),
+        ((0, 0, 0.3, 0), (_R, 0, 0, 0), (0, 0.5, 0, 0), (0, 0.4, 0.15, 0), (_R, 0, 0.12, 0), (-_R, 0, 0.1, 0)),
         (0.4, 0.9, -1.2, 0.6, 0.8, 0.0),
         (2, 3, 4),
     ),
     "parallel-shoulder": Drawing(
-        ((0, 0, 0.3, 0), (0, 0.4, 0.05, 0), (0, 0.35, 0, 0), (_RIGHT, 0.1, 0.1, 0), (_RIGHT, 0, 0.2, 0), (_RIGHT, 0, 0.1, 0)),
+        ((0, 0, 0.3, 0), (0, 0.4, 0.05, 0), (0, 0.35, 0, 0), (_R, 0.1, 0.1, 0), (_R, 0, 0.2, 0), (_R, 0, 0.1, 0)),
         (0.4, 0.7, -0.9, 0.5, 0.8, 0.0),
         (1, 2, 3),
     ),
     "spherical-middle": Drawing(
-        ((0, 0, 0.2, 0), (_RIGHT, 0.4, 0, 0), (_RIGHT, 0, 0, 0), (-_RIGHT, 0, 0, 0), (_RIGHT, 0.4, 0.1, 0), (_RIGHT, 0, 0.2, 0)),
+        ((0, 0, 0.2, 0), (_R, 0.4, 0, 0), (_R, 0, 0, 0), (-_R, 0, 0, 0), (_R, 0.4, 0.1, 0), (_R, 0, 0.2, 0)),
         (0.4, 0.7, 0.9, 0.5, 0.8, 0.0),
         (2, 3, 4),
     ),
     "general-6r": Drawing(
-        ((0, 0, 0.3, 0), (1.2, 0.1, 0.1, 0), (0.6, 0.4, 0.05, 0), (1.3, 0.1, 0.3, 0), (-1.1, 0.08, 0.1, 0), (1.4, 0.1, 0.1, 0)),
+        ((0, 0, 0.3, 0), (1.2, 0.1, 0.1, 0), (0.6, 0.4, 0.1, 0), (1.3, 0, 0.3, 0), (-1.1, 0.1, 0, 0), (1.4, 0.1, 0, 0)),
         (0.4, 0.9, -1.2, 0.6, 0.8, 0.0),
         (1, 2, 3, 4, 5, 6),
     ),
     "slides": Drawing("stanford_rrprrr", (0.4, 0.9, 0.5, 0.6, 0.8, 0.0), (3,)),
     "few-joints": Drawing("scara_rrpr", (0.5, 0.9, 0.05, 0.3), (1, 2, 4)),
     "five-joints": Drawing(
-        ((0, 0, 0.2, 0), (_RIGHT, 0, 0, 0), (0, 0.4, 0, 0), (0, 0.35, 0, 0), (_RIGHT, 0, 0.15, 0)),
+        ((0, 0, 0.2, 0), (_R, 0, 0, 0), (0, 0.4, 0, 0), (0, 0.35, 0, 0), (_R, 0, 0.15, 0)),
         (0.4, 0.9, -1.2, 0.6, 0.0),
         (2, 3, 4),
     ),
     "srs": Drawing("srs_7r", (0.3, 0.6, 0.4, 1.2, 0.3, 0.7, 0.0), (1, 2, 3, 5, 6, 7)),
     "joint-given": Drawing(
         (
-            (0, 0, 0.33, 0), (-_RIGHT, 0, 0, 0), (_RIGHT, 0, 0.32, 0), (_RIGHT, 0.08, 0, 0),
-            (-_RIGHT, -0.08, 0.38, 0), (_RIGHT, 0, 0, 0), (_RIGHT, 0.09, 0.1, 0),
+            (0, 0, 0.33, 0), (-_R, 0, 0, 0), (_R, 0, 0.32, 0), (_R, 0.08, 0, 0),
+            (-_R, -0.08, 0.38, 0), (_R, 0, 0, 0), (_R, 0.09, 0.1, 0),
         ),
         (0.3, 0.5, 0.4, -1.6, 0.3, 1.7, 0.0),
         (7,),
@@ -109,7 +109,9 @@ def axes_of(arm: urdf_ik.Arm, q: np.ndarray, marked: tuple[int, ...]) -> plot.Pi
         along = reach * (pose[:3, :3] @ joint.axis)
         ends = np.stack([pose[:3, 3] - along, pose[:3, 3] + along])
         shown = number in marked
-        axes.plot(*ends.T, color=blue if shown else grey, linewidth=2.5 if shown else 1.2, linestyle="-" if shown else "--")
+        axes.plot(
+            *ends.T, color=blue if shown else grey, linewidth=2.5 if shown else 1.2, linestyle="-" if shown else "--"
+        )
         axes.text(*ends[1], str(number), color=blue if shown else grey, fontsize=11, fontweight="bold")
     axes.set_title("")
     return figure
