@@ -40,6 +40,7 @@ if TYPE_CHECKING:
         WorldError,
     )
     from urdf_ik.motion import Plan, arc, line, polyline, read_waypoints
+    from urdf_ik.placements import placement
     from urdf_ik.poses import (
         pose,
         to_euler_zyx,
@@ -48,7 +49,7 @@ if TYPE_CHECKING:
         to_rotvec,
         to_rpy,
     )
-    from urdf_ik.redundancy import Redundancy, Sweep
+    from urdf_ik.redundancy import Redundancy, Region, Sweep
     from urdf_ik.solutions import IKSolutions, Singular, Solution
     from urdf_ik.structure import Structure
 
@@ -78,6 +79,7 @@ __all__ = [
     "Points",
     "PoseError",
     "Redundancy",
+    "Region",
     "Singular",
     "Solution",
     "Sphere",
@@ -97,6 +99,7 @@ __all__ = [
     "dataset",
     "line",
     "load",
+    "placement",
     "polyline",
     "pose",
     "read_waypoints",
@@ -149,6 +152,7 @@ _NAMES = {
         "polyline",
         "read_waypoints",
     ),
+    "placements": ("placement",),
     "poses": (
         "pose",
         "to_euler_zyx",
@@ -157,7 +161,7 @@ _NAMES = {
         "to_rotvec",
         "to_rpy",
     ),
-    "redundancy": ("Redundancy", "Sweep"),
+    "redundancy": ("Redundancy", "Region", "Sweep"),
     "solutions": (
         "IKSolutions",
         "Singular",

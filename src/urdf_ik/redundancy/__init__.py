@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from urdf_ik.chain.redundancy import Redundancy
+from urdf_ik.redundancy.region import Region
 from urdf_ik.redundancy.sweep import Sweep
 
-__all__ = ["Redundancy", "Sweep"]
+__all__ = ["Redundancy", "Region", "Sweep"]

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.chain import Chain
+    from urdf_ik.chain.free_axis import FreeAxis
     from urdf_ik.chain.redundancy import Redundancy
     from urdf_ik.structure import Structure
 
@@ -87,6 +88,14 @@ class SolvingArm(SolvedArm, Protocol):
     @property
     def structure(self) -> Structure:
         """Its axes, and how it is solved."""
+
+    @property
+    def free_axis(self) -> FreeAxis | None:
+        """The line in the tip about which it may be turned."""
+
+    @property
+    def fixed(self) -> SolvingArm:
+        """The same arm without a free axis."""
 
     def fk(self, q: Any) -> NDArray[np.float64]:
         """Pose of the tip."""
