@@ -19,17 +19,20 @@ if TYPE_CHECKING:
     from urdf_ik.collision.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Points, Sphere
     from urdf_ik.collision.world import World
     from urdf_ik.comparison import Comparison, compare
+    from urdf_ik.datasets import dataset
     from urdf_ik.dh import DHTable
     from urdf_ik.errors import (
         ArgumentError,
         CatalogueError,
         ChainError,
+        ClusterError,
         DHError,
         JointVectorError,
         MissingPackage,
         PathError,
         PlotError,
         PoseError,
+        StoreError,
         TaskError,
         UnsupportedArm,
         UrdfError,
@@ -39,6 +42,7 @@ if TYPE_CHECKING:
         WorldError,
     )
     from urdf_ik.motion import Plan, arc, line, polyline, read_waypoints
+    from urdf_ik.placements import placement
     from urdf_ik.poses import (
         pose,
         to_euler_zyx,
@@ -47,7 +51,7 @@ if TYPE_CHECKING:
         to_rotvec,
         to_rpy,
     )
-    from urdf_ik.redundancy import Redundancy, Sweep
+    from urdf_ik.redundancy import Interval, Intervals, Redundancy, Region, Sweep
     from urdf_ik.solutions import IKSolutions, Singular, Solution
     from urdf_ik.structure import Structure
 
@@ -61,12 +65,15 @@ __all__ = [
     "CatalogueError",
     "Chain",
     "ChainError",
+    "ClusterError",
     "Comparison",
     "Cylinder",
     "DHError",
     "DHTable",
     "HalfSpace",
     "IKSolutions",
+    "Interval",
+    "Intervals",
     "JointVectorError",
     "Mesh",
     "MissingPackage",
@@ -76,9 +83,11 @@ __all__ = [
     "Points",
     "PoseError",
     "Redundancy",
+    "Region",
     "Singular",
     "Solution",
     "Sphere",
+    "StoreError",
     "Structure",
     "Sweep",
     "TaskError",
@@ -91,8 +100,10 @@ __all__ = [
     "WorldError",
     "arc",
     "compare",
+    "dataset",
     "line",
     "load",
+    "placement",
     "polyline",
     "pose",
     "read_waypoints",
@@ -116,17 +127,20 @@ _NAMES = {
         "Comparison",
         "compare",
     ),
+    "datasets": ("dataset",),
     "dh": ("DHTable",),
     "errors": (
         "ArgumentError",
         "CatalogueError",
         "ChainError",
+        "ClusterError",
         "DHError",
         "JointVectorError",
         "MissingPackage",
         "PathError",
         "PlotError",
         "PoseError",
+        "StoreError",
         "TaskError",
         "UnsupportedArm",
         "UrdfError",
@@ -142,6 +156,7 @@ _NAMES = {
         "polyline",
         "read_waypoints",
     ),
+    "placements": ("placement",),
     "poses": (
         "pose",
         "to_euler_zyx",
@@ -150,7 +165,7 @@ _NAMES = {
         "to_rotvec",
         "to_rpy",
     ),
-    "redundancy": ("Redundancy", "Sweep"),
+    "redundancy": ("Interval", "Intervals", "Redundancy", "Region", "Sweep"),
     "solutions": (
         "IKSolutions",
         "Singular",

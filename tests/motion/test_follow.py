@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from lxml import etree
-from paths import ALL_KINDS, check, cost_of, described, joint_path, smooth
+from paths import ALL_KINDS, check, cost_of, described, distance_to_box, joint_path, smooth
 
 import urdf_ik
 from urdf_ik.angles import TURN
@@ -153,6 +153,23 @@ def test_alternatives_are_the_best_from_each_branch() -> None:
     for each in plan.alternatives:
         check(arm, each)
         assert each.cost >= plan.cost
+
+
+@pytest.mark.parametrize(("seed", "waypoint"), [(0, 15), (1, 15), (3, 25)])
+def test_an_obstacle_is_gone_round_by_another_branch(seed: int, waypoint: int) -> None:
+    """A box by the elbow of the cheapest branch, met at the middle of the path or late on it."""
+    arm = urdf_ik.load("zyyzyz_6r")
+    T = arm.fk(joint_path(arm, 30, seed, size=0.15))
+    free = arm.follow(T)
+    elbow, size = arm.link_poses(free.q[waypoint])["link_3"], 0.12
+    assert distance_to_box(arm, size, elbow, free.motion) < 0.0
+    world = urdf_ik.World()
+    world.add("box", urdf_ik.Box((size, size, size)), elbow)
+    plan = arm.follow(T, world=world)
+    check(arm, plan)
+    assert distance_to_box(arm, size, elbow, plan.motion) > 0.0
+    assert plan.cost > 1.02 * free.cost
+    assert set(plan.branches).isdisjoint(free.branches)
 
 
 def test_reconfigurations_are_as_few_as_possible() -> None:

@@ -257,10 +257,10 @@ def test_another_arm_takes_the_place(viewer: Viewer) -> None:
     """Sliders and branches are those of the new arm; what was asked of the old one is forgotten."""
     viewer.open("srs_7r")
     assert viewer.settle(PATIENCE) and viewer.state.arm.name == "srs_7r"
-    assert len(viewer.panel.sliders) == 7 and viewer.panel.redundancy is not None
+    assert len(viewer.panel.sliders) == 7 and len(viewer.panel.redundancies) == 1
     viewer.open(BARE.encode())
     assert viewer.settle(PATIENCE) and viewer.state.arm.name == "bare"
-    assert len(viewer.panel.sliders) == 2 and viewer.panel.redundancy is None
+    assert len(viewer.panel.sliders) == 2 and not viewer.panel.redundancies
     assert not viewer.drawing.has_shapes and viewer.drawing._lines
 
 

@@ -11,13 +11,14 @@ import numpy as np
 from urdf_ik import families, inputs
 from urdf_ik.angles import shortest
 from urdf_ik.arm.freedom import Free
-from urdf_ik.arm.refusals import unsupported
+from urdf_ik.arm.refusals import check_given, unsupported
+from urdf_ik.arm.shown import html
 from urdf_ik.chain.redundancy import spread
-from urdf_ik.errors import JointVectorError, PoseError, TaskError, UnsupportedArm
+from urdf_ik.errors import ArgumentError, JointVectorError, PoseError, TaskError, UnsupportedArm
 from urdf_ik.families import Plan, RedundantPlan
 from urdf_ik.families.wrappers import axis_free
 from urdf_ik.poses import as_pose_array, check_poses
-from urdf_ik.redundancy import nearest, sweep
+from urdf_ik.redundancy import inside, nearest, sweep
 from urdf_ik.solutions import IKSolutions
 from urdf_ik.solutions.representatives import near_each
 from urdf_ik.structure import Structure, analyse
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     from urdf_ik._core import Solver
     from urdf_ik.chain import Chain
     from urdf_ik.chain.free_axis import FreeAxis
-    from urdf_ik.redundancy import Sweep
+    from urdf_ik.redundancy import Region
     from urdf_ik.solutions.select import Metric
     from urdf_ik.urdf import UrdfModel
 
@@ -55,7 +56,12 @@ class Arm(Free):
     """
 
     def __init__(
-        self, model: UrdfModel, chain: Chain, task: str = "pose", free_axis: FreeAxis | None = None
+        self,
+        model: UrdfModel,
+        chain: Chain,
+        task: str = "pose",
+        free_axis: FreeAxis | None = None,
+        given: tuple[str, ...] = (),
     ) -> None:
         """Analyse the chain and prepare its solver.
 
@@ -64,19 +70,25 @@ class Arm(Free):
             chain: the joints from base to tip.
             task: what ``ik`` takes as target where it is not said there; see :meth:`ik`.
             free_axis: a line in the tip about which it may be turned; see :meth:`with_free_axis`.
+            given: names of joints whose values are the redundancy parameters; see :meth:`with_redundancy`.
 
         Raises:
+            ChainError: one of ``given`` is no joint of the chain.
+            ArgumentError: more joints are given than a pose leaves free.
             TaskError: there is no such task, or the arm cannot control it.
             UnsupportedArm: no solver takes this arm for a task other than 'pose'.
         """
         super().__init__(model, chain, free_axis)
+        check_given(self.name, chain, given)
         self.structure: Structure = analyse(chain)
         self._by_task: dict[str, Arm] = {task: self}
         self._core: Solver | None = None
-        self._task = task
+        self._task, self._given = task, given
         # How targets of a task other than a pose are read.
         self._targets: Targets | None = None if task == "pose" else Targets(self.name, chain, self.control, task)
-        plan = families.choose(self.structure, chain) if self._targets is None else self._targets.plan(self.structure)
+        plan = self._targets.plan(self.structure) if self._targets else families.choose(self.structure, chain, given)
+        if plan is None and given:
+            raise UnsupportedArm(f"{self.name}: no solver for the other joints with {', '.join(given)} given")
         if plan is not None and free_axis is not None:
             plan = axis_free.prepare(chain, plan, free_axis)
         self._plan: Plan | None = plan
@@ -97,20 +109,23 @@ class Arm(Free):
         # The solver where targets are poses: it takes a single one without detours.
         self._of_single_poses = None if self._targets else self._core
 
+    def _repr_html_(self) -> str:
+        return html(self)
+
     def __repr__(self) -> str:
         return f"<Arm {self.name!r}: {self.base} to {self.tip}, {self.structure.family or f'{self.dof} joints'}>"
 
-    def __reduce__(
-        self,
-    ) -> tuple[type[Arm], tuple[UrdfModel, Chain, str, FreeAxis | None], dict[str, Any] | None]:
+    def __reduce__(self) -> tuple[type[Arm], tuple[Any, ...], dict[str, Any] | None]:
         # The collision model is built when it is asked for; only what a user changed of it must not be lost.
         own = self.__dict__.get("collision_model")
         kept = {"collision_model": own} if own is not None and own.is_changed else None
-        return Arm, (self.model, self.chain, self._task, self._free_axis), kept
+        return Arm, (self.model, self.chain, self._task, self._free_axis, self._given), kept
 
     def _again(self, **changed: Any) -> Self:
         make: Any = type(self)
-        made: Self = make(self.model, self.chain, **{"task": self._task, "free_axis": self._free_axis, **changed})
+        settings: dict[str, Any] = {"free_axis": self._free_axis, "given": self._given, **changed}
+        chain = settings.pop("chain", self.chain)
+        made: Self = make(self.model, chain, self._task, **settings)
         return made
 
     def for_task(self, task: str) -> Arm:
@@ -294,6 +309,7 @@ class Arm(Free):
         weights: ArrayLike | None = None,
         within: ArrayLike | None = None,
         within_limits: bool = True,
+        region: Region | None = None,
         threads: int = 1,
         task: str | None = None,
     ) -> IKSolutions:
@@ -306,13 +322,15 @@ class Arm(Free):
             weights: (n,) of the joints in the distance.
             within: rad or m that no joint may be further away, one number or one a joint.
             within_limits: whether only what lies inside the joint limits counts.
+            region: how far the tip may be from ``T``, see :class:`urdf_ik.Region`; the ``poses`` of the answer are
+                those that were chosen in it. The optimum is local, see :mod:`urdf_ik.redundancy.inside`; so it is for
+                an arm with several redundancy parameters.
             threads: number of threads that share the work.
             task: what ``T`` is; see ``ik``.
 
         Returns:
             One column a pose; of a continuum what ``ik`` gives near ``q_ref``, its free joint there. With seven
-            joints, ``redundancy`` holds the values of the parameter; see
-            :mod:`urdf_ik.redundancy.nearest` for how they are searched, and what may be missed.
+            joints, ``redundancy`` holds the values of the parameter, of all in :meth:`intervals`, to 1e-8.
 
         Raises:
             PoseError: a target is no pose.
@@ -334,6 +352,14 @@ class Arm(Free):
                 T, q_ref, metric=metric, weights=weights, within=within, within_limits=within_limits, threads=threads
             )
         options: Any = {"metric": metric, "weights": weights, "within": within, "within_limits": within_limits}
+        if region is not None or len(self.redundancies) > 1:
+            if self._plan is None:
+                raise unsupported(self.name, self.chain, self.structure)
+            if self._targets is not None:
+                raise TaskError(f"{self.name}: a region is one of poses, not of the task {self._task!r}")
+            if region is not None and self._free_axis is not None:
+                raise ArgumentError(f"{self.name}: {self._free_axis} is free; a region has rotation=pi for that")
+            return inside.nearest(self, T, q_ref, region, threads=threads, **options)
         if isinstance(self._plan, RedundantPlan):
             return nearest.nearest(self, self._only_parameter("ik_nearest"), T, q_ref, threads=threads, **options)
         reference = self.chain.check(q_ref)
@@ -341,28 +367,6 @@ class Arm(Free):
         solutions = self.ik(T, near, threads=threads)
         solutions = near_each(solutions, reference) if near is None else solutions
         return solutions.nearest(reference, **options)
-
-    def sweep(self, T: Any, n: int = 64, *, within_limits: bool = False, threads: int = 1) -> Sweep:
-        """The solutions of one pose at ``n`` values of the redundancy parameter, and where there are any.
-
-        Args:
-            T: (4, 4) pose of the tip in the base [m], or a ``pinocchio.SE3``.
-            n: number of values, shared among the intervals in which there are solutions by their lengths.
-            within_limits: only solutions inside the joint limits count.
-            threads: number of threads that share the work.
-
-        Raises:
-            PoseError: ``T`` is no pose, or more than one.
-            UnsupportedArm: the arm has no redundancy parameter.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("srs_7r")
-            >>> sweep = arm.sweep(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]), n=16)
-            >>> sweep.solutions.q.shape, sweep.intervals.round(3).tolist()
-            ((16, 8, 7), [[-3.142, 3.142]])
-        """
-        return sweep.sweep(self, self._only_parameter("sweep"), T, n, within_limits, threads)
 
     def explain(self, T: Any, redundancy: ArrayLike | None = None) -> str:
         """Why the single pose ``T`` (4, 4) has no solution, with the number that is out of range.

@@ -260,6 +260,11 @@ class Kinematics:
 
         return Reference(self.model, self.base, self.tip, locked=self.locked)
 
+    @property
+    def pinocchio_model(self) -> Any:
+        """The ``pinocchio.Model`` of the whole URDF, of whose configurations :meth:`to_pinocchio` speaks."""
+        return self._pinocchio.pin_model
+
     def to_pinocchio(self, q: ArrayLike) -> Array:
         """Configurations (..., nq) of Pinocchio's model of the whole URDF: joints by name, continuous ones (cos, sin).
 

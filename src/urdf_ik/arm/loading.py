@@ -27,6 +27,7 @@ def load(
     chain: str | None = None,
     srdf: str | os.PathLike[str] | bytes | None = None,
     locked: Mapping[str, float] | None = None,
+    redundancy: str | Sequence[str] = (),
     mesh_roots: Sequence[str | os.PathLike[str]] = (),
     xacro_args: Mapping[str, object] | None = None,
 ) -> Arm:
@@ -42,18 +43,23 @@ def load(
         chain: which arm of several is meant, by the name that ``urdf-ik info --chains`` lists, such as 'left', or
             a group of the SRDF; instead of a tip.
         srdf: an SRDF, whose groups with a ``<chain>`` are the chains that come into question.
-        locked: joints of the chain that are held at these values [rad or m]; the arm is that of the others. An arm
-            with more than seven joints needs it to be solved.
+        locked: joints that are held at these values [rad or m]; the arm is that of the others. An arm with more than
+            nine joints needs it to be solved. Joints beside the chain, such as those of a second arm, stand at these
+            values instead of at zero, where what they carry can be run into; :meth:`urdf_ik.Arm.with_locked`.
+        redundancy: joint, or joints, whose values are to be the redundancy parameters of an arm with more than six
+            joints; default: what is cheapest to solve. See :meth:`urdf_ik.Arm.with_redundancy`.
         mesh_roots: folders that meshes may be read from, besides the URDF's own and its ROS package; packages are
             looked for in them first, then in AMENT_PREFIX_PATH and ROS_PACKAGE_PATH.
         xacro_args: arguments of a xacro, by name. A xacro is a program: expand only what you trust.
 
     Raises:
         UrdfError: the URDF is broken; the error names line, element and hint.
-        ChainError: base, tip or a locked joint is unknown, or base or tip ambiguous; the error lists the candidates.
+        ChainError: base, tip, a locked joint or one of ``redundancy`` is unknown, or base or tip ambiguous; the error
+            lists the candidates.
         JointVectorError: a locked joint's value is no finite number.
         CatalogueError: a name that there is not, or whose model cannot be downloaded.
         MissingPackage: the package that reads a xacro or MJCF is not installed.
+        ArgumentError: more joints are in ``redundancy`` than a pose leaves free.
         UnsupportedArm: a joint of the chain cannot be handled.
 
     Example:
@@ -69,7 +75,8 @@ def load(
         base, tip = model.resolve_chain(base, tip, chain)
     elif chain is not None:
         raise ArgumentError(f"chain={quoted(chain)} and tip={quoted(tip)} say the same; give one of them")
-    return Arm(model, from_urdf(model, base, tip).lock(locked or {}))
+    given = (redundancy,) if isinstance(redundancy, str) else tuple(redundancy)
+    return Arm(model, from_urdf(model, base, tip).lock({} if locked is None else locked), given=given)
 
 
 def read(

@@ -20,8 +20,14 @@ BUNDLED: Mapping[str, str] = {
     "stanford_rrprrr": "Stanford arm: waist, shoulder, sliding boom, spherical wrist",
     "srs_7r": "seven axes, spherical shoulder and wrist, with the lengths of a KUKA LBR iiwa 14",
     "puma_560": "Unimation PUMA 560, by Corke and Armstrong-Helouvry's table",
+    "rail_6r": "the PUMA 560 on a rail: seven joints, of which the rail is what a pose leaves free",
+    "positioner_6r": "the PUMA 560 with a torch, and a two-axis positioner that carries the link 'workpiece'",
+    "dual_6r": "two PUMA 560 on one pedestal, to left_tool0 and to right_tool0",
 }
-"""Arms that come with this package, each from base_link to tool0: what they are."""
+"""Arms that come with this package: what they are."""
+
+_TIPS = {"positioner_6r": "torch", "dual_6r": "left_tool0"}
+"""Tips of those that are not from base_link to tool0."""
 
 _UR = ("base_link", "tool0")
 
@@ -127,7 +133,7 @@ def resolve(name: str) -> Entry:
     if not isinstance(name, str):
         raise CatalogueError(f"{quoted(name)} given; the name of an arm is a text: {', '.join(names())}")
     if name in BUNDLED:
-        return Entry(name, _bundled_folder() / f"{name}.urdf", "base_link", "tool0", description=BUNDLED[name])
+        return Entry(name, _bundled_folder() / f"{name}.urdf", "base_link", _TIPS.get(name, "tool0"), (), BUNDLED[name])
     if name in EXAMPLE_ROBOT_DATA:
         return _from_example_robot_data(name)
     if model := downloads.model_of(name):

@@ -38,6 +38,7 @@ class ChosenArm:
     xacro_arg: list[str] | None = None
     tool_xyz: str | None = None
     tool_rpy: str | None = None
+    redundancy_joint: list[str] | None = None
     free_axis: str | None = None
     free_at: str | None = None
     degrees: bool = False
@@ -63,6 +64,7 @@ class ChosenArm:
             chain=self.chain,
             srdf=self.srdf,
             locked=locked,
+            redundancy=self.redundancy_joint or (),
             mesh_roots=self.mesh_root or (),
             xacro_args=self._xacro_args(),
         )
@@ -195,6 +197,7 @@ _CHOSEN = {
     "xacro_arg": options.XacroArg,
     "tool_xyz": options.ToolXyz,
     "tool_rpy": options.ToolRpy,
+    "redundancy_joint": options.RedundancyJoint,
     "free_axis": options.FreeAxis,
     "free_at": options.FreeAt,
 }

@@ -39,6 +39,7 @@ class Picture(StrEnum):
     WORKSPACE = "workspace"
     SLIDERS = "sliders"
     PATH = "path"
+    INTERVALS = "intervals"
 
 
 class Metric(StrEnum):
@@ -129,6 +130,14 @@ ToolXyz = Annotated[
 ToolRpy = Annotated[
     str | None,
     Option("--tool-rpy", metavar="R,P,Y", help="Orientation of the tool at its centre point, in the tip link."),
+]
+RedundancyJoint = Annotated[
+    list[str] | None,
+    Option(
+        "--redundancy-joint",
+        metavar="NAME",
+        help="Of more than six joints: the value of this one is what is free in a pose; repeatable.",
+    ),
 ]
 FreeAxis = Annotated[
     str | None,
@@ -283,9 +292,21 @@ Bounds = Annotated[
     str | None,
     Option("--bounds", metavar="X0,Y0,Z0,X1,Y1,Z1", help="Box to look at [m]. Default: all that the links reach."),
 ]
-MapFree = Annotated[bool, Option("--collision-free", help="Count those free of self-collision, too; slow.")]
+MapFree = Annotated[bool, Option("--collision-free", help="Count those free of collision, too; slow.")]
 Manipulability = Annotated[bool, Option("--manipulability", help="Keep each pose's greatest manipulability.")]
 Margin = Annotated[bool, Option("--margin", help="Keep each pose's greatest limit margin.")]
+Clearance = Annotated[bool, Option("--clearance", help="Keep each pose's greatest clearance; slow.")]
+Store = Annotated[
+    Path | None,
+    Option("--store", metavar="FOLDER", help="Make the map in this Zarr group; run again, it goes on."),
+]
+Workers = Annotated[
+    int | None, Option("--workers", min=1, help="Processes on this machine that fill the store (urdf-ik\\[scale]).")
+]
+Scheduler = Annotated[
+    str | None,
+    Option("--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers fill the store, as tcp://HOST:PORT."),
+]
 Threads = Annotated[int, Option("--threads", min=1, help="Threads that solve.")]
 MapFile = Annotated[Path | None, Option("--output", "-o", metavar="FILE", help="Write the map here, as .npz.")]
 
@@ -349,7 +370,7 @@ TimedFile = Annotated[
 
 # Pictures.
 What = Annotated[
-    Picture, Argument(metavar="[WHAT]", help="arm, branches, overlay, limits, workspace, sliders or path.")
+    Picture, Argument(metavar="[WHAT]", help="arm, branches, overlay, limits, workspace, sliders, path or intervals.")
 ]
 At = Annotated[
     str | None, Option("--q", metavar="Q1,Q2,...", help="Joint vector: the posture, or the tip's pose to solve.")

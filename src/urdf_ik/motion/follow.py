@@ -17,6 +17,7 @@ from urdf_ik.motion.path import settings as settings_of
 from urdf_ik.motion.path.assembling import cut_coarse, made, not_found, priced
 from urdf_ik.motion.path.obstacles import Obstacles
 from urdf_ik.motion.path.search import Search
+from urdf_ik.motion.path.stops import stops_of
 from urdf_ik.motion.plan import Stop
 from urdf_ik.solutions.limits import LIMIT_TOLERANCE
 
@@ -115,7 +116,7 @@ def _plan(settings: Settings, path: Array) -> Plan:
     if way is not None:
         return made(settings, path, refined, search, way)
     graph.prove(arm, np.arange(len(graph.end)), settings.tolerance)
-    return not_found(settings, path, refined, search)
+    return not_found(settings, path, stops_of(settings, search, refined.T, refined.place))
 
 
 def _with_free_axis(settings: Settings, path: Array) -> Plan:

@@ -13,11 +13,13 @@ window knows of: it is drawn without a display, and a notebook shows it. ``slide
 
 from __future__ import annotations
 
+from urdf_ik.plot.intervals import intervals
 from urdf_ik.plot.pictures import (
     SUFFIXES,
     arm,
     branches,
     limits,
+    placements,
     planar_workspace,
     save,
     workspace_slice,
@@ -31,8 +33,10 @@ __all__ = [
     "arm",
     "branches",
     "interact",
+    "intervals",
     "limits",
     "path",
+    "placements",
     "planar_workspace",
     "save",
     "show",

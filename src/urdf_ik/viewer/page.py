@@ -351,8 +351,9 @@ class Viewer:
         step = partial(states.with_joint, index=index, value=value)
         self._update(("joint", index), step, self.panel.sliders[index])
 
-    def _turned(self, value: float) -> None:
-        self._update("redundancy", partial(states.with_redundancy, value=value), self.panel.redundancy)
+    def _turned(self, which: int, value: float) -> None:
+        change = partial(states.with_redundancy, value=value, which=which)
+        self._update("redundancy", change, self.panel.redundancies[which])
 
     def _add_sources(self) -> None:
         """The widgets that stay: another arm, and the scene as a file.

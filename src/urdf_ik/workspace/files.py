@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 MAX_BYTES = 2**30
 """What a map may unpack to where nothing else is said [bytes]."""
-FORMAT, VERSION = "urdf-ik workspace map", 1
+FORMAT, VERSION = "urdf-ik workspace map", 2
 
 _Map = TypeVar("_Map")
 

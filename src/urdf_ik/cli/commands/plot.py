@@ -67,6 +67,8 @@ def run(chosen: ChosenArm, degrees: bool, what: Picture, asked: Asked, output: P
         figure = plot.arm(arm, q, shapes=asked.shapes)
     elif what is Picture.PATH:
         figure = plot.path(followed(arm, angles, asked.path, chosen).plan)
+    elif what is Picture.INTERVALS:
+        figure = plot.intervals(arm.intervals(targets.target(arm, asked.target, angles).poses[0]), degrees=degrees)
     elif what is Picture.WORKSPACE:
         figure = _workspace(arm, q, asked)
     else:
@@ -83,13 +85,13 @@ def run(chosen: ChosenArm, degrees: bool, what: Picture, asked: Asked, output: P
 
 def _solutions(arm: Arm, angles: Angles, asked: Asked) -> IKSolutions:
     target = targets.target(arm, asked.target, angles)
-    at = None if target.redundancy is None else float(target.redundancy[0])
+    at = None if target.redundancy is None else target.redundancy[0]
     return arm.ik(target.poses[0], redundancy=at)
 
 
 def _workspace(arm: Arm, q: NDArray[np.float64] | None, asked: Asked) -> Figure:
     if asked.map is not None:
-        return plot.workspace_slice(rooms.read(asked.map), asked.axis, asked.at, asked.value)
+        return plot.workspace_slice(rooms.opened(asked.map), asked.axis, asked.at, asked.value)
     if is_two_links(arm):
         return plot.planar_workspace(rooms.planar(arm), q)
     if asked.axis not in tuple(AXES):

@@ -12,10 +12,11 @@ from urdf_ik.motion.path.assembling import Refined, add_margins, cut_coarse, mad
 from urdf_ik.motion.path.graph import CHANGE, COSTS, MISMATCH, Graph, Pricing
 from urdf_ik.motion.path.search import Search
 from urdf_ik.motion.path.smooth import smoothed
+from urdf_ik.motion.path.stops import stops_of
 from urdf_ik.motion.path.windows import narrow
-from urdf_ik.motion.plan import Plan
+from urdf_ik.motion.plan import EVERY_BRANCH, Plan
 from urdf_ik.motion.waypoints import twists
-from urdf_ik.redundancy.sweep import span
+from urdf_ik.redundancy.finding import span
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -108,8 +109,28 @@ def plan(settings: Settings, path: Array) -> Plan:
             return found
         if _closed(settings, whole, search):
             break
+    return _stopped(settings, path, whole, search, step)
+
+
+def _stopped(settings: Settings, path: Array, whole: Refined, search: Search, step: float) -> Plan:
+    """What stops each branch: the last grid where it has no way through, else the motions near the way that it has."""
+    layers, names = search.graph.layers, settings.arm.structure.branches
     search.graph.solve(settings.reconfigure)
-    return not_found(settings, path, whole, search)
+    stops = stops_of(settings, search, whole.T, whole.place)
+    columns = layers.column[: layers.first[1]]
+    for column in np.unique(columns):
+        way = search.best(columns == column)
+        if way is None:
+            continue
+        near = _around(settings, whole, _guide(settings, way), step / FINER, AROUND[0], last=True)
+        found = near.best()
+        if found is not None:
+            return made(settings, path, whole, near, found, alone=True)
+        near.graph.prove(settings.arm, np.arange(len(near.graph.end)), settings.tolerance)
+        stops += tuple(
+            stop for stop in stops_of(settings, near, whole.T, whole.place) if stop.branch == names[column]
+        )
+    return not_found(settings, path, sorted(stops, key=lambda stop: (stop.branch != EVERY_BRANCH, -stop.waypoint)))
 
 
 def beside(settings: Settings, path: Array, known: Plan) -> Plan | None:

@@ -27,7 +27,7 @@ _LOOSE = 10.0
 
 
 def stops_of(settings: Settings, search: Search, T: Array, place: Array) -> tuple[Stop, ...]:
-    """Of every branch of the first waypoint, the one that gets farthest first.
+    """Of every branch of the first waypoint, the one that gets farthest first; none of one that gets to the end.
 
     Args:
         settings: what the path was asked to keep to.
@@ -60,6 +60,8 @@ def stops_of(settings: Settings, search: Search, T: Array, place: Array) -> tupl
             continue
         at = layers.at[node]
         last = int(at.max())
+        if last + 1 == len(T):
+            continue
         here = at == last
         stop = _stop(settings, search, T, last, node[here][:_LOOKED_AT], state[here][:_LOOKED_AT])
         stops.append((place[last], Stop(names[column], int(np.ceil(place[min(last + 1, len(T) - 1)])), *stop)))
