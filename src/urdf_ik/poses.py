@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from urdf_ik import inputs
 from urdf_ik.errors import PoseError
+from urdf_ik.guards import inputs
 from urdf_ik.tolerances import DEFAULT, LARGEST
 
 Array = NDArray[np.float64]

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from urdf_ik import inputs, urdf
+from urdf_ik import urdf
 from urdf_ik.errors import JointVectorError, UnsupportedArm, UrdfError
+from urdf_ik.guards import inputs
 from urdf_ik.poses import as_pose_array
 from urdf_ik.text import quoted
 

@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik import families, inputs
+from urdf_ik import families
 from urdf_ik.chain import least_stretches, sampled
 from urdf_ik.chain.plane import Plane, plane_of
 from urdf_ik.errors import PoseError, TaskError, UnsupportedArm
 from urdf_ik.families import Plan, few_joints, planar
 from urdf_ik.families.wrappers import axis_added
+from urdf_ik.guards import inputs
 from urdf_ik.structure import analyse
 from urdf_ik.text import quoted
 

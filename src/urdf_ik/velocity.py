@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik import inputs
 from urdf_ik.errors import VelocityError
+from urdf_ik.guards import inputs
 from urdf_ik.tolerances import DEFAULT, LARGEST
 
 if TYPE_CHECKING:

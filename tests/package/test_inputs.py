@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import urdf_ik
-from urdf_ik import UrdfIkError, inputs, poses
+from urdf_ik import UrdfIkError, poses
+from urdf_ik.guards import inputs
 
 SIX, SEVEN, TWO = (urdf_ik.load(name) for name in ("zyyzyz_6r", "srs_7r", "planar_2r"))
 Q6, Q7 = np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]), np.array([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1])

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from urdf_ik import families, inputs
+from urdf_ik import families
 from urdf_ik.angles import shortest
 from urdf_ik.arm.freedom import Free
 from urdf_ik.arm.refusals import check_given, unsupported
@@ -17,6 +17,7 @@ from urdf_ik.chain.redundancy import spread
 from urdf_ik.errors import ArgumentError, JointVectorError, PoseError, TaskError, UnsupportedArm
 from urdf_ik.families import Plan, RedundantPlan
 from urdf_ik.families.wrappers import axis_free
+from urdf_ik.guards import inputs
 from urdf_ik.poses import as_pose_array, check_poses
 from urdf_ik.redundancy import inside, nearest, sweep
 from urdf_ik.solutions import IKSolutions

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from urdf_ik import inputs, velocity
+from urdf_ik import velocity
 from urdf_ik.chain import velocity_limits
+from urdf_ik.guards import inputs
 from urdf_ik.solutions import limits
 from urdf_ik.tasks import control_of
 from urdf_ik.tolerances import DEFAULT

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError
-from urdf_ik.frozen import Frozen
+from urdf_ik.guards.frozen import Frozen
 from urdf_ik.text import quoted
 
 if TYPE_CHECKING:

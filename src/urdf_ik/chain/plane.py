@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik.frozen import Frozen
+from urdf_ik.guards.frozen import Frozen
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik import inputs
 from urdf_ik.angles import wrapped
 from urdf_ik.errors import JointVectorError
+from urdf_ik.guards import inputs
 from urdf_ik.text import quoted
 
 if TYPE_CHECKING:

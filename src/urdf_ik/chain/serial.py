@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from urdf_ik import _core, inputs
+from urdf_ik import _core
 from urdf_ik.errors import ArgumentError, ChainError, JointVectorError
-from urdf_ik.frozen import Frozen
+from urdf_ik.guards import inputs
+from urdf_ik.guards.frozen import Frozen
 from urdf_ik.text import quoted
 
 if TYPE_CHECKING:

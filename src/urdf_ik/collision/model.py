@@ -5,12 +5,12 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from urdf_ik import inputs
 from urdf_ik.chain import from_urdf
 from urdf_ik.collision import geometry, table
 from urdf_ik.collision.questions import Questions, Seen
 from urdf_ik.collision.scene import ArmShapes, Scene
 from urdf_ik.errors import UrdfError, WorldError
+from urdf_ik.guards import inputs
 from urdf_ik.reference import Reference
 from urdf_ik.text import quoted
 from urdf_ik.urdf import srdf as srdf_reader

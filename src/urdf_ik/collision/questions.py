@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from urdf_ik import inputs
 from urdf_ik.collision import swept
 from urdf_ik.collision.scene import ArmShapes, Scene
 from urdf_ik.errors import JointVectorError, PoseError, UrdfError
+from urdf_ik.guards import inputs
 from urdf_ik.poses import as_pose_array
 from urdf_ik.reference import Reference, finite
 from urdf_ik.text import printable, quoted

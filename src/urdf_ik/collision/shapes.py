@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik import inputs
 from urdf_ik.errors import UrdfError, WorldError
-from urdf_ik.frozen import Frozen
+from urdf_ik.guards import inputs
+from urdf_ik.guards.frozen import Frozen
 from urdf_ik.text import printable, quoted
 from urdf_ik.urdf import meshes
 

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from urdf_ik import inputs
 from urdf_ik.collision.scene import QUERY_ERROR
 from urdf_ik.errors import ArgumentError
+from urdf_ik.guards import inputs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

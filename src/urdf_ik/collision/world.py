@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from lxml import etree
 
-from urdf_ik import forks, poses, urdf
+from urdf_ik import poses, urdf
 from urdf_ik.collision.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from urdf_ik.errors import PoseError, UrdfError, WorldError
-from urdf_ik.frozen import frozen
+from urdf_ik.guards import forks
+from urdf_ik.guards.frozen import frozen
 from urdf_ik.text import listed, nearest, printable, quoted
 
 if TYPE_CHECKING:

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik import inputs
 from urdf_ik.comparison import asking
 from urdf_ik.comparison.report import AxisChange, Comparison, Fact, LimitChange, Side
 from urdf_ik.errors import UrdfIkError
+from urdf_ik.guards import inputs
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pinocchio as pin
 
-from urdf_ik import inputs
 from urdf_ik.collision import CollisionModel
 from urdf_ik.crosscheck.properties import Collision, Inverse, Kinematics, limits
 from urdf_ik.crosscheck.report import Report
 from urdf_ik.errors import ArgumentError, UrdfError
+from urdf_ik.guards import inputs
 from urdf_ik.reference import Reference
 
 if TYPE_CHECKING:

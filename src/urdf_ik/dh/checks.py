@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik import inputs
 from urdf_ik.errors import DHError, PoseError
+from urdf_ik.guards import inputs
 from urdf_ik.poses import check_poses
 from urdf_ik.text import quoted
 

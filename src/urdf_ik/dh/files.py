@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik import inputs
 from urdf_ik.dh.checks import COLUMNS
 from urdf_ik.errors import DHError, PoseError
+from urdf_ik.guards import inputs
 from urdf_ik.poses import pose, to_rpy
 from urdf_ik.text import aligned, quoted
 

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik import inputs
 from urdf_ik.chain import Chain
 from urdf_ik.dh import files
 from urdf_ik.dh.checks import check, check_convention, joint_types_of, names_of, numbers, table_array, transform
 from urdf_ik.dh.frames import rotation_z, slide_z, step_x
 from urdf_ik.dh.from_chain import fields_of, frames_of
 from urdf_ik.errors import DHError
-from urdf_ik.frozen import Frozen
+from urdf_ik.guards import inputs
+from urdf_ik.guards.frozen import Frozen
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:

@@ -7,8 +7,9 @@ from typing import IO, TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik import arrays, inputs
+from urdf_ik import arrays
 from urdf_ik.errors import PathError, PoseError
+from urdf_ik.guards import inputs
 from urdf_ik.motion.waypoints import read
 from urdf_ik.poses import pose
 from urdf_ik.text import printable

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik import inputs
 from urdf_ik.angles import TURN, shortest
 from urdf_ik.errors import PathError
+from urdf_ik.guards import inputs
 from urdf_ik.motion import waypoints
 from urdf_ik.motion.path import nodes as node_sets
 from urdf_ik.motion.path import redundant

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik import inputs
 from urdf_ik.errors import PathError
+from urdf_ik.guards import inputs
 from urdf_ik.motion.files import writable
 from urdf_ik.motion.path import settings
 from urdf_ik.text import json_text

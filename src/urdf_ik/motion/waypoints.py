@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik import inputs
 from urdf_ik.errors import PathError, PoseError
+from urdf_ik.guards import inputs
 from urdf_ik.poses import check_poses, to_rotvec
 from urdf_ik.text import quoted
 

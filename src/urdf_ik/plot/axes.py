@@ -11,8 +11,9 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-from urdf_ik import inputs, palette
+from urdf_ik import palette
 from urdf_ik.errors import PlotError
+from urdf_ik.guards import inputs
 from urdf_ik.plot import figures
 
 if TYPE_CHECKING:

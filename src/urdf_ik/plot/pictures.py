@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik import inputs
 from urdf_ik.angles import TURN
 from urdf_ik.errors import MissingPackage, PlotError
+from urdf_ik.guards import inputs
 from urdf_ik.solutions import limits as joint_limits
 
 try:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik import inputs
 from urdf_ik.errors import JointVectorError
+from urdf_ik.guards import inputs
 from urdf_ik.poses import as_pose_array
 from urdf_ik.redundancy.finding import intervals
 from urdf_ik.solutions import select

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik import inputs
 from urdf_ik.angles import TURN
 from urdf_ik.errors import JointVectorError, PoseError
+from urdf_ik.guards import inputs
 from urdf_ik.poses import check_poses
 from urdf_ik.redundancy.finding import intervals, span
 

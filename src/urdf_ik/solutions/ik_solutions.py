@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik import inputs
 from urdf_ik.errors import ArgumentError
-from urdf_ik.frozen import frozen
+from urdf_ik.guards import inputs
+from urdf_ik.guards.frozen import frozen
 from urdf_ik.solutions import limits, select, sentences, tables
 from urdf_ik.solutions.kept import KeptSolutions, Singular, Solution, Step
 from urdf_ik.solutions.turn_names import suffix, turned_branches

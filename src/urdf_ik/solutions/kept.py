@@ -11,7 +11,7 @@ import numpy as np
 
 from urdf_ik._core import Answer
 from urdf_ik.angles import TURN
-from urdf_ik.frozen import frozen
+from urdf_ik.guards.frozen import frozen
 from urdf_ik.solutions.turn_names import suffix
 from urdf_ik.text import quoted
 

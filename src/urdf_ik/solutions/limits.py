@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from urdf_ik import inputs
 from urdf_ik.angles import TURN
 from urdf_ik.errors import ArgumentError, JointVectorError
+from urdf_ik.guards import inputs
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from urdf_ik import inputs
 from urdf_ik.errors import ArgumentError, JointVectorError
+from urdf_ik.guards import inputs
 from urdf_ik.solutions.limits import LIMIT_TOLERANCE
 from urdf_ik.text import quoted
 from urdf_ik.tolerances import LARGEST

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik import inputs
+from urdf_ik.guards import inputs
 from urdf_ik.solutions import limits
 from urdf_ik.text import aligned, quoted
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from urdf_ik.frozen import Frozen
+from urdf_ik.guards.frozen import Frozen
 
 if TYPE_CHECKING:
     import numpy as np

@@ -13,8 +13,8 @@ from typing import IO, TYPE_CHECKING, Any
 import numpy as np
 from lxml import etree
 
-from urdf_ik import inputs
 from urdf_ik.errors import ArgumentError, ChainError, UrdfError
+from urdf_ik.guards import inputs
 from urdf_ik.text import nearest, printable, quoted
 from urdf_ik.urdf import bodies, checks, formats, meshes, packages, tree
 from urdf_ik.urdf.chains import Candidate, Chains, doubt

@@ -7,8 +7,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from urdf_ik import forks
 from urdf_ik.errors import MissingPackage, UrdfError
+from urdf_ik.guards import forks
 from urdf_ik.text import quoted
 from urdf_ik.urdf import packages
 from urdf_ik.urdf.xml import Source

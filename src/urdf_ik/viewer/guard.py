@@ -16,8 +16,8 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
-from urdf_ik import forks
 from urdf_ik.errors import MissingPackage
+from urdf_ik.guards import forks
 from urdf_ik.viewer import address
 
 if TYPE_CHECKING:

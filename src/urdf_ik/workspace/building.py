@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from urdf_ik import inputs
 from urdf_ik.errors import UnsupportedArm, WorkspaceError
+from urdf_ik.guards import inputs
 from urdf_ik.workspace.filling import fill
 from urdf_ik.workspace.grid import grid_of, require_memory, require_room
 from urdf_ik.workspace.maps import WorkspaceMap

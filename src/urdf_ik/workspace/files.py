@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from urdf_ik import inputs
 from urdf_ik.errors import WorkspaceError
+from urdf_ik.guards import inputs
 from urdf_ik.text import printable
 
 if TYPE_CHECKING:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from urdf_ik import inputs
 from urdf_ik.errors import WorkspaceError
-from urdf_ik.frozen import Frozen
+from urdf_ik.guards import inputs
+from urdf_ik.guards.frozen import Frozen
 from urdf_ik.text import quoted
 from urdf_ik.workspace import files
 from urdf_ik.workspace.grid import AXES, Grid

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik import inputs
 from urdf_ik.angles import TURN
 from urdf_ik.errors import JointVectorError, WorkspaceError
-from urdf_ik.frozen import Frozen
+from urdf_ik.guards import inputs
+from urdf_ik.guards.frozen import Frozen
 from urdf_ik.solutions import limits
 from urdf_ik.text import quoted
 from urdf_ik.tolerances import DEFAULT

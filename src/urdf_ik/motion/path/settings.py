@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik import inputs
 from urdf_ik.angles import largest_apart
 from urdf_ik.errors import PathError
+from urdf_ik.guards import inputs
 from urdf_ik.motion.path.graph import COSTS
 from urdf_ik.motion.path.joints import Joints
 from urdf_ik.motion.path.straight import Tolerance

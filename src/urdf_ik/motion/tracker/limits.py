@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik import inputs
 from urdf_ik.errors import ArgumentError, VelocityError
+from urdf_ik.guards import inputs
 from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
