@@ -190,8 +190,7 @@ class Reference:
         Raises:
             JointVectorError: the last dimension is not nq, or a value is not finite.
         """
-        nq = self.pin_model.nq
-        full = inputs.real(q_pin, "a configuration", f"an array of numbers (..., {nq})", JointVectorError)
+        full, nq = inputs.real(q_pin, "a configuration", "an array of numbers", JointVectorError), self.pin_model.nq
         if full.shape[-1:] != (nq,) or inputs.first_bad(full) is not None:
             raise JointVectorError(f"configurations of shape {full.shape} given; (..., {nq}) finite numbers are needed")
         out = np.empty((*full.shape[:-1], self.dof))

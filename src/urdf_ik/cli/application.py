@@ -9,7 +9,7 @@ import typer
 
 from urdf_ik.cli import options
 from urdf_ik.cli.chosen_arm import ChosenArm, TypedPath, TypedPose, angles_of, on_an_arm
-from urdf_ik.cli.errors import Commands, Status
+from urdf_ik.cli.errors import Commands, Status, unwritten
 from urdf_ik.cli.options import Picture, ReportFormat, Value
 
 app = typer.Typer(
@@ -443,6 +443,12 @@ def view(
 def main() -> None:
     """Entry point of the ``urdf-ik`` command."""
     try:
-        app()
+        try:
+            app()
+        finally:  # help and version are printed before any command runs
+            if sys.stdout is not None and not sys.stdout.closed:
+                sys.stdout.flush()
     except KeyboardInterrupt:
         sys.exit(Status.INTERRUPTED)
+    except OSError as error:
+        sys.exit(unwritten(error))

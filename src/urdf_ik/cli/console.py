@@ -133,7 +133,8 @@ def write(text: str | bytes, output: Path | None) -> None:
     Raises:
         typer.BadParameter: the file cannot be written.
     """
-    data = text.encode(_encoding(), "backslashreplace") if isinstance(text, str) else text
+    # Names in files of unknown origin are no orders to the terminal.
+    data = texts.escaped(text).encode(_encoding(), "backslashreplace") if isinstance(text, str) else text
     if output is None:
         if sys.stdout is None:  # closed by the caller, who wants the status only
             return

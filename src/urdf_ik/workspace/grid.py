@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import os
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -249,7 +251,7 @@ def require_room(grid: Grid, samples: int, needed: int, output: Path) -> None:
     Raises:
         WorkspaceError: with the numbers.
     """
-    folder = output.resolve().parent
+    folder = Path(os.path.realpath(output)).parent
     if not folder.is_dir():
         raise WorkspaceError(f"{output}: there is no folder {folder}")
     free = room.free_disk(folder)
