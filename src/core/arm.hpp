@@ -59,6 +59,7 @@ struct Batch {
     const double* values;  // (m) the redundancy parameter, for seven joints; null: the default
     double* q;
     std::uint8_t* flags;
+    long whole = 0;        // poses of the call of which these are a part; 0: they are all of it
 };
 // All solutions of a batch. Returns the index of the first target that is no pose, -1 where all are.
 template <class Arm> using SolveArm = long (*)(const Arm&, const Batch&);

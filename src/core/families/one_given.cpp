@@ -1,5 +1,6 @@
 // Seven joints, one end of which is given: T' = E1(v)^-1 T for the first joint, T' = T E7(v)^-1 for the last. The six others
-// stay the same arm for every value; only their targets move.
+// stay the same arm for every value; only their targets move. Where two joints have one axis, one of them may be given too: the
+// other takes its value back.
 #include "../blocks.hpp"
 #include "one_given_arm.hpp"
 
@@ -64,8 +65,20 @@ template <int first> static STEP void insert_rows(const Batch& part, const doubl
     }
 }
 
+static void insert_in_the_middle(const GivenJoint& given, const Batch& part, const double* six, const double* values,
+                                 int branches) {
+    for (long row = 0; row < branches * part.m; ++row) {
+        const double value = part.flags[row] & VALID ? values[row / branches] : __builtin_nan("");
+        double* to = part.q + 7 * row;
+        for (int j = 0; j < 7; ++j) to[j] = j == given.at ? value : six[6 * row + j - (j > given.at)];
+        const double rest = to[given.partner] - (given.opposite ? -value : value);
+        to[given.partner] = given.turns ? wrap(rest) : rest;
+    }
+}
+
 static void insert(const GivenJoint& given, const Batch& part, const double* six, const double* values, int branches) {
-    if (given.last) insert_rows<0>(part, six, values, branches);
+    if (given.partner >= 0) insert_in_the_middle(given, part, six, values, branches);
+    else if (given.last) insert_rows<0>(part, six, values, branches);
     else insert_rows<1>(part, six, values, branches);
 }
 

@@ -1,4 +1,5 @@
-// Seven joints, the first or the last of which is given: what is done with it before and after the six others are solved.
+// Seven joints, the first or the last of which is given, or one whose axis is the next one's too: what is done with it before
+// and after the six others are solved.
 #pragma once
 
 #include "../arm.hpp"
@@ -10,6 +11,11 @@ struct GivenJoint {
     // times the second. It stands before a target in the base's frame, or behind it in the tip's where the joint is last.
     double motion[3][3][4];
     bool turns, last;
+    int at;         // which joint it is
+    // Of a joint in the middle, which is none of its motion: the joint with the same axis, which takes the value back, and whether
+    // it moves the other way. partner: -1 of a joint at an end.
+    int partner;
+    bool opposite;
     double value;  // where none is given [rad, m]
 };
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from urdf_ik.chain import typical_stretch
 from urdf_ik.families import (
     coupled,
     few_joints,
@@ -66,6 +67,11 @@ SEVEN_JOINTS: list[Family] = [srs.FAMILY]
 
 MIMICKING: list[Family] = [coupled.FAMILY, hollow_wrist.FAMILY]
 """Arms in which joints mimic others."""
+
+
+# Of an arm that is further off its nearest member of a family [rad, share of size] than this share of its Jacobian's
+# smallest singular value, that member is no guide to it: it may be singular everywhere.
+_SHARE = 0.3
 
 
 def every() -> list[Family]:
@@ -146,6 +152,10 @@ def _closed_form(structure: Structure, chain: Chain) -> Plan | None:
             quartic = quartic or plan
     if quartic or not near:
         return quartic
+    most = _SHARE * typical_stretch(chain)
+    near = [(plan, seen) for plan, seen in near if plan.error < most]
+    if not near:
+        return None
     plan, seen = min(near, key=lambda entry: (not entry[0].family.by_quadratics, entry[0].error))
     plan = imperfect.prepare(plan, seen)
     return mirrored(plan) if seen is back else plan
