@@ -34,8 +34,7 @@ static STEP void move_block(const GivenJoint& given, const double* from, const B
 
 // The value at most half a turn from zero, in (-pi, pi]; those that are there already keep their digits.
 static STEP double as_joint_value(const GivenJoint& given, double value) {
-    if (!given.turns || abs(value) < PI) return value;
-    return value - 2.0 * PI * __builtin_ceil((value - PI) / (2.0 * PI));
+    return given.turns ? on_circle(value) : value;
 }
 
 static void move(const GivenJoint& given, const Batch& part, double* T, double* values) {
@@ -45,9 +44,9 @@ static void move(const GivenJoint& given, const Batch& part, double* T, double* 
         Block value = given.value;
         for (int k = 0; k < BLOCK; ++k) {
             const long from = i + k < part.m ? i + k : part.m - 1;
-            if (part.values) value.set(k, part.values[from]);
+            if (part.values) value.set(k, as_joint_value(given, part.values[from]));
             if (!whole) __builtin_memcpy(rest + 16 * k, part.T + 16 * from, 16 * sizeof(double));
-            if (i + k < part.m) values[i + k] = as_joint_value(given, value[k]);
+            if (i + k < part.m) values[i + k] = part.values ? value[k] : as_joint_value(given, value[k]);
         }
         move_block(given, whole ? part.T + 16 * i : rest, value, T + 16 * i);
     }

@@ -25,12 +25,13 @@ SWIVEL, LOCKED_JOINT = "swivel", "locked joint"
 class Redundancy:
     """What the redundancy parameter of an arm is.
 
-    A 'locked joint' is the value of the first or the last joint. A 'swivel' is the angle about the line from the
-    shoulder S, where axes 1, 2 and 3 meet, to the wrist W, where axes 5, 6 and 7 meet: from the normal of the plane
-    that holds axis 1 and W (axis 1 times SW) to the direction of axis 4, less its part along SW. Where axis 4 is at
-    right angles to upper arm and forearm, this is the angle between that plane and the arm's own; at zero the elbow
-    lies in the plane of axis 1 and W, above SW as axis 1 points or below. Where W lies on axis 1, to 1e-7 rad, the
-    plane is undefined, and the common normal of axes 1 and 2 at q = 0 stands in for its normal: there the angle jumps.
+    A 'locked joint' is the value of the first or the last joint, or of one in the middle where no end joint will
+    do. A 'swivel' is the angle about the line from the shoulder S, where axes 1, 2 and 3 meet, to the wrist W,
+    where axes 5, 6 and 7 meet: from the normal of the plane that holds axis 1 and W (axis 1 times SW) to the
+    direction of axis 4, less its part along SW. Where axis 4 is at right angles to upper arm and forearm, this is
+    the angle between that plane and the arm's own; at zero the elbow lies in the plane of axis 1 and W, above SW as
+    axis 1 points or below. Where W lies on axis 1, to 1e-7 rad, the plane is undefined, and the common normal of
+    axes 1 and 2 at q = 0 stands in for its normal: there the angle jumps.
 
     Attributes:
         kind: 'swivel' or 'locked joint'.

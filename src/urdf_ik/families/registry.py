@@ -109,7 +109,10 @@ def choose(structure: Structure, chain: Chain) -> Plan | None:
     if chain.n < 6:
         return _first(FEW_JOINTS, structure, chain) or axis_added.prepare(structure, chain, of_six)
     if chain.n == 7:
-        return _first(SEVEN_JOINTS, structure, chain) or joint_given.prepare(chain, _closed_form, _elimination)
+        plan = _first(SEVEN_JOINTS, structure, chain)
+        if plan is not None and _is_guide(plan, chain):
+            return plan
+        return joint_given.prepare(chain, _closed_form, _elimination)
     return of_six(structure, chain)
 
 
@@ -152,13 +155,16 @@ def _closed_form(structure: Structure, chain: Chain) -> Plan | None:
             quartic = quartic or plan
     if quartic or not near:
         return quartic
-    most = _SHARE * typical_stretch(chain)
-    near = [(plan, seen) for plan, seen in near if plan.error < most]
-    if not near:
-        return None
     plan, seen = min(near, key=lambda entry: (not entry[0].family.by_quadratics, entry[0].error))
+    if not _is_guide(plan, seen):
+        return None
     plan = imperfect.prepare(plan, seen)
     return mirrored(plan) if seen is back else plan
+
+
+def _is_guide(plan: Plan, chain: Chain) -> bool:
+    """Whether the nearest member of the plan's family is not singular everywhere, for all that the error says."""
+    return plan.is_exact or plan.error < _SHARE * typical_stretch(chain)
 
 
 def _with_slides(structure: Structure, chain: Chain) -> Plan | None:

@@ -50,6 +50,7 @@ def follow(
 ) -> Plan:
     """See :meth:`urdf_ik.Arm.follow`."""
     path = waypoints.read(T)
+    arm.ik(path[:0])  # refuses an arm that no solver takes
     settings = settings_of.read(
         arm, path, start=start, end=end, obstacles=_obstacles(arm, world, margin, collisions), cost=cost,
         weights=weights, max_step=max_step, tolerance=tolerance, margins=margins, reconfigure=reconfigure,

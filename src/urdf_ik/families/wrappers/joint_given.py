@@ -1,4 +1,4 @@
-"""Seven joints, of which one is the redundancy parameter and the six others have a solver: the first or the last.
+"""Seven joints, of which one is the redundancy parameter and the six others have a solver: the first or the last one.
 
 Holding an end joint at a value moves the target and leaves the six-joint arm as it is: T' = E1(v)^-1 T for the first
 one, and the tip moved back by the last one. One plan therefore serves every value. Holding a joint in the middle
