@@ -56,7 +56,7 @@ struct Batch {
     const double* T;       // (m, 4, 4) row by row
     long m;
     const double* q_ref;   // (joints) near which a continuum is represented; null: zeros
-    const double* values;  // (m) the redundancy parameter, for seven joints; null: the default
+    const double* values;  // (m, parameters) what the targets leave free; null: the defaults
     double* q;
     std::uint8_t* flags;
     long whole = 0;        // poses of the call of which these are a part; 0: they are all of it

@@ -152,11 +152,24 @@ STEP std::int64_t shift_between(const GraphJoints& arm, const double* q, const G
     return whole;
 }
 
+// Whether a motion connects two nodes' only images: it does not where a joint would pass through what is outside its limits.
+// Without strides images do not count.
+STEP bool connects_only_images(const GraphJoints& arm, const double* q, const GraphImages& images, std::int64_t a, std::int64_t b) {
+    const int n = arm.joints;
+    for (int k = 0; k < n; ++k) {
+        if (arm.counted[k] && images.strides[k] && turns_between(arm, k, q[n * a + k], q[n * b + k]) != 0.0) return false;
+    }
+    return true;
+}
+
 // Calls each(state of a, state of b) for the images that a motion from node a to node b connects.
 template <class Each>
 STEP void each_passage(const GraphJoints& arm, const double* q, const GraphImages& images, std::int64_t a, std::int64_t b,
                        const Each& each) {
-    if (images.states == 1) return each(0, 0);
+    if (images.states == 1) {
+        if (connects_only_images(arm, q, images, a, b)) each(0, 0);
+        return;
+    }
     const int n = arm.joints;
     int shift[MOST_JOINTS], low[MOST_JOINTS], high[MOST_JOINTS], states[MOST_STATES];
     const std::int64_t whole = shift_between(arm, q, images, a, b, shift);

@@ -134,6 +134,10 @@ class Solver:
     def numbers(self) -> int:
         """How many numbers a target has."""
 
+    @property
+    def parameters(self) -> int:
+        """How many values are given with each target, for what it leaves free."""
+
     def __reduce__(self) -> tuple: ...
 
     def one(self, arg0: object, arg1: object, arg2: object, arg3: object, /) -> object: ...

@@ -8,6 +8,42 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+MOST_OF_A_NAME = 80
+"""Characters of a name or value that a message quotes at most."""
+
+
+def quoted(value: object, most: int = MOST_OF_A_NAME) -> str:
+    """A value as messages quote it: its ``repr``, on one line, cut where it is long.
+
+    Example:
+        >>> quoted("tool" * 30)
+        "'tooltooltooltooltooltooltooltooltooltooltooltooltooltooltooltooltooltooltool..."
+    """
+    # What is cut off need not be written first: a text may be as long as a file.
+    cut = value[: most + 1] if isinstance(value, str | bytes) else value
+    return printable(" ".join(repr(cut).split()) if not isinstance(cut, str | bytes) else repr(cut), most)
+
+
+def printable(text: object, most: int = MOST_OF_A_NAME) -> str:
+    r"""``text`` as one line that any terminal can show: names come from files of unknown origin.
+
+    Control characters, marks that turn the direction of writing, line ends and halves of surrogate pairs are written
+    as escapes.
+
+    Args:
+        text: a name, or anything with a ``str``.
+        most: greatest number of characters; what is longer ends with '...'.
+
+    Example:
+        >>> printable("tool\x9b31m\u202e")
+        'tool\\x9b31m\\u202e'
+    """
+    written = str(text)
+    cut = written[:most]
+    if not cut.isprintable():
+        cut = "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in cut)
+    return cut if len(cut) <= most and len(written) <= most else cut[: most - 3] + "..."
+
 
 def aligned(rows: Sequence[Sequence[str]], *, left: Collection[int] = (), rule: bool = False) -> list[str]:
     """Rows of cells as lines with columns of equal width, two blanks between them.

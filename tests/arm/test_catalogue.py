@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import shutil
+import subprocess
+import sys
 from importlib import metadata
 from pathlib import Path
 
 import pytest
 from lxml import etree
 
+import urdf_ik
 from urdf_ik import catalogue
-from urdf_ik.errors import CatalogueError
+from urdf_ik.catalogue import downloads, entries
+from urdf_ik.errors import CatalogueError, ChainError
 
 
 def movable_joints(path: Path, base: str, tip: str) -> list[str]:
@@ -69,7 +74,7 @@ def test_bundled_arms_are_described() -> None:
 
 @pytest.mark.parametrize(
     ("name", "nearest"),
-    [("zyyzyz", "zyyzyz_6r"), ("UR5", "ur5"), ("ur5e", "ur5"), ("pand", "panda"), ("baxter", "baxter_left")],
+    [("zyyzyz", "zyyzyz_6r"), ("UR5", "ur5"), ("ur5_arm", "ur5"), ("pand", "panda"), ("baxter_lef", "baxter_left")],
 )
 def test_unknown_name_lists_the_nearest(name: str, nearest: str) -> None:
     """A name with a slip in it is refused, and the message holds the name that was meant."""
@@ -101,6 +106,69 @@ def test_missing_package_says_how_to_install_it(installed: str, monkeypatch: pyt
 
 def test_outdated_package_says_how_to_upgrade_it(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Where the installed package lacks the arm, the message names the missing file and the upgrade."""
-    monkeypatch.setattr(catalogue, "_example_robot_data_share", lambda: tmp_path)
+    monkeypatch.setattr(entries, "_example_robot_data_share", lambda: tmp_path)
     with pytest.raises(CatalogueError, match=r"ur5_robot\.urdf is missing: .*\[robots\]' --upgrade"):
         catalogue.resolve("ur5")
+
+
+@pytest.fixture
+def described(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+    """The models of robot_descriptions, each downloaded from a repository on this machine; gives its cache."""
+    repositories = pytest.importorskip("robot_descriptions._repositories").REPOSITORIES
+    share = entries._example_robot_data_share()
+    assert share is not None
+    upstream = tmp_path / "upstream"
+    folder = upstream / "robots" / "panda_description"
+    shutil.copytree(share / "example-robot-data/robots/panda_description/urdf", folder / "urdf")
+    git = ["git", "-C", str(upstream), "-c", "user.name=n", "-c", "user.email=e@example.org", "-c", "commit.gpgsign=no"]
+    for arguments in (["init", "-q"], ["add", "-A"], ["commit", "-qm", "models"]):
+        subprocess.run([*git, *arguments], check=True)
+    head = subprocess.run([*git, "rev-parse", "HEAD"], check=True, capture_output=True, text=True).stdout.strip()
+    monkeypatch.setattr(repositories["example-robot-data"], "url", str(upstream))
+    monkeypatch.setattr(repositories["example-robot-data"], "commit", head)
+    monkeypatch.setattr(repositories["Universal_Robots_ROS2_Description"], "url", str(tmp_path / "nothing"))
+    monkeypatch.setenv("ROBOT_DESCRIPTIONS_CACHE", str(tmp_path / "cache"))
+    for name in ("panda_description", "ur10e_description"):
+        monkeypatch.delitem(sys.modules, f"robot_descriptions.{name}", raising=False)
+    return tmp_path / "cache"
+
+
+def test_a_described_robot_is_downloaded_once(described: Path) -> None:
+    """A model of robot_descriptions is not here, is downloaded when it is asked for, and is the same arm as by file."""
+    assert not catalogue.is_here("panda_description")
+    arm = urdf_ik.load("panda_description")
+    assert catalogue.is_here("panda_description") and described in Path(arm.model.source).parents
+    same = urdf_ik.load("panda")
+    assert (arm.base, arm.tip, arm.joint_names) == (same.base, same.tip, same.joint_names)
+    assert (arm.fk([0.1] * arm.dof) == same.fk([0.1] * arm.dof)).all()
+
+
+def test_what_cannot_be_downloaded_says_so(described: Path) -> None:
+    """Without the repository the message says what was tried; the short name leads to the same model."""
+    for name in ("ur10e", "ur10e_description"):
+        with pytest.raises(CatalogueError, match=r"'ur10e_description' is a model of robot_descriptions.*and cannot"):
+            urdf_ik.load(name)
+    assert not catalogue.is_here("ur10e")
+
+
+def test_without_robot_descriptions_the_nearest_name_is_still_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the package is not installed an unknown name brings its installation along."""
+    monkeypatch.setattr(downloads, "_descriptions", dict)
+    with pytest.raises(CatalogueError, match=r"no arm is called 'ur10e'; nearest: .*ur10.*pip install"):
+        catalogue.resolve("ur10e")
+
+
+@pytest.mark.parametrize("name", catalogue.EXAMPLE_ROBOT_DATA)
+def test_the_chain_that_is_meant_is_never_another(name: str) -> None:
+    """Without base and tip: the catalogue's joints, those before them included, or a doubt that lists them."""
+    entry = catalogue.resolve(name)
+    model = urdf_ik.urdf.read(entry.path)
+    wanted = {joint.name for joint in model.path_between(entry.base, entry.tip) if joint.type != "fixed"}
+    try:
+        base, tip = model.resolve_chain()
+    except ChainError:
+        assert any(wanted <= {*each.before, *each.joints} for each in model.chains())
+        return
+    found = [joint for joint in model.path_between(base, tip) if joint.type != "fixed" and joint.mimic is None]
+    above = {joint.name for joint in model.path_between(base, entry.base)}
+    assert {joint.name for joint in found} - above == wanted - above

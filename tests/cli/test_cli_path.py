@@ -11,30 +11,23 @@ import numpy as np
 import pytest
 from command import ARM, call, comma, oracle, strict_json, succeed
 from numpy.typing import NDArray
+from seams import seam
 
 import urdf_ik
 from urdf_ik import catalogue
 from urdf_ik.cli import progress
 
 Array = NDArray[np.float64]
-Q = (0.5, -0.7, -1.4, -1.8, 0.8, 1.6)
+SHORT = 0.3, 20  # m, waypoints
 CELL = """<robot name="cell"><link name="cell"/><link name="wall">
 <collision><geometry><box size="0.1 0.02 0.1"/></geometry></collision></link>
 <joint name="j" type="fixed"><parent link="cell"/><child link="wall"/><origin xyz="{}"/></joint></robot>"""
 
 
-def seam(length: float = 0.3, count: int = 20) -> Array:
-    """A straight line along y from the tip at ``Q``, by Pinocchio."""
-    start = oracle().pose(np.array(Q))
-    end = start.copy()
-    end[1, 3] += length
-    return urdf_ik.line(start, end, count)
-
-
 @pytest.fixture
 def file(tmp_path: Path) -> str:
     """The seam as a CSV."""
-    poses = seam()
+    poses = seam(*SHORT)
     rows = np.hstack([poses[:, :3, 3], urdf_ik.to_quat_wxyz(poses)])
     name = tmp_path / "seam.csv"
     np.savetxt(name, rows, fmt="%.17g", delimiter=",", header="x,y,z,qw,qx,qy,qz", comments="")
@@ -77,7 +70,7 @@ def test_the_files_reach_the_waypoints(file: str, tmp_path: Path) -> None:
     with found["csv"].open() as opened:
         rows = list(csv.DictReader(opened))
     q = np.array([[float(row[name]) for name in urdf_ik.load(ARM).joint_names] for row in rows])
-    np.testing.assert_allclose(oracle().poses(q), seam(), rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(oracle().poses(q), seam(*SHORT), rtol=0.0, atol=1e-9)
     assert np.array_equal(strict_json(found["json"].read_text())["q"], q)
     assert np.array_equal(np.load(found["npz"])["q"], q)
 
@@ -99,7 +92,7 @@ def test_the_motion_in_time_keeps_within_the_velocities(file: str, tmp_path: Pat
         assert tuple(data["joints"]) == arm.joint_names
         t, q, qd = (np.array(data[name]) for name in ("t", "q", "qd"))
     assert f"time              {t[-1]:.3f} s" in text
-    np.testing.assert_allclose(oracle().poses(q[[0, -1]]), seam()[[0, -1]], rtol=0.0, atol=1e-6)
+    np.testing.assert_allclose(oracle().poses(q[[0, -1]]), seam(*SHORT)[[0, -1]], rtol=0.0, atol=1e-6)
     velocity = {joint.name: joint.velocity for joint in arm.model.joints}
     assert (np.abs(qd) <= 1.001 * np.array([velocity[name] for name in arm.joint_names])).all()
     assert np.abs(qd[[0, -1]]).max() < 1e-3 and (np.diff(t) > 0.0).all()
@@ -110,7 +103,7 @@ def test_a_plan_is_written_where_it_cannot_be_timed(tmp_path: Path) -> None:
     arm = tmp_path / "slow.urdf"
     arm.write_text(re.sub(r' velocity="[^"]*"', ' velocity="0"', catalogue.resolve(ARM).path.read_text()))
     name, out, timed = tmp_path / "seam.npy", tmp_path / "plan.csv", tmp_path / "motion.csv"
-    np.save(name, seam())
+    np.save(name, seam(*SHORT))
     result = call("path", str(arm), "-w", str(name), "--out", str(out), "--timed", str(timed))
     assert result.exit_code == 2 and "cost " in result.stdout and out.exists() and not timed.exists()
     assert "no velocity limit for joint_1" in result.stderr
@@ -139,7 +132,7 @@ def test_json_holds_the_plan(file: str) -> None:
     """Joint vectors in the unit asked for, margins at each waypoint, and the alternatives with the cheapest first."""
     answer = strict_json(succeed("path", ARM, "-w", file, "-f", "json", "--degrees", "--alternatives"))
     assert answer["found"] and answer["units"]["angle"] == "deg"
-    np.testing.assert_allclose(oracle().poses(np.deg2rad(answer["q"])), seam(), rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(oracle().poses(np.deg2rad(answer["q"])), seam(*SHORT), rtol=0.0, atol=1e-9)
     assert len(answer["margins"]["clearance"]) == 20 == len(answer["branches"])
     costs = [each["cost"] for each in answer["alternatives"]]
     assert costs == sorted(costs) and costs[0] == answer["cost"]
@@ -147,7 +140,7 @@ def test_json_holds_the_plan(file: str) -> None:
 
 def test_start_and_end_are_kept(file: str) -> None:
     """A start that is typed is where the plan begins, also where it is not the best one; so is an end."""
-    start = urdf_ik.load(ARM).follow(seam()).alternatives[-1].q
+    start = urdf_ik.load(ARM).follow(seam(*SHORT)).alternatives[-1].q
     for option, place in (("--start", 0), ("--end", -1)):
         answer = strict_json(succeed("path", ARM, "-w", file, option, comma(start[place]), "-f", "json"))
         assert np.array_equal(answer["q"][place], start[place])
@@ -156,7 +149,7 @@ def test_start_and_end_are_kept(file: str) -> None:
 def test_a_wall_stands_in_the_way(file: str, tmp_path: Path) -> None:
     """A cell whose wall stands on the path: no plan, and the wall is named; far from it, it is no obstacle."""
     cell = tmp_path / "cell.urdf"
-    on_the_path, elsewhere = seam()[10, :3, 3], np.array([3.0, 3.0, 3.0])
+    on_the_path, elsewhere = seam(*SHORT)[10, :3, 3], np.array([3.0, 3.0, 3.0])
     for place, status in ((on_the_path, 1), (elsewhere, 0)):
         cell.write_text(CELL.format(" ".join(map(str, place))))
         result = call("path", ARM, "-w", file, "--world", str(cell))
@@ -174,7 +167,7 @@ def test_waypoints_come_from_standard_input(file: str) -> None:
 def test_the_branch_is_changed_where_that_is_allowed(tmp_path: Path) -> None:
     """A path that no branch follows all the way is followed with a change, and the table names it."""
     arm = urdf_ik.load(ARM)
-    corners = np.concatenate([seam(), urdf_ik.line(arm.fk([-2.5, 0.4, -1.2, 0.3, 0.9, 0.1]),
+    corners = np.concatenate([seam(*SHORT), urdf_ik.line(arm.fk([-2.5, 0.4, -1.2, 0.3, 0.9, 0.1]),
                                                    arm.fk([-2.6, 0.5, -1.1, 0.3, 0.9, 0.1]), 5)])  # fmt: skip
     name = tmp_path / "two.npy"
     np.save(name, corners)

@@ -107,13 +107,20 @@ def test_mistakes_are_named(ending: str, options: tuple[str, ...], status: int, 
 
 
 def test_held_joints(tmp_path: Path) -> None:
-    """An arm with eight joints is solved when two are held, in degrees or metres; the check holds, info tells them."""
+    """Eight joints are solved, and six when two are held, in degrees or metres; the check holds, info tells them."""
     text = sliding(skew(8), 2, 0.0, 1.0)
     path = tmp_path / "eight.urdf"
     path.write_text(text)
     whole = ("--base", "base", "--tip", "tool")
     held = (*whole, "--lock", "joint_2=0.3", "--lock", "joint_5=30deg")
-    refused = call("ik", str(path), *whole, "--random", "1")
+    free = data("ik", str(path), *whole, "--random", "1")["poses"][0]
+    assert len(free["redundancy"]) == 2
+    assert free["solutions"]
+    asked = data("ik", str(path), *whole, "--random", "1", "--redundancy", "0.1,0.2,0.3,0.4")["poses"]
+    assert [one["redundancy"] for one in asked] == [[0.1, 0.2], [0.3, 0.4]]
+    more = tmp_path / "ten.urdf"
+    more.write_text(skew(10))
+    refused = call("ik", str(more), *whole, "--random", "1")
     assert refused.exit_code == 4
     assert "locked={'joint_1': 0.0}" in refused.stderr
     full = np.array([0.1, 0.3, 0.2, -0.4, np.pi / 6, 0.5, -0.1, 0.7])

@@ -345,21 +345,21 @@ def test_general_arms_hold_the_end_that_is_solved_more_surely() -> None:
         assert nearest(found, q) < tolerance(case, q)
 
 
-def test_more_than_seven_joints_ask_for_locked_ones() -> None:
-    """Eight joints load and move; asking for solutions names them all, and shows the call that holds one."""
-    text = skew(8)
+def test_more_than_nine_joints_ask_for_locked_ones() -> None:
+    """Ten joints load and move; asking for solutions names them all, and shows the call that holds one."""
+    text = skew(10)
     arm, oracle = urdf_ik.load(text, "base", "tool"), Oracle(text)
     assert arm.redundancy is None
-    q = np.linspace(-1.0, 1.0, 8)
+    q = np.linspace(-1.0, 1.0, 10)
     np.testing.assert_allclose(arm.fk(q), oracle.pose(q), atol=1e-13)
     for ask in (arm.ik, arm.explain, arm.sweep, lambda T: arm.ik_nearest(T, q), lambda T: arm.ik(T, redundancy=0.0)):
         with pytest.raises(UnsupportedArm) as error:
             ask(np.eye(4))
         assert all(name in str(error.value) for name in arm.joint_names)
         assert "urdf_ik.load(..., locked={'joint_1': 0.0})" in str(error.value)
-    seven = urdf_ik.load(text, "base", "tool", locked={"joint_3": 0.4})
-    q[2] = 0.4
-    rest = np.delete(q, 2)
+    seven = urdf_ik.load(text, "base", "tool", locked={"joint_3": 0.4, "joint_5": 0.1, "joint_6": -0.2})
+    q[[2, 4, 5]] = 0.4, 0.1, -0.2
+    rest = np.delete(q, [2, 4, 5])
     found = rows(seven.ik(oracle.pose(q), redundancy=seven.redundancy_of(rest)))
     assert nearest(found, rest) < 1e-6
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.motion.test_follow import check, joint_path
+from paths import check, distance_to_box, joint_path
 
 import urdf_ik
 from urdf_ik.motion.path import assembling, redundant, settings, smooth
@@ -46,26 +46,52 @@ def test_given_ends_are_kept(name: str) -> None:
     assert np.array_equal(plan.q[-1], q[-1])
 
 
-def test_an_obstacle_is_gone_round() -> None:
-    """A ball where the elbow would pass: the plan keeps its distance from it, by the arm's own clearance."""
+@pytest.mark.parametrize("seed", [0, 4])
+def test_an_obstacle_is_gone_round(seed: int) -> None:
+    """A box that the elbow would pass through half way: between the same two ends, the parameter takes it round."""
     arm = urdf_ik.load("srs_7r")
-    q = joint_path(arm, 30, 1, size=0.15)
-    T = arm.fk(q)
+    T = arm.fk(joint_path(arm, 30, seed, size=0.4))
     free = arm.follow(T)
-    check(arm, free)
-    elbow = arm.link_poses(free.q[15])
-    inside = next(name for name in list(elbow)[3:6] if np.linalg.norm(elbow[name][:3, 3] - T[15, :3, 3]) > 0.15)
+    ends = {"start": free.q[0], "end": free.q[-1]}
+    elbow, size = arm.link_poses(free.q[15])["link_4"], 0.06
+    assert distance_to_box(arm, size, elbow, free.motion) < -0.01
+    for end in (0, -1):
+        assert distance_to_box(arm, size, elbow, free.q[[end, end]]) > 0.01
     world = urdf_ik.World()
-    world.add("ball", urdf_ik.Sphere(0.05), elbow[inside])
-    assert arm.clearance(free.q[15], world) == 0.0
-    plan = arm.follow(T, world=world, margin=0.01)
-    if plan.found:
-        check(arm, plan)
-        assert np.min(arm.clearance(plan.q, world)) >= 0.01
-        between = 0.5 * (plan.motion[:-1] + plan.motion[1:])
-        assert np.min(arm.clearance(between, world)) >= 0.01
-    else:
-        assert any(stop.cause == "contact" for stop in plan.stops)
+    world.add("box", urdf_ik.Box((size, size, size)), elbow)
+    plan = arm.follow(T, world=world, **ends)
+    check(arm, plan)
+    assert distance_to_box(arm, size, elbow, plan.motion) > 0.0
+    assert np.array_equal(plan.q[[0, -1]], free.q[[0, -1]])
+    assert plan.cost > 1.05 * arm.follow(T, **ends).cost
+
+
+@pytest.mark.parametrize("seed", [2, 10])
+def test_the_way_keeps_a_margin_from_an_obstacle(seed: int) -> None:
+    """A box where the elbow would be: another plan, which keeps the margin that was asked for, and costs more."""
+    arm = urdf_ik.load("srs_7r")
+    T = arm.fk(joint_path(arm, 30, seed, size=0.15))
+    free = arm.follow(T)
+    elbow, size, margin = arm.link_poses(free.q[15])["link_4"], 0.1, 0.01
+    assert distance_to_box(arm, size, elbow, free.motion) < 0.0
+    world = urdf_ik.World()
+    world.add("box", urdf_ik.Box((size, size, size)), elbow)
+    plan = arm.follow(T, world=world, margin=margin)
+    check(arm, plan)
+    assert distance_to_box(arm, size, elbow, plan.motion) >= margin
+    assert plan.cost > free.cost
+
+
+@pytest.mark.parametrize("name", ["srs_7r", "panda"])
+def test_steps_that_are_too_short_for_the_path_are_named(name: str) -> None:
+    """Waypoints farther apart than the joints may step: each branch says so, from any start and from a given one."""
+    arm = urdf_ik.load(name)
+    q = joint_path(arm, 12, 1, size=0.15)
+    for start in (None, q[0]):
+        plan = arm.follow(arm.fk(q), start=start, max_step=1e-3, collisions=False)
+        assert not plan.found
+        assert {(stop.waypoint, stop.cause) for stop in plan.stops} == {(1, "limit")}
+        assert "max_step" in plan.explain()
 
 
 def test_smoothing_finds_the_least_sum_of_squares() -> None:

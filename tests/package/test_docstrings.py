@@ -24,6 +24,8 @@ ROOMS = ["urdf_ik", *(f"urdf_ik.{module.name}" for module in pkgutil.iter_module
 WITHOUT_EXAMPLE = {
     "urdf_ik.cli.application.main": "the command itself: it reads sys.argv and ends the process",
     "urdf_ik.cuspidality.nonsingular_change": "searches for seconds, and finds nothing on the bundled arms",
+    "urdf_ik.interop.ViserArm": "moves what a page on a port shows",
+    "urdf_ik.interop.add_to_viser": "adds to the scene of a page on a port",
     "urdf_ik.plot.slider_panel.interact": "sliders of a notebook, which has to be open",
     "urdf_ik.plot.slider_panel.show": "opens a window, and waits until somebody closes it",
     "urdf_ik.viewer.page.Viewer": "serves a page on a port, for a browser",

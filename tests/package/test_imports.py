@@ -13,14 +13,14 @@ PACKAGE = "urdf_ik"
 
 # The rooms, floor by floor: a room imports from its own floor and from those below.
 FLOORS = (
-    {"_core", "angles", "errors", "text", "tolerances"},
+    {"_core", "angles", "errors", "palette", "text", "tolerances"},
     {"catalogue", "poses", "urdf"},
     {"chain", "dh", "structure", "velocity"},
     {"families"},
     {"arm", "redundancy", "solutions", "tasks"},
     {"collision", "motion", "reference"},
     {"comparison", "completeness", "crosscheck", "cuspidality", "testing", "workspace"},
-    {"cli", "plot", "viewer"},
+    {"cli", "interop", "plot", "viewer"},
 )
 FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
 # An arm reaches these through functions that import them when they are called.

@@ -24,7 +24,7 @@ def test_the_readme_is_short() -> None:
             assert (page.parent / link).exists(), (page.name, link)
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/python.md"])
+@pytest.mark.parametrize("page", ["README.md", "docs/python.md", "docs/cells.md"])
 def test_the_tour_prints_what_it_shows(page: str) -> None:
     """The Python blocks, run one after the other, print the text blocks that follow them."""
     text = (ROOT / page).read_text()

@@ -10,36 +10,23 @@ from command import ARM, call, succeed
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from pictures import is_png
+from seams import blocked_plan, seam
 
 import urdf_ik
-from urdf_ik import Arm, Box, Plan, World, plot
+from urdf_ik import Arm, Plan, plot
 from urdf_ik.plot.waypoints import VALUES, background
 
-Q = (0.5, -0.7, -1.4, -1.8, 0.8, 1.6)
 TURN = 2.0 * np.pi
-
-
-def seam(arm: Arm, length: float = 1.8, count: int = 40) -> np.ndarray:
-    """A straight line along y."""
-    start = arm.fk(Q)
-    end = start.copy()
-    end[1, 3] += length
-    return urdf_ik.line(start, end, count)
 
 
 @pytest.fixture(name="plan")
 def _plan(arm: Arm) -> Plan:
-    return arm.follow(seam(arm))
+    return arm.follow(seam())
 
 
 @pytest.fixture(name="blocked")
 def _blocked(arm: Arm) -> Plan:
-    """A box on the way of every branch."""
-    T, world = seam(arm), World()
-    world.add("box", Box(0.1), urdf_ik.pose(T[20, :3, 3] + [0.0, 0.0, -0.05]))
-    plan = arm.follow(T, world=world)
-    assert not plan.found
-    return plan
+    return blocked_plan(arm)
 
 
 def labels(figure: Figure) -> list[str]:
@@ -112,7 +99,7 @@ def test_what_is_shaded_is_closed(arm: Arm, blocked: Plan) -> None:
 
 def test_out_of_reach_is_shaded_too(arm: Arm) -> None:
     """Where the path leaves the reach, the legend says so, and a line stands at what no branch gets past."""
-    plan = arm.follow(seam(arm, 4.0))
+    plan = arm.follow(seam(4.0))
     figure = plot.path(plan)
     assert "no solution: out of reach" in labels(figure)
     for stop in plan.stops:
@@ -139,7 +126,7 @@ def test_seven_joints_are_drawn_at_some_values_of_the_parameter() -> None:
 
 def test_changes_of_branch_are_marked_and_the_curve_is_broken(arm: Arm) -> None:
     """One dotted line a change, and one more piece of the plan than places of change."""
-    T = np.concatenate([seam(arm, 0.3, 10), urdf_ik.line(arm.fk([-2.5, 0.4, -1.2, 0.3, 0.9, 0.1]),
+    T = np.concatenate([seam(0.3, 10), urdf_ik.line(arm.fk([-2.5, 0.4, -1.2, 0.3, 0.9, 0.1]),
                                                          arm.fk([-2.6, 0.5, -1.1, 0.3, 0.9, 0.1]), 5)])  # fmt: skip
     plan = arm.follow(T, reconfigure=True)
     assert plan.changes
@@ -152,13 +139,13 @@ def test_changes_of_branch_are_marked_and_the_curve_is_broken(arm: Arm) -> None:
 
 def test_a_single_waypoint_is_drawn(arm: Arm, tmp_path: Path) -> None:
     """There is no way from it, but there are its solutions."""
-    figure = plot.path(arm.follow(seam(arm)[:1]))
+    figure = plot.path(arm.follow(seam()[:1]))
     plot.save(figure, tmp_path / "one.svg")
 
 
 def test_the_command_draws_it(arm: Arm, tmp_path: Path) -> None:
     """With the options of `path`; without waypoints, or of another picture, it says what is wrong."""
-    np.save(tmp_path / "seam.npy", seam(arm, 0.4, 10))
+    np.save(tmp_path / "seam.npy", seam(0.4, 10))
     succeed("plot", ARM, "path", "-w", f"{tmp_path}/seam.npy", "-o", f"{tmp_path}/path.png")
     assert is_png((tmp_path / "path.png").read_bytes())
     for what, rest, words in (("path", (), "--waypoints"), ("limits", ("-w", "seam.npy"), "no picture of a path")):

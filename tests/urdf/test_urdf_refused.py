@@ -72,11 +72,11 @@ BROKEN = {
     "circle of mimics": (
         12, "/>", '/><mimic joint="slide"/>', 12, f"<mimic> of {JOINT}", "turn -> slide -> turn", "by itself"
     ),
-    "xacro in an origin": (10, "0 0 1", "0 0 ${height}", 10, f"<origin> of {JOINT}", "${height}", "run xacro first"),
-    "xacro in a name": (4, '"arm"', '"$(arg prefix)arm"', 4, '<link name="$(arg prefix)arm">', "xacro", "run xacro"),
-    "xacro in a reference": (8, '"base"', '"${p}base"', 8, f"<parent> of {JOINT}", "xacro", "run xacro first"),
-    "xacro include": (3, "<link", "<xacro:include/><link", 3, "<xacro:include>", "xacro", "run xacro first"),
-    "xacro in a joint": (11, "<axis", "<xacro:if/><axis", 11, f"<xacro:if> of {JOINT}", "xacro", "run xacro first"),
+    "xacro in an origin": (10, "0 0 1", "0 0 ${height}", 10, f"<origin> of {JOINT}", "${height}", "end the file"),
+    "xacro in a name": (4, '"arm"', '"$(arg prefix)arm"', 4, '<link name="$(arg prefix)arm">', "xacro", "end the file"),
+    "xacro in a reference": (8, '"base"', '"${p}base"', 8, f"<parent> of {JOINT}", "xacro", "end the file"),
+    "xacro include": (3, "<link", "<xacro:include/><link", 3, "<xacro:include>", "xacro", "end the file"),
+    "xacro in a joint": (11, "<axis", "<xacro:if/><axis", 11, f"<xacro:if> of {JOINT}", "xacro", "end the file"),
     "malformed": (9, '"arm"', "arm", 9, None, "malformed XML", "correct the XML"),
     "mismatched tag": (13, "</joint>", "</link>", 13, None, "malformed XML", "correct the XML"),
     "attribute written twice": (4, "<link", '<link name="a"', 4, None, "name redefined", "correct the XML"),
@@ -146,11 +146,14 @@ def test_doctype_in_a_comment_is_harmless() -> None:
     assert read("<!-- <!DOCTYPE robot> -->" + arm("j revolute a b")).root == "a"
 
 
-@pytest.mark.parametrize("root", ["sdf", "mujoco", "u:robot xmlns:u='x'"])
-def test_another_root_element_is_refused(root: str) -> None:
+@pytest.mark.parametrize(
+    ("root", "words"),
+    [("sdf", "this is SDF"), ("u:robot xmlns:u='x'", "URDF is one <robot"), ("launch", "launch file")],
+)
+def test_another_root_element_is_refused(root: str, words: str) -> None:
     """A model of another format is distinguished from a broken URDF."""
     error = refused(f"\n<{root}/>")
-    assert (error.line, error.hint is not None and "URDF is one <robot" in error.hint) == (2, True)
+    assert (error.line, error.hint is not None and words in error.hint) == (2, True)
 
 
 @pytest.mark.parametrize("text", ["", "  \n ", b"", b"\xef\xbb\xbf", "<!-- nothing -->", '<?xml version="1.0"?>'])

@@ -22,7 +22,7 @@ BRANCHED = arm(
 def test_the_only_movable_chain_is_the_default() -> None:
     """From the root to the one leaf that moves; fixed leaves elsewhere do not make it ambiguous."""
     model = read(arm("s fixed world b", "j revolute b c", "k prismatic c d", "t fixed d tool", "l fixed b lamp"))
-    assert model.default_chain() == model.resolve_chain() == ("world", "tool")
+    assert model.resolve_chain() == ("world", "tool")
     assert model.resolve_chain(base="c") == ("c", "tool")
     assert model.resolve_chain(tip="c") == ("world", "c")
     assert model.resolve_chain("tool", "lamp") == ("tool", "lamp")
@@ -31,25 +31,26 @@ def test_the_only_movable_chain_is_the_default() -> None:
 
 
 def test_several_leaves_on_the_last_link_are_ambiguous() -> None:
-    """Flanges and cameras fixed to the last moving link are candidates, the deepest first."""
-    with pytest.raises(ChainError, match=r"fixed to 'link2'.*tool0, camera") as caught:
-        read(BRANCHED).default_chain()
-    assert caught.value.candidates == ("tool0", "camera")
+    """Plates and cameras fixed to the last moving link are candidates, unless one of them is named as a tool frame."""
+    two = arm("j revolute base link", "p fixed link plate", "t fixed plate torch", "c fixed link camera")
+    with pytest.raises(ChainError, match=r"4 links, all fixed to 'link'.*candidates: link, plate, camera, torch"):
+        read(two).resolve_chain()
+    assert read(BRANCHED).resolve_chain() == ("world", "tool0")
 
 
 def test_several_movable_chains_are_ambiguous() -> None:
-    """Two arms list their tips; below one of the shoulders the chain is clear."""
+    """Two arms list their tips; below one of the shoulders the chain is clear, and either has a name."""
     model = read(arm("l revolute torso left", "r revolute torso right", "rh fixed right hand", "h fixed torso head"))
-    with pytest.raises(ChainError, match="2 movable chains begin at 'torso'") as caught:
+    with pytest.raises(ChainError, match="2 movable chains.*'left': torso to left, 1 joint; 'right'") as caught:
         model.resolve_chain()
-    assert caught.value.candidates == ("hand", "left")
-    assert model.resolve_chain(tip="left") == ("torso", "left")
+    assert caught.value.candidates == ("left", "hand")
+    assert model.resolve_chain(tip="left") == model.resolve_chain(chain="left") == ("torso", "left")
 
 
 def test_without_a_moving_joint_there_is_no_chain() -> None:
     """A rigid body, or a base at the very end, is refused in words."""
     with pytest.raises(ChainError, match="no movable chain"):
-        read(arm("j fixed a b", "k floating b c")).default_chain()
+        read(arm("j fixed a b", "k floating b c")).resolve_chain()
     with pytest.raises(ChainError, match="no movable chain.*candidates: world"):
         read(BRANCHED).resolve_chain(base="tool0")
 

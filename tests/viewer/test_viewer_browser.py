@@ -200,8 +200,8 @@ def test_choosing_a_branch_moves_the_arm_to_it(seen: Seen) -> None:
     assert changed(first, seen.pixels()) > 200
 
 
-def test_another_urdf_loads_from_a_file_and_by_name(seen: Seen) -> None:
-    """A URDF given to the page replaces the arm; so does a name; a wrong one is answered in the page."""
+def test_another_urdf_loads_from_a_file(seen: Seen) -> None:
+    """A URDF given to the page replaces the arm."""
     first, page = seen.pixels(), seen.page
     page.get_by_text("Another arm").click()
     with page.expect_file_chooser() as chooser:
@@ -210,14 +210,6 @@ def test_another_urdf_loads_from_a_file_and_by_name(seen: Seen) -> None:
     seen.wait(lambda: seen.viewer.state.arm.name == "puma_560", "the file is shown")
     page.get_by_text("puma_560").first.wait_for()
     assert changed(first, seen.pixels()) > 1000
-    field = page.locator(".mantine-TextInput-input:visible").first
-    for name, answer in (("pumaa", "nearest: puma_560"), (ARM, "8 solutions")):
-        field.fill(name)
-        page.wait_for_timeout(300)
-        page.get_by_role("button", name="Load", exact=True).click()
-        page.get_by_text(answer).first.wait_for()
-    # The arm before had eight solutions, too.
-    seen.wait(lambda: seen.viewer.state.arm.name == ARM, "the arm of that name is shown")
 
 
 def test_the_catalogue_brings_seven_joints_and_their_slider(seen: Seen) -> None:
@@ -231,7 +223,7 @@ def test_the_catalogue_brings_seven_joints_and_their_slider(seen: Seen) -> None:
     seen.wait(lambda: seen.viewer.state.arm.name == "srs_7r", "the arm of the catalogue is shown")
     page.get_by_text("srs_7r").first.wait_for()
     first, before = seen.pixels(), seen.viewer.state
-    assert before.redundancy is not None
+    assert isinstance(before.redundancy, float)
     thumb = page.get_by_role("slider").first
     seen.wait(lambda: thumb.get_attribute("aria-valuenow") == f"{round(before.redundancy, 3):g}", "the slider is there")
     thumb.focus()

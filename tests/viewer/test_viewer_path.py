@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command import ARM, call, succeed
+from seams import blocked_plan, seam
 
 import urdf_ik
 from urdf_ik import Arm, Box, Capsule, Cylinder, HalfSpace, Mesh, Plan, Points, Sphere, World
@@ -22,7 +23,6 @@ pytest.importorskip("viser", reason="pip install viser")
 from urdf_ik.viewer import Viewer  # noqa: E402
 from urdf_ik.viewer.surroundings import triangles  # noqa: E402
 
-Q = (0.5, -0.7, -1.4, -1.8, 0.8, 1.6)
 PATIENCE = 60.0
 
 
@@ -32,26 +32,16 @@ def arm() -> Arm:
     return urdf_ik.load(ARM)
 
 
-def seam(arm: Arm) -> np.ndarray:
-    """A straight line along y."""
-    start = arm.fk(Q)
-    end = start.copy()
-    end[1, 3] += 1.0
-    return urdf_ik.line(start, end, 30)
-
-
 @pytest.fixture(scope="module")
 def plan(arm: Arm) -> Plan:
     """One that was found."""
-    return arm.follow(seam(arm))
+    return arm.follow(seam())
 
 
 @pytest.fixture(scope="module")
 def blocked(arm: Arm) -> Plan:
     """One that was not, for a box on the way."""
-    T, world = seam(arm), World()
-    world.add("box", Box(0.1), urdf_ik.pose(T[15, :3, 3] + [0.0, 0.0, -0.05]))
-    return arm.follow(T, world=world)
+    return blocked_plan(arm)
 
 
 def wait(what: Callable[[], bool]) -> None:
@@ -91,7 +81,7 @@ def test_without_a_plan_the_target_goes_along_the_path(arm: Arm, blocked: Plan) 
 
 def test_what_no_branch_gets_past_is_marked_where_it_is(arm: Arm) -> None:
     """Out of reach for every branch: the waypoint itself is an end, and nothing beyond the branches' own is reached."""
-    far = seam(arm)
+    far = seam()
     far[20:, 2, 3] += 5.0
     plan = arm.follow(far)
     track = playback.track(plan)
@@ -227,7 +217,7 @@ def test_a_links_capsule_is_centred_too() -> None:
 
 def test_the_command_takes_a_path_and_a_world(arm: Arm, tmp_path: Path) -> None:
     """The scene that `view` writes has the path; what is wrong with a file is said as `path` says it."""
-    np.save(tmp_path / "seam.npy", seam(arm))
+    np.save(tmp_path / "seam.npy", seam())
     (tmp_path / "cell.urdf").write_text(
         '<robot name="cell"><link name="post"><collision><origin xyz="1.5 1.5 0.5"/><geometry><cylinder radius="0.05" '
         'length="1"/></geometry></collision></link></robot>'

@@ -105,7 +105,7 @@ void add_few_joints(Makers& makers) {
     makers["planar points"] = make_planar_points;
     makers["slides"] = by("columns", {{2, maker(of.slides_2, 6, 2)}, {4, maker(of.slides_4, 6, 4)}, {8, maker(of.slides_8, 6, 8)}});
     makers["sampled"] = maker(of.sampled, 6, 16);
-    makers["sampled, one held"] = maker(of.sampled_held, 7, 16);
+    makers["sampled, one held"] = maker(of.sampled_held, 7, 16, nullptr, 1);
     makers["completed"] = make_completed;
 }
 

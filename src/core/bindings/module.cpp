@@ -60,7 +60,7 @@ static long solve(const PySolver& self, const Targets& T, const std::optional<Nu
     const std::size_t m = T.ndim() ? T.shape(0) : 0, branches = solver.branches, joints = solver.joints;
     if (T.size() != m * solver.numbers || q.shape(0) != m || q.shape(1) != branches || q.shape(2) != joints ||
         flags.shape(0) != m || flags.shape(1) != branches || (q_ref && q_ref->shape(0) != joints) ||
-        (values && values->shape(0) != m)) {
+        (values && values->shape(0) != m * solver.parameters)) {
         throw nb::value_error("arrays of poses and answers do not fit each other");
     }
     const Batch batch = {T.data(), long(m),     q_ref ? q_ref->data() : nullptr, values ? values->data() : nullptr,
@@ -90,6 +90,9 @@ NB_MODULE(_core, m) {
         .def_prop_ro("branches", [](const PySolver& s) { return s.solver->branches; })
         .def_prop_ro(
             "numbers", [](const PySolver& s) { return s.solver->numbers; }, "How many numbers a target has.")
+        .def_prop_ro(
+            "parameters", [](const PySolver& s) { return s.solver->parameters; },
+            "How many values are given with each target, for what it leaves free.")
         .def("__reduce__",
              [](nb::handle self) {
                  const auto& s = nb::cast<const PySolver&>(self);

@@ -6,7 +6,7 @@ namespace urdf_ik {
 class Reversed : public Solver {
 public:
     explicit Reversed(std::shared_ptr<const Solver> inner) : inner_(std::move(inner)) {
-        joints = inner_->joints, branches = inner_->branches;
+        joints = inner_->joints, branches = inner_->branches, parameters = inner_->parameters;
         if (joints > MOST_JOINTS || inner_->numbers != 16) throw nb::value_error("only a solver of poses can be reversed");
     }
 
@@ -22,7 +22,7 @@ public:
         for (long start = 0; start < batch.m; start += BUFFER) {
             part.m = batch.m - start < BUFFER ? batch.m - start : BUFFER;
             part.q = batch.q + start * branches * joints, part.flags = batch.flags + start * branches;
-            part.values = batch.values ? batch.values + start : nullptr;
+            part.values = batch.values ? batch.values + parameters * start : nullptr;
             steps.invert_poses(batch.T + 16 * start, part.m, T);
             const long bad = inner_->solve(part);
             if (bad >= 0) return start + bad;

@@ -25,7 +25,7 @@ Batch part_of(const Solver& solver, const Batch& batch, long from, long many) {
     part.m = many;
     part.T += solver.numbers * from, part.flags += solver.branches * from;
     part.q += long(solver.branches) * solver.joints * from;
-    if (part.values) part.values += from;
+    if (part.values) part.values += solver.parameters * from;
     return part;
 }
 

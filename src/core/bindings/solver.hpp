@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <type_traits>
 
 #include "levels.hpp"
 #include "values.hpp"
@@ -21,7 +22,8 @@ public:
     }
 
     int joints = 6, branches = 8;
-    int numbers = 16;  // a target's: a pose has sixteen
+    int numbers = 16;    // a target's: a pose has sixteen
+    int parameters = 0;  // values that are given with each target, for what it leaves free
 };
 
 // The solver that a Python object holds, for solvers that are built upon others: solver_in(values.at(name)).
@@ -48,11 +50,13 @@ private:
 };
 
 // Makes such solvers; read(values, arm) fills the arm's numbers in.
-template <class Arm> Maker maker(SolveArm<Arm> function, int joints, int branches, DistancesOf<Arm> distances = nullptr) {
+template <class Arm>
+Maker maker(SolveArm<Arm> function, int joints, int branches, std::type_identity_t<DistancesOf<Arm>> distances = nullptr,
+            int parameters = 0) {
     return [=](const Values& v) {
         auto made = std::make_shared<SolverOf<Arm>>(function, distances);
         read(v, made->arm);
-        made->joints = joints, made->branches = branches;
+        made->joints = joints, made->branches = branches, made->parameters = parameters;
         return made;
     };
 }

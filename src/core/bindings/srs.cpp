@@ -17,8 +17,8 @@ static void read(const Values& v, SrsArm& to) {
 }
 
 void add_srs(Makers& makers) {
-    makers["S-R-S"] = maker(level().srs->exact, 7, 8);
-    makers["S-R-S, nearly"] = maker(level().srs->near, 7, 16);
+    makers["S-R-S"] = maker(level().srs->exact, 7, 8, nullptr, 1);
+    makers["S-R-S, nearly"] = maker(level().srs->near, 7, 16, nullptr, 1);
 }
 
 }  // namespace urdf_ik

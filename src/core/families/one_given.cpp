@@ -1,6 +1,6 @@
-// Seven joints, one end of which is given: T' = E1(v)^-1 T for the first joint, T' = T E7(v)^-1 for the last. The six others
-// stay the same arm for every value; only their targets move. Where two joints have one axis, one of them may be given too: the
-// other takes its value back.
+// Joints, one end of which is given: T' = E1(v)^-1 T for the first joint, T' = T En(v)^-1 for the last. The others stay the
+// same arm for every value; only their targets move. A rotation of the target about an axis of the tip is the same. Where two
+// joints have one axis, the first of them may be given too: the other takes its value back.
 #include "../blocks.hpp"
 #include "one_given_arm.hpp"
 
@@ -33,9 +33,7 @@ static STEP void move_block(const GivenJoint& given, const double* from, const B
 }
 
 // The value at most half a turn from zero, in (-pi, pi]; those that are there already keep their digits.
-static STEP double as_joint_value(const GivenJoint& given, double value) {
-    return given.turns ? on_circle(value) : value;
-}
+static STEP double as_joint_value(const GivenJoint& given, double value) { return given.turns ? on_circle(value) : value; }
 
 static void move(const GivenJoint& given, const Batch& part, double* T, double* values) {
     for (long i = 0; i < part.m; i += BLOCK) {
@@ -52,33 +50,38 @@ static void move(const GivenJoint& given, const Batch& part, double* T, double* 
     }
 }
 
-template <int first> static STEP void insert_rows(const Batch& part, const double* six, const double* values, int branches) {
+// N: how many joints the others are, 0 where that is not known at compile time.
+template <int N> static STEP void insert_rows(const GivenJoint& given, const Batch& part, const double* others,
+                                              const double* values, int joints, int branches) {
+    const int n = N ? N : joints, first = given.last ? 0 : 1;
     for (long i = 0; i < part.m; ++i) {
         for (long row = branches * i; row < branches * (i + 1); ++row) {
-            const double* from = six + 6 * row;
-            double* to = part.q + 7 * row;
+            const double* from = others + n * row;
+            double* to = part.q + (n + 1) * row;
             const double value = part.flags[row] & VALID ? values[i] : __builtin_nan("");
-            to[first ? 0 : 6] = value;
-            __builtin_memcpy(to + first, from, 6 * sizeof(double));
+            to[first ? 0 : n] = value;
+            __builtin_memcpy(to + first, from, n * sizeof(double));
         }
     }
 }
 
-static void insert_in_the_middle(const GivenJoint& given, const Batch& part, const double* six, const double* values,
-                                 int branches) {
+static void insert_before(const GivenJoint& given, const Batch& part, const double* others, const double* values, int n,
+                          int branches) {
+    const int at = given.before;
     for (long row = 0; row < branches * part.m; ++row) {
         const double value = part.flags[row] & VALID ? values[row / branches] : __builtin_nan("");
-        double* to = part.q + 7 * row;
-        for (int j = 0; j < 7; ++j) to[j] = j == given.at ? value : six[6 * row + j - (j > given.at)];
-        const double rest = to[given.partner] - (given.opposite ? -value : value);
-        to[given.partner] = given.turns ? wrap(rest) : rest;
+        double* to = part.q + (n + 1) * row;
+        for (int j = 0; j <= n; ++j) to[j] = j == at ? value : others[n * row + j - (j > at)];
+        const double rest = to[at + 1] - (given.opposite ? -value : value);
+        to[at + 1] = given.turns ? wrap(rest) : rest;
     }
 }
 
-static void insert(const GivenJoint& given, const Batch& part, const double* six, const double* values, int branches) {
-    if (given.partner >= 0) insert_in_the_middle(given, part, six, values, branches);
-    else if (given.last) insert_rows<0>(part, six, values, branches);
-    else insert_rows<1>(part, six, values, branches);
+static void insert(const GivenJoint& given, const Batch& part, const double* others, const double* values, int joints,
+                   int branches) {
+    if (given.before >= 0) insert_before(given, part, others, values, joints, branches);
+    else if (joints == 6) insert_rows<6>(given, part, others, values, joints, branches);
+    else insert_rows<0>(given, part, others, values, joints, branches);
 }
 
 extern const OneGivenSolvers one_given_solvers;

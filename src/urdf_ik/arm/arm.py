@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
 from urdf_ik import families
 from urdf_ik.angles import shortest
-from urdf_ik.arm.moving import Moving
-from urdf_ik.arm.refusals import unsupported
-from urdf_ik.errors import ArgumentError, JointVectorError, PoseError, UnsupportedArm
+from urdf_ik.arm.freedom import Free
+from urdf_ik.arm.refusals import check_given, unsupported
+from urdf_ik.arm.shown import html
+from urdf_ik.chain.redundancy import spread
+from urdf_ik.errors import ArgumentError, JointVectorError, PoseError, TaskError, UnsupportedArm
 from urdf_ik.families import Plan, RedundantPlan
+from urdf_ik.families.wrappers import axis_free
 from urdf_ik.poses import as_pose_array, check_poses
 from urdf_ik.redundancy import nearest, sweep
 from urdf_ik.solutions import IKSolutions
@@ -26,7 +29,7 @@ if TYPE_CHECKING:
 
     from urdf_ik._core import Solver
     from urdf_ik.chain import Chain
-    from urdf_ik.chain.redundancy import Redundancy
+    from urdf_ik.chain.free_axis import FreeAxis
     from urdf_ik.redundancy import Sweep
     from urdf_ik.solutions.select import Metric
     from urdf_ik.urdf import UrdfModel
@@ -36,7 +39,7 @@ if TYPE_CHECKING:
 _LINE = 8  # numbers in a cache line
 
 
-class Arm(Moving):
+class Arm(Free):
     """A serial arm, read from a URDF and ready to be solved.
 
     Attributes:
@@ -51,26 +54,42 @@ class Arm(Moving):
         (6, 'pose', '6R spherical wrist, 2||3 and 1x2')
     """
 
-    def __init__(self, model: UrdfModel, chain: Chain, task: str = "pose") -> None:
+    def __init__(
+        self,
+        model: UrdfModel,
+        chain: Chain,
+        task: str = "pose",
+        free_axis: FreeAxis | None = None,
+        given: tuple[str, ...] = (),
+    ) -> None:
         """Analyse the chain and prepare its solver.
 
         Args:
             model: the URDF.
             chain: the joints from base to tip.
             task: what ``ik`` takes as target where it is not said there; see :meth:`ik`.
+            free_axis: a line in the tip about which it may be turned; see :meth:`with_free_axis`.
+            given: names of joints whose values are the redundancy parameters; see :meth:`with_redundancy`.
 
         Raises:
+            ChainError: one of ``given`` is no joint of the chain.
+            ArgumentError: more joints are given than a pose leaves free.
             TaskError: there is no such task, or the arm cannot control it.
             UnsupportedArm: no solver takes this arm for a task other than 'pose'.
         """
-        super().__init__(model, chain)
+        super().__init__(model, chain, free_axis)
+        check_given(self.name, chain, given)
         self.structure: Structure = analyse(chain)
         self._by_task: dict[str, Arm] = {task: self}
         self._core: Solver | None = None
-        self._task = task
+        self._task, self._given = task, given
         # How targets of a task other than a pose are read.
         self._targets: Targets | None = None if task == "pose" else Targets(self.name, chain, self.control, task)
-        plan = families.choose(self.structure, chain) if self._targets is None else self._targets.plan(self.structure)
+        plan = self._targets.plan(self.structure) if self._targets else families.choose(self.structure, chain, given)
+        if plan is None and given:
+            raise UnsupportedArm(f"{self.name}: no solver for the other joints with {', '.join(given)} given")
+        if plan is not None and free_axis is not None:
+            plan = axis_free.prepare(chain, plan, free_axis)
         self._plan: Plan | None = plan
         if plan is not None:
             self.structure = replace(
@@ -89,16 +108,21 @@ class Arm(Moving):
         # The solver where targets are poses: it takes a single one without detours.
         self._of_single_poses = None if self._targets else self._core
 
+    def _repr_html_(self) -> str:
+        return html(self)
+
     def __repr__(self) -> str:
         return f"<Arm {self.name!r}: {self.base} to {self.tip}, {self.structure.family or f'{self.dof} joints'}>"
 
-    def __reduce__(self) -> tuple[type[Arm], tuple[UrdfModel, Chain, str]]:
-        return Arm, (self.model, self.chain, self._task)
+    def __reduce__(self) -> tuple[type[Arm], tuple[UrdfModel, Chain, str, FreeAxis | None, tuple[str, ...]]]:
+        return Arm, (self.model, self.chain, self._task, self._free_axis, self._given)
 
-    @property
-    def redundancy(self) -> Redundancy | None:
-        """What is free in a pose's solutions of an arm with seven joints; None for an arm without such a parameter."""
-        return self._plan.parameter if isinstance(self._plan, RedundantPlan) else None
+    def _again(self, **changed: Any) -> Self:
+        make: Any = type(self)
+        settings: dict[str, Any] = {"free_axis": self._free_axis, "given": self._given, **changed}
+        chain = settings.pop("chain", self.chain)
+        made: Self = make(self.model, chain, self._task, **settings)
+        return made
 
     def for_task(self, task: str) -> Arm:
         """This arm, its ``ik`` and ``explain`` taking targets of a task; see :meth:`ik`.
@@ -114,6 +138,11 @@ class Arm(Moving):
             2
         """
         if task not in self._by_task:
+            if self._free_axis is not None:
+                raise TaskError(
+                    f"{self.name}: with {self._free_axis} free, targets are poses, of which the rotation about it does "
+                    f"not matter; {task!r} is a task of the arm without a free axis"
+                )
             self._by_task[task] = arm = Arm(self.model, self.chain, task)
             arm._by_task = self._by_task
         return self._by_task[task]
@@ -150,9 +179,9 @@ class Arm(Moving):
                 that is off by rounding (up to 1e-5) is replaced by the nearest one. The answer keeps a stack
                 of poses by reference, for ``explain``; a single pose is copied.
             q_ref: (n,) rad, joint vector near which representatives of a continuum are chosen.
-            redundancy: (...) rad or m, values of the redundancy parameter of an arm with seven joints, which broadcast
-                against the poses: ``ik(T[:, None], redundancy=values)`` solves every pose at every value. Default:
-                ``self.redundancy.default``.
+            redundancy: (...) rad or m, values of the redundancy parameter of an arm with seven joints or a free axis,
+                which broadcast against the poses: ``ik(T[:, None], redundancy=values)`` solves every pose at every
+                value. Default: ``self.redundancy.default``. (..., k) for an arm with k parameters.
             threads: number of threads that share a batch.
             task: what ``T`` is; default: a pose. An arm with few joints controls less, and takes that as target too,
                 see :attr:`task`: 'position' (..., 3) m in the base; 'position and axis' (..., 6), position and a
@@ -219,7 +248,7 @@ class Arm(Moving):
         reference = None if q_ref is None else self._reference(q_ref)
         values = None
         if redundancy is not None:
-            target, values = self._redundant_plan().parameter.spread(target, redundancy)
+            target, values = spread(self._redundant_plan().parameters, target, redundancy)
         batch = target.shape[:-2]
         stack = target.reshape(-1, 4, 4)
         q, flags = self._room(len(stack))
@@ -264,25 +293,6 @@ class Arm(Moving):
         """Solve targets (m, ...), at these values of the redundancy parameter; index of the first bad one or -1."""
         assert self._core is not None  # an arm without a solver is refused before
         return self._core.solve(stack, q_ref, q, flags, None if values is None else values.reshape(-1), threads)
-
-    def redundancy_of(self, q: ArrayLike) -> Array:
-        """Value of the redundancy parameter at joint vectors (..., 7), (...): ``ik`` finds them again at it.
-
-        Raises:
-            JointVectorError: the last dimension is not 7, or a value is not finite.
-            UnsupportedArm: the arm has no such parameter.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("srs_7r")
-            >>> q = [0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]
-            >>> value = arm.redundancy_of(q)
-            >>> arm.ik(arm.fk(q), redundancy=value).nearest(q).to_array().round(6).tolist()
-            [[0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]]
-        """
-        plan = self._redundant_plan()
-        Q = self.chain.check(q)
-        return plan.value_of(Q.reshape(-1, self.dof)).reshape(Q.shape[:-1])
 
     def ik_nearest(
         self,
@@ -334,7 +344,7 @@ class Arm(Moving):
             )
         options: Any = {"metric": metric, "weights": weights, "within": within, "within_limits": within_limits}
         if isinstance(self._plan, RedundantPlan):
-            return nearest.nearest(self, self._plan.parameter, T, q_ref, threads=threads, **options)
+            return nearest.nearest(self, self._only_parameter("ik_nearest"), T, q_ref, threads=threads, **options)
         reference = self.chain.check(q_ref)
         near = reference if reference.ndim == 1 else None
         solutions = self.ik(T, near, threads=threads)
@@ -361,14 +371,14 @@ class Arm(Moving):
             >>> sweep.solutions.q.shape, sweep.intervals.round(3).tolist()
             ((16, 8, 7), [[-3.142, 3.142]])
         """
-        return sweep.sweep(self, self._redundant_plan().parameter, T, n, within_limits, threads)
+        return sweep.sweep(self, self._only_parameter("sweep"), T, n, within_limits, threads)
 
-    def explain(self, T: Any, redundancy: float | None = None) -> str:
+    def explain(self, T: Any, redundancy: ArrayLike | None = None) -> str:
         """Why the single pose ``T`` (4, 4) has no solution, with the number that is out of range.
 
         Args:
             T: the pose.
-            redundancy: the parameter of an arm with seven joints; default: its default.
+            redundancy: the redundancy parameter, (k,) of k of them; default: their defaults.
 
         Raises:
             PoseError: ``T`` is no pose, or more than one.
@@ -393,18 +403,11 @@ class Arm(Moving):
             raise unsupported(self.name, self.chain, self.structure)
         if redundancy is None and not isinstance(self._plan, RedundantPlan):
             return self._plan.explain(target)
-        return sweep.explanation(self, self._redundant_plan(), target, redundancy)
-
-    def _redundant_plan(self) -> RedundantPlan:
-        """The plan of an arm with a redundancy parameter."""
-        if self._plan is None:
-            raise unsupported(self.name, self.chain, self.structure)
-        if isinstance(self._plan, RedundantPlan):
-            return self._plan
-        raise UnsupportedArm(
-            f"{self.name}: {self.dof} joints ({', '.join(self.joint_names)}) leave nothing free in a pose; "
-            "only arms with seven have a redundancy parameter"
-        )
+        plan = self._redundant_plan()
+        if len(plan.parameters) == 1:
+            return sweep.explanation(self, plan, target, redundancy)
+        _, values = spread(plan.parameters, target, plan.defaults if redundancy is None else redundancy)
+        return plan.explain_at(target, values)
 
     def _reference(self, q_ref: ArrayLike) -> Array:
         q = self.chain.check(q_ref)

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik.chain import Chain
+    from urdf_ik.chain.free_axis import FreeAxis
     from urdf_ik.chain.plane import Plane
     from urdf_ik.collision.tool import Shapes
     from urdf_ik.reference import Reference
@@ -37,9 +38,15 @@ class Kinematics:
         chain: screw axes of the joints from base to tip.
     """
 
-    def __init__(self, model: UrdfModel, chain: Chain) -> None:
+    def __init__(self, model: UrdfModel, chain: Chain, free_axis: FreeAxis | None = None) -> None:
         self.model = model
         self.chain = chain
+        self._free_axis = free_axis
+
+    @property
+    def free_axis(self) -> FreeAxis | None:
+        """The line in the tip about which it may be turned; see :meth:`urdf_ik.Arm.with_free_axis`."""
+        return self._free_axis
 
     @property
     def name(self) -> str:
@@ -113,7 +120,8 @@ class Kinematics:
 
         Raises:
             PoseError: an invalid pose.
-            ArgumentError: the URDF has a link of this name, or something that is no shape is given.
+            ArgumentError: the URDF has a link of this name, something that is no shape is given, or the tip has a
+                free axis.
             WorldError: a shape that a URDF cannot hold (``HalfSpace``, ``Points``), or a mesh that is not there.
 
         Example:
@@ -252,6 +260,11 @@ class Kinematics:
         from urdf_ik.reference import Reference
 
         return Reference(self.model, self.base, self.tip, locked=self.locked)
+
+    @property
+    def pinocchio_model(self) -> Any:
+        """The ``pinocchio.Model`` of the whole URDF, of whose configurations :meth:`to_pinocchio` speaks."""
+        return self._pinocchio.pin_model
 
     def to_pinocchio(self, q: ArrayLike) -> Array:
         """Configurations (..., nq) of Pinocchio's model of the whole URDF: joints by name, continuous ones (cos, sin).

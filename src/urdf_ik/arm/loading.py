@@ -9,6 +9,8 @@ from typing import IO, TYPE_CHECKING, Any
 from urdf_ik import catalogue, urdf
 from urdf_ik.arm.arm import Arm
 from urdf_ik.chain import from_urdf
+from urdf_ik.errors import ArgumentError, ChainError
+from urdf_ik.urdf.srdf import chain_groups
 
 if TYPE_CHECKING:
     import os
@@ -20,39 +22,105 @@ def load(
     base: str | None = None,
     tip: str | None = None,
     *,
+    chain: str | None = None,
+    srdf: str | os.PathLike[str] | bytes | None = None,
     locked: Mapping[str, float] | None = None,
+    redundancy: str | Sequence[str] = (),
     mesh_roots: Sequence[str | os.PathLike[str]] = (),
+    xacro_args: Mapping[str, object] | None = None,
 ) -> Arm:
     """Read a URDF and prepare its solver.
 
     Args:
-        source: a path, XML text, an open file, or a catalogue name such as 'zyyzyz_6r' or 'ur5'.
-        base: base link; default: the root, where only one chain comes into question.
-        tip: tip link; default: the end of the only movable chain.
-        locked: joints of the chain that are held at these values [rad or m]; the arm is that of the others. An arm
-            with more than seven joints needs it to be solved.
-        mesh_roots: folders that meshes may be read from, besides the URDF's own.
+        source: a path, XML text, an open file, or a name such as 'zyyzyz_6r', 'ur5' or 'ur10e_description': of the
+            catalogue, or of robot_descriptions, which downloads it when it is first asked for. A file may be
+            compressed by gzip, be a MuJoCo model (MJCF), or a xacro if its name ends in ``.xacro``.
+        base: base link; default: the root.
+        tip: tip link; default: the tool frame of the longest chain, where that leaves no doubt (see
+            :meth:`urdf_ik.urdf.UrdfModel.chains`).
+        chain: which arm of several is meant, by the name that ``urdf-ik info --chains`` lists, such as 'left', or
+            a group of the SRDF; instead of a tip.
+        srdf: an SRDF, whose groups with a ``<chain>`` are the chains that come into question.
+        locked: joints that are held at these values [rad or m]; the arm is that of the others. An arm with more than
+            nine joints needs it to be solved. Joints beside the chain, such as those of a second arm, stand at these
+            values instead of at zero, where what they carry can be run into; :meth:`urdf_ik.Arm.with_locked`.
+        redundancy: joint, or joints, whose values are to be the redundancy parameters of an arm with more than six
+            joints; default: what is cheapest to solve. See :meth:`urdf_ik.Arm.with_redundancy`.
+        mesh_roots: folders that meshes may be read from, besides the URDF's own and its ROS package; packages are
+            looked for in them first, then in AMENT_PREFIX_PATH and ROS_PACKAGE_PATH.
+        xacro_args: arguments of a xacro, by name. A xacro is a program: expand only what you trust.
 
     Raises:
         UrdfError: the URDF is broken; the error names line, element and hint.
-        ChainError: base, tip or a locked joint is unknown, or base or tip ambiguous; the error lists the candidates.
+        ChainError: base, tip, a locked joint or one of ``redundancy`` is unknown, or base or tip ambiguous; the error
+            lists the candidates.
         JointVectorError: a locked joint's value is no finite number.
-        CatalogueError: a name that the catalogue does not hold.
+        CatalogueError: a name that there is not, or whose model cannot be downloaded.
+        MissingPackage: the package that reads a xacro or MJCF is not installed.
+        ArgumentError: more joints are in ``redundancy`` than a pose leaves free.
         UnsupportedArm: a joint of the chain cannot be handled.
 
     Example:
         >>> load("zyyzyz_6r")
         <Arm 'zyyzyz_6r': base_link to tool0, 6R spherical wrist, 2||3 and 1x2>
     """
+    model, entry = read(source, mesh_roots=mesh_roots, xacro_args=xacro_args)
+    if entry is not None and chain is None and srdf is None:
+        base, tip = entry.base if base is None else base, entry.tip if tip is None else tip
+    if tip is None and srdf is not None:
+        base, tip = _of_group(model, srdf, base, chain)
+    elif tip is None:
+        base, tip = model.resolve_chain(base, tip, chain)
+    elif chain is not None:
+        raise ArgumentError(f"chain={chain!r} and tip={tip!r} say the same; give one of them")
+    given = (redundancy,) if isinstance(redundancy, str) else tuple(redundancy)
+    return Arm(model, from_urdf(model, base, tip).lock(locked or {}), given=given)
+
+
+def read(
+    source: str | os.PathLike[str] | IO[Any],
+    *,
+    mesh_roots: Sequence[str | os.PathLike[str]] = (),
+    xacro_args: Mapping[str, object] | None = None,
+) -> tuple[urdf.UrdfModel, catalogue.Entry | None]:
+    """The URDF behind a path, XML text, an open file or a name, with what the catalogue says of the name.
+
+    Raises:
+        UrdfError: the URDF is broken.
+        CatalogueError: a name that there is not, or whose model cannot be downloaded.
+        MissingPackage: the package that reads a xacro or MJCF is not installed.
+
+    Example:
+        >>> model, entry = read("planar_2r")
+        >>> model.name, entry.tip
+        ('planar_2r', 'tool0')
+    """
+    entry = None
     if isinstance(source, str) and _is_name(source):
         entry = catalogue.resolve(source)
-        source = entry.path
-        base, tip = entry.base if base is None else base, entry.tip if tip is None else tip
-        mesh_roots = (*mesh_roots, *entry.package_dirs)
-    model = urdf.read(source, mesh_roots=mesh_roots)
-    return Arm(model, from_urdf(model, base, tip).lock(locked or {}))
+        source, mesh_roots = entry.path, (*mesh_roots, *entry.package_dirs)
+        if entry.xacro_args is not None:
+            xacro_args = {**entry.xacro_args, **(xacro_args or {})}
+    return urdf.read(source, mesh_roots=mesh_roots, xacro_args=xacro_args), entry
+
+
+def _of_group(
+    model: urdf.UrdfModel, srdf: str | os.PathLike[str] | bytes, base: str | None, name: str | None
+) -> tuple[str, str]:
+    """Base and tip of a group of an SRDF: of the only one that holds a chain, or of the one that is named.
+
+    Raises:
+        ChainError: there is no such group, or none is named and there are several.
+    """
+    groups = dict(chain_groups(srdf, model.links))
+    if name is None and len(groups) == 1:
+        name = next(iter(groups))
+    if name is None or name not in groups:
+        what = "the SRDF has several chains, or none; name one" if name is None else f"the SRDF has no chain {name!r}"
+        raise ChainError(f"{model.source}: {what}", groups)
+    return base or groups[name][0], groups[name][1]
 
 
 def _is_name(source: str) -> bool:
     """Whether ``source`` can only be meant as a catalogue name: no markup, no folder, no ending, no such file."""
-    return bool(re.fullmatch(r"[\w-]+", source)) and not Path(source).exists()
+    return bool(re.fullmatch(r"[\w+-]+", source)) and not Path(source).exists()

@@ -5,12 +5,39 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from urdf_ik.chain import CoupledChain, dependent_joints, kinds_of
-from urdf_ik.errors import UnsupportedArm
+from urdf_ik.errors import ArgumentError, ChainError, UnsupportedArm
 from urdf_ik.families import coupled
+from urdf_ik.families.registry import MOST_JOINTS
 
 if TYPE_CHECKING:
     from urdf_ik.chain import Chain
     from urdf_ik.structure import Structure
+
+
+def check_given(name: str, chain: Chain, given: tuple[str, ...]) -> None:
+    """That joints may be the redundancy parameters of an arm.
+
+    Raises:
+        ChainError: one is no joint of the chain; the error lists those that are.
+        ArgumentError: the same joint twice, or more of them than a pose leaves free.
+        UnsupportedArm: joints mimic others.
+    """
+    if not given:
+        return
+    if unknown := [each for each in given if each not in chain.joint_names]:
+        raise ChainError(
+            f"{unknown[0]!r} cannot be the redundancy parameter: it is not among the movable joints from "
+            f"{chain.base!r} to {chain.tip!r}",
+            chain.joint_names,
+        )
+    if len(set(given)) < len(given):
+        raise ArgumentError(f"redundancy={given!r} given; each joint can be named once")
+    if isinstance(chain, CoupledChain):
+        raise UnsupportedArm(f"{name}: joints mimic others, and none of them can be the redundancy parameter")
+    if len(given) > max(chain.n - 6, 0):
+        raise ArgumentError(
+            f"{name}: redundancy={given!r} given, and its {chain.n} joints leave {max(chain.n - 6, 0)} values free"
+        )
 
 
 def unsupported(name: str, chain: Chain, structure: Structure) -> UnsupportedArm:
@@ -37,9 +64,11 @@ def unsupported(name: str, chain: Chain, structure: Structure) -> UnsupportedArm
         )
     if chain.n <= 7:
         return UnsupportedArm(f"{name}: no solver for this arm yet. {structure}")
-    held = ", ".join(f"{name!r}: 0.0" for name in chain.joint_names[: chain.n - 7])
+    if chain.n <= MOST_JOINTS:
+        return UnsupportedArm(f"{name}: no solver for any six of its {chain.n} joints, the others held. {structure}")
+    held = ", ".join(f"{name!r}: 0.0" for name in chain.joint_names[: chain.n - MOST_JOINTS])
     return UnsupportedArm(
         f"{name}: {chain.n} joints from {chain.base!r} to {chain.tip!r} ({', '.join(chain.joint_names)}); at "
-        f"most seven are solved: hold {chain.n - 7} or more of them, each at a value [rad or m], as in "
-        f"urdf_ik.load(..., locked={{{held}}})"
+        f"most {MOST_JOINTS} are solved: hold {chain.n - MOST_JOINTS} or more of them, each at a value [rad or m], as "
+        f"in urdf_ik.load(..., locked={{{held}}})"
     )

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik.chain.serial import Chain, held_values
+from urdf_ik.chain.serial import Chain, held_values, standing
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -122,12 +122,15 @@ class CoupledChain(Chain):
         if not held:
             return self
         q = np.array([held.get(name, 0.0) for name in self.joint_names])
+        beside = {name: value for name, value in held.items() if name not in self.joint_names}
+        if len(beside) == len(held):
+            return standing(self, beside)
         free = [k for k, name in enumerate(self.joint_names) if name not in held]
         driven = np.asarray(self.gain[:, free].any(axis=1))
         moved = _moved(self.axes, self.spread(q), driven)
         moved = replace(
             moved,
-            tree=tuple(joint.held(free, q) for joint in self.tree),
+            tree=tuple(joint.held(free, q, beside) for joint in self.tree),
             locked=(*self.locked, *held.items()),
             followers=tuple(each for each in self.followers if each.driver not in held),
         )

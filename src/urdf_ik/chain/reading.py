@@ -104,6 +104,7 @@ def _tree(model: UrdfModel, names: tuple[str, ...]) -> tuple[TreeJoint, ...]:
                     column=column,
                     multiplier=multiplier,
                     offset=offset if moves else 0.0,
+                    driver=driver.name if moves else "",
                 )
             )
             waiting.append(joint.child)

@@ -1,4 +1,4 @@
-"""The redundancy parameter: the one value that a pose leaves free in an arm with seven joints."""
+"""Redundancy parameters: the values that a pose leaves free in an arm with more joints than the pose controls."""
 
 from __future__ import annotations
 
@@ -14,32 +14,33 @@ from urdf_ik.errors import JointVectorError
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from urdf_ik.chain.free_axis import FreeAxis
     from urdf_ik.chain.serial import Chain
 
     Array = NDArray[np.float64]
 
-SWIVEL, LOCKED_JOINT = "swivel", "locked joint"
+SWIVEL, LOCKED_JOINT, FREE_AXIS = "swivel", "locked joint", "free axis"
 
 
 @dataclass(frozen=True)
 class Redundancy:
-    """What the redundancy parameter of an arm is.
+    """What a redundancy parameter of an arm is.
 
-    A 'locked joint' is the value of the first or the last joint, or of one in the middle where no end joint will
-    do. A 'swivel' is the angle about the line from the shoulder S, where axes 1, 2 and 3 meet, to the wrist W,
-    where axes 5, 6 and 7 meet: from the normal of the plane that holds axis 1 and W (axis 1 times SW) to the
-    direction of axis 4, less its part along SW. Where axis 4 is at right angles to upper arm and forearm, this is
-    the angle between that plane and the arm's own; at zero the elbow lies in the plane of axis 1 and W, above SW as
-    axis 1 points or below. Where W lies on axis 1, to 1e-7 rad, the plane is undefined, and the common normal of
-    axes 1 and 2 at q = 0 stands in for its normal: there the angle jumps.
+    A 'locked joint' is the value of a joint. A 'free axis' is the angle by which the tip is turned about a line in it,
+    see :meth:`urdf_ik.Arm.with_free_axis`. A 'swivel' is the angle about the line from the
+    shoulder S, where axes 1, 2 and 3 meet, to the wrist W, where axes 5, 6 and 7 meet: from the normal of the plane
+    that holds axis 1 and W (axis 1 times SW) to the direction of axis 4, less its part along SW. Where axis 4 is at
+    right angles to upper arm and forearm, this is the angle between that plane and the arm's own; at zero the elbow
+    lies in the plane of axis 1 and W, above SW as axis 1 points or below. Where W lies on axis 1, to 1e-7 rad, the
+    plane is undefined, and the common normal of axes 1 and 2 at q = 0 stands in for its normal: there the angle jumps.
 
     Attributes:
-        kind: 'swivel' or 'locked joint'.
-        joint: name of the locked joint, or of the elbow's joint.
+        kind: 'swivel', 'locked joint' or 'free axis'.
+        joint: name of the locked joint, or of the elbow's joint; of a free axis the axis in words.
         range: least and greatest value [unit]: the joint's limits, half a turn to both sides where it has none;
             infinite for a sliding joint without limits.
-        default: value [unit] that ``ik`` takes where none is given: zero for a swivel, the middle of the joint's
-            limits, zero where it has none.
+        default: value [unit] that ``ik`` takes where none is given: zero for a swivel and a free axis, the middle of
+            the joint's limits, zero where it has none.
         unit: 'rad' or 'm'.
 
     Example:
@@ -60,14 +61,18 @@ class Redundancy:
         """Whether the range holds the whole circle, so that it has no ends."""
         return self.unit == "rad" and self.range[1] - self.range[0] >= 2.0 * math.pi
 
+    @property
+    def label(self) -> str:
+        """In a word or two: 'swivel angle', the joint's name, 'rotation about the tip's z axis'."""
+        return {SWIVEL: "swivel angle", LOCKED_JOINT: self.joint}.get(self.kind, f"rotation about {self.joint}")
+
     def __str__(self) -> str:
         low, high = self.range
-        what = (
-            f"swivel angle of the arm's plane, the one across the axis of joint {self.joint!r},"
-            if self.kind == SWIVEL
-            else f"value of joint {self.joint!r},"
-        )
-        return f"{what} {low:.4f} to {high:.4f} {self.unit}, by default {self.default + 0.0:.4f}"
+        what = {
+            SWIVEL: f"swivel angle of the arm's plane, the one across the axis of joint {self.joint!r}",
+            LOCKED_JOINT: f"value of joint {self.joint!r}",
+        }.get(self.kind, self.label)
+        return f"{what}, {low:.4f} to {high:.4f} {self.unit}, by default {self.default + 0.0:.4f}"
 
     def check(self, value: ArrayLike) -> Array:
         """``value`` as an array (...) of finite numbers.
@@ -126,9 +131,40 @@ class Redundancy:
         return values if self.unit == "m" else wrapped(values)
 
 
+def spread(parameters: tuple[Redundancy, ...], poses: Array, value: ArrayLike) -> tuple[Array, Array]:
+    """Poses (..., 4, 4) and values broadcast against each other: (...) of one parameter, (..., k) of k of them.
+
+    Raises:
+        JointVectorError: the values are no finite numbers, or the shapes do not fit.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("srs_7r").with_free_axis("z")
+        >>> poses, values = spread(arm.redundancies, arm.fk([0.1] * 7), [[0.0, 0.5], [0.2, 0.5], [0.4, 0.5]])
+        >>> poses.shape, values.shape
+        ((3, 4, 4), (3, 2))
+    """
+    first, *rest = parameters
+    if not rest:
+        return first.spread(poses, value)
+    values = first.check(value)
+    if values.ndim == 0 or values.shape[-1] != len(parameters):
+        raise JointVectorError(
+            f"redundancy of shape {values.shape} given; this arm has {len(parameters)} parameters "
+            f"({', '.join(each.label for each in parameters)}), so its last dimension must be {len(parameters)}"
+        )
+    columns = [each.spread(poses, values[..., k]) for k, each in enumerate(parameters)]
+    return columns[0][0], np.stack([column for _, column in columns], axis=-1)
+
+
 def swivel_of(joint: str) -> Redundancy:
     """The parameter of an arm whose elbow, ``joint``, swivels about the line from shoulder to wrist."""
     return Redundancy(SWIVEL, joint, (-math.pi, math.pi), 0.0, "rad")
+
+
+def free_axis(axis: FreeAxis) -> Redundancy:
+    """The parameter of an arm whose tip may be turned about a line in it."""
+    return Redundancy(FREE_AXIS, str(axis), (-math.pi, math.pi), 0.0, "rad")
 
 
 def locked_joint(chain: Chain, k: int) -> Redundancy:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -17,13 +17,16 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
+_AnyChain = TypeVar("_AnyChain", bound="Chain")
+
 
 @dataclass(frozen=True)
 class TreeJoint:
     """One joint of the URDF's whole tree, as :meth:`Chain.link_poses` walks it.
 
     ``column`` is the index in the joint vector that drives it (None: it stays at ``offset``), with
-    value = multiplier * q[column] + offset.
+    value = multiplier * q[column] + offset; ``driver`` is the joint that it follows, itself where it mimics none, ''
+    for a joint that does not move.
     """
 
     parent: str
@@ -34,6 +37,7 @@ class TreeJoint:
     column: int | None
     multiplier: float
     offset: float
+    driver: str = ""
 
     @cached_property
     def motion(self) -> Any:  # a _core.Chain, of whose answers the generated stub says nothing
@@ -42,17 +46,20 @@ class TreeJoint:
         steps[0] = self.origin[:3, 3]
         return _core.Chain((R @ self.axis)[None], steps, R, np.array([self.prismatic]))
 
-    def held(self, free: list[int], q: NDArray[np.float64]) -> TreeJoint:
+    def held(self, free: list[int], q: NDArray[np.float64], beside: Mapping[str, float]) -> TreeJoint:
         """This joint when only the columns ``free`` of the joint vector are left, the others held at ``q``.
+
+        Joints beside the chain stand at the values in ``beside``.
 
         Example:
             >>> import urdf_ik
             >>> joint = urdf_ik.load("planar_2r").chain.tree[0]
-            >>> joint.column, joint.held([1], np.array([0.5, 0.0])).offset
+            >>> joint.column, joint.held([1], np.array([0.5, 0.0]), {}).offset
             (0, 0.5)
         """
         if self.column is None:
-            return self
+            value = beside.get(self.driver)
+            return self if value is None else replace(self, offset=self.offset + self.multiplier * value)
         if self.column in free:
             return replace(self, column=free.index(self.column))
         return replace(self, column=None, offset=self.offset + self.multiplier * float(q[self.column]))
@@ -185,10 +192,11 @@ class Chain:
         """The chain of the other joints, with these held still: they become part of the fixed geometry.
 
         Args:
-            values: joint name to the value [rad or m] that the joint is held at, inside its limits or not.
+            values: joint name to the value [rad or m] that the joint is held at, inside its limits or not. Joints of
+                the URDF beside the chain, of another arm for instance, stand at theirs instead of at zero.
 
         Raises:
-            ChainError: the chain has no such joint; the error lists those that it has.
+            ChainError: there is no such joint, or it is held already; the error lists those that there are.
             JointVectorError: a value is no finite number.
 
         Example:
@@ -199,6 +207,9 @@ class Chain:
         held = held_values(self, values)
         if not held:
             return self
+        beside = {name: value for name, value in held.items() if name not in self.joint_names}
+        if len(beside) == len(held):
+            return standing(self, beside)
         q = np.array([held.get(name, 0.0) for name in self.joint_names])
         axes, points, home = self.placed(q)
         free = [k for k, name in enumerate(self.joint_names) if name not in held]
@@ -210,7 +221,7 @@ class Chain:
             P=np.diff(np.vstack([np.zeros(3), points[free], home[:3, 3]]), axis=0),
             R_tip=home[:3, :3].copy(),
             limits=self.limits[free],
-            tree=tuple(joint.held(free, q) for joint in self.tree),
+            tree=tuple(joint.held(free, q, beside) for joint in self.tree),
             locked=(*self.locked, *held.items()),
             followers=tuple(each for each in self.followers if each.driver not in held),
         )
@@ -332,14 +343,23 @@ class Chain:
         return Q
 
 
+def standing(chain: _AnyChain, beside: Mapping[str, float]) -> _AnyChain:
+    """A chain whose URDF's joints beside it stand at these values [rad or m]."""
+    every = list(range(chain.n))
+    tree = tuple(joint.held(every, np.zeros(chain.n), beside) for joint in chain.tree)
+    return replace(chain, tree=tree, locked=(*chain.locked, *beside.items()))
+
+
 def held_values(chain: Chain, values: Mapping[str, float]) -> dict[str, float]:
     """Names and values of joints to hold, as :meth:`Chain.lock` takes and refuses them."""
     held = {name: _held_at(name, value) for name, value in values.items()}
-    if unknown := [name for name in held if name not in chain.joint_names]:
+    there = dict.fromkeys([*chain.joint_names, *(joint.driver for joint in chain.tree if joint.column is None)])
+    able = [name for name in there if name and name not in dict(chain.locked)]
+    if unknown := [name for name in held if name not in able]:
+        where = "it is locked already" if unknown[0] in dict(chain.locked) else "no joint of that name moves by itself"
         raise ChainError(
-            f"joint {unknown[0]!r} cannot be locked: it is not among the movable joints from "
-            f"{chain.base!r} to {chain.tip!r}",
-            chain.joint_names,
+            f"joint {unknown[0]!r} cannot be locked: {where}; the chain is that from {chain.base!r} to {chain.tip!r}",
+            able,
         )
     return held
 

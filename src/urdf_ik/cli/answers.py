@@ -158,7 +158,7 @@ def explanation(answer: Answer, pose: int) -> str:
 def as_csv(answer: Answer, angles: Angles) -> str:
     """One line a solution; numbers first, so that the text of the last two columns can be left out."""
     header = ["pose", *answer.arm.joint_names, "within_limits"]
-    header += [] if answer.solutions.redundancy is None else ["redundancy"]
+    header += free_value.headings(answer.arm)
     header += [] if answer.free is None else ["collision_free"]
     header += [] if answer.position_error is None else ["position_error", "rotation_error"]
     return console.csv_text([*header, "singular", "branch"], _csv_rows(answer, angles))
@@ -217,7 +217,7 @@ def _csv_rows(answer: Answer, angles: Angles) -> Iterator[list[Any]]:
     for i in range(len(answer.poses)):
         for b in answer.places(i):
             row: list[Any] = [i, *q[i, b].tolist(), int(answer.within[i, b])]
-            row += [float(value) for value in _parameter(answer, angles, i).values()]
+            row += [float(x) for value in _parameter(answer, angles, i).values() for x in np.atleast_1d(value)]
             if answer.free is not None:
                 row.append(int(answer.free[i, b]))
             if answer.position_error is not None and answer.rotation_error is not None:

@@ -17,7 +17,6 @@ app = typer.Typer(
     help="Every inverse-kinematics solution of an arm given as URDF, each one checked against Pinocchio.",
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
-    no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
@@ -27,9 +26,53 @@ def _help(what: str, *examples: str) -> str:
     return what + "\n\n\b\nExamples:\n" + "\n".join(f"  {line}" for line in examples)
 
 
-@app.callback()
-def root(version: options.Version = False) -> None:
-    """Take the options that stand before the command."""
+@app.callback(invoke_without_command=True)
+def root(context: typer.Context, version: options.Version = False) -> None:
+    """Take the options that stand before the command; without one, say what to do first."""
+    if context.invoked_subcommand is None:
+        from urdf_ik.cli.commands import first
+
+        typer.echo(first.steps())
+
+
+@app.command(
+    help=_help(
+        "List the arms that have names, with the family and the joints of those that are here: bundled ones, those of "
+        "example-robot-data, and those of robot_descriptions, which downloads a model when it is first asked for.",
+        "urdf-ik robots",
+        "urdf-ik robots ur --all",
+    )
+)
+def robots(
+    word: options.Word = "", everything: options.All = False, printed_as: options.TextFormat = ReportFormat.TABLE
+) -> None:
+    """Print the list."""
+    from urdf_ik.cli import console
+    from urdf_ik.cli.commands import robots as robots_command
+
+    found = robots_command.listed(word, everything)
+    write = robots_command.as_json if printed_as is ReportFormat.JSON else robots_command.as_text
+    console.write(write(found), None)
+
+
+@app.command(
+    help=_help(
+        "Say what is installed and whether it works: versions, the processor's instruction set, optional packages, and "
+        "a test of the solvers against Pinocchio. The status is 1 when the test fails.",
+        "urdf-ik doctor",
+        "urdf-ik doctor --format json",
+    )
+)
+def doctor(printed_as: options.TextFormat = ReportFormat.TABLE) -> None:
+    """Print the findings."""
+    from urdf_ik.cli import console
+    from urdf_ik.cli.commands import doctor as doctor_command
+
+    found = doctor_command.examine()
+    write = doctor_command.as_json if printed_as is ReportFormat.JSON else doctor_command.as_text
+    console.write(write(found), None)
+    if not found.passed:
+        raise typer.Exit(Status.FAILED)
 
 
 @app.command(
@@ -38,22 +81,28 @@ def root(version: options.Version = False) -> None:
         "urdf-ik info zyyzyz_6r",
         "urdf-ik info my_arm.urdf --base base_link --tip tool0 --format json",
         "urdf-ik info panda --lock panda_joint3=30deg",
+        "urdf-ik info my_arm.urdf --chains",
     )
 )
 @on_an_arm
 def info(
     *,
+    chains: options.Chains = False,
     chosen: ChosenArm,
     degrees: options.Degrees = False,
     printed_as: options.TextFormat = ReportFormat.TABLE,
 ) -> None:
     """Print what is known of the arm."""
     from urdf_ik.cli import console
+    from urdf_ik.cli.commands import chains as chains_command
     from urdf_ik.cli.commands import info as info_command
 
+    if chains:
+        show = chains_command.as_json if printed_as is ReportFormat.JSON else chains_command.as_text
+        return console.write(show(chosen.model(), chosen.base), None)
     arm = chosen.load()
     write = info_command.as_json if printed_as is ReportFormat.JSON else info_command.as_text
-    console.write(write(arm, angles_of(arm, degrees)), None)
+    return console.write(write(arm, angles_of(arm, degrees)), None)
 
 
 @app.command(

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from urdf_ik.arm import Arm
     from urdf_ik.cli.console import Angles
+    from urdf_ik.urdf import UrdfModel
 
 
 @dataclass(frozen=True)
@@ -30,9 +31,15 @@ class ChosenArm:
     base: str | None = None
     tip: str | None = None
     lock: list[str] | None = None
+    chain: str | None = None
+    srdf: Path | None = None
     mesh_root: list[Path] | None = None
+    xacro_arg: list[str] | None = None
     tool_xyz: str | None = None
     tool_rpy: str | None = None
+    redundancy_joint: list[str] | None = None
+    free_axis: str | None = None
+    free_at: str | None = None
     degrees: bool = False
     suffix: str = ""
 
@@ -46,16 +53,76 @@ class ChosenArm:
         from urdf_ik.arm import load
         from urdf_ik.cli import free_value
 
-        if self.robot == "-" and sys.stdin is None:
-            raise typer.BadParameter("standard input is closed", param_hint="ROBOT")
+        source = self._source()
         locked = free_value.locked(self.lock or (), f"--lock{self.suffix}")
         tool = self._tool()
-        source = sys.stdin.buffer if self.robot == "-" else self.robot
-        arm = load(source, base=self.base, tip=self.tip, locked=locked, mesh_roots=self.mesh_root or ())
-        if tool is None:
+        arm = load(
+            source,
+            base=self.base,
+            tip=self.tip,
+            chain=self.chain,
+            srdf=self.srdf,
+            locked=locked,
+            redundancy=self.redundancy_joint or (),
+            mesh_roots=self.mesh_root or (),
+            xacro_args=self._xacro_args(),
+        )
+        self._say_which(arm)
+        if tool is not None:
+            names = ("tool", *(f"tool_{k}" for k in range(2, len(arm.model.links) + 3)))
+            arm = arm.with_tool(tool, name=next(name for name in names if name not in arm.model.links))
+        return self._freed(arm)
+
+    def _freed(self, arm: Arm) -> Arm:
+        """The arm with its free axis, where one is asked for."""
+        from urdf_ik.cli import console
+
+        if self.free_axis is None:
+            if self.free_at is not None:
+                raise console.usage("a point on an axis needs the axis: --free-axis z", "--free-at")
             return arm
-        names = ("tool", *(f"tool_{k}" for k in range(2, len(arm.model.links) + 3)))
-        return arm.with_tool(tool, name=next(name for name in names if name not in arm.model.links))
+        named = self.free_axis.strip() in ("x", "y", "z")
+        axis = self.free_axis.strip() if named else console.numbers(self.free_axis, "--free-axis", ("x", "y", "z"))
+        at = None if self.free_at is None else console.numbers(self.free_at, "--free-at", ("x", "y", "z"))
+        return arm.with_free_axis(axis, at)
+
+    def model(self) -> UrdfModel:
+        """The whole URDF, whichever chain is meant.
+
+        Raises:
+            typer.BadParameter: standard input is closed, or an argument of a xacro cannot be understood.
+            UrdfIkError: there is no such robot.
+        """
+        from urdf_ik.arm.loading import read
+
+        return read(self._source(), mesh_roots=self.mesh_root or (), xacro_args=self._xacro_args())[0]
+
+    def _source(self) -> Any:
+        if self.robot == "-" and sys.stdin is None:
+            raise typer.BadParameter("standard input is closed", param_hint="ROBOT")
+        return sys.stdin.buffer if self.robot == "-" else self.robot
+
+    def _xacro_args(self) -> dict[str, str] | None:
+        """Arguments of a xacro; None where there are none, so that only a xacro is read as one."""
+        parts = [typed.partition(":=") for typed in self.xacro_arg or ()]
+        for (name, given, _), typed in zip(parts, self.xacro_arg or (), strict=True):
+            if not (name and given):
+                raise typer.BadParameter(f"{typed!r} is not NAME:=VALUE", param_hint="--xacro-arg")
+        return {name: value for name, _, value in parts} or None
+
+    def _say_which(self, arm: Arm) -> None:
+        """Say on standard error which chain was chosen of several, or which tip of several links at its end."""
+        if self.tip is not None or self.robot in _catalogue_names():
+            return
+        chains = arm.model.chains(self.base)
+        meant = [each for each in chains if each.tip == arm.tip]
+        others = len(chains) - len(meant)
+        if not meant or not (others or meant[0].frames):
+            return
+        also = f"; {', '.join(meant[0].frames[:4])} are fixed to it, too" if meant[0].frames else ""
+        also = also.replace(" are fixed to it", " is fixed to it") if len(meant[0].frames) == 1 else also
+        rest = f"; `urdf-ik info --chains` lists {others} more" if others else ""
+        typer.echo(f"chain: {arm.base} to {arm.tip} ({meant[0].reason}){also}{rest}", err=True)
 
     def _tool(self) -> NDArray[np.float64] | None:
         """Pose of the tool's centre point in the tip link; None without a tool."""
@@ -122,10 +189,16 @@ class TypedPath:
 _CHOSEN = {
     "base": options.Base,
     "tip": options.Tip,
+    "chain": options.ChainName,
+    "srdf": options.Srdf,
     "lock": options.Lock,
     "mesh_root": options.MeshRoot,
+    "xacro_arg": options.XacroArg,
     "tool_xyz": options.ToolXyz,
     "tool_rpy": options.ToolRpy,
+    "redundancy_joint": options.RedundancyJoint,
+    "free_axis": options.FreeAxis,
+    "free_at": options.FreeAt,
 }
 _TYPED = {
     "xyz": options.Position,
@@ -148,6 +221,12 @@ _PATH = {
     "collisions": options.Contacts,
 }
 _GROUPS: Mapping[str, Mapping[str, Any]] = {"chosen": _CHOSEN, "typed": _TYPED, "path": _PATH}
+
+
+def _catalogue_names() -> tuple[str, ...]:
+    from urdf_ik import catalogue
+
+    return catalogue.names()
 
 
 def on_an_arm(command: Callable[..., None]) -> Callable[..., None]:

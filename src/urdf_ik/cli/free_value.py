@@ -42,16 +42,24 @@ def own_values(arm: Arm, q: NDArray[np.float64]) -> NDArray[np.float64] | None:
 
 
 def shown(arm: Arm, value: Any, angles: Angles) -> Any:
-    """A value of the parameter in the units that the user reads."""
-    return angles.angle(value) if unit(arm, angles) != "m" else value
+    """Values of the parameters, (...) of one and (..., k) of k, in the units that the user reads."""
+    turns = np.array([parameter.unit == "rad" for parameter in arm.redundancies])
+    return np.where(turns if len(turns) > 1 else turns[0], angles.angle(value), value)
 
 
-def unit(arm: Arm, angles: Angles) -> str:
-    """The unit that the user reads the parameter in."""
-    return angles.unit if arm.redundancy is not None and arm.redundancy.unit == "rad" else "m"
+def units(arm: Arm, angles: Angles) -> list[str]:
+    """The units that the user reads the parameters in."""
+    return [angles.unit if parameter.unit == "rad" else "m" for parameter in arm.redundancies]
 
 
-def line(arm: Arm, value: float, angles: Angles) -> str:
-    """A value in words."""
-    name = "swivel angle" if arm.redundancy is None or arm.redundancy.kind == "swivel" else arm.redundancy.joint
-    return f"{name} {float(shown(arm, value, angles)) + 0.0:.4f} {unit(arm, angles)}"
+def line(arm: Arm, value: Any, angles: Angles) -> str:
+    """One value of each parameter in words."""
+    values = np.atleast_1d(shown(arm, value, angles)) + 0.0
+    parts = zip(arm.redundancies, values, units(arm, angles), strict=True)
+    return ", ".join(f"{parameter.label} {float(x):.4f} {unit}" for parameter, x, unit in parts)
+
+
+def headings(arm: Arm) -> list[str]:
+    """Names of the columns that hold the values."""
+    count = len(arm.redundancies)
+    return ["redundancy"] * count if count < 2 else [f"redundancy_{k}" for k in range(1, count + 1)]

@@ -10,6 +10,7 @@ import typer
 from typer import Argument, Option
 
 from urdf_ik import __version__
+from urdf_ik.cli.completion import robots_and_files
 
 
 class Format(StrEnum):
@@ -85,10 +86,27 @@ class DHFormat(StrEnum):
 
 # What every command takes.
 Robot = Annotated[
-    str, Argument(metavar="ROBOT", help="URDF file, a catalogue name (zyyzyz_6r, dh_6r, ur5, ...), or - for stdin.")
+    str,
+    Argument(
+        metavar="ROBOT",
+        help="File (URDF, xacro, MJCF, or one of them in gzip), a name that `urdf-ik robots` lists, or - for stdin.",
+        autocompletion=robots_and_files,
+    ),
 ]
 Base = Annotated[str | None, Option("--base", metavar="LINK", help="Base link; poses are given in its frame.")]
 Tip = Annotated[str | None, Option("--tip", metavar="LINK", help="Tip link, whose pose is meant.")]
+ChainName = Annotated[
+    str | None,
+    Option("--chain", metavar="NAME", help="Which arm of several, as `info --chains` names it, or an SRDF's group."),
+]
+Srdf = Annotated[
+    Path | None,
+    Option("--srdf", metavar="FILE", exists=True, dir_okay=False, help="SRDF, whose groups are the chains."),
+]
+XacroArg = Annotated[
+    list[str] | None,
+    Option("--xacro-arg", metavar="NAME:=VALUE", help="Argument of a xacro; repeatable."),
+]
 MeshRoot = Annotated[
     list[Path] | None,
     Option(
@@ -96,7 +114,7 @@ MeshRoot = Annotated[
         metavar="DIR",
         exists=True,
         file_okay=False,
-        help="Where meshes may be read from; repeatable.",
+        help="Where meshes and ROS packages are looked for; repeatable.",
     ),
 ]
 Degrees = Annotated[bool, Option("--degrees", help="Angles in degrees, in and out, instead of rad.")]
@@ -112,12 +130,34 @@ ToolRpy = Annotated[
     str | None,
     Option("--tool-rpy", metavar="R,P,Y", help="Orientation of the tool at its centre point, in the tip link."),
 ]
+RedundancyJoint = Annotated[
+    list[str] | None,
+    Option(
+        "--redundancy-joint",
+        metavar="NAME",
+        help="Of more than six joints: the value of this one is what is free in a pose; repeatable.",
+    ),
+]
+FreeAxis = Annotated[
+    str | None,
+    Option(
+        "--free-axis",
+        metavar="x|y|z|X,Y,Z",
+        help="Let the tip turn about this axis of it, a tool that is round: the rotation is what --redundancy gives.",
+    ),
+]
+FreeAt = Annotated[str | None, Option("--free-at", metavar="X,Y,Z", help="A point of that axis, in the tip link [m].")]
 Output = Annotated[Path | None, Option("--output", "-o", metavar="FILE", help="Write here instead of stdout.")]
 DataFormat = Annotated[
     Format | None, Option("--format", "-f", help="Default: by the name of --output, else table.", show_default=False)
 ]
 TextFormat = Annotated[ReportFormat, Option("--format", "-f", help="How to print it.")]
 Seed = Annotated[int, Option("--seed", min=0, help="Seed of everything that is drawn.")]
+
+# What else `info` shows, and what `robots` lists.
+Chains = Annotated[bool, Option("--chains", help="List the chains of the URDF instead, and which is meant by itself.")]
+Word = Annotated[str, Argument(metavar="[WORD]", help="Only names that hold this.")]
+All = Annotated[bool, Option("--all", help="The arms of robot_descriptions that are not here, too.")]
 
 # Joint vectors of fk.
 Vectors = Annotated[list[str] | None, Option("--q", metavar="Q1,Q2,...", help="Joint vector, rad or m; repeatable.")]
@@ -142,8 +182,8 @@ Redundancy = Annotated[
     Option(
         "--redundancy",
         metavar="V1,V2,...",
-        help="Of seven joints: solve each pose at these values of the parameter that `info` names. "
-        "Default: what it is at the joint vector that a pose was made of, else the arm's default.",
+        help="Of seven joints, or with a free axis: solve each pose at these values of the parameter that "
+        "`info` names. Default: what it is at the joint vector that a pose was made of, else the arm's default.",
         show_default=False,
     ),
 ]

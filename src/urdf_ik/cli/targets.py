@@ -32,7 +32,7 @@ EXAMPLE_SHARE = 0.6
 class Target:
     """Poses (N, 4, 4) to solve, and a sentence on where they come from.
 
-    ``redundancy``: (N,) rad or m, the redundancy parameter of each; None: the arm's default, or none to give.
+    ``redundancy``: (N,) or (N, k) rad or m, the redundancy parameters of each; None: the arm's defaults, or none.
     """
 
     poses: NDArray[np.float64]
@@ -88,15 +88,19 @@ def spread(arm: Arm, target: Target, typed: str | None, angles: Angles) -> Targe
     """
     if typed is None:
         return target
-    parameter = arm.redundancy
-    if parameter is None:
+    count = len(arm.redundancies)
+    if not count:
         raise console.usage(f"this arm's {arm.dof} joints leave nothing free in a pose", "--redundancy")
     values = console.numbers(typed, "--redundancy", ["value"] * len(typed.replace(",", " ").split()))
-    if not len(values):
-        raise console.usage(f"a value is needed, of the {parameter}", "--redundancy")
-    values = np.deg2rad(values) if angles.degrees and parameter.unit == "rad" else values
+    if not len(values) or len(values) % count:
+        needed = "a value is needed" if count == 1 else f"{count} values are needed, or so many times as many, one"
+        raise console.usage(f"{needed} of the {'; of the '.join(map(str, arm.redundancies))}", "--redundancy")
+    if angles.degrees:
+        turns = np.tile([parameter.unit == "rad" for parameter in arm.redundancies], len(values) // count)
+        values = np.where(turns, np.deg2rad(values), values)
+    values = values if count == 1 else values.reshape(-1, count)
     poses = np.repeat(target.poses, len(values), axis=0)
-    return replace(target, poses=poses, redundancy=np.tile(values, len(target.poses)))
+    return replace(target, poses=poses, redundancy=np.concatenate([values] * len(target.poses)))
 
 
 def _typed(typed: TypedPose, oriented: Sequence[str], angles: Angles) -> Target:

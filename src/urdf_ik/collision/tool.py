@@ -33,6 +33,11 @@ AnyArm = TypeVar("AnyArm", bound="Kinematics")
 
 def with_tool(arm: AnyArm, pose: Any, shapes: Shapes, name: str) -> AnyArm:
     """See :meth:`urdf_ik.Arm.with_tool`."""
+    if arm.free_axis is not None:
+        raise ArgumentError(
+            f"{arm.name}: {arm.free_axis} is free, and a tool would move the tip away from it; mount the tool first, "
+            "then say which of its axes is free: arm.with_tool(...).with_free_axis(...)"
+        )
     centre = _one_pose(pose, "the tool's centre point")
     bodies = [_placed(each) for each in ([shapes] if isinstance(shapes, Shape) else shapes)]
     model = _written(arm.model, arm.tip, name, centre, bodies)

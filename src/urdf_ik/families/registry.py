@@ -65,6 +65,9 @@ BY_ELIMINATION: list[Family] = [general_6r.FAMILY, general_slides.FAMILY]
 SEVEN_JOINTS: list[Family] = [srs.FAMILY]
 """Families of seven joints."""
 
+MOST_JOINTS = 9
+"""An arm with more joints has too many parameters for a compiled solver."""
+
 MIMICKING: list[Family] = [coupled.FAMILY, hollow_wrist.FAMILY]
 """Arms in which joints mimic others."""
 
@@ -92,11 +95,17 @@ def every() -> list[Family]:
     ]
 
 
-def choose(structure: Structure, chain: Chain) -> Plan | None:
+def choose(structure: Structure, chain: Chain, given: tuple[str, ...] = ()) -> Plan | None:
     """How an arm is solved; None where no solver takes it.
 
     Of fewer joints than six, and of those that mimic others, the first family that takes the arm. Five turning joints
-    of no family get an added axis; of seven joints one is given where they are of no family.
+    of no family get an added axis; of seven joints one is given where they are of no family, of more as many as leave
+    six or seven.
+
+    Args:
+        structure: how the axes lie.
+        chain: the joints.
+        given: names of joints whose values are to be the redundancy parameters.
 
     Example:
         >>> import urdf_ik
@@ -108,12 +117,19 @@ def choose(structure: Structure, chain: Chain) -> Plan | None:
         return _first(MIMICKING, structure, chain)
     if chain.n < 6:
         return _first(FEW_JOINTS, structure, chain) or axis_added.prepare(structure, chain, of_six)
-    if chain.n == 7:
-        plan = _first(SEVEN_JOINTS, structure, chain)
-        if plan is not None and _is_guide(plan, chain):
-            return plan
-        return joint_given.prepare(chain, _closed_form, _elimination)
-    return of_six(structure, chain)
+    if chain.n == 6:
+        return of_six(structure, chain)
+    if chain.n > MOST_JOINTS:
+        return None
+    own = None if given or chain.n > 7 else _of_seven(structure, chain)
+    return own or joint_given.prepare(
+        chain, joint_given.Ways(_of_seven, (_closed_form, _with_slides, _elimination)), given
+    )
+
+
+def _of_seven(structure: Structure, chain: Chain) -> Plan | None:
+    plan = _first(SEVEN_JOINTS, structure, chain)
+    return plan if plan is not None and _is_guide(plan, chain) else None
 
 
 def of_six(structure: Structure, chain: Chain) -> Plan | None:

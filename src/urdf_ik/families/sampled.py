@@ -58,9 +58,9 @@ def prepare_held(chain: Chain, k: int) -> RedundantPlan:
     parameter = locked_joint(chain, k)
     values: dict[str, Any] = {"written": written_values(chain), "held": k, "value": parameter.default}
 
-    def explain_at(T: Array, value: float) -> str:
-        rest = chain.lock({parameter.joint: value})
-        return f"with {parameter.joint!r} at {value:.6g} {parameter.unit}: {off_by(rest, Aim(), T[:3, :3], T[:3, 3])}"
+    def explain_at(T: Array, at: Array) -> str:
+        rest = chain.lock({parameter.joint: float(at[0])})
+        return f"with {parameter.joint!r} at {at[0]:.6g} {parameter.unit}: {off_by(rest, Aim(), T[:3, :3], T[:3, 3])}"
 
     return RedundantPlan(
         family=FAMILY,
@@ -70,8 +70,8 @@ def prepare_held(chain: Chain, k: int) -> RedundantPlan:
         "what the six others leave, samples where that is a continuum",
         branches=FAMILY.branches,
         solver=Solver("sampled, one held", values),
-        parameter=parameter,
-        value_of=lambda Q: parameter.wrapped(Q[:, k]),
-        explain=lambda T: explain_at(T, parameter.default),
+        parameters=(parameter,),
+        value_of=lambda Q, T: parameter.wrapped(Q[:, k : k + 1]),
+        explain=lambda T: explain_at(T, np.array([parameter.default])),
         explain_at=explain_at,
     )

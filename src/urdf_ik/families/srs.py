@@ -89,10 +89,10 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> RedundantPla
         imperfection=(0.0, max(shoulder.imperfection, wrist.imperfection)),
         error=error,
         solver=solver,
-        parameter=swivel_of(chain.joint_names[3]),
-        value_of=lambda Q: _swivels(chain, ends, Q),
+        parameters=(swivel_of(chain.joint_names[3]),),
+        value_of=lambda Q, T: _swivels(chain, ends, Q)[:, None],
         explain=lambda T: _explain(values, T, 0.0),
-        explain_at=lambda T, value: _explain(values, T, value),
+        explain_at=lambda T, value: _explain(values, T, float(value[0])),
     )
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik.angles import TURN
+from urdf_ik.angles import TURN, shortest
 from urdf_ik.errors import PathError
 from urdf_ik.motion import waypoints
 from urdf_ik.motion.path import nodes as node_sets
@@ -16,6 +16,7 @@ from urdf_ik.motion.path import settings as settings_of
 from urdf_ik.motion.path.assembling import cut_coarse, made, not_found, priced
 from urdf_ik.motion.path.obstacles import Obstacles
 from urdf_ik.motion.path.search import Search
+from urdf_ik.motion.path.stops import stops_of
 from urdf_ik.motion.plan import Stop
 from urdf_ik.solutions.limits import LIMIT_TOLERANCE
 
@@ -102,6 +103,8 @@ def _first_beyond(settings: Settings, plan: Plan) -> Stop | None:
 
 def _plan(settings: Settings, path: Array) -> Plan:
     """The plan of these settings, found or not."""
+    if settings.arm.free_axis is not None:
+        return _with_free_axis(settings, path)
     if settings.arm.redundancy is not None:
         return redundant.plan(settings, path)
     arm, joints = settings.arm, settings.joints
@@ -113,7 +116,35 @@ def _plan(settings: Settings, path: Array) -> Plan:
     if way is not None:
         return made(settings, path, refined, search, way)
     graph.prove(arm, np.arange(len(graph.end)), settings.tolerance)
-    return not_found(settings, path, refined, search)
+    return not_found(settings, path, stops_of(settings, search, refined.T, refined.place))
+
+
+def _with_free_axis(settings: Settings, path: Array) -> Plan:
+    """The cheapest of plans that turn about the free axis and of the one that does not: it never costs more."""
+    held = _held(settings, path)
+    turning = redundant.plan(settings, path)
+    plans = [turning] if held is None else [turning, held, redundant.beside(settings, path, held)]
+    found = [plan for plan in plans if plan is not None and plan.found]
+    if not found:
+        return turning
+    best = min(found, key=lambda plan: (len(plan.changes), plan.cost))
+    return best if best is turning else best.with_others(lambda: (best, *turning.alternatives))
+
+
+def _held(settings: Settings, path: Array) -> Plan | None:
+    """The plan that keeps the rotation about a free axis as the start has it, else as the end, else at zero.
+
+    None where there is none, or start and end differ in it.
+    """
+    arm, axis = settings.arm, settings.arm.free_axis
+    assert axis is not None  # only such arms are asked
+    given = [(q, T) for q, T in ((settings.start, path[0]), (settings.end, path[-1])) if q is not None]
+    values = [arm.nearest_values(q[None], T[None])[0, 0] for q, T in given]
+    if values and abs(shortest(values[0] - values[-1])) > settings_of.AT_WAYPOINT:
+        return None
+    turned = path @ axis.rotation(values[0] if values else 0.0)
+    plan = _plan(replace(settings, arm=arm.fixed), turned)
+    return replace(plan, arm=arm, poses=path) if plan.found else None
 
 
 def _nodes(settings: Settings, T: Array) -> Nodes:

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import colorsys
 import io
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import colormaps
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
+from urdf_ik import palette
 from urdf_ik.plot import figures
 
 if TYPE_CHECKING:
@@ -25,7 +24,6 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-_TAB10 = colormaps["tab10"]
 _FRAME = ("tab:red", "tab:green", "tab:blue")
 REGION_COLOURS, OVERLAP_COLOUR = {"elbow left": "tab:blue", "elbow right": "tab:orange"}, "tab:green"
 
@@ -54,12 +52,7 @@ def posture(arm: Arm, q: ArrayLike | None) -> Array:
 
 def colours(branches: Sequence[str]) -> dict[str, Any]:
     """A colour for each branch, the same one in every picture."""
-    count = len(branches)
-    if count <= _TAB10.N:
-        return {name: _TAB10(k) for k, name in enumerate(branches)}
-    # Round the circle of hues; neighbours differ in lightness, and all are dark enough for letters.
-    lights = [0.3, 0.5]
-    return {name: colorsys.hls_to_rgb(k / count, lights[k % 2], 0.8) for k, name in enumerate(branches)}
+    return dict(zip(branches, palette.colours(len(branches)), strict=True))
 
 
 def box(points: Array) -> tuple[Array, float]:

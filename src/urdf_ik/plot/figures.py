@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from urdf_ik.solutions.tables import chain_links, stick
 from urdf_ik.urdf import link_shapes
 
 if TYPE_CHECKING:
@@ -16,6 +17,9 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 _DRAWS, _SEED = 200, 0
+
+
+__all__ = ["Bodies", "Body", "bodies", "chain_links", "placed", "stick", "surroundings"]
 
 
 class Body(NamedTuple):
@@ -40,21 +44,6 @@ class Bodies(NamedTuple):
 
     shapes: tuple[Body, ...]
     missing: tuple[str, ...]
-
-
-def chain_links(arm: Arm) -> tuple[str, ...]:
-    """Links from base to tip."""
-    path = arm.model.path_between(arm.base, arm.tip)
-    links = [arm.base]
-    for joint in path:
-        links.append(joint.child if joint.parent == links[-1] else joint.parent)
-    return tuple(links)
-
-
-def stick(arm: Arm, q: Array) -> Array:
-    """(..., k, 3) m, the frames' origins of the chain's links at ``q`` (..., n), base to tip."""
-    poses = arm.link_poses(q)
-    return np.stack([poses[link][..., :3, 3] for link in chain_links(arm)], axis=-2)
 
 
 def bodies(arm: Arm) -> Bodies:

@@ -87,7 +87,7 @@ def _nearest_values(
     """(m,) values of the parameter at which poses (m, 4, 4) come nearest to joint vectors (m, n)."""
     low, high = span(arm, parameter, T)
     ends = None if parameter.round else (low, high)
-    own = arm.redundancy_of(q_ref)
+    own = arm.nearest_values(q_ref, T)[:, 0]
     own = own if ends is None else np.clip(own, *ends)
 
     def looked_at(poses: Columns, values: Array) -> tuple[Array, Array]:

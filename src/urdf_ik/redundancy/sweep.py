@@ -19,7 +19,7 @@ from urdf_ik.poses import check_poses
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik.chain.redundancy import Redundancy
     from urdf_ik.families.parts.family import RedundantPlan
@@ -90,13 +90,14 @@ def sweep(arm: SolvingArm, parameter: Redundancy, T: Any, n: int, within_limits:
     return Sweep(solve(parameter.wrapped(values)), intervals, parameter)
 
 
-def explanation(arm: SolvingArm, plan: RedundantPlan, T: Array, value: float | None) -> str:
+def explanation(arm: SolvingArm, plan: RedundantPlan, T: Array, value: ArrayLike | None) -> str:
     """Why the pose ``T`` (4, 4) has no solution at a value of the parameter (None: its default), and where it has."""
     parameter = plan.parameter
     at = parameter.default if value is None else float(parameter.check(value))
     found = sweep(arm, parameter, T, 1, within_limits=False, threads=1).intervals
     places = ", ".join(f"{low:.4f} to {high:.4f} {parameter.unit}" for low, high in found)
-    return f"{plan.explain_at(T, at)}; " + (f"there are solutions at {places}" if places else "nor at other values")
+    why = plan.explain_at(T, np.array([at]))
+    return f"{why}; " + (f"there are solutions at {places}" if places else "nor at other values")
 
 
 def span(arm: SolvingArm, parameter: Redundancy, T: Array) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError
-from urdf_ik.solutions import limits, select, sentences
+from urdf_ik.solutions import limits, select, sentences, tables
 from urdf_ik.solutions.kept import KeptSolutions, Singular, Solution, Step, frozen
 from urdf_ik.solutions.turn_names import suffix, turned_branches
 
@@ -261,6 +261,46 @@ class IKSolutions(KeptSolutions):
         dropped = tuple(place[hits] for place in places)
         q[dropped], info[dropped] = np.nan, 0
         return self._derived(q, info, self._branches, Step("collision", self, amount=margin))
+
+    def to_frame(self) -> Any:
+        """The solutions as a ``pandas.DataFrame``, one row each.
+
+        Columns: of a batch ``pose`` (``pose_0``, ``pose_1``, ... where it has several axes); ``branch``; a joint's
+        value [rad or m] under its name; ``within_limits``, whether that filter keeps it; ``singular``, as words.
+
+        Raises:
+            MissingPackage: pandas is not installed.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("puma_560")
+            >>> frame = arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])).to_frame()
+            >>> len(frame), int(frame["within_limits"].sum())
+            (8, 2)
+        """
+        return tables.to_frame(self)
+
+    def to_xarray(self) -> Any:
+        """The whole answer as an ``xarray.Dataset``, by pose, branch and joint.
+
+        Variables: ``q`` [rad or m], NaN where there is no solution; ``valid``; ``singular``, bits of ``Singular``;
+        ``within_limits``, whether that filter keeps it; ``T`` [m], the poses. Branches and joints are coordinates, with
+        their names; ``unit`` is that of each joint.
+
+        Raises:
+            MissingPackage: xarray is not installed.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("puma_560")
+            >>> data = arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])).to_xarray()
+            >>> dict(data.sizes)["branch"], data.attrs["tip"]
+            (8, 'tool0')
+        """
+        return tables.to_xarray(self)
+
+    def _repr_html_(self) -> str:
+        return tables.html(self)
 
     def explain(self) -> str:
         """Why there is no solution: out of reach, with the number that is, or dropped by limits or collisions.

@@ -182,12 +182,16 @@ class KeptSolutions(Answer):
 
     @property
     def redundancy(self) -> Array | None:
-        """(...) rad or m, the redundancy parameter that each pose was solved at; None for an arm without one."""
-        parameter = self.arm.redundancy
-        if parameter is None:
+        """(...) rad or m, the redundancy parameter that each pose was solved at; None for an arm without one.
+
+        (..., k) for an arm with k parameters.
+        """
+        if self._redundancy is not None:
+            return frozen(self._redundancy.view())
+        defaults = np.array([parameter.default for parameter in self.arm.redundancies])
+        if not len(defaults):
             return None
-        values = np.full(self.shape, parameter.default) if self._redundancy is None else self._redundancy.view()
-        return frozen(values)
+        return frozen(np.full(self.shape, defaults[0]) if len(defaults) == 1 else np.tile(defaults, (*self.shape, 1)))
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -24,7 +24,7 @@ def explanation(solutions: KeptSolutions) -> str:
     step = solutions.step
     if step is None:
         at = solutions.redundancy
-        return str(solutions.arm.explain(solutions.poses, None if at is None else float(at)))
+        return str(solutions.arm.explain(solutions.poses, at))
     found = "1 solution reaches" if step.parent.count == 1 else f"{step.parent.count} solutions reach"
     if step.how == "within":
         inside = " inside the joint limits" if {"limits", "turns"} & set(step.parent.filters) else ""

@@ -69,7 +69,11 @@ class SolvedArm(Protocol):
     def redundancy(self) -> Redundancy | None:
         """The parameter of an arm with seven joints."""
 
-    def explain(self, T: Any, redundancy: float | None = None) -> str:
+    @property
+    def redundancies(self) -> tuple[Redundancy, ...]:
+        """Every parameter, of an arm with several."""
+
+    def explain(self, T: Any, redundancy: Any = None) -> str:
         """Why a pose has no solution."""
 
 
@@ -90,5 +94,5 @@ class SolvingArm(SolvedArm, Protocol):
     def ik(self, T: Any, *, redundancy: Any = None, threads: int = 1) -> Any:
         """The solutions of poses, as ``IKSolutions``."""
 
-    def redundancy_of(self, q: Any) -> NDArray[np.float64]:
-        """Values of the redundancy parameter."""
+    def nearest_values(self, q: NDArray[np.float64], T: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Values of the redundancy parameters at which poses come nearest to joint vectors."""

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from urdf_ik.urdf.chains import Candidate
 from urdf_ik.urdf.checks import MOVABLE
-from urdf_ik.urdf.model import Joint, UrdfModel, read, resolve_mesh
+from urdf_ik.urdf.joint import Joint
+from urdf_ik.urdf.model import UrdfModel, read, resolve_mesh
 
 __all__ = [
     "MOVABLE",
+    "Candidate",
     "Joint",
     "UrdfModel",
     "read",

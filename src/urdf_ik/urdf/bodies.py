@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 from lxml import etree
 
 from urdf_ik.errors import UrdfError
+from urdf_ik.text import quoted
 from urdf_ik.urdf.checks import Place
-from urdf_ik.urdf.xml import child, children, show, tag, written_tag
+from urdf_ik.urdf.xml import child, children, tag, written_tag
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -36,7 +37,7 @@ def write_links(robot: Any, links: dict[str, Any], source: str) -> tuple[UrdfErr
         for kind, write in (*parts, ("visual", _visual), ("collision", _shape)):
             found = list(children(element, kind))
             for part in found[:1] if kind == "inertial" else found:
-                place = Place(source, part, f'<{kind}> of <link name="{show(name)[1:-1]}">')
+                place = Place(source, part, f'<{kind}> of <link name="{quoted(name)[1:-1]}">')
                 left_out.extend(_attempt(write, place, link))
     return tuple(left_out)
 
@@ -104,7 +105,7 @@ def _mesh(place: Place, shape: Any) -> dict[str, str]:
 def _lengths(place: Place, shape: Any, attribute: str, count: int) -> str:
     values = place.numbers(shape, attribute, count)
     if any(float(value) < 0 for value in values):
-        place.fail(f"{attribute}={show(shape.get(attribute))} is negative", hint="write lengths in metres", at=shape)
+        place.fail(f"{attribute}={quoted(shape.get(attribute))} is negative", hint="write lengths in metres", at=shape)
     return " ".join(values)
 
 

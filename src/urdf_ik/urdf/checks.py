@@ -11,7 +11,8 @@ from typing import Any, NoReturn
 from lxml import etree
 
 from urdf_ik.errors import UrdfError
-from urdf_ik.urdf.xml import XACRO_HINT, child, has_xacro, is_xacro, show, tag, written_tag
+from urdf_ik.text import quoted
+from urdf_ik.urdf.xml import XACRO_HINT, child, has_xacro, is_xacro, tag, written_tag
 
 MIN_AXIS = 1e-12
 """A shorter axis is what rounding leaves of zero, and gives no direction."""
@@ -52,14 +53,14 @@ class Place:
         if text is None:
             self.fail(f"{attribute} is missing", hint=hint, at=element)
         if has_xacro(text):
-            self.fail(f"{attribute}={show(text)} holds an unresolved xacro expression", hint=XACRO_HINT, at=element)
+            self.fail(f"{attribute}={quoted(text)} holds an unresolved xacro expression", hint=XACRO_HINT, at=element)
         values = [value for value in _SPACE.split(text) if value]
         for value in values:
             if not _NUMBER.fullmatch(value) or not math.isfinite(float(value)):
                 hint = f"write {written}, finite and decimal, with spaces between them"
-                self.fail(f"{attribute}={show(text)}: {show(value)} is no finite number", hint=hint, at=element)
+                self.fail(f"{attribute}={quoted(text)}: {quoted(value)} is no finite number", hint=hint, at=element)
         if len(values) != count:
-            self.fail(f"{attribute}={show(text)} has {len(values)} values instead of {count}", hint=hint, at=element)
+            self.fail(f"{attribute}={quoted(text)} has {len(values)} values instead of {count}", hint=hint, at=element)
         return values
 
     def origin(self, element: Any) -> dict[str, str]:
@@ -69,7 +70,7 @@ class Place:
             return {}
         if origin.get("quat_xyzw") is not None:
             # URDF 1.2 only: Pinocchio would read it there, and yourdfpy never.
-            problem = f"quat_xyzw={show(origin.get('quat_xyzw'))} is read by some URDF readers only"
+            problem = f"quat_xyzw={quoted(origin.get('quat_xyzw'))} is read by some URDF readers only"
             self.fail(problem, hint="write the rotation as rpy, in rad", at=origin)
         return {name: " ".join(self.numbers(origin, name, 3, "0 0 0")) for name in ("xyz", "rpy")}
 
@@ -126,7 +127,7 @@ def check_joint(place: Place, links: dict[str, Any]) -> RawJoint:
     if name == "universe":
         place.fail("the joint name 'universe' is Pinocchio's own", hint="give the joint another name")
     if kind not in TYPES:
-        problem = "type is missing" if kind is None else f"unknown type {show(kind)}"
+        problem = "type is missing" if kind is None else f"unknown type {quoted(kind)}"
         place.fail(problem, hint=f"one of {', '.join(TYPES)}")
     for part in element:
         if is_xacro(part):
@@ -162,7 +163,7 @@ def check_name(place: Place) -> str:
 def label_of(element: Any) -> str:
     """A link or joint as messages call it."""
     name = element.get("name")
-    return f"<{tag(element)}>" if name is None else f'<{tag(element)} name="{show(name)[1:-1]}">'
+    return f"<{tag(element)}>" if name is None else f'<{tag(element)} name="{quoted(name)[1:-1]}">'
 
 
 def _end(place: Place, end: str, links: dict[str, Any]) -> str:
@@ -173,13 +174,13 @@ def _end(place: Place, end: str, links: dict[str, Any]) -> str:
     if not name:
         place.fail("link is missing", hint=f'write <{end} link="..."/>', at=element)
     if has_xacro(name):
-        place.fail(f"link={show(name)} holds an unresolved xacro expression", hint=XACRO_HINT, at=element)
+        place.fail(f"link={quoted(name)} holds an unresolved xacro expression", hint=XACRO_HINT, at=element)
     if name not in links:
         close = difflib.get_close_matches(name, links, n=3)
-        hint = f"declare it with <link name={show(name)}/>" + (
+        hint = f"declare it with <link name={quoted(name)}/>" + (
             f", or did you mean {', '.join(close)}?" if close else ""
         )
-        place.fail(f"link {show(name)} is not declared", hint=hint, at=element)
+        place.fail(f"link {quoted(name)} is not declared", hint=hint, at=element)
     return name
 
 
@@ -192,7 +193,7 @@ def _axis(place: Place) -> str:
     x, y, z = map(float, values)
     length = math.hypot(x, y, z)
     if not length > MIN_AXIS:
-        problem = f"xyz={show(element.get('xyz'))} is a zero axis"
+        problem = f"xyz={quoted(element.get('xyz'))} is a zero axis"
         place.fail(problem, hint='write a direction, such as "0 0 1"', at=element)
     if abs(length - 1.0) < 1e-15:
         return " ".join(values)
@@ -217,7 +218,7 @@ def _limits(place: Place, kind: str) -> tuple[float, float, float | None, float 
     velocity, effort = (float(place.numbers(element, name, 1)[0]) for name in ("velocity", "effort"))
     for name, value in (("velocity", velocity), ("effort", effort)):
         if value < 0:
-            place.fail(f"{name}={show(element.get(name))} is negative", hint="write zero or more", at=element)
+            place.fail(f"{name}={quoted(element.get(name))} is negative", hint="write zero or more", at=element)
     if kind == "continuous":
         return -math.inf, math.inf, velocity, effort
     lower, upper = bounds

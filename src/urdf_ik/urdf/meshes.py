@@ -6,15 +6,22 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdf_ik.errors import UrdfError
-from urdf_ik.urdf.xml import XACRO_HINT, has_xacro, show
+from urdf_ik.text import quoted
+from urdf_ik.urdf import packages
+from urdf_ik.urdf.xml import XACRO_HINT, has_xacro
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+_HINT = (
+    "add the folder that holds it, or its package, to mesh_roots, or name the package's folder in AMENT_PREFIX_PATH or "
+    "ROS_PACKAGE_PATH"
+)
+
 
 def resolve(filename: str, roots: Sequence[Path], source: str) -> Path:
-    """Find a mesh inside ``roots``: see :func:`urdf_ik.urdf.resolve_mesh`."""
-    element = f"<mesh filename={show(filename)}>"
+    """Find a mesh inside ``roots`` or in a ROS package: see :func:`urdf_ik.urdf.resolve_mesh`."""
+    element = f"<mesh filename={quoted(filename)}>"
     searched = ", ".join(map(str, roots)) or "none"
 
     def error(problem: str, hint: str) -> UrdfError:
@@ -22,6 +29,10 @@ def resolve(filename: str, roots: Sequence[Path], source: str) -> Path:
 
     if has_xacro(filename):
         raise error("the filename holds an unresolved xacro expression", XACRO_HINT)
+    package = _package(filename, roots)
+    if package is not None:
+        roots = (*roots, package)
+        searched = ", ".join(map(str, roots))
     if not roots:
         raise error("there is no folder to look in", "give mesh_roots=[...]: this URDF did not come from a path")
     candidates = _candidates(filename, roots)
@@ -42,7 +53,13 @@ def resolve(filename: str, roots: Sequence[Path], source: str) -> Path:
     if outside:
         missed = "not found inside the mesh roots, and it" if inside else "it"
         raise error(f"{missed} leads outside the mesh roots ({searched})", "add its folder to mesh_roots")
-    raise error(f"not found; searched {searched}", "add the folder that holds it, or its package, to mesh_roots")
+    raise error(f"not found; searched {searched}", _HINT)
+
+
+def _package(filename: str, roots: Sequence[Path]) -> Path | None:
+    """Folder of the ROS package that the address names, None for another kind of address or an unknown package."""
+    scheme, _, rest = filename.partition("://")
+    return packages.find(rest.partition("/")[0], roots) if scheme == "package" else None
 
 
 def _candidates(filename: str, roots: Sequence[Path]) -> list[Path] | None:
@@ -58,6 +75,6 @@ def _candidates(filename: str, roots: Sequence[Path]) -> list[Path] | None:
     out = []
     for root in roots:
         out.append(root / rest.lstrip("/"))
-        if root.name == package:  # the root is the package itself
+        if packages.is_package(root, package):
             out.append(root / within.lstrip("/"))
     return out

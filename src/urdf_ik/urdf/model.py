@@ -14,47 +14,15 @@ import numpy as np
 from lxml import etree
 
 from urdf_ik.errors import ChainError, UrdfError
-from urdf_ik.urdf import bodies, checks, meshes, tree
+from urdf_ik.urdf import bodies, checks, formats, meshes, packages, tree
+from urdf_ik.urdf.chains import Candidate, Chains, doubt
 from urdf_ik.urdf.checks import MOVABLE
+from urdf_ik.urdf.joint import Joint
 from urdf_ik.urdf.xml import open_source, parse
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
-    from numpy.typing import NDArray
-
-
-@dataclass(frozen=True, eq=False)
-class Joint:
-    """One joint of a URDF.
-
-    Attributes:
-        name: unique among the joints.
-        type: 'revolute', 'continuous', 'prismatic', 'fixed', 'floating' or 'planar'.
-        parent: link that carries the joint.
-        child: link that the joint carries.
-        origin: (4, 4) pose of the joint, and of the child link at zero, in the parent link [m], read-only.
-        axis: (3,) unit direction in the joint's frame, read-only; (1, 0, 0) where the type has none.
-        lower: lower bound [rad or m]; -inf where the type has none.
-        upper: upper bound [rad or m]; inf where the type has none.
-        velocity: greatest speed [rad/s or m/s], or None where none is given.
-        effort: greatest torque or force [N m or N], or None where none is given.
-        mimic: (joint followed, multiplier, offset [rad or m]), or None.
-        line: line of its tag in the source.
-    """
-
-    name: str
-    type: str
-    parent: str
-    child: str
-    origin: NDArray[np.float64]
-    axis: NDArray[np.float64]
-    lower: float
-    upper: float
-    velocity: float | None
-    effort: float | None
-    mimic: tuple[str, float, float] | None
-    line: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,9 +66,9 @@ class UrdfModel:
 
     @property
     def package_dirs(self) -> tuple[str, ...]:
-        """Folders that meshes may come from, the URDF's own first."""
-        own = () if self.path is None else (self.path.parent,)
-        return tuple(dict.fromkeys(str(folder) for folder in (*own, *self.mesh_roots)))
+        """Folders that meshes may come from: the URDF's own, that of its ROS package, and the mesh roots."""
+        own = [] if self.path is None else [self.path.parent, packages.own_package(self.path)]
+        return tuple(dict.fromkeys(str(folder) for folder in (*own, *self.mesh_roots) if folder is not None))
 
     def parent_joint(self, link: str) -> Joint | None:
         """The joint that carries ``link``, or None for the root.
@@ -150,35 +118,59 @@ class UrdfModel:
             down.pop()
         return (*up, *reversed(down))
 
-    def default_chain(self) -> tuple[str, str]:
-        """Base and tip of the only movable chain: from the root to the leaf that its last joint carries.
+    def chains(self, base: str | None = None) -> tuple[Candidate, ...]:
+        """The chains that may be meant below a link, the longest first; without the fingers of hands.
+
+        One of them is chosen where the URDF leaves no doubt: an arm with more than twice the joints of every other
+        chain, that ends in one link, or in links one of which is named as a tool frame or stands alone at the end.
+
+        Args:
+            base: link that they begin at; default: the root.
 
         Raises:
-            ChainError: no joint moves, or several leaves could be the tip; the candidates are these leaves,
-                the deepest first.
+            ChainError: there is no such link.
 
         Example:
             >>> import urdf_ik
-            >>> urdf_ik.load("planar_2r").model.default_chain()
-            ('base_link', 'tool0')
+            >>> print(urdf_ik.load("planar_2r").model.chains()[0])
+            base_link to tool0, 2 joints
         """
-        return self.root, self._only_tip(self.root)
+        return Chains(self._require(self.root if base is None else base, "base"), self.joints).candidates()
 
-    def resolve_chain(self, base: str | None = None, tip: str | None = None) -> tuple[str, str]:
-        """Base and tip with what is missing filled in: the root, and the only movable chain below the base.
+    def resolve_chain(
+        self, base: str | None = None, tip: str | None = None, chain: str | None = None
+    ) -> tuple[str, str]:
+        """Base and tip with what is missing filled in: the root, and the end of the chain that is meant.
 
         Both may be any links of the tree: the tip need not lie below the base when both are given.
 
+        Args:
+            base: base link.
+            tip: tip link.
+            chain: name of one of ``chains``, where the tip is not given.
+
         Raises:
-            ChainError: there is no such link, or the tip is ambiguous; the candidates say what is valid.
+            ChainError: there is no such link, or it is in doubt which chain is meant; the candidates say what is
+                valid.
 
         Example:
             >>> import urdf_ik
             >>> urdf_ik.load("planar_2r").model.resolve_chain(tip="link_1")
             ('base_link', 'link_1')
         """
-        base = self.root if base is None else self._require(base, "base")
-        return base, self._only_tip(base) if tip is None else self._require(tip, "tip")
+        if tip is not None:
+            return self.root if base is None else self._require(base, "base"), self._require(tip, "tip")
+        candidates = self.chains(base)
+        if not candidates:
+            start = self.root if base is None else base
+            raise ChainError(
+                f"{self.source}: no {', '.join(MOVABLE)} joint below base {start!r}: there is no movable chain",
+                [] if start == self.root else [self.root],
+            )
+        meant = [each for each in candidates if (each.chosen if chain is None else each.name == chain)]
+        if len(meant) == 1:
+            return base or meant[0].base, meant[0].tip
+        raise doubt(self.source, candidates, chain)
 
     def driver(self, joint: Joint) -> tuple[Joint, float, float]:
         """The joint at the end of a row of mimics, itself for one that is free, with multiplier and offset.
@@ -226,60 +218,28 @@ class UrdfModel:
             link = joint.parent
         return joints
 
-    def _below(self, base: str) -> dict[str, int]:
-        """``base`` and the links below it, with the number of joints down to each."""
-        depth = {base: 0}
-        waiting = [base]
-        while waiting:
-            link = waiting.pop()
-            for joint in self.children(link):
-                depth[joint.child] = depth[link] + 1
-                waiting.append(joint.child)
-        return depth
-
-    def _only_tip(self, base: str) -> str:
-        depth = self._below(base)
-        last_moving: dict[str, set[str]] = {}
-        for leaf in depth:
-            if self.children(leaf):
-                continue
-            link = leaf
-            while link != base and self._carrier[link].type not in MOVABLE:
-                link = self._carrier[link].parent
-            if link != base:
-                last_moving.setdefault(link, set()).add(leaf)
-        leaves = sorted(set().union(*last_moving.values()), key=lambda leaf: (-depth[leaf], self.links.index(leaf)))
-        if len(leaves) == 1:
-            return leaves[0]
-        if not leaves:
-            raise ChainError(
-                f"{self.source}: no {', '.join(MOVABLE)} joint below base {base!r}: there is no movable chain",
-                [] if base == self.root else [self.root],
-            )
-        if len(last_moving) == 1:
-            moving = next(iter(last_moving))
-            why = f"{len(leaves)} links end the chain, all fixed to {moving!r}"
-        else:
-            why = f"{len(last_moving)} movable chains begin at {base!r}"
-        raise ChainError(f"{self.source}: the tip is ambiguous: {why}; name one with tip=...", leaves)
-
 
 def read(
     source: str | os.PathLike[str] | bytes | IO[str] | IO[bytes],
     *,
     mesh_roots: Sequence[str | os.PathLike[str]] = (),
+    xacro_args: Mapping[str, object] | None = None,
 ) -> UrdfModel:
     """Read a URDF and refuse what is broken.
 
     Args:
-        source: a path, XML text, or an open text or binary file.
-        mesh_roots: folders that meshes may come from besides the URDF's own; meshes need not exist.
+        source: a path, XML text, or an open text or binary file: a URDF, compressed or not, a MuJoCo model (MJCF), or
+            a xacro, which is a program: a file whose name ends in ``.xacro``, or anything with ``xacro_args``.
+        mesh_roots: folders that meshes may come from besides the URDF's own and its ROS package; meshes need not
+            exist. ROS packages are looked for here first, then in AMENT_PREFIX_PATH and ROS_PACKAGE_PATH.
+        xacro_args: values of a xacro's arguments by name.
 
     Returns:
         The model, with every joint's origin and axis as yourdfpy reads them.
 
     Raises:
         UrdfError: the URDF cannot be read, or is broken; the message names file, line, element and hint.
+        MissingPackage: a xacro or MJCF is given, and the package that reads it is not installed.
 
     Example:
         >>> from urdf_ik import catalogue
@@ -287,7 +247,8 @@ def read(
         >>> model.name, model.root, len(model.links)
         ('planar_2r', 'base_link', 4)
     """
-    opened = open_source(source)
+    folders = _folders(mesh_roots)
+    opened, lost = formats.as_urdf(open_source(source), folders, xacro_args)
     original = parse(opened)
     name = tree.check_robot(original, opened.name)
     links = tree.check_links(original, opened.name)
@@ -314,13 +275,13 @@ def read(
         links=tuple(links),
         joints=tuple(_joint(each, theirs[each.name]) for each in raw),
         root=root,
-        mesh_roots=_folders(mesh_roots),
-        left_out=left_out,
+        mesh_roots=folders,
+        left_out=(*lost, *left_out),
     )
 
 
 def resolve_mesh(model: UrdfModel, filename: str) -> Path:
-    """Find the file of a mesh, only inside the URDF's own folder and the model's mesh roots.
+    """Find the file of a mesh, only in the URDF's own folder, its ROS package, the mesh roots and ROS packages.
 
     Args:
         model: the URDF that names the mesh.

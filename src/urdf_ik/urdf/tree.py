@@ -5,8 +5,9 @@ from __future__ import annotations
 import difflib
 from typing import TYPE_CHECKING, Any
 
+from urdf_ik.text import quoted
 from urdf_ik.urdf.checks import MOVABLE, Place, RawJoint, check_joint, check_name, label_of
-from urdf_ik.urdf.xml import XACRO_HINT, child, children, is_xacro, show, written_tag
+from urdf_ik.urdf.xml import XACRO_HINT, child, children, is_xacro, written_tag
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -28,7 +29,7 @@ def check_robot(robot: Any, source: str) -> str:
     if name is None:
         place.fail("the robot has no name", hint='write <robot name="...">')
     if (version := robot.get("version", "1.0")) not in VERSIONS:
-        place.fail(f"unknown version {show(version)}", hint=f"one of {', '.join(VERSIONS)}, or none")
+        place.fail(f"unknown version {quoted(version)}", hint=f"one of {', '.join(VERSIONS)}, or none")
     for element in robot:
         if is_xacro(element):
             label = f"<{written_tag(element)}>"
@@ -48,7 +49,8 @@ def check_links(robot: Any, source: str) -> dict[str, Any]:
         name = check_name(place)
         if name in links:
             first = links[name].sourceline
-            place.fail(f"the link name {show(name)} is taken by line {first}", hint="give each link a name of its own")
+            problem = f"the link name {quoted(name)} is taken by line {first}"
+            place.fail(problem, hint="give each link a name of its own")
         links[name] = element
         if len(links) > MAX_LINKS:
             place.fail(f"more than {MAX_LINKS} links", hint=f"keep to {MAX_LINKS} links: split the robot")
@@ -67,7 +69,7 @@ def check_joints(robot: Any, links: dict[str, Any], source: str) -> list[RawJoin
     for element in children(robot, "joint"):
         joint = check_joint(Place(source, element, label_of(element)), links)
         if joint.name in joints:
-            problem = f"the joint name {show(joint.name)} is taken by line {joints[joint.name].line}"
+            problem = f"the joint name {quoted(joint.name)} is taken by line {joints[joint.name].line}"
             joint.place.fail(problem, hint="give each joint a name of its own")
         joints[joint.name] = joint
     _check_mimics(joints)
@@ -85,7 +87,7 @@ def check_tree(joints: Sequence[RawJoint], links: dict[str, Any], source: str) -
         other = parent_of.setdefault(joint.child, joint)
         if other is not joint:
             joint.place.fail(
-                f"link {show(joint.child)} has two parents: this joint and {show(other.name)} at line {other.line}",
+                f"link {quoted(joint.child)} has two parents: this joint and {quoted(other.name)} at line {other.line}",
                 hint="a link is the child of one joint only; a closed loop cannot be written as a URDF",
                 at=child(joint.place.element, "child"),
             )
@@ -121,9 +123,9 @@ def _check_mimics(joints: dict[str, RawJoint]) -> None:
         if driver not in joints:
             close = difflib.get_close_matches(driver, joints, n=3)
             hint = "name a joint of this URDF" + (f"; did you mean {', '.join(close)}?" if close else "")
-            joint.place.fail(f"it mimics {show(driver)}, and there is no such joint", hint=hint, at=element)
+            joint.place.fail(f"it mimics {quoted(driver)}, and there is no such joint", hint=hint, at=element)
         if joints[driver].type in ("floating", "planar"):
-            problem = f"it mimics {show(driver)}, a {joints[driver].type} joint, which has no single value"
+            problem = f"it mimics {quoted(driver)}, a {joints[driver].type} joint, which has no single value"
             joint.place.fail(problem, hint=f"mimic a {', '.join(MOVABLE)} joint", at=element)
         while driver in joints:
             followed.append(driver)

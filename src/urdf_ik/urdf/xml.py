@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import codecs
+import gzip
+import io
 import os
 import re
+import zlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lxml import etree
 
 from urdf_ik.errors import UrdfError
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 TEXT = "<text>"
 MAX_BYTES = 64 * 2**20
-XACRO_HINT = "run xacro first: `xacro robot.urdf.xacro > robot.urdf`"
+XACRO_HINT = "for a xacro, end the file's name in .xacro, or give xacro_args (--xacro-arg NAME:=VALUE)"
 
+_GZIP = b"\x1f\x8b"
 _BOMS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
     (codecs.BOM_UTF32_LE, "utf-32"),
@@ -30,6 +35,15 @@ _DECLARED_ENCODING = re.compile(rb"\s*<\?xml\s[^>]*?\bencoding\s*=\s*[\"']([\w.:
 _DECLARATION = re.compile(r"\s*<\?xml\s.*?\?>", re.DOTALL)
 _PROLOG_PART = re.compile(r"\s+|<\?.*?\?>|<!--.*?-->", re.DOTALL)
 _XACRO_EXPRESSION = re.compile(r"\$[({]")
+
+
+# What a file of another kind has to become.
+_ROOT_HINTS = {
+    "sdf": "this is SDF: write it as URDF first, or give the URDF or xacro that it was made from",
+    "COLLADA": "this is a mesh: give the URDF that refers to it",
+    "package": "this is a ROS package's manifest: give a file of its urdf folder",
+    "launch": "this is a launch file: give the URDF or xacro that it names",
+}
 
 
 class Source(NamedTuple):
@@ -48,19 +62,19 @@ def open_source(source: object) -> Source:
     """
     if isinstance(source, str | bytes | bytearray):
         start = source.lstrip() if isinstance(source, str) else _without_bom(bytes(source)).lstrip()
-        if start[:1] in ("<", b"<", "\ufeff"):
+        if start[:1] in ("<", b"<", "\ufeff") or (isinstance(start, bytes) and start.startswith(_GZIP)):
             return Source(_text(source, TEXT), TEXT, None)
         if not start:
             raise UrdfError("the text is empty", source=TEXT, hint="give a URDF's path or its XML text")
         if not isinstance(source, str):
-            raise UrdfError(f"{show(start[:40])} is no XML", source=TEXT, hint="XML text begins with '<'")
+            raise UrdfError(f"{quoted(start[:40])} is no XML", source=TEXT, hint="XML text begins with '<'")
         return _open_path(source)
     if isinstance(source, os.PathLike):
         return _open_path(os.fspath(source))
     reader = getattr(source, "read", None)
     if reader is None:
         raise UrdfError(
-            f"cannot read a URDF from {type(source).__name__} {show(source)}",
+            f"cannot read a URDF from {type(source).__name__} {quoted(source)}",
             source=TEXT,
             hint="give a path, XML text (str or bytes) or an open file",
         )
@@ -97,7 +111,7 @@ def parse(source: Source) -> Any:
             source=source.name,
             line=root.sourceline,
             element=f"<{root.tag}>",
-            hint="a URDF is one <robot name=...> element; for SDF or MJCF, convert it to URDF first",
+            hint=_ROOT_HINTS.get(str(root.tag), "a URDF is one <robot name=...> element"),
         )
     return root
 
@@ -136,12 +150,6 @@ def written_tag(element: Any) -> str:
 def has_xacro(value: str | None) -> bool:
     """Whether an attribute's value holds an unresolved ``$(...)`` or ``${...}``."""
     return value is not None and _XACRO_EXPRESSION.search(value) is not None
-
-
-def show(value: object) -> str:
-    """A value as messages quote it, cut where it is long."""
-    text = repr(value)
-    return text if len(text) <= 80 else text[:77] + "..."
 
 
 def _open_path(name: str | bytes) -> Source:
@@ -186,7 +194,7 @@ def _text(content: str | bytes | bytearray, name: str) -> str:
         raise UrdfError("the text is larger than 64 MiB", source=name, hint="a URDF holds no meshes")
     if isinstance(content, str):
         return content.removeprefix("\ufeff")
-    data = bytes(content)
+    data = _unpacked(bytes(content), name)
     encoding = next((encoding for bom, encoding in _BOMS if data.startswith(bom)), None)
     if encoding is None:
         declared = _DECLARED_ENCODING.match(data)
@@ -204,17 +212,37 @@ def _text(content: str | bytes | bytearray, name: str) -> str:
         raise UrdfError(f"unusable encoding: {error}", source=name, line=1, hint="save the file as UTF-8") from None
 
 
+def _unpacked(data: bytes, name: str) -> bytes:
+    """What gzip has compressed, up to the size that is read at all; other data as it is."""
+    if not data.startswith(_GZIP):
+        return data
+    try:
+        with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream:
+            unpacked = stream.read(MAX_BYTES + 1)
+    except (OSError, EOFError, zlib.error) as error:
+        raise UrdfError(f"damaged gzip data: {error}", source=name, hint="compress the file again") from None
+    if len(unpacked) > MAX_BYTES:
+        raise UrdfError("it unpacks to more than 64 MiB", source=name, hint="a URDF holds no meshes")
+    return unpacked
+
+
 def _without_declaration(text: str) -> str:
     """Blank the XML declaration: the text is decoded already, and its version changes nothing. Lines stay."""
     found = _DECLARATION.match(text)
     return "\n" * found[0].count("\n") + text[found.end() :] if found else text
 
 
-def _refuse_doctype(text: str, name: str) -> None:
-    """Refuse a DOCTYPE before the parser sees it, so that no entity is ever expanded."""
+def prolog_end(text: str) -> int:
+    """Where the text's DOCTYPE or first element begins: behind white space, comments and instructions."""
     end = 0
     while (part := _PROLOG_PART.match(text, end)) is not None:
         end = part.end()
+    return end
+
+
+def _refuse_doctype(text: str, name: str) -> None:
+    """Refuse a DOCTYPE before the parser sees it, so that no entity is ever expanded."""
+    end = prolog_end(text)
     if text.startswith("<!DOCTYPE", end):
         raise UrdfError(
             "a DOCTYPE is refused",

@@ -7,6 +7,7 @@ import ipaddress
 import socket
 
 from urdf_ik.errors import ArgumentError
+from urdf_ik.text import quoted
 
 DEFAULT_PORT = 8080
 
@@ -21,13 +22,17 @@ def check(host: str, port: int | None) -> None:
     Raises:
         ArgumentError: the port is invalid or in use, or the host is not this machine.
     """
-    if port is not None and not 0 <= port <= 65535:
-        raise ArgumentError(f"port {port} given; a port is a whole number from 0 (any free one) to 65535")
+    if port is not None and not (type(port) is int and 0 <= port <= 65535):
+        raise ArgumentError(f"port {quoted(port)} given; it is a whole number from 0 (any free one) to 65535")
     try:
         family, kind, protocol, _, address = socket.getaddrinfo(host, port or 0, type=socket.SOCK_STREAM)[0]
         with socket.socket(family, kind, protocol) as probe:
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # as the server does
             probe.bind(address)
+    except (UnicodeError, ValueError):  # a label of more than 63 characters, a null byte
+        raise ArgumentError(
+            f"{quoted(host)} is no host name or address; 127.0.0.1 is this machine alone, 0.0.0.0 everybody"
+        ) from None
     except OSError as error:
         if error.errno == errno.EADDRINUSE:
             raise ArgumentError(
@@ -36,7 +41,8 @@ def check(host: str, port: int | None) -> None:
         if error.errno == errno.EACCES:
             raise ArgumentError(f"port {port} on {host} is not allowed: {error.strerror}; 1024 and above are") from None
         raise ArgumentError(
-            f"cannot listen on {host!r}: {error.strerror or error}; 127.0.0.1 is this machine alone, 0.0.0.0 everybody"
+            f"cannot listen on {quoted(host)}: {error.strerror or error}; "
+            "127.0.0.1 is this machine alone, 0.0.0.0 everybody"
         ) from None
 
 

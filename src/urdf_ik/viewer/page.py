@@ -16,7 +16,7 @@ from urdf_ik import catalogue
 from urdf_ik.arm import load
 from urdf_ik.errors import ArgumentError, MissingPackage, UrdfIkError
 from urdf_ik.poses import pose
-from urdf_ik.viewer import address, playback
+from urdf_ik.viewer import address, guard, playback
 from urdf_ik.viewer import state as states
 from urdf_ik.viewer.latest import Latest
 
@@ -53,6 +53,7 @@ class Viewer:
         track: the plan that is shown, or None.
         place: where on it the arm is; 2.5 is half way from waypoint 2 to waypoint 3.
         obstacles: the world in the scene.
+        uploads: the files that pages are sending.
         message: what the last request for another arm came to.
     """
 
@@ -77,19 +78,21 @@ class Viewer:
             world: obstacles to show; a solution that touches one is marked. Default: those of the plan.
 
         Raises:
-            MissingPackage: viser is not installed.
+            MissingPackage: viser is not installed, or is one whose requests cannot be checked.
             ArgumentError: the port is in use, the host is not this machine, or the plan is another arm's.
         """
         try:
             import viser
         except ImportError:
             raise MissingPackage(f"the viewer needs viser, which is not installed: {INSTALL}") from None
-        from urdf_ik.viewer import panel, path_panel, scene, surroundings
+        from urdf_ik.viewer import panel, path_panel, scene, surroundings, uploads
 
         address.check(host, port)
         self._parts, self._plain = (panel.Panel, scene.Drawing), panel.plain
+        self._upload_part = uploads.Uploads
         self._path_parts = path_panel.PathPanel, surroundings.PathDrawing, surroundings.Obstacles
         self._host, self._mesh_roots = host, tuple(mesh_roots)
+        self._guard = guard.Guard(host)
         self.message = ""
         if plan is not None and plan.obstacles is not None and world is None:
             world = plan.obstacles.model.world
@@ -100,12 +103,17 @@ class Viewer:
         self._path: tuple[PathPanel, PathDrawing] | None = None
         self._player = playback.Player(self.go_to, self._ended)
         first = address.DEFAULT_PORT if port is None else port
-        with _quiet():
-            self.server = viser.ViserServer(host=host, port=first, label="urdf-ik", verbose=False)
+        with _quiet(), guard.guarding(self._guard, host) as guarded:
+            self.server = viser.ViserServer(host=guarded, port=first, label="urdf-ik", verbose=False)
+        try:
+            guard.require(self._guard, self.server)
+        except MissingPackage:
+            self.close()
+            raise
         if port and self.port != port:  # somebody took it since it was looked at
             self.close()
             raise ArgumentError(f"port {port} on {host} is in use; name another one, or leave it out")
-        self.server.gui.configure_theme(control_width="large")
+        self.server.gui.configure_theme(control_width="large", show_share_button=False)
         self.server.scene.add_grid("/grid", width=4.0, height=4.0, cell_size=0.1, section_size=0.5)
         self._message = self.server.gui.add_markdown("")
         self._show_arm(self.state)
@@ -131,8 +139,8 @@ class Viewer:
 
     @property
     def url(self) -> str:
-        """Address of the page, for a browser on this machine."""
-        return address.url(self._host, self.port)
+        """Address of the page, for a browser on this machine; who knows its token may use the page."""
+        return f"{address.url(self._host, self.port)}/{self._guard.token}/"
 
     def close(self) -> None:
         """Stop the server."""
@@ -320,52 +328,53 @@ class Viewer:
         arm = self.state.arm
 
         def do() -> None:
-            if self.state.arm is arm:  # else the page has gone on to another one
+            if self.state.arm is not arm:  # the page has gone on to another one
+                return
+            try:
                 self._show(step(self.state), held)
+            except UrdfIkError as error:  # a value that no widget gives
+                self._say(str(error))
 
         self._latest.put(key, do)
 
     def _dragged(self, _: Any) -> None:
         handle = self.drawing.target
-        T = pose(np.array(handle.position), quat_wxyz=np.array(handle.wxyz))
+        try:
+            T = pose(np.array(handle.position), quat_wxyz=np.array(handle.wxyz))
+        except UrdfIkError as error:
+            return self._say(str(error))
         if not np.allclose(T, self.state.target, rtol=0.0, atol=1e-9):  # a click moves nothing
             self._update("target", lambda state: states.with_target(state, T), handle)
+        return None
 
     def _slid(self, index: int, value: float) -> None:
         step = partial(states.with_joint, index=index, value=value)
         self._update(("joint", index), step, self.panel.sliders[index])
 
-    def _turned(self, value: float) -> None:
-        self._update("redundancy", partial(states.with_redundancy, value=value), self.panel.redundancy)
+    def _turned(self, which: int, value: float) -> None:
+        change = partial(states.with_redundancy, value=value, which=which)
+        self._update("redundancy", change, self.panel.redundancies[which])
 
     def _add_sources(self) -> None:
-        """The widgets that stay: another arm, and the scene as a file."""
+        """The widgets that stay: another arm, and the scene as a file.
+
+        The page chooses among names and sends files of its own: this machine's files are none of its business.
+        """
         gui = self.server.gui
         with gui.add_folder("Another arm", expand_by_default=False, order=1e9):
             names = gui.add_dropdown("Catalogue", (_NO_CHOICE, *catalogue.names()))
             upload = gui.add_upload_button("URDF from this computer", mime_type=".urdf,.xml")
-            typed = gui.add_text("Name or path", "")
             base, tip = gui.add_text("Base link", ""), gui.add_text("Tip link", "")
-            go = gui.add_button("Load")
         save = gui.add_button("Save the scene as HTML", order=1e9 + 1.0)
-        self.sources = names, upload, typed, base, tip, go, save
+        self.sources = names, upload, base, tip, save
+        self.uploads = self._upload_part(
+            self.server, upload, lambda content: self.open(content, base.value or None, tip.value or None), self._say
+        )
 
         @names.on_update
         def _(event: Any) -> None:
-            if event.client_id is not None and names.value != _NO_CHOICE:
+            if event.client_id is not None and names.value in catalogue.names():
                 self.open(names.value)
-
-        @upload.on_upload
-        def _(_: Any) -> None:
-            self.open(upload.value.content, base.value or None, tip.value or None)
-
-        @go.on_click
-        def _(_: Any) -> None:
-            source = typed.value.strip()
-            if source in catalogue.names() or address.is_local(self._host):
-                self.open(source, base.value or None, tip.value or None)
-            else:  # whoever reaches the page from elsewhere has no business in this machine's files
-                self._say(f"{source!r} is not in the catalogue; paths are only read for a page on 127.0.0.1")
 
         @save.on_click
         def _(event: Any) -> None:

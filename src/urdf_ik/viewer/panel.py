@@ -6,6 +6,8 @@ import math
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from urdf_ik.solutions import limits
 from urdf_ik.viewer.scene import colours
 
@@ -27,7 +29,7 @@ class Panel:
         status: text above the branches.
         branches: one button a branch.
         sliders: one a joint.
-        redundancy: slider of the redundancy parameter, or None.
+        redundancies: sliders of the redundancy parameters.
     """
 
     def __init__(
@@ -36,7 +38,7 @@ class Panel:
         arm: Arm,
         on_branch: Callable[[int], None],
         on_joint: Callable[[int, float], None],
-        on_redundancy: Callable[[float], None],
+        on_redundancy: Callable[[int, float], None],
     ) -> None:
         """Add the widgets; the functions are called with what the reader of the page chose."""
         self._arm = arm
@@ -49,14 +51,13 @@ class Panel:
             ]
         for column, button in enumerate(self.branches):
             button.on_click(_calling(partial(on_branch, column)))
-        self.redundancy = None
-        if arm.redundancy is not None:
-            low, high = arm.redundancy.range
+        self.redundancies = []
+        if arm.redundancies:
             self._folders.append(gui.add_folder("Redundancy"))
             with self._folders[-1]:
-                name = f"{arm.redundancy.kind} {arm.redundancy.joint} [{arm.redundancy.unit}]"
-                self.redundancy = _slider(gui, name, low, high)
-            on_change(self.redundancy, on_redundancy)
+                self.redundancies = [_slider(gui, f"{p.label} [{p.unit}]", *p.range) for p in arm.redundancies]
+        for which, slider in enumerate(self.redundancies):
+            on_change(slider, partial(on_redundancy, which))
         self._folders.append(gui.add_folder("Joints"))
         with self._folders[-1]:
             self.sliders = [
@@ -81,8 +82,10 @@ class Panel:
         for slider, value in zip(self.sliders, state.q, strict=True):
             if slider is not keep:
                 _set(slider, float(value))
-        if self.redundancy is not None and self.redundancy is not keep and state.redundancy is not None:
-            _set(self.redundancy, state.redundancy)
+        if state.redundancy is not None:
+            for slider, value in zip(self.redundancies, np.atleast_1d(state.redundancy), strict=True):
+                if slider is not keep:
+                    _set(slider, float(value))
 
     def remove(self) -> None:
         """Take the widgets out of the panel again."""

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import colorsys
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import trimesh
 
+from urdf_ik import palette
 from urdf_ik.poses import to_quat_wxyz
 from urdf_ik.urdf import link_shapes
 
@@ -30,9 +30,8 @@ _MOST_FACES = 4000
 
 
 def colours(count: int) -> tuple[tuple[int, int, int], ...]:
-    """``count`` colours, red, green, blue from 0 to 255, spread over the circle of hues."""
-    each = (colorsys.hls_to_rgb(k / max(count, 1), 0.5, 0.75) for k in range(count))
-    return tuple((round(255 * r), round(255 * g), round(255 * b)) for r, g, b in each)
+    """``count`` colours, red, green, blue from 0 to 255: those of every picture, see :mod:`urdf_ik.palette`."""
+    return tuple((round(255 * r), round(255 * g), round(255 * b)) for r, g, b in palette.colours(count))
 
 
 class Drawing:

@@ -64,7 +64,7 @@ class State:
         arm: the arm.
         q: (n,) rad or m, where it stands.
         target: (4, 4) m, pose of the tip that is asked for, in the base.
-        redundancy: value of the redundancy parameter; None for an arm without one.
+        redundancy: value of the redundancy parameter, (k,) of k of them; None for an arm without one.
         ghosts: every solution of the target, by branch.
         reason: why there is no solution, or no solution inside the limits; else ''.
         note: what could not be checked, in words; else ''.
@@ -75,7 +75,7 @@ class State:
     arm: Arm
     q: Array
     target: Array
-    redundancy: float | None
+    redundancy: float | Array | None
     ghosts: tuple[Ghost, ...]
     reason: str
     note: str
@@ -121,15 +121,20 @@ def with_target(state: State, target: Array) -> State:
     return _followed(_solved(replace(state, target=target)))
 
 
-def with_redundancy(state: State, value: float) -> State:
-    """The redundancy parameter set to ``value`` [rad or m]; the arm follows."""
-    return _followed(_solved(replace(state, redundancy=value)))
+def with_redundancy(state: State, value: float, which: int = 0) -> State:
+    """A redundancy parameter set to ``value`` [rad or m]; the arm follows."""
+    values: float | Array = value
+    if isinstance(state.redundancy, np.ndarray):  # of several, the others stay
+        values = np.array(state.redundancy)
+        values[which] = value
+    return _followed(_solved(replace(state, redundancy=values)))
 
 
 def with_joints(state: State, q: Array) -> State:
     """The arm moved to ``q`` (n,) rad or m, and the target with it."""
     arm = state.arm
-    value = None if arm.redundancy is None else float(arm.redundancy_of(q))
+    values = arm.redundancy_of(q) if arm.redundancies else None
+    value = float(values) if values is not None and not values.ndim else values
     return _solved(replace(state, q=q, target=arm.fk(q), redundancy=value))
 
 

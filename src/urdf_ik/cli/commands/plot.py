@@ -83,7 +83,7 @@ def run(chosen: ChosenArm, degrees: bool, what: Picture, asked: Asked, output: P
 
 def _solutions(arm: Arm, angles: Angles, asked: Asked) -> IKSolutions:
     target = targets.target(arm, asked.target, angles)
-    at = None if target.redundancy is None else float(target.redundancy[0])
+    at = None if target.redundancy is None else target.redundancy[0]
     return arm.ik(target.poses[0], redundancy=at)
 
 

@@ -7,10 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     from urdf_ik._core import Solver
@@ -124,17 +125,27 @@ class Plan:
 
 @dataclass(frozen=True, kw_only=True)
 class RedundantPlan(Plan):
-    """How an arm with seven joints is solved, for given values of its redundancy parameter.
+    """How an arm is solved of which a pose leaves something free, for given values of its redundancy parameters.
 
     Attributes:
-        parameter: what is given.
-        value_of: joint vectors (m, 7) -> their values (m,).
-        explain_at: (T (4, 4), value) -> why there is no solution.
+        parameters: what is given, as the solver takes the values: the parameter that was added last comes first.
+        value_of: joint vectors (m, n) and the poses (m, 4, 4) that they are to reach -> their values (m, parameters).
+        explain_at: (T (4, 4), values (parameters,)) -> why there is no solution.
     """
 
-    parameter: Redundancy
-    value_of: Callable[[Array], Array]
-    explain_at: Callable[[Array, float], str]
+    parameters: tuple[Redundancy, ...]
+    value_of: Callable[[Array, Array], Array]
+    explain_at: Callable[[Array, Array], str]
+
+    @property
+    def parameter(self) -> Redundancy:
+        """The first parameter."""
+        return self.parameters[0]
+
+    @property
+    def defaults(self) -> Array:
+        """(parameters,) the values where none are given."""
+        return np.array([parameter.default for parameter in self.parameters])
 
 
 def in_words(family: Family, error: float, steps: str = "") -> dict[str, Any]:

@@ -8,16 +8,18 @@ import numpy as np
 
 from urdf_ik.motion import waypoints
 from urdf_ik.motion.path.graph import CHANGE, MISMATCH, Graph, Pricing
-from urdf_ik.motion.path.stops import stops_of
 from urdf_ik.motion.plan import Change, Plan
 from urdf_ik.solutions import limits
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import NDArray
 
     from urdf_ik.motion.path.graph import Layers, Way
     from urdf_ik.motion.path.search import Search
     from urdf_ik.motion.path.settings import Settings
+    from urdf_ik.motion.plan import Stop
 
     Array = NDArray[np.float64]
 
@@ -39,10 +41,9 @@ class Refined(NamedTuple):
     pieces: Array
 
 
-def not_found(settings: Settings, path: Array, refined: Refined, search: Search) -> Plan:
+def not_found(settings: Settings, path: Array, stops: Iterable[Stop]) -> Plan:
     """The plan without joint vectors, which says what stops the path."""
-    stops = stops_of(settings, search, refined.T, refined.place)
-    return Plan(settings.arm, path, np.empty((0, settings.arm.dof)), stops=stops, obstacles=settings.obstacles)
+    return Plan(settings.arm, path, np.empty((0, settings.arm.dof)), stops=tuple(stops), obstacles=settings.obstacles)
 
 
 def made(settings: Settings, path: Array, refined: Refined, search: Search, way: Way, *, alone: bool = False) -> Plan:
@@ -83,7 +84,7 @@ def _kept(settings: Settings) -> tuple[float, float]:
 def priced(settings: Settings, refined: Refined, layers: Layers, mismatch: tuple[float, float] = MISMATCH) -> Graph:
     """A graph with the costs of the settings, steps and nodes."""
     pricing = Pricing(settings.kind, settings.weights, settings.window, refined.pieces)
-    graph = Graph.connected(settings.joints, layers, pricing, mismatch)
+    graph = Graph.connected(settings.joints, layers, pricing, mismatch, settings.arm.free_axis)
     if np.isfinite(settings.max_step).any() and len(graph.end):
         _, dq = graph.motion(np.arange(len(graph.end)))
         pieces = refined.pieces[layers.at[graph.start_of(np.arange(len(graph.end)))]]

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from urdf_ik.angles import shortest
 from urdf_ik.motion.path.straight import keeps_straight
 from urdf_ik.motion.waypoints import interpolated, twists
 
@@ -90,7 +91,7 @@ def bisected(
         at = pieces.motion
         share = 0.5 * (pieces.start + pieces.end)
         middle = interpolated(T0[at], T1[at], share, turns[at])
-        between = 0.5 * (pieces.value[:, 0] + pieces.value[:, 1])
+        between = pieces.value[:, 0] + 0.5 * _value_steps(arm, pieces.value)
         solutions = arm.ik(middle) if arm.redundancy is None else arm.ik(middle, redundancy=between)
         wanted = pieces.q + 0.5 * pieces.dq
         off = joints.step(wanted[:, None], solutions.q)
@@ -120,6 +121,12 @@ def bisected(
     return done, ordered
 
 
+def _value_steps(arm: Arm, value: Array) -> Array:
+    """From the first to the second of values (k, 2) of the redundancy parameter; the short way round."""
+    steps: Array = value[:, 1] - value[:, 0]
+    return shortest(steps) if arm.redundancy is not None and arm.redundancy.round else steps
+
+
 def _straight(arm: Arm, pieces: Pieces, T0: Array, T1: Array, turns: Array, tolerance: Tolerance) -> Mask:
     """Which pieces keep to their part of the segment."""
     at = pieces.motion
@@ -128,4 +135,4 @@ def _straight(arm: Arm, pieces: Pieces, T0: Array, T1: Array, turns: Array, tole
     ends[1::2] = interpolated(T0[at], T1[at], pieces.end, turns[at])
     turn = np.zeros((max(2 * len(at) - 1, 0), 3))
     turn[0::2] = (pieces.end - pieces.start)[:, None] * turns[at]
-    return keeps_straight(arm.chain, pieces.q, pieces.dq, ends, 2 * np.arange(len(at)), turn, tolerance)
+    return keeps_straight(arm.chain, pieces.q, pieces.dq, ends, 2 * np.arange(len(at)), turn, tolerance, arm.free_axis)

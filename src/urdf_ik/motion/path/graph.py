@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
+    from urdf_ik.chain.free_axis import FreeAxis
 
     Array = NDArray[np.float64]
     Ints = NDArray[np.int64]
@@ -129,12 +130,24 @@ class Graph:
     _on_circle: Ways | None = None
 
     @classmethod
-    def connected(cls, joints: Joints, layers: Layers, pricing: Pricing, mismatch: tuple[float, float]) -> Graph:
+    def connected(
+        cls,
+        joints: Joints,
+        layers: Layers,
+        pricing: Pricing,
+        mismatch: tuple[float, float],
+        free: FreeAxis | None = None,
+    ) -> Graph:
         """With every edge that may be a motion along the path: none of them proven."""
         nodes = len(layers.q)
         jacobians = joints.chain.jacobian(layers.q) if nodes else np.empty((0, 6, joints.chain.n))
         off = (mismatch[0] * joints.chain.size, mismatch[1])
         twist = layers.twists
+        if free is not None and nodes:
+            # The axis' direction is the same at every node of a waypoint.
+            R = layers.T[:, :3, :3]
+            jacobians = np.ascontiguousarray(free.reduced(joints.chain.fk(layers.q)[:, :3, :3], jacobians))
+            twist = np.ascontiguousarray(free.reduced(R[:-1], twist[..., None])[..., 0])
         scale = np.where(pricing.kind == COSTS.index("l2"), pricing.pieces, 1.0)
         room = 1024 + 16 * nodes
         while True:
@@ -180,7 +193,8 @@ class Graph:
         start, layers = self.start_of(chosen), self.layers
         q, dq = self.motion(chosen)
         at = np.searchsorted(layers.first, start, side="right") - 1
-        straight = keeps_straight(self.joints.chain, q, dq, layers.T, at, layers.twists[:, 3:], tolerance)
+        turns, free = layers.twists[:, 3:], arm.free_axis
+        straight = keeps_straight(self.joints.chain, q, dq, layers.T, at, turns, tolerance, free)
         bent = np.flatnonzero(~straight & (np.abs(dq).max(axis=1) <= bisect.WIDEST))
         if len(bent):
             value = np.column_stack([layers.value[start[bent]], layers.value[self.end[chosen[bent]]]])

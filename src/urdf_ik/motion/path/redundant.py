@@ -12,8 +12,9 @@ from urdf_ik.motion.path.assembling import Refined, add_margins, cut_coarse, mad
 from urdf_ik.motion.path.graph import CHANGE, COSTS, MISMATCH, Graph, Pricing
 from urdf_ik.motion.path.search import Search
 from urdf_ik.motion.path.smooth import smoothed
+from urdf_ik.motion.path.stops import stops_of
 from urdf_ik.motion.path.windows import narrow
-from urdf_ik.motion.plan import Plan
+from urdf_ik.motion.plan import EVERY_BRANCH, Plan
 from urdf_ik.motion.waypoints import twists
 from urdf_ik.redundancy.sweep import span
 
@@ -108,8 +109,51 @@ def plan(settings: Settings, path: Array) -> Plan:
             return found
         if _closed(settings, whole, search):
             break
+    return _stopped(settings, path, whole, search, step)
+
+
+def _stopped(settings: Settings, path: Array, whole: Refined, search: Search, step: float) -> Plan:
+    """What stops each branch: the last grid where it has no way through, else the motions near the way that it has."""
+    layers, names = search.graph.layers, settings.arm.structure.branches
     search.graph.solve(settings.reconfigure)
-    return not_found(settings, path, whole, search)
+    stops = stops_of(settings, search, whole.T, whole.place)
+    columns = layers.column[: layers.first[1]]
+    for column in np.unique(columns):
+        way = search.best(columns == column)
+        if way is None:
+            continue
+        near = _around(settings, whole, _guide(settings, way), step / FINER, AROUND[0], last=True)
+        found = near.best()
+        if found is not None:
+            return made(settings, path, whole, near, found, alone=True)
+        near.graph.prove(settings.arm, np.arange(len(near.graph.end)), settings.tolerance)
+        stops += tuple(
+            stop for stop in stops_of(settings, near, whole.T, whole.place) if stop.branch == names[column]
+        )
+    return not_found(settings, path, sorted(stops, key=lambda stop: (stop.branch != EVERY_BRANCH, -stop.waypoint)))
+
+
+def beside(settings: Settings, path: Array, known: Plan) -> Plan | None:
+    """The cheapest plan in the neighbourhood of one that is known; None where that changes its branch."""
+    if known.changes:
+        return None
+    whole = cut_coarse(settings, path, COARSE_TURN, COARSE_MOVE)
+    some = _some(settings, whole)
+    place = some.place
+    right = np.clip(np.searchsorted(known.place, place), 1, max(len(known.place) - 1, 1))
+    if len(known.place) == 1:
+        return None
+    share = (place - known.place[right - 1]) / (known.place[right] - known.place[right - 1])
+    q = known.motion[right - 1] + share[:, None] * (known.motion[right] - known.motion[right - 1])
+    names = settings.arm.structure.branches
+    column = np.array([names.index(known.branches[k]) for k in np.round(place).astype(np.int64)])
+    value = settings.arm.nearest_values(q, some.T)[:, 0]
+    parameter = settings.arm.redundancy
+    turns = parameter is not None and parameter.round
+    guide = Guide(q, value, column, np.zeros(len(q) - 1, dtype=np.bool_), np.inf, turns)
+    step = float(np.diff(_grid(settings, some, FEWEST)[0, :2])[0])
+    last = _finished(settings, whole, some, _improved(settings, some, guide, step), step / FINER**3)
+    return None if last is None else made(settings, path, whole, *last, alone=True)
 
 
 def _closed(settings: Settings, refined: Refined, search: Search) -> bool:
@@ -172,7 +216,7 @@ def _search(settings: Settings, refined: Refined, nodes: Nodes) -> Search:
     """The search on the first grid, a guide for others: no motion is proven."""
     window = np.where(settings.joints.turn > 0.0, STEPS, np.inf)
     pricing = Pricing(settings.kind, settings.weights, window, refined.pieces)
-    graph = Graph.connected(settings.joints, nodes.layers(refined.T), pricing, LOOSE)
+    graph = Graph.connected(settings.joints, nodes.layers(refined.T), pricing, LOOSE, settings.arm.free_axis)
     add_margins(settings, graph)
     return Search(settings.arm, graph, None, settings.obstacles, reconfigure=settings.reconfigure)
 
@@ -182,7 +226,7 @@ def _ends(settings: Settings, refined: Refined, nodes: Nodes) -> Nodes:
     for given, at in ((settings.start, 0), (settings.end, len(refined.T) - 1)):
         if given is None:
             continue
-        value = float(settings.arm.redundancy_of(given))
+        value = float(settings.arm.nearest_values(given[None], refined.T[at][None])[0, 0])
         here = node_sets.solved(
             settings.arm, settings.joints, refined.T, np.array([at]), np.array([[value]]), outside=True
         )

@@ -131,6 +131,15 @@ class Search:
         return np.unique(np.concatenate(found)) if found else np.empty(0, np.int64)
 
     def _clear_motions(self, edges: Ints) -> bool:
+        """Whether all of these motions are clear; where some are not, those beside them are asked, too."""
+        if self._sweep(edges):
+            return True
+        assert self.tolerance is not None  # without it no motion is asked about
+        around = self._motions_beside(edges[self.swept[edges]])
+        self._sweep(around[self.graph.prove(self.arm, around, self.tolerance)])
+        return False
+
+    def _sweep(self, edges: Ints) -> bool:
         assert self.obstacles is not None  # who has none asks nothing
         asked = edges[~self._clear_edges[edges]]
         q0, q1, edge = self.graph.pieces(asked)
@@ -140,3 +149,19 @@ class Search:
         self.swept[asked[~free]] = True
         self.graph.cost[asked[~free]] = np.inf
         return bool(free.all())
+
+    def _motions_beside(self, failed: Ints) -> Ints:
+        """Motions of the same segment and branch as those that touch something, more of them in every round."""
+        graph, layers = self.graph, self.graph.layers
+        found = []
+        for edge in failed:
+            node = graph.start_of(edge)
+            at = int(np.searchsorted(layers.first, node, side="right")) - 1
+            same = np.arange(graph.edge_first[layers.first[at]], graph.edge_first[layers.first[at + 1]])
+            start = graph.start_of(same)
+            open_ = (layers.column[start] == layers.column[node]) & np.isfinite(graph.cost[same])
+            same, start = same[open_], start[open_]
+            apart = np.abs(layers.value[start] - layers.value[node])
+            apart += np.abs(layers.value[graph.end[same]] - layers.value[graph.end[edge]])
+            found.append(same[np.argsort(apart, kind="stable")[: 2 << min(self._rounds, 10)]])
+        return np.unique(np.concatenate(found)) if found else np.empty(0, np.int64)

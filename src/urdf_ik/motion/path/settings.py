@@ -153,8 +153,11 @@ def _at_pose(arm: Arm, name: str, value: Any, T: Array, waypoint: int) -> Array 
     if q.shape != (arm.dof,):
         raise PathError(f"{name} has the shape {q.shape}; one joint vector ({arm.dof},) is needed")
     reached = arm.fk(q)
-    apart = float(np.linalg.norm(reached[:3, 3] - T[:3, 3]))
-    turned = float(np.linalg.norm(reached[:3, :3] - T[:3, :3]) / np.sqrt(2.0))
+    if arm.free_axis is None:
+        apart = float(np.linalg.norm(reached[:3, 3] - T[:3, 3]))
+        turned = float(np.linalg.norm(reached[:3, :3] - T[:3, :3]) / np.sqrt(2.0))
+    else:
+        apart, turned = (float(off) for off in arm.free_axis.apart(reached, T))
     if max(apart, turned) > AT_WAYPOINT:
         nearest = arm.ik_nearest(T, q).q.reshape(-1, arm.dof)
         beside = "" if np.isnan(nearest).any() else f"; its nearest solution is {largest_apart(nearest[0], q):.4g} off"

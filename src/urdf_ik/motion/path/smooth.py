@@ -2,7 +2,7 @@
 
 Along its self-motion each joint vector is q + t d, t being its derivative by the parameter. The sum of squared steps is
 then a quadratic function of all d, in which only neighbours meet: its minimum is the solution of a tridiagonal system
-(Gauss-Newton). What leaves the limits stays where it was.
+(Gauss-Newton). What leaves the limits, or touches something, stays where it was.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.motion.path.assembling import Refined
+    from urdf_ik.motion.path.obstacles import Obstacles
     from urdf_ik.motion.path.settings import Settings
 
     Array = NDArray[np.float64]
@@ -36,11 +37,22 @@ def smoothed(settings: Settings, refined: Refined, q: Array, value: Array) -> tu
     """Joint vectors (k, n) and values (k,) of a way, moved to where the sum of squared steps is least nearby.
 
     Args:
-        settings: arm, joints and weights; a start and an end that are given stay.
+        settings: arm, joints, weights and obstacles; a start and an end that are given stay.
         refined: the waypoints.
-        q: (k, n) rad or m, without jumps.
+        q: (k, n) rad or m, without jumps, clear of the obstacles.
         value: (k,) of the redundancy parameter.
     """
+    least = _least(settings, refined, q, value, None)
+    # Most ways are clear when they are done; only where one is not, every step is asked about.
+    if settings.obstacles is None or settings.obstacles.free(least[0]).all():
+        return least
+    return _least(settings, refined, q, value, settings.obstacles)
+
+
+def _least(
+    settings: Settings, refined: Refined, q: Array, value: Array, obstacles: Obstacles | None
+) -> tuple[Array, Array]:
+    """The same, clear of these obstacles."""
     inverse = np.sqrt(settings.weights) * np.sqrt(refined.pieces)[:, None]
     fixed = np.zeros(len(q), dtype=np.bool_)
     fixed[0], fixed[-1] = settings.start is not None, settings.end is not None
@@ -53,6 +65,8 @@ def smoothed(settings: Settings, refined: Refined, q: Array, value: Array) -> tu
             tried_value = _inside(settings, value + share * step)
             moved = np.nan_to_num(t) * (tried_value - value)[:, None]
             tried, good = _solved(settings, refined, q + moved, tried_value)
+            if obstacles is not None:
+                good[good] = obstacles.free(tried[good])
             tried, tried_value = np.where(good[:, None], tried, q), np.where(good, tried_value, value)
             total = _sum(tried, inverse)
             if total < least:

@@ -27,7 +27,7 @@ _LOOSE = 10.0
 
 
 def stops_of(settings: Settings, search: Search, T: Array, place: Array) -> tuple[Stop, ...]:
-    """Of every branch of the first waypoint, the one that gets farthest first.
+    """Of every branch of the first waypoint, the one that gets farthest first; none of one that gets to the end.
 
     Args:
         settings: what the path was asked to keep to.
@@ -60,6 +60,8 @@ def stops_of(settings: Settings, search: Search, T: Array, place: Array) -> tupl
             continue
         at = layers.at[node]
         last = int(at.max())
+        if last + 1 == len(T):
+            continue
         here = at == last
         stop = _stop(settings, search, T, last, node[here][:_LOOKED_AT], state[here][:_LOOKED_AT])
         stops.append((place[last], Stop(names[column], int(np.ceil(place[min(last + 1, len(T) - 1)])), *stop)))
@@ -143,9 +145,7 @@ def _stop(settings: Settings, search: Search, T: Array, last: int, nodes: Ints, 
     candidates = _solutions(settings, T, last + 1, None if arm.redundancy is None else np.unique(values))
     if not len(candidates.q):
         if arm.redundancy is not None and len(_solutions(settings, T, last + 1, _all_values(settings)).q):
-            return "jump", "its solutions end here: the next waypoint has none at this value of " + str(
-                arm.redundancy.joint
-            )
+            return "jump", f"its solutions end here: the next waypoint has none at this {arm.redundancy.label}"
         return "reach", f"out of reach: {arm.explain(T[last + 1])}"
     found = {}
     nearest_jump = np.inf
@@ -156,7 +156,7 @@ def _stop(settings: Settings, search: Search, T: Array, last: int, nodes: Ints, 
         k = int(np.argmin(size))
         straight = keeps_straight(
             arm.chain, q[None], steps[k][None], T, np.array([last]), graph.layers.twists[:, 3:],
-            settings.tolerance.times(_LOOSE),
+            settings.tolerance.times(_LOOSE), arm.free_axis,
         )  # fmt: skip
         if not straight[0]:
             if size[k] < nearest_jump:

@@ -7,6 +7,11 @@ where joint k slides, 0 where joint j does. A function that is at most E at the 
 second derivative is at most M is at most E + M h^2 / 8 on it. The same holds for the matrix R_segment(s)^T R(s), whose
 second derivative is at most w^2 + w', w being the greatest difference of the two angular velocities and w' that of its
 rate; its distance from the identity is 2 sin(angle / 2).
+
+With a free axis of the tip, only a point on it and its direction d count: the same bounds hold, r_k reaching to that
+point, for R_segment(s)^T R(s) d, whose distance from d is 2 sin(angle / 2), too. The point moves on the segment along a
+curve where it is not the tip's origin: its second derivative, at most the point's distance from the origin times the
+square of the segment's rotation, adds to the bound of the position.
 """
 
 from __future__ import annotations
@@ -22,6 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.chain import Chain
+    from urdf_ik.chain.free_axis import FreeAxis
 
     Array = NDArray[np.float64]
     Mask = NDArray[np.bool_]
@@ -51,7 +57,14 @@ class Tolerance:
 
 
 def keeps_straight(
-    chain: Chain, q: Array, dq: Array, T: Array, at: NDArray[np.intp], turns: Array, tolerance: Tolerance
+    chain: Chain,
+    q: Array,
+    dq: Array,
+    T: Array,
+    at: NDArray[np.intp],
+    turns: Array,
+    tolerance: Tolerance,
+    free: FreeAxis | None = None,
 ) -> Mask:
     """Whether linear joint motions keep within a tolerance of the straight segments between waypoints.
 
@@ -63,11 +76,13 @@ def keeps_straight(
         at: (k,) number of the waypoint that each motion starts at.
         turns: (m - 1, 3) rad, rotation vectors from each waypoint to the next, in base axes.
         tolerance: see :class:`Tolerance`.
+        free: a line in the tip about which any rotation will do.
 
     Returns:
         (k,) true where it is proven.
     """
-    position, rotation = curvature(chain, q, dq, np.linalg.norm(turns, axis=1)[at])
+    arm = 0.0 if free is None else float(np.linalg.norm(free.at))
+    position, rotation = curvature(chain, q, dq, np.linalg.norm(turns, axis=1)[at], arm)
     allowed = 2.0 * np.sin(0.5 * tolerance.rotation)
     # Without a sample, the bound may take the whole tolerance.
     straight = (position <= 8.0 * tolerance.position) & (rotation <= 8.0 * allowed)
@@ -78,7 +93,7 @@ def keeps_straight(
         here = np.flatnonzero(undecided)
         within = np.concatenate(
             [
-                _samples_within(chain, q[k], dq[k], T, at[k], turns, count, tolerance, allowed)
+                _samples_within(chain, q[k], dq[k], T, at[k], turns, count, tolerance, allowed, free)
                 for k in np.array_split(here, 1 + len(here) * count // _BATCH)
             ]
         )
@@ -89,7 +104,7 @@ def keeps_straight(
     return np.asarray(straight)
 
 
-def curvature(chain: Chain, q: Array, dq: Array, turn: Array) -> tuple[Array, Array]:
+def curvature(chain: Chain, q: Array, dq: Array, turn: Array, arm: float = 0.0) -> tuple[Array, Array]:
     """Bounds of the second derivatives, see above: of the position [m] and of the rotation, (k,) each.
 
     Args:
@@ -97,16 +112,19 @@ def curvature(chain: Chain, q: Array, dq: Array, turn: Array) -> tuple[Array, Ar
         q: (k, n) rad or m.
         dq: (k, n) rad or m.
         turn: (k,) rad that the segment turns by.
+        arm: m from the tip to the point in it whose position counts.
     """
     axes = chain.axes
     gain = getattr(chain, "gain", None)
     values, steps = (q, np.abs(dq)) if gain is None else (q @ gain.T, np.abs(dq) @ np.abs(gain).T)
-    lengths = np.linalg.norm(axes.P[1:], axis=1) + np.where(axes.prismatic, np.abs(values) + steps, 0.0)
+    lengths = np.linalg.norm(axes.P[1:], axis=1)
+    lengths[-1] += arm
+    lengths = lengths + np.where(axes.prismatic, np.abs(values) + steps, 0.0)
     # From each axis to the tip: the steps after it, and the slides.
     reach = np.where(axes.prismatic, 1.0, np.cumsum(lengths[:, ::-1], axis=1)[:, ::-1])
     turning = np.where(axes.prismatic, 0.0, steps)
     before = np.cumsum(turning, axis=1) - turning
-    position = (steps * reach * (2.0 * before + turning)).sum(axis=1)
+    position = (steps * reach * (2.0 * before + turning)).sum(axis=1) + arm * turn * turn
     rate = turning.sum(axis=1) + turn
     return position, rate * rate + (turning * before).sum(axis=1) + turn * rate
 
@@ -121,19 +139,23 @@ def _samples_within(
     count: int,
     tolerance: Tolerance,
     allowed: float,
+    free: FreeAxis | None,
 ) -> Mask:
     """Whether the samples at odd multiples of 1 / count keep within 1 - ``PROVEN`` of a tolerance."""
     shares = np.arange(1, count, 2) / count
     real = chain.fk(q[:, None] + shares[:, None] * dq[:, None])
     segments, place = np.unique(at, return_inverse=True)
     ideal = interpolated(T[segments, None], T[segments + 1, None], shares, turns[segments, None])[place]
-    off = real[..., :3, 3] - ideal[..., :3, 3]
-    turned = real[..., :3, :3] - ideal[..., :3, :3]
     left = 1.0 - PROVEN
-    # The Frobenius norm of R - I is sqrt(8) sin(angle / 2), which is sqrt(2) times the distance above.
+    if free is None:
+        off = real[..., :3, 3] - ideal[..., :3, 3]
+        # The Frobenius norm of R - I is sqrt(8) sin(angle / 2), which is sqrt(2) times the distance above.
+        turned = np.sqrt(0.5) * (real[..., :3, :3] - ideal[..., :3, :3]).reshape(*off.shape[:-1], 9)
+    else:
+        off, turned = np.moveaxis((real - ideal)[..., :3, :] @ free.seen, -1, 0)
     return np.asarray(
         (
             (np.einsum("...i,...i", off, off) <= (left * tolerance.position) ** 2)
-            & (np.einsum("...ij,...ij", turned, turned) <= 2.0 * (left * allowed) ** 2)
+            & (np.einsum("...i,...i", turned, turned) <= (left * allowed) ** 2)
         ).all(axis=1)
     )

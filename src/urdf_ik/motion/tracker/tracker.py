@@ -102,7 +102,7 @@ class Tracker:
             JointVectorError: ``q0`` does not fit the arm, or is outside the limits.
             ArgumentError: ``dt``, ``recentring`` or ``margin`` is out of its range.
             VelocityError: a limit of velocity or acceleration is.
-            UnsupportedArm: the arm has more than seven joints, or joints that mimic others.
+            UnsupportedArm: the arm has more than seven joints, joints that mimic others, or a free axis.
         """
         chain = arm.chain
         if isinstance(chain, CoupledChain):
@@ -111,6 +111,11 @@ class Tracker:
             )
         if not 1 <= chain.n <= MOST_JOINTS:
             raise UnsupportedArm(f"{arm.name}: arms of 1 to {MOST_JOINTS} joints are tracked, and it has {chain.n}")
+        if arm.free_axis is not None:
+            raise UnsupportedArm(
+                f"{arm.name}: {arm.free_axis} is free, and targets are tracked as whole poses; arm.fixed.tracker(...) "
+                "tracks them with the rotation that they have"
+            )
         self.arm = arm
         self.dt = positive("dt", dt, "s")
         self.velocity_limits = arm.velocity_limits.copy() if velocity is None else limits_of(arm, "velocity", velocity)

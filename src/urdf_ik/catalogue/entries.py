@@ -1,4 +1,4 @@
-"""Names of arms, and where their URDFs lie: bundled with this package, or in example-robot-data."""
+"""What each name leads to: a URDF of this package, of example-robot-data, or of robot_descriptions."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from urdf_ik.catalogue import downloads
 from urdf_ik.errors import CatalogueError
 
 BUNDLED: Mapping[str, str] = {
@@ -18,8 +19,14 @@ BUNDLED: Mapping[str, str] = {
     "stanford_rrprrr": "Stanford arm: waist, shoulder, sliding boom, spherical wrist",
     "srs_7r": "seven axes, spherical shoulder and wrist, with the lengths of a KUKA LBR iiwa 14",
     "puma_560": "Unimation PUMA 560, by Corke and Armstrong-Helouvry's table",
+    "rail_6r": "the PUMA 560 on a rail: seven joints, of which the rail is what a pose leaves free",
+    "positioner_6r": "the PUMA 560 with a torch, and a two-axis positioner that carries the link 'workpiece'",
+    "dual_6r": "two PUMA 560 on one pedestal, to left_tool0 and to right_tool0",
 }
-"""Arms that come with this package, each from base_link to tool0: what they are."""
+"""Arms that come with this package: what they are."""
+
+_TIPS = {"positioner_6r": "torch", "dual_6r": "left_tool0"}
+"""Tips of those that are not from base_link to tool0."""
 
 _UR = ("base_link", "tool0")
 
@@ -64,10 +71,11 @@ class Entry:
     Attributes:
         name: the name it was asked for by.
         path: its URDF.
-        base: base link of the arm, None for the only movable chain.
-        tip: tip link of the arm, None for the only movable chain.
+        base: base link of the arm, None for that of the chain that is meant.
+        tip: tip link of the arm, None for that of the chain that is meant.
         package_dirs: folders in which ``package://`` addresses of its meshes are looked up.
         description: what the arm is; '' for those of example-robot-data.
+        xacro_args: arguments of the xacro that it is, or None.
     """
 
     name: str
@@ -76,10 +84,13 @@ class Entry:
     tip: str | None
     package_dirs: tuple[Path, ...] = ()
     description: str = ""
+    xacro_args: Mapping[str, str] | None = None
 
 
 def names() -> tuple[str, ...]:
     """Every name of the catalogue, bundled arms first, whether or not example-robot-data is installed.
+
+    Those of robot_descriptions, which ``resolve`` takes too, are :func:`urdf_ik.catalogue.downloads.names`.
 
     Example:
         >>> names()[0]
@@ -88,39 +99,68 @@ def names() -> tuple[str, ...]:
     return (*BUNDLED, *EXAMPLE_ROBOT_DATA)
 
 
+def is_here(name: str) -> bool:
+    """Whether the arm of that name can be loaded without a download or an installation.
+
+    Example:
+        >>> is_here("zyyzyz_6r")
+        True
+    """
+    if name in BUNDLED:
+        return True
+    if name in EXAMPLE_ROBOT_DATA:
+        share = _example_robot_data_share()
+        return share is not None and _robot_file(share, name).is_file()
+    return downloads.is_here(name)
+
+
 def resolve(name: str) -> Entry:
-    """Find the arm of that name.
+    """Find the arm of that name; one of robot_descriptions is downloaded when it is first asked for.
+
+    Args:
+        name: a bundled arm, one of example-robot-data, or a model of robot_descriptions, with or without its
+            ``_description``.
 
     Raises:
-        CatalogueError: the catalogue has no such name (the message lists the nearest), or the name belongs to
-            example-robot-data, which is not installed (the message says how to install it).
+        CatalogueError: there is no such name (the message lists the nearest), or the name belongs to a package that
+            is not installed (the message says how to install it), or to a model that cannot be downloaded.
 
     Example:
         >>> resolve("zyyzyz_6r").tip
         'tool0'
     """
     if name in BUNDLED:
-        return Entry(name, _bundled_folder() / f"{name}.urdf", "base_link", "tool0", description=BUNDLED[name])
-    if name not in EXAMPLE_ROBOT_DATA:
-        raise CatalogueError(f"no arm is called {name!r}; {_alternatives(name)}")
+        return Entry(name, _bundled_folder() / f"{name}.urdf", "base_link", _TIPS.get(name, "tool0"), (), BUNDLED[name])
+    if name in EXAMPLE_ROBOT_DATA:
+        return _from_example_robot_data(name)
+    if model := downloads.model_of(name):
+        found = downloads.fetch(model)
+        return Entry(name, found.path, None, None, found.package_dirs, downloads.describe(model), found.xacro_args)
+    raise CatalogueError(f"no arm is called {name!r}; {_alternatives(name)}")
+
+
+def _from_example_robot_data(name: str) -> Entry:
     share = _example_robot_data_share()
     if share is None:
         raise CatalogueError(
             f"{name!r} is an arm of {_DISTRIBUTION}, which is not installed: {INSTALL_EXAMPLE_ROBOT_DATA}"
         )
-    file, base, tip = EXAMPLE_ROBOT_DATA[name]
-    path = share / "example-robot-data" / "robots" / file
+    path = _robot_file(share, name)
     if not path.is_file():
         raise CatalogueError(
             f"{name!r} is not in the installed {_DISTRIBUTION}, {path} is missing: "
             f"{INSTALL_EXAMPLE_ROBOT_DATA} --upgrade"
         )
-    return Entry(name, path, base, tip, (share,))
+    return Entry(name, path, *EXAMPLE_ROBOT_DATA[name][1:], (share,))
+
+
+def _robot_file(share: Path, name: str) -> Path:
+    return share / "example-robot-data" / "robots" / EXAMPLE_ROBOT_DATA[name][0]
 
 
 def _bundled_folder() -> Path:
     """The folder of the bundled URDFs: inside an installed package, at the repository's root in a checkout."""
-    package = Path(__file__).resolve().parent
+    package = Path(__file__).resolve().parents[1]
     inside = package / "bundled" / "urdf"
     return inside if inside.is_dir() else package.parents[1] / "urdf"
 
@@ -146,6 +186,8 @@ def _alternatives(name: str) -> str:
     """The names nearest to one that the catalogue does not hold, or all of them where none is near."""
     import difflib
 
-    if nearest := difflib.get_close_matches(name.lower(), names(), n=4, cutoff=0.5):
-        return f"nearest: {', '.join(nearest)}"
-    return f"there are: {', '.join(names())}"
+    known = (*names(), *downloads.names())
+    more = "" if downloads.names() else f"; robot_descriptions has more: {downloads.INSTALL}"
+    if nearest := difflib.get_close_matches(name.lower(), known, n=4, cutoff=0.5):
+        return f"nearest: {', '.join(nearest)}{more}"
+    return f"there are: {', '.join(names())}{more or ', and those that `urdf-ik robots --all` lists'}"

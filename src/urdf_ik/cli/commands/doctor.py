@@ -1,0 +1,149 @@
+"""What ``urdf-ik doctor`` finds: versions, instruction set, optional packages, and a test of the solvers."""
+
+from __future__ import annotations
+
+import platform
+import sys
+import time
+from dataclasses import asdict, dataclass
+from importlib import metadata
+
+from urdf_ik import __version__, _core
+from urdf_ik.cli import console, tables
+
+NEEDED = ("numpy", "pin", "coal", "yourdfpy", "lxml", "trimesh", "scipy")
+OPTIONAL = {
+    "plot": ("matplotlib",),
+    "viewer": ("viser",),
+    "robots": ("example-robot-data", "robot_descriptions"),
+    "xacro": ("xacro",),
+    "mjcf": ("mujoco",),
+    "notebooks": ("ipykernel", "ipywidgets"),
+    "timing": ("toppra",),
+    "tables": ("pandas", "xarray"),
+}
+_ARMS = ("zyyzyz_6r", "scara_rrpr", "stanford_rrprrr", "srs_7r")
+_POSES = 50
+_EXACT = 1e-9
+
+
+@dataclass(frozen=True)
+class Test:
+    """One arm, solved and measured.
+
+    Attributes:
+        arm: its name.
+        poses: number of poses, each the tip's at a random joint vector.
+        solutions: number of solutions.
+        missed: poses whose own joint vector was not among them, up to whole turns.
+        error: largest error of a solution as Pinocchio measures it [m or rad].
+    """
+
+    arm: str
+    poses: int
+    solutions: int
+    missed: int
+    error: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing was missed and nothing is off."""
+        return not self.missed and self.error <= _EXACT
+
+
+@dataclass(frozen=True)
+class Findings:
+    """All that was found.
+
+    Attributes:
+        versions: of this package, Python and what it needs; '' for what is missing.
+        machine: processor and system.
+        instruction_sets: the one that is used, and those that this build has.
+        extras: versions of what each extra brings; '' for what is missing.
+        tests: the solvers against Pinocchio.
+        seconds: what the tests took.
+    """
+
+    versions: dict[str, str]
+    machine: str
+    instruction_sets: tuple[str, tuple[str, ...]]
+    extras: dict[str, dict[str, str]]
+    tests: tuple[Test, ...]
+    seconds: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether all that is needed is here, and every test passed."""
+        return all(self.versions.values()) and all(test.passed for test in self.tests)
+
+
+def examine() -> Findings:
+    """Look at the installation, and test it."""
+    versions = {"urdf-ik": __version__, "python": platform.python_version()}
+    versions |= {name: _version(name) for name in NEEDED}
+    start = time.perf_counter()
+    tests = tuple(_test(name) for name in _ARMS)
+    return Findings(
+        versions,
+        f"{platform.system()} {platform.machine()}",
+        (_core.isa(), tuple(_core.levels())),
+        {extra: {name: _version(name) for name in names} for extra, names in OPTIONAL.items()},
+        tests,
+        time.perf_counter() - start,
+    )
+
+
+def as_text(found: Findings) -> str:
+    """Lines and a table."""
+    used, built = found.instruction_sets
+    lines = [f"{name:<14}{version or 'missing'}" for name, version in found.versions.items()]
+    lines += [f"{'machine':<14}{found.machine}, instruction set {used} of {', '.join(built)}", ""]
+    for extra, packages in found.extras.items():
+        here = ", ".join(f"{name} {version}" for name, version in packages.items() if version)
+        missing = [name for name, version in packages.items() if not version]
+        words = [here] if here else []
+        words += [f"without {', '.join(missing)}: pip install 'urdf-ik[{extra}]'"] if missing else []
+        lines.append(f"{extra:<14}{'; '.join(words)}")
+    rows = [
+        [test.arm, test.poses, test.solutions, test.missed, f"{test.error:.1e}", "yes" if test.passed else "FAIL"]
+        for test in found.tests
+    ]
+    table = tables.grid(["arm", "poses", "solutions", "missed", "error [m, rad]", "passed"], rows, left=["arm"])
+    verdict = "all is well" if found.passed else "something is wrong: see above"
+    return tables.render(*lines, "", table, "", f"{verdict}; the test took {found.seconds:.1f} s")
+
+
+def as_json(found: Findings) -> str:
+    """The same as data."""
+    used, built = found.instruction_sets
+    data = {**asdict(found), "instruction_sets": {"used": used, "built": built}, "passed": found.passed}
+    return console.json_text({**data, "executable": sys.executable})
+
+
+def _test(name: str) -> Test:
+    """Solve poses of random joint vectors, look for these among the answers, and have Pinocchio measure all."""
+    import numpy as np
+
+    from urdf_ik import angles
+    from urdf_ik.arm import load
+    from urdf_ik.reference import Reference
+
+    arm = load(name)
+    pinocchio = Reference(arm.model, arm.base, arm.tip)
+    rng = np.random.default_rng(0)
+    Q = rng.uniform(pinocchio.ranges[:, 0], pinocchio.ranges[:, 1], (_POSES, arm.dof))
+    T = pinocchio.pose(Q)
+    answer = arm.ik(T, redundancy=None if arm.redundancy is None else arm.redundancy_of(Q))
+    off = answer.q - Q[:, None]
+    off = np.where(pinocchio.prismatic, off, angles.wrapped(off))
+    near = np.abs(np.where(answer.valid[..., None], off, np.inf)).max(axis=-1).min(axis=-1)
+    position, rotation = pinocchio.errors(answer.q, T[:, None])
+    errors = np.where(answer.valid, np.maximum(position, rotation), 0.0)
+    return Test(name, _POSES, int(answer.valid.sum()), int((near > 1e-6).sum()), float(errors.max()))
+
+
+def _version(package: str) -> str:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return ""

@@ -1,0 +1,82 @@
+"""What ``urdf-ik robots`` prints: every arm that has a name."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+from urdf_ik import catalogue
+from urdf_ik.arm import load
+from urdf_ik.catalogue import downloads
+from urdf_ik.cli import console, tables
+from urdf_ik.errors import ChainError, UrdfIkError
+
+_MOST_WORDS = 34
+
+
+@dataclass(frozen=True)
+class Robot:
+    """An arm that has a name.
+
+    Attributes:
+        name: what ``load`` takes.
+        source: 'bundled', 'example-robot-data' or 'robot_descriptions'.
+        here: whether it can be loaded without a download or an installation.
+        joints: number of its joints; where it is not here, what its package says, or None.
+        family: how it is solved, '' where it is not here or no solver takes it.
+        note: what it is, or why it is not solved.
+    """
+
+    name: str
+    source: str
+    here: bool
+    joints: int | None
+    family: str
+    note: str
+
+
+def listed(word: str = "", everything: bool = False) -> list[Robot]:
+    """The robots whose name holds ``word``; those of robot_descriptions that are not here only on demand.
+
+    Example:
+        >>> [robot.family for robot in listed("puma_560")]
+        ['6R spherical wrist, 2||3 and 1x2']
+    """
+    more = [name for name in downloads.names() if everything or catalogue.is_here(name)]
+    return [_robot(name) for name in (*catalogue.names(), *more) if word in name]
+
+
+def as_text(robots: list[Robot]) -> str:
+    """A table, and how to get more."""
+    rows = []
+    for robot in robots:
+        what = robot.family or robot.note
+        short = what if len(what) <= _MOST_WORDS else f"{what[: _MOST_WORDS - 3]}..."
+        joints = "-" if robot.joints is None else robot.joints
+        rows.append([robot.name, joints, short, "yes" if robot.here else "no", robot.source])
+    table = tables.grid(["name", "joints", "family", "here", "from"], rows, left=["name", "family", "from"])
+    more = len(downloads.names())
+    rest = f"robot_descriptions has {more} arms: --all lists them" if more else f"more: {downloads.INSTALL}"
+    return tables.render(*([table] if rows else ["no robot has such a name"]), "", rest)
+
+
+def as_json(robots: list[Robot]) -> str:
+    """The same as data."""
+    return console.json_text({"robots": [asdict(robot) for robot in robots]})
+
+
+def _robot(name: str) -> Robot:
+    here = catalogue.is_here(name)
+    source = "bundled" if name in catalogue.BUNDLED else "example-robot-data"
+    if name not in catalogue.names():
+        source = "robot_descriptions"
+    note = catalogue.BUNDLED.get(name, "") or (downloads.describe(name) if source == "robot_descriptions" else "")
+    if not here:
+        joints = downloads.joints_of(name) if source == "robot_descriptions" else None
+        return Robot(name, source, False, joints, "", note)
+    try:
+        arm = load(name)
+    except ChainError:
+        return Robot(name, source, True, None, "", "several chains: urdf-ik info --chains")
+    except UrdfIkError as error:
+        return Robot(name, source, True, None, "", str(error))
+    return Robot(name, source, True, arm.dof, arm.structure.family, note)

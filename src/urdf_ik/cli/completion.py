@@ -1,0 +1,28 @@
+"""What a shell offers when a robot is typed."""
+
+from __future__ import annotations
+
+import glob
+from pathlib import Path
+
+
+def robots_and_files(incomplete: str) -> list[str]:
+    """What a shell offers for a robot: names that begin so, and folders and files that can be read.
+
+    Example:
+        >>> robots_and_files("zyy")
+        ['zyyzyz_6r']
+    """
+    from urdf_ik import catalogue
+    from urdf_ik.catalogue import downloads
+
+    names = [name for name in (*catalogue.names(), *downloads.names()) if name.startswith(incomplete)]
+    folder, _, start = incomplete.rpartition("/")
+    files = []
+    for found in sorted(Path(folder or ("/" if incomplete.startswith("/") else ".")).glob(f"{glob.escape(start)}*")):
+        written = f"{incomplete[: len(incomplete) - len(start)]}{found.name}"
+        if found.is_dir():
+            files.append(f"{written}/")
+        elif found.name.removesuffix(".gz").endswith((".urdf", ".xacro", ".xml")):
+            files.append(written)
+    return [*names, *files]

@@ -1,0 +1,38 @@
+"""What is no URDF yet: xacro and MJCF, as URDF."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from urdf_ik.errors import UrdfError
+from urdf_ik.urdf import mjcf, xacros
+from urdf_ik.urdf.xml import Source, prolog_end
+
+_XACRO_NAME = re.compile(r"\.xacro(\.gz)?$", re.IGNORECASE)
+_MUJOCO = re.compile(r"<mujoco[\s/>]")
+
+
+def as_urdf(
+    source: Source, roots: Sequence[Path], xacro_args: Mapping[str, object] | None
+) -> tuple[Source, tuple[UrdfError, ...]]:
+    """The source as URDF text.
+
+    Args:
+        source: what was opened.
+        roots: folders in which ROS packages are looked for first.
+        xacro_args: values of a xacro's arguments; not None makes any source a xacro.
+
+    Returns:
+        The URDF, and errors of the shapes that it cannot hold.
+
+    Raises:
+        UrdfError: the xacro or the MJCF cannot be read.
+        MissingPackage: the package that reads it is not installed.
+    """
+    if xacro_args is not None or _XACRO_NAME.search(source.name):
+        return xacros.expanded(source, roots, xacro_args or {}), ()
+    if _MUJOCO.match(source.text, prolog_end(source.text)):
+        return mjcf.as_urdf(source)
+    return source, ()

@@ -1,0 +1,129 @@
+"""The first minute: the command alone, `robots`, `doctor`, completion, formats and chains on the command line."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from command import ARM, call, strict_json, succeed
+
+from urdf_ik import catalogue
+from urdf_ik.cli.commands import doctor
+
+TWO = """<robot name="two"><link name="base"/><link name="left"/><link name="right"/>
+<joint name="l" type="continuous"><parent link="base"/><child link="left"/></joint>
+<joint name="r" type="continuous"><parent link="base"/><child link="right"/></joint></robot>"""
+XACRO = """<robot name="made" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="up" default="1"/>
+<link name="base"/><link name="tip"/><joint name="j" type="continuous"><parent link="base"/><child link="tip"/>
+<origin xyz="0 0 $(arg up)"/></joint></robot>"""
+
+
+def test_the_command_alone_says_what_to_do_next(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without arguments the status is 0, and the commands that are shown exist and are about a URDF that is here."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "welder.urdf").write_text(TWO)
+    text = succeed()
+    shown = [line.split()[1] for line in text.splitlines() if line.startswith("  urdf-ik")]
+    assert {"ik", "robots", "info", "check", "view", "doctor"} <= set(shown)
+    assert "urdf-ik info welder.urdf" in text
+    for command in set(shown):
+        succeed(command, "--help")
+
+
+def test_robots_lists_every_name() -> None:
+    """Each catalogue name stands there with the family and joints of its arm; those of other packages on demand."""
+    robots = {robot["name"]: robot for robot in strict_json(succeed("robots", "-f", "json"))["robots"]}
+    assert set(catalogue.names()) <= set(robots)
+    assert (robots["ur5"]["joints"], robots["ur5"]["family"]) == (6, "6R 2||3||4 and 5x6")
+    assert robots["zyyzyz_6r"]["here"] and robots["zyyzyz_6r"]["source"] == "bundled"
+    table = succeed("robots", "puma")
+    assert "puma_560" in table and "ur5" not in table
+
+
+def test_robots_that_are_not_here_are_listed_on_demand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With --all the arms of robot_descriptions stand there, none of them here while its cache is empty."""
+    pytest.importorskip("robot_descriptions")
+    monkeypatch.setenv("ROBOT_DESCRIPTIONS_CACHE", str(tmp_path))
+    robots = strict_json(succeed("robots", "ur10e", "--all", "-f", "json"))["robots"]
+    assert [robot["name"] for robot in robots] == ["ur10e_description", "ur10e_mj_description"]
+    assert not any(robot["here"] for robot in robots)
+    assert strict_json(succeed("robots", "ur10e", "-f", "json"))["robots"] == []
+
+
+def test_the_doctor_finds_versions_and_a_working_solver() -> None:
+    """It names what is installed, and finds all joint vectors that it made poses of."""
+    found = doctor.examine()
+    assert found.passed and all(test.error < 1e-12 for test in found.tests)
+    assert found.versions["numpy"] and found.instruction_sets[0] in found.instruction_sets[1]
+    assert "all is well" in doctor.as_text(found)
+
+
+def test_the_doctor_says_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A package that is not there is named with its extra; a solver that is off ends with status 1."""
+    monkeypatch.setattr(doctor, "_version", lambda package: "" if package == "viser" else "1.0")
+    assert "without viser: pip install 'urdf-ik[viewer]'" in doctor.as_text(doctor.examine())
+    monkeypatch.setattr(doctor, "_EXACT", 0.0)
+    result = call("doctor")
+    assert result.exit_code == 1 and "something is wrong" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("typed", "offered"),
+    [
+        ("zyy", {"zyyzyz_6r"}),
+        ("planar", {"planar_2r", "planar_2r_unit"}),
+        ("cells/w", {"cells/weld.urdf", "cells/wet/"}),
+    ],
+)
+def test_the_shell_completes_names_and_files(typed: str, offered: set[str], tmp_path: Path) -> None:
+    """What the shell is given for ROBOT: names that begin so, folders, and files that can be read."""
+    (tmp_path / "cells/wet").mkdir(parents=True)
+    for name in ("weld.urdf", "weld.stl", "post.urdf"):
+        (tmp_path / "cells" / name).touch()
+    asked = {"_URDF_IK_COMPLETE": "complete_bash", "COMP_WORDS": f"urdf-ik info {typed}", "COMP_CWORD": "2"}
+    program = "from urdf_ik.cli import app; app(prog_name='urdf-ik')"
+    path = os.pathsep.join(sys.path)
+    environment = {**os.environ, **asked, "PYTHONPATH": path}
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path, env=environment, capture_output=True, text=True
+    )
+    assert set(done.stdout.split()) == offered, done.stderr
+
+
+def test_chains_are_listed_and_chosen_by_name(tmp_path: Path) -> None:
+    """Chains are listed by `info --chains`; --chain takes one; without it the doubt is an error that names both."""
+    file = tmp_path / "two.urdf"
+    file.write_text(TWO)
+    chains = strict_json(succeed("info", str(file), "--chains", "-f", "json"))["chains"]
+    assert [(each["name"], each["chosen"]) for each in chains] == [("left", False), ("right", False)]
+    assert "none is meant by itself: name one with --chain" in succeed("info", str(file), "--chains")
+    assert strict_json(succeed("info", str(file), "--chain", "left", "-f", "json"))["tip"] == "left"
+    result = call("info", str(file))
+    assert result.exit_code == 3 and "'left': base to left" in result.stderr
+    srdf = tmp_path / "two.srdf"
+    srdf.write_text('<robot name="two"><group name="r"><chain base_link="base" tip_link="right"/></group></robot>')
+    assert strict_json(succeed("info", str(file), "--srdf", str(srdf), "-f", "json"))["tip"] == "right"
+
+
+def test_the_choice_is_said(tmp_path: Path) -> None:
+    """A tip that was chosen among several links is named on standard error, with the others."""
+    file = tmp_path / "one.urdf"
+    camera = '<link name="camera"/><joint name="c" type="fixed"><parent link="tool0"/><child link="camera"/></joint>'
+    file.write_text(catalogue.resolve(ARM).path.read_text().replace("</robot>", f"{camera}</robot>"))
+    result = call("info", str(file))
+    assert result.exit_code == 0
+    assert "chain: base_link to tool0 (named as a tool frame)" in result.stderr and "camera" in result.stderr
+
+
+def test_arguments_of_a_xacro(tmp_path: Path) -> None:
+    """--xacro-arg sets one; what is no NAME:=VALUE, and what the xacro has not, is refused."""
+    pytest.importorskip("xacro")
+    file = tmp_path / "made.urdf.xacro"
+    file.write_text(XACRO)
+    assert "2.5" in succeed("fk", str(file), "--xacro-arg", "up:=2.5", "--q", "0", "-f", "csv")
+    assert call("fk", str(file), "--xacro-arg", "up=2.5", "--q", "0").exit_code == 2
+    result = call("fk", str(file), "--xacro-arg", "down:=2.5", "--q", "0")
+    assert result.exit_code == 3 and "it has no argument 'down'" in result.stderr

@@ -1,0 +1,98 @@
+"""The arm and its answers in other programs: joint states, pink, viser, rerun."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio
+import pytest
+
+import urdf_ik
+from urdf_ik import interop
+from urdf_ik.errors import JointVectorError
+
+Q = np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
+
+
+@pytest.fixture(scope="module")
+def arm() -> urdf_ik.Arm:
+    """An arm with a spherical wrist."""
+    return urdf_ik.load("zyyzyz_6r")
+
+
+def test_joint_states_are_matched_by_name(arm: urdf_ik.Arm) -> None:
+    """Any order of names, with others between them, leads there and back; others keep what they had."""
+    names = [*reversed(arm.joint_names), "gripper"]
+    batch = np.stack([Q, 2.0 * Q])
+    message = interop.to_joint_state(arm, batch, names, others=np.full(7, 0.5))
+    assert message.shape == (2, 7) and (message[:, -1] == 0.5).all()
+    assert message[0, names.index("joint_2")] == Q[1]
+    np.testing.assert_array_equal(interop.from_joint_state(arm, names, message), batch)
+    assert np.isnan(interop.to_joint_state(arm, Q, names)[-1])
+
+
+@pytest.mark.parametrize(
+    ("names", "values", "words"),
+    [
+        (["joint_1"], [0.0], "lacks joint_2, joint_3"),
+        ([f"joint_{k}" for k in (1, 2, 3, 4, 5, 5, 6)], [0.0] * 7, "joint_5 twice"),
+        ([f"joint_{k}" for k in range(1, 7)], [0.0] * 5, r"shape \(5,\)"),
+        ([f"joint_{k}" for k in range(1, 7)], [np.nan] * 6, "finite"),
+    ],
+)
+def test_joint_states_that_do_not_fit_are_refused(
+    names: list[str], values: list[float], words: str, arm: urdf_ik.Arm
+) -> None:
+    """A joint that is missing, one that is named twice, and too few positions."""
+    with pytest.raises(JointVectorError, match=words):
+        interop.from_joint_state(arm, names, values)
+
+
+def test_a_solution_is_where_a_task_of_pink_is_at_rest(arm: urdf_ik.Arm) -> None:
+    """The frame task of pink has no error at a solution of ours, and drives a start nearby to the same one."""
+    pink = pytest.importorskip("pink")
+    target = arm.fk(Q)
+    configuration = interop.pink_configuration(arm, arm.ik(target).nearest(Q).q[0])
+    task = pink.tasks.FrameTask(arm.tip, position_cost=1.0, orientation_cost=1.0)
+    task.set_target(pinocchio.SE3(target))
+    assert np.abs(task.compute_error(configuration)).max() < 1e-9
+    near = interop.pink_configuration(arm, Q + 0.05)
+    for _ in range(100):
+        velocity = pink.solve_ik(near, [task], 0.1, solver="daqp", safety_break=False)
+        near.integrate_inplace(velocity, 0.1)
+    np.testing.assert_allclose(arm.from_pinocchio(near.q), Q, atol=1e-4)
+
+
+def test_a_viser_scene_shows_the_links_where_they_are(arm: urdf_ik.Arm) -> None:
+    """Each shape has the pose of its link."""
+    import viser
+
+    server = viser.ViserServer(port=0, verbose=False)
+    try:
+        shown = interop.add_to_viser(server.scene, arm, "/cell/arm")
+        shown.show(Q)
+        poses = arm.link_poses(Q)
+        assert shown._bodies and not shown.missing
+        for link, handle in shown._bodies:
+            np.testing.assert_allclose(handle.position, poses[link][:3, 3], atol=1e-6)
+            np.testing.assert_allclose(urdf_ik.pose([0, 0, 0], quat_wxyz=handle.wxyz), urdf_ik.pose(
+                [0, 0, 0], quat_wxyz=urdf_ik.to_quat_wxyz(poses[link])), atol=1e-6)  # fmt: skip
+    finally:
+        server.stop()
+
+
+def test_a_rerun_recording_holds_shapes_and_poses(arm: urdf_ik.Arm, tmp_path: pytest.TempPathFactory) -> None:
+    """What is logged can be saved, and is more with every pose."""
+    rerun = pytest.importorskip("rerun")
+    sizes = []
+    for count in (1, 50):
+        recording = rerun.RecordingStream("arms")
+        file = tmp_path / f"{count}.rrd"  # type: ignore[operator]
+        recording.save(str(file))
+        shown = interop.add_to_rerun(arm, "cell/arm", recording)
+        for step in range(count):
+            recording.set_time("step", sequence=step)
+            shown.show(Q + 0.01 * step)
+        recording.flush()
+        recording.disconnect()
+        sizes.append(file.stat().st_size)
+    assert 1000 < sizes[0] < sizes[1]
