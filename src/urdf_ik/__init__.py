@@ -17,17 +17,20 @@ if TYPE_CHECKING:
     from urdf_ik.collision.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Points, Sphere
     from urdf_ik.collision.world import World
     from urdf_ik.comparison import Comparison, compare
+    from urdf_ik.datasets import dataset
     from urdf_ik.dh import DHTable
     from urdf_ik.errors import (
         ArgumentError,
         CatalogueError,
         ChainError,
+        ClusterError,
         DHError,
         JointVectorError,
         MissingPackage,
         PathError,
         PlotError,
         PoseError,
+        StoreError,
         TaskError,
         UnsupportedArm,
         UrdfError,
@@ -37,6 +40,7 @@ if TYPE_CHECKING:
         WorldError,
     )
     from urdf_ik.motion import Plan, arc, line, polyline, read_waypoints
+    from urdf_ik.placements import placement
     from urdf_ik.poses import (
         pose,
         to_euler_zyx,
@@ -45,7 +49,7 @@ if TYPE_CHECKING:
         to_rotvec,
         to_rpy,
     )
-    from urdf_ik.redundancy import Redundancy, Sweep
+    from urdf_ik.redundancy import Interval, Intervals, Redundancy, Region, Sweep
     from urdf_ik.solutions import IKSolutions, Singular, Solution
     from urdf_ik.structure import Structure
 
@@ -59,12 +63,15 @@ __all__ = [
     "CatalogueError",
     "Chain",
     "ChainError",
+    "ClusterError",
     "Comparison",
     "Cylinder",
     "DHError",
     "DHTable",
     "HalfSpace",
     "IKSolutions",
+    "Interval",
+    "Intervals",
     "JointVectorError",
     "Mesh",
     "MissingPackage",
@@ -74,9 +81,11 @@ __all__ = [
     "Points",
     "PoseError",
     "Redundancy",
+    "Region",
     "Singular",
     "Solution",
     "Sphere",
+    "StoreError",
     "Structure",
     "Sweep",
     "TaskError",
@@ -89,8 +98,10 @@ __all__ = [
     "WorldError",
     "arc",
     "compare",
+    "dataset",
     "line",
     "load",
+    "placement",
     "polyline",
     "pose",
     "read_waypoints",
@@ -114,17 +125,20 @@ _NAMES = {
         "Comparison",
         "compare",
     ),
+    "datasets": ("dataset",),
     "dh": ("DHTable",),
     "errors": (
         "ArgumentError",
         "CatalogueError",
         "ChainError",
+        "ClusterError",
         "DHError",
         "JointVectorError",
         "MissingPackage",
         "PathError",
         "PlotError",
         "PoseError",
+        "StoreError",
         "TaskError",
         "UnsupportedArm",
         "UrdfError",
@@ -140,6 +154,7 @@ _NAMES = {
         "polyline",
         "read_waypoints",
     ),
+    "placements": ("placement",),
     "poses": (
         "pose",
         "to_euler_zyx",
@@ -148,7 +163,7 @@ _NAMES = {
         "to_rotvec",
         "to_rpy",
     ),
-    "redundancy": ("Redundancy", "Sweep"),
+    "redundancy": ("Interval", "Intervals", "Redundancy", "Region", "Sweep"),
     "solutions": (
         "IKSolutions",
         "Singular",

@@ -137,6 +137,14 @@ class WorkspaceError(UrdfIkError, ValueError):
     """A grid, a question about a workspace, or a file of a map that makes no sense or does not fit."""
 
 
+class StoreError(UrdfIkError, ValueError):
+    """A store on the disk that is in use, is damaged, holds something else or cannot be written."""
+
+
+class ClusterError(UrdfIkError, RuntimeError):
+    """A scheduler that does not answer, or workers that cannot do the work."""
+
+
 class PlotError(UrdfIkError, ValueError):
     """A picture that cannot be drawn, written or shown; the message says what would be valid."""
 

@@ -18,8 +18,8 @@ FLOORS = (
     {"chain", "dh", "structure", "velocity"},
     {"families"},
     {"arm", "redundancy", "solutions", "tasks"},
-    {"collision", "motion", "reference"},
-    {"comparison", "completeness", "crosscheck", "cuspidality", "testing", "workspace"},
+    {"collision", "motion", "reference", "scale"},
+    {"comparison", "completeness", "crosscheck", "cuspidality", "datasets", "placements", "testing", "workspace"},
     {"cli", "interop", "plot", "viewer"},
 )
 FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import tracemalloc
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -284,7 +283,7 @@ def test_a_file_gives_the_map_back(tmp_path: Path) -> None:
     assert again.free is None and [each.name for each in tmp_path.iterdir()] == ["map.npz"]
     with np.load(path, allow_pickle=False) as file:
         header = json.loads(str(file["header"]))
-    assert header["version"] == 1 and header["base"] == arm.base and header["tip"] == arm.tip
+    assert header["version"] == 2 and header["base"] == arm.base and header["tip"] == arm.tip
     assert header["limits"] == arm.limits.tolist() and len(header["urdf_sha256"]) == 64
     assert header["grid"]["voxel"] == 0.8 and header["made_by"] == urdf_ik.__version__
     other = workspace.compute(urdf_ik.load("puma_560"), 1.0, 1)
@@ -302,7 +301,7 @@ def test_files_that_are_no_maps_are_refused(tmp_path: Path) -> None:
     (tmp_path / "text.npz").write_text("no map")
     (tmp_path / "cut.npz").write_bytes(good.read_bytes()[:-100])
     np.savez(tmp_path / "other.npz", a=np.zeros(3))
-    np.savez(tmp_path / "version.npz", **{**arrays, "header": np.array(json.dumps({**header, "version": 2}))})
+    np.savez(tmp_path / "version.npz", **{**arrays, "header": np.array(json.dumps({**header, "version": 3}))})
     np.savez(tmp_path / "shape.npz", **{**arrays, "solutions": arrays["solutions"][1:]})
     np.savez(tmp_path / "pickle.npz", **{**arrays, "header": np.array({"a": 1}, dtype=object)})
     for name in ("text", "cut", "other", "version", "shape", "pickle", "missing"):
@@ -373,7 +372,7 @@ def test_a_map_that_does_not_fit_is_refused_before_any_work(monkeypatch: pytest.
     monkeypatch.setattr(arm, "ik", lambda *_, **__: pytest.fail("it was solved"))
     with pytest.raises(urdf_ik.WorkspaceError, match=r"4600 x 4600 x 4600 voxels.*GiB of memory.*are free"):
         workspace.compute(arm, 0.001)
-    monkeypatch.setattr(grid.shutil, "disk_usage", lambda _: SimpleNamespace(free=2**20))
+    monkeypatch.setattr(grid.room, "free_disk", lambda _: 2**20)
     with pytest.raises(urdf_ik.WorkspaceError, match=r"on the disk.*1 MiB free"):
         workspace.compute(arm, 0.1, output=tmp_path / "map.npz")
     for wrong in ({"voxel": 0.0}, {"orientations": 0}, {"chunk": 0}, {"bounds": [[0, 0, 0], [1, 1, 0]]}):

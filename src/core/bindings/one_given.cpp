@@ -37,7 +37,7 @@ public:
             step.move(given, part, T, values);
             const double* reference = part.q_ref ? near : nullptr;
             const double* theirs = batch.values && others->parameters ? rest : nullptr;
-            const long bad = others->solve({T, part.m, reference, theirs, inserted ? q : part.q, part.flags});
+            const long bad = others->solve({T, part.m, reference, theirs, inserted ? q : part.q, part.flags, batch.beyond});
             if (bad >= 0) return start + bad;
             if (inserted) step.insert(given, part, q, values, others->joints, branches);
         }

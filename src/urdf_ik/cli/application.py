@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from typing import Any
 
 import typer
 
@@ -295,9 +296,11 @@ def dh(
     help=_help(
         "Where the tip can be. Two turning joints in a plane: the exact regions of both elbows, bounded by arcs. Any "
         "other arm: a map of voxels x orientations, with the number of solutions, how many are within limits, and the "
-        "share that each branch covers. `urdf-ik plot --map` draws it.",
+        "share that each branch covers. `urdf-ik plot --map` draws it. With --store it is made on the disk, block by "
+        "block: killed at any moment, the same command goes on where it stopped.",
         "urdf-ik workspace planar_2r --degrees",
         "urdf-ik workspace zyyzyz_6r --voxel 0.2 --orientations 50 -o map.npz",
+        "urdf-ik workspace zyyzyz_6r --voxel 0.05 --store map.zarr --workers 4",
     )
 )
 @on_an_arm
@@ -309,22 +312,30 @@ def workspace(
     collision_free: options.MapFree = False,
     manipulability: options.Manipulability = False,
     margin: options.Margin = False,
+    clearance: options.Clearance = False,
+    world: options.Cell = None,
     threads: options.Threads = 1,
+    store: options.Store = None,
+    workers: options.Workers = None,
+    scheduler: options.Scheduler = None,
     chosen: ChosenArm,
     degrees: options.Degrees = False,
     printed_as: options.TextFormat = ReportFormat.TABLE,
     output: options.MapFile = None,
 ) -> None:
     """Print the region, or the map's sums, and save the map."""
-    from urdf_ik.cli import console
+    from urdf_ik.cli import console, paths
     from urdf_ik.cli.commands import workspace as workspace_command
 
     arm = chosen.load()
     corners = ("x0", "y0", "z0", "x1", "y1", "z1")
     box = None if bounds is None else console.numbers(bounds, "--bounds", corners).reshape(2, 3).tolist()
-    given = {"voxel": voxel, "orientations": orientations, "bounds": box, "collision_free": collision_free}
+    given: dict[str, Any] = {"voxel": voxel, "orientations": orientations, "bounds": box}
+    given |= {"collision_free": collision_free}
     given |= {"manipulability": manipulability, "margin": margin, "threads": None if threads == 1 else threads}
-    workspace_command.run(arm, angles_of(arm, degrees), output, printed_as is ReportFormat.JSON, given)
+    given |= {"clearance": clearance, "world": paths.cell(world, chosen)}
+    places = workspace_command.Places(output, store, workers, scheduler)
+    workspace_command.run(arm, angles_of(arm, degrees), places, printed_as is ReportFormat.JSON, given)
 
 
 @app.command(

@@ -42,6 +42,11 @@ class Commands(TyperGroup):
         except errors.UrdfIkError as error:
             typer.echo(f"Error: {error}", err=True)
             raise typer.Exit(status_of(error)) from None
+        except KeyboardInterrupt as error:
+            # Long work says what is kept.
+            if str(error):
+                typer.echo(f"\n{error}", err=True)
+            raise typer.Exit(Status.INTERRUPTED) from None
         except MemoryError:
             typer.echo("Error: not enough memory for that many poses; give fewer at a time", err=True)
             raise typer.Exit(Status.USAGE) from None

@@ -291,9 +291,21 @@ Bounds = Annotated[
     str | None,
     Option("--bounds", metavar="X0,Y0,Z0,X1,Y1,Z1", help="Box to look at [m]. Default: all that the links reach."),
 ]
-MapFree = Annotated[bool, Option("--collision-free", help="Count those free of self-collision, too; slow.")]
+MapFree = Annotated[bool, Option("--collision-free", help="Count those free of collision, too; slow.")]
 Manipulability = Annotated[bool, Option("--manipulability", help="Keep each pose's greatest manipulability.")]
 Margin = Annotated[bool, Option("--margin", help="Keep each pose's greatest limit margin.")]
+Clearance = Annotated[bool, Option("--clearance", help="Keep each pose's greatest clearance; slow.")]
+Store = Annotated[
+    Path | None,
+    Option("--store", metavar="FOLDER", help="Make the map in this Zarr group; run again, it goes on."),
+]
+Workers = Annotated[
+    int | None, Option("--workers", min=1, help="Processes on this machine that fill the store (urdf-ik\\[scale]).")
+]
+Scheduler = Annotated[
+    str | None,
+    Option("--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers fill the store, as tcp://HOST:PORT."),
+]
 Threads = Annotated[int, Option("--threads", min=1, help="Threads that solve.")]
 MapFile = Annotated[Path | None, Option("--output", "-o", metavar="FILE", help="Write the map here, as .npz.")]
 

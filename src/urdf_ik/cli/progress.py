@@ -27,6 +27,8 @@ class Progress:
         self._what = what
         self._waiting = waiting
         self._start = time.monotonic()
+        # The first tick says what was there already: the time left is told from what was done since.
+        self._first: tuple[int, float] | None = None
         self._next_word = self._start + WORD_AFTER
         self._bar: Bar | None = None
         self._task: TaskID | None = None
@@ -48,12 +50,13 @@ class Progress:
         """Show that ``done`` of ``total`` steps are behind us."""
         self._timer.cancel()
         now = time.monotonic()
+        self._first = self._first or (done, now)
         if is_terminal(sys.stderr):
             if now - self._start > BAR_AFTER:
                 self._move_bar(done, total)
         elif now > self._next_word:
             self._next_word = now + WORD_EVERY
-            self._say(f"{self._what}: {done} of {total}")
+            self._say(f"{self._what}: {done} of {total}{self._left(done, total, now)}")
 
     def _move_bar(self, done: int, total: int) -> None:
         if self._bar is None or self._task is None:
@@ -64,6 +67,15 @@ class Progress:
             self._task = self._bar.add_task(self._what, total=total)
             self._bar.start()
         self._bar.update(self._task, completed=done, total=total)
+
+    def _left(self, done: int, total: int, now: float) -> str:
+        """How long the rest will take, in words; nothing while that cannot be said."""
+        assert self._first is not None
+        made, began = done - self._first[0], self._first[1]
+        if made <= 0:
+            return ""
+        seconds = round((total - done) * (now - began) / made)
+        return f", {seconds // 3600}:{seconds // 60 % 60:02}:{seconds % 60:02} left"
 
     @staticmethod
     def _say(line: str) -> None:

@@ -15,7 +15,7 @@ from urdf_ik.urdf import srdf as srdf_reader
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Mapping
+    from collections.abc import Collection, Mapping
 
     from urdf_ik.collision.table import Table
     from urdf_ik.collision.world import World
@@ -208,6 +208,26 @@ class CollisionModel(Questions):
             (False, True)
         """
         return self._changed(first, second, True)
+
+    def checking(self, pairs: Collection[Pair]) -> CollisionModel:
+        """This model, checking these pairs of links and no others.
+
+        Raises:
+            WorldError: there is no such link, or it has no shape.
+            UrdfError: there are no collision shapes, or not all of them were found.
+
+        Example:
+            >>> import urdf_ik
+            >>> model = urdf_ik.load("zyyzyz_6r").collision_model
+            >>> model.checking(model.checked_pairs[:3]).checked_pairs == model.checked_pairs[:3]
+            True
+        """
+        own, wanted, model = set(self.checked_pairs), set(pairs), self
+        for pair in sorted(own - wanted):
+            model = model.allow(*pair)
+        for pair in sorted(wanted - own):
+            model = model.check(*pair)
+        return model
 
     @property
     def is_changed(self) -> bool:

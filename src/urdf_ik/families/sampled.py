@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik._core import Solver
+from urdf_ik._core import SelfMotion, Solver
 from urdf_ik.chain import is_redundant, kinds_of
 from urdf_ik.chain.redundancy import locked_joint
 from urdf_ik.families.parts.aim import Aim
@@ -71,6 +71,7 @@ def prepare_held(chain: Chain, k: int) -> RedundantPlan:
         branches=FAMILY.branches,
         solver=Solver("sampled, one held", values),
         parameters=(parameter,),
+        self_motion=None if is_redundant(chain) else SelfMotion({"written": values["written"], "given": k}),
         value_of=lambda Q, T: parameter.wrapped(Q[:, k : k + 1]),
         explain=lambda T: explain_at(T, np.array([parameter.default])),
         explain_at=explain_at,

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.chain import Chain
+    from urdf_ik.chain.free_axis import FreeAxis
     from urdf_ik.chain.redundancy import Redundancy
     from urdf_ik.structure import Structure
 
@@ -18,6 +19,12 @@ class Collisions(Protocol):
 
     def in_collision(self, q: NDArray[np.float64], margin: float = 0.0) -> Any:
         """(k, n) rad or m to (k,): whether two bodies come within a margin [m]."""
+
+    def motions_free(self, q0: NDArray[np.float64], q1: NDArray[np.float64], margin: float = 0.0) -> Any:
+        """Whether straight motions between joint vectors (k, n) are free, as ``Motions``."""
+
+    def nearest_pair(self, q: NDArray[np.float64]) -> Any:
+        """What comes closest to each other, as ``Nearest``."""
 
     def in_world(self, world: Any) -> Collisions:
         """The same among the obstacles of a world, or itself for None."""
@@ -57,6 +64,9 @@ class SolvedArm(Protocol):
     def manipulability(self, q: Any, part: str = "all") -> NDArray[np.float64]:
         """Yoshikawa's measure of joint vectors."""
 
+    def clearance(self, q: Any, world: Any = None) -> Any:
+        """Least distance of what must not touch [m]."""
+
     @property
     def collision_model(self) -> Collisions:
         """What ``collision_free`` asks."""
@@ -87,6 +97,14 @@ class SolvingArm(SolvedArm, Protocol):
     @property
     def structure(self) -> Structure:
         """Its axes, and how it is solved."""
+
+    @property
+    def free_axis(self) -> FreeAxis | None:
+        """The line in the tip about which it may be turned."""
+
+    @property
+    def fixed(self) -> SolvingArm:
+        """The same arm without a free axis."""
 
     def fk(self, q: Any) -> NDArray[np.float64]:
         """Pose of the tip."""

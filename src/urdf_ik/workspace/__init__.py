@@ -7,17 +7,26 @@
 >>> len(found.branch_shares()), found.slice("z", 1.0).axes
 (8, ('x', 'y'))
 
+Maps that outgrow memory are made in a store, ``compute(..., store="map.zarr")``, by this process or by the workers of a
+Dask cluster; ``urdf_ik.workspace(...)`` is short for ``urdf_ik.workspace.compute(...)``.
+
 A map holds the answers of ``arm.ik`` for every voxel's centre in every orientation sampled: it says what is true of
 these poses, and nothing of what lies between them.
 """
 
 from __future__ import annotations
 
+import sys
+from types import ModuleType
+from typing import Any
+
 from urdf_ik.workspace.arcs import Arc, Region
 from urdf_ik.workspace.building import CHUNK, MAX_SAMPLES, compute
 from urdf_ik.workspace.grid import Grid
-from urdf_ik.workspace.maps import VALUES, About, BranchShare, MapSlice, WorkspaceMap, read
+from urdf_ik.workspace.maps import VALUES, About, MapSlice, WorkspaceMap, read
 from urdf_ik.workspace.regions import ELBOWS, PlanarWorkspace, planar
+from urdf_ik.workspace.stored import StoredMap, opened
+from urdf_ik.workspace.totals import BranchShare, Totals
 
 __all__ = [
     "CHUNK",
@@ -31,8 +40,23 @@ __all__ = [
     "MapSlice",
     "PlanarWorkspace",
     "Region",
+    "StoredMap",
+    "Totals",
     "WorkspaceMap",
     "compute",
+    "opened",
     "planar",
     "read",
 ]
+
+
+class _Callable(ModuleType):
+    """This room, which is also called by its name."""
+
+    def __call__(self, *args: Any, **options: Any) -> WorkspaceMap | StoredMap:
+        """See :func:`compute`."""
+        found: WorkspaceMap | StoredMap = compute(*args, **options)
+        return found
+
+
+sys.modules[__name__].__class__ = _Callable

@@ -1,35 +1,82 @@
-"""Where an arm's tip can be: the exact region of planar arms, a map of the solutions of any other."""
+"""Making a map: in memory at once, or into a store chunk by chunk."""
 
 from __future__ import annotations
 
-import hashlib
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from urdf_ik.angles import TURN
 from urdf_ik.errors import UnsupportedArm, WorkspaceError
-from urdf_ik.solutions import limits as joint_limits
-from urdf_ik.workspace.grid import grid_of, require_room
-from urdf_ik.workspace.maps import About, WorkspaceMap
-from urdf_ik.workspace.sampling import NOTHING, Targets, sampled, samples
+from urdf_ik.workspace.filling import fill
+from urdf_ik.workspace.grid import grid_of, require_memory, require_room
+from urdf_ik.workspace.maps import WorkspaceMap
+from urdf_ik.workspace.question import HELD, Question
+from urdf_ik.workspace.sampling import NOTHING, sampled, samples
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik.arm import Arm
-
-    Array = NDArray[np.float64]
-    Mask = NDArray[np.bool_]
+    from urdf_ik.collision import World
+    from urdf_ik.workspace.stored import StoredMap
 
 CHUNK = 4096
 """Poses that are solved at a time: their answers stay in the processor's cache."""
 MAX_SAMPLES = 2**16 - 1
 """Orientations at a position: their number is kept in 16 bits."""
-_WORD = 8  # as many branches, a byte each, are one machine word
+
+Progress = Callable[[int, int], object]
+
+
+@overload
+def compute(
+    arm: Arm,
+    voxel: float = ...,
+    orientations: int = ...,
+    *,
+    bounds: ArrayLike | None = ...,
+    within_limits: bool = ...,
+    collision_free: bool = ...,
+    world: World | None = ...,
+    manipulability: bool = ...,
+    margin: bool = ...,
+    clearance: bool = ...,
+    redundancy: float | None = ...,
+    output: str | os.PathLike[str] | None = ...,
+    store: None = ...,
+    client: None = ...,
+    block: None = ...,
+    threads: int = ...,
+    chunk: int = ...,
+    progress: Progress | None = ...,
+) -> WorkspaceMap: ...
+
+
+@overload
+def compute(
+    arm: Arm,
+    voxel: float = ...,
+    orientations: int = ...,
+    *,
+    bounds: ArrayLike | None = ...,
+    within_limits: bool = ...,
+    collision_free: bool = ...,
+    world: World | None = ...,
+    manipulability: bool = ...,
+    margin: bool = ...,
+    clearance: bool = ...,
+    redundancy: float | None = ...,
+    output: None = ...,
+    store: str | os.PathLike[str],
+    client: Any = ...,
+    block: int | None = ...,
+    threads: int = ...,
+    chunk: int = ...,
+    progress: Progress | None = ...,
+) -> StoredMap: ...
 
 
 def compute(
@@ -40,18 +87,27 @@ def compute(
     bounds: ArrayLike | None = None,
     within_limits: bool = True,
     collision_free: bool = False,
+    world: World | None = None,
     manipulability: bool = False,
     margin: bool = False,
+    clearance: bool = False,
     redundancy: float | None = None,
     output: str | os.PathLike[str] | None = None,
+    store: str | os.PathLike[str] | None = None,
+    client: Any = None,
+    block: int | None = None,
     threads: int = 1,
     chunk: int = CHUNK,
-    progress: Callable[[int, int], object] | None = None,
-) -> WorkspaceMap:
+    progress: Progress | None = None,
+) -> WorkspaceMap | StoredMap:
     """Solve every voxel's centre in well-spread orientations, and count.
 
     What the arm controls, ``arm.task``, is what is asked for: poses; positions with directions, or positions alone,
     of arms with fewer joints; points or poses in its plane of a planar arm, in the plane's coordinates.
+
+    With ``store`` the map is made block by block on the disk, and memory holds a few blocks. Called again after a kill
+    it goes on where it stopped; the blocks that are there are read and checked, and made again where their bytes have
+    changed. The map is the same to the last bit whatever stopped it, and whoever makes the blocks.
 
     Args:
         arm: the arm.
@@ -59,11 +115,16 @@ def compute(
         orientations: number of them at each position.
         bounds: (2, 3) m, lower and upper corner; default: all that the links' lengths allow.
         within_limits: count the solutions that are inside the limits, too; they are the ones that then matter.
-        collision_free: of these, count the ones free of self-collision, too; it takes far longer.
+        collision_free: of these, count the ones free of collision, too; it takes far longer.
+        world: obstacles that count for ``collision_free`` and ``clearance``; default: only the arm itself.
         manipulability: find the greatest one of each pose's solutions.
         margin: find the greatest limit margin of each pose's solutions, of their images nearest to zero turns.
+        clearance: find the greatest clearance [m] of each pose's solutions; it takes far longer.
         redundancy: value of the parameter of an arm with seven joints; default: the arm's default.
         output: file to save the map to; that it fits is checked before any work.
+        store: folder of a Zarr group to make the map in; see :class:`StoredMap`.
+        client: a ``distributed.Client`` whose workers make the blocks of a store; default: this process does.
+        block: poses of a block of a store, at most; default: about a second's or a few seconds' work.
         threads: number of threads that solve.
         chunk: poses that are solved at a time; the map does not depend on it.
         progress: called with the number of poses behind us, and of all.
@@ -71,13 +132,17 @@ def compute(
     Raises:
         WorkspaceError: a number that makes no sense, or a map that does not fit in memory or on the disk.
         UnsupportedArm: no solver takes this arm.
-        UrdfError: the URDF has no collision shapes, and ``collision_free`` asks for them.
+        UrdfError: the URDF has no collision shapes, and collisions are asked for.
+        StoreError: the store is in use, is of another question, or cannot be written.
+        ClusterError: a scheduler or workers that cannot do the work.
 
     Example:
         >>> import urdf_ik
         >>> found = compute(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
         >>> found.grid.shape, round(float(found.reach([1, 0, 0])[-1, 1]), 3)
         ((8, 8, 1), 0.2)
+        >>> compute(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4, store="map.zarr").complete
+        True
     """
     if not arm.structure.branches:
         raise UnsupportedArm(f"{arm.name}: no solver for this arm yet. {arm.structure}")
@@ -85,150 +150,57 @@ def compute(
         raise WorkspaceError(
             f"{orientations} orientations, {chunk} poses a chunk: 1 to {MAX_SAMPLES} and 1 or more are needed"
         )
-    grid = grid_of(arm, voxel, bounds)
-    path = None if output is None else Path(output)
-    branches = arm.for_task(arm.task).structure.branches
-    count = 1 if sampled(arm) == NOTHING else orientations
-    in_limits = within_limits or collision_free
-    poses, columns = grid.count * count, len(branches)
-    each = 1 + in_limits + collision_free + 4 * (manipulability + margin)
-    scratch = max(chunk, count) * (128 + 20 * columns * (arm.dof + 1) * 8)
-    require_room(grid, count, poses * each + grid.count * columns * 2, scratch, path)
-    chosen = samples(arm, count)
-    counts = {"solutions": np.zeros((grid.count, count), np.uint8)}
-    counts |= {name: np.zeros_like(counts["solutions"]) for name, on in _filters(in_limits, collision_free) if on}
-    best = {
-        name: np.full((grid.count, count), np.nan, np.float32)
-        for name, on in (("manipulability", manipulability), ("margin", margin))
-        if on
+    if store is None and (client is not None or block is not None):
+        raise WorkspaceError("client and block are for maps in a store; give store='map.zarr', too")
+    if store is not None and output is not None:
+        raise WorkspaceError("a store and an output are given; leave one of the two out")
+    if world is not None and not (collision_free or clearance):
+        raise WorkspaceError("a world is given, and nothing asks for it; give collision_free=True or clearance=True")
+    wanted = {
+        "solutions": True,
+        "within": within_limits or collision_free or clearance,
+        "free": collision_free,
+        "manipulability": manipulability,
+        "margin": margin,
+        "clearance": clearance,
+        "branch_poses": True,
     }
-    branch_poses = np.zeros((grid.count, columns), np.uint16)
-    step = max(1, chunk // count)
-    targets = Targets(arm.task, chosen, step)
-    held = {} if redundancy is None else {"redundancy": redundancy}
-    for start in range(0, grid.count, step):
-        part = slice(start, min(start + step, grid.count))
-        found = arm.ik(targets.at(grid.centres(part)), task=arm.task, threads=threads, **held)
-        counting = _Counting(arm, found.q, found.valid)
-        counts["solutions"][part] = counting.counts().reshape(-1, count)
-        if in_limits:
-            counting.keep_within_limits()
-            counts["within"][part] = counting.counts().reshape(-1, count)
-        if collision_free:
-            counting.keep_free()
-            counts["free"][part] = counting.counts().reshape(-1, count)
-        for name, values in best.items():
-            values[part] = counting.greatest(getattr(counting, name)()).reshape(-1, count)
-        branch_poses[part] = _sum_over_samples(counting.kept, count)
-        if progress is not None:
-            progress(part.stop * count, poses)
-    arrays: dict[str, NDArray[Any]] = {**counts, **best, "branch_poses": branch_poses}
-    shaped: dict[str, Any] = {name: array.reshape(*grid.shape, -1) for name, array in arrays.items()}
-    for array in (*shaped.values(), chosen):
-        array.setflags(write=False)
-    found_map = WorkspaceMap(_about(arm, branches, list(counts)[-1], redundancy), grid, chosen, **shaped)
-    if path is not None:
-        found_map.save(path)
-    return found_map
-
-
-def _filters(in_limits: bool, collision_free: bool) -> tuple[tuple[str, bool], ...]:
-    return (("within", in_limits), ("free", collision_free))
-
-
-def _sum_over_samples(kept: Mask, count: int) -> NDArray[np.uint16]:
-    """(k, B) number of poses with a solution, of (k * count, B)."""
-    columns = kept.shape[1]
-    if columns != _WORD:
-        return np.asarray(kept.reshape(-1, count, columns).sum(axis=1, dtype=np.uint16))
-    # Eight branches at a time: their bytes are added as one word, and no more of them than a byte can count.
-    words = kept.view(np.uint64).reshape(-1, count)
-    sums = np.add.reduceat(words, np.arange(0, count, 255), axis=1).view(np.uint8)
-    return np.asarray(sums.reshape(len(words), -1, columns).sum(axis=1, dtype=np.uint16))
-
-
-def _about(arm: Arm, branches: tuple[str, ...], counted: str, redundancy: float | None) -> About:
-    from urdf_ik import __version__
-
-    free = arm.redundancy
-    return About(
-        robot=arm.name,
-        urdf_sha256=hashlib.sha256(arm.model.xml).hexdigest(),
-        base=arm.base,
-        tip=arm.tip,
-        joints=arm.joint_names,
-        limits=tuple(
-            (None if np.isinf(lower) else lower, None if np.isinf(upper) else upper)
-            for lower, upper in arm.limits.tolist()
-        ),
-        locked=arm.locked,
-        task=arm.task,
-        sampled=sampled(arm),
-        branches=branches,
-        counted=counted,
-        redundancy=None if free is None else float(free.default if redundancy is None else redundancy),
-        made_by=__version__,
+    count = 1 if sampled(arm) == NOTHING else orientations
+    asked = Question(
+        arm,
+        grid_of(arm, voxel, bounds),
+        samples(arm, count),
+        tuple(name for name, on in wanted.items() if on),
+        world,
+        redundancy,
+        threads,
+        max(1, chunk // count),
     )
+    if store is not None:
+        return fill(asked, store, client, block, progress)
+    return _in_memory(asked, None if output is None else Path(output), progress)
 
 
-class _Counting:
-    """The solutions of a chunk, fewer with every filter; joint vectors are looked at where there are any."""
-
-    def __init__(self, arm: Arm, q: Array, valid: Mask) -> None:
-        self.kept = valid
-        self._arm, self._all = arm, q
-        self._q: Array | None = None
-        turning = ~arm.chain.prismatic
-        lower, upper = arm.limits.T
-        # A joint that turns all the way round has an image inside whatever its value.
-        self._limited = np.flatnonzero(~(turning & (upper - lower >= TURN)))
-        self._turning = turning
-
-    @property
-    def vectors(self) -> Array:
-        """(k, n) the solutions that are left, pose by pose."""
-        if self._q is None:
-            self._q = self._all[self.kept]
-        return self._q
-
-    def counts(self) -> NDArray[Any]:
-        """(m,) number of solutions left of each pose."""
-        if self.kept.shape[1] == _WORD:
-            return np.asarray(np.bitwise_count(self.kept.view(np.uint64))[:, 0])
-        return np.asarray(np.sum(self.kept, axis=-1, dtype=np.intp))
-
-    def keep_within_limits(self) -> None:
-        """Drop solutions without an image inside the limits."""
-        some = self._limited
-        q, (lower, upper) = self.vectors[:, some], self._arm.limits[some].T
-        # Most are inside as they are; their images are looked for only where they are not.
-        inside = ((q >= lower) & (q <= upper)).all(axis=-1)
-        out = np.flatnonzero(~inside)
-        first, last = joint_limits.image_range(q[out], self._arm.limits[some], self._turning[some])
-        inside[out] = (first <= last).all(axis=-1)
-        self._keep(inside)
-
-    def keep_free(self) -> None:
-        """Drop solutions in which links collide."""
-        self._keep(~np.asarray(self._arm.collision_model.in_collision(self.vectors), dtype=np.bool_))
-
-    def manipulability(self) -> Array:
-        """(k,) of the solutions that are left; for positions that of the tip's translation."""
-        return self._arm.manipulability(self.vectors, self._arm.control.part)
-
-    def margin(self) -> Array:
-        """(k,) least distance to a limit as a share of half the joint's range; negative outside, 1 without limits."""
-        image = joint_limits.nearest_image(self.vectors, self._arm.limits, self._turning)[0]
-        return joint_limits.margin(np.where(np.isnan(image), self.vectors, image), self._arm.limits)
-
-    def greatest(self, values: Array) -> Array:
-        """(m,) greatest of the values (k,) of each pose's solutions, NaN for a pose without one."""
-        spread = np.full(self.kept.shape, -np.inf)
-        spread[self.kept] = values
-        best = spread.max(axis=-1)
-        return np.where(np.isneginf(best), np.nan, best)
-
-    def _keep(self, good: Mask) -> None:
-        kept = self.kept.copy()
-        kept[self.kept] = good
-        self.kept, self._q = kept, self.vectors[good]
+def _in_memory(asked: Question, output: Path | None, progress: Progress | None) -> WorkspaceMap:
+    grid, count = asked.grid, len(asked.samples)
+    size = asked.size(grid.count)
+    require_memory(grid, count, size + asked.scratch())
+    if output is not None:
+        require_room(grid, count, size, output)
+    found: dict[str, NDArray[Any]] = {
+        name: np.empty(asked.shape(name, (grid.count,)), HELD[name].kind) for name in asked.holds
+    }
+    solver = asked.solver()
+    for start in range(0, grid.count, asked.at_once):
+        part = slice(start, min(start + asked.at_once, grid.count))
+        for name, values in solver.answers(grid.centres(part)).items():
+            found[name][part] = values
+        if progress is not None:
+            progress(part.stop * count, grid.count * count)
+    shaped: dict[str, Any] = {name: array.reshape(*grid.shape, -1) for name, array in found.items()}
+    for array in (*shaped.values(), asked.samples):
+        array.setflags(write=False)
+    made = WorkspaceMap(asked.about(), grid, asked.samples, **shaped)
+    if output is not None:
+        made.save(output)
+    return made

@@ -20,7 +20,7 @@ from urdf_ik.errors import WorkspaceError
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-FORMAT, VERSION = "urdf-ik workspace map", 1
+FORMAT, VERSION = "urdf-ik workspace map", 2
 
 _Map = TypeVar("_Map")
 

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
-import shutil
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdf_ik.errors import WorkspaceError
+from urdf_ik.scale import room
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik.arm import Arm
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 AXES = "xyz"
 _ROUNDING = 1e-9
 """Share of a voxel by which bounds may exceed a whole number of voxels."""
+
+_HINT = "take larger voxels, fewer orientations or narrower bounds"
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +69,100 @@ class Grid:
         """
         places = np.unravel_index(np.arange(part.start, part.stop), self.shape)
         return np.asarray(self.lower + self.voxel * (np.stack(places, axis=-1) + 0.5))
+
+    def centres_of(self, part: tuple[slice, slice, slice]) -> Array:
+        """(k, 3) m, centres of the voxels of a box, the last axis first.
+
+        Example:
+            >>> Grid(np.zeros(3), 0.1, (2, 1, 1)).centres_of((slice(1, 2), slice(0, 1), slice(0, 1))).round(6).tolist()
+            [[0.15, 0.05, 0.05]]
+        """
+        places = np.meshgrid(*(np.arange(each.start, each.stop) for each in part), indexing="ij")
+        return np.asarray(self.lower + self.voxel * (np.stack(places, axis=-1).reshape(-1, 3) + 0.5))
+
+    def part(self, bounds: ArrayLike) -> tuple[slice, slice, slice]:
+        """The voxels whose centres are inside bounds (2, 3) m.
+
+        Raises:
+            WorkspaceError: the bounds make no sense, or there is no such voxel.
+
+        Example:
+            >>> Grid(np.zeros(3), 0.1, (4, 1, 1)).part([[0.1, 0, 0], [0.3, 1, 1]])[0]
+            slice(1, 3, None)
+        """
+        lower, upper = _checked(bounds)
+        first = np.ceil((lower - self.lower) / self.voxel - 0.5 - _ROUNDING).astype(int)
+        last = np.floor((upper - self.lower) / self.voxel - 0.5 + _ROUNDING).astype(int)
+        first, last = np.maximum(first, 0), np.minimum(last, np.array(self.shape) - 1)
+        if (first > last).any():
+            raise WorkspaceError(
+                f"no voxel has its centre inside {np.array([lower, upper]).tolist()}; the map is from "
+                f"{self.lower.tolist()} to {self.upper.tolist()} m"
+            )
+        x, y, z = (slice(int(a), int(b) + 1) for a, b in zip(first, last, strict=True))
+        return x, y, z
+
+    def layer(self, axis: str, at: float) -> tuple[int, int]:
+        """Number of an axis, and of the layer of voxels across it that holds the coordinate ``at`` [m].
+
+        Raises:
+            WorkspaceError: there is no such axis, or the coordinate is outside the grid.
+
+        Example:
+            >>> Grid(np.zeros(3), 0.1, (2, 1, 1)).layer("x", 0.15)
+            (0, 1)
+        """
+        if axis not in tuple(AXES):
+            raise WorkspaceError(f"no axis is called {axis!r}; there are x, y and z")
+        k = AXES.index(axis)
+        lower, upper = float(self.lower[k]), float(self.upper[k])
+        if not lower <= at <= upper:
+            raise WorkspaceError(f"{axis} = {at:g} m is outside the map, from {lower:g} to {upper:g} m")
+        return k, min(int((at - lower) / self.voxel), self.shape[k] - 1)
+
+    def cut(self, part: tuple[slice, slice, slice]) -> Grid:
+        """The voxels of a box as a grid of their own.
+
+        Example:
+            >>> Grid(np.zeros(3), 0.5, (4, 1, 1)).cut((slice(1, 3), slice(0, 1), slice(0, 1))).lower.tolist()
+            [0.5, 0.0, 0.0]
+        """
+        start = np.array([each.start for each in part])
+        x, y, z = (each.stop - each.start for each in part)
+        return Grid(np.asarray(self.lower + self.voxel * start), self.voxel, (x, y, z))
+
+    def places(self, points: ArrayLike) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+        """The voxel (m, 3) that each of the points (m, 3) m is in, and whether it is in any (m,).
+
+        Example:
+            >>> places, inside = Grid(np.zeros(3), 0.1, (2, 1, 1)).places([[0.15, 0.0, 0.05], [9, 9, 9]])
+            >>> places[0].tolist(), inside.tolist()
+            ([1, 0, 0], [True, False])
+        """
+        with np.errstate(invalid="ignore"):
+            places = np.floor((np.asarray(points, np.float64) - self.lower) / self.voxel)
+            inside = np.asarray(((places >= 0) & (places < self.shape)).all(axis=-1))
+        return np.where(inside[..., None], places, 0).astype(np.intp), inside
+
+    def described(self) -> dict[str, Any]:
+        """The grid as JSON can hold it.
+
+        Example:
+            >>> Grid(np.zeros(3), 0.1, (2, 1, 1)).described()
+            {'lower': [0.0, 0.0, 0.0], 'voxel': 0.1, 'shape': [2, 1, 1]}
+        """
+        return {"lower": self.lower.tolist(), "voxel": self.voxel, "shape": list(self.shape)}
+
+    @classmethod
+    def from_described(cls, found: Any) -> Grid:
+        """The grid of such a description.
+
+        Example:
+            >>> Grid.from_described({"lower": [0.0, 0.0, 0.0], "voxel": 0.1, "shape": [2, 1, 1]}).count
+            2
+        """
+        x, y, z = (int(count) for count in found["shape"])
+        return cls(np.array(found["lower"], dtype=np.float64), float(found["voxel"]), (x, y, z))
 
 
 def grid_of(arm: Arm, voxel: float, bounds: ArrayLike | None) -> Grid:
@@ -113,49 +209,48 @@ def _checked(bounds: ArrayLike) -> tuple[Array, Array]:
     return box[0], box[1]
 
 
-def require_room(grid: Grid, samples: int, results: int, scratch: int, output: Path | None) -> None:
-    """Refuse a map that does not fit, before any work.
+def require_memory(grid: Grid, samples: int, needed: int) -> None:
+    """Refuse a map that does not fit in memory, before any work.
 
     Args:
         grid: the voxels.
         samples: orientations at each of them.
-        results: bytes of all answers.
-        scratch: bytes that a chunk takes.
-        output: the file that the answers go to, uncompressed at most as large as ``results``; None: no file.
+        needed: bytes that the answers take, and a chunk while it is solved.
 
     Raises:
         WorkspaceError: with the numbers.
     """
-    what = f"{' x '.join(map(str, grid.shape))} voxels of {grid.voxel:g} m x {samples} orientations"
-    hint = "take larger voxels, fewer orientations or narrower bounds"
-    free = available_memory()
-    if results + scratch > free:
+    free = room.available_memory()
+    if needed > free:
         raise WorkspaceError(
-            f"{what} = {grid.count * samples:.4g} poses take {_size(results + scratch)} of memory, and "
-            f"{_size(free)} are free; {hint}"
+            f"{_words(grid, samples)} take {room.size_text(needed)} of memory, and {room.size_text(free)} are free; "
+            f"{_HINT}"
         )
-    if output is not None:
-        folder = output.resolve().parent
-        if not folder.is_dir():
-            raise WorkspaceError(f"{output}: there is no folder {folder}")
-        free = shutil.disk_usage(folder).free
-        if results > free:
-            raise WorkspaceError(
-                f"{what} = {grid.count * samples:.4g} poses take up to {_size(results)} on the disk, and {folder} has "
-                f"{_size(free)} free; {hint}"
-            )
 
 
-def available_memory() -> int:
-    """Bytes of memory that can be had without swapping."""
-    import psutil  # only maps need it
+def require_room(grid: Grid, samples: int, needed: int, output: Path) -> None:
+    """Refuse a map that does not fit on the disk, before any work.
 
-    found = [int(psutil.virtual_memory().available)]
-    group = Path("/sys/fs/cgroup")
-    with contextlib.suppress(OSError, ValueError):  # a container's own limit, where there is one
-        found.append(int((group / "memory.max").read_text()) - int((group / "memory.current").read_text()))
-    return max(0, min(found))
+    Args:
+        grid: the voxels.
+        samples: orientations at each of them.
+        needed: bytes of the answers, which are compressed at best.
+        output: the file or folder that they go to.
+
+    Raises:
+        WorkspaceError: with the numbers.
+    """
+    folder = output.resolve().parent
+    if not folder.is_dir():
+        raise WorkspaceError(f"{output}: there is no folder {folder}")
+    free = room.free_disk(folder)
+    if needed > free:
+        raise WorkspaceError(
+            f"{_words(grid, samples)} take up to {room.size_text(needed)} on the disk, and {folder} has "
+            f"{room.size_text(free)} free; {_HINT}"
+        )
 
 
-def _size(count: int) -> str:
-    return f"{count / 2**30:.3g} GiB" if count >= 2**29 else f"{count / 2**20:.3g} MiB"
+def _words(grid: Grid, samples: int) -> str:
+    voxels = f"{' x '.join(map(str, grid.shape))} voxels of {grid.voxel:g} m"
+    return f"{voxels} x {samples} orientations = {grid.count * samples:.4g} poses"

@@ -10,9 +10,12 @@ import numpy as np
 from urdf_ik.errors import WorkspaceError
 from urdf_ik.workspace import files
 from urdf_ik.workspace.grid import AXES, Grid
+from urdf_ik.workspace.lookup import cells
+from urdf_ik.workspace.totals import BranchShare, Totals
 
 if TYPE_CHECKING:
     import os
+    from collections.abc import Mapping
 
     from numpy.typing import ArrayLike, NDArray
 
@@ -21,13 +24,15 @@ if TYPE_CHECKING:
 
 # Arrays of a file, those that every map has and those that were asked for, and their types other than uint8.
 _ALWAYS = ("samples", "solutions", "branch_poses")
-_PERHAPS = ("within", "free", "manipulability", "margin")
-_TYPES = {"samples": np.float64, "branch_poses": np.uint16, "manipulability": np.float32, "margin": np.float32}
+_PERHAPS = ("within", "free", "manipulability", "margin", "clearance")
+_MEASURED = ("manipulability", "margin", "clearance")
+_TYPES = {"samples": np.float64, "branch_poses": np.uint16} | dict.fromkeys(_MEASURED, np.float32)
 VALUES = {
     "reach": "share of the orientations that are reached",
     "solutions": "mean number of solutions",
     "manipulability": "greatest manipulability",
     "margin": "greatest limit margin",
+    "clearance": "greatest clearance [m]",
 }
 """What a voxel can be asked for, and what that is."""
 
@@ -49,6 +54,7 @@ class About:
         branches: names of the family's branches.
         counted: 'solutions', 'within' or 'free': which solutions count for reach, branches, manipulability and margin.
         redundancy: value of the redundancy parameter [rad or m], None for an arm without one.
+        world: digest of the obstacles that counted, see ``World.digest``; None for a map without.
         made_by: version of this package.
     """
 
@@ -64,7 +70,39 @@ class About:
     branches: tuple[str, ...]
     counted: str
     redundancy: float | None
+    world: str | None
     made_by: str
+
+    def cell(self, voxel: float) -> float:
+        """Volume [m^3] of a voxel; area [m^2] for a planar arm.
+
+        Example:
+            >>> import urdf_ik
+            >>> found = urdf_ik.workspace.compute(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
+            >>> round(found.about.cell(0.05), 6)
+            0.0025
+        """
+        return float(voxel ** (2 if self.task.startswith("planar") else 3))
+
+    @classmethod
+    def read(cls, header: Mapping[str, Any]) -> About:
+        """From the fields as JSON holds them.
+
+        Raises:
+            KeyError: one is missing.
+
+        Example:
+            >>> from dataclasses import asdict
+            >>> import urdf_ik
+            >>> found = urdf_ik.workspace.compute(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
+            >>> About.read(asdict(found.about)) == found.about
+            True
+        """
+        named = {name: header[name] for name in cls.__dataclass_fields__}
+        for name in ("joints", "branches"):
+            named[name] = tuple(named[name])
+        named["limits"] = tuple((lower, upper) for lower, upper in named["limits"])
+        return cls(**named)
 
 
 class MapSlice(NamedTuple):
@@ -87,18 +125,6 @@ class MapSlice(NamedTuple):
     what: str
 
 
-class BranchShare(NamedTuple):
-    """How much of the workspace one branch covers.
-
-    Attributes:
-        voxels: share of the voxels that are reached.
-        poses: share of the poses that are reached.
-    """
-
-    voxels: float
-    poses: float
-
-
 @dataclass(frozen=True, eq=False)
 class WorkspaceMap:
     """Positions x orientations of an arm's tip, with what they have as solutions.
@@ -110,10 +136,11 @@ class WorkspaceMap:
         solutions: (X, Y, Z, S) number of solutions.
         branch_poses: (X, Y, Z, B) number of orientations in which a branch has a solution that counts.
         within: (X, Y, Z, S) number within the limits, or None.
-        free: (X, Y, Z, S) number within the limits that are free of self-collision, or None.
+        free: (X, Y, Z, S) number within the limits that are free of collision, or None.
         manipulability: (X, Y, Z, S) greatest one of the solutions that count, NaN where nothing is reached; or None.
         margin: (X, Y, Z, S) greatest limit margin: the least of all joints' distances to their limits, as shares of
             half their ranges, 0 at a limit and 1 in the middle of all; NaN where nothing is reached; or None.
+        clearance: (X, Y, Z, S) m, greatest one of the solutions that count; NaN where nothing is reached; or None.
 
     Example:
         >>> import urdf_ik
@@ -131,6 +158,7 @@ class WorkspaceMap:
     free: Counts | None = field(repr=False, default=None)
     manipulability: NDArray[np.float32] | None = field(repr=False, default=None)
     margin: NDArray[np.float32] | None = field(repr=False, default=None)
+    clearance: NDArray[np.float32] | None = field(repr=False, default=None)
 
     @property
     def counts(self) -> Counts:
@@ -145,12 +173,12 @@ class WorkspaceMap:
     @property
     def volume(self) -> float:
         """Volume [m^3] of the voxels that are reached; area [m^2] for a planar arm."""
-        return float(self.reached.sum()) * self.grid.voxel**self._dimensions
+        return float(self.reached.sum()) * self.about.cell(self.grid.voxel)
 
     @property
     def dexterous_volume(self) -> float:
         """The same of the voxels that are reached in every orientation that was sampled."""
-        return float((self.counts > 0).all(axis=-1).sum()) * self.grid.voxel**self._dimensions
+        return float((self.counts > 0).all(axis=-1).sum()) * self.about.cell(self.grid.voxel)
 
     def values(self, what: str = "reach") -> Array:
         """One number a voxel (X, Y, Z), NaN where nothing is reached; ``what`` is a key of ``VALUES``.
@@ -173,7 +201,7 @@ class WorkspaceMap:
             counts = self.counts if what == "solutions" else self.counts > 0
             values = counts.mean(axis=-1, dtype=np.float64)
         else:
-            stored = self.manipulability if what == "manipulability" else self.margin
+            stored: NDArray[np.float32] | None = getattr(self, what)
             if stored is None:
                 raise WorkspaceError(f"the map holds no {what}; compute it with {what}=True")
             values = np.where(np.isnan(stored), -np.inf, stored).max(axis=-1).astype(np.float64)
@@ -191,13 +219,7 @@ class WorkspaceMap:
             >>> found.slice().axes, found.slice().values.shape
             (('x', 'y'), (8, 8))
         """
-        if axis not in tuple(AXES):
-            raise WorkspaceError(f"no axis is called {axis!r}; there are x, y and z")
-        k = AXES.index(axis)
-        lower, upper = float(self.grid.lower[k]), float(self.grid.upper[k])
-        if not lower <= at <= upper:
-            raise WorkspaceError(f"{axis} = {at:g} m is outside the map, from {lower:g} to {upper:g} m")
-        layer = min(int((at - lower) / self.grid.voxel), self.grid.shape[k] - 1)
+        k, layer = self.grid.layer(axis, at)
         one, two = (i for i in range(3) if i != k)
         edges = [float(edge[i]) for i in (one, two) for edge in (self.grid.lower, self.grid.upper)]
         return MapSlice(
@@ -247,6 +269,34 @@ class WorkspaceMap:
         change = np.diff(hit)
         return np.stack([cuts[change[: len(cuts)] > 0], cuts[change[: len(cuts)] < 0]], axis=-1)
 
+    def look_up(self, targets: Any, what: str | None = None) -> NDArray[Any]:
+        """What an array holds in the cells that targets are in: nearest voxel and nearest orientation.
+
+        Args:
+            targets: (m, ...) of the map's task, ``about.task``, as ``arm.ik`` takes them.
+            what: name of the array; default: the number of solutions that count.
+
+        Returns:
+            (m,); zero, or NaN for what is measured, outside the grid.
+
+        Raises:
+            WorkspaceError: the targets are of another shape, or the map does not hold this.
+
+        Example:
+            >>> import urdf_ik
+            >>> found = urdf_ik.workspace.compute(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
+            >>> found.look_up([[0.15, 0.05], [9.0, 9.0]]).tolist()
+            [1, 0]
+        """
+        name = self.about.counted if what is None else what
+        values = getattr(self, name) if name in _PERHAPS + ("solutions",) else None
+        if values is None:
+            raise WorkspaceError(f"the map holds no {name!r} for each pose")
+        at = cells(self.grid, self.samples, self.about.task, targets)
+        found = values[(*at.voxels.T, at.samples)]
+        found[~at.inside] = np.nan if found.dtype.kind == "f" else 0
+        return np.asarray(found)
+
     def branch_shares(self) -> dict[str, BranchShare]:
         """How much of what is reached each branch covers, by name; zeros where nothing is reached.
 
@@ -256,13 +306,30 @@ class WorkspaceMap:
             >>> sorted(found.branch_shares())
             ['elbow left', 'elbow right']
         """
-        voxels, poses = max(1, int(self.reached.sum())), max(1, int((self.counts > 0).sum()))
-        flat = self.branch_poses.reshape(-1, len(self.about.branches))
-        covered, solved = (flat > 0).sum(axis=0), flat.sum(axis=0, dtype=np.int64)
-        return {
-            name: BranchShare(float(covered[b]) / voxels, float(solved[b]) / poses)
-            for b, name in enumerate(self.about.branches)
-        }
+        return self.totals().branch_shares
+
+    def totals(self) -> Totals:
+        """Sums over the whole map.
+
+        Example:
+            >>> import urdf_ik
+            >>> found = urdf_ik.workspace.compute(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
+            >>> found.totals().reached_voxels == int(found.reached.sum())
+            True
+        """
+        reached, branches = self.counts > 0, self.about.branches
+        flat = self.branch_poses.reshape(-1, len(branches))
+        counted = {name: getattr(self, name) for name in ("solutions", "within", "free")}
+        return Totals(
+            reached.size,
+            int(reached.sum()),
+            self.grid.count,
+            int(reached.any(axis=-1).sum()),
+            int(reached.all(axis=-1).sum()),
+            {name: int(stored.sum(dtype=np.int64)) for name, stored in counted.items() if stored is not None},
+            dict(zip(branches, (flat > 0).sum(axis=0).tolist(), strict=True)),
+            dict(zip(branches, flat.sum(axis=0, dtype=np.int64).tolist(), strict=True)),
+        )
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a compressed ``.npz`` file, which :func:`read` reads: see :mod:`urdf_ik.workspace.files`.
@@ -277,13 +344,8 @@ class WorkspaceMap:
             >>> urdf_ik.workspace.read("map.npz").about.robot
             'planar_2r'
         """
-        grid = {"lower": self.grid.lower.tolist(), "voxel": self.grid.voxel, "shape": list(self.grid.shape)}
         arrays = {name: getattr(self, name) for name in _ALWAYS + _PERHAPS if getattr(self, name) is not None}
-        files.write(path, {**asdict(self.about), "grid": grid}, arrays)
-
-    @property
-    def _dimensions(self) -> int:
-        return 2 if self.about.task.startswith("planar") else 3
+        files.write(path, {**asdict(self.about), "grid": self.grid.described()}, arrays)
 
 
 def read(path: str | os.PathLike[str]) -> WorkspaceMap:
@@ -302,21 +364,15 @@ def read(path: str | os.PathLike[str]) -> WorkspaceMap:
 
 
 def _built(header: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> WorkspaceMap:
-    grid = header["grid"]
-    rows, columns, layers = (int(count) for count in grid["shape"])
-    voxels = Grid(np.array(grid["lower"], dtype=np.float64), float(grid["voxel"]), (rows, columns, layers))
-    fields = {name: header[name] for name in About.__dataclass_fields__}
-    for name in ("joints", "branches"):
-        fields[name] = tuple(fields[name])
-    fields["limits"] = tuple((lower, upper) for lower, upper in fields["limits"])
+    about, voxels = About.read(header), Grid.from_described(header["grid"])
     for name in _ALWAYS:
         if name not in arrays:
             raise ValueError(f"the array {name!r} is missing")
-    if fields["counted"] != "solutions" and fields["counted"] not in arrays:
-        raise ValueError(f"the array {fields['counted']!r} is missing")
+    if about.counted != "solutions" and about.counted not in arrays:
+        raise ValueError(f"the array {about.counted!r} is missing")
     arrays = {name: array for name, array in arrays.items() if name in _ALWAYS + _PERHAPS}
     for name, array in arrays.items():
-        last = len(fields["branches"]) if name == "branch_poses" else len(arrays["samples"])
+        last = len(about.branches) if name == "branch_poses" else len(arrays["samples"])
         shape = array.shape if name == "samples" else (*voxels.shape, last)
         kind = _TYPES.get(name, np.uint8)
         if array.shape != shape or array.dtype != kind:
@@ -324,4 +380,4 @@ def _built(header: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Workspace
                 f"{name} is of shape {array.shape} and type {array.dtype}, not {shape} and {kind.__name__}"
             )
         array.setflags(write=False)
-    return WorkspaceMap(About(**fields), voxels, **arrays)
+    return WorkspaceMap(about, voxels, **arrays)

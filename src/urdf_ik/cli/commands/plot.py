@@ -89,7 +89,7 @@ def _solutions(arm: Arm, angles: Angles, asked: Asked) -> IKSolutions:
 
 def _workspace(arm: Arm, q: NDArray[np.float64] | None, asked: Asked) -> Figure:
     if asked.map is not None:
-        return plot.workspace_slice(rooms.read(asked.map), asked.axis, asked.at, asked.value)
+        return plot.workspace_slice(rooms.opened(asked.map), asked.axis, asked.at, asked.value)
     if is_two_links(arm):
         return plot.planar_workspace(rooms.planar(arm), q)
     if asked.axis not in tuple(AXES):

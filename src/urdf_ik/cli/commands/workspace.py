@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
+from urdf_ik import scale
 from urdf_ik import workspace as rooms
 from urdf_ik.cli import console, tables
 from urdf_ik.cli.progress import Progress
@@ -16,27 +17,71 @@ if TYPE_CHECKING:
     from urdf_ik.cli.console import Angles
 
 
-def run(arm: Arm, angles: Angles, output: Path | None, as_json: bool, options: dict[str, Any]) -> None:
+@dataclass(frozen=True)
+class Places:
+    """Where a map goes, and who makes it; None for what was not given.
+
+    Attributes:
+        output: file to save it to.
+        store: folder to make it in.
+        workers: number of processes on this machine that fill the store.
+        scheduler: address of the scheduler whose workers do.
+    """
+
+    output: Path | None
+    store: Path | None
+    workers: int | None
+    scheduler: str | None
+
+    def check(self) -> None:
+        """Refuse what cannot be.
+
+        Raises:
+            typer.BadParameter: two of these do not go together, or ``output`` is a folder, a device or a pipe.
+        """
+        if self.output is not None and self.output.exists() and not self.output.is_file():
+            # The map is written beside it and put in its place, which a device or a pipe would not survive.
+            raise console.usage(f"cannot write {self.output}: it is no regular file", "--output")
+        if self.output is not None and self.store is not None:
+            raise console.usage("a map goes into a file or into a store: give --output or --store", "--store")
+        if self.workers is not None and self.scheduler is not None:
+            raise console.usage("--scheduler has workers of its own: give it or --workers", "--workers")
+        if self.store is None and (self.workers is not None or self.scheduler is not None):
+            raise console.usage("workers fill a store: give --store FOLDER, too", "--workers")
+
+    def client(self) -> AbstractContextManager[Any]:
+        """The workers, for as long as the map is made; None for this process."""
+        if self.workers is None and self.scheduler is None:
+            return nullcontext()
+        return scale.connect(self.scheduler, self.workers)  # type: ignore[no-any-return]
+
+
+def run(arm: Arm, angles: Angles, places: Places, as_json: bool, options: dict[str, Any]) -> None:
     """Print the exact region of two turning joints, or compute a map, print its sums and save it.
 
-    A map is made of any other arm, and wherever one of the ``options`` of ``workspace.compute``, or a file, asks for
-    it; None stands for an option that was not given.
+    A map is made of any other arm, and wherever one of the ``options`` of ``workspace.compute``, a file or a store asks
+    for it; None stands for an option that was not given.
 
     Raises:
-        typer.BadParameter: ``output`` is a folder, a device or a pipe.
+        typer.BadParameter: places that cannot be.
         WorkspaceError: options of which no map can be made, or a file that cannot be written.
+        StoreError: a store that cannot be gone on with, or cannot be written.
+        ClusterError: a scheduler or workers that cannot do the work.
     """
+    places.check()
     given = {name: value for name, value in options.items() if value is not None and value is not False}
-    if output is not None and output.exists() and not output.is_file():
-        # The map is written beside it and put in its place, which a device or a pipe would not survive.
-        raise console.usage(f"cannot write {output}: it is no regular file", "--output")
-    if arm.dof == 2 and arm.plane is not None and not arm.chain.prismatic.any() and output is None and not given:
+    asked = bool(given) or places.output is not None or places.store is not None
+    if arm.dof == 2 and arm.plane is not None and not arm.chain.prismatic.any() and not asked:
         region = rooms.planar(arm)
         console.write(_region_json(region) if as_json else _region_text(region, angles), None)
         return
-    with Progress("solving poses", "solving") as progress:
-        found = rooms.compute(arm, **given, output=output, progress=progress.tick)
-    console.write(_map_json(found) if as_json else _map_text(found, output), None)
+    found: rooms.WorkspaceMap | rooms.StoredMap
+    with places.client() as client, Progress("solving poses", "solving") as progress:
+        if places.store is not None:
+            found = rooms.compute(arm, **given, store=places.store, client=client, progress=progress.tick)
+        else:
+            found = rooms.compute(arm, **given, output=places.output, progress=progress.tick)
+    console.write(_map_json(found) if as_json else _map_text(found, places.output or places.store), None)
 
 
 def _region_text(region: rooms.PlanarWorkspace, angles: Angles) -> str:
@@ -93,44 +138,42 @@ def _region_json(region: rooms.PlanarWorkspace) -> str:
     )
 
 
-def _map_text(found: rooms.WorkspaceMap, output: Path | None) -> str:
+def _map_text(found: rooms.WorkspaceMap | rooms.StoredMap, place: Path | None) -> str:
     about, unit = found.about, "m2" if found.about.task.startswith("planar") else "m3"
-    counts = found.counts
-    reached = int((counts > 0).sum())
+    totals, cell = found.totals(), found.about.cell(found.grid.voxel)
+    volume, dexterous = totals.reached_voxels * cell, totals.dexterous_voxels * cell
     shape = " x ".join(map(str, found.grid.shape))
     lines = [
         f"{about.robot}: {about.base} to {about.tip}, {about.task}",
         f"{shape} voxels of {found.grid.voxel:g} m, {len(found.samples)} at each: {about.sampled}",
-        f"reached: {reached} of {counts.size} poses, {int(found.reached.sum())} of {found.grid.count} voxels",
-        f"volume: {found.volume:.4f} {unit}, in every orientation {found.dexterous_volume:.4f} {unit}",
+        f"reached: {totals.reached_poses} of {totals.poses} poses, {totals.reached_voxels} of {totals.voxels} voxels",
+        f"volume: {volume:.4f} {unit}, in every orientation {dexterous:.4f} {unit}",
     ]
-    names = {"solutions": "solutions", "within": "within limits", "free": "free of self-collision"}
-    for name, words in names.items():
-        if (stored := getattr(found, name)) is not None:
-            lines.append(f"{words}: {int(stored.sum(dtype=np.int64))}")
-    if output is not None:
-        lines.append(f"map written to {output}")
+    names = {"solutions": "solutions", "within": "within limits", "free": "free of collision"}
+    lines += [f"{names[name]}: {count}" for name, count in totals.solutions.items()]
+    if place is not None:
+        lines.append(f"map written to {place}")
     rows = [
         [name, f"{100.0 * share.voxels:.1f}", f"{100.0 * share.poses:.1f}"]
-        for name, share in found.branch_shares().items()
+        for name, share in totals.branch_shares.items()
     ]
     table = tables.grid(["branch", "voxels [%]", "poses [%]"], rows, left=["branch"])
     return tables.render(*lines, "", table)
 
 
-def _map_json(found: rooms.WorkspaceMap) -> str:
-    about = found.about
+def _map_json(found: rooms.WorkspaceMap | rooms.StoredMap) -> str:
+    about, totals, cell = found.about, found.totals(), found.about.cell(found.grid.voxel)
     return console.json_text(
         {
             "robot": about.robot,
             "urdf_sha256": about.urdf_sha256,
             "task": about.task,
             "counted": about.counted,
-            "grid": {"lower": found.grid.lower, "voxel": found.grid.voxel, "shape": list(found.grid.shape)},
-            "poses": {"all": found.counts.size, "reached": int((found.counts > 0).sum())},
-            "voxels": {"all": found.grid.count, "reached": int(found.reached.sum())},
-            "volume": found.volume,
-            "dexterous_volume": found.dexterous_volume,
-            "branches": {name: share._asdict() for name, share in found.branch_shares().items()},
+            "grid": found.grid.described(),
+            "poses": {"all": totals.poses, "reached": totals.reached_poses},
+            "voxels": {"all": totals.voxels, "reached": totals.reached_voxels},
+            "volume": totals.reached_voxels * cell,
+            "dexterous_volume": totals.dexterous_voxels * cell,
+            "branches": {name: share._asdict() for name, share in totals.branch_shares.items()},
         }
     )

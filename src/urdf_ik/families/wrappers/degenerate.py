@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik._core import Solver
+from urdf_ik._core import SelfMotion, Solver
 from urdf_ik.chain import is_redundant, kinds_of, typical_stretch
 from urdf_ik.chain import sampled as sampled_vectors
 from urdf_ik.chain.redundancy import locked_joint
 from urdf_ik.families import sampled
 from urdf_ik.families.parts.family import Plan, RedundantPlan
+from urdf_ik.families.parts.values import written_values
 from urdf_ik.structure import analyse
 from urdf_ik.tolerances import DEFAULT
 
@@ -103,6 +104,7 @@ def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
         error=plan.error,
         solver=Solver("one joint given", values),
         parameters=(parameter,),
+        self_motion=SelfMotion({"written": written_values(chain), "given": k}),
         value_of=lambda Q, T: parameter.wrapped(Q[:, k : k + 1]),
         explain=lambda T: explain_at(T, np.array([parameter.default])),
         explain_at=explain_at,

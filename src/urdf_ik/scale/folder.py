@@ -1,0 +1,300 @@
+"""Folder: a store on the disk that a long run fills chunk by chunk, and that outlives the run.
+
+Beside the data stands ``.urdf-ik`` with three files: ``question``, all that the data depend on; ``journal``, the
+finished chunks with the digests of their files; and ``lock``, while a run is in progress. A file is written under a
+temporary name and then renamed, so that under its own name it is there whole or not at all.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import shutil
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from urdf_ik.errors import StoreError
+from urdf_ik.scale.journal import Journal, Kept, digest
+from urdf_ik.scale.lock import Lock
+from urdf_ik.text import json_text
+
+PRIVATE = ".urdf-ik"
+"""The folder of a store in which the package keeps what is not data."""
+MISSING = "not set"
+"""Stands for the value of what only one of two questions has."""
+
+Question = Mapping[str, Any]
+
+
+class Folder:
+    """A store on the disk, held by this run until it is closed.
+
+    Args:
+        path: the store's folder; it is made where there is none.
+        question: all that the data depend on, as JSON can hold it.
+        chunks: number of chunks.
+        files: what stands in the store before any chunk, by paths in it.
+        last: those of ``files`` that are others when all chunks are there.
+
+    Raises:
+        StoreError: the folder is no store, is a store of another question, is in use, or cannot be written.
+
+    Example:
+        >>> with Folder("numbers", {"what": "squares"}, 2) as store:
+        ...     store.keep(1, {"one": b"1"})
+        ...     store.pending()
+        [0]
+        >>> with Folder("numbers", {"what": "squares"}, 2) as store:
+        ...     store.pending()
+        [0]
+    """
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        question: Question,
+        chunks: int,
+        files: Mapping[str, bytes] | None = None,
+        last: Mapping[str, bytes] | None = None,
+    ) -> None:
+        self.path = checked_path(path)
+        self._last = last or {}
+        self.chunks = chunks
+        self._own = self.path / PRIVATE
+        self._temporary = self._own / "unfinished"
+        self._lock = Lock(self._own / "lock")
+        asked = json.loads(json_text(dict(question)))
+        if (self._own / "question").exists():
+            require_same(self.path, read_question(self.path), asked)
+        try:
+            self._own.mkdir(parents=True, exist_ok=True)
+            self._lock.take(str(self.path))
+        except OSError as error:
+            raise StoreError(f"cannot write {self.path}: {error.strerror}") from None
+        try:
+            shutil.rmtree(self._temporary, ignore_errors=True)
+            if not (self._own / "question").exists():
+                self._write("question", (self._own / "question"), json_text(asked).encode())
+            require_same(self.path, read_question(self.path), asked)
+            for name, data in (files or {}).items():
+                if not self._holds(name, data) and not self._holds(name, self._last.get(name)):
+                    self._write("first", self.path / name, data)
+            self._journal = Journal(self._own / "journal")
+        except OSError as error:
+            self.close()
+            raise self._cannot_write(error) from None
+        except BaseException:
+            self.close()
+            raise
+
+    def __enter__(self) -> Folder:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Let another run in.
+
+        Example:
+            >>> store = Folder("numbers", {"what": "squares"}, 2)
+            >>> store.close()
+        """
+        shutil.rmtree(self._temporary, ignore_errors=True)
+        self._lock.release()
+
+    def pending(self, tick: Callable[[int, int], object] | None = None) -> list[int]:
+        """The chunks that are not finished, after reading all files of those that are.
+
+        A chunk of which a file is missing, or whose bytes are no longer those that were written, is not finished.
+
+        Args:
+            tick: called with the number of chunks that were looked at, and of all.
+
+        Example:
+            >>> with Folder("others", {"what": "cubes"}, 2) as store:
+            ...     store.pending()
+            [0, 1]
+        """
+        left = []
+        for chunk in range(self.chunks):
+            files = self._journal.chunks.get(chunk)
+            if files is None or not all(self._is_whole(path, kept) for path, kept in files.items()):
+                left.append(chunk)
+            if tick is not None:
+                tick(chunk + 1, self.chunks)
+        return left
+
+    def keep(self, chunk: int, files: Mapping[str, bytes]) -> None:
+        """Write the files of a chunk, by their paths in the store, and note it as finished.
+
+        Raises:
+            StoreError: the disk is full, or cannot be written; the chunk then counts as not finished.
+
+        Example:
+            >>> with Folder("numbers", {"what": "squares"}, 1) as store:
+            ...     store.keep(0, {"zero": b"0"})
+            ...     store.pending()
+            []
+        """
+        try:
+            for name, data in files.items():
+                self._write(str(chunk), self.path / name, data)
+            self._journal.add(chunk, {name: Kept(len(data), digest(data)) for name, data in files.items()})
+        except OSError as error:
+            raise self._cannot_write(error) from None
+
+    def finish(self) -> None:
+        """All chunks are finished: write the last files, and put the journal in order.
+
+        Raises:
+            StoreError: the disk is full, or cannot be written.
+
+        Example:
+            >>> with Folder("numbers", {"what": "squares"}, 1, {"state": b"begun"}, {"state": b"done"}) as store:
+            ...     store.keep(0, {"zero": b"0"})
+            ...     store.finish()
+        """
+        try:
+            for name, data in self._last.items():
+                if not self._holds(name, data):
+                    self._write("last", self.path / name, data)
+            text = self._journal.text()
+            if text != (self._own / "journal").read_bytes():
+                self._write("journal", self._own / "journal", text)
+        except OSError as error:
+            raise self._cannot_write(error) from None
+
+    def _holds(self, name: str, data: bytes | None) -> bool:
+        """Whether a file has these bytes."""
+        try:
+            return data is not None and (self.path / name).read_bytes() == data
+        except OSError:
+            return False
+
+    def _write(self, name: str, target: Path, data: bytes) -> None:
+        """Write a file whole or not at all."""
+        self._temporary.mkdir(exist_ok=True)
+        unfinished = self._temporary / name
+        try:
+            with unfinished.open("wb", buffering=0) as file:
+                written = file.write(data)
+                while written < len(data):
+                    written += file.write(data[written:])
+            target.parent.mkdir(parents=True, exist_ok=True)
+            unfinished.replace(target)
+        except OSError:
+            with contextlib.suppress(OSError):
+                unfinished.unlink()
+            raise
+
+    def _is_whole(self, path: str, kept: Kept) -> bool:
+        try:
+            data = (self.path / path).read_bytes()
+        except OSError:
+            return False
+        return len(data) == kept.size and digest(data) == kept.digest
+
+    def _cannot_write(self, error: OSError) -> StoreError:
+        journal = getattr(self, "_journal", None)
+        done = 0 if journal is None else len(journal.chunks)
+        return StoreError(
+            f"cannot write {self.path}: {error.strerror}; {done} of {self.chunks} chunks are kept, and the same run "
+            "goes on from there when it can write"
+        )
+
+
+def checked_path(path: str | os.PathLike[str]) -> Path:
+    """The path of a store to be made or gone on with.
+
+    Raises:
+        StoreError: it is an address, its folder is missing, or something else is there already.
+
+    Example:
+        >>> checked_path("map.zarr").name
+        'map.zarr'
+    """
+    if "://" in str(path):
+        raise StoreError(f"{path}: a store is a folder on a disk; give a path")
+    store = Path(path)
+    if not store.resolve().parent.is_dir():
+        raise StoreError(f"{store}: there is no folder {store.resolve().parent}")
+    if store.exists() and not store.is_dir():
+        raise StoreError(f"{store} is a file, and a store is a folder; give another path")
+    if store.is_dir() and not (store / PRIVATE).is_dir() and any(store.iterdir()):
+        raise StoreError(f"{store} is there already, and is no store of this package; give another path")
+    return store
+
+
+def read_question(path: Path) -> dict[str, Any]:
+    """What a store is of.
+
+    Raises:
+        StoreError: it is no store, or its question cannot be read.
+
+    Example:
+        >>> with Folder("numbers", {"what": "squares"}, 1):
+        ...     read_question(Path("numbers"))
+        {'what': 'squares'}
+    """
+    file = path / PRIVATE / "question"
+    try:
+        found = json.loads(file.read_text())
+    except FileNotFoundError:
+        raise StoreError(f"{path} is no store of this package: there is no {file}") from None
+    except (OSError, ValueError) as error:
+        raise StoreError(f"{path} is a damaged store: {file}: {error}") from None
+    if not isinstance(found, dict):
+        raise StoreError(f"{path} is a damaged store: {file} holds no JSON object")
+    return found
+
+
+def finished(path: Path) -> frozenset[int]:
+    """The chunks of a store that its journal calls finished; their files are not read.
+
+    Example:
+        >>> with Folder("odd", {"what": "squares"}, 2) as store:
+        ...     store.keep(1, {"one": b"1"})
+        >>> sorted(finished(Path("odd")))
+        [1]
+    """
+    return frozenset(Journal(path / PRIVATE / "journal").chunks)
+
+
+def require_same(path: Path, stored: Question, asked: Question) -> None:
+    """Refuse a store of another question, with what differs.
+
+    Raises:
+        StoreError: it does.
+
+    Example:
+        >>> require_same(Path("numbers"), {"what": "squares"}, {"what": "squares"})
+    """
+    one, other = _flat(stored), _flat(asked)
+    differing = [
+        f"{name} is {_short(one.get(name, MISSING))} in the store and {_short(other.get(name, MISSING))} now"
+        for name in {**other, **one}
+        if one.get(name, MISSING) != other.get(name, MISSING)
+    ]
+    if differing:
+        more = f", and {len(differing) - 4} more differ" if len(differing) > 4 else ""
+        raise StoreError(
+            f"{path} holds something else: {'; '.join(differing[:4])}{more}; give another path, or ask as before"
+        )
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= 72 else f"{text[:68]} ..."
+
+
+def _flat(value: Any, name: str = "") -> dict[str, str]:
+    """The leaves of nested dictionaries, by their names with dots, as JSON."""
+    if not isinstance(value, Mapping):
+        return {name: json.dumps(value)}
+    return {
+        key: text
+        for inner, each in value.items()
+        for key, text in _flat(each, f"{name}.{inner}" if name else inner).items()
+    }

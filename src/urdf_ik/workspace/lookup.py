@@ -1,0 +1,94 @@
+"""Which cell of a map a target is in: its voxel, and the nearest of the orientations that were sampled."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from urdf_ik.errors import WorkspaceError
+from urdf_ik.poses import to_quat_xyzw
+from urdf_ik.tolerances import DEFAULT
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.workspace.grid import Grid
+
+    Array = NDArray[np.float64]
+
+# Shape of one target of each task, and what it is.
+_TARGETS = {
+    "pose": ((4, 4), "poses (m, 4, 4)"),
+    "position and axis": ((6,), "positions with directions (m, 6)"),
+    "position": ((3,), "positions (m, 3) m"),
+    "planar pose": ((3,), "x, y and the angle in the plane (m, 3)"),
+    "planar position": ((2,), "x and y in the plane (m, 2)"),
+}
+
+
+class Cells(NamedTuple):
+    """Cells of a map.
+
+    Attributes:
+        voxels: (m, 3) number of the voxel along each axis; zeros outside the grid.
+        samples: (m,) number of the nearest orientation.
+        inside: (m,) whether a target is inside the grid.
+    """
+
+    voxels: NDArray[np.intp]
+    samples: NDArray[np.intp]
+    inside: NDArray[np.bool_]
+
+
+def cells(grid: Grid, samples: Array, task: str, targets: Any) -> Cells:
+    """The cells that targets of a map's task are in.
+
+    Raises:
+        WorkspaceError: the targets are of another shape.
+
+    Example:
+        >>> from urdf_ik.workspace import Grid
+        >>> at = cells(Grid(np.zeros(3), 0.1, (2, 2, 1)), np.zeros((1, 0)), "position", [[0.15, 0.05, 0.05]])
+        >>> at.voxels.tolist(), at.inside.tolist()
+        ([[1, 0, 0]], [True])
+    """
+    shape, words = _TARGETS[task]
+    given = np.asarray(targets, dtype=np.float64)
+    if given.shape[1:] != shape:
+        raise WorkspaceError(f"targets of shape {given.shape} given; the map's task is {task!r}, which takes {words}")
+    if task == "pose":
+        voxels, inside = grid.places(given[:, :3, 3])
+        return Cells(voxels, _nearest_rotation(samples, given), inside)
+    coordinates = 2 if task.startswith("planar") else 3
+    positions = given[:, :coordinates]
+    if coordinates == 2:
+        positions = np.column_stack([positions, np.zeros(len(given))])
+    voxels, inside = grid.places(positions)
+    return Cells(voxels, _nearest_of(samples, given[:, coordinates:]), inside)
+
+
+def _nearest_rotation(samples: Array, poses: Array) -> NDArray[np.intp]:
+    """The rotation (S, 3, 3) that is the least turn away, one for each pose: nearest quaternions of either sign."""
+    stack = np.tile(np.eye(4), (len(samples), 1, 1))
+    stack[:, :3, :3] = samples
+    known = to_quat_xyzw(stack)
+    found = _tree(np.concatenate([known, -known])).query(to_quat_xyzw(poses))[1]
+    return np.asarray(found % len(samples), dtype=np.intp)
+
+
+def _nearest_of(samples: Array, given: Array) -> NDArray[np.intp]:
+    """The same of directions (S, 3), of angles (S, 1) rad, and of nothing (1, 0)."""
+    if samples.shape[1] == 0:
+        return np.zeros(len(given), dtype=np.intp)
+    if samples.shape[1] == 1:
+        samples, given = (np.column_stack([np.cos(each), np.sin(each)]) for each in (samples, given))
+    else:
+        given = given / np.maximum(np.linalg.norm(given, axis=1, keepdims=True), DEFAULT.contract)
+    return np.asarray(_tree(samples).query(given)[1], dtype=np.intp)
+
+
+def _tree(points: Array) -> Any:
+    from scipy.spatial import cKDTree  # only a look-up needs it
+
+    return cKDTree(points)

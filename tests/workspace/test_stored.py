@@ -1,0 +1,203 @@
+"""Maps in stores: the same numbers as maps in memory, read by others, block by block, and what is refused."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from command import call, succeed
+
+import urdf_ik
+from urdf_ik import workspace
+from urdf_ik.scale.folder import finished
+from urdf_ik.workspace import filling
+
+xarray = pytest.importorskip("xarray")
+ASKED: dict[str, Any] = {"voxel": 0.7, "orientations": 11, "manipulability": True, "margin": True}
+
+
+@pytest.fixture(scope="module")
+def arm() -> urdf_ik.Arm:
+    """A six-joint arm."""
+    return urdf_ik.load("zyyzyz_6r")
+
+
+@pytest.fixture(scope="module")
+def stored(arm: urdf_ik.Arm, tmp_path_factory: pytest.TempPathFactory) -> workspace.StoredMap:
+    """A map of it in blocks, those at the end smaller."""
+    found = urdf_ik.workspace(arm, **ASKED, store=tmp_path_factory.mktemp("maps") / "map.zarr", block=90)
+    assert isinstance(found, workspace.StoredMap)
+    return found
+
+
+@pytest.fixture(scope="module")
+def whole(arm: urdf_ik.Arm) -> workspace.WorkspaceMap:
+    """The same in memory."""
+    return workspace.compute(arm, **ASKED)
+
+
+def same(one: workspace.WorkspaceMap, other: workspace.WorkspaceMap) -> None:
+    """Two maps hold the same."""
+    assert one.about == other.about and one.grid.shape == other.grid.shape
+    np.testing.assert_allclose(one.grid.lower, other.grid.lower, atol=1e-12)
+    for name in ("samples", "solutions", "branch_poses", "within", "free", "manipulability", "margin", "clearance"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+
+
+def test_a_store_holds_what_memory_would(stored: workspace.StoredMap, whole: workspace.WorkspaceMap) -> None:
+    """Every array, bit by bit; sums, layers and values without reading it whole; more than one block."""
+    assert stored.complete and stored.blocks.count > 20
+    same(stored.read(), whole)
+    assert stored.totals() == whole.totals()
+    for axis, at, what in (("z", 0.3, "reach"), ("x", -1.0, "margin"), ("y", 0.0, "manipulability")):
+        layer, expected = stored.slice(axis, at, what), whole.slice(axis, at, what)
+        np.testing.assert_array_equal(layer.values, expected.values)
+        assert (layer.axes, layer.across, layer.what) == (expected.axes, expected.across, expected.what)
+        np.testing.assert_allclose([*layer.extent, layer.at], [*expected.extent, expected.at], atol=1e-12)
+    np.testing.assert_array_equal(stored.values("solutions"), whole.values("solutions"))
+    assert workspace.opened(stored.path).grid.shape == whole.grid.shape
+
+
+def test_plain_xarray_reads_it(stored: workspace.StoredMap, whole: workspace.WorkspaceMap) -> None:
+    """Dimensions, coordinates in metres, attributes; no other call, and no warning."""
+    found = xarray.open_zarr(stored.path)
+    assert found.solutions.dims == ("x", "y", "z", "orientation") and found.solutions.dtype == np.uint8
+    assert found.branch_poses.dims == ("x", "y", "z", "branch")
+    np.testing.assert_array_equal(found.within.values, whole.within)
+    np.testing.assert_array_equal(found.margin.values, whole.margin)
+    np.testing.assert_allclose(found.x.values, whole.grid.coordinates(0), rtol=0, atol=0)
+    assert found.x.attrs["units"] == "m" and found.attrs["complete"] is True
+    assert found.attrs["urdf_sha256"] == whole.about.urdf_sha256 and found.attrs["base"] == whole.about.base
+    assert found.sel(x=0.0, y=0.0, z=1.0, method="nearest").solutions.sizes == {"orientation": 11}
+    np.testing.assert_array_equal(found.samples.values, whole.samples)
+
+
+def test_a_flipped_bit_is_seen_by_every_reader_and_made_again(arm: urdf_ik.Arm, tmp_path: Path) -> None:
+    """Zarr's own checksum refuses the chunk; the same call makes it again, and only it."""
+    path = tmp_path / "map.zarr"
+    made = workspace.compute(arm, 0.9, 5, store=path, block=300)
+    file = max((path / "solutions" / "c").rglob("0"), key=lambda each: each.is_file() and each.stat().st_size)
+    good = file.read_bytes()
+    file.write_bytes(good[:20] + bytes([good[20] ^ 1]) + good[21:])
+    with pytest.raises(ValueError, match="checksum"):
+        xarray.open_zarr(path).solutions.load()
+    with pytest.raises(urdf_ik.StoreError, match="solutions is damaged"):
+        made.totals()
+    ticks: list[int] = []
+    workspace.compute(arm, 0.9, 5, store=path, block=300, progress=lambda done, total: ticks.append(done))
+    assert len(ticks) == 2 and file.read_bytes() == good
+
+
+def test_what_is_not_made_yet_is_refused(arm: urdf_ik.Arm, tmp_path: Path) -> None:
+    """A run that was interrupted leaves a map that says so; the blocks that are there can be read."""
+    path = tmp_path / "map.zarr"
+
+    def stop(done: int, total: int) -> None:
+        if done > total // 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt, match="chunks are kept"):
+        workspace.compute(arm, 0.7, 11, store=path, block=90, progress=stop)
+    found = workspace.StoredMap(path)
+    assert not found.complete and "not complete" in repr(found)
+    assert xarray.open_zarr(path).attrs["complete"] is False
+    first = found.grid.coordinates(0)[0]
+    assert found.read([[first - 0.1, -9, -9], [first + 0.1, 9, 9]]).grid.shape[0] == 1
+    with pytest.raises(urdf_ik.StoreError, match=r"not complete: \d+ of the \d+ blocks"):
+        found.totals()
+    again = workspace.compute(arm, 0.7, 11, store=path, block=90)
+    assert again.complete and len(finished(path)) == again.blocks.count
+
+
+def test_targets_are_looked_up_in_their_cells(
+    arm: urdf_ik.Arm, stored: workspace.StoredMap, whole: workspace.WorkspaceMap
+) -> None:
+    """At the centres the numbers themselves; anywhere else those of the nearest turn, found one by one."""
+    rng = np.random.default_rng(2)
+    T = arm.fk(rng.uniform(-3.0, 3.0, (300, 6)))
+    found = whole.look_up(T)
+    np.testing.assert_array_equal(stored.look_up(T), found)
+    np.testing.assert_array_equal(stored.look_up(T, "margin"), whole.look_up(T, "margin"))
+    for k in range(0, 300, 10):
+        place = np.floor((T[k, :3, 3] - whole.grid.lower) / whole.grid.voxel).astype(int)
+        turned = [np.trace(sample.T @ T[k, :3, :3]) for sample in whole.samples]
+        assert found[k] == whole.counts[(*place, int(np.argmax(turned)))]
+    far = np.eye(4)
+    far[0, 3] = 50.0
+    assert stored.look_up([far]).tolist() == [0] and np.isnan(whole.look_up([far], "margin")).all()
+    with pytest.raises(urdf_ik.WorkspaceError, match=r"takes poses \(m, 4, 4\)"):
+        stored.look_up([[0.0, 0.0, 0.0]])
+
+
+def test_obstacles_count_and_travel_with_the_question(arm: urdf_ik.Arm, tmp_path: Path) -> None:
+    """Free counts and clearances by the arm's own answers, after pickling; another world is another question."""
+    world = urdf_ik.World()
+    world.add("wall", urdf_ik.Box((0.1, 3.0, 3.0)), urdf_ik.pose([1.4, 0.0, 0.0]))
+    options: dict[str, Any] = {"voxel": 1.1, "orientations": 2, "collision_free": True, "clearance": True}
+    changed = urdf_ik.load("zyyzyz_6r")
+    changed.collision_model = changed.collision_model.allow(*changed.collision_model.checked_pairs[0])
+    found = workspace.compute(changed, **options, world=world)
+    for place in np.argwhere(found.solutions > 0)[::7]:
+        target = np.eye(4)
+        target[:3, :3] = found.samples[place[3]]
+        target[:3, 3] = [found.grid.coordinates(axis)[place[axis]] for axis in range(3)]
+        left = changed.ik(target).within_limits().collision_free(world)
+        q = left.q[left.valid]
+        assert found.free[tuple(place)] == len(q)
+        if len(q):
+            assert found.clearance[tuple(place)] == pytest.approx(changed.clearance(q, world).max(), rel=1e-6)
+    asked = filling.Question(changed, found.grid, found.samples, ("solutions", "within", "free"), world, None, 1, 99)
+    assert pickle.loads(pickle.dumps(asked)).pairs == asked.pairs != arm.collision_model.checked_pairs
+    path = tmp_path / "map.zarr"
+    workspace.compute(changed, **options, world=world, store=path)
+    world.move("wall", urdf_ik.pose([1.3, 0.0, 0.0]))
+    with pytest.raises(urdf_ik.StoreError, match="world is "):
+        workspace.compute(changed, **options, world=world, store=path)
+    with pytest.raises(urdf_ik.StoreError, match="pairs_sha256 is "):
+        workspace.compute(arm, **options, world=world, store=path)
+
+
+def test_what_a_store_cannot_be_is_said(arm: urdf_ik.Arm, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Another grid or arm, too full a disk, a store of something else, options that do not go together."""
+    path = tmp_path / "map.zarr"
+    workspace.compute(arm, 0.9, 5, store=path)
+    with pytest.raises(urdf_ik.StoreError, match=r"grid\.voxel is 0\.9 in the store and 0\.8 now"):
+        workspace.compute(arm, 0.8, 5, store=path)
+    with pytest.raises(urdf_ik.StoreError, match=r"urdf_sha256 is "):
+        workspace.compute(urdf_ik.load("dh_6r"), 0.9, 5, bounds=[[0, 0, 0], [1, 1, 1]], store=path)
+    with pytest.raises(urdf_ik.WorkspaceError, match="leave one of the two out"):
+        workspace.compute(arm, store=path, output="map.npz")  # type: ignore[call-overload]
+    with pytest.raises(urdf_ik.WorkspaceError, match="a world is given"):
+        workspace.compute(arm, world=urdf_ik.World())
+    monkeypatch.setattr(workspace.grid.room, "free_disk", lambda _: 2**20)
+    with pytest.raises(urdf_ik.WorkspaceError, match=r"poses take up to .* on the disk.*1 MiB free"):
+        workspace.compute(arm, 0.1, store=tmp_path / "large.zarr")
+    assert not (tmp_path / "large.zarr").exists()
+    with pytest.raises(urdf_ik.StoreError, match="no store of this package"):
+        workspace.StoredMap(tmp_path)
+
+
+def test_the_command_makes_a_store_and_goes_on_with_it(tmp_path: Path) -> None:
+    """The same sums as a map in a file; a picture of a layer; options that do not go together."""
+    path, file = tmp_path / "map.zarr", tmp_path / "map.npz"
+    asked = ("workspace", "zyyzyz_6r", "--voxel", "0.9", "--orientations", "5")
+    text = succeed(*asked, "--store", str(path))
+    assert text == succeed(*asked, "--store", str(path))
+    assert text.splitlines()[:-1] == succeed(*asked, "-o", str(file)).replace(str(file), str(path)).splitlines()[:-1]
+    data = json.loads(succeed(*asked, "--store", str(path), "-f", "json"))
+    assert data["poses"]["reached"] == workspace.StoredMap(path).totals().reached_poses
+    picture = tmp_path / "map.png"
+    succeed("plot", "zyyzyz_6r", "workspace", "--map", str(path), "-o", str(picture))
+    assert picture.stat().st_size > 1000
+    for wrong, words in (
+        (("--workers", "2"), "give --store"),
+        (("--store", str(path), "--workers", "2", "--scheduler", "tcp://127.0.0.1:9"), "workers of its own"),
+        (("--store", str(path), "-o", str(file)), "into a file or into a store"),
+        (("--store", str(file)), "is a file"),
+    ):
+        result = call(*asked, *wrong)
+        assert result.exit_code == 2 and words in " ".join(result.stderr.replace("│", " ").split()), result.stderr
