@@ -56,7 +56,8 @@ def intervals(
     if plan.self_motion is None:
         raise UnsupportedArm(
             f"{arm.name}: intervals of the redundancy parameter are not found for arms whose joints mimic others, "
-            "that have several parameters, or whose joints do not move the tip in every way; ik(T, redundancy=values) solves at values"
+            "that have several parameters, or whose joints do not move the tip in every way; "
+            "ik(T, redundancy=values) solves at values"
         )
     curves = Curves(plan.self_motion, plan.parameter, arm.dof < 7, ~arm.chain.prismatic)
     stack = T.reshape(-1, 4, 4)
