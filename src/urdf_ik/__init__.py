@@ -40,6 +40,7 @@ if TYPE_CHECKING:
         WorldError,
     )
     from urdf_ik.motion import Plan, arc, line, polyline, read_waypoints
+    from urdf_ik.placements import placement
     from urdf_ik.poses import (
         pose,
         to_euler_zyx,
@@ -48,7 +49,7 @@ if TYPE_CHECKING:
         to_rotvec,
         to_rpy,
     )
-    from urdf_ik.redundancy import Redundancy, Region, Sweep
+    from urdf_ik.redundancy import Interval, Intervals, Redundancy, Region, Sweep
     from urdf_ik.solutions import IKSolutions, Singular, Solution
     from urdf_ik.structure import Structure
 
@@ -69,6 +70,8 @@ __all__ = [
     "DHTable",
     "HalfSpace",
     "IKSolutions",
+    "Interval",
+    "Intervals",
     "JointVectorError",
     "Mesh",
     "MissingPackage",
@@ -98,6 +101,7 @@ __all__ = [
     "dataset",
     "line",
     "load",
+    "placement",
     "polyline",
     "pose",
     "read_waypoints",
@@ -150,6 +154,7 @@ _NAMES = {
         "polyline",
         "read_waypoints",
     ),
+    "placements": ("placement",),
     "poses": (
         "pose",
         "to_euler_zyx",
@@ -158,7 +163,7 @@ _NAMES = {
         "to_rotvec",
         "to_rpy",
     ),
-    "redundancy": ("Redundancy", "Region", "Sweep"),
+    "redundancy": ("Interval", "Intervals", "Redundancy", "Region", "Sweep"),
     "solutions": (
         "IKSolutions",
         "Singular",

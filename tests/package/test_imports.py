@@ -19,7 +19,7 @@ FLOORS = (
     {"families"},
     {"arm", "redundancy", "solutions", "tasks"},
     {"collision", "motion", "reference", "scale"},
-    {"comparison", "completeness", "crosscheck", "cuspidality", "datasets", "testing", "workspace"},
+    {"comparison", "completeness", "crosscheck", "cuspidality", "datasets", "placements", "testing", "workspace"},
     {"cli", "interop", "plot", "viewer"},
 )
 FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}

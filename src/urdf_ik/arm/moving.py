@@ -51,9 +51,9 @@ class Moving(InCell):
             margin: m that bodies must stay apart.
             collisions: whether collisions are checked, at the waypoints and all the way between them: of the arm with
                 itself, where the URDF has collision shapes, and with the world.
-            cost: what is minimised, summed over the steps: 'l1' the sum of |dq| of the joints, 'l2' the sum of dq^2,
-                'max' the largest |dq|, 'time' the time of a step at the URDF's velocity limits.
-            weights: (n,) factors of |dq|, of dq^2 for 'l2'; default: 1, which adds rad and m.
+            cost: what is minimised, summed over the steps: 'l1' the sum of ``|dq|`` of the joints, 'l2' that of dq^2,
+                'max' the largest ``|dq|``, 'time' the time of a step at the URDF's velocity limits.
+            weights: (n,) factors of ``|dq|``, of dq^2 for 'l2'; default: 1, which adds rad and m.
             margins: weight of a further cost at each waypoint: the square of how near the joints come to their limits,
                 0 in the middle of a joint's range and 1 at its limit, of the joint that comes nearest.
             max_step: rad or m that a joint may move between two waypoints: a number, or (n,).

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from urdf_ik.arm import Arm
+    from urdf_ik.placements import PlacementMap
     from urdf_ik.solutions import IKSolutions
     from urdf_ik.workspace import PlanarWorkspace, StoredMap, WorkspaceMap
 
@@ -189,6 +190,49 @@ def workspace_slice(
     axes.set_ylabel(f"{layer.axes[1]} [m]")
     axes.locator_params(nbins=6)
     axes.set_title(f"{draw.words(found.about.robot)}: {axis} = {layer.at:.3g} m")
+    return figure
+
+
+def placements(found: PlacementMap, what: str = "reached", at: float | None = None) -> Figure:
+    """One layer of base positions, each with the best of its headings; a cross on the best place, dots on the targets.
+
+    Args:
+        found: the map.
+        what: a score, see :data:`urdf_ik.placements.SHOWN`.
+        at: m, height of the layer; default: that of the best place.
+
+    Raises:
+        ArgumentError: there is no such score.
+        WorkspaceError: there is no such layer.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> found = urdf_ik.placement(arm, arm.fk([0.3] * 6), bounds=[[-1, -1, 0], [1, 1, 0]], step=0.5)
+        >>> urdf_ik.plot.placements(found, "margin").axes[0].get_xlabel()
+        'x [m]'
+    """
+    from urdf_ik.placements import SHOWN
+
+    best = found.best().pose[:3, 3]
+    _, layer = found.grid.layer("z", float(best[2]) if at is None else at)
+    values = found.values(what)[:, :, layer]
+    least = what == "cost"
+    filled = np.where(np.isnan(values), np.inf if least else -np.inf, values)
+    shown = filled.min(axis=-1) if least else filled.max(axis=-1)
+    figure = draw.Picture(figsize=(5.6, 4.6), layout="constrained")
+    axes = figure.add_subplot()
+    (x0, y0), (x1, y1) = found.grid.lower[:2], found.grid.upper[:2]
+    image = axes.imshow(
+        np.where(np.isfinite(shown), shown, np.nan).T, origin="lower", extent=(x0, x1, y0, y1), cmap="viridis"
+    )
+    figure.colorbar(image, ax=axes, label=draw.words(SHOWN[what]))
+    axes.plot(*found.targets[:, :2, 3].T, ".", color="tab:red", markersize=2, label="targets")
+    axes.plot(best[0], best[1], "x", color="white", markersize=9, markeredgewidth=2, label="best place")
+    axes.set_xlabel("x [m]")
+    axes.set_ylabel("y [m]")
+    axes.set_title(f"{draw.words(str(found.about['robot']))}: base at z = {found.grid.coordinates(2)[layer]:.3g} m")
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=8, facecolor="0.8")
     return figure
 
 

@@ -156,8 +156,8 @@ def image_near(q: Array, q_ref: Array, limits: Array, turning: Mask | Array) -> 
 
 def image_inmost(q: Array, limits: Array, turning: Mask | Array) -> tuple[Array, Mask]:
     """The image inside the limits that is farthest from them; arguments and answer as :func:`nearest_image`."""
-    middle = limits.mean(axis=1)
-    return image_near(q, np.where(np.isfinite(middle), middle, q), limits, turning)
+    ranged = np.isfinite(limits).all(axis=1)
+    return image_near(q, np.where(ranged, middle(limits), q), limits, turning)
 
 
 def margin(q: Array, limits: Array) -> Array:

@@ -69,10 +69,10 @@ class Counting:
         inside[out] = (first <= last).all(axis=-1)
         self._keep(inside)
 
-    def keep_free(self, world: World | None) -> None:
-        """Drop solutions in which links collide with each other, or with the obstacles of a world."""
+    def keep_free(self, world: World | None, margin: float = 0.0) -> None:
+        """Drop solutions in which links come within ``margin`` [m] of each other, or of the obstacles of a world."""
         model = self._arm.collision_model.in_world(world)
-        self._keep(~np.asarray(model.in_collision(self.vectors), dtype=np.bool_))
+        self._keep(~np.asarray(model.in_collision(self.vectors, margin), dtype=np.bool_))
 
     def clearance(self, world: World | None) -> Array:
         """(k,) m, of the solutions that are left: see ``arm.clearance``."""

@@ -1,0 +1,153 @@
+"""Scoring base positions: in memory, or into a store block by block."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.errors import ArgumentError, UnsupportedArm
+from urdf_ik.placements.asking import AXES, SCORES, Asked, Scoring, headings
+from urdf_ik.placements.found import FORMAT, VERSION, PlacementMap, opened
+from urdf_ik.poses import as_pose_array
+from urdf_ik.scale import Folder, run, zarrs
+from urdf_ik.scale.folder import checked_path
+from urdf_ik.tolerances import DEFAULT
+from urdf_ik.workspace import Grid
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from urdf_ik.arm import Arm
+    from urdf_ik.collision import World
+
+    Array = NDArray[np.float64]
+
+_ROUNDING = 1e-9  # share of a step by which the bounds may be off a whole number of steps
+
+
+def placement(
+    arm: Arm,
+    T: Any,
+    *,
+    bounds: ArrayLike,
+    step: float,
+    turns: int = 1,
+    mount: ArrayLike | None = None,
+    path: bool = False,
+    world: World | None = None,
+    margin: float = 0.0,
+    collisions: bool | None = None,
+    store: str | os.PathLike[str] | None = None,
+    client: Any = None,
+    threads: int = 1,
+    progress: Callable[[int, int], object] | None = None,
+) -> PlacementMap:
+    """Score every base position on a grid by how the arm reaches targets from there: inverse reachability.
+
+    A target counts as reached where a solution is within the limits and, where collisions are looked for, free of them.
+    An arm with a redundancy parameter is asked at sixteen values of it; for a path, ``arm.follow`` searches
+    them all, and is asked from every position that reaches all waypoints.
+
+    Args:
+        arm: the arm.
+        T: (m, 4, 4) m, targets in the cell; the waypoints of a path in their order.
+        bounds: (2, 3) m, lower and upper corner of the positions of the base link in the cell; equal numbers for an
+            axis stand for one position on it.
+        step: m from one position to the next.
+        turns: number of headings at each position, evenly spaced turns about the cell's z axis from zero on.
+        mount: (3, 3) rotation of the base link in the cell at heading zero, such as that of an arm that hangs from the
+            ceiling; default: none.
+        path: whether the targets are a path.
+        world: obstacles, placed in the cell.
+        margin: m that bodies must stay apart.
+        collisions: whether collisions are looked for; default: where there is a world.
+        store: folder of a Zarr group to make the map in; it is gone on with after a kill. Default: in memory.
+        client: a ``distributed.Client`` whose workers fill the store; default: this process does.
+        threads: number of threads that solve.
+        progress: called with the number of positions behind us, and of all.
+
+    Raises:
+        ArgumentError: bounds, a step, a number of turns or a mount that makes no sense.
+        PoseError: a target is no pose.
+        UnsupportedArm: no solver takes this arm.
+        UrdfError: the URDF has no collision shapes, and collisions are looked for.
+        StoreError: the store is in use, is of another question, or cannot be written.
+        ClusterError: a scheduler or workers that cannot do the work.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> line = urdf_ik.line(urdf_ik.pose([1.0, -0.2, 1.0]), urdf_ik.pose([1.0, 0.2, 1.0]), 20)
+        >>> found = placement(arm, line, bounds=[[-0.5, 0, 0], [0.5, 0, 0]], step=0.5, path=True)
+        >>> found.followed[:, 0, 0, 0].tolist()
+        [1, 1, 1]
+    """
+    if not arm.structure.branches:
+        raise UnsupportedArm(f"{arm.name}: no solver for this arm yet. {arm.structure}")
+    targets = as_pose_array(T).reshape(-1, 4, 4)
+    if turns < 1 or not len(targets) or not margin >= 0.0:
+        raise ArgumentError(f"{len(targets)} targets, turns={turns}, margin={margin}: 1, 1 and 0 are the least")
+    if store is None and client is not None:
+        raise ArgumentError("client is for maps in a store; give store='bases.zarr', too")
+    if world is not None and collisions is False:
+        raise ArgumentError("a world is given with collisions=False; leave one of the two out")
+    asked = Asked(
+        arm, np.ascontiguousarray(targets), _positions(bounds, step), headings(turns), _mount(mount), path, world,
+        float(margin), world is not None if collisions is None else collisions, threads,
+    )  # fmt: skip
+    job, blocks = Scoring(asked), asked.blocks
+
+    def tick(done: int, total: int) -> None:
+        if progress is not None:
+            progress(done * asked.grid.count // total, asked.grid.count)
+
+    if store is None:
+        shape = (*asked.grid.shape, turns)
+        arrays: dict[str, Any] = {name: np.empty(shape, SCORES[name].kind) for name in asked.holds}
+        for block, part in enumerate(blocks.parts()):
+            for name, values in job.arrays(block).items():
+                arrays[name][part] = values
+            tick(block + 1, blocks.count)
+        return PlacementMap(asked.described(), asked.grid, asked.headings, asked.mount, asked.targets, **arrays)
+    path_of_store = checked_path(store)
+    question = {**asked.described(), "format": FORMAT, "version": VERSION, "block": list(blocks.shape)}
+    about = {"format": FORMAT, "version": VERSION, "complete": False, **asked.described()}
+    files = zarrs.group_files(asked.plans, _coordinates(asked), about)
+    with Folder(path_of_store, question, blocks.count, files, zarrs.with_attributes(files, {"complete": True})) as kept:
+        run(job, kept, client=client, progress=tick)
+        kept.finish()
+    return opened(path_of_store)
+
+
+def _coordinates(asked: Asked) -> tuple[zarrs.Coordinate, ...]:
+    metres = {"units": "m"}
+    return (
+        *(zarrs.Coordinate(name, (name,), asked.grid.coordinates(k), metres) for k, name in enumerate(AXES[:3])),
+        zarrs.Coordinate("heading", ("heading",), asked.headings, {"units": "rad"}),
+        zarrs.Coordinate("targets", ("target", "row", "column"), asked.targets, metres),
+    )
+
+
+def _positions(bounds: ArrayLike, step: float) -> Grid:
+    """Positions from the lower corner to the upper one, as voxels around them."""
+    box = np.array(bounds, dtype=np.float64)
+    if box.shape != (2, 3) or not np.isfinite(box).all() or (box[0] > box[1]).any():
+        raise ArgumentError(f"bounds {box.tolist()} given; [[x, y, z], [x, y, z]] m are needed, lower ones first")
+    if not (np.isfinite(step) and step > 0.0):
+        raise ArgumentError(f"a step of {step} m given; it is a positive number of m")
+    x, y, z = (int(count) + 1 for count in np.floor((box[1] - box[0]) / step + _ROUNDING))
+    return Grid(np.asarray(box[0] - 0.5 * step), float(step), (x, y, z))
+
+
+def _mount(mount: ArrayLike | None) -> Array:
+    if mount is None:
+        return np.eye(3)
+    R = np.array(mount, dtype=np.float64)
+    if R.shape != (3, 3) or np.abs(R @ R.T - np.eye(3)).max(initial=0.0) > DEFAULT.rotation or np.linalg.det(R) < 0.0:
+        raise ArgumentError(
+            f"mount={R.tolist()} given; a rotation matrix (3, 3) is needed, such as urdf_ik.pose(...)[:3, :3]"
+        )
+    return R
