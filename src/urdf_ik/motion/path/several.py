@@ -27,7 +27,7 @@ from urdf_ik.motion.path.obstacles import Obstacles
 from urdf_ik.motion.path.redundant import COARSE_MOVE, COARSE_TURN
 from urdf_ik.motion.path.search import Search
 from urdf_ik.motion.plan import EVERY_BRANCH, Plan, Stop
-from urdf_ik.redundancy.sweep import span
+from urdf_ik.redundancy.finding import span
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
