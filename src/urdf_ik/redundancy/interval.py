@@ -117,6 +117,24 @@ class Intervals:
         found = replace(found, pose=np.zeros(len(found.low), dtype=np.intp))
         return Intervals(self.arm, self._T[index], self._curves, found, self.within_limits)
 
+    def samples(self, k: int) -> tuple[Array, Array]:
+        """Growing values (s,) in interval ``k`` of a single pose, from end to end, and joint vectors (s, n) there.
+
+        Raises:
+            ArgumentError: these are the intervals of a batch.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("srs_7r")
+            >>> intervals = arm.intervals(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]))
+            >>> values, q = intervals.samples(0)
+            >>> bool(values[0] == intervals[0].low), q.shape == (len(values), 7)
+            (True, True)
+        """
+        self._single("samples()")
+        part = slice(self._found.first[k], self._found.first[k] + self._found.count[k])
+        return self._found.value[part], self._found.q[part]
+
     def merged(self) -> Array:
         """(k, 2) rad or m: where any branch of a single pose has a solution, lowest first.
 
