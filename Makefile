@@ -24,12 +24,13 @@ SANITIZED_TESTS = tests/families/test_families.py tests/families/test_closed_for
 	tests/arm/test_arm.py
 
 .DELETE_ON_ERROR:
-.PHONY: help run test lint format stub wheel sanitize nightly bench million clean
+.PHONY: help run test lint docs format stub wheel sanitize nightly bench million clean
 
 help:
 	@echo "make run      all solutions of the bundled arm, each with its branch, limits, collisions and Pinocchio's error"
 	@echo "make test     the tests and the notebooks, a process a core; ARGS='-k name' narrows them down, ARGS='-n 0' takes one process"
 	@echo "make lint     ruff, mypy, clang-format, and notebooks without outputs"
+	@echo "make docs     the pages in docs/_build/html, notebooks executed; warnings are errors"
 	@echo "make format   lays out the core's sources as make lint wants them"
 	@echo "make stub     writes src/urdf_ik/_core.pyi, the types of the compiled core"
 	@echo "make wheel    a wheel in dist/, which needs no compiler where it is installed"
@@ -50,6 +51,11 @@ lint: $(VENV)/.dev-installed
 	$(BIN)/mypy
 	$(BIN)/clang-format --dry-run --Werror $(CORE)
 	$(BIN)/nbstripout --verify --keep-id notebooks/*.ipynb
+
+# Notebooks run in processes of their own, a page a core.
+docs: $(VENV)/.docs-installed
+	$(BIN)/python -m sphinx -W --keep-going -q -j auto -b html docs docs/_build/html $(ARGS)
+	@echo "docs/_build/html/index.html"
 
 format: $(VENV)/.dev-installed
 	$(BIN)/clang-format -i $(CORE)
@@ -83,7 +89,7 @@ million: $(VENV)/.bench-installed
 	@$(BIN)/python benchmarks/million.py $(ARGS)
 
 clean:
-	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) build dist docs/_build docs/_generated docs/notebooks docs/changelog.md docs/contributing.md .pytest_cache .mypy_cache .ruff_cache .hypothesis
 
 $(BIN)/python:
 	@test -n "$(PYTHON)" || { echo "Python 3.11 or later is needed, and none was found; PYTHON=... names one" >&2; exit 2; }
@@ -100,6 +106,10 @@ $(VENV)/.run-installed: pyproject.toml src/core/editable.py.in $(VENV)/.build-in
 
 $(VENV)/.dev-installed: pyproject.toml src/core/editable.py.in $(VENV)/.build-installed
 	$(INSTALL) '.[dev]'
+	@touch $@ $(VENV)/.run-installed
+
+$(VENV)/.docs-installed: pyproject.toml src/core/editable.py.in $(VENV)/.build-installed
+	$(INSTALL) '.[docs]'
 	@touch $@ $(VENV)/.run-installed
 
 $(VENV)/.bench-installed: pyproject.toml src/core/editable.py.in $(VENV)/.build-installed

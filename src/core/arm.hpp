@@ -59,6 +59,9 @@ struct Batch {
     const double* values;  // (m, parameters) what the targets leave free; null: the defaults
     double* q;
     std::uint8_t* flags;
+    // Closed forms of six joints: instead of solutions, the joint vectors of all branches, beyond their ends too, where a
+    // margin's root is that of its size. They are not verified, and flags are not set.
+    bool beyond = false;
 };
 // All solutions of a batch. Returns the index of the first target that is no pose, -1 where all are.
 template <class Arm> using SolveArm = long (*)(const Arm&, const Batch&);

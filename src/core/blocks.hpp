@@ -263,9 +263,53 @@ template <class Family> STEP int solve_block(const typename Family::Arm& arm, co
     return -1;
 }
 
+// All branches of a block of targets, beyond their ends too.
+struct AllBranches {
+    Block q[8][6];
+    Clearance<Block> clear[8];
+    STEP void set(int b, const Block (&angles)[6], const MaskOf<Block>&, const MaskOf<Block>&, const Clearance<Block>& at = {}) {
+        for (int j = 0; j < 6; ++j) q[b][j] = angles[j];
+        clear[b] = at;
+    }
+    STEP void leave_open() {
+        for (int b = 0; b < 8; ++b) {
+            for (int j = 0; j < 6; ++j) q[b][j] = __builtin_nan("");
+            clear[b] = {0.0, 0.0, 0.0, 0.0};
+        }
+    }
+};
+
+// The joint vectors of all branches of a batch, beyond their ends too: see Batch::beyond. columns: of an answer, eight or more.
+template <class Family> PART void branches_beyond(const typename Family::Arm& arm, const Batch& batch, int columns) {
+    for (long start = 0; start < batch.m; start += BLOCK) {
+        double T[16 * BLOCK];
+        const int many = batch.m - start < BLOCK ? int(batch.m - start) : BLOCK;
+        for (int i = 0; i < BLOCK; ++i) {
+            __builtin_memcpy(T + 16 * i, batch.T + 16 * (start + (i < many ? i : many - 1)), 16 * sizeof(double));
+        }
+        Block t[16];
+        load_poses(T, t);
+        AllBranches all;
+        Family::fast(arm, to_frame_1(t, arm.ideal), all);
+        for (int i = 0; i < many; ++i) {
+            for (int b = 0; b < columns; ++b) {
+                for (int j = 0; j < 6; ++j)
+                    batch.q[6 * (columns * (start + i) + b) + j] = b < 8 ? all.q[b][j][i] : __builtin_nan("");
+            }
+        }
+    }
+}
+// Whether the family is one of those that it is for.
+template <class Family> constexpr bool has_ends() {
+    return joints_of<Family> == 6 && Family::branches == 8 && numbers_of<Family>() == 16 && !redundant_of<Family>();
+}
+
 // All solutions of a batch. Returns the index of the first that is no pose, -1 where all are.
 template <class Family> long solve_closed_form(const typename Family::Arm& arm, const Batch& batch) {
     constexpr int B = Family::branches, answers = joints_of<Family> * B, numbers = numbers_of<Family>();
+    if constexpr (has_ends<Family>()) {
+        if (batch.beyond) return branches_beyond<Family>(arm, batch, B), -1;
+    }
     const bool aligned = reinterpret_cast<std::uintptr_t>(batch.q) % sizeof(typename Register<8>::type) == 0;
     const Write how = batch.m >= STREAMED_FROM && aligned ? Write::streaming : Write::plain;
     double T[numbers * BLOCK], values[BLOCK];
@@ -297,6 +341,9 @@ template <class Family> long solve_closed_form(const typename Family::Arm& arm, 
 // The same, one pose after the other.
 template <class Family> long solve_singly(const typename Family::Arm& arm, const Batch& batch) {
     constexpr int B = Family::branches, N = joints_of<Family>;
+    if constexpr (requires { &Family::beyond_ends; }) {
+        if (batch.beyond) return Family::beyond_ends(arm, batch), -1;
+    }
     const Reference<N> reference = reference_of<N>(batch.q_ref);
     for (long i = 0; i < batch.m; ++i) {
         double T[16], proper[16];

@@ -21,6 +21,7 @@ extern const ReversedSteps reversed_steps;
 extern const SphericalMiddleSolvers spherical_middle_solvers;
 extern const Steps steps;
 extern const TrackerFunctions tracker_functions;
+extern const SelfMotionFunctions self_motion_functions;
 extern const SphericalWristSolvers spherical_wrist_solvers;
 extern const SrsSolvers srs_solvers;
 extern const ThreeParallelSolvers three_parallel_solvers;
@@ -34,6 +35,7 @@ const LevelTable table = {
     &graph_functions,
     &steps,
     &tracker_functions,
+    &self_motion_functions,
     &parallel_shoulder_solvers,
     &few_joints_solvers,
     &reversed_steps,

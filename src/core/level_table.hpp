@@ -14,6 +14,7 @@
 #include "families/srs_arm.hpp"
 #include "families/three_parallel_arm.hpp"
 #include "path_graph.hpp"
+#include "self_motion/curve_arm.hpp"
 #include "steps.hpp"
 #include "tracker_arm.hpp"
 
@@ -27,6 +28,7 @@ struct LevelTable {
     const GraphFunctions* graph;
     const Steps* steps;
     const TrackerFunctions* tracker;
+    const SelfMotionFunctions* self_motion;
     const ParallelShoulderSolvers* parallel_shoulder;
     const FewJointsSolvers* few_joints;
     const ReversedSteps* reversed;

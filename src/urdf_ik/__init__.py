@@ -49,7 +49,7 @@ if TYPE_CHECKING:
         to_rotvec,
         to_rpy,
     )
-    from urdf_ik.redundancy import Redundancy, Region, Sweep
+    from urdf_ik.redundancy import Interval, Intervals, Redundancy, Region, Sweep
     from urdf_ik.solutions import IKSolutions, Singular, Solution
     from urdf_ik.structure import Structure
 
@@ -70,6 +70,8 @@ __all__ = [
     "DHTable",
     "HalfSpace",
     "IKSolutions",
+    "Interval",
+    "Intervals",
     "JointVectorError",
     "Mesh",
     "MissingPackage",
@@ -161,7 +163,7 @@ _NAMES = {
         "to_rotvec",
         "to_rpy",
     ),
-    "redundancy": ("Redundancy", "Region", "Sweep"),
+    "redundancy": ("Interval", "Intervals", "Redundancy", "Region", "Sweep"),
     "solutions": (
         "IKSolutions",
         "Singular",

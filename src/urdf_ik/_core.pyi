@@ -103,6 +103,21 @@ class PathGraph:
 
     def spread(self, first: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], q: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], edge_first: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu')], end: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu')], costs: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu')], digits: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu', writable=False)], strides: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], counts: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu', writable=False)], node: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], marks: Annotated[NDArray[numpy.uint64], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
 
+class SelfMotion:
+    """
+    The curves of joint vectors that hold a pose, of an arm with seven joints.
+    """
+
+    def __init__(self, values: dict) -> None: ...
+
+    def intervals(self, T: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], grid: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], round: bool, q: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], flags: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], limits: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], beyond: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None, off: float, starts: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple: ...
+
+    def between(self, T: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], before: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], after: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], shares: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> object: ...
+
+    def samples(self, T: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], q: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], values: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> object: ...
+
+    def at(self, T: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], q: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], values: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> object: ...
+
 def step(name: str, x: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], side_by_side: bool = False) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
     """
     One step of the solvers, for tests: sets of its inputs (m, k) to sets of its results, one by one or in blocks.
@@ -147,4 +162,4 @@ class Solver:
     def distances(self, seen: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)]) -> list[float]:
         """Of axes, for explanations [m]: up to four, NaN where there is none."""
 
-    def solve(self, T: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], q_ref: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)] | None, q: Annotated[NDArray[numpy.float64], dict(shape=(None, None, None), order='C', device='cpu')], flags: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu')], values: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)] | None = None, threads: int = 1) -> int: ...
+    def solve(self, T: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], q_ref: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)] | None, q: Annotated[NDArray[numpy.float64], dict(shape=(None, None, None), order='C', device='cpu')], flags: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu')], values: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)] | None = None, threads: int = 1, beyond: bool = False) -> int: ...

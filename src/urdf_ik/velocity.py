@@ -174,7 +174,7 @@ def joint_velocities(
 ) -> Array:
     """Joint velocities that give the tip a twist, by damped least squares.
 
-    They minimise |J qd - twist|^2 + damping^2 |qd|^2. Left out, the damping follows from the smallest singular
+    They minimise ``|J qd - twist|^2 + damping^2 |qd|^2``. Left out, the damping follows from the smallest singular
     value s: 0 from ``tolerances.DEFAULT.damped`` on, below it the root of 1 - (s / damped)^2 times ``damping``
     (Nakamura and Hanafusa, ASME Journal of Dynamic Systems, Measurement, and Control 108, 1986; the form is that of
     Chiaverini, Siciliano and Egeland, IEEE Transactions on Control Systems Technology 2(2), 1994). Undamped, they are

@@ -30,7 +30,7 @@ def test_repr() -> None:
     """The name, the links and the family stand in the representation; the number of joints where there is none."""
     assert repr(urdf_ik.load(TEXT, "base", "tool")) == "<Arm 'ur_like': base to tool, 6R 2||3||4 and 5x6>"
     assert repr(urdf_ik.load(TWO_HANDS, tip="left")) == "<Arm 'two': base to left, 2R>"
-    assert repr(urdf_ik.load(_long(8), "base", "tool")) == "<Arm '8R': base to tool, 8 joints>"
+    assert repr(urdf_ik.load(_long(10), "base", "tool")) == "<Arm '10R': base to tool, 10 joints>"
 
 
 @pytest.mark.parametrize("attribute", ["name", "base", "tip", "joint_names", "dof", "limits"])
@@ -172,8 +172,8 @@ for _joint in ("joint_2", "joint_5"):
 
 @pytest.mark.parametrize(
     ("text", "words"),
-    [(_long(8), "8 joints from 'base' to 'tool'"), (SLIDING, "6 joints (RPRRPR)")],
-    ids=["8R", "RPRRPR"],
+    [(_long(10), "10 joints from 'base' to 'tool'"), (SLIDING, "6 joints (RPRRPR)")],
+    ids=["10R", "RPRRPR"],
 )
 def test_unsupported_arm(text: str, words: str) -> None:
     """An arm of no family loads, moves and tells its axes; only asking for solutions raises, with a way out."""

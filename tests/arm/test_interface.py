@@ -97,9 +97,13 @@ def test_less_than_one_thread_is_refused(threads: int) -> None:
 
 
 def test_errors_about_arguments_are_value_errors() -> None:
-    """Whoever expects a ValueError of a bad argument gets one; only a missing package is not one."""
+    """Whoever expects a ValueError of a bad argument gets one; only a missing package and a lost cluster are not."""
     every = [kind for kind in vars(errors).values() if inspect.isclass(kind) and issubclass(kind, errors.UrdfIkError)]
-    assert {kind.__name__ for kind in every if not issubclass(kind, ValueError)} == {"UrdfIkError", "MissingPackage"}
+    assert {kind.__name__ for kind in every if not issubclass(kind, ValueError)} == {
+        "UrdfIkError",
+        "MissingPackage",
+        "ClusterError",
+    }
 
 
 @pytest.mark.parametrize("name", ["singular_directions", "joint_velocities"])

@@ -103,7 +103,7 @@ def test_nearest_without_a_solution(case: Case) -> None:
     far = urdf_ik.pose([50.0, 0.0, 0.0])
     found = case.arm.ik_nearest(far, np.zeros(7))
     assert not found
-    assert "m" in str(found.explain())
+    assert "nor at other values" in str(found.explain())
     with pytest.raises(JointVectorError, match="7"):
         case.arm.ik_nearest(far, np.zeros(6))
     with pytest.raises(JointVectorError, match="one a pose"):

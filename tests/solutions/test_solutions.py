@@ -34,7 +34,9 @@ class Chain(namedtuple("Chain", "joint_types")):
         return np.array([float(kind != "prismatic") for kind in self.joint_types])
 
 
-FakeArm = namedtuple("FakeArm", "name joint_names limits dof chain explain collision_model redundancy")
+FakeArm = namedtuple(
+    "FakeArm", "name joint_names limits dof chain explain collision_model redundancy redundancies", defaults=((),)
+)
 
 
 class Hits:

@@ -83,7 +83,7 @@ static std::vector<double> distances(const PySolver& self, const Seen& seen) {
 }
 
 static long solve(const PySolver& self, const Targets& T, const std::optional<Numbers>& q_ref, const Answers& q, const Flags& flags,
-                  const std::optional<Numbers>& values, int threads) {
+                  const std::optional<Numbers>& values, int threads, bool beyond) {
     const Solver& solver = *self.solver;
     const std::size_t m = T.ndim() ? T.shape(0) : 0, branches = solver.branches, joints = solver.joints;
     if (T.size() != m * solver.numbers || q.shape(0) != m || q.shape(1) != branches || q.shape(2) != joints ||
@@ -92,7 +92,7 @@ static long solve(const PySolver& self, const Targets& T, const std::optional<Nu
         throw nb::value_error("arrays of poses and answers do not fit each other");
     }
     const Batch batch = {T.data(), long(m),     q_ref ? q_ref->data() : nullptr, values ? values->data() : nullptr,
-                         q.data(), flags.data()};
+                         q.data(), flags.data(), beyond};
     nb::gil_scoped_release release;
     return solve_shared(solver, batch, threads);
 }
@@ -110,6 +110,7 @@ NB_MODULE(_core, m) {
     add_chain(m);
     add_tracker(m);
     add_path_graph(m);
+    add_self_motion(m);
     bind_steps(m);
     nb::class_<PySolver>(m, "Solver", "An arm, ready to be solved; immutable.")
         .def(nb::init<std::string, nb::dict>(), nb::arg("kind"), nb::arg("values"))
@@ -134,5 +135,6 @@ NB_MODULE(_core, m) {
                             nb::handle q_ref) { return solve_one(*s.solver, kind, arm, branches, T, q_ref); })
         .def("distances", &distances, nb::arg("seen"), "Of axes, for explanations [m]: up to four, NaN where there is none.")
         .def("solve", &solve, nb::arg("T").noconvert(), nb::arg("q_ref").noconvert().none(), nb::arg("q").noconvert(),
-             nb::arg("flags").noconvert(), nb::arg("values").noconvert().none() = nb::none(), nb::arg("threads") = 1);
+             nb::arg("flags").noconvert(), nb::arg("values").noconvert().none() = nb::none(), nb::arg("threads") = 1,
+             nb::arg("beyond") = false);
 }

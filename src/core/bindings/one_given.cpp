@@ -34,7 +34,7 @@ public:
             step.move(given, part, T, values);
             const double* reference = part.q_ref && inserted && !given.last ? part.q_ref + 1 : part.q_ref;
             const double* theirs = batch.values && others->parameters ? rest : nullptr;
-            const long bad = others->solve({T, part.m, reference, theirs, inserted ? q : part.q, part.flags});
+            const long bad = others->solve({T, part.m, reference, theirs, inserted ? q : part.q, part.flags, batch.beyond});
             if (bad >= 0) return start + bad;
             if (inserted) step.insert(given, part, q, values, others->joints, branches);
         }

@@ -72,6 +72,7 @@ void add_one_given(Makers& makers);
 void add_chain(nb::module_& m);
 void add_tracker(nb::module_& m);
 void add_path_graph(nb::module_& m);
+void add_self_motion(nb::module_& m);
 void add_elimination(Makers& makers);
 void add_few_joints(Makers& makers);
 void add_reversed(Makers& makers);

@@ -30,22 +30,6 @@ inline constexpr double CLOSE_BY = 1e-4;
 // continuation find them without looks from all around. Chosen by tests, not derived: at 1e-3 a solution was lost without.
 inline constexpr double FAR_OFF = 4e-3;
 
-// All branches of a block of targets, beyond their ends too.
-struct AllBranches {
-    Block q[8][6];
-    Clearance<Block> clear[8];
-    STEP void set(int b, const Block (&angles)[6], const MaskOf<Block>&, const MaskOf<Block>&, const Clearance<Block>& at) {
-        for (int j = 0; j < 6; ++j) q[b][j] = angles[j];
-        clear[b] = at;
-    }
-    STEP void leave_open() {
-        for (int b = 0; b < 8; ++b) {
-            for (int j = 0; j < 6; ++j) q[b][j] = __builtin_nan("");
-            clear[b] = {0.0, 0.0, 0.0, 0.0};
-        }
-    }
-};
-
 // by_quartic: the family has no block path; all its poses go to its careful path and the elimination.
 template <class Family, bool by_quartic = false> struct Imperfect {
     using Arm = ImperfectArm<typename Family::Arm>;
@@ -61,6 +45,8 @@ template <class Family, bool by_quartic = false> struct Imperfect {
             to.margin[2][b] = all.clear[b].wrist[l], to.arms[b] = all.clear[b].arms[l];
         }
     }
+
+    static void beyond_ends(const Arm& arm, const Batch& batch) { branches_beyond<Family>(arm.family, batch, branches); }
 
     static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
         const Seen<double> seen = to_frame_1(goal, arm.family.ideal);

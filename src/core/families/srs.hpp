@@ -56,7 +56,8 @@ struct Srs {
     static constexpr int branches = 8;
     static constexpr bool redundant = true;
 
-    static STEP void fast(const Arm& arm, const Seen<Block>& seen, const Block& value, Found<8, 7>& found) {
+    template <class Answers>
+    static STEP void fast(const Arm& arm, const Seen<Block>& seen, const Block& value, Answers& found) {
         const Tolerances& tol = arm.written.tolerances;
         const double scale = 1.0 / (arm.written.size * arm.written.size), reach = 1e-2 * tol.reach * tol.reach;
         const Line<Block> line = line_to_wrist(seen.p);

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from urdf_ik._core import Solver
     from urdf_ik.chain import Chain
     from urdf_ik.chain.free_axis import FreeAxis
-    from urdf_ik.redundancy import Region, Sweep
+    from urdf_ik.redundancy import Region
     from urdf_ik.solutions.select import Metric
     from urdf_ik.urdf import UrdfModel
 
@@ -324,8 +324,7 @@ class Arm(Free):
 
         Returns:
             One column a pose; of a continuum what ``ik`` gives near ``q_ref``, its free joint there. With seven
-            joints, ``redundancy`` holds the values of the parameter; see
-            :mod:`urdf_ik.redundancy.nearest` for how they are searched, and what may be missed.
+            joints, ``redundancy`` holds the values of the parameter, of all in :meth:`intervals`, to 1e-8.
 
         Raises:
             PoseError: a target is no pose.
@@ -356,34 +355,12 @@ class Arm(Free):
                 raise ArgumentError(f"{self.name}: {self._free_axis} is free; a region has rotation=pi for that")
             return inside.nearest(self, T, q_ref, region, threads=threads, **options)
         if isinstance(self._plan, RedundantPlan):
-            return nearest.nearest(self, self._only_parameter("ik_nearest"), T, q_ref, threads=threads, **options)
+            return nearest.nearest(self, self._plan, T, q_ref, threads=threads, **options)
         reference = self.chain.check(q_ref)
         near = reference if reference.ndim == 1 else None
         solutions = self.ik(T, near, threads=threads)
         solutions = near_each(solutions, reference) if near is None else solutions
         return solutions.nearest(reference, **options)
-
-    def sweep(self, T: Any, n: int = 64, *, within_limits: bool = False, threads: int = 1) -> Sweep:
-        """The solutions of one pose at ``n`` values of the redundancy parameter, and where there are any.
-
-        Args:
-            T: (4, 4) pose of the tip in the base [m], or a ``pinocchio.SE3``.
-            n: number of values, shared among the intervals in which there are solutions by their lengths.
-            within_limits: only solutions inside the joint limits count.
-            threads: number of threads that share the work.
-
-        Raises:
-            PoseError: ``T`` is no pose, or more than one.
-            UnsupportedArm: the arm has no redundancy parameter.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("srs_7r")
-            >>> sweep = arm.sweep(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]), n=16)
-            >>> sweep.solutions.q.shape, sweep.intervals.round(3).tolist()
-            ((16, 8, 7), [[-3.142, 3.142]])
-        """
-        return sweep.sweep(self, self._only_parameter("sweep"), T, n, within_limits, threads)
 
     def explain(self, T: Any, redundancy: ArrayLike | None = None) -> str:
         """Why the single pose ``T`` (4, 4) has no solution, with the number that is out of range.

@@ -14,7 +14,8 @@ from urdf_ik.chain import from_urdf
 from urdf_ik.chain.free_axis import FreeAxis
 from urdf_ik.errors import ArgumentError, JointVectorError, TaskError, UnsupportedArm
 from urdf_ik.families import Plan, RedundantPlan
-from urdf_ik.poses import check_poses
+from urdf_ik.poses import as_pose_array, check_poses
+from urdf_ik.redundancy import finding, sweep
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik.chain.redundancy import Redundancy
+    from urdf_ik.redundancy import Intervals, Sweep
     from urdf_ik.structure import Structure
 
     Array = NDArray[np.float64]
@@ -218,6 +220,70 @@ class Free(Moving):
         """
         return self._redundant_plan().value_of(q, T)
 
+    def intervals(self, T: Any, within_limits: bool = True, world: Any = None, *, threads: int = 1) -> Intervals:
+        """Where along the redundancy parameter each branch has solutions, and what ends them.
+
+        Every solution at the values of a grid is followed along its curve to both sides, and every solution must be met
+        from both; ends are computed to 1e-9. An interval between two values of the grid is found where a branch of the
+        closed form, taken beyond its ends, comes near, or by Newton's method from starts all over the joints: see
+        docs/completeness.md for how often one was missed.
+
+        Args:
+            T: (..., 4, 4) poses of the tip in the base [m], or a ``pinocchio.SE3``.
+            within_limits: only solutions inside the joint limits count.
+            world: a :class:`urdf_ik.World`; only solutions count that touch neither it nor the arm itself. Between two
+                contacts, what is free for less than 1e-5 rad or m of the parameter may be missed.
+            threads: number of threads that share the solving.
+
+        Returns:
+            The intervals: of a single pose a sequence of :class:`urdf_ik.Interval`, by branch and by value; of a batch,
+            ``intervals[i]`` are those of one pose.
+
+        Raises:
+            PoseError: a target is no pose.
+            UnsupportedArm: the arm has no redundancy parameter.
+            UrdfError: a world is given, and the URDF's collision shapes are missing or cannot be read.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("srs_7r")
+            >>> first = arm.intervals(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]))[0]
+            >>> round(first.low, 6), round(first.high, 6), str(first.ends[0])
+            (-2.588603, -1.49593, "lower limit of joint 'joint_3'")
+        """
+        arm: Any = self
+        return finding.intervals(
+            arm,
+            self._only_parameter("intervals"),
+            as_pose_array(T),
+            within_limits=within_limits,
+            world=world,
+            threads=threads,
+        )
+
+    def sweep(self, T: Any, n: int = 64, *, within_limits: bool = False, threads: int = 1) -> Sweep:
+        """The solutions of one pose at ``n`` values of the redundancy parameter, and where there are any.
+
+        Args:
+            T: (4, 4) pose of the tip in the base [m], or a ``pinocchio.SE3``.
+            n: number of values, shared among the intervals in which there are solutions by their lengths.
+            within_limits: only solutions inside the joint limits count.
+            threads: number of threads that share the work.
+
+        Raises:
+            PoseError: ``T`` is no pose, or more than one.
+            UnsupportedArm: the arm has no redundancy parameter.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("srs_7r")
+            >>> sweep = arm.sweep(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]), n=16)
+            >>> sweep.solutions.q.shape, sweep.intervals.round(3).tolist()
+            ((16, 8, 7), [[-3.142, 3.142]])
+        """
+        arm: Any = self
+        return sweep.sweep(arm, self._only_parameter("sweep"), T, n, within_limits, threads)
+
     def _require_reached(self, reached: Array, target: Array) -> None:
         assert self._free_axis is not None  # else the pose is none of the joint vector's business
         far, turned = self._free_axis.apart(reached, target)
@@ -228,20 +294,21 @@ class Free(Moving):
                 f"{self._free_axis}: it is {far[worst]:.3g} m and {turned[worst]:.3g} rad off"
             )
 
-    def _only_parameter(self, what: str) -> Redundancy:
-        """The one redundancy parameter, for what takes no more.
+    def _only_parameter(self, what: str) -> RedundantPlan:
+        """The plan, for what takes one redundancy parameter.
 
         Raises:
             UnsupportedArm: the arm has none, or several.
         """
-        first, *rest = self._redundant_plan().parameters
+        plan = self._redundant_plan()
+        first, *rest = plan.parameters
         if rest:
             raise UnsupportedArm(
                 f"{self.name}: {what} takes one redundancy parameter, and this arm has {1 + len(rest)}: "
                 f"{', '.join(each.label for each in (first, *rest))}; hold a joint, urdf_ik.load(..., locked={{...}}), "
                 "or fix the axis, arm.fixed"
             )
-        return first
+        return plan
 
     def _redundant_plan(self) -> RedundantPlan:
         """The plan of an arm with a redundancy parameter."""

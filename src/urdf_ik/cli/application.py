@@ -385,6 +385,7 @@ def path(
         "urdf-ik plot dh_6r limits -o limits.svg",
         "urdf-ik plot planar_2r sliders -o sliders.png",
         "urdf-ik plot zyyzyz_6r path --waypoints seam.csv -o path.png",
+        "urdf-ik plot srs_7r intervals --q 0.3,0.5,-0.4,0.9,0.2,-0.6,0.1 -o intervals.png",
     )
 )
 @on_an_arm

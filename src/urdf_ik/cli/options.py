@@ -39,6 +39,7 @@ class Picture(StrEnum):
     WORKSPACE = "workspace"
     SLIDERS = "sliders"
     PATH = "path"
+    INTERVALS = "intervals"
 
 
 class Metric(StrEnum):
@@ -369,7 +370,7 @@ TimedFile = Annotated[
 
 # Pictures.
 What = Annotated[
-    Picture, Argument(metavar="[WHAT]", help="arm, branches, overlay, limits, workspace, sliders or path.")
+    Picture, Argument(metavar="[WHAT]", help="arm, branches, overlay, limits, workspace, sliders, path or intervals.")
 ]
 At = Annotated[
     str | None, Option("--q", metavar="Q1,Q2,...", help="Joint vector: the posture, or the tip's pose to solve.")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik._core import Solver
+from urdf_ik._core import SelfMotion, Solver
 from urdf_ik.chain.redundancy import swivel_of
 from urdf_ik.families.parts.family import Family, RedundantPlan, in_words
 from urdf_ik.families.parts.values import compared, snapped, written_values
@@ -90,6 +90,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> RedundantPla
         error=error,
         solver=solver,
         parameters=(swivel_of(chain.joint_names[3]),),
+        self_motion=SelfMotion({"written": values["written"], "given": -1, "ends": ends}),
         value_of=lambda Q, T: _swivels(chain, ends, Q)[:, None],
         explain=lambda T: _explain(values, T, 0.0),
         explain_at=lambda T, value: _explain(values, T, float(value[0])),

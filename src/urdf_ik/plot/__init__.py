@@ -13,6 +13,7 @@ window knows of: it is drawn without a display, and a notebook shows it. ``slide
 
 from __future__ import annotations
 
+from urdf_ik.plot.intervals import intervals
 from urdf_ik.plot.pictures import (
     SUFFIXES,
     arm,
@@ -32,6 +33,7 @@ __all__ = [
     "arm",
     "branches",
     "interact",
+    "intervals",
     "limits",
     "path",
     "placements",

@@ -15,8 +15,8 @@ import numpy as np
 
 from urdf_ik.errors import ArgumentError, JointVectorError
 from urdf_ik.poses import as_pose_array
+from urdf_ik.redundancy.finding import span
 from urdf_ik.redundancy.region import Region
-from urdf_ik.redundancy.sweep import span
 from urdf_ik.solutions import limits, select
 
 if TYPE_CHECKING:

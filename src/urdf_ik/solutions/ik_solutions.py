@@ -130,8 +130,9 @@ class IKSolutions(KeptSolutions):
             q_ref: (n,) or one for each pose (..., n), rad or m.
             weights: (n,) not negative; default: 1 for every joint.
             n: number of columns, at most B.
-            metric: 'l2': sqrt(sum of weight * difference^2); 'max': the greatest weight * |difference|; 'time': the
-                greatest weight * |difference| / speed, seconds at the URDF's velocity limits, ``arm.velocity_limits``.
+            metric: 'l2': ``sqrt(sum of weight * difference^2)``; 'max': the greatest ``weight * |difference|``; 'time':
+                the greatest ``weight * |difference| / speed``, seconds at the URDF's velocity limits,
+                ``arm.velocity_limits``.
             within: rad or m, one number or one a joint, that no joint may be further away; what is beyond is dropped.
             within_limits: whether only what lies inside the joint limits counts, each solution by its image there that
                 is nearest to ``q_ref``; the difference is then the way that the joint has to go. That is the nearest

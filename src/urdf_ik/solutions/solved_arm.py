@@ -20,6 +20,12 @@ class Collisions(Protocol):
     def in_collision(self, q: NDArray[np.float64], margin: float = 0.0) -> Any:
         """(k, n) rad or m to (k,): whether two bodies come within a margin [m]."""
 
+    def motions_free(self, q0: NDArray[np.float64], q1: NDArray[np.float64], margin: float = 0.0) -> Any:
+        """Whether straight motions between joint vectors (k, n) are free, as ``Motions``."""
+
+    def nearest_pair(self, q: NDArray[np.float64]) -> Any:
+        """What comes closest to each other, as ``Nearest``."""
+
     def in_world(self, world: Any) -> Collisions:
         """The same among the obstacles of a world, or itself for None."""
 
@@ -57,6 +63,9 @@ class SolvedArm(Protocol):
 
     def manipulability(self, q: Any, part: str = "all") -> NDArray[np.float64]:
         """Yoshikawa's measure of joint vectors."""
+
+    def clearance(self, q: Any, world: Any = None) -> Any:
+        """Least distance of what must not touch [m]."""
 
     @property
     def collision_model(self) -> Collisions:

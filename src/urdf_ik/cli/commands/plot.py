@@ -67,6 +67,8 @@ def run(chosen: ChosenArm, degrees: bool, what: Picture, asked: Asked, output: P
         figure = plot.arm(arm, q, shapes=asked.shapes)
     elif what is Picture.PATH:
         figure = plot.path(followed(arm, angles, asked.path, chosen).plan)
+    elif what is Picture.INTERVALS:
+        figure = plot.intervals(arm.intervals(targets.target(arm, asked.target, angles).poses[0]), degrees=degrees)
     elif what is Picture.WORKSPACE:
         figure = _workspace(arm, q, asked)
     else:

@@ -14,7 +14,7 @@ from urdf_ik.tolerances import DEFAULT
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from urdf_ik._core import Solver
+    from urdf_ik._core import SelfMotion, Solver
     from urdf_ik.chain import Chain
     from urdf_ik.chain.redundancy import Redundancy
     from urdf_ik.structure import Structure
@@ -129,11 +129,14 @@ class RedundantPlan(Plan):
 
     Attributes:
         parameters: what is given, as the solver takes the values: the parameter that was added last comes first.
+        self_motion: what follows the curves of joint vectors that hold a pose; None where there are several
+            parameters, or joints that mimic others.
         value_of: joint vectors (m, n) and the poses (m, 4, 4) that they are to reach -> their values (m, parameters).
         explain_at: (T (4, 4), values (parameters,)) -> why there is no solution.
     """
 
     parameters: tuple[Redundancy, ...]
+    self_motion: SelfMotion | None
     value_of: Callable[[Array, Array], Array]
     explain_at: Callable[[Array, Array], str]
 

@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik._core import Solver
+from urdf_ik._core import SelfMotion, Solver
 from urdf_ik.chain.redundancy import free_axis
 from urdf_ik.families.parts.family import Plan, RedundantPlan
+from urdf_ik.families.parts.values import written_values
+from urdf_ik.families.wrappers.axis_added import with_axis_behind
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -49,7 +51,15 @@ def prepare(chain: Chain, plan: Plan, axis: FreeAxis) -> RedundantPlan:
         error=plan.error,
         solver=Solver("axis free", values),
         parameters=(parameter, *own),
+        self_motion=None if own or chain.axes is not chain else _self_motion(chain, axis),
         value_of=value_of,
         explain=plan.explain,
         explain_at=explain_at,
     )
+
+
+def _self_motion(chain: Chain, axis: FreeAxis) -> SelfMotion:
+    """The curves of six joints and the rotation: a seventh joint behind the tip that turns it back to the target."""
+    direction, at = (chain.R_tip @ np.array(each) for each in (axis.direction, axis.at))
+    whole = with_axis_behind(chain, -direction, chain.P.sum(axis=0) + at)
+    return SelfMotion({"written": written_values(whole), "given": 6})

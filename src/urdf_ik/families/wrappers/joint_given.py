@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from urdf_ik._core import Solver
+from urdf_ik._core import SelfMotion, Solver
 from urdf_ik.chain import is_redundant, kinds_of
 from urdf_ik.chain.free_axis import turning
 from urdf_ik.chain.redundancy import locked_joint
 from urdf_ik.families.parts.family import Plan, RedundantPlan
+from urdf_ik.families.parts.values import written_values
 from urdf_ik.families.wrappers import middle_given
 from urdf_ik.structure import analyse
 
@@ -150,6 +151,7 @@ def _held(chain: Chain, k: int, plan: Plan, number: int, why: str) -> RedundantP
         error=plan.error,
         solver=Solver("one joint given", values),
         parameters=parameters,
+        self_motion=None if inner else SelfMotion({"written": written_values(chain), "given": k}),
         value_of=value_of,
         explain=lambda T: explain_at(T, defaults),
         explain_at=explain_at,

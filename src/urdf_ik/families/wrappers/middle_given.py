@@ -12,8 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdf_ik._core import SelfMotion
 from urdf_ik.chain.redundancy import locked_joint
 from urdf_ik.families.parts.family import Plan, RedundantPlan, columns
+from urdf_ik.families.parts.values import written_values
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -87,6 +89,7 @@ def prepare(chain: Chain, k: int, number: int, plan_of: Callable[[Chain], Plan |
         error=first.error,
         solver=solver,
         parameters=parameters,
+        self_motion=None if inner else SelfMotion({"written": written_values(chain), "given": k}),
         value_of=value_of,
         explain=lambda T: explain_at(T, defaults),
         explain_at=explain_at,

@@ -16,7 +16,7 @@ from urdf_ik.motion.path.stops import stops_of
 from urdf_ik.motion.path.windows import narrow
 from urdf_ik.motion.plan import EVERY_BRANCH, Plan
 from urdf_ik.motion.waypoints import twists
-from urdf_ik.redundancy.sweep import span
+from urdf_ik.redundancy.finding import span
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -1,0 +1,78 @@
+"""Sphinx's settings. `make docs` builds the pages; warnings are errors."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import sys
+from pathlib import Path
+from typing import Any
+
+HERE = Path(__file__).parent
+ROOT = HERE.parent
+sys.path.insert(0, str(HERE))
+
+import drawings  # noqa: E402  beside this file
+
+import urdf_ik  # noqa: E402
+
+project = "urdf-ik"
+author = "the authors of urdf-ik"
+release = version = urdf_ik.__version__
+
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.mathjax", "sphinx.ext.viewcode"]
+exclude_patterns = ["_build", "_generated", "**.ipynb_checkpoints"]
+html_theme = "furo"
+html_title = f"urdf-ik {release}"
+html_theme_options = {"source_repository": "", "navigation_with_keys": True}
+html_static_path = ["_static"]
+html_css_files = ["pages.css"]
+
+myst_enable_extensions = ["dollarmath", "colon_fence"]
+myst_heading_anchors = 3
+suppress_warnings = ["myst.header"]  # a page's first heading may stand below its picture
+
+# The notebooks stand in notebooks/ and are executed here.
+nb_execution_mode = "cache"  # executed anew when it has changed, and in a fresh checkout
+nb_execution_timeout = 300
+nb_execution_raise_on_error = True
+nb_execution_show_tb = True
+nb_merge_streams = True
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"  # docstrings say what they are, with shapes and units
+autodoc_preserve_defaults = True
+napoleon_google_docstring = True
+napoleon_numpy_docstring = False
+napoleon_use_ivar = True
+napoleon_use_rtype = False
+default_role = "code"
+
+# How the pages call what lies outside of docs/.
+OUTSIDE = {"../notebooks/": "/notebooks/", "../CHANGELOG.md": "/changelog.md", "../CONTRIBUTING.md": "/contributing.md"}
+
+
+def copy_sources(app: Any) -> None:
+    """Bring the notebooks, the changelog and the drawings to where Sphinx reads them."""
+    folder = HERE / "notebooks"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    for notebook in sorted((ROOT / "notebooks").glob("*.ipynb")):
+        shutil.copy(notebook, folder)
+    for name in ("CHANGELOG", "CONTRIBUTING"):
+        shutil.copy(ROOT / f"{name}.md", HERE / f"{name.lower()}.md")
+    drawings.write(HERE / "_generated")
+
+
+def point_inside(app: Any, name: str, source: list[str]) -> None:
+    """Let links to files of the repository lead to their pages."""
+    for outside, inside in OUTSIDE.items():
+        source[0] = source[0].replace(f"]({outside}", f"]({inside}")
+    if name in ("changelog", "contributing"):
+        source[0] = re.sub(r"\]\(docs/", "](/", source[0]).replace("](CHANGELOG.md)", "](/changelog.md)")
+
+
+def setup(app: Any) -> None:
+    """Do both when the build begins."""
+    app.connect("builder-inited", copy_sources)
+    app.connect("source-read", point_inside)

@@ -1,0 +1,243 @@
+// Points on the curve of joint vectors that hold a pose; see curve_arm.hpp. Compiled once for every instruction set.
+//
+// The curve is where six equations hold (the pose's error is zero) in seven unknowns. Its tangent is what the Jacobian's rows
+// leave; the least step of Newton's method is at right angles to it (Allgower and Georg, Numerical Continuation Methods,
+// chapter 3).
+#include "curve_arm.hpp"
+
+#include "../answer.hpp"
+#include "../families/swivel.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+namespace {
+
+// One number a joint, side by side; the eighth is zero.
+using Row = Pack<BLOCK, 8 / BLOCK>;
+constexpr int LANES = 8;
+
+template <int L> STEP double sum_of(const typename Register<L>::type& r) {
+    if constexpr (L == 2) return r[0] + r[1];
+    else {
+        double half[L / 2];
+        for (int i = 0; i < L / 2; ++i) half[i] = r[i] + r[i + L / 2];
+        for (int step = L / 4; step; step /= 2) {
+            for (int i = 0; i < step; ++i) half[i] += half[i + step];
+        }
+        return half[0];
+    }
+}
+template <int L, int K> STEP double sum(const Pack<L, K>& a) {
+    typename Register<L>::type r = a.r[0];
+    for (int k = 1; k < K; ++k) r += a.r[k];
+    return sum_of<L>(r);
+}
+STEP double inner(const Row& a, const Row& b) { return sum(a * b); }
+STEP Row row_of(const double (&a)[LANES]) {
+    Row out;
+    __builtin_memcpy(&out, a, sizeof a);
+    return out;
+}
+
+// Longest step of Newton's method [rad, share of size].
+constexpr double LONGEST_STEP = 0.5;
+// A search ends after so many rounds, or below this error.
+constexpr int SEARCH_ROUNDS = 40, SEARCH_PATIENCE = 14;
+constexpr double SEARCH_ENOUGH = 1e-9, SEARCH_FOUND = 1e-6;
+
+// Where the joints are: in the base, one a lane the axes and the origins of their frames; and the tip.
+struct Axes {
+    Vec<Row> z, p;
+    Frame<double> tip;
+};
+STEP Axes axes_at(const Written<7>& arm, const Row& q) {
+    const Turn<Row> turn = cos_sin(q);
+    double z[3][LANES] = {}, p[3][LANES] = {};
+    Frame<double> at = constant_frame<double>(arm.step[0]);
+#pragma GCC unroll 7
+    for (int k = 0; k < 7; ++k) {
+        z[0][k] = at.R.z.x, z[1][k] = at.R.z.y, z[2][k] = at.R.z.z;
+        p[0][k] = at.p.x, p[1][k] = at.p.y, p[2][k] = at.p.z;
+        at = arm.slides[k] ? Frame<double>{at.R, at.p + q[k] * at.R.z} : turned(at, {turn.c[k], turn.s[k]});
+        at = beyond(at, arm.step[k + 1]);
+    }
+    return {{row_of(z[0]), row_of(z[1]), row_of(z[2])}, {row_of(p[0]), row_of(p[1]), row_of(p[2])}, at};
+}
+
+// The rows of the Jacobian, lengths as shares of the size.
+STEP void rows_at(const FreeArm& arm, const Axes& at, Row (&J)[6]) {
+    const Row inverse = 1.0 / arm.written.size, slides = row_of(arm.slides);
+    const Vec<Row> lever = {inverse * (Row(at.tip.p.x) - at.p.x), inverse * (Row(at.tip.p.y) - at.p.y),
+                            inverse * (Row(at.tip.p.z) - at.p.z)};
+    const Vec<Row> v = cross(at.z, lever);
+    const Row turns = 1.0 - slides;
+    J[0] = turns * v.x + slides * at.z.x, J[1] = turns * v.y + slides * at.z.y, J[2] = turns * v.z + slides * at.z.z;
+    J[3] = turns * at.z.x, J[4] = turns * at.z.y, J[5] = turns * at.z.z;
+}
+
+// The parameter, and how it changes with each joint [by rad, by shares of the size].
+struct Parameter {
+    double value;
+    Row slope;
+};
+// The swivel angle; see swivel.hpp. In frame 1, where the line is.
+PART Parameter swivel_at(const FreeArm& arm, const Goal<double>& goal, const Axes& at) {
+    const Line<double> line = line_to_wrist(to_frame_1<double>(goal, arm.ends).p);
+    const auto of_joint = [&](int k) { return times(arm.ends.base_rotation, Vec<double>{at.z.x[k], at.z.y[k], at.z.z[k]}); };
+    const Vec<double> axis = of_joint(3);
+    const double c = dot(line.normal, axis), s = dot(line.across, axis), square = c * c + s * s + TINY;
+    Parameter out = {angle<double>({c, s}), 0.0};
+    for (int k = 0; k < 3; ++k) {
+        const Vec<double> turned = cross(of_joint(k), axis);
+        out.slope.set(k, (c * dot(line.across, turned) - s * dot(line.normal, turned)) / square);
+    }
+    return out;
+}
+STEP Parameter parameter_at(const FreeArm& arm, const Goal<double>& goal, const Axes& at, const Row& q) {
+    if (arm.given < 0) return swivel_at(arm, goal, at);
+    Parameter out = {q[arm.given], 0.0};
+    out.slope.set(arm.given, arm.unit[arm.given]);
+    return out;
+}
+
+// Rows made orthonormal one after the other: the unit rows, and what each equation has along them.
+struct Orthogonal {
+    Row unit[7];
+    double lower[7][7];
+    int many = 0;
+
+    STEP void add(Row a) {
+        for (int i = 0; i < many; ++i) {
+            const double r = inner(unit[i], a);
+            lower[many][i] = r;
+            a = a - r * unit[i];
+        }
+        const double length = sqrt(inner(a, a)) + TINY;
+        lower[many][many] = length;
+        unit[many++] = (1.0 / length) * a;
+    }
+    // The shortest x with (row i) x = e[i].
+    STEP Row least(const double* e) const {
+        Row x = 0.0;
+        double y[7];
+        for (int i = 0; i < many; ++i) {
+            double rest = e[i];
+            for (int k = 0; k < i; ++k) rest -= lower[i][k] * y[k];
+            y[i] = rest / lower[i][i];
+            x = x + y[i] * unit[i];
+        }
+        return x;
+    }
+    // The unit direction that the first six rows leave: of the joint that they leave most of.
+    STEP Row free() const {
+        Row left = 1.0;
+        for (int i = 0; i < 6; ++i) left = left - unit[i] * unit[i];
+        int most = 0;
+        for (int j = 1; j < 7; ++j) most = left[j] > left[most] ? j : most;
+        Row out = 0.0;
+        out.set(most, 1.0);
+        for (int again = 0; again < 2; ++again) {
+            for (int i = 0; i < 6; ++i) out = out - inner(unit[i], out) * unit[i];
+            out = (1.0 / (sqrt(inner(out, out)) + TINY)) * out;
+        }
+        return out;
+    }
+};
+
+OnCurve settle(const FreeArm& arm, const double* T, const double* from, const Pinned& pinned, int rounds, double enough) {
+    const Goal<double> goal = goal_of(T);
+    const Row slides = row_of(arm.slides), unit = row_of(arm.unit);
+    const auto turning = slides < Row(0.5);
+    double given[LANES] = {};
+    for (int j = 0; j < 7; ++j) given[j] = from[j];
+    Row q = row_of(given);
+    q = select(turning, wrap(q), q);
+    const Row start = q;
+    OnCurve out;
+    for (int round = 0;; ++round) {
+        const Axes at = axes_at(arm.written, q);
+        Row J[6];
+        rows_at(arm, at, J);
+        const Error<double> error = pose_error(goal, at.tip, 1.0 / arm.written.size);
+        const Parameter parameter = parameter_at(arm, goal, at, q);
+        double e[7];
+        for (int i = 0; i < 6; ++i) e[i] = error.twist[i];
+        out.left = error.size;
+        const bool joint = pinned.what == Pin::joint;
+        const int which = joint ? pinned.joint : arm.given;
+        const double scale = which < 0 ? 1.0 : arm.unit[which];
+        if (pinned.what != Pin::nothing) {
+            const double apart = pinned.value - (joint ? q[which] : parameter.value);
+            e[6] = (which >= 0 && arm.slides[which] > 0.0 ? apart : wrap(apart)) / scale;
+            out.left = max(out.left, abs(e[6]));
+        }
+        Orthogonal rows;
+        for (int i = 0; i < 6; ++i) rows.add(J[i]);
+        if (!(out.left > enough) || round == rounds) {
+            const Row along = rows.free();
+            for (int j = 0; j < 7; ++j) out.q[j] = q[j], out.along[j] = along[j];
+            out.value = parameter.value, out.rate = inner(parameter.slope, along);
+            break;
+        }
+        if (pinned.what == Pin::parameter) rows.add((1.0 / scale) * parameter.slope);
+        if (joint) {
+            Row one = 0.0;
+            one.set(which, 1.0);
+            rows.add(one);
+        }
+        const Row step = rows.least(e);
+        const double length = sqrt(inner(step, step));
+        q = q + (length > LONGEST_STEP ? LONGEST_STEP / length : 1.0) * (unit * step);
+        q = select(turning, wrap(q), q);
+    }
+    Row moved = q - start;
+    moved = select(turning, wrap(moved), moved) / unit;
+    out.moved = sqrt(inner(moved, moved));
+    return out;
+}
+
+int search(const FreeArm& arm, const double* T, const double* starts, int count, double* q) {
+    const Written<7>& written = arm.written;
+    const Goal<Block> goals = spread<Block>(goal_of(T));
+    const Block zero = 0.0;
+    int many = 0;
+    for (int k = 0; k < count; k += BLOCK) {
+        Block x[7];
+        for (int l = 0; l < BLOCK; ++l) {
+            const double* from = starts + 7 * (k + l < count ? k + l : count - 1);
+            for (int j = 0; j < 7; ++j) x[j].set(l, written.slides[j] ? from[j] : wrap(from[j]));
+        }
+        const Block error =
+            polish<true, Written<7>, Block>(written, goals, x, {SEARCH_ROUNDS, SEARCH_ENOUGH, SEARCH_PATIENCE}, zero <= zero).error;
+        for (int l = 0; l < BLOCK && k + l < count; ++l) {
+            if (!(error[l] <= SEARCH_FOUND)) continue;
+            for (int j = 0; j < 7; ++j) q[7 * many + j] = x[j][l];
+            ++many;
+        }
+    }
+    return many;
+}
+
+void errors(const FreeArm& arm, const double* T, const double* q, long count, double* to) {
+    const Written<7>& written = arm.written;
+    const Goal<Block> goals = spread<Block>(goal_of(T));
+    for (long k = 0; k < count; k += BLOCK) {
+        const int many = count - k < BLOCK ? int(count - k) : BLOCK;
+        Block x[7];
+        for (int l = 0; l < BLOCK; ++l) {
+            const double* from = q + 7 * (k + (l < many ? l : many - 1));
+            for (int j = 0; j < 7; ++j) x[j].set(l, written.slides[j] ? from[j] : wrap(from[j]));
+        }
+        Block lost = 0.0;
+        for (int j = 0; j < 7; ++j) lost = lost + 0.0 * x[j];
+        const Block size = pose_error(goals, place(written, x).tip, 1.0 / written.size).size + lost;
+        for (int l = 0; l < many; ++l) to[k + l] = size[l];
+    }
+}
+
+}  // namespace
+
+extern const SelfMotionFunctions self_motion_functions;
+const SelfMotionFunctions self_motion_functions = {settle, search, errors};
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

@@ -1,0 +1,234 @@
+"""The intervals of the redundancy parameter in which each branch has solutions.
+
+All solutions at the values of a grid are starts; the compiled core follows the curves between them, see
+src/core/self_motion/curves.hpp: every solution at a value of the grid must be met from both sides. What lies between
+two values of the grid only is looked for where the closed form's branches, taken beyond their ends, come nearest to
+the pose, and from starts all over the joints where there is no closed form.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from urdf_ik._core import Solver
+from urdf_ik.angles import TURN, wrapped
+from urdf_ik.chain.redundancy import SWIVEL
+from urdf_ik.errors import UnsupportedArm
+from urdf_ik.redundancy.along import Curves
+from urdf_ik.redundancy.contacts import without_contacts
+from urdf_ik.redundancy.found import End, Found
+from urdf_ik.redundancy.interval import Intervals
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.chain.redundancy import Redundancy
+    from urdf_ik.families.parts.family import RedundantPlan
+    from urdf_ik.solutions.solved_arm import SolvingArm
+
+    Array = NDArray[np.float64]
+
+GRID, GRID_GENERAL = 32, 24
+"""Values at which everything is solved: where a closed form does that, and where the elimination does."""
+FINER = 4
+"""By what the grid is finer on which the branches of a closed form are taken beyond their ends."""
+_OFF, _OFF_BY_ERROR = 1e-9, 8.0
+"""Error [rad, share of the arm's size] below which such a branch is a solution: of an exact closed form, and as a
+multiple of how far the ideal arm is off."""
+STARTS = 96
+"""Joint vectors from which loops between two values are looked for where the elimination solves."""
+_AT_ONCE = 64
+"""Poses whose grids are solved at a time: some 5 MB of solutions."""
+_CAUSES = ("none", "fold", "reach", "singularity", "limit", "limit", "range")
+"""Of the core's ends, in their order."""
+_UPPER = 5
+# Numbers of a sample: value, rate, arc, joints, tangent.
+_VALUE, _JOINTS = 0, slice(3, 10)
+
+
+def intervals(
+    arm: SolvingArm, plan: RedundantPlan, T: Array, *, within_limits: bool, world: Any, threads: int
+) -> Intervals:
+    """See :meth:`urdf_ik.Arm.intervals`."""
+    if plan.self_motion is None:
+        raise UnsupportedArm(
+            f"{arm.name}: intervals of the redundancy parameter are not found for arms whose joints mimic others, or "
+            "that have several parameters; ik(T, redundancy=values) solves at values"
+        )
+    curves = Curves(plan.self_motion, plan.parameter, arm.dof < 7, ~arm.chain.prismatic)
+    stack = T.reshape(-1, 4, 4)
+    parts = [
+        _found(arm, plan, curves, stack[k : k + _AT_ONCE], within_limits, threads, k)
+        for k in range(0, max(len(stack), 1), _AT_ONCE)
+    ]
+    found = joined(parts)
+    if world is not None:
+        found = without_contacts(arm.collision_model.in_world(world), curves, stack, found)
+    return Intervals(arm, T, curves, found, within_limits)
+
+
+def span(arm: SolvingArm, parameter: Redundancy, T: Array) -> tuple[float, float]:
+    """Least and greatest value that is tried for poses (m, 4, 4)."""
+    if parameter.round:
+        return -np.pi, np.pi
+    low, high = parameter.range
+    if np.isfinite(high - low):
+        return low, high
+    reach = float(np.linalg.norm(T[:, :3, 3] - arm.chain.P[0], axis=1).max()) + arm.chain.size
+    return max(low, -reach), min(high, reach)
+
+
+def joined(parts: list[Found]) -> Found:
+    """Several sets of intervals as one."""
+    if len(parts) == 1:
+        return parts[0]
+    samples = np.cumsum([0, *(len(part.value) for part in parts)])
+
+    def together(name: str) -> Any:
+        return np.concatenate([getattr(part, name) for part in parts])
+
+    first = np.concatenate([part.first + start for part, start in zip(parts, samples, strict=False)])
+    ends = [end for part in parts for end in part.ends]
+    return Found(
+        together("pose"), together("low"), together("high"), together("column"), ends, first, together("count"),
+        together("value"), together("q"), together("core"),
+    )  # fmt: skip
+
+
+def _found(
+    arm: SolvingArm, plan: RedundantPlan, curves: Curves, T: Array, within_limits: bool, threads: int, offset: int
+) -> Found:
+    """The intervals of a few poses, numbered from ``offset``."""
+    parameter = plan.parameter
+    # Where another plan serves every value, there are no branches beyond their ends either.
+    general = plan.family.by_elimination or not isinstance(plan.solver, Solver)
+    low, high = span(arm, parameter, T)
+    grid = np.linspace(low, high, GRID_GENERAL if general else GRID, endpoint=not parameter.round)
+    solutions = arm.ik(T[:, None], redundancy=np.broadcast_to(grid, (len(T), len(grid))), threads=threads)
+    values = np.broadcast_to(grid[:, None], solutions.valid.shape)
+    q = np.ascontiguousarray(curves.seven(solutions.q, values))
+    bounds = np.tile([-np.inf, np.inf], (7, 1))
+    if within_limits:
+        bounds[: arm.dof] = arm.limits
+    beyond = None
+    if not general:
+        fine = np.linspace(low, high, FINER * len(grid), endpoint=not parameter.round)
+        beyond = np.ascontiguousarray(_beyond(arm, plan, curves, T, fine))
+    scale = np.ones(7)
+    scale[: arm.dof] = np.where(arm.chain.prismatic, arm.chain.size, np.pi)
+    starts = np.random.default_rng(0).uniform(-1.0, 1.0, (STARTS if general else 0, 7)) * scale
+    flags = np.ascontiguousarray(solutions.valid.view(np.uint8))
+    poses = np.ascontiguousarray(T)
+    given = _Given(grid, q, flags, bounds, beyond, max(_OFF, _OFF_BY_ERROR * plan.error), starts)
+    samples, rows = _followed(arm, curves, poses, given)
+    numbers = rows.astype(np.intp)
+    pose, first, count, column = numbers[:, :4].T
+    value, joints = samples[:, _VALUE], curves.joints(samples[:, _JOINTS])
+    low, high = value[first], value[first + count - 1]
+    if parameter.unit == "rad":
+        turned = wrapped(low) - low
+        whole = np.isclose(high - low, TURN, rtol=0.0, atol=1e-12)
+        turned[whole] = -np.pi - low[whole]
+        samples_of = np.repeat(first - np.cumsum(count) + count, count) + np.arange(count.sum())
+        value = value.copy()
+        value[samples_of] += np.repeat(turned, count)
+        low, high = low + turned, high + turned
+    ends = [(_end(arm, row[4], row[6]), _end(arm, row[5], row[7])) for row in numbers.tolist()]
+    found = Found(pose, low, high, column, ends, first, count, value, joints, samples)
+    _name(arm, T, found)
+    order = np.lexsort((low, column, pose))
+    return replace(found.of(order), pose=pose[order] + offset)
+
+
+class _Given(NamedTuple):
+    """What the core is given for poses (m, 4, 4).
+
+    Attributes:
+        grid: (v,) values.
+        q: (m, v, B, 7) the solutions there.
+        flags: (m, v, B) whether there is one.
+        limits: (7, 2), infinite where there is none.
+        beyond: (m, w, B, 7) the closed form's branches at finer values, beyond their ends too; None without one.
+        off: error below which these are solutions.
+        starts: (k, 7) joint vectors from which loops are looked for.
+    """
+
+    grid: Array
+    q: Array
+    flags: NDArray[np.uint8]
+    limits: Array
+    beyond: Array | None
+    off: float
+    starts: Array
+
+    def of(self, i: int, more: Array) -> _Given:
+        """Of one pose, with more starts (k, 7)."""
+        one = slice(i, i + 1)
+        beyond = None if self.beyond is None else self.beyond[one]
+        starts = np.ascontiguousarray(np.vstack([self.starts, more]))
+        return self._replace(q=self.q[one], flags=self.flags[one], beyond=beyond, starts=starts)
+
+
+def _followed(arm: SolvingArm, curves: Curves, T: Array, given: _Given) -> tuple[Array, Array]:
+    """Samples and intervals of poses (m, 4, 4) from the core.
+
+    A part of a curve that holds no value of the grid is seldom alone: all solutions at a value in its middle are starts
+    for another look at its pose.
+    """
+
+    def ask(poses: Array, what: _Given) -> tuple[Array, Array, Array]:
+        grid, q, flags, limits, beyond, off, starts = what
+        is_round = curves.parameter.round
+        samples, rows, unseen = curves.core.intervals(poses, grid, is_round, q, flags, limits, beyond, off, starts)
+        return np.asarray(samples), np.asarray(rows), np.asarray(unseen)
+
+    samples, rows, unseen = ask(T, given)
+    again = np.unique(unseen[:, 0].astype(np.intp))
+    parts, tables, first = [samples], [rows[~np.isin(rows[:, 0], again)]], len(samples)
+    for i in again.tolist():
+        values = curves.parameter.wrapped(unseen[unseen[:, 0] == i, 1])
+        found = arm.ik(T[i], redundancy=values)
+        there = curves.seven(found.q, np.broadcast_to(values[:, None], found.valid.shape))[found.valid]
+        more, table, _ = ask(T[i : i + 1], given.of(i, there))
+        table[:, 0] = i
+        table[:, 1] += first
+        first += len(more)
+        parts.append(more)
+        tables.append(table)
+    return np.concatenate(parts), np.concatenate(tables)
+
+
+def _beyond(arm: SolvingArm, plan: RedundantPlan, curves: Curves, T: Array, grid: Array) -> Array:
+    """Joint vectors (m, v, B, 7) of all branches at the values (v,), beyond their ends too; not verified."""
+    poses, values = plan.parameter.spread(T[:, None], np.broadcast_to(grid, (len(T), len(grid))))
+    branches = len(plan.branches)
+    q = np.full((*values.shape, branches, arm.dof), np.nan)
+    rows = q.reshape(-1, branches, arm.dof)
+    plan.solver.solve(
+        poses.reshape(-1, 4, 4), None, rows, np.zeros(rows.shape[:2], np.uint8), values.reshape(-1), 1, beyond=True
+    )
+    out = curves.seven(q, np.broadcast_to(values[..., None], q.shape[:-1]))
+    if plan.parameter.kind != SWIVEL:
+        given = 6 if curves.appended else arm.joint_names.index(plan.parameter.joint)
+        out[..., given] = values[..., None]  # branches that are no solution have no value yet
+    return out
+
+
+def _end(arm: SolvingArm, why: int, joint: int) -> End:
+    """An end as the core gives it."""
+    cause = _CAUSES[why]
+    return End(cause, arm.joint_names[joint], upper=why == _UPPER) if cause == "limit" else End(cause)
+
+
+def _name(arm: SolvingArm, T: Array, found: Found) -> None:
+    """Fill in the columns of intervals that hold no value of the grid: those of the solutions in their middles."""
+    unknown = np.flatnonzero(found.column < 0)
+    if not len(unknown):
+        return
+    at = found.first[unknown] + found.count[unknown] // 2
+    solutions = arm.ik(T[found.pose[unknown]], redundancy=found.value[at])
+    apart = np.abs(wrapped(solutions.q - found.q[at][:, None])).max(axis=-1)
+    found.column[unknown] = np.nanargmin(np.where(np.isnan(apart), np.inf, apart), axis=1)

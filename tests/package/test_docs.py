@@ -1,0 +1,83 @@
+"""The pages: what they show is what the package prints, every public name is in the reference, every link leads on."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import io
+import re
+from pathlib import Path
+
+import pytest
+
+import urdf_ik
+from urdf_ik.families import registry
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+MADE = {"_build", "_generated", "notebooks", "changelog.md", "contributing.md"}
+PAGES = sorted(page for page in DOCS.rglob("*.md") if page.relative_to(DOCS).parts[0] not in MADE)
+# Blocks that run one after the other, each followed by what it prints.
+SHOWN = [page for page in PAGES if "```python\n" in page.read_text() and page.stem not in ("families", "scale")]
+REFERENCE = "\n".join(page.read_text() for page in (DOCS / "reference").glob("*.md"))
+
+
+@pytest.mark.filterwarnings("ignore:no QP solver:UserWarning")
+@pytest.mark.parametrize("page", [ROOT / "README.md", *SHOWN], ids=lambda page: str(page.relative_to(ROOT)))
+def test_code_prints_what_stands_below_it(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The Python blocks of a page, run in a folder of their own, print the text blocks that follow them."""
+    text = page.read_text()
+    if "import pink" in text:
+        pytest.importorskip("pink")
+    for package in ("xacro", "mujoco"):
+        if f".[{'mjcf' if package == 'mujoco' else package}]" in text:
+            pytest.importorskip(package)
+    monkeypatch.chdir(tmp_path)
+    pairs = re.findall(r"```python\n(.*?)```\n\n```text\n(.*?)```", text, re.DOTALL)
+    assert pairs
+    names: dict[str, object] = {}
+    for code in re.findall(r"```python\n(.*?)```", text, re.DOTALL):
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            exec(compile(code, str(page), "exec"), names)
+        shown = dict(pairs).get(code)
+        assert shown is None or printed.getvalue() == shown
+
+
+def test_every_public_name_is_in_the_reference() -> None:
+    """Each name of urdf_ik, and each that a documented room names, has its directive."""
+    missing = [name for name in urdf_ik.__all__ if not re.search(rf":: urdf_ik\.{name}$", REFERENCE, re.MULTILINE)]
+    for room in re.findall(r"automodule:: urdf_ik\.(\w+)", REFERENCE):
+        names = getattr(importlib.import_module(f"urdf_ik.{room}"), "__all__", ())
+        there = set(re.findall(rf"urdf_ik\.{room}[\w.]*\.(\w+)$", REFERENCE, re.MULTILINE))
+        missing += [f"{room}.{name}" for name in names if name not in there]
+    assert not missing, missing
+
+
+def test_every_page_is_reached_and_every_link_leads_to_a_file() -> None:
+    """A page stands in a table of contents; a link to a file has one, and an anchor a heading."""
+    listed = set()
+    for page in PAGES:
+        text = page.read_text()
+        for block in re.findall(r"```\{toctree\}\n(.*?)```", text, re.DOTALL):
+            entries = [line for line in block.splitlines() if line and not line.startswith(":")]
+            listed |= {(page.parent / f"{entry}.md").resolve() for entry in entries}
+        for link in re.findall(r"\]\(([^):]+)\)", re.sub(r"```.*?```", "", text, flags=re.DOTALL)):
+            file, _, anchor = link.partition("#")
+            if "_generated" in file:
+                continue
+            target = (page.parent / file).resolve() if file else page
+            assert target.exists(), (page.name, link)
+            headings = re.findall(r"^#+ (.*)$", target.read_text(), re.MULTILINE) if anchor else []
+            slugs = {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+            assert not anchor or anchor in slugs, (page.name, link)
+    assert {page for page in PAGES if page.name != "index.md" or page.parent != DOCS} <= listed
+
+
+def test_every_family_has_a_page_that_says_where_it_comes_from() -> None:
+    """The explanation names the file of each family's solver or of its Python side."""
+    pages = "\n".join(page.read_text() for page in (DOCS / "explanation").glob("*.md"))
+    modules = {family.prepare.__module__.rpartition(".")[2] for family in registry.every()}
+    headers = {"general_6r": "elimination.hpp", "general_slides": "slides.md"}
+    missing = [name for name in modules if f"{name}.hpp" not in pages and headers.get(name, "?") not in pages]
+    assert not missing, missing

@@ -1,0 +1,189 @@
+"""Intervals of the redundancy parameter: what is in them, what ends them, and that none is missing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from arms_seven import random_seven
+from cases import Array, Case, described, worst_error
+
+import urdf_ik
+from urdf_ik.redundancy import Interval
+
+KINDS = (
+    "S-R-S",
+    "S-R-S, offset elbow",
+    "one behind wrist, 1x2",
+    "one before 2||3||4, 5x6",
+    "one behind wrist, 1x2, nearly",
+    "general 7R",
+)
+TINY = 1e-7
+"""rad: how far inside and outside an end is looked."""
+
+
+@pytest.fixture(scope="module", params=KINDS[:4])
+def case(request: pytest.FixtureRequest) -> Case:
+    """A random member of each kind, whose limits are random, too."""
+    return described(random_seven(request.param, 4))
+
+
+def near_limits(arm: urdf_ik.Arm, rng: np.random.Generator, m: int) -> Array:
+    """Joint vectors (m, n) of which one joint is within 2 % of its range from a limit: windows are narrow there."""
+    low, high = np.clip(arm.limits.T, -np.pi, np.pi)
+    q = rng.uniform(low, high, (m, arm.dof))
+    joint, upper = rng.integers(arm.dof, size=m), rng.integers(2, size=m) == 1
+    away = 0.02 * rng.uniform(size=m) * (high - low)[joint]
+    q[np.arange(m), joint] = np.where(upper, high[joint] - away, low[joint] + away)
+    return q
+
+
+def test_every_planted_joint_vector_is_in_an_interval(case: Case) -> None:
+    """The value of a joint vector inside the limits lies in an interval of its pose."""
+    arm = case.arm
+    q = near_limits(arm, np.random.default_rng(1), 60)
+    for T, value in zip(case.oracle.poses(q), arm.redundancy_of(q), strict=True):
+        assert any(value in interval for interval in arm.intervals(T))
+
+
+def test_ends_are_ends(case: Case) -> None:
+    """A solution inside the limits 1e-7 inside each end, exact by the oracle; none on that branch 1e-7 outside."""
+    arm = case.arm
+    looked = 0
+    for q in near_limits(arm, np.random.default_rng(2), 12):
+        T = case.oracle.pose(q)
+        for interval in arm.intervals(T):
+            for end, value, sign in zip(interval.ends, (interval.low, interval.high), (1.0, -1.0), strict=True):
+                if end.cause in ("none", "range") or interval.width < 4.0 * TINY:
+                    continue
+                looked += 1
+                inside, outside = (arm.ik(T, redundancy=value + sign * TINY * side) for side in (1.0, -1.0))
+                there = inside.within_limits()
+                assert there.valid.any()
+                assert worst_error(case, there.to_array(), T) < 1e-9
+                if end.cause == "limit":
+                    # Of those that come near the limit, the joint is inside it on one side and outside on the other.
+                    joint = arm.joint_names.index(str(end.joint))
+                    limit = arm.limits[joint, int(bool(end.upper))]
+                    apart = [
+                        np.abs(np.angle(np.exp(1j * (s.to_array()[:, joint] - limit)))).min(initial=np.inf)
+                        for s in (inside, outside)
+                    ]
+                    assert max(apart) < 1e-3
+                else:
+                    assert outside.count < inside.count
+    assert looked > 20
+
+
+def test_a_scan_finds_nothing_more(case: Case) -> None:
+    """At 3,000 values there is a solution inside the limits exactly where the intervals say so."""
+    arm = case.arm
+    values = np.linspace(-np.pi, np.pi, 3001)[1:]
+    for q in near_limits(arm, np.random.default_rng(3), 6):
+        T = case.oracle.pose(q)
+        count = arm.ik(T, redundancy=values).within_limits().count
+        covering = covered(list(arm.intervals(T)), values)
+        edge = np.zeros(len(values), dtype=np.bool_)
+        for interval in arm.intervals(T):
+            for end in (interval.low, interval.high):
+                edge |= np.abs(np.angle(np.exp(1j * (values - end)))) < 1e-6
+        np.testing.assert_array_equal(count[~edge], covering[~edge])
+
+
+def covered(intervals: list[Interval], values: Array) -> Array:
+    """(k,) how many intervals hold each of the values."""
+    return np.array([sum(value in interval for interval in intervals) for value in values])
+
+
+@pytest.mark.parametrize("kind", ["one behind wrist, 1x2", "S-R-S"])
+def test_loops_narrower_than_the_grid_are_found(kind: str) -> None:
+    """Poses at the edge of what a branch reaches: their intervals may be narrower than the values of the grid apart."""
+    case = described(random_seven(kind, 4))
+    arm, rng = case.arm, np.random.default_rng(4)
+    narrow = 0
+    for q in rng.uniform(-np.pi, np.pi, (300, 7)):
+        T = case.oracle.pose(q)
+        found = arm.intervals(T, within_limits=False)
+        value = float(arm.redundancy_of(q))
+        holding = sum(value in interval for interval in found)
+        assert holding == int(arm.ik(T, redundancy=value).count)
+        narrow += any(interval.width < 0.1 for interval in found)
+    assert narrow > 3
+
+
+def test_batch_is_its_poses(case: Case) -> None:
+    """A batch holds what its poses hold one by one, whatever its shape; parts that are no single pose are refused."""
+    arm = case.arm
+    T = case.oracle.poses(near_limits(arm, np.random.default_rng(5), 6)).reshape(2, 3, 4, 4)
+    batch = arm.intervals(T)
+    assert batch.shape == (2, 3)
+    assert batch.count.shape == (2, 3)
+    for i, j in np.ndindex(2, 3):
+        alone = arm.intervals(T[i, j])
+        assert [str(interval) for interval in batch[i, j]] == [str(interval) for interval in alone]
+    with pytest.raises(urdf_ik.ArgumentError, match="single pose"):
+        len(batch)
+    with pytest.raises(urdf_ik.ArgumentError, match="more than one pose"):
+        batch[0]
+
+
+def test_best_is_best_by_dense_sampling(case: Case) -> None:
+    """Of 3,000 values none has a solution farther from its limits, or of greater manipulability, beyond 1e-6."""
+    arm = case.arm
+    values = np.linspace(-np.pi, np.pi, 3001)[1:]
+    for q in near_limits(arm, np.random.default_rng(6), 4):
+        T = case.oracle.pose(q)
+        everything = arm.ik(T, redundancy=values).within_limits()
+        for by in ("limits", "manipulability"):
+            best = arm.intervals(T).best(by)
+            assert best.scores(by).max() >= np.nanmax(everything.scores(by)) - 1e-6
+
+
+def test_out_of_reach_there_is_none(case: Case) -> None:
+    """No interval, and nothing nearest or best."""
+    found = case.arm.intervals(urdf_ik.pose([50.0, 0.0, 0.0]))
+    assert len(found) == 0
+    assert found.merged().shape == (0, 2)
+    assert not found.best("limits")
+    assert not found.nearest(np.zeros(7))
+
+
+def test_arms_that_leave_nothing_free_are_refused() -> None:
+    """Six joints hold a pose in single joint vectors."""
+    arm = urdf_ik.load("puma_560")
+    with pytest.raises(urdf_ik.UnsupportedArm, match="nothing free"):
+        arm.intervals(np.eye(4))
+
+
+def test_free_axis() -> None:
+    """A puma whose tool may turn: planted rotations are in an interval, and the nearest one is found again."""
+    arm = urdf_ik.load("puma_560")
+    free = arm.with_free_axis("z", at=(0.02, 0.0, 0.1))
+    rng = np.random.default_rng(7)
+    q = near_limits(arm, rng, 40)
+    turned = rng.uniform(-np.pi, np.pi, 40)
+    T = arm.fk(q) @ free.free_axis.rotation(-turned)
+    for pose, value in zip(T, turned, strict=True):
+        assert any(value in interval for interval in free.intervals(pose))
+    nearest = free.ik_nearest(T, q)
+    np.testing.assert_allclose(nearest.q[:, 0], q, atol=1e-6)
+
+
+def test_contacts_end_intervals() -> None:
+    """With a wall in reach, what is left is free of contact, what was cut off is not, and the wall is named."""
+    arm, world = urdf_ik.load("srs_7r"), urdf_ik.World()
+    q = np.array([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1])
+    T = arm.fk(q)
+    elbow = arm.link_poses(q)["link_4"][:3, 3]
+    world.add("ball", urdf_ik.Sphere(0.05), urdf_ik.pose(elbow))
+    without, left = arm.intervals(T), arm.intervals(T, world=world)
+    assert any(end.pair is not None and "ball" in end.pair for each in left for end in each.ends)
+    values = np.linspace(-np.pi, np.pi, 400)
+    for value in values:
+        near_end = min(
+            abs(np.angle(np.exp(1j * (value - end)))) for each in [*without, *left] for end in (each.low, each.high)
+        )
+        if near_end < 1e-4:
+            continue
+        free = arm.ik(T, redundancy=value).within_limits().collision_free(world)
+        assert int(free.count) == sum(value in interval for interval in left)
