@@ -33,7 +33,7 @@ myst_heading_anchors = 3
 suppress_warnings = ["myst.header"]  # a page's first heading may stand below its picture
 
 # The notebooks stand in notebooks/ and are executed here.
-nb_execution_mode = "force"
+nb_execution_mode = "cache"  # executed anew when it has changed, and in a fresh checkout
 nb_execution_timeout = 300
 nb_execution_raise_on_error = True
 nb_execution_show_tb = True

@@ -53,7 +53,23 @@ def test_sliders_of_joints_without_limits_or_range() -> None:
     )
     expected = [(-180.0, 180.0), (np.degrees(-5.0) - 180.0, np.degrees(-5.0))]
     expected += [(np.degrees(7.0), np.degrees(7.0) + 180.0), (-1.0, 1.0), (0.5, 0.501)]
-    np.testing.assert_allclose(slider_panel.ranges(arm), expected)
+    np.testing.assert_allclose(slider_panel.ranges(arm, np.array([0.0, -5.0, 7.0, 0.0, 0.5])), expected)
+    beyond = slider_panel.ranges(arm, np.array([4.0, -20.0, 7.0, 2.5, 0.5]))
+    assert [beyond[0][1], beyond[1][0], beyond[3]] == [np.degrees(4.0), np.degrees(-20.0), (-1.0, 2.5)]
+
+
+def test_sliders_begin_where_they_were_asked_to_or_say_why_not() -> None:
+    """At joint values within the limits; outside them no slider can stand, and none is moved without a word."""
+    arm = urdf_ik.load("zyyzyz_6r")
+    q = 0.999 * arm.limits[:, 1]
+    held = plot.sliders(arm, q, window=False)
+    np.testing.assert_allclose([slider.val for slider in held.sliders], np.degrees(q))
+    q[4] = arm.limits[4, 1] + 0.01
+    with pytest.raises(urdf_ik.JointVectorError, match=r"'joint_5' is at .* outside its limits .*: sliders begin"):
+        plot.sliders(arm, q, window=False)
+    text = urdf_ik.load("planar_2r_unit").model.xml.decode().replace('type="revolute"', 'type="continuous"')
+    wound = plot.sliders(urdf_ik.load(re.sub(r"<limit[^>]*/>", "", text)), [4.0, -7.0], window=False)
+    np.testing.assert_allclose([slider.val for slider in wound.sliders], np.degrees([4.0, -7.0]))
 
 
 def test_in_a_notebook_there_is_a_control_for_each_joint() -> None:

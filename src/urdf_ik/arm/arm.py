@@ -355,7 +355,7 @@ class Arm(Free):
                 raise ArgumentError(f"{self.name}: {self._free_axis} is free; a region has rotation=pi for that")
             return inside.nearest(self, T, q_ref, region, threads=threads, **options)
         if isinstance(self._plan, RedundantPlan):
-            return nearest.nearest(self, self._only_parameter("ik_nearest"), T, q_ref, threads=threads, **options)
+            return nearest.nearest(self, self._plan, T, q_ref, threads=threads, **options)
         reference = self.chain.check(q_ref)
         near = reference if reference.ndim == 1 else None
         solutions = self.ik(T, near, threads=threads)

@@ -4,33 +4,23 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 import sys
-import zipfile
-import zlib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 import typer
 
+from urdf_ik import arrays
 from urdf_ik import text as texts
+from urdf_ik.errors import JointVectorError
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 STDIN = "-"
-POSE_COLUMNS = ("x", "y", "z", "qx", "qy", "qz", "qw")
-POSES_ACCEPTED = (
-    "accepted: 4x4 matrices or x,y,z,qx,qy,qz,qw, as .npy or .npz (array 'poses', 'T' or the only one) of shape "
-    '(4, 4), (N, 4, 4), (N, 16) or (N, 7); as JSON of these shapes or {"poses": [...]}; as CSV with 16 columns '
-    "(row by row) or 7, with or without a header line"
-)
-
-# What NumPy raises on a .npy or .npz file that is cut short or scrambled.
-_DAMAGED = (ValueError, EOFError, OSError, KeyError, NotImplementedError, zipfile.BadZipFile, zlib.error)
 
 
 @dataclass(frozen=True)
@@ -92,38 +82,48 @@ def read_poses(source: str, option: str) -> NDArray[np.float64]:
     """Poses (N, 4, 4) from a file, or from standard input for ``-``.
 
     Raises:
-        typer.BadParameter: the file cannot be read, or holds no poses in an accepted form.
+        typer.BadParameter: standard input is closed.
+        PathError: the file cannot be read, or holds no poses in an accepted form.
     """
-    from urdf_ik.poses import pose
+    from urdf_ik.motion.files import read_poses
 
-    values = _load(source, option, ("poses", "T", "pose"), POSE_COLUMNS, POSES_ACCEPTED)
-    if values.shape[-2:] == (4, 4) or values.shape[-1:] == (16,):
-        poses = values.reshape(-1, 4, 4)
-    elif values.shape[-1:] == (7,):
-        flat = values.reshape(-1, 7)
-        poses = pose(flat[:, :3], quat_xyzw=flat[:, 3:])
-    else:
-        raise usage(f"{place(source)} holds numbers of shape {values.shape}; {POSES_ACCEPTED}", option)
-    if not len(poses):
-        raise usage(f"{place(source)} holds no poses; {POSES_ACCEPTED}", option)
-    return np.ascontiguousarray(poses)
+    return read_poses(opened(source, option))
 
 
 def read_joint_vectors(source: str, option: str, joint_names: Sequence[str]) -> NDArray[np.float64]:
     """Joint vectors (N, n) as typed, from a file, or from standard input for ``-``.
 
     Raises:
-        typer.BadParameter: the file cannot be read, or holds no joint vectors in an accepted form.
+        typer.BadParameter: standard input is closed.
+        JointVectorError: the file cannot be read, or holds no joint vectors in an accepted form.
     """
     n = len(joint_names)
     accepted = (
-        f"accepted: {n} values each ({', '.join(joint_names)}), as .npy or .npz (array 'q' or the only one) or JSON "
-        f'of shape ({n},) or (N, {n}), JSON {{"q": [...]}}, CSV with {n} columns or a header with the joints\' names'
+        f"accepted: {n} values each ({', '.join(map(texts.printable, joint_names))}), as .npy or .npz (array 'q' or "
+        f"the only one) or JSON of shape ({n},) or (N, {n}), JSON {{\"q\": [...]}}, CSV with {n} columns or a header "
+        "with the joints' names"
     )
-    values = _load(source, option, ("q",), joint_names, accepted)
-    if not values.size or values.shape[-1] != n:
-        raise usage(f"{place(source)} holds numbers of shape {values.shape}; {accepted}", option)
-    return values.reshape(-1, n)
+    wanted = arrays.Wanted(("q", "poses"), "joint vector", accepted, JointVectorError)
+    name, held = arrays.read(opened(source, option), wanted)
+    if isinstance(held, arrays.Rows):
+        header = held.header or [str(k) for k in range(1, len(held.cells[0]) + 1)]
+        held = held.numbers(joint_names if set(joint_names) <= set(header) else header, header)
+    if held.ndim not in (1, 2) or not held.size or held.shape[-1] != n:
+        raise JointVectorError(f"{name} holds numbers of shape {held.shape}; {accepted}")
+    return held.reshape(-1, n)
+
+
+def opened(source: str, option: str) -> str | IO[bytes]:
+    """A file's name as it is; standard input for ``-``.
+
+    Raises:
+        typer.BadParameter: standard input is closed.
+    """
+    if source != STDIN:
+        return source
+    if sys.stdin is None:
+        raise usage("standard input is closed", option)
+    return sys.stdin.buffer
 
 
 def write(text: str | bytes, output: Path | None) -> None:
@@ -175,113 +175,4 @@ def _encoding() -> str:
 
 def place(source: str) -> str:
     """What a message calls the place that was read."""
-    return "standard input" if source == STDIN else source
-
-
-def _load(source: str, option: str, keys: Sequence[str], columns: Sequence[str], accepted: str) -> NDArray[np.float64]:
-    """Numbers from a file of any accepted format; the content decides, not the file's name.
-
-    ``keys`` name the array inside .npz and JSON; ``columns`` are picked from a CSV whose header has them.
-    """
-    try:
-        data = _stdin(option) if source == STDIN else Path(source).read_bytes()
-    except OSError as error:
-        raise usage(f"cannot read {source}: {error.strerror}", option) from None
-    if not data.strip():
-        raise usage(f"{place(source)} is empty; {accepted}", option)
-    try:
-        if data.startswith((b"\x93NUMPY", b"PK")):
-            return _from_numpy(data, keys)
-        text = data.decode("utf-8-sig")
-        if text.lstrip().startswith(("[", "{")):
-            return _floats(_from_json(json.loads(text), keys))
-        return _from_csv(text, columns)
-    except UnicodeDecodeError:
-        problem = "is neither text nor a .npy or .npz file"
-    except RecursionError:
-        problem = "is nested too deeply"
-    except ValueError as error:
-        problem = f"cannot be read: {error}"
-    raise usage(f"{place(source)} {problem}; {accepted}", option)
-
-
-def _stdin(option: str) -> bytes:
-    if sys.stdin is None:
-        raise usage("standard input is closed", option)
-    return sys.stdin.buffer.read()
-
-
-def _floats(value: Any) -> NDArray[np.float64]:
-    odd = [leaf for leaf in _leaves(value) if isinstance(leaf, bool) or not isinstance(leaf, int | float)]
-    if odd:
-        raise ValueError(f"{json.dumps(odd[0])} is no number")
-    try:
-        return np.array(value, dtype=np.float64)
-    except (ValueError, OverflowError):
-        raise ValueError("its rows have different lengths, or a number is too large") from None
-
-
-def _leaves(value: Any) -> Iterator[Any]:
-    if isinstance(value, list):
-        for item in value:
-            yield from _leaves(item)
-    else:
-        yield value
-
-
-def _from_numpy(data: bytes, keys: Sequence[str]) -> NDArray[np.float64]:
-    try:
-        loaded = np.load(io.BytesIO(data), allow_pickle=False)
-        arrays = {"": loaded} if isinstance(loaded, np.ndarray) else dict(loaded)
-    except _DAMAGED:
-        raise ValueError("it is damaged, or holds Python objects instead of numbers") from None
-    chosen = next((key for key in keys if key in arrays), next(iter(arrays)) if len(arrays) == 1 else None)
-    if chosen is None:
-        raise ValueError(f"of its arrays ({', '.join(arrays) or 'there are none'}) none is {' or '.join(keys)}")
-    array = arrays[chosen]
-    if array.dtype.kind not in "fiu":
-        raise ValueError(f"its array has the type {array.dtype}, which is no real number")
-    return np.asarray(array, dtype=np.float64)
-
-
-def _from_json(value: Any, keys: Sequence[str]) -> Any:
-    """The numbers of a JSON value: bare lists, or objects that hold them under one of ``keys`` (or 'poses')."""
-    if isinstance(value, dict):
-        for key in (*keys, "poses"):
-            if key in value:
-                return _from_json(value[key], keys)
-        raise ValueError(f"its JSON object has no {' or '.join(repr(key) for key in keys)}, only {', '.join(value)}")
-    if isinstance(value, list) and value and isinstance(value[0], dict):
-        return [_from_json(item, keys) for item in value]
-    return value
-
-
-def _from_csv(text: str, columns: Sequence[str]) -> NDArray[np.float64]:
-    lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
-    if not lines:
-        raise ValueError("it holds nothing but comments")
-    delimiter = next((mark for mark in ",;\t" if mark in lines[0]), " ")
-    rows = [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=delimiter, skipinitialspace=True)]
-    if delimiter == " ":
-        rows = [[cell for cell in row if cell] for row in rows]
-    header: list[str] = [] if any(map(_is_number, rows[0])) else rows.pop(0)
-    width = len(header) if header else len(rows[0])
-    picked = [header.index(name) for name in columns] if set(columns) <= set(header) else range(width)
-    return np.array([_csv_row(row, picked, width) for row in rows]).reshape(-1, len(picked))
-
-
-def _csv_row(row: Sequence[str], picked: Sequence[int], width: int) -> list[float]:
-    if len(row) != width:
-        raise ValueError(f"the line {','.join(row)!r} has {len(row)} values, the first line has {width}")
-    bad = next((row[i] for i in picked if not _is_number(row[i])), None)
-    if bad is not None:
-        raise ValueError(f"{bad!r} in the line {','.join(row)!r} is no number")
-    return [float(row[i]) for i in picked]
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
+    return arrays.STDIN if source == STDIN else source

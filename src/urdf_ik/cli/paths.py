@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -90,11 +89,7 @@ def followed(arm: Arm, angles: Angles, typed: TypedPath, chosen: ChosenArm) -> F
 
 def waypoints(source: str, angles: Angles) -> Array:
     """Poses (m, 4, 4) from a file, or from standard input for ``-``."""
-    if source != console.STDIN:
-        return motion.read_waypoints(source, degrees=angles.degrees)
-    if sys.stdin is None:
-        raise console.usage("standard input is closed", "--waypoints")
-    return motion.read_waypoints(sys.stdin.buffer, degrees=angles.degrees)
+    return motion.read_waypoints(console.opened(source, "--waypoints"), degrees=angles.degrees)
 
 
 def cell(source: Path | None, chosen: ChosenArm) -> World | None:

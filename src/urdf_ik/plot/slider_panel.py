@@ -85,7 +85,7 @@ class Sliders:
         from matplotlib.widgets import Slider
 
         self.figure = figure
-        self.q: Array = draw.posture(arm, q).copy()
+        self.q: Array = start(arm, q).copy()
         self._scale = scales(arm)
         width, height = size(arm)
         figure.set_size_inches(width, height)
@@ -94,7 +94,7 @@ class Sliders:
         place = (room[0] / width, below + room[1] / height)
         self.stage = Stage(arm, figure, (*place, 0.96 - place[0], 1.0 - 0.3 / height - place[1]), self.q)
         self.sliders = []
-        for i, (name, (lower, upper)) in enumerate(zip(arm.joint_names, ranges(arm), strict=True)):
+        for i, (name, (lower, upper)) in enumerate(zip(arm.joint_names, ranges(arm, self.q), strict=True)):
             row = figure.add_axes((0.28, below - _ROW * (i + 0.8) / height, 0.56, 0.5 * _ROW / height))
             shown, at = f"%.3g {unit(arm, i)}", self._scale[i] * self.q[i]
             slider = Slider(row, draw.words(name), lower, upper, valinit=at, valfmt=shown)
@@ -113,10 +113,11 @@ def sliders(arm: Arm, q: ArrayLike | None = None, *, window: bool = True) -> Sli
 
     Args:
         arm: the arm.
-        q: (n,) rad or m, where the sliders begin; default: zero, or the nearest to it within the limits.
+        q: (n,) rad or m within the limits, where the sliders begin; default: zero, or the nearest to it.
         window: open one; else a figure to be saved.
 
     Raises:
+        JointVectorError: ``q`` does not fit the arm, or is outside the limits.
         PlotError: there is no display to open a window on.
 
     Example:
@@ -183,16 +184,21 @@ def _open(figure: Figure, title: str) -> None:
 def interact(arm: Arm, q: ArrayLike | None = None) -> Any:
     """Sliders in a notebook: the picture drawn anew at every move.
 
+    Args:
+        arm: the arm.
+        q: (n,) rad or m within the limits, where the sliders begin; default: zero, or the nearest to it.
+
     Raises:
+        JointVectorError: ``q`` does not fit the arm, or is outside the limits.
         MissingPackage: ipywidgets is not installed.
     """
     try:
         import ipywidgets
     except ImportError:
         raise MissingPackage("sliders in a notebook need ipywidgets: pip install 'urdf-ik[notebooks]'") from None
-    start, scale = draw.posture(arm, q), scales(arm)
+    first, scale = start(arm, q), scales(arm)
     figure = draw.Picture(figsize=(_WIDE, _HIGH))
-    stage = Stage(arm, figure, (0.12, 0.1, 0.84, 0.84), start)
+    stage = Stage(arm, figure, (0.12, 0.1, 0.84, 0.84), first)
 
     def picture(**values: float) -> Figure:
         stage.move(np.array(list(values.values())) / scale)
@@ -200,14 +206,14 @@ def interact(arm: Arm, q: ArrayLike | None = None) -> Any:
 
     controls = {
         name: ipywidgets.FloatSlider(
-            value=scale[i] * start[i],
+            value=scale[i] * first[i],
             min=lower,
             max=upper,
             step=0.001 if arm.chain.prismatic[i] else 0.5,
             description=f"{name} [{unit(arm, i)}]",
             style={"description_width": "initial"},
         )
-        for i, (name, (lower, upper)) in enumerate(zip(arm.joint_names, ranges(arm), strict=True))
+        for i, (name, (lower, upper)) in enumerate(zip(arm.joint_names, ranges(arm, first), strict=True))
     }
     return ipywidgets.interactive(picture, **controls)
 
@@ -227,9 +233,21 @@ def unit(arm: Arm, joint: int) -> str:
     return "m" if arm.chain.prismatic[joint] else "°"
 
 
-def ranges(arm: Arm) -> list[tuple[float, float]]:
-    """The ends of each joint's slider, degrees or m."""
-    ends = scales(arm)[:, None] * limits.drawn(arm.limits, ~arm.chain.prismatic)
+def start(arm: Arm, q: ArrayLike | None) -> Array:
+    """Where the sliders begin, (n,) rad or m: a slider cannot stand outside its joint's limits.
+
+    Raises:
+        JointVectorError: ``q`` does not fit the arm, or is outside the limits.
+    """
+    first = draw.posture(arm, q)
+    limits.check_inside(first, arm.limits, arm.joint_names, "sliders begin inside them")
+    return first
+
+
+def ranges(arm: Arm, q: Array) -> list[tuple[float, float]]:
+    """The ends of each joint's slider, degrees or m; where a limit is missing, ``q`` (n,) rad or m is within them."""
+    low, high = limits.drawn(arm.limits, ~arm.chain.prismatic).T
+    ends = scales(arm)[:, None] * np.stack([np.minimum(low, q), np.maximum(high, q)], axis=-1)
     return [(float(lower), float(max(upper, lower + _LEAST))) for lower, upper in ends]
 
 

@@ -6,14 +6,14 @@ intervals, widened by a tolerance: half a turn and limits such as 3.1416 or 3.14
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from urdf_ik.angles import TURN
-from urdf_ik.errors import ArgumentError
+from urdf_ik.errors import ArgumentError, JointVectorError
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -60,6 +60,21 @@ def room(q: Array, limits: Array) -> Array:
     """How far joint vectors (..., n) are inside the limits (n, 2), negative outside: (...) of the least joint."""
     low, high = limits.T
     return np.asarray(np.minimum(q - low, high - q).min(axis=-1, initial=np.inf))
+
+
+def check_inside(q: Array, limits: Array, names: Sequence[str], what: str) -> None:
+    """Refuse a joint vector (n,) that is outside the limits (n, 2) [rad or m].
+
+    Raises:
+        JointVectorError: it is; the message names the first such joint, and ends with ``what``.
+    """
+    low, high = limits.T
+    outside = (q < low - LIMIT_TOLERANCE) | (q > high + LIMIT_TOLERANCE)
+    if outside.any():
+        k = int(np.argmax(outside))
+        raise JointVectorError(
+            f"joint {names[k]!r} is at {q[k]:.9g}, outside its limits [{low[k]:.9g}, {high[k]:.9g}]: {what}"
+        )
 
 
 def drawn(limits: Array, turning: Mask) -> Array:

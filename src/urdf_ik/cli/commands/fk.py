@@ -69,8 +69,10 @@ def as_json(arm: Arm, q: Array, angles: Angles) -> str:
 
 def as_csv(arm: Arm, q: Array, angles: Angles) -> str:
     """Joint values, position and quaternion; ``urdf-ik ik --poses`` finds the pose by its columns' names."""
+    from urdf_ik.motion.files import POSE_COLUMNS
+
     rows = np.hstack([angles.shown(q), _positions_and_quaternions(arm.fk(q))])
-    return console.csv_text([*arm.joint_names, *console.POSE_COLUMNS], rows.tolist())
+    return console.csv_text([*arm.joint_names, *POSE_COLUMNS], rows.tolist())
 
 
 def as_npz(arm: Arm, q: Array, angles: Angles) -> bytes:

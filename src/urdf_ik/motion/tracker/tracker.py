@@ -22,7 +22,7 @@ from urdf_ik.errors import JointVectorError, PoseError, UnsupportedArm
 from urdf_ik.families.parts import aim
 from urdf_ik.motion.tracker.limits import limits_of, positive
 from urdf_ik.poses import check_poses
-from urdf_ik.solutions.limits import LIMIT_TOLERANCE
+from urdf_ik.solutions.limits import check_inside
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -120,8 +120,8 @@ class Tracker:
         self.dt = positive("dt", dt, "s")
         self.velocity_limits = arm.velocity_limits.copy() if velocity is None else limits_of(arm, "velocity", velocity)
         self.acceleration_limits = limits_of(arm, "acceleration", np.inf if acceleration is None else acceleration)
-        for limits in (self.velocity_limits, self.acceleration_limits):
-            limits.setflags(write=False)
+        for each in (self.velocity_limits, self.acceleration_limits):
+            each.setflags(write=False)
         self._targets = targets
         control = arm.control
         kind = (
@@ -189,15 +189,8 @@ class Tracker:
         for vector in (place, speed):
             if vector.shape != (n,):
                 raise JointVectorError(f"an array of shape {vector.shape} given; one joint vector ({n},) is needed")
-        lower, upper = chain.limits.T
-        outside = (place < lower - LIMIT_TOLERANCE) | (place > upper + LIMIT_TOLERANCE)
-        if outside.any():
-            k = int(np.argmax(outside))
-            raise JointVectorError(
-                f"joint {chain.joint_names[k]!r} is at {place[k]:.9g}, outside its limits [{lower[k]:.9g}, "
-                f"{upper[k]:.9g}]: tracking begins inside them"
-            )
-        self._start, self._start_velocity = np.clip(place, lower, upper), speed.copy()
+        check_inside(place, chain.limits, chain.joint_names, "tracking begins inside them")
+        self._start, self._start_velocity = np.clip(place, *chain.limits.T), speed.copy()
         self._core.reset(self._start, self._start_velocity)
         self._last: Step | None = None
 
