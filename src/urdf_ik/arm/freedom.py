@@ -224,9 +224,10 @@ class Free(Moving):
         """Where along the redundancy parameter each branch has solutions, and what ends them.
 
         Every solution at the values of a grid is followed along its curve to both sides, and every solution must be met
-        from both; ends are computed to 1e-9. An interval between two values of the grid is found where a branch of the
-        closed form, taken beyond its ends, comes near, or by Newton's method from starts all over the joints: see
-        docs/completeness.md for how often one was missed.
+        from both; ends are computed to 1e-9. Of S-R-S arms with axes at right angles they are roots of the joint limits,
+        in closed form. An interval that lies between two values of the grid is found where a branch of the closed form,
+        taken beyond its ends, comes near, or by Newton's method from starts all over the joints: that is no proof that
+        none is missed.
 
         Args:
             T: (..., 4, 4) poses of the tip in the base [m], or a ``pinocchio.SE3``.
