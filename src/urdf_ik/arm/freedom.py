@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from urdf_ik._core import Solver
+from urdf_ik.arm.joining import joined
 from urdf_ik.arm.moving import Moving
 from urdf_ik.arm.refusals import unsupported
 from urdf_ik.chain import from_urdf
@@ -16,7 +17,6 @@ from urdf_ik.errors import ArgumentError, JointVectorError, TaskError, Unsupport
 from urdf_ik.families import Plan, RedundantPlan
 from urdf_ik.poses import as_pose_array, check_poses
 from urdf_ik.redundancy import finding, sweep
-from urdf_ik.urdf.joining import joined
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
