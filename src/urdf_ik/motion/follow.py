@@ -11,7 +11,7 @@ from urdf_ik.angles import TURN, shortest
 from urdf_ik.errors import PathError
 from urdf_ik.motion import waypoints
 from urdf_ik.motion.path import nodes as node_sets
-from urdf_ik.motion.path import redundant
+from urdf_ik.motion.path import redundant, several
 from urdf_ik.motion.path import settings as settings_of
 from urdf_ik.motion.path.assembling import cut_coarse, made, not_found, priced
 from urdf_ik.motion.path.obstacles import Obstacles
@@ -103,6 +103,8 @@ def _first_beyond(settings: Settings, plan: Plan) -> Stop | None:
 
 def _plan(settings: Settings, path: Array) -> Plan:
     """The plan of these settings, found or not."""
+    if len(settings.arm.redundancies) > 1:
+        return several.plan(settings, path, _plan)
     if settings.arm.free_axis is not None:
         return _with_free_axis(settings, path)
     if settings.arm.redundancy is not None:
