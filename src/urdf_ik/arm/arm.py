@@ -120,8 +120,8 @@ class Arm(Free):
     def _again(self, **changed: Any) -> Self:
         make: Any = type(self)
         settings: dict[str, Any] = {"free_axis": self._free_axis, "given": self._given, **changed}
-        chain = settings.pop("chain", self.chain)
-        made: Self = make(self.model, chain, self._task, **settings)
+        model, chain = settings.pop("model", self.model), settings.pop("chain", self.chain)
+        made: Self = make(model, chain, self._task, **settings)
         return made
 
     def for_task(self, task: str) -> Arm:

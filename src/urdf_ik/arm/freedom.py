@@ -16,12 +16,14 @@ from urdf_ik.errors import ArgumentError, JointVectorError, TaskError, Unsupport
 from urdf_ik.families import Plan, RedundantPlan
 from urdf_ik.poses import as_pose_array, check_poses
 from urdf_ik.redundancy import finding, sweep
+from urdf_ik.urdf.joining import joined
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from numpy.typing import ArrayLike, NDArray
 
+    from urdf_ik.arm.kinematics import Kinematics
     from urdf_ik.chain.redundancy import Redundancy
     from urdf_ik.redundancy import Intervals, Sweep
     from urdf_ik.structure import Structure
@@ -157,6 +159,38 @@ class Free(Moving):
         """
         chain = from_urdf(self.model, self.base, self.tip).lock({**self.locked, **values})
         return self._again(chain=chain)
+
+    def with_positioner(self, positioner: Kinematics, pose: Any, name: str = "positioner") -> Self:
+        """This arm with a positioner of another URDF, whose tip carries the workpiece: poses are in its tip's frame.
+
+        The new arm is the chain from the positioner's tip, back to its base, and up this arm: its base is the link
+        ``f"{name}_{positioner.tip}"``, its first joints are the positioner's, the last one first, and what they leave
+        free are redundancy parameters. A positioner in the same URDF needs no more than ``load(..., base=workpiece)``.
+
+        Args:
+            positioner: its chain from base to the link that carries the workpiece, as ``load`` gives it.
+            pose: (4, 4) m of the positioner's root link in this arm's base, or a ``pinocchio.SE3``.
+            name: stands before the names of its links and joints.
+
+        Raises:
+            PoseError: an invalid pose.
+            ArgumentError: a name is taken.
+            UnsupportedArm: no solver takes the joints.
+
+        Example:
+            >>> import urdf_ik
+            >>> table = urdf_ik.load("planar_2r", tip="link_1")
+            >>> cell = urdf_ik.load("puma_560").with_positioner(table, urdf_ik.pose([0.6, 0.0, 0.2]), name="table")
+            >>> cell.base, cell.dof, cell.redundancy.joint
+            ('table_link_1', 7, 'table_joint_1')
+        """
+        at = check_poses(pose)
+        if at.ndim != 2:
+            raise ArgumentError(f"a pose of shape {at.shape} given; one pose (4, 4) is needed")
+        model = joined(self.model, positioner.model, self.base, at, f"{name}_")
+        held = {**self.locked, **{f"{name}_{joint}": value for joint, value in positioner.locked.items()}}
+        chain = from_urdf(model, f"{name}_{positioner.tip}", self.tip).lock(held)
+        return self._again(model=model, chain=chain)
 
     def _again(self, **changed: Any) -> Self:
         """This arm, made again with other settings."""
