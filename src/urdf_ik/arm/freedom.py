@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from urdf_ik._core import Solver
+from urdf_ik.arm.joining import joined
 from urdf_ik.arm.moving import Moving
 from urdf_ik.arm.refusals import unsupported
 from urdf_ik.chain import from_urdf
@@ -16,7 +17,6 @@ from urdf_ik.errors import ArgumentError, JointVectorError, TaskError, Unsupport
 from urdf_ik.families import Plan, RedundantPlan
 from urdf_ik.poses import as_pose_array, check_poses
 from urdf_ik.redundancy import finding, sweep
-from urdf_ik.urdf.joining import joined
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -258,9 +258,10 @@ class Free(Moving):
         """Where along the redundancy parameter each branch has solutions, and what ends them.
 
         Every solution at the values of a grid is followed along its curve to both sides, and every solution must be met
-        from both; ends are computed to 1e-9. An interval between two values of the grid is found where a branch of the
-        closed form, taken beyond its ends, comes near, or by Newton's method from starts all over the joints: see
-        docs/completeness.md for how often one was missed.
+        from both; ends are computed to 1e-9. Of S-R-S arms with axes at right angles they are roots of the limits,
+        in closed form. An interval that lies between two values of the grid is found where a branch of the closed form,
+        taken beyond its ends, comes near, or by Newton's method from starts all over the joints: that is no proof that
+        none is missed.
 
         Args:
             T: (..., 4, 4) poses of the tip in the base [m], or a ``pinocchio.SE3``.

@@ -42,6 +42,8 @@ _OFF, _OFF_BY_ERROR = 1e-9, 8.0
 multiple of how far the ideal arm is off."""
 SPREAD = 0.15
 """rad between samples of intervals in closed form."""
+NARROWEST = 1e-9
+"""rad or m: a narrower range of the parameter is one value."""
 STARTS = 96
 """Joint vectors from which loops between two values are looked for where the elimination solves."""
 _AT_ONCE = 64
@@ -115,6 +117,19 @@ def with_samples(arm: SolvingArm, curves: Curves, T: Array, found: Found) -> Fou
     return replace(found, first=first, count=count, value=value, q=q, core=rows)
 
 
+def _at_one_value(arm: SolvingArm, curves: Curves, T: Array, value: float, bounds: Array, threads: int) -> Found:
+    """The intervals of a parameter that has one value only: solutions, as intervals of no width."""
+    values = np.full(len(T), value)
+    solutions = arm.ik(T, redundancy=values, threads=threads)
+    kept = solutions.within_limits() if np.isfinite(bounds).any() else solutions
+    pose, column = np.nonzero(kept.valid)
+    q, one = solutions.q[pose, column], np.full(len(pose), value)
+    core = [curves.samples(T[i], each[None], values[:1]) for i, each in zip(pose, q, strict=True)]
+    first, count = np.arange(len(pose)), np.ones(len(pose), dtype=np.intp)
+    ends = [(End("range"), End("range"))] * len(pose)
+    return Found(pose, one, one, column, ends, first, count, one, q, np.concatenate([*core, np.empty((0, 17))]))
+
+
 def _nothing(arm: SolvingArm) -> Found:
     """No interval of no pose."""
     none, empty = np.zeros(0, dtype=np.intp), np.zeros(0)
@@ -144,6 +159,8 @@ def _found(arm: SolvingArm, plan: RedundantPlan, curves: Curves, T: Array, bound
     # Where another plan serves every value, there are no branches beyond their ends either.
     general = plan.family.by_elimination or not isinstance(plan.solver, Solver)
     low, high = span(arm, parameter, T)
+    if not parameter.round and high - low < NARROWEST:
+        return _at_one_value(arm, curves, T, 0.5 * (low + high), bounds, threads)
     grid = np.linspace(low, high, GRID_GENERAL if general else GRID, endpoint=not parameter.round)
     solutions = arm.ik(T[:, None], redundancy=np.broadcast_to(grid, (len(T), len(grid))), threads=threads)
     values = np.broadcast_to(grid[:, None], solutions.valid.shape)

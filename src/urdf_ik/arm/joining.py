@@ -10,12 +10,12 @@ from lxml import etree
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.poses import to_rpy
-from urdf_ik.urdf.model import read
+from urdf_ik.urdf import read
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from urdf_ik.urdf.model import UrdfModel
+    from urdf_ik.urdf import UrdfModel
 
 _NAMING = ("link", "joint", "material")
 
