@@ -91,7 +91,7 @@ million: $(VENV)/.bench-installed
 	@$(BIN)/python benchmarks/million.py $(ARGS)
 
 clean:
-	rm -rf $(VENV) build dist docs/_build docs/_generated docs/notebooks docs/changelog.md docs/contributing.md .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) build dist docs/_build docs/_generated docs/reference docs/notebooks docs/changelog.md docs/contributing.md .pytest_cache .mypy_cache .ruff_cache .hypothesis
 
 $(BIN)/python:
 	@test -n "$(PYTHON)" || { echo "Python 3.11 or later is needed, and none was found; PYTHON=... names one" >&2; exit 2; }

@@ -13,6 +13,7 @@ ROOT = HERE.parent
 sys.path.insert(0, str(HERE))
 
 import drawings  # noqa: E402  beside this file
+import names  # noqa: E402
 
 import urdf_ik  # noqa: E402
 
@@ -53,7 +54,7 @@ OUTSIDE = {"../notebooks/": "/notebooks/", "../CHANGELOG.md": "/changelog.md", "
 
 
 def copy_sources(app: Any) -> None:
-    """Bring the notebooks, the changelog and the drawings to where Sphinx reads them."""
+    """Bring notebooks, changelog, drawings and the pages of the reference to where Sphinx reads them."""
     folder = HERE / "notebooks"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir()
@@ -62,6 +63,7 @@ def copy_sources(app: Any) -> None:
     for name in ("CHANGELOG", "CONTRIBUTING"):
         shutil.copy(ROOT / f"{name}.md", HERE / f"{name.lower()}.md")
     drawings.write(HERE / "_generated")
+    names.write(HERE / "reference")
 
 
 def point_inside(app: Any, name: str, source: list[str]) -> None:
