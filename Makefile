@@ -21,6 +21,8 @@ IN_PARALLEL = -n logical --dist loadfile --no-loadscope-reorder
 CORE = $(wildcard src/core/*.[ch]pp src/core/*/*.[ch]pp)
 SANITIZED_LEVEL = $(if $(filter x86_64,$(shell uname -m)),v2,arm64)
 SANITIZED_TESTS = tests/families/test_families.py tests/families/test_closed_forms.py tests/families/test_singular.py \
+	tests/families/test_round_poses.py tests/families/test_corners.py tests/families/test_degenerate.py tests/core/test_core_fuzz.py \
+	tests/motion/test_tracker.py tests/motion/test_follow.py \
 	tests/arm/test_arm.py
 
 .DELETE_ON_ERROR:
@@ -89,7 +91,7 @@ million: $(VENV)/.bench-installed
 	@$(BIN)/python benchmarks/million.py $(ARGS)
 
 clean:
-	rm -rf $(VENV) build dist docs/_build docs/_generated docs/notebooks docs/changelog.md docs/contributing.md .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) build dist docs/_build docs/_generated docs/reference docs/notebooks docs/changelog.md docs/contributing.md .pytest_cache .mypy_cache .ruff_cache .hypothesis
 
 $(BIN)/python:
 	@test -n "$(PYTHON)" || { echo "Python 3.11 or later is needed, and none was found; PYTHON=... names one" >&2; exit 2; }

@@ -29,12 +29,12 @@ def kernel_seconds(arm: urdf_ik.Arm, found: workspace.WorkspaceMap) -> float:
     targets = Targets(arm.task, found.samples, step)
     columns = len(found.about.branches)
     q, flags = np.empty((step * count, columns, arm.dof)), np.empty((step * count, columns), np.uint8)
-    reference, total = np.zeros(arm.dof + 1), 0.0
+    total = 0.0
     for start in range(0, found.grid.count, step):
         poses = targets.at(found.grid.centres(slice(start, min(start + step, found.grid.count))))
         m = len(poses)
         begin = time.process_time()
-        arm._solver(poses, arm._numbers, reference, q[:m], flags[:m])
+        arm._core.solve(poses, None, q[:m], flags[:m], None, 1)
         total += time.process_time() - begin
     return total
 

@@ -13,6 +13,7 @@ ROOT = HERE.parent
 sys.path.insert(0, str(HERE))
 
 import drawings  # noqa: E402  beside this file
+import names  # noqa: E402
 
 import urdf_ik  # noqa: E402
 
@@ -33,7 +34,7 @@ myst_heading_anchors = 3
 suppress_warnings = ["myst.header"]  # a page's first heading may stand below its picture
 
 # The notebooks stand in notebooks/ and are executed here.
-nb_execution_mode = "force"
+nb_execution_mode = "cache"  # executed anew when it has changed, and in a fresh checkout
 nb_execution_timeout = 300
 nb_execution_raise_on_error = True
 nb_execution_show_tb = True
@@ -53,7 +54,7 @@ OUTSIDE = {"../notebooks/": "/notebooks/", "../CHANGELOG.md": "/changelog.md", "
 
 
 def copy_sources(app: Any) -> None:
-    """Bring the notebooks, the changelog and the drawings to where Sphinx reads them."""
+    """Bring notebooks, changelog, drawings and the pages of the reference to where Sphinx reads them."""
     folder = HERE / "notebooks"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir()
@@ -62,6 +63,7 @@ def copy_sources(app: Any) -> None:
     for name in ("CHANGELOG", "CONTRIBUTING"):
         shutil.copy(ROOT / f"{name}.md", HERE / f"{name.lower()}.md")
     drawings.write(HERE / "_generated")
+    names.write(HERE / "reference")
 
 
 def point_inside(app: Any, name: str, source: list[str]) -> None:

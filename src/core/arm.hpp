@@ -65,6 +65,7 @@ struct Batch {
     // Closed forms of six joints: instead of solutions, the joint vectors of all branches, beyond their ends too, where a
     // margin's root is that of its size. They are not verified, and flags are not set.
     bool beyond = false;
+    long whole = 0;        // poses of the call of which these are a part; 0: they are all of it
 };
 // All solutions of a batch. Returns the index of the first target that is no pose, -1 where all are.
 template <class Arm> using SolveArm = long (*)(const Arm&, const Batch&);

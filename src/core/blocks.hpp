@@ -311,7 +311,7 @@ template <class Family> long solve_closed_form(const typename Family::Arm& arm, 
         if (batch.beyond) return branches_beyond<Family>(arm, batch, B), -1;
     }
     const bool aligned = reinterpret_cast<std::uintptr_t>(batch.q) % sizeof(typename Register<8>::type) == 0;
-    const Write how = batch.m >= STREAMED_FROM && aligned ? Write::streaming : Write::plain;
+    const Write how = (batch.m >= STREAMED_FROM || batch.whole >= STREAMED_FROM) && aligned ? Write::streaming : Write::plain;
     double T[numbers * BLOCK], values[BLOCK];
     alignas(64) double q[answers * BLOCK];
     for (long start = 0; start < batch.m; start += BLOCK) {

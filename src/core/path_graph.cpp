@@ -88,11 +88,11 @@ STEP void costs_from(const GraphJoints& arm, const GraphMotions& motions, const 
 }
 
 static long connect(const GraphJoints& arm, const GraphLayers& layers, const GraphMotions& motions, const GraphEdges& edges,
-                    double* scratch) {
+                    double* scratch, const Stop& stop) {
     const int n = arm.joints;
     const double position = motions.position * motions.position, rotation = motions.rotation * motions.rotation;
     long count = 0;
-    for (long i = 0; i + 1 < layers.waypoints; ++i) {
+    for (long i = 0; i + 1 < layers.waypoints && !stop.asked(); ++i) {
         const std::int64_t next = layers.first[i + 1];
         const long many = long(layers.first[i + 2] - next);
         double *cost = scratch + n * many, *outside = cost + many;
@@ -211,9 +211,9 @@ STEP void keep(const GraphValues& values, std::int64_t at, const Best& best, std
 }
 
 static void cheapest(const GraphJoints& arm, const GraphLayers& layers, const GraphEdges& edges, const GraphImages& images,
-                     const GraphValues& values) {
+                     const GraphValues& values, const Stop& stop) {
     const long states = images.states;
-    for (long i = layers.waypoints - 1; i >= 0; --i) {
+    for (long i = layers.waypoints - 1; i >= 0 && !stop.asked(); --i) {
         const bool last = i + 1 == layers.waypoints;
         Best jump = {NO_WAY, INFINITE};
         if (!last && values.changes) {
@@ -256,15 +256,17 @@ static void way(const GraphJoints& arm, const GraphLayers& layers, const GraphEd
 }
 
 static void spread(const GraphJoints& arm, const GraphLayers& layers, const GraphEdges& edges, const GraphImages& images,
-                   const double* node, std::uint64_t* marks) {
+                   const double* node, std::uint64_t* marks, const Stop& stop) {
     const long states = images.states;
-    for (std::int64_t a = 0; a < layers.first[layers.waypoints - 1]; ++a) {
-        for (std::int64_t e = edges.first[a]; e < edges.first[a + 1]; ++e) {
-            if (edges.cost[e] == INFINITE) continue;
-            const std::int64_t b = edges.end[e];
-            each_passage(arm, layers.q, images, a, b, [&](long from, long to) {
-                if (node[b * states + to] != INFINITE) marks[b * states + to] |= marks[a * states + from];
-            });
+    for (long i = 0; i + 1 < layers.waypoints && !stop.asked(); ++i) {
+        for (std::int64_t a = layers.first[i]; a < layers.first[i + 1]; ++a) {
+            for (std::int64_t e = edges.first[a]; e < edges.first[a + 1]; ++e) {
+                if (edges.cost[e] == INFINITE) continue;
+                const std::int64_t b = edges.end[e];
+                each_passage(arm, layers.q, images, a, b, [&](long from, long to) {
+                    if (node[b * states + to] != INFINITE) marks[b * states + to] |= marks[a * states + from];
+                });
+            }
         }
     }
 }

@@ -6,6 +6,8 @@
 
 #include <cstdint>
 
+#include "stop.hpp"
+
 namespace urdf_ik {
 
 // How the joints turn. A joint with `turn` zero slides; one that turns and is not `counted` has no limits that matter, and
@@ -69,21 +71,23 @@ struct GraphValues {
 };
 
 struct GraphFunctions {
+    // Those that take a Stop ask it after every waypoint, and leave the rest undone.
     // Of m joint vectors those that are valid, inside the limits and near their centres: their numbers in `kept`, the lowest
     // image of each joint and how many there are; returns how many are kept.
     long (*choose)(const GraphJoints&, const GraphChoice&, long m, std::int64_t* kept, double* lowest, std::uint8_t* counts);
     // Edges that may be motions along the path; their number, -1 where there is no room for all. Scratch: (joints + 2) times
     // the nodes of the largest layer.
-    long (*connect)(const GraphJoints&, const GraphLayers&, const GraphMotions&, const GraphEdges&, double* scratch);
+    long (*connect)(const GraphJoints&, const GraphLayers&, const GraphMotions&, const GraphEdges&, double* scratch, const Stop&);
     // The cheapest way from every state to the last waypoint, from the last to the first.
-    void (*cheapest)(const GraphJoints&, const GraphLayers&, const GraphEdges&, const GraphImages&, const GraphValues&);
+    void (*cheapest)(const GraphJoints&, const GraphLayers&, const GraphEdges&, const GraphImages&, const GraphValues&,
+                     const Stop&);
     // The states (waypoints) that the cheapest way from a state of the first waypoint passes, and the edges it takes, as in
     // GraphValues::edge.
     void (*way)(const GraphJoints&, const GraphLayers&, const GraphEdges&, const GraphImages&, const GraphValues&,
                 std::int64_t state, std::int64_t* passed, std::int64_t* taken);
     // Passes marks (nodes, states) on along the edges, from the first waypoint to the last.
     void (*spread)(const GraphJoints&, const GraphLayers&, const GraphEdges&, const GraphImages&, const double* node,
-                   std::uint64_t* marks);
+                   std::uint64_t* marks, const Stop&);
 };
 
 }  // namespace urdf_ik

@@ -45,6 +45,13 @@ template <class V> STEP V wrap(V a) {
     return select(a <= V(-PI), a + 6.283185307179586, a);
 }
 
+// The angle a, however many turns off, in (-pi, pi]; one that is there already keeps its digits.
+STEP double on_circle(double a) {
+    if (abs(a) < PI) return a;
+    const double rest = __builtin_remainder(a, 6.283185307179586);
+    return rest <= -PI ? PI : min(rest, PI);
+}
+
 // The angle half a turn away from one in (-pi, pi], in (-pi, pi].
 template <class V> STEP V half_turn_from(const V& a) {
     const V b = select(a > V(0.0), a - PI, a + PI);

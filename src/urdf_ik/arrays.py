@@ -102,6 +102,14 @@ def read(source: Any, wanted: Wanted) -> tuple[str, Array | Rows]:
 
     Raises:
         UrdfIkError: the error wanted; the file cannot be read, is too large, or holds no numbers.
+
+    Example:
+        >>> import io
+        >>> from urdf_ik.errors import PathError
+        >>> wanted = Wanted(("T",), "waypoint", "rows of numbers are needed", PathError)
+        >>> name, numbers = read(io.BytesIO(b"[[1, 2], [3, 4]]"), wanted)
+        >>> numbers.tolist()
+        [[1.0, 2.0], [3.0, 4.0]]
     """
     name, data = _bytes(source, wanted)
     if not data.strip():

@@ -163,7 +163,7 @@ def _long(n: int) -> str:
     return serial_urdf(f"{n}R", origins, [*rng.normal(size=(n, 3)), None])
 
 
-SLIDING = TEXT
+SLIDING = _long(6)
 
 
 for _joint in ("joint_2", "joint_5"):
@@ -172,7 +172,7 @@ for _joint in ("joint_2", "joint_5"):
 
 @pytest.mark.parametrize(
     ("text", "words"),
-    [(_long(10), "10 joints from 'base' to 'tool'"), (SLIDING, "6 joints (RPRRPR)")],
+    [(_long(10), "10 joints from 'base' to 'tool'"), (SLIDING, "two slides three joints apart (RPRRPR)")],
     ids=["10R", "RPRRPR"],
 )
 def test_unsupported_arm(text: str, words: str) -> None:

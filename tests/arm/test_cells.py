@@ -112,3 +112,18 @@ def test_joints_that_cannot_be_held() -> None:
     for name in ("elbow", "left_mount"):
         with pytest.raises(ChainError, match="cannot be locked"):
             arm.with_locked({name: 0.0})
+
+
+def test_a_positioner_of_another_file() -> None:
+    """Poses in the frame of its tip, by Pinocchio on the joined URDF and from the two files' own poses."""
+    table, arm = urdf_ik.load("planar_2r"), urdf_ik.load("puma_560")
+    at = urdf_ik.pose([0.5, 0.1, 0.2], rpy=[0.1, -0.3, 0.7])
+    cell = arm.with_positioner(table, at, name="table")
+    assert (cell.base, cell.tip, cell.dof) == ("table_tool0", "tool0", 8)
+    assert cell.joint_names == ("table_joint_2", "table_joint_1", *arm.joint_names)
+    check(cell)
+    q = vectors(cell, 10)
+    carried = at @ table.fk(q[:, 1::-1])
+    np.testing.assert_allclose(carried @ cell.fk(q), arm.fk(q[:, 2:]), atol=1e-12)
+    with pytest.raises(urdf_ik.ArgumentError, match="twice"):
+        cell.with_positioner(table, at, name="table")

@@ -9,8 +9,8 @@ from functools import lru_cache
 import contract
 import numpy as np
 import pytest
-from arms import DescribedArm, rotation
-from arms_general import crx_like, hc10_like, irb140_like, jaco_like, manseur_doty, unstructured
+from arms import DescribedArm, Y, Z, rotation
+from arms_general import crx_like, from_screws, hc10_like, irb140_like, jaco_like, manseur_doty, unstructured
 from cases import Case, assert_exact, closest_pair, described, nearest, rows
 from numpy.typing import NDArray
 from oracle import Oracle
@@ -273,3 +273,16 @@ def test_pinocchio_agrees_on_the_standard_table() -> None:
             [0, 0, 0, 1],
         ]
     np.testing.assert_allclose(oracle.pose(q), pose, atol=1e-12)
+
+
+def test_a_wrong_elimination_is_not_believed() -> None:
+    """Axes 2, 3 and 4 parallel, and 5 and 6: a determinant that lacks half of the solutions is not chosen."""
+    axes = np.array([Z, Y, Y, Y, -Z, -Z])
+    ends = [[0.61, 0, 0.18], [1.18, 0.17, 0.18], [1.18, 0.17, 0.06], [1.18, 0.29, 0.06]]
+    points = np.array([[0, 0, 0.18], [0, 0, 0.18], *ends])
+    case = described(from_screws("5||6", "2||3||4 and 5||6", axes, points, (1.18, 0.29, 0.06)))
+    assert case.arm.structure.is_general
+    Q = np.random.default_rng(6).uniform(-np.pi, np.pi, (60, 6))
+    solutions = case.arm.ik(case.oracle.poses(Q))
+    for i, q in enumerate(Q):
+        assert nearest(rows(solutions[i]), q) < 1e-6

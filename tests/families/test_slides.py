@@ -183,8 +183,8 @@ def test_bad_targets_are_refused() -> None:
             assert error.value.index == (33,)
 
 
-def test_redundant_arms_are_refused() -> None:
-    """Four slides leave one orientation too few, parallel ones are redundant: asking for solutions says so."""
+def test_redundant_arms_give_samples() -> None:
+    """Four slides, parallel ones, a slide along an axis that turns: samples of the continuum, exact and marked."""
     rng = np.random.default_rng(1)
     for kinds, axes in (
         ("PPPPRR", [X, Y, Z, X + Y + Z, X, Y]),
@@ -193,9 +193,14 @@ def test_redundant_arms_are_refused() -> None:
     ):
         directions = np.array(axes) / np.linalg.norm(axes, axis=1, keepdims=True)
         points = np.cumsum(rng.uniform(0.2, 0.4, (6, 3)), axis=0)
-        arm = urdf_ik.load(few_urdf(kinds, directions, points, points[-1] + 0.2, rng), "base", "tool")
-        with pytest.raises(UnsupportedArm, match="redundant"):
-            arm.ik(np.eye(4))
+        text = few_urdf(kinds, directions, points, points[-1] + 0.2, rng)
+        case = Case(kinds, urdf_ik.load(text, "base", "tool"), Oracle(text))
+        assert case.arm.structure.family == f"{kinds} singular everywhere"
+        for q in rng.uniform(-1.0, 1.0, (10, 6)):
+            target = case.oracle.pose(q)
+            found = rows(case.arm.ik(target))
+            assert len(found) > 1
+            assert max(case.oracle.error(each, target) for each in found) < 1e-9
 
 
 def test_opposite_slides_without_a_wrist_are_refused() -> None:

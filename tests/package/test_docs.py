@@ -15,11 +15,10 @@ from urdf_ik.families import registry
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
-MADE = {"_build", "_generated", "notebooks", "changelog.md", "contributing.md"}
+MADE = {"_build", "_generated", "reference", "notebooks", "changelog.md", "contributing.md"}
 PAGES = sorted(page for page in DOCS.rglob("*.md") if page.relative_to(DOCS).parts[0] not in MADE)
 # Blocks that run one after the other, each followed by what it prints.
 SHOWN = [page for page in PAGES if "```python\n" in page.read_text() and page.stem not in ("families", "scale")]
-REFERENCE = "\n".join(page.read_text() for page in (DOCS / "reference").glob("*.md"))
 
 
 @pytest.mark.filterwarnings("ignore:no QP solver:UserWarning")
@@ -44,14 +43,19 @@ def test_code_prints_what_stands_below_it(page: Path, tmp_path: Path, monkeypatc
         assert shown is None or printed.getvalue() == shown
 
 
-def test_every_public_name_is_in_the_reference() -> None:
-    """Each name of urdf_ik, and each that a documented room names, has its directive."""
-    missing = [name for name in urdf_ik.__all__ if not re.search(rf":: urdf_ik\.{name}$", REFERENCE, re.MULTILINE)]
-    for room in re.findall(r"automodule:: urdf_ik\.(\w+)", REFERENCE):
+def test_every_public_name_is_in_the_reference(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each name of urdf_ik, and each that a documented room names, has its directive; each page is listed."""
+    monkeypatch.syspath_prepend(str(DOCS))
+    importlib.import_module("names").write(tmp_path)
+    reference = "\n".join(page.read_text() for page in tmp_path.glob("*.md"))
+    missing = [name for name in urdf_ik.__all__ if not re.search(rf":: urdf_ik\.{name}$", reference, re.MULTILINE)]
+    for room in re.findall(r"automodule:: urdf_ik\.(\w+)", reference):
         names = getattr(importlib.import_module(f"urdf_ik.{room}"), "__all__", ())
-        there = set(re.findall(rf"urdf_ik\.{room}[\w.]*\.(\w+)$", REFERENCE, re.MULTILINE))
+        there = set(re.findall(rf"urdf_ik\.{room}[\w.]*\.(\w+)$", reference, re.MULTILINE))
         missing += [f"{room}.{name}" for name in names if name not in there]
     assert not missing, missing
+    listed = (tmp_path / "index.md").read_text().splitlines()
+    assert {page.stem for page in tmp_path.glob("*.md")} - {"index"} <= set(listed)
 
 
 def test_every_page_is_reached_and_every_link_leads_to_a_file() -> None:
@@ -64,9 +68,11 @@ def test_every_page_is_reached_and_every_link_leads_to_a_file() -> None:
             listed |= {(page.parent / f"{entry}.md").resolve() for entry in entries}
         for link in re.findall(r"\]\(([^):]+)\)", re.sub(r"```.*?```", "", text, flags=re.DOTALL)):
             file, _, anchor = link.partition("#")
-            if "_generated" in file:
+            if "_generated" in file or file.startswith("reference/"):
                 continue
             target = (page.parent / file).resolve() if file else page
+            if "notebooks/" in file:  # copied there when the pages are built
+                target = ROOT / "notebooks" / target.name
             assert target.exists(), (page.name, link)
             headings = re.findall(r"^#+ (.*)$", target.read_text(), re.MULTILINE) if anchor else []
             slugs = {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}

@@ -338,12 +338,12 @@ def test_far_from_its_base() -> None:
 
 
 def test_no_closed_form() -> None:
-    """Six axes without relations are a general arm with sixteen columns; with more than seven there is no family."""
+    """Six axes without relations are a general arm with sixteen columns; with more than nine there is no family."""
     rng = np.random.default_rng(8)
-    axes = rng.normal(size=(9, 3))
+    axes = rng.normal(size=(11, 3))
     axes /= np.linalg.norm(axes, axis=1, keepdims=True)
-    points = np.cumsum(rng.uniform(0.2, 0.6, (9, 3)), axis=0)
-    for n in (8, 9):
+    points = np.cumsum(rng.uniform(0.2, 0.6, (11, 3)), axis=0)
+    for n in (10, 11):
         structure = structure_of(axes[:n], points[:n])
         assert structure.family == structure.method == ""
         assert (structure.branches, structure.max_solutions) == ((), 0)

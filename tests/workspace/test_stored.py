@@ -14,7 +14,7 @@ from command import call, succeed
 import urdf_ik
 from urdf_ik import workspace
 from urdf_ik.scale.folder import finished
-from urdf_ik.workspace import filling
+from urdf_ik.workspace.store import filling
 
 xarray = pytest.importorskip("xarray")
 ASKED: dict[str, Any] = {"voxel": 0.7, "orientations": 11, "manipulability": True, "margin": True}
@@ -201,3 +201,53 @@ def test_the_command_makes_a_store_and_goes_on_with_it(tmp_path: Path) -> None:
     ):
         result = call(*asked, *wrong)
         assert result.exit_code == 2 and words in " ".join(result.stderr.replace("│", " ").split()), result.stderr
+
+
+def test_parts_are_cut_and_joined_block_by_block(
+    stored: workspace.StoredMap, whole: workspace.WorkspaceMap, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A part holds what the map holds there; two halves, also with an overlap, are the map; others are refused."""
+    at = float(stored.grid.coordinates(0)[3])
+    monkeypatch.setattr(workspace.StoredMap, "read", lambda *_: pytest.fail("it was read whole"))
+    left = workspace.cut(stored, tmp_path / "left.zarr", [[-9, -9, -9], [at, 9, 9]])
+    right = workspace.cut(stored, tmp_path / "right.zarr", [[at + 0.1, -9, -9], [9, 9, 9]])
+    wide = workspace.cut(stored, tmp_path / "wide.zarr", [[at - 1.0, -9, -9], [9, 9, 9]])
+    joined = [workspace.join(left, other, tmp_path / f"{k}.zarr") for k, other in enumerate((right, wide))]
+    assert workspace.differences(stored, stored)[1:] == (0, 0, 0, 0, 0, 0)
+    with pytest.raises(urdf_ik.WorkspaceError, match="do not fill a box"):
+        corner = workspace.cut(stored, tmp_path / "corner.zarr", [[at + 0.1, -9, -9], [9, 0, 9]])
+        workspace.join(left, corner, tmp_path / "none.zarr")
+    with pytest.raises(urdf_ik.WorkspaceError, match="other grids"):
+        workspace.differences(left, right)
+    monkeypatch.undo()
+    assert left.grid.shape[0] == 4 and left.complete
+    np.testing.assert_array_equal(left.read().margin, whole.margin[:4])  # type: ignore[index]
+    for each in joined:
+        same(each.read(), whole)
+
+
+def test_two_maps_are_compared(arm: urdf_ik.Arm, stored: workspace.StoredMap, tmp_path: Path) -> None:
+    """Without the limits more is reached, and nothing less; the sums are those of both in memory."""
+    options = {"voxel": ASKED["voxel"], "orientations": ASKED["orientations"], "within_limits": False}
+    free = workspace.compute(arm, **options, store=tmp_path / "free.zarr")
+    found = workspace.differences(stored, free)
+    one, other = stored.read().counts.astype(int), free.read().counts.astype(int)
+    assert found.poses == one.size and found.only_first == found.fewer == found.voxels_only_first == 0
+    assert found.only_second == ((one == 0) & (other > 0)).sum() > 0
+    assert found.more == ((one > 0) & (other > one)).sum() > 0
+    with pytest.raises(urdf_ik.WorkspaceError, match="differ in counted"):
+        workspace.join(stored, free, tmp_path / "none.zarr")
+
+
+def test_the_boundary_is_closed_and_holds_what_is_reached(whole: workspace.WorkspaceMap) -> None:
+    """Every edge belongs to as many faces one way as the other; the volume inside is that of the voxels."""
+    for least in (0.0, 0.5):
+        mesh = workspace.boundary(whole, least)
+        edges = np.concatenate([mesh.faces[:, [a, b]] for a, b in ((0, 1), (1, 2), (2, 0))])
+        forward = {
+            tuple(edge): count for edge, count in zip(*np.unique(edges, axis=0, return_counts=True), strict=True)
+        }
+        assert all(forward.get(edge[::-1]) == count for edge, count in forward.items())
+        a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
+        volume = np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0
+        assert volume == pytest.approx((np.nan_to_num(whole.values()) > least).sum() * whole.grid.voxel**3, rel=1e-9)

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "numpy_api.hpp"
+#include "signals.hpp"
 #include "solver.hpp"
 
 namespace urdf_ik {
@@ -13,6 +14,8 @@ namespace {
 
 using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Kinds = nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+// Joint vectors between two questions whether to stop.
+constexpr long AT_ONCE = 4096;
 using Fill = void (*)(const ChainArm&, const double*, long, double*);
 
 // A frame whose z axis is the unit vector z, with its x across z and the coordinate axis that is farthest from it.
@@ -91,8 +94,11 @@ struct PyChain {
         double* to = (double*)PyArray_DATA((PyArrayObject*)made.ptr());
         if (m < 100) fill(arm, Q, m, to);
         else {
-            nb::gil_scoped_release release;
-            fill(arm, Q, m, to);
+            without_gil([&](const Stop& stop) {
+                for (long i = 0; i < m && !stop.asked(); i += AT_ONCE) {
+                    fill(arm, Q + i * arm.joints, std::min(AT_ONCE, m - i), to + i * rows * columns);
+                }
+            });
         }
         return made;
     }

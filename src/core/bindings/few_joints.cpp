@@ -40,6 +40,12 @@ static void read(const Values& v, SlidesArm& to) {
 
 static void read(const Values& v, SampledArm& to) { read(v.group("written"), to.written); }
 
+static void read(const Values& v, SampledHeldArm& to) {
+    read(v.group("written"), to.written);
+    v.read("held", to.held), v.read("value", to.value);
+    if (to.held < 0 || to.held > 6) throw nb::value_error("the joint that is held is one of seven");
+}
+
 // The maker of many that a value chooses.
 static Maker by(const char* name, std::map<int, Maker> choices) {
     return [=](const Values& v) {
@@ -99,6 +105,7 @@ void add_few_joints(Makers& makers) {
     makers["planar points"] = make_planar_points;
     makers["slides"] = by("columns", {{2, maker(of.slides_2, 6, 2)}, {4, maker(of.slides_4, 6, 4)}, {8, maker(of.slides_8, 6, 8)}});
     makers["sampled"] = maker(of.sampled, 6, 16);
+    makers["sampled, one held"] = maker(of.sampled_held, 7, 16, nullptr, 1);
     makers["completed"] = make_completed;
 }
 

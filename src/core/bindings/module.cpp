@@ -3,17 +3,13 @@
 #include <nanobind/stl/vector.h>
 
 #include <optional>
-#include <thread>
 #include <vector>
 
 #include "answer.hpp"
 #include "elimination.hpp"
+#include "sharing.hpp"
 
 namespace urdf_ik {
-
-// A batch is shared among threads in whole multiples of this many poses, so that every pose is solved by the same
-// instructions however many threads there are.
-constexpr long SHARE = 32;
 
 static const Makers& makers() {
     static const Makers all = [] {
@@ -45,30 +41,6 @@ struct PySolver {
 
 std::shared_ptr<const Solver> solver_in(nb::handle object) { return nb::cast<const PySolver&>(object).solver; }
 
-static long solve_shared(const Solver& solver, const Batch& batch, int threads) {
-    if (threads <= 1 || batch.m < 2 * SHARE * threads) return solver.solve(batch);
-    std::vector<long> bad(threads, -1);
-    const auto edge = [&](int k) { return k == threads ? batch.m : SHARE * (k * (batch.m / SHARE) / threads); };
-    const auto share = [&](int k) {
-        Batch part = batch;
-        const long from = edge(k);
-        part.m = edge(k + 1) - from;
-        part.T += solver.numbers * from, part.flags += solver.branches * from,
-            part.q += long(solver.branches) * solver.joints * from;
-        if (part.values) part.values += solver.parameters * from;
-        const long found = solver.solve(part);
-        bad[k] = found < 0 ? -1 : from + found;
-    };
-    std::vector<std::thread> helpers;
-    for (int k = 1; k < threads; ++k) helpers.emplace_back(share, k);
-    share(0);
-    for (auto& each : helpers) each.join();
-    for (const long each : bad) {
-        if (each >= 0) return each;
-    }
-    return -1;
-}
-
 using Numbers = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Targets = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Answers = nb::ndarray<double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
@@ -91,10 +63,9 @@ static long solve(const PySolver& self, const Targets& T, const std::optional<Nu
         (values && values->shape(0) != m * solver.parameters)) {
         throw nb::value_error("arrays of poses and answers do not fit each other");
     }
-    const Batch batch = {T.data(), long(m),     q_ref ? q_ref->data() : nullptr, values ? values->data() : nullptr,
-                         q.data(), flags.data(), beyond};
-    nb::gil_scoped_release release;
-    return solve_shared(solver, batch, threads);
+    const Batch batch = {T.data(),     long(m), q_ref ? q_ref->data() : nullptr, values ? values->data() : nullptr, q.data(),
+                         flags.data(), beyond};
+    return without_gil([&](const Stop& stop) { return solve_shared(solver, batch, threads, stop); });
 }
 
 }  // namespace urdf_ik

@@ -18,6 +18,9 @@ public:
         if (!inserted && !batch.values) return others->solve(batch);
         double T[16 * (MOST + MOST_LANES)], values[MOST], rest[MOST * MOST_PARAMETERS], q[MOST_JOINTS * ROWS];
         const OneGivenSolvers& step = *level().one_given;
+        double near[MOST_JOINTS];
+        const int skipped = !inserted || given.last ? others->joints : given.before < 0 ? 0 : given.before;
+        for (int j = 0; batch.q_ref && j < others->joints; ++j) near[j] = batch.q_ref[j + (j >= skipped)];
         const long at_once = ROWS / branches < MOST ? ROWS / branches : MOST;
         for (long start = 0; start < batch.m; start += at_once) {
             Batch part = batch;
@@ -32,7 +35,7 @@ public:
                 part.values = values;
             }
             step.move(given, part, T, values);
-            const double* reference = part.q_ref && inserted && !given.last ? part.q_ref + 1 : part.q_ref;
+            const double* reference = part.q_ref ? near : nullptr;
             const double* theirs = batch.values && others->parameters ? rest : nullptr;
             const long bad = others->solve({T, part.m, reference, theirs, inserted ? q : part.q, part.flags, batch.beyond});
             if (bad >= 0) return start + bad;
@@ -52,6 +55,9 @@ static Made make(const Values& v, bool inserted) {
         throw nb::value_error("a solver of poses with fewer joints or parameters is needed");
     }
     v.read("motion", made->given.motion), v.read("turns", made->given.turns), v.read("last", made->given.last);
+    made->given.before = -1, made->given.opposite = false;
+    if (v.has("before")) v.read("before", made->given.before), v.read("opposite", made->given.opposite);
+    if (made->given.before >= others.joints) throw nb::value_error("the joint that is given stands before another one");
     v.read("value", made->given.value);
     made->inserted = inserted;
     return made;

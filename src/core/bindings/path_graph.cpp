@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "signals.hpp"
 #include "solver.hpp"
 
 namespace urdf_ik {
@@ -88,8 +89,8 @@ long connect(const PyPathGraph& self, const In<std::int64_t, 1>& first, const In
     const GraphMotions motions = {jacobians.data(), twists.data(),  mismatch.first, mismatch.second,
                                   window.data(),    PathCost(cost), weights.data(), scale.data()};
     const GraphEdges edges = {edge_first.data(), end.data(), costs.data(), long(end.size())};
-    nb::gil_scoped_release release;
-    return level().graph->connect(self.arm(), layers, motions, edges, scratch.data());
+    return without_gil(
+        [&](const Stop& stop) { return level().graph->connect(self.arm(), layers, motions, edges, scratch.data(), stop); });
 }
 
 void cheapest(const PyPathGraph& self, const In<std::int64_t, 1>& first, const In<double, 2>& q,
@@ -104,8 +105,7 @@ void cheapest(const PyPathGraph& self, const In<std::int64_t, 1>& first, const I
     require(node.size() == states && value.size() == states && edge.size() == states && (!changes || changes->size() == states));
     require(jump.size() + 1 == first.size());
     const GraphValues values = {node.data(), value.data(), changes ? changes->data() : nullptr, edge.data(), jump.data()};
-    nb::gil_scoped_release release;
-    level().graph->cheapest(self.arm(), layers, edges, images, values);
+    without_gil([&](const Stop& stop) { level().graph->cheapest(self.arm(), layers, edges, images, values, stop); });
 }
 
 void way(const PyPathGraph& self, const In<std::int64_t, 1>& first, const In<double, 2>& q, const Out<std::int64_t, 1>& edge_first,
@@ -131,8 +131,8 @@ void spread(const PyPathGraph& self, const In<std::int64_t, 1>& first, const In<
     const GraphEdges edges = self.edges(edge_first, end, costs, q.shape(0));
     const GraphImages images = self.images_of(digits, strides, counts, q.shape(0));
     require(marks.size() == q.shape(0) * digits.shape(0) && node.size() == marks.size());
-    nb::gil_scoped_release release;
-    level().graph->spread(self.arm(), layers, edges, images, node.data(), marks.data());
+    without_gil(
+        [&](const Stop& stop) { level().graph->spread(self.arm(), layers, edges, images, node.data(), marks.data(), stop); });
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ public:
         const ReversedSteps& steps = *level().reversed;
         double T[16 * BUFFER], reference[MOST_JOINTS];
         Batch part = batch;
-        part.T = T;
+        part.T = T, part.whole = 0;
         if (batch.q_ref) {
             for (int j = 0; j < joints; ++j) reference[j] = batch.q_ref[joints - 1 - j];
             part.q_ref = reference;

@@ -8,6 +8,7 @@
 
 #include "../self_motion/curves.hpp"
 #include "numpy_api.hpp"
+#include "signals.hpp"
 #include "solver.hpp"
 
 namespace urdf_ik {
@@ -56,9 +57,8 @@ struct PySelfMotion {
         double lower[7], upper[7];
         for (int j = 0; j < 7; ++j) lower[j] = limits.data()[2 * j], upper[j] = limits.data()[2 * j + 1];
         Intervals all;
-        {
-            nb::gil_scoped_release release;
-            for (long i = 0; i < m; ++i) {
+        without_gil([&](const Stop& stop) {
+            for (long i = 0; i < m && !stop.asked(); ++i) {
                 const long solutions = i * values * branches;
                 const GridOfSolutions given = {T.data() + 16 * i,
                                                grid.data(),
@@ -76,7 +76,7 @@ struct PySelfMotion {
                                                int(starts.size() / 7)};
                 follow_curves(arm, *level().self_motion, given, i, all);
             }
-        }
+        });
         std::vector<double> samples, found;
         samples.reserve(SAMPLE * all.samples.size());
         for (const CurveSample& s : all.samples) {

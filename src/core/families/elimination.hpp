@@ -279,9 +279,9 @@ PART bool find_all(const EliminationArm& arm, const Goal<double>& goal, Search& 
 }
 
 bool complete(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns) {
-    // A slide far out carries its rounding to the tip.
+    // A slide far out carries its rounding to the tip; what is so far out that this shows is no solution.
     const double far = arm.any_slide ? 1.0 + sqrt(dot(goal.p, goal.p)) / arm.written.size : 1.0;
-    Search search = {columns, CONVERGED * far};
+    Search search = {columns, min(CONVERGED * far, arm.written.tolerances.reach)};
     search.all_known = all_known(arm);
     bool certain = find_all(arm, goal, search);
     if (columns.count() == 0 && search.error < NEARLY) {

@@ -58,6 +58,13 @@ struct SampledArm {
     Written<6> written;
 };
 
+// Seven joints, one of which is held.
+struct SampledHeldArm {
+    Written<7> written;
+    int held;
+    double value;  // where none is given [rad, m]
+};
+
 // Five joints, solved by way of six: the arm with a joint added in front or behind.
 struct CompletedArm {
     Written<5> written;
@@ -83,6 +90,7 @@ struct FewJointsSolvers {
     SolveArm<PlanarArm<4>> planar_4;
     SolveArm<SlidesArm> slides_2, slides_4, slides_8;  // by the number of columns
     SolveArm<SampledArm> sampled;
+    SolveArm<SampledHeldArm> sampled_held;
     void (*completed)(const CompletedArm&, const Batch&, const OfSix&);
 };
 

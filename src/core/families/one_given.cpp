@@ -1,5 +1,6 @@
 // Joints, one end of which is given: T' = E1(v)^-1 T for the first joint, T' = T En(v)^-1 for the last. The others stay the
-// same arm for every value; only their targets move. A rotation of the target about an axis of the tip is the same.
+// same arm for every value; only their targets move. A rotation of the target about an axis of the tip is the same. Where two
+// joints have one axis, the first of them may be given too: the other takes its value back.
 #include "../blocks.hpp"
 #include "one_given_arm.hpp"
 
@@ -32,10 +33,7 @@ static STEP void move_block(const GivenJoint& given, const double* from, const B
 }
 
 // The value at most half a turn from zero, in (-pi, pi]; those that are there already keep their digits.
-static STEP double as_joint_value(const GivenJoint& given, double value) {
-    if (!given.turns || abs(value) < PI) return value;
-    return value - 2.0 * PI * __builtin_ceil((value - PI) / (2.0 * PI));
-}
+static STEP double as_joint_value(const GivenJoint& given, double value) { return given.turns ? on_circle(value) : value; }
 
 static void move(const GivenJoint& given, const Batch& part, double* T, double* values) {
     for (long i = 0; i < part.m; i += BLOCK) {
@@ -44,9 +42,9 @@ static void move(const GivenJoint& given, const Batch& part, double* T, double* 
         Block value = given.value;
         for (int k = 0; k < BLOCK; ++k) {
             const long from = i + k < part.m ? i + k : part.m - 1;
-            if (part.values) value.set(k, part.values[from]);
+            if (part.values) value.set(k, as_joint_value(given, part.values[from]));
             if (!whole) __builtin_memcpy(rest + 16 * k, part.T + 16 * from, 16 * sizeof(double));
-            if (i + k < part.m) values[i + k] = as_joint_value(given, value[k]);
+            if (i + k < part.m) values[i + k] = part.values ? value[k] : as_joint_value(given, value[k]);
         }
         move_block(given, whole ? part.T + 16 * i : rest, value, T + 16 * i);
     }
@@ -67,9 +65,22 @@ template <int N> static STEP void insert_rows(const GivenJoint& given, const Bat
     }
 }
 
+static void insert_before(const GivenJoint& given, const Batch& part, const double* others, const double* values, int n,
+                          int branches) {
+    const int at = given.before;
+    for (long row = 0; row < branches * part.m; ++row) {
+        const double value = part.flags[row] & VALID ? values[row / branches] : __builtin_nan("");
+        double* to = part.q + (n + 1) * row;
+        for (int j = 0; j <= n; ++j) to[j] = j == at ? value : others[n * row + j - (j > at)];
+        const double rest = to[at + 1] - (given.opposite ? -value : value);
+        to[at + 1] = given.turns ? wrap(rest) : rest;
+    }
+}
+
 static void insert(const GivenJoint& given, const Batch& part, const double* others, const double* values, int joints,
                    int branches) {
-    if (joints == 6) insert_rows<6>(given, part, others, values, joints, branches);
+    if (given.before >= 0) insert_before(given, part, others, values, joints, branches);
+    else if (joints == 6) insert_rows<6>(given, part, others, values, joints, branches);
     else insert_rows<0>(given, part, others, values, joints, branches);
 }
 

@@ -1,4 +1,5 @@
-// Joints, the first or the last of which is given: what is done with it before and after the others are solved.
+// Joints, the first or the last of which is given, or one whose axis is that of the next: what is done with it before and after
+// the others are solved.
 #pragma once
 
 #include "../arm.hpp"
@@ -10,6 +11,10 @@ struct GivenJoint {
     // times the second. It stands before a target in the base's frame, or behind it in the tip's where the joint is last.
     double motion[3][3][4];
     bool turns, last;
+    // Of a joint in the middle whose axis is that of the next one, too: which it is (-1: it stands at an end). The motion is none
+    // then, and the next joint takes the value back; opposite: whether it moves the other way.
+    int before;
+    bool opposite;
     double value;  // where none is given [rad, m]
 };
 

@@ -169,6 +169,7 @@ private:
     void look_for_loops();
     void add_nearest(std::vector<double>& starts) const;
     bool known(const CurveSample& at) const;
+    bool meets(const double* q, const double* t, const CurveSample& point) const;
     void add_loop(const CurveSample& at);
     bool leads_on(const Part& part, int side) const {
         const long* node = part.node[side];
@@ -480,6 +481,16 @@ void Follower::follow_cells() {
     }
 }
 
+// Whether the curve that passes near q, along t, passes through a point, too: two may be next to each other, on both sides of an
+// elbow that is all but straight. The joint that moves most is brought to its value at the point.
+bool Follower::meets(const double* q, const double* t, const CurveSample& point) const {
+    int most = 0;
+    for (int j = 1; j < 7; ++j) most = std::abs(t[j]) > std::abs(t[most]) ? j : most;
+    CurveSample there;
+    if (!settle(q, {Pin::joint, most, point.q[most]}, t, point.value, EXACT, there)) return true;
+    return apart(there.q, point.q) < SAME;
+}
+
 // Whether a point lies on what was followed.
 bool Follower::known(const CurveSample& at) const {
     for (const Part& part : parts_) {
@@ -501,7 +512,7 @@ bool Follower::known(const CurveSample& at) const {
                     u = std::clamp(u + off / square, 0.0, 1.0);
                 }
                 between(a, b, u, q);
-                if (apart(q, at.q) < NEARLY_SAME) return true;
+                if (apart(q, at.q) < NEARLY_SAME && meets(q, t, at)) return true;
             }
         }
     }

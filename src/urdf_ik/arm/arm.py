@@ -125,8 +125,8 @@ class Arm(Free):
     def _again(self, **changed: Any) -> Self:
         make: Any = type(self)
         settings: dict[str, Any] = {"free_axis": self._free_axis, "given": self._given, **changed}
-        chain = settings.pop("chain", self.chain)
-        made: Self = make(self.model, chain, self._task, **settings)
+        model, chain = settings.pop("model", self.model), settings.pop("chain", self.chain)
+        made: Self = make(model, chain, self._task, **settings)
         return made
 
     def for_task(self, task: str) -> Arm:
@@ -362,7 +362,7 @@ class Arm(Free):
                 raise ArgumentError(f"{self.name}: {self._free_axis} is free; a region has rotation=pi for that")
             return inside.nearest(self, T, q_ref, region, threads=threads, **options)
         if isinstance(self._plan, RedundantPlan):
-            return nearest.nearest(self, self._only_parameter("ik_nearest"), T, q_ref, threads=threads, **options)
+            return nearest.nearest(self, self._plan, T, q_ref, threads=threads, **options)
         reference = self.chain.check(q_ref)
         near = reference if reference.ndim == 1 else None
         solutions = self.ik(T, near, threads=threads)

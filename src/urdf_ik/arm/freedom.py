@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from urdf_ik._core import Solver
+from urdf_ik.arm.joining import joined
 from urdf_ik.arm.moving import Moving
 from urdf_ik.arm.refusals import unsupported
 from urdf_ik.chain import from_urdf
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
+    from urdf_ik.arm.kinematics import Kinematics
     from urdf_ik.chain.redundancy import Redundancy
     from urdf_ik.redundancy import Intervals, Sweep
     from urdf_ik.structure import Structure
@@ -158,6 +160,38 @@ class Free(Moving):
         chain = from_urdf(self.model, self.base, self.tip).lock({**self.locked, **values})
         return self._again(chain=chain)
 
+    def with_positioner(self, positioner: Kinematics, pose: Any, name: str = "positioner") -> Self:
+        """This arm with a positioner of another URDF, whose tip carries the workpiece: poses are in its tip's frame.
+
+        The new arm is the chain from the positioner's tip, back to its base, and up this arm: its base is the link
+        ``f"{name}_{positioner.tip}"``, its first joints are the positioner's, the last one first, and what they leave
+        free are redundancy parameters. A positioner in the same URDF needs no more than ``load(..., base=workpiece)``.
+
+        Args:
+            positioner: its chain from base to the link that carries the workpiece, as ``load`` gives it.
+            pose: (4, 4) m of the positioner's root link in this arm's base, or a ``pinocchio.SE3``.
+            name: stands before the names of its links and joints.
+
+        Raises:
+            PoseError: an invalid pose.
+            ArgumentError: a name is taken.
+            UnsupportedArm: no solver takes the joints.
+
+        Example:
+            >>> import urdf_ik
+            >>> table = urdf_ik.load("planar_2r", tip="link_1")
+            >>> cell = urdf_ik.load("puma_560").with_positioner(table, urdf_ik.pose([0.6, 0.0, 0.2]), name="table")
+            >>> cell.base, cell.dof, cell.redundancy.joint
+            ('table_link_1', 7, 'table_joint_1')
+        """
+        at = check_poses(pose)
+        if at.ndim != 2:
+            raise ArgumentError(f"a pose of shape {at.shape} given; one pose (4, 4) is needed")
+        model = joined(self.model, positioner.model, self.base, at, f"{name}_")
+        held = {**self.locked, **{f"{name}_{joint}": value for joint, value in positioner.locked.items()}}
+        chain = from_urdf(model, f"{name}_{positioner.tip}", self.tip).lock(held)
+        return self._again(model=model, chain=chain)
+
     def _again(self, **changed: Any) -> Self:
         """This arm, made again with other settings."""
         raise NotImplementedError
@@ -224,9 +258,10 @@ class Free(Moving):
         """Where along the redundancy parameter each branch has solutions, and what ends them.
 
         Every solution at the values of a grid is followed along its curve to both sides, and every solution must be met
-        from both; ends are computed to 1e-9. An interval between two values of the grid is found where a branch of the
-        closed form, taken beyond its ends, comes near, or by Newton's method from starts all over the joints: see
-        docs/completeness.md for how often one was missed.
+        from both; ends are computed to 1e-9. Of S-R-S arms with axes at right angles they are roots of the limits,
+        in closed form. An interval that lies between two values of the grid is found where a branch of the closed form,
+        taken beyond its ends, comes near, or by Newton's method from starts all over the joints: that is no proof that
+        none is missed.
 
         Args:
             T: (..., 4, 4) poses of the tip in the base [m], or a ``pinocchio.SE3``.

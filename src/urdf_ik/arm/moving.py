@@ -40,7 +40,8 @@ class Moving(InCell):
         straight segment; where it would not, waypoints are put in between, and ``Plan.motion`` holds them. Of an arm
         with a redundancy parameter, its values are searched on a grid first, and then on finer ones around the way
         found: the cheapest in that neighbourhood. With a free axis (:meth:`Arm.with_free_axis`) the rotation about it
-        does not count, and the plan never costs more than the one that keeps it.
+        does not count, and the plan never costs more than the one that keeps it. Of several parameters all but one are
+        held at a few values, and moved together then: see :mod:`urdf_ik.motion.path.several`.
 
         Args:
             T: (m, 4, 4) m, waypoints; see :func:`urdf_ik.line`, :func:`urdf_ik.arc`, :func:`urdf_ik.polyline`.
@@ -84,8 +85,6 @@ class Moving(InCell):
         from urdf_ik.motion.follow import follow
 
         arm: Any = self
-        if len(arm.redundancies) > 1:
-            arm._only_parameter("follow")
         return follow(
             arm, T, start=start, end=end, world=world, margin=margin, collisions=collisions, cost=cost,
             weights=weights, margins=margins, max_step=max_step, tolerance=tolerance, reconfigure=reconfigure,

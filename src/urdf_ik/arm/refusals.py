@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from urdf_ik.chain import CoupledChain, is_redundant, kinds_of
+from urdf_ik.chain import CoupledChain, dependent_joints, kinds_of
 from urdf_ik.errors import ArgumentError, ChainError, UnsupportedArm
 from urdf_ik.families import coupled
 from urdf_ik.families.registry import MOST_JOINTS
@@ -50,11 +50,12 @@ def unsupported(name: str, chain: Chain, structure: Structure) -> UnsupportedArm
         )
     if chain.n == 0:
         return UnsupportedArm(f"{name}: no joint moves between {quoted(chain.base)} and {quoted(chain.tip)}")
-    if is_redundant(chain) and chain.n <= 6:
+    same = dependent_joints(chain)
+    if same:
         return UnsupportedArm(
-            f"{name}: the joints are redundant: at every joint vector some move the tip as others do, so that a pose "
-            f"has a continuum of solutions or no solution: joints {', '.join(chain.joint_names)} are "
-            f"{kinds_of(chain)}. {structure}"
+            f"{name}: the joints are redundant, and a pose has a continuum of solutions or none: at every joint vector "
+            f"each of {', '.join(same)} moves the tip as the others of these do together. Hold one of them at a value "
+            f"[rad or m], as in urdf_ik.load(..., locked={{{same[-1]!r}: 0.0}}). {structure}"
         )
     if chain.n == 6:
         return UnsupportedArm(

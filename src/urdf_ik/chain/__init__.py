@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from urdf_ik.chain.mimic import CoupledChain
-from urdf_ik.chain.rank import is_redundant, kinds_of, least_stretches, sampled
+from urdf_ik.chain.rank import dependent_joints, is_redundant, kinds_of, least_stretches, sampled, typical_stretch
 from urdf_ik.chain.reading import from_urdf
 from urdf_ik.chain.serial import Chain, Follower, TreeJoint
 from urdf_ik.chain.speeds import velocity_limits
@@ -13,10 +13,12 @@ __all__ = [
     "CoupledChain",
     "Follower",
     "TreeJoint",
+    "dependent_joints",
     "from_urdf",
     "is_redundant",
     "kinds_of",
     "least_stretches",
     "sampled",
+    "typical_stretch",
     "velocity_limits",
 ]

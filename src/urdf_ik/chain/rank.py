@@ -7,7 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.tolerances import DEFAULT
+
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from urdf_ik.chain.serial import Chain
@@ -15,8 +19,6 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 _SAMPLES = 60
-# Smallest singular value of the Jacobian, at the middle one of sampled joint vectors, that is rounding of zero.
-_ROUNDING = 1e-9
 
 
 def kinds_of(chain: Chain) -> str:
@@ -34,13 +36,51 @@ def kinds_of(chain: Chain) -> str:
 def is_redundant(chain: Chain) -> bool:
     """Whether the Jacobian loses rank everywhere: then a pose has a continuum of solutions, or no solution.
 
+    It has lost rank where the solvers call a joint vector singular; everywhere, if it has at the middle one of those
+    that are sampled. Of seven joints, six do not move the tip in every way then.
+
     Example:
         >>> import urdf_ik
         >>> twice = urdf_ik.DHTable.from_array([[0.0, 0.0, 0.1, 0.0]] * 2, "standard")  # the same axis twice
         >>> is_redundant(twice.chain()), is_redundant(urdf_ik.load("puma_560").chain)
         (True, False)
     """
-    return float(np.median(least_stretches(chain, chain.jacobian(sampled(chain))))) < _ROUNDING
+    return typical_stretch(chain) < DEFAULT.singular
+
+
+def typical_stretch(chain: Chain) -> float:
+    """The Jacobian's smallest singular value, lengths as shares of the size: the middle one of sampled joint vectors.
+
+    Example:
+        >>> import urdf_ik
+        >>> typical_stretch(urdf_ik.load("puma_560").chain) > 1e-3
+        True
+    """
+    return float(np.median(least_stretches(chain, chain.jacobian(sampled(chain)))))
+
+
+def dependent_joints(chain: Chain) -> tuple[str, ...]:
+    """Joints that move the tip as others among them do, at almost every joint vector, so few as can be; () if none do.
+
+    Example:
+        >>> import urdf_ik
+        >>> twice = urdf_ik.DHTable.from_array([[0.3, 0, 0.2, 0.5], [0, 0, 0.1, 0], [0.2, 0, 0, 0]], "standard")
+        >>> dependent_joints(twice.chain()), dependent_joints(urdf_ik.load("puma_560").chain)
+        (('joint_2', 'joint_3'), ())
+    """
+    J = chain.jacobian(sampled(chain))
+
+    def depends(joints: list[int]) -> bool:
+        return float(np.median(least_stretches(chain, J, joints))) < DEFAULT.singular
+
+    kept = list(range(chain.n))
+    if chain.n > 6 or not depends(kept):
+        return ()
+    for k in range(chain.n):
+        fewer = [j for j in kept if j != k]
+        if fewer and depends(fewer):
+            kept = fewer
+    return tuple(chain.joint_names[k] for k in kept)
 
 
 def sampled(chain: Chain) -> Array:
@@ -56,8 +96,13 @@ def sampled(chain: Chain) -> Array:
     return np.where(chain.prismatic, q * chain.size / math.pi, q)
 
 
-def least_stretches(chain: Chain, J: Array) -> Array:
+def least_stretches(chain: Chain, J: Array, joints: Sequence[int] | None = None) -> Array:
     """Smallest singular values (k,) of Jacobians (k, rows, n), lengths as shares of the arm's size.
+
+    Args:
+        chain: the arm.
+        J: its Jacobians, or the rows of them that matter [m or rad, by rad or m].
+        joints: those whose columns count; None: all.
 
     Example:
         >>> import urdf_ik
@@ -69,4 +114,6 @@ def least_stretches(chain: Chain, J: Array) -> Array:
     scaled = J / chain.size
     scaled[:, 3:] = J[:, 3:]
     scaled[:, :, chain.prismatic] *= chain.size
+    if joints is not None:
+        scaled = scaled[:, :, list(joints)]
     return np.asarray(np.linalg.svd(scaled, compute_uv=False)[:, -1], dtype=np.float64)

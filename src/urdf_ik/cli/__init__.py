@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
-from urdf_ik.cli.application import app, main
+from urdf_ik.cli.application import main
+from urdf_ik.cli.program import app
 
 __all__ = ["app", "main"]

@@ -9,75 +9,13 @@ import typer
 
 from urdf_ik.cli import options
 from urdf_ik.cli.chosen_arm import ChosenArm, TypedPath, TypedPose, angles_of, on_an_arm
-from urdf_ik.cli.errors import Commands, Status, unwritten
+from urdf_ik.cli.errors import Status, unwritten
 from urdf_ik.cli.options import Picture, ReportFormat, Value
-
-app = typer.Typer(
-    name="urdf-ik",
-    cls=Commands,
-    help="Every inverse-kinematics solution of an arm given as URDF, each one checked against Pinocchio.",
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
-
-
-def _help(what: str, *examples: str) -> str:
-    """Help text; the marker before the examples keeps their lines as they are."""
-    return what + "\n\n\b\nExamples:\n" + "\n".join(f"  {line}" for line in examples)
-
-
-@app.callback(invoke_without_command=True)
-def root(context: typer.Context, version: options.Version = False) -> None:
-    """Take the options that stand before the command; without one, say what to do first."""
-    if context.invoked_subcommand is None:
-        from urdf_ik.cli.commands import first
-
-        typer.echo(first.steps())
+from urdf_ik.cli.program import app, help_text
 
 
 @app.command(
-    help=_help(
-        "List the arms that have names, with the family and the joints of those that are here: bundled ones, those of "
-        "example-robot-data, and those of robot_descriptions, which downloads a model when it is first asked for.",
-        "urdf-ik robots",
-        "urdf-ik robots ur --all",
-    )
-)
-def robots(
-    word: options.Word = "", everything: options.All = False, printed_as: options.TextFormat = ReportFormat.TABLE
-) -> None:
-    """Print the list."""
-    from urdf_ik.cli import console
-    from urdf_ik.cli.commands import robots as robots_command
-
-    found = robots_command.listed(word, everything)
-    write = robots_command.as_json if printed_as is ReportFormat.JSON else robots_command.as_text
-    console.write(write(found), None)
-
-
-@app.command(
-    help=_help(
-        "Say what is installed and whether it works: versions, the processor's instruction set, optional packages, and "
-        "a test of the solvers against Pinocchio. The status is 1 when the test fails.",
-        "urdf-ik doctor",
-        "urdf-ik doctor --format json",
-    )
-)
-def doctor(printed_as: options.TextFormat = ReportFormat.TABLE) -> None:
-    """Print the findings."""
-    from urdf_ik.cli import console
-    from urdf_ik.cli.commands import doctor as doctor_command
-
-    found = doctor_command.examine()
-    write = doctor_command.as_json if printed_as is ReportFormat.JSON else doctor_command.as_text
-    console.write(write(found), None)
-    if not found.passed:
-        raise typer.Exit(Status.FAILED)
-
-
-@app.command(
-    help=_help(
+    help=help_text(
         "Show an arm: its joints, how neighbouring axes lie to each other, and how it is solved.",
         "urdf-ik info zyyzyz_6r",
         "urdf-ik info my_arm.urdf --base base_link --tip tool0 --format json",
@@ -107,7 +45,7 @@ def info(
 
 
 @app.command(
-    help=_help(
+    help=help_text(
         "Forward kinematics: the tip's pose in the base, for each joint vector.",
         "urdf-ik fk zyyzyz_6r --q 0.1,-0.2,0.3,0,0.5,0",
         "urdf-ik fk ur5 --file vectors.csv --degrees --format csv",
@@ -132,7 +70,7 @@ def fk(
 
 
 @app.command(
-    help=_help(
+    help=help_text(
         "Inverse kinematics: every solution of a pose, with its branch, checks and error as Pinocchio measures it.\n\n"
         "The target is a typed pose (--xyz with an orientation), the tip at a joint vector (--q), poses from a file "
         "(--poses) or random ones (--random). With none of them it is the arm's example: among 256 seeded joint "
@@ -183,7 +121,7 @@ def ik(
 
 
 @app.command(
-    help=_help(
+    help=help_text(
         "Check an arm against Pinocchio: kinematics, every solution of random poses, collision. "
         "The status is 1 when a check failed.\n\n"
         "With --complete it looks for solutions that the solver missed: the general elimination, and Newton's method "
@@ -226,7 +164,7 @@ def check(
 
 
 @app.command(
-    help=_help(
+    help=help_text(
         "Compare two arms, or two URDFs of one arm (another tool, a calibrated copy): structure, frames, limits, "
         "reach, number of solutions for the same poses, joint values branch by branch, and how far B's tool is off "
         "when it is given A's joint vectors.",
@@ -268,7 +206,7 @@ def compare(
 
 
 @app.command(
-    help=_help(
+    help=help_text(
         "Denavit-Hartenberg table of an arm, or an arm from a table (CSV or JSON).",
         "urdf-ik dh dh_6r --convention modified",
         "urdf-ik dh ur5 --degrees -o ur5.csv",
@@ -293,7 +231,7 @@ def dh(
 
 
 @app.command(
-    help=_help(
+    help=help_text(
         "Where the tip can be. Two turning joints in a plane: the exact regions of both elbows, bounded by arcs. Any "
         "other arm: a map of voxels x orientations, with the number of solutions, how many are within limits, and the "
         "share that each branch covers. `urdf-ik plot --map` draws it. With --store it is made on the disk, block by "
@@ -339,7 +277,7 @@ def workspace(
 
 
 @app.command(
-    help=_help(
+    help=help_text(
         "Follow a path: the cheapest joint motion through all waypoints, over all branches and turns, proven between "
         "the waypoints and free of contacts; or, for every start branch, how far it gets and what stops it there. "
         "The status is 1 when there is no plan.",
@@ -374,7 +312,7 @@ def path(
 
 
 @app.command(
-    help=_help(
+    help=help_text(
         "Draw an arm, all branches of a pose side by side or overlaid, joint limits with all turns of the solutions, "
         "the workspace, the arm with sliders for its joints, or a path: each joint's values in all branches along it, "
         "limits and contacts, and the plan. Without --output it opens a window.\n\n"
@@ -415,7 +353,7 @@ def plot(
 
 
 @app.command(
-    help=_help(
+    help=help_text(
         "Show an arm in the browser: every solution of a target to drag, sliders for the joints. With --waypoints, a "
         "plan to be played along its path, or where each branch ends; with --world, obstacles. Ctrl-C ends it.",
         "urdf-ik view ur5",
@@ -432,12 +370,13 @@ def view(
     degrees: options.Degrees = False,
     host: options.Host = "127.0.0.1",
     port: options.Port = None,
+    dark: options.Dark = False,
     output: options.Page = None,
 ) -> None:
     """Serve the page."""
     from urdf_ik.cli.commands import view as view_command
 
-    view_command.run(chosen, path, degrees, host, port, output)
+    view_command.run(chosen, path, degrees, host, port, output, dark=dark)
 
 
 def main() -> None:

@@ -407,6 +407,7 @@ Port = Annotated[
     int | None,
     Option("--port", metavar="PORT", help="Default: 8080, or the first free one after it.", show_default=False),
 ]
+Dark = Annotated[bool, Option("--dark", help="Light on dark.")]
 Page = Annotated[
     Path | None, Option("--output", "-o", metavar="FILE", help="Write the scene there as one HTML page, and leave.")
 ]

@@ -176,8 +176,8 @@ def _solve(arm: Arm, drawn: Drawn) -> IKSolutions:
 
 
 def _same_parameter(a: Arm, b: Arm) -> bool:
-    one, other = a.redundancy, b.redundancy
-    return one is not None and other is not None and (one.kind, one.joint) == (other.kind, other.joint)
+    one, other = ([(each.kind, each.joint) for each in arm.redundancies] for arm in (a, b))
+    return bool(one) and one == other
 
 
 def _spread(values: Array) -> tuple[float, float, float]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from urdf_ik.chain import typical_stretch
 from urdf_ik.families import (
     coupled,
     few_joints,
@@ -71,6 +72,11 @@ MIMICKING: list[Family] = [coupled.FAMILY, hollow_wrist.FAMILY]
 """Arms in which joints mimic others."""
 
 
+# Of an arm that is further off its nearest member of a family [rad, share of size] than this share of its Jacobian's
+# smallest singular value, that member is no guide to it: it may be singular everywhere.
+_SHARE = 0.3
+
+
 def every() -> list[Family]:
     """Every family, in the order of cost among those that an arm may belong to.
 
@@ -122,7 +128,8 @@ def choose(structure: Structure, chain: Chain, given: tuple[str, ...] = ()) -> P
 
 
 def _of_seven(structure: Structure, chain: Chain) -> Plan | None:
-    return _first(SEVEN_JOINTS, structure, chain)
+    plan = _first(SEVEN_JOINTS, structure, chain)
+    return plan if plan is not None and _is_guide(plan, chain) else None
 
 
 def of_six(structure: Structure, chain: Chain) -> Plan | None:
@@ -165,8 +172,15 @@ def _closed_form(structure: Structure, chain: Chain) -> Plan | None:
     if quartic or not near:
         return quartic
     plan, seen = min(near, key=lambda entry: (not entry[0].family.by_quadratics, entry[0].error))
+    if not _is_guide(plan, seen):
+        return None
     plan = imperfect.prepare(plan, seen)
     return mirrored(plan) if seen is back else plan
+
+
+def _is_guide(plan: Plan, chain: Chain) -> bool:
+    """Whether the nearest member of the plan's family is not singular everywhere, for all that the error says."""
+    return plan.is_exact or plan.error < _SHARE * typical_stretch(chain)
 
 
 def _with_slides(structure: Structure, chain: Chain) -> Plan | None:

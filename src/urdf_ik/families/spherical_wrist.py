@@ -20,6 +20,7 @@ from urdf_ik.families.parts.values import (
     seen_in_frame_1,
     written_values,
 )
+from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -58,8 +59,8 @@ def _has_no_other(structure: Structure, chain: Chain) -> bool:
     return not kinds or (first.distance > _CLEAR * chain.size and bool(np.sin(first.angle) > _CLEAR))
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
-    """Parameters of the nearest arm with a spherical wrist and this shoulder."""
+def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan | None:
+    """Parameters of the nearest arm with a spherical wrist and this shoulder; None where its wrist lies on axis 3."""
     shoulder = family.variant
     wrist = structure.triple(4, "meet")
     directions, points = chain.H.copy(), chain.points.copy()
@@ -78,7 +79,10 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
     frames, error = ideal_frames(chain, directions, points, parallel, meet)
     angle, distance = imperfection(structure, pairs, [1] if shoulder == "1x2" else [])
     ideal = ideal_values(frames, error, SIGNS, chain.size)
-    values = _values(ideal, shoulder, _front(chain, frames, points[3])) | {"written": written_values(chain)}
+    values = _values(ideal, shoulder, _front(chain, frames, points[3]))
+    if values is None:
+        return None
+    values |= {"written": written_values(chain)}
     words = in_words(family, error)
     if shoulder == "2||3" and crossing:
         words["name"] += " and 1x2"
@@ -152,8 +156,12 @@ def _front(chain: Chain, frames: DHFrames, centre: Array) -> float:
     return 1.0 if ahead > 0.0 else -1.0
 
 
-def _values(ideal: dict[str, Any], shoulder: str, ahead: float) -> dict[str, Any]:
-    """The family's numbers, see src/core/families/spherical_wrist_arm.hpp. ``ahead``: side of x that is the front."""
+def _values(ideal: dict[str, Any], shoulder: str, ahead: float) -> dict[str, Any] | None:
+    """The family's numbers, see src/core/families/spherical_wrist_arm.hpp. ``ahead``: side of x that is the front.
+
+    None where joint 3 does not move the number that it follows from: of a wrist that lies on axis 3, or an axis 2 that
+    meets both its neighbours where axis 1 does.
+    """
     a, d, ca, sa = (ideal[name] for name in ("a", "d", "cos_alpha", "sin_alpha"))
     centre = np.array([a[2], -sa[2] * d[2], ca[2] * d[2]])
     rho, phi = math.hypot(centre[0], centre[1]), math.atan2(centre[1], centre[0])
@@ -170,12 +178,16 @@ def _values(ideal: dict[str, Any], shoulder: str, ahead: float) -> dict[str, Any
         # |p|^2 = constant + 2 rho |(a2, d2 sin alpha2)| cos(t3 + phi - delta)
         x, y = a[1], d[0] * sa[1]
         size, delta = 2.0 * rho * math.hypot(x, y), math.atan2(y, x)
+        if size <= DEFAULT.exact_structure * ideal["size"] ** 2:
+            return None
         constant = a[1] ** 2 + d[0] ** 2 + rho**2 + level**2 + 2.0 * d[0] * ca[1] * level
         swing = np.array([1.0 / size, -constant / size])
         cos_phi, sin_phi = math.cos(delta - phi), math.sin(delta - phi)
     elif shoulder == "1||2":
         # cos(alpha1) p_z = d2 + sin(alpha2) rho sin(t3 + phi) + cos(alpha2) level
         size = sa[1] * rho
+        if abs(size) <= DEFAULT.exact_structure * ideal["size"]:
+            return None
         swing = np.array([1.0 / size, -(d[0] + ca[1] * level) / size])
     return {
         "ideal": ideal | {"signs": signs},

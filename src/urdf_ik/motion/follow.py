@@ -12,7 +12,7 @@ from urdf_ik.errors import PathError
 from urdf_ik.guards import inputs
 from urdf_ik.motion import waypoints
 from urdf_ik.motion.path import nodes as node_sets
-from urdf_ik.motion.path import redundant
+from urdf_ik.motion.path import redundant, several
 from urdf_ik.motion.path import settings as settings_of
 from urdf_ik.motion.path.assembling import cut_coarse, made, not_found, priced
 from urdf_ik.motion.path.obstacles import Obstacles
@@ -52,6 +52,7 @@ def follow(
 ) -> Plan:
     """See :meth:`urdf_ik.Arm.follow`."""
     path = waypoints.read(T)
+    arm.ik(path[:0])  # refuses an arm that no solver takes
     settings = settings_of.read(
         arm, path, start=start, end=end, obstacles=_obstacles(arm, world, margin, collisions), cost=cost,
         weights=weights, max_step=max_step, tolerance=tolerance, margins=margins, reconfigure=reconfigure,
@@ -103,6 +104,8 @@ def _first_beyond(settings: Settings, plan: Plan) -> Stop | None:
 
 def _plan(settings: Settings, path: Array) -> Plan:
     """The plan of these settings, found or not."""
+    if len(settings.arm.redundancies) > 1:
+        return several.plan(settings, path, _plan)
     if settings.arm.free_axis is not None:
         return _with_free_axis(settings, path)
     if settings.arm.redundancy is not None:

@@ -13,8 +13,8 @@ import numpy as np
 from urdf_ik.angles import TURN
 from urdf_ik.poses import pose
 from urdf_ik.scale import versions, zarrs
-from urdf_ik.workspace.blocks import Blocks
 from urdf_ik.workspace.counting import Counting
+from urdf_ik.workspace.store.blocks import Blocks
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -15,7 +15,7 @@ from urdf_ik.poses import pose
 from urdf_ik.scale import zarrs
 from urdf_ik.scale.folder import finished, read_question
 from urdf_ik.workspace import Grid
-from urdf_ik.workspace.blocks import Blocks
+from urdf_ik.workspace.store.blocks import Blocks
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -83,7 +83,7 @@ def placement(
         >>> line = urdf_ik.line(urdf_ik.pose([1.0, -0.2, 1.0]), urdf_ik.pose([1.0, 0.2, 1.0]), 20)
         >>> found = placement(arm, line, bounds=[[-0.5, 0, 0], [0.5, 0, 0]], step=0.5, path=True)
         >>> found.followed[:, 0, 0, 0].tolist()
-        [1, 1, 1]
+        [1, 0, 0]
     """
     if not arm.structure.branches:
         raise UnsupportedArm(f"{arm.name}: no solver for this arm yet. {arm.structure}")

@@ -27,7 +27,8 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 _FRAME = ("tab:red", "tab:green", "tab:blue")
-REGION_COLOURS, OVERLAP_COLOUR = {"elbow left": "tab:blue", "elbow right": "tab:orange"}, "tab:green"
+_BLUE, _, OVERLAP_COLOUR, _, _ORANGE = palette.colours(5)
+REGION_COLOURS = {"elbow left": _BLUE, "elbow right": _ORANGE}
 
 
 class Picture(Figure):

@@ -121,7 +121,7 @@ def background(plan: Plan) -> Background:
         branch = np.arange(q.shape[1])
     else:
         grid = np.linspace(*parameter.range, VALUES, endpoint=not parameter.round)
-        solutions = arm.ik(plan.poses[at][:, None], redundancy=grid)
+        solutions = arm.ik(plan.poses[at][:, None], redundancy=_with_others(plan, at, grid))
         within = solutions.within_limits()
         shape = (len(at), -1, arm.dof)
         q, inside, best = solutions.q.reshape(shape), within.valid.reshape(shape[:2]), within.q.reshape(shape)
@@ -130,6 +130,18 @@ def background(plan: Plan) -> Background:
     if plan.obstacles is not None and inside.any():
         free[inside] = plan.obstacles.free(best[inside])
     return Background(at, q, branch, inside, free)
+
+
+def _with_others(plan: Plan, at: NDArray[np.intp], grid: Array) -> Array:
+    """Values of the first parameter, with those that the others have along the plan, or by default."""
+    arm = plan.arm
+    if len(arm.redundancies) == 1:
+        return grid
+    others = np.tile([parameter.default for parameter in arm.redundancies], (len(at), 1))
+    own = arm.redundancy_of(plan.q[at], plan.poses[at]) if plan.found else others
+    values = np.repeat(own[:, None], len(grid), axis=1)
+    values[..., 0] = grid
+    return np.asarray(values)
 
 
 def _panel(axes: Any, plan: Plan, found: Background, joint: int, shades: list[Any], scale: float, ends: Array) -> None:

@@ -9,6 +9,7 @@ the pose, and from starts all over the joints where there is no closed form.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -17,6 +18,7 @@ from urdf_ik._core import Solver
 from urdf_ik.angles import TURN, wrapped
 from urdf_ik.chain.redundancy import SWIVEL
 from urdf_ik.errors import UnsupportedArm
+from urdf_ik.redundancy import swivel
 from urdf_ik.redundancy.along import Curves
 from urdf_ik.redundancy.contacts import without_contacts
 from urdf_ik.redundancy.found import End, Found
@@ -38,6 +40,10 @@ FINER = 4
 _OFF, _OFF_BY_ERROR = 1e-9, 8.0
 """Error [rad, share of the arm's size] below which such a branch is a solution: of an exact closed form, and as a
 multiple of how far the ideal arm is off."""
+SPREAD = 0.15
+"""rad between samples of intervals in closed form."""
+NARROWEST = 1e-9
+"""rad or m: a narrower range of the parameter is one value."""
 STARTS = 96
 """Joint vectors from which loops between two values are looked for where the elimination solves."""
 _AT_ONCE = 64
@@ -50,24 +56,38 @@ _VALUE, _JOINTS = 0, slice(3, 10)
 
 
 def intervals(
-    arm: SolvingArm, plan: RedundantPlan, T: Array, *, within_limits: bool, world: Any, threads: int
+    arm: SolvingArm,
+    plan: RedundantPlan,
+    T: Array,
+    *,
+    within_limits: bool,
+    world: Any,
+    threads: int,
 ) -> Intervals:
     """See :meth:`urdf_ik.Arm.intervals`."""
     if plan.self_motion is None:
         raise UnsupportedArm(
-            f"{arm.name}: intervals of the redundancy parameter are not found for arms whose joints mimic others, or "
-            "that have several parameters; ik(T, redundancy=values) solves at values"
+            f"{arm.name}: intervals of the redundancy parameter are not found for arms whose joints mimic others, "
+            "that have several parameters, or whose joints do not move the tip in every way; "
+            "ik(T, redundancy=values) solves at values"
         )
     curves = Curves(plan.self_motion, plan.parameter, arm.dof < 7, ~arm.chain.prismatic)
     stack = T.reshape(-1, 4, 4)
-    parts = [
-        _found(arm, plan, curves, stack[k : k + _AT_ONCE], within_limits, threads, k)
-        for k in range(0, max(len(stack), 1), _AT_ONCE)
-    ]
-    found = joined(parts)
+    bounds = np.tile([-np.inf, np.inf], (7, 1))
+    if within_limits:
+        bounds[: arm.dof] = arm.limits
+    parts, open_ = [], np.arange(len(stack))
+    if swivel.is_closed(plan):
+        closed, open_ = swivel.intervals(arm, plan, stack, bounds)
+        parts.append(closed if world is None and not len(open_) else with_samples(arm, curves, stack, closed))
+    for k in range(0, len(open_), _AT_ONCE):
+        some = open_[k : k + _AT_ONCE]
+        traced = _found(arm, plan, curves, stack[some], bounds, threads)
+        parts.append(replace(traced, pose=some[traced.pose]))
+    found = joined(parts) if parts else _nothing(arm)
     if world is not None:
         found = without_contacts(arm.collision_model.in_world(world), curves, stack, found)
-    return Intervals(arm, T, curves, found, within_limits)
+    return Intervals(arm, T, curves, found, within_limits, partial(with_samples, arm, curves))
 
 
 def span(arm: SolvingArm, parameter: Redundancy, T: Array) -> tuple[float, float]:
@@ -79,6 +99,42 @@ def span(arm: SolvingArm, parameter: Redundancy, T: Array) -> tuple[float, float
         return low, high
     reach = float(np.linalg.norm(T[:, :3, 3] - arm.chain.P[0], axis=1).max()) + arm.chain.size
     return max(low, -reach), min(high, reach)
+
+
+def with_samples(arm: SolvingArm, curves: Curves, T: Array, found: Found) -> Found:
+    """Intervals of poses (m, 4, 4) without samples, with samples at evenly spread values."""
+    count = np.maximum(np.ceil((found.high - found.low) / SPREAD).astype(np.intp) + 1, 3)
+    first = np.cumsum(count) - count
+    of = np.repeat(np.arange(len(count)), count)
+    share = (np.arange(count.sum()) - first[of]) / (count[of] - 1)
+    value = found.low[of] + share * (found.high - found.low)[of]
+    solutions = arm.ik(T[found.pose[of]], redundancy=curves.parameter.wrapped(value))
+    q = solutions.q[np.arange(len(of)), found.column[of]]
+    core = [
+        curves.samples(T[pose], q[a : a + n], value[a : a + n])
+        for pose, a, n in zip(found.pose, first, count, strict=True)
+    ]
+    rows = np.concatenate([*core, np.empty((0, 17))])
+    return replace(found, first=first, count=count, value=value, q=q, core=rows)
+
+
+def _at_one_value(arm: SolvingArm, curves: Curves, T: Array, value: float, bounds: Array, threads: int) -> Found:
+    """The intervals of a parameter that has one value only: solutions, as intervals of no width."""
+    values = np.full(len(T), value)
+    solutions = arm.ik(T, redundancy=values, threads=threads)
+    kept = solutions.within_limits() if np.isfinite(bounds).any() else solutions
+    pose, column = np.nonzero(kept.valid)
+    q, one = solutions.q[pose, column], np.full(len(pose), value)
+    core = [curves.samples(T[i], each[None], values[:1]) for i, each in zip(pose, q, strict=True)]
+    first, count = np.arange(len(pose)), np.ones(len(pose), dtype=np.intp)
+    ends = [(End("range"), End("range"))] * len(pose)
+    return Found(pose, one, one, column, ends, first, count, one, q, np.concatenate([*core, np.empty((0, 17))]))
+
+
+def _nothing(arm: SolvingArm) -> Found:
+    """No interval of no pose."""
+    none, empty = np.zeros(0, dtype=np.intp), np.zeros(0)
+    return Found(none, empty, empty, none, [], none, none, empty, np.empty((0, arm.dof)), np.empty((0, 17)))
 
 
 def joined(parts: list[Found]) -> Found:
@@ -98,21 +154,18 @@ def joined(parts: list[Found]) -> Found:
     )  # fmt: skip
 
 
-def _found(
-    arm: SolvingArm, plan: RedundantPlan, curves: Curves, T: Array, within_limits: bool, threads: int, offset: int
-) -> Found:
-    """The intervals of a few poses, numbered from ``offset``."""
+def _found(arm: SolvingArm, plan: RedundantPlan, curves: Curves, T: Array, bounds: Array, threads: int) -> Found:
+    """The intervals of a few poses, their curves followed."""
     parameter = plan.parameter
     # Where another plan serves every value, there are no branches beyond their ends either.
     general = plan.family.by_elimination or not isinstance(plan.solver, Solver)
     low, high = span(arm, parameter, T)
+    if not parameter.round and high - low < NARROWEST:
+        return _at_one_value(arm, curves, T, 0.5 * (low + high), bounds, threads)
     grid = np.linspace(low, high, GRID_GENERAL if general else GRID, endpoint=not parameter.round)
     solutions = arm.ik(T[:, None], redundancy=np.broadcast_to(grid, (len(T), len(grid))), threads=threads)
     values = np.broadcast_to(grid[:, None], solutions.valid.shape)
     q = np.ascontiguousarray(curves.seven(solutions.q, values))
-    bounds = np.tile([-np.inf, np.inf], (7, 1))
-    if within_limits:
-        bounds[: arm.dof] = arm.limits
     beyond = None
     if not general:
         fine = np.linspace(low, high, FINER * len(grid), endpoint=not parameter.round)
@@ -140,7 +193,7 @@ def _found(
     found = Found(pose, low, high, column, ends, first, count, value, joints, samples)
     _name(arm, T, found)
     order = np.lexsort((low, column, pose))
-    return replace(found.of(order), pose=pose[order] + offset)
+    return found.of(order)
 
 
 class _Given(NamedTuple):

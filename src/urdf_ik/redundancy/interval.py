@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -78,14 +79,29 @@ class Intervals:
         (26, True)
     """
 
-    def __init__(self, arm: SolvingArm, T: Array, curves: Curves, found: Found, within_limits: bool) -> None:
-        """Keep what was found for poses ``T`` (..., 4, 4)."""
+    def __init__(
+        self,
+        arm: SolvingArm,
+        T: Array,
+        curves: Curves,
+        found: Found,
+        within_limits: bool,
+        sampled: Callable[[Array, Found], Found],
+    ) -> None:
+        """Keep what was found for poses ``T`` (..., 4, 4); ``sampled`` adds samples to intervals of a stack."""
         self.arm = arm
         self.parameter: Redundancy = curves.parameter
         self.within_limits = within_limits
         self._T = T
         self._curves = curves
         self._found = found
+        self._sampled = sampled
+
+    @cached_property
+    def _full(self) -> Found:
+        """The intervals with samples."""
+        found = self._found
+        return found if len(found.value) or not len(found.low) else self._sampled(self._T.reshape(-1, 4, 4), found)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -115,7 +131,7 @@ class Intervals:
             raise ArgumentError(f"index {index!r} leaves more than one pose of a batch of shape {self.shape}")
         found = self._found.of(np.flatnonzero(self._found.pose == place))
         found = replace(found, pose=np.zeros(len(found.low), dtype=np.intp))
-        return Intervals(self.arm, self._T[index], self._curves, found, self.within_limits)
+        return Intervals(self.arm, self._T[index], self._curves, found, self.within_limits, self._sampled)
 
     def samples(self, k: int) -> tuple[Array, Array]:
         """Growing values (s,) in interval ``k`` of a single pose, from end to end, and joint vectors (s, n) there.
@@ -132,8 +148,9 @@ class Intervals:
             (True, True)
         """
         self._single("samples()")
-        part = slice(self._found.first[k], self._found.first[k] + self._found.count[k])
-        return self._found.value[part], self._found.q[part]
+        found = self._full
+        part = slice(found.first[k], found.first[k] + found.count[k])
+        return found.value[part], found.q[part]
 
     def merged(self) -> Array:
         """(k, 2) rad or m: where any branch of a single pose has a solution, lowest first.
@@ -266,7 +283,7 @@ class Intervals:
     def _least(self, cost: along.Cost) -> Array:
         """(...) the values at which a cost is least; NaN for poses without an interval."""
         stack = self._T.reshape(-1, 4, 4)
-        value, _ = along.least(self._curves, stack, self._found, cost)
+        value, _ = along.least(self._curves, stack, self._full, cost)
         return value.reshape(self.shape)
 
     def _at(self, values: Array) -> IKSolutions:

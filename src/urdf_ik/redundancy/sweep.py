@@ -27,6 +27,10 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
+# Values that are tried where no curve can be followed.
+_GRID = 65
+
+
 @dataclass(frozen=True)
 class Sweep:
     """Solutions of one pose along the redundancy parameter.
@@ -72,8 +76,11 @@ def sweep(arm: SolvingArm, plan: RedundantPlan, T: Any, n: int, within_limits: b
     n = inputs.whole(n, "n", low=1, high=MOST_VALUES)
     within_limits = inputs.flag(within_limits, "within_limits")
     parameter = plan.parameter
-    found = intervals(arm, plan, target, within_limits=within_limits, world=None, threads=threads).merged()
     low, high = span(arm, parameter, target[None])
+    if plan.self_motion is None and len(plan.parameters) == 1:
+        found = _on_a_grid(arm, parameter, target, (low, high), within_limits)
+    else:
+        found = intervals(arm, plan, target, within_limits=within_limits, world=None, threads=threads).merged()
     values = _spread(found if len(found) else np.array([[low, high]]), n, parameter.round)
     solutions: IKSolutions = arm.ik(target, redundancy=parameter.wrapped(values), threads=threads)
     return Sweep(solutions.within_limits() if within_limits else solutions, found, parameter)
@@ -90,6 +97,20 @@ def explanation(arm: SolvingArm, plan: RedundantPlan, T: Array, value: ArrayLike
     places = ", ".join(f"{low:.4f} to {high:.4f} {parameter.unit}" for low, high in found)
     why = plan.explain_at(T, np.array([at]))
     return f"{why}; " + (f"there are solutions at {places}" if places else "nor at other values")
+
+
+def _on_a_grid(
+    arm: SolvingArm, parameter: Redundancy, T: Array, ends: tuple[float, float], within_limits: bool
+) -> Array:
+    """(k, 2) from the first to the last of the grid's values in a row at which there are solutions.
+
+    For joints that do not move the tip in every way: what they leave free is no curve that could be followed.
+    """
+    grid = np.linspace(*ends, _GRID)
+    solutions: IKSolutions = arm.ik(T, redundancy=parameter.wrapped(grid))
+    good = np.concatenate([[False], (solutions.within_limits() if within_limits else solutions).count > 0, [False]])
+    starts, stops = np.flatnonzero(good[1:] & ~good[:-1]), np.flatnonzero(good[:-1] & ~good[1:])
+    return np.column_stack([grid[starts], grid[stops - 1]])
 
 
 def _spread(intervals: Array, n: int, is_round: bool) -> Array:

@@ -8,9 +8,11 @@ group takes one file. The format is Zarr's third.
 from __future__ import annotations
 
 import json
+import struct
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -137,11 +139,10 @@ class Encoder:
     """
 
     def __init__(self, plans: tuple[ArrayPlan, ...]) -> None:
-        zarr = package()
+        package()
         self._plans = {plan.name: plan for plan in plans}
-        self._memory: dict[str, Any] = {}
-        group = zarr.create_group(zarr.storage.MemoryStore(store_dict=self._memory), zarr_format=3)
-        self._arrays = {plan.name: _create(group, plan, plan.chunk) for plan in plans}
+        self._compress = import_module("numcodecs").Zstd(level=LEVEL).encode
+        self._checksum = import_module("google_crc32c").value
 
     def files(self, place: tuple[int, ...], arrays: Mapping[str, NDArray[Any]]) -> dict[str, bytes]:
         """The files of a chunk of each array, by their paths in the group.
@@ -158,14 +159,14 @@ class Encoder:
         found = {}
         for name, values in arrays.items():
             plan = self._plans[name]
-            whole = values
+            whole = np.ascontiguousarray(values, dtype=np.dtype(plan.kind).newbyteorder("<"))
             if values.shape != plan.chunk:
-                whole = np.full(plan.chunk, plan.fill, plan.kind)
+                whole = np.full(plan.chunk, plan.fill, whole.dtype)
                 whole[tuple(slice(0, length) for length in values.shape)] = values
-            self._arrays[name][...] = whole
-            origin = "/".join("0" for _ in plan.chunk)
+            # The steps of ``_codecs``, without Zarr's own way to them, which takes milliseconds.
+            packed = bytes(self._compress(whole))
             numbers = (*place, *(0,) * (len(plan.chunk) - len(place)))
-            found[f"{name}/c/{'/'.join(map(str, numbers))}"] = self._memory[f"{name}/c/{origin}"].to_bytes()
+            found[f"{name}/c/{'/'.join(map(str, numbers))}"] = packed + struct.pack("<I", self._checksum(packed))
         return found
 
 
@@ -173,7 +174,6 @@ def _create(group: Any, plan: ArrayPlan, shape: tuple[int, ...]) -> Any:
     return group.create_array(
         plan.name, shape=shape, chunks=plan.chunk, dtype=plan.kind, fill_value=plan.fill, compressors=_codecs(),
         dimension_names=plan.dimensions, attributes=plain(dict(plan.attributes)),
-        config={"write_empty_chunks": True},  # one that is missing was lost
     )  # fmt: skip
 
 

@@ -66,6 +66,7 @@ class Viewer:
         mesh_roots: Sequence[str | os.PathLike[str]] = (),
         plan: Plan | None = None,
         world: World | None = None,
+        dark: bool = False,
     ) -> None:
         """Start the server.
 
@@ -76,6 +77,7 @@ class Viewer:
             mesh_roots: folders that meshes of arms that the page asks for may be read from.
             plan: of ``arm.follow``, found or not, to be played along its waypoints.
             world: obstacles to show; a solution that touches one is marked. Default: those of the plan.
+            dark: light on dark.
 
         Raises:
             MissingPackage: viser is not installed, or is one whose requests cannot be checked.
@@ -113,7 +115,7 @@ class Viewer:
         if port and self.port != port:  # somebody took it since it was looked at
             self.close()
             raise ArgumentError(f"port {port} on {host} is in use; name another one, or leave it out")
-        self.server.gui.configure_theme(control_width="large", show_share_button=False)
+        self.server.gui.configure_theme(control_width="large", show_share_button=False, dark_mode=dark)
         self.server.scene.add_grid("/grid", width=4.0, height=4.0, cell_size=0.1, section_size=0.5)
         self._message = self.server.gui.add_markdown("")
         self._show_arm(self.state)

@@ -25,25 +25,33 @@ from urdf_ik.workspace.building import CHUNK, MAX_SAMPLES, compute
 from urdf_ik.workspace.grid import Grid
 from urdf_ik.workspace.maps import VALUES, About, MapSlice, WorkspaceMap, read
 from urdf_ik.workspace.regions import ELBOWS, PlanarWorkspace, planar
-from urdf_ik.workspace.stored import StoredMap, opened
+from urdf_ik.workspace.store.combining import Differences, cut, differences, join
+from urdf_ik.workspace.store.stored import StoredMap, opened
+from urdf_ik.workspace.surface import Surface, boundary
 from urdf_ik.workspace.totals import BranchShare, Totals
 
 __all__ = [
-    "CHUNK",
-    "ELBOWS",
-    "MAX_SAMPLES",
-    "VALUES",
     "About",
     "Arc",
     "BranchShare",
+    "CHUNK",
+    "Differences",
+    "ELBOWS",
     "Grid",
+    "MAX_SAMPLES",
     "MapSlice",
     "PlanarWorkspace",
     "Region",
     "StoredMap",
+    "Surface",
     "Totals",
+    "VALUES",
     "WorkspaceMap",
+    "boundary",
     "compute",
+    "cut",
+    "differences",
+    "join",
     "opened",
     "planar",
     "read",

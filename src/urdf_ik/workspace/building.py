@@ -11,18 +11,18 @@ import numpy as np
 
 from urdf_ik.errors import UnsupportedArm, WorkspaceError
 from urdf_ik.guards import inputs
-from urdf_ik.workspace.filling import fill
 from urdf_ik.workspace.grid import grid_of, require_memory, require_room
 from urdf_ik.workspace.maps import WorkspaceMap
 from urdf_ik.workspace.question import HELD, Question
 from urdf_ik.workspace.sampling import NOTHING, sampled, samples
+from urdf_ik.workspace.store.filling import fill
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik.arm import Arm
     from urdf_ik.collision import World
-    from urdf_ik.workspace.stored import StoredMap
+    from urdf_ik.workspace.store.stored import StoredMap
 
 CHUNK = 4096
 """Poses that are solved at a time: their answers stay in the processor's cache."""

@@ -28,6 +28,9 @@ def as_text(model: UrdfModel, base: str | None) -> str:
     left = ["chain", "base", "tip", "meant", "why this tip"]
     table = tables.grid(["chain", "base", "tip", "joints", "meant", "why this tip"], rows, left=left)
     notes = []
+    if not tables.fits(table):
+        table = tables.grid(["chain", "base", "tip", "joints", "meant"], [row[:-1] for row in rows], left=left[:-1])
+        notes += [f"{each.name}: {each.reason}" for each in chains]
     for each in chains:
         if each.frames:
             notes.append(f"{each.name}: fixed to its last link, too: {', '.join(each.frames)}")

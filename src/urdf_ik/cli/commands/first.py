@@ -6,6 +6,7 @@ from pathlib import Path
 
 from urdf_ik import __version__
 
+_WIDTH = 30
 _STEPS = (
     ("ik zyyzyz_6r", "all solutions of a bundled arm, verified"),
     ("robots", "arms that have names"),
@@ -28,7 +29,7 @@ def steps() -> str:
     here = sorted(path.name for path in Path().glob("*.urdf"))
     file = next((name for name in here if " " not in name), "my_arm.urdf")
     commands = [(f"urdf-ik {command.format(file=file)}", what) for command, what in _STEPS]
-    width = max(len(command) for command, _ in commands)
+    width = min(max(len(command) for command, _ in commands), _WIDTH)
     lines = [f"  {command:<{width}}  {what}" for command, what in commands]
     head = f"urdf-ik {__version__}: every inverse-kinematics solution of a robot arm, from its URDF"
     return "\n".join([head, "", *lines, "", "urdf-ik --help lists every command, urdf-ik COMMAND --help its options."])

@@ -10,7 +10,8 @@ from urdf_ik.catalogue import downloads
 from urdf_ik.cli import console, tables
 from urdf_ik.errors import ChainError, UrdfIkError
 
-_MOST_WORDS = 34
+_WIDTH, _LEAST_WORDS = 79, 12
+_SHORT = {"example-robot-data": "robot-data", "robot_descriptions": "descriptions"}
 
 
 @dataclass(frozen=True)
@@ -47,13 +48,17 @@ def listed(word: str = "", everything: bool = False) -> list[Robot]:
 
 def as_text(robots: list[Robot]) -> str:
     """A table, and how to get more."""
+    header = ["name", "joints", "family", "here", "from"]
+    sources = [_SHORT.get(robot.source, robot.source) for robot in robots]
+    taken = sum(max(map(len, column)) for column in ([*(robot.name for robot in robots), ""], [*sources, ""])) + 18
+    words = max(_WIDTH - taken, _LEAST_WORDS)
     rows = []
-    for robot in robots:
+    for robot, source in zip(robots, sources, strict=True):
         what = robot.family or robot.note
-        short = what if len(what) <= _MOST_WORDS else f"{what[: _MOST_WORDS - 3]}..."
+        short = what if len(what) <= words else f"{what[: words - 3]}..."
         joints = "-" if robot.joints is None else robot.joints
-        rows.append([robot.name, joints, short, "yes" if robot.here else "no", robot.source])
-    table = tables.grid(["name", "joints", "family", "here", "from"], rows, left=["name", "family", "from"])
+        rows.append([robot.name, joints, short, "yes" if robot.here else "no", source])
+    table = tables.grid(header, rows, left=["name", "family", "from"])
     more = len(downloads.names())
     rest = f"robot_descriptions has {more} arms: --all lists them" if more else f"more: {downloads.INSTALL}"
     return tables.render(*([table] if rows else ["no robot has such a name"]), "", rest)

@@ -17,7 +17,16 @@ if TYPE_CHECKING:
     from urdf_ik.cli.chosen_arm import ChosenArm, TypedPath
 
 
-def run(chosen: ChosenArm, path: TypedPath, degrees: bool, host: str, port: int | None, output: Path | None) -> None:
+def run(
+    chosen: ChosenArm,
+    path: TypedPath,
+    degrees: bool,
+    host: str,
+    port: int | None,
+    output: Path | None,
+    *,
+    dark: bool = False,
+) -> None:
     """Show an arm until Ctrl-C, or write its scene to ``output``; with a plan where there are waypoints.
 
     Raises:
@@ -35,10 +44,11 @@ def run(chosen: ChosenArm, path: TypedPath, degrees: bool, host: str, port: int 
     else:
         world = cell(path.world, chosen)
     if output is not None:
-        with Viewer(arm, port=0, plan=plan, world=world) as viewer:
+        with Viewer(arm, port=0, plan=plan, world=world, dark=dark) as viewer:
             console.write(viewer.html(), output)
         return
-    with Viewer(arm, host=host, port=port, mesh_roots=chosen.mesh_root or (), plan=plan, world=world) as viewer:
+    roots = chosen.mesh_root or ()
+    with Viewer(arm, host=host, port=port, mesh_roots=roots, plan=plan, world=world, dark=dark) as viewer:
         typer.echo(escaped(f"{arm.name}: {viewer.url} (Ctrl-C ends it)"))
         if viewer.message:
             typer.echo(escaped(viewer.message), err=True)

@@ -68,9 +68,11 @@ def elimination_values(chain: Chain, *, near: bool = False) -> dict[str, Any]:
 
 
 def _best(common: dict[str, Any], rows: dict[str, Any], targets: Array, many: int) -> dict[str, Any]:
-    """So many of the variants in ``rows``, those that are certain of most of the poses (m, 4, 4); the best one last."""
+    """So many of the variants in ``rows``, those rightly certain of most of the poses (m, 4, 4); the best one last."""
     counts, certain = _tried(common | rows, targets)
-    best = np.lexsort((counts.sum(axis=1), certain.sum(axis=1)))[-many:]
+    # One that was certain of fewer solutions than another found has a determinant that some of them are no roots of.
+    wrong = ((certain > 0) & (counts < counts.max(axis=0))).any(axis=1)
+    best = np.lexsort((counts.sum(axis=1), np.where(wrong, -1, certain.sum(axis=1, dtype=np.int64))))[-many:]
     return {name: np.ascontiguousarray(each[best]) for name, each in rows.items()}
 
 

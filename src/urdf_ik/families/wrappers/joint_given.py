@@ -17,7 +17,7 @@ from urdf_ik.chain.free_axis import turning
 from urdf_ik.chain.redundancy import locked_joint
 from urdf_ik.families.parts.family import Plan, RedundantPlan
 from urdf_ik.families.parts.values import written_values
-from urdf_ik.families.wrappers import middle_given
+from urdf_ik.families.wrappers import degenerate, middle_given
 from urdf_ik.structure import analyse
 from urdf_ik.text import quoted
 
@@ -57,6 +57,8 @@ def prepare(chain: Chain, ways: Ways, given: tuple[str, ...] = ()) -> RedundantP
         given: names of joints to hold. Where none or too few are named, of the end joints those whose others have the
             cheapest solver; one in the middle only where no end will do.
     """
+    if chain.n == 7 and not given and (in_the_middle := degenerate.prepare(chain, ways.six)) is not None:
+        return in_the_middle
     for six in ways.six:
         plan = _prepared(chain, ways.seven, six, given, tuple(range(1, chain.n + 1)))
         if isinstance(plan, RedundantPlan):

@@ -92,8 +92,9 @@ def bisected(
         share = 0.5 * (pieces.start + pieces.end)
         middle = interpolated(T0[at], T1[at], share, turns[at])
         between = pieces.value[:, 0] + 0.5 * _value_steps(arm, pieces.value)
-        solutions = arm.ik(middle) if arm.redundancy is None else arm.ik(middle, redundancy=between)
         wanted = pieces.q + 0.5 * pieces.dq
+        values = arm.nearest_values(wanted, middle) if len(arm.redundancies) > 1 else between
+        solutions = arm.ik(middle) if arm.redundancy is None else arm.ik(middle, redundancy=values)
         off = joints.step(wanted[:, None], solutions.q)
         apart = np.where(solutions.valid, np.abs(off).max(axis=2), np.inf)
         column = np.argmin(apart, axis=1)

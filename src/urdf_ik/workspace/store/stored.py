@@ -12,16 +12,16 @@ import numpy as np
 from urdf_ik.errors import StoreError
 from urdf_ik.scale import zarrs
 from urdf_ik.scale.folder import finished, read_question
-from urdf_ik.workspace.blocks import Blocks
 from urdf_ik.workspace.grid import Grid, require_memory
 from urdf_ik.workspace.lookup import cells
 from urdf_ik.workspace.maps import About, MapSlice, WorkspaceMap, read
+from urdf_ik.workspace.store.blocks import Blocks
 from urdf_ik.workspace.totals import Totals, summed
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from urdf_ik.workspace.blocks import Part
+    from urdf_ik.workspace.store.blocks import Part
 
     Array = NDArray[np.float64]
 

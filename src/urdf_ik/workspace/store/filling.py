@@ -13,10 +13,10 @@ import numpy as np
 from urdf_ik.errors import WorkspaceError
 from urdf_ik.scale import Folder, run, zarrs
 from urdf_ik.scale.folder import checked_path, finished
-from urdf_ik.workspace.blocks import Blocks
 from urdf_ik.workspace.grid import AXES, require_memory, require_room
 from urdf_ik.workspace.question import HELD, Question
-from urdf_ik.workspace.stored import FORMAT, VERSION, StoredMap
+from urdf_ik.workspace.store.blocks import Blocks
+from urdf_ik.workspace.store.stored import FORMAT, VERSION, StoredMap
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -1,0 +1,13 @@
+// A batch's poses, part by part, on as many threads as are asked for.
+#pragma once
+
+#include "signals.hpp"
+#include "solver.hpp"
+
+namespace urdf_ik {
+
+// Solve a batch; index of the first target that is no pose, -1 where all are. Called without the GIL. Where `stop` says
+// so it ends early, and the answers are incomplete; no thread is left behind in any case.
+long solve_shared(const Solver& solver, const Batch& batch, int threads, const Stop& stop);
+
+}  // namespace urdf_ik

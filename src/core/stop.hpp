@@ -1,0 +1,12 @@
+// Whether long work is to end early: what does it asks after every small part. Plain functions, without Python.
+#pragma once
+
+namespace urdf_ik {
+
+struct Stop {
+    bool (*asks)(void* self);
+    void* self;
+    bool asked() const { return asks(self); }
+};
+
+}  // namespace urdf_ik
