@@ -83,7 +83,7 @@ COMMANDS = ("info", "fk", "ik", "check", "compare", "dh", "workspace", "path", "
         (("compare", ARM, ARM, "--lock-b", "joint_1"), None, 2, ("--lock-b", "'joint_1'")),
         (("compare", ARM, ARM, "--tool-rpy-b", "0,0"), None, 2, ("--tool-rpy-b", "roll,pitch,yaw")),
         (("info", ARM, "--tool-xyz", "0,0,up"), None, 2, ("--tool-xyz", "'up'")),
-        (("dh", "no/such.csv"), None, 2, ("no/such.csv: cannot be read", "No such file")),
+        (("dh", "no/such.csv"), None, 2, ("cannot read no/such.csv", "No such file")),
         (
             ("plot", ARM, "branches", "--xyz", "1,2,3", "-o", "x.png"),
             None,
@@ -96,7 +96,7 @@ COMMANDS = ("info", "fk", "ik", "check", "compare", "dh", "workspace", "path", "
             2,
             ("no solution to draw", "reach 2.1 m"),
         ),
-        (("workspace", ARM, "--voxel", "0"), None, 2, ("voxel of 0", "positive")),
+        (("workspace", ARM, "--voxel", "0"), None, 2, ("voxel=0.0", "above 0")),
         (("workspace", "planar_2r", "-o", "/dev/null"), None, 2, ("/dev/null", "no regular file")),
         (("workspace", "planar_2r", "-o", ""), None, 2, ("--output", "no regular file")),
         (("ik", "-"), TWO_JOINTS, 4, ("planar",)),

@@ -90,10 +90,10 @@ def test_files_that_cannot_be_read_are_refused(tmp_path: Path, monkeypatch: pyte
     (tmp_path / "bytes.urdf").write_bytes(b"<robot>\n\xff\xff\n")
     assert refused(tmp_path / "bytes.urdf").line == 2
 
-    def deny(_: Path) -> bytes:
+    def deny(*_: object) -> bytes:
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(Path, "read_bytes", deny)
+    monkeypatch.setattr(Path, "open", deny)
     assert "Permission denied" in refused(tmp_path / "inside.urdf").problem
 
 
@@ -102,4 +102,4 @@ def test_a_file_of_unreasonable_size_is_refused_unread(tmp_path: Path) -> None:
     path = tmp_path / "huge.urdf"
     with path.open("wb") as file:
         file.truncate(2**40)
-    assert "64 MiB" in refused(path).problem
+    assert "8 MiB" in refused(path).problem

@@ -23,7 +23,7 @@ TEXT = "<text>"
 MAX_BYTES = 8 * 2**20
 """Greatest size of a URDF: a tree of XML takes up to sixty times as much, and the greatest robots have one MiB."""
 ENCODINGS = frozenset(
-    [*(f"utf-{kind}" for kind in ("8", "8-sig", "16", "16-le", "16-be", "32", "32-le", "32-be")), "ascii", "cp437"]
+    [*(f"utf-{kind}" for kind in ("7", "8", "8-sig", "16", "16-le", "16-be", "32", "32-le", "32-be")), "ascii", "cp437"]
     + [f"iso8859-{k}" for k in (*range(1, 12), *range(13, 17))] + [f"cp125{k}" for k in range(9)]
     + ["koi8-r", "koi8-u", "gb2312", "gbk", "gb18030", "big5", "shift_jis", "cp932", "euc_jp", "iso2022_jp", "euc_kr"]
 )  # fmt: skip
