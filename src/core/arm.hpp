@@ -6,6 +6,9 @@
 
 namespace urdf_ik {
 
+// Greatest length [m] or angle [rad] that is taken: LARGEST of tolerances.py.
+inline constexpr double LARGEST = 1e15;
+
 // See tolerances.py for what each of them means.
 struct Tolerances {
     double reach, edge, fold, continuum, singular, duplicate, rotation, exact_rotation, exact_structure;

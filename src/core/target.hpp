@@ -21,7 +21,9 @@ template <class V> STEP V pose_defect(const V (&t)[16]) {
     const V worst = max(max(max(xx, yy), max(zz, across)), row);
     // Products with zero carry a NaN or an infinity on, where max() would drop it.
     const V lost = 0.0 * (xx + yy + zz + (t[12] + t[13] + t[14] + last)) + (0.0 * t[3] + 0.0 * t[7] + 0.0 * t[11]);
-    return select(dot(cross(x, y), z) > V(0.0), worst, V(__builtin_inf())) + lost;
+    const V far = max(max(abs(t[3]), abs(t[7])), abs(t[11]));
+    const V near = select(V(LARGEST) < far, V(__builtin_inf()), worst);
+    return select(dot(cross(x, y), z) > V(0.0), near, V(__builtin_inf())) + lost;
 }
 
 template <class V> STEP Seen<V> to_frame_1(const Frame<V>& target, const Ends& arm) {

@@ -11,6 +11,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from urdf_ik.guards import forks as _forks  # noqa: F401  a fork waits for first calls of other threads
+
 if TYPE_CHECKING:
     from urdf_ik.arm import Arm, load
     from urdf_ik.chain import Chain

@@ -73,6 +73,10 @@ class Step:
     def angle(self) -> float:
         """Between the tip and the target [rad]."""
 
+    def __getstate__(self) -> tuple: ...
+
+    def __setstate__(self, arg: tuple, /) -> None: ...
+
     def __repr__(self) -> str: ...
 
 class Tracker:

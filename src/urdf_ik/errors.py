@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections.abc import Callable, Iterable
+
+from urdf_ik.text import MOST_OF_A_NAME, escaped, listed, printable
+
+_LONG_WORD = re.compile(rf"[^\s/]{{{MOST_OF_A_NAME + 1},}}")
+_MOST_OF_A_PATH, _MOST_CANDIDATES = 200, 100
 
 
 class UrdfIkError(Exception):
@@ -16,6 +22,26 @@ class UrdfIkError(Exception):
         ...     print(type(error).__name__)
         CatalogueError
     """
+
+
+    def __init__(self, *arguments: object) -> None:
+        # Names in files of unknown origin are no orders to the terminal that shows the message.
+        super().__init__(*(_shown(each) if isinstance(each, str) else each for each in arguments))
+
+    def __reduce__(self) -> tuple[Callable[..., UrdfIkError], tuple[object, ...]]:
+        return _restored, (type(self), self.args, self.__dict__)
+
+
+def _shown(message: str) -> str:
+    return _LONG_WORD.sub(lambda word: printable(word[0]), escaped(message))
+
+
+def _restored(kind: type[UrdfIkError], arguments: tuple[object, ...], fields: dict[str, object]) -> UrdfIkError:
+    """An error as it was before it was pickled or copied: each kind is made from other arguments."""
+    error: UrdfIkError = kind.__new__(kind, *arguments)
+    error.args = arguments
+    error.__dict__.update(fields)
+    return error
 
 
 class ArgumentError(UrdfIkError, ValueError):
@@ -50,7 +76,8 @@ class UrdfError(UrdfIkError, ValueError):
         hint: str | None = None,
     ) -> None:
         self.problem, self.source, self.line, self.element, self.hint = problem, source, line, element, hint
-        where = source if line is None else f"{source}:{line}"
+        shown = printable(source, _MOST_OF_A_PATH)
+        where = shown if line is None else f"{shown}:{line}"
         parts = [where, *([element] if element else []), problem]
         super().__init__(": ".join(parts) + (f" ({hint})" if hint else ""))
 
@@ -69,8 +96,8 @@ class ChainError(UrdfIkError, ValueError):
 
     def __init__(self, problem: str, candidates: Iterable[str] = ()) -> None:
         self.candidates = tuple(candidates)
-        listed = f"; candidates: {', '.join(self.candidates)}" if self.candidates else ""
-        super().__init__(problem + listed)
+        there = f"; candidates: {listed(self.candidates, _MOST_CANDIDATES)}" if self.candidates else ""
+        super().__init__(problem + there)
 
 
 class PoseError(UrdfIkError, ValueError):

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.errors import PoseError
-from urdf_ik.tolerances import DEFAULT
+from urdf_ik.guards import inputs
+from urdf_ik.tolerances import DEFAULT, LARGEST
 
 Array = NDArray[np.float64]
 
@@ -213,15 +214,13 @@ def as_pose_array(T: Any) -> Array:
         (2, 4, 4)
     """
     try:
-        array = np.asarray(_unwrapped(T))
-    except (TypeError, ValueError) as error:
-        raise PoseError(f"poses must be an array of numbers (..., 4, 4): {error}") from None
-    if array.dtype.kind not in "fiu":
-        what = type(T).__name__ if array.dtype == np.object_ else f"{type(T).__name__} of {array.dtype}"
-        raise PoseError(f"{what} given; a pose is a 4x4 array of real numbers, a pinocchio.SE3, or a list of either")
+        given = _unwrapped(T)
+    except (TypeError, ValueError, RecursionError):
+        given = T
+    array = inputs.real(given, "a pose", "a 4x4 array of real numbers, a pinocchio.SE3, or a list of either", PoseError)
     if array.shape[-2:] != (4, 4):
         raise PoseError(f"an array of shape {array.shape} given; poses have the shape (..., 4, 4)")
-    return np.require(array, np.float64, ["C", "A", "E"])
+    return array
 
 
 def check_poses(T: Any) -> Array:
@@ -269,6 +268,7 @@ def project_rotation(T: Any, tolerance: float = PROJECTION_TOLERANCE) -> Array:
         >>> bool(np.allclose(project_rotation(T.round(3)), T, atol=1e-3))
         True
     """
+    tolerance = inputs.number(tolerance, "tolerance", PoseError, low=0.0)
     out = _checked(as_pose_array(T), tolerance).copy()
     left, _, right = np.linalg.svd(out[..., :3, :3])
     out[..., :3, :3] = left @ right  # a rotation, since _checked found the determinant positive
@@ -282,7 +282,7 @@ def _unwrapped(T: Any) -> Any:
         return np.array([_unwrapped(t) for t in T]) if T.dtype == np.object_ and T.ndim else T
     if hasattr(T, "homogeneous"):
         return np.asarray(T.homogeneous)
-    if isinstance(T, list | tuple) or hasattr(T, "tolist"):
+    if isinstance(T, list | tuple):
         return [t if isinstance(t, float | int) else _unwrapped(t) for t in T]
     return T
 
@@ -328,30 +328,21 @@ def _unit(q: Array, name: str) -> Array:
     """Quaternions of length 1; the division by the largest entry first keeps squares from over- and underflow."""
     largest = np.abs(q).max(axis=-1, keepdims=True)
     if len(bad := np.argwhere(largest[..., 0] == 0.0)):
-        raise PoseError(f"{name} is all zeros, which is no rotation", _index(bad[0]))
+        raise PoseError(f"{name} is all zeros, which is no rotation", tuple(bad[0].tolist()) or None)
     scaled = q / largest
     return np.asarray(scaled / np.linalg.norm(scaled, axis=-1, keepdims=True))
 
 
 def _numbers(value: ArrayLike, name: str, size: int) -> Array:
     """``value`` as (..., size) finite float64."""
-    try:
-        array = np.asarray(value)
-    except (TypeError, ValueError) as error:
-        raise PoseError(f"{name} must be an array of numbers (..., {size}): {error}") from None
-    if array.dtype.kind not in "fiu":
-        raise PoseError(f"{name} is {value!r}; {size} real numbers are needed")
+    array = inputs.real(value, name, f"{size} real numbers, or an array (..., {size}) of them", PoseError)
     if array.shape[-1:] != (size,):
         raise PoseError(f"{name} has the shape {array.shape}; {size} numbers are needed, or (..., {size})")
-    bad = np.argwhere(~np.isfinite(array))
-    if bad.size:
-        raise PoseError(f"{name} is {array[tuple(bad[0][:-1])]}; finite numbers are needed", _index(bad[0][:-1]))
-    return array.astype(np.float64)
-
-
-def _index(where: NDArray[np.intp]) -> tuple[int, ...] | None:
-    """Place in a batch, None for a single pose."""
-    return tuple(int(i) for i in where) or None
+    # The length of a quaternion does not matter, so that any number may be in one.
+    largest = np.finfo(np.float64).max if name.startswith("quat") else LARGEST
+    if (bad := inputs.first_bad(array, largest)) is not None:
+        raise PoseError(f"{name} is {array[bad[:-1]]}; {inputs.why_bad(array[bad], largest)}", bad[:-1] or None)
+    return array
 
 
 def _checked(array: Array, tolerance: float) -> Array:
@@ -361,11 +352,11 @@ def _checked(array: Array, tolerance: float) -> Array:
         off_rotation = np.abs(gram - np.eye(3)).max(axis=(-2, -1))
         off_row = np.abs(array[..., 3, :] - _LAST_ROW).max(axis=-1)
         direct = np.einsum("...i,...i->...", np.cross(R[..., 0], R[..., 1]), R[..., 2]) > 0.0
-        finite = np.isfinite(array).all(axis=(-2, -1))
+        finite = (np.abs(array) <= LARGEST).all(axis=(-2, -1))
         good = finite & (off_row <= tolerance) & (off_rotation <= tolerance) & direct
     if not good.all():
         where = tuple(np.argwhere(~good)[0])
-        raise PoseError(_problem(array[where], gram[where], tolerance), _index(np.array(where)))
+        raise PoseError(_problem(array[where], gram[where], tolerance), tuple(int(k) for k in where) or None)
     return array
 
 
@@ -375,6 +366,8 @@ def _problem(T: Array, gram: Array, tolerance: float) -> str:
     if bad.size:
         r, c = bad[0]
         return f"entry [{r}, {c}] is {T[r, c]}; the entries of a pose are finite"
+    if (far := inputs.first_bad(T[:3, 3])) is not None:
+        return f"entry [{far[0]}, 3] is {T[far[0], 3]}; {inputs.why_bad(T[far[0], 3])}, in m"
     if not np.abs(T[3] - _LAST_ROW).max() <= tolerance:
         transposed = " (is it transposed?)" if not T[:3, 3].any() and T[3, 3] == 1.0 else ""
         return f"the last row is {_row(T[3])} and must be (0, 0, 0, 1){transposed}"

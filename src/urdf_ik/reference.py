@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -10,6 +11,9 @@ import pinocchio as pin
 
 from urdf_ik import urdf
 from urdf_ik.errors import JointVectorError, UnsupportedArm, UrdfError
+from urdf_ik.guards import inputs
+from urdf_ik.poses import as_pose_array
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     import os
@@ -94,6 +98,7 @@ class Reference:
             UnsupportedArm: the chain has a joint that one number does not describe (floating, planar).
         """
         model = source if isinstance(source, urdf.UrdfModel) else urdf.read(source)
+        self._made_from = partial(Reference, locked=dict(locked or {})), (model, base, tip)
         self.base, self.tip = model.resolve_chain(base, tip)
         self.pin_model = _build(model)
         self._base, self._tip = self._frame(self.base), self._frame(self.tip)
@@ -109,7 +114,7 @@ class Reference:
             joint = self._joint(name)
             if joint.nv != 1:
                 raise UnsupportedArm(
-                    f"{model.source}: joint {name!r} of the chain has {joint.nv} degrees of freedom; "
+                    f"{model.source}: joint {quoted(name)} of the chain has {joint.nv} degrees of freedom; "
                     "only joints with one can be in a joint vector"
                 )
         column = {name: i for i, name in enumerate(self.joint_names)}
@@ -120,9 +125,8 @@ class Reference:
             offset += multiplier * held.get(driver, 0.0)
             # A joint that Pinocchio itself makes follow another has no entry of its own.
             if joint.nq and joint.nv == 1 and (driver in column or offset):
-                self._drives.append(
-                    _Drive(joint.idx_q, joint.idx_v, joint.nq == 2, column.get(driver), multiplier, offset)
-                )
+                place = column.get(driver)
+                self._drives.append(_Drive(joint.idx_q, joint.idx_v, joint.nq == 2, place, multiplier, offset))
         # Pinocchio's velocities from the joint vector's.
         self._spread = np.zeros((self.pin_model.nv, self.dof))
         for drive in self._drives:
@@ -139,6 +143,9 @@ class Reference:
         for array in (self._spread, self.prismatic, self.limits, self.ranges):
             array.setflags(write=False)
         self._work = _Work(self.pin_model)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return self._made_from
 
     @property
     def dof(self) -> int:
@@ -183,12 +190,8 @@ class Reference:
         Raises:
             JointVectorError: the last dimension is not nq, or a value is not finite.
         """
-        try:
-            full = np.asarray(q_pin, dtype=np.float64)
-        except (TypeError, ValueError) as error:
-            raise JointVectorError(f"a configuration must be an array of numbers: {error}") from None
-        nq = self.pin_model.nq
-        if full.shape[-1:] != (nq,) or not np.isfinite(full).all():
+        full, nq = inputs.real(q_pin, "a configuration", "an array of numbers", JointVectorError), self.pin_model.nq
+        if full.shape[-1:] != (nq,) or inputs.first_bad(full) is not None:
             raise JointVectorError(f"configurations of shape {full.shape} given; (..., {nq}) finite numbers are needed")
         out = np.empty((*full.shape[:-1], self.dof))
         for column, name in enumerate(self.joint_names):
@@ -288,7 +291,7 @@ class Reference:
         Raises:
             JointVectorError: the last dimension of q is not n.
         """
-        return pose_errors(self.pose(q), np.asarray(T, dtype=np.float64))
+        return pose_errors(self.pose(q), as_pose_array(T))
 
     def vectors(self, q: ArrayLike) -> Array:
         """``q`` as a float64 array (..., n).
@@ -296,10 +299,7 @@ class Reference:
         Raises:
             JointVectorError: the last dimension is not n.
         """
-        try:
-            Q = np.asarray(q, dtype=np.float64)
-        except (TypeError, ValueError) as error:
-            raise JointVectorError(f"a joint vector must be an array of numbers (..., {self.dof}): {error}") from None
+        Q = inputs.real(q, "a joint vector", f"an array of numbers (..., {self.dof})", JointVectorError)
         if Q.ndim == 0 or Q.shape[-1] != self.dof:
             raise JointVectorError(
                 f"joint vectors of shape {Q.shape} given; the last dimension must be {self.dof} "
@@ -329,7 +329,7 @@ class Reference:
     def _frame(self, link: str) -> int:
         index = self.pin_model.getFrameId(link, pin.FrameType.BODY)
         if index >= self.pin_model.nframes:  # its way of saying no
-            raise UrdfError(f"Pinocchio's model has no link {link!r}", source="Pinocchio")
+            raise UrdfError(f"Pinocchio's model has no link {quoted(link)}", source="Pinocchio")
         return int(index)
 
     def _joint(self, name: str) -> Any:

@@ -17,7 +17,9 @@ from urdf_ik.chain.plane import Plane, plane_of
 from urdf_ik.errors import PoseError, TaskError, UnsupportedArm
 from urdf_ik.families import Plan, few_joints, planar
 from urdf_ik.families.wrappers import axis_added
+from urdf_ik.guards import inputs
 from urdf_ik.structure import analyse
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -129,7 +131,7 @@ class Targets:
             TaskError: there is no such task, or the arm cannot control it.
         """
         if task not in TASKS:
-            raise TaskError(f"no task is called {task!r}; tasks: {', '.join(map(repr, TASKS))}")
+            raise TaskError(f"no task is called {quoted(task)}; tasks: {', '.join(map(repr, TASKS))}")
         if task != control.task or task == "pose":
             fitting = "the whole pose" if control.task == "pose" else f"the whole pose, or the task {control.task!r}"
             raise TaskError(f"{name}: its {chain.n} joints do not control {task!r} and nothing else; give {fitting}")
@@ -145,7 +147,7 @@ class Targets:
         """
         plan = _plan(self._chain, self._control)
         if plan is None:
-            raise UnsupportedArm(f"{self._name}: no solver for the task {self.task!r} of this arm. {structure}")
+            raise UnsupportedArm(f"{self._name}: no solver for the task {quoted(self.task)} of this arm. {structure}")
         self._takes_points = plan.solver.numbers == _WIDTH["planar position"]
         return replace(plan, imperfection=(0.0, 0.0))
 
@@ -159,7 +161,12 @@ class Targets:
         if self.task == "position and axis" and isinstance(T, tuple | list) and len(T) == 2:
             point, direction = (_numbers(part, self.task, "") for part in T)
             if point.shape[-1:] == direction.shape[-1:] == (3,):
-                shape = np.broadcast_shapes(point.shape[:-1], direction.shape[:-1])
+                try:
+                    shape = np.broadcast_shapes(point.shape[:-1], direction.shape[:-1])
+                except ValueError:
+                    raise PoseError(
+                        f"positions {point.shape} and directions {direction.shape} given; the shapes do not broadcast"
+                    ) from None
                 T = np.concatenate([np.broadcast_to(a, (*shape, 3)) for a in (point, direction)], axis=-1)
         words = {
             "position": "x, y, z [m] in the base",
@@ -170,21 +177,20 @@ class Targets:
         target = _numbers(T, self.task, words)
         if target.ndim == 0 or target.shape[-1] != width:
             raise PoseError(
-                f"a target of shape {target.shape} given; the task {self.task!r} takes (..., {width}): {words}"
+                f"a target of shape {target.shape} given; the task {quoted(self.task)} takes (..., {width}): {words}"
             )
         if self.task == "position and axis":
             target = target.copy()
-            length = np.linalg.norm(target[..., 3:], axis=-1, keepdims=True)
-            with np.errstate(invalid="ignore", divide="ignore"):
-                target[..., 3:] /= length
+            with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+                target[..., 3:] /= np.abs(target[..., 3:]).max(axis=-1, keepdims=True)  # lest squares overflow
+                target[..., 3:] /= np.linalg.norm(target[..., 3:], axis=-1, keepdims=True)
         else:
             target = target.copy() if target is T else target
-        if not np.isfinite(target).all():
-            place = tuple(np.argwhere(~np.isfinite(target))[0][:-1].tolist())
+        if (bad := inputs.first_bad(target)) is not None:
             raise PoseError(
-                f"the target {target[place].tolist()} for the task {self.task!r} is not finite, or its direction has "
-                "no length",
-                place or None,
+                f"the target {target[bad[:-1]].tolist()} for the task {self.task!r} is not finite, or its direction "
+                f"has no length: {inputs.why_bad(target[bad])}",
+                bad[:-1] or None,
             )
         return target
 
@@ -225,13 +231,8 @@ def _plan(chain: Chain, control: Control) -> Plan | None:
 
 
 def _numbers(value: Any, task: str, words: str) -> Array:
-    try:
-        given = np.asarray(value)
-        if given.dtype.kind in "cSUb":
-            raise TypeError(f"its elements are of type {given.dtype}")
-        return np.ascontiguousarray(given, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise PoseError(f"a target for the task {task!r} must be an array of numbers, {words}: {error}") from None
+    needed = f"an array of numbers{', ' if words else ''}{words}"
+    return inputs.real(value, f"a target for the task {quoted(task)}", needed, PoseError)
 
 
 def _turn_to(axis: Array, directions: Array) -> Array:

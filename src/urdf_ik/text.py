@@ -4,12 +4,33 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Collection, Sequence
+import reprlib
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any
 
 MOST_OF_A_NAME = 80
 """Characters of a name or value that a message quotes at most."""
+_MOST_COMPARED = 1000
+"""Names that are compared with one that is not there."""
+_SHORT = reprlib.Repr()
+_SHORT.maxlist = _SHORT.maxtuple = _SHORT.maxdict = _SHORT.maxset = 16
+_SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = 4 * MOST_OF_A_NAME
+
+
+def escaped(text: str) -> str:
+    r"""``text`` with its lines, and without what a terminal takes for an order: such characters become escapes.
+
+    Control characters and marks that turn the direction of writing come with names in files of unknown origin.
+
+    Example:
+        >>> escaped("tool\x9b31m\ntip\u202e")
+        'tool\\x9b31m\ntip\\u202e'
+    """
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
 
 
 def quoted(value: object, most: int = MOST_OF_A_NAME) -> str:
@@ -19,9 +40,13 @@ def quoted(value: object, most: int = MOST_OF_A_NAME) -> str:
         >>> quoted("tool" * 30)
         "'tooltooltooltooltooltooltooltooltooltooltooltooltooltooltooltooltooltooltool..."
     """
-    # What is cut off need not be written first: a text may be as long as a file.
-    cut = value[: most + 1] if isinstance(value, str | bytes) else value
-    return printable(" ".join(repr(cut).split()) if not isinstance(cut, str | bytes) else repr(cut), most)
+    if isinstance(value, str | bytes):  # what is cut off need not be written first: it may be as long as a file
+        return printable(repr(value[: most + 1]), most)
+    try:
+        written = _SHORT.repr(value)
+    except Exception:  # an object of unknown origin, or lists in each other without end
+        written = f"<{type(value).__name__}>"
+    return printable(" ".join(written.split()), most)
 
 
 def printable(text: object, most: int = MOST_OF_A_NAME) -> str:
@@ -38,11 +63,39 @@ def printable(text: object, most: int = MOST_OF_A_NAME) -> str:
         >>> printable("tool\x9b31m\u202e")
         'tool\\x9b31m\\u202e'
     """
-    written = str(text)
-    cut = written[:most]
-    if not cut.isprintable():
-        cut = "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in cut)
+    try:
+        written = str(text)
+    except Exception:  # an object of unknown origin
+        written = f"<{type(text).__name__}>"
+    cut = escaped(written[:most]).replace("\n", "\\n")
     return cut if len(cut) <= most and len(written) <= most else cut[: most - 3] + "..."
+
+
+def listed(names: Iterable[object], most: int = 20) -> str:
+    """Names as a message lists them, each of them :func:`printable`; of many the first ones.
+
+    Example:
+        >>> listed(["base", "tool"]), listed("abc", most=2)
+        ('base, tool', 'a, b, ... (3)')
+    """
+    every = list(names)
+    shown = [printable(name) for name in every[:most]]
+    return ", ".join(shown if len(every) <= most else [*shown, f"... ({len(every)})"])
+
+
+def nearest(name: object, names: Iterable[str], n: int = 3, cutoff: float = 0.6) -> list[str]:
+    """Those of ``names`` that may have been meant by ``name``, the likeliest first.
+
+    Long names are compared by their beginnings, and of many names the first are looked at: the work grows with both.
+
+    Example:
+        >>> nearest("too0", ["base_link", "tool0"])
+        ['tool0']
+    """
+    import difflib
+
+    cut = {each[:MOST_OF_A_NAME]: each for each in reversed(list(islice(names, _MOST_COMPARED)))}
+    return [cut[each] for each in difflib.get_close_matches(str(name)[:MOST_OF_A_NAME], cut, n, cutoff)]
 
 
 def aligned(rows: Sequence[Sequence[str]], *, left: Collection[int] = (), rule: bool = False) -> list[str]:
@@ -57,6 +110,7 @@ def aligned(rows: Sequence[Sequence[str]], *, left: Collection[int] = (), rule: 
         >>> aligned([["joint", "value"], ["joint_1", "0.5"]], left=[0])
         ['joint    value', 'joint_1    0.5']
     """
+    rows = [[escaped(cell).replace("\n", "\\n") for cell in row] for row in rows]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     ruled = [rows[0], ["-" * width for width in widths], *rows[1:]] if rule else rows
     return [
@@ -91,7 +145,7 @@ class Section:
         if self.rows:
             left = [k for k, name in enumerate(self.header) if name in self.left]
             lines += aligned([self.header, *self.rows], left=left, rule=True)
-        return "\n".join([*lines, *self.remarks])
+        return escaped("\n".join([*lines, *self.remarks]))
 
 
 def plain(value: Any, *, nulls: bool = False) -> Any:

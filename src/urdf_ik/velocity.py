@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik.errors import VelocityError
-from urdf_ik.tolerances import DEFAULT
+from urdf_ik.guards import inputs
+from urdf_ik.tolerances import DEFAULT, LARGEST
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -237,6 +238,10 @@ def joint_velocities(
     return np.asarray(rates)
 
 
+LEAST_LENGTH = 1e-12
+"""The least length [m] that turns translations into angles."""
+
+
 def _scaled_jacobian(chain: Chain, q: ArrayLike, length: float) -> Array:
     """The Jacobian (..., 6, n) without units: lengths as shares of ``length``, also those of prismatic joints."""
     J = chain.jacobian(q)
@@ -246,48 +251,34 @@ def _scaled_jacobian(chain: Chain, q: ArrayLike, length: float) -> Array:
 
 
 def _rows(part: str) -> slice:
-    try:
-        return PARTS[part]
-    except (KeyError, TypeError):
-        raise VelocityError(f"unknown part {part!r} of a twist; there are {', '.join(PARTS)}") from None
+    return PARTS[inputs.choice(part, "part", tuple(PARTS), VelocityError)]
 
 
 def _length(chain: Chain, length: float | None) -> float:
-    return chain.size if length is None else _number("length", length)
+    return chain.size if length is None else inputs.number(length, "length", VelocityError, low=LEAST_LENGTH, unit="m")
 
 
 def _number(name: str, value: float, *, zero: bool = False) -> float:
     """A finite number above zero, or from zero on."""
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        number = np.nan
-    if not np.isfinite(number) or number < 0.0 or (number == 0.0 and not zero):
-        raise VelocityError(f"{name}={value!r} given; a finite number {'from' if zero else 'above'} 0 is needed")
-    return number
+    return inputs.number(value, name, VelocityError, low=0.0, above=None if zero else 0.0)
 
 
 def _twist(twist: ArrayLike, count: int) -> Array:
-    try:
-        V = np.asarray(twist, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise VelocityError(f"a twist must be an array of numbers (..., {count}): {error}") from None
+    V = inputs.real(twist, "a twist", f"an array of numbers (..., {count})", VelocityError)
     if V.ndim == 0 or V.shape[-1] != count:
         raise VelocityError(f"a twist of shape {V.shape} given; the last dimension must be {count}")
-    if not np.isfinite(V).all():
-        raise VelocityError(f"twist{np.argwhere(~np.isfinite(V))[0].tolist()} is not finite")
+    if (bad := inputs.first_bad(V)) is not None:
+        problem = "is not finite" if not np.isfinite(V[bad]) else f"is {V[bad]}; {inputs.why_bad(V[bad])}"
+        raise VelocityError(f"twist{list(bad)} {problem}")
     return V
 
 
 def _each_joint(chain: Chain, name: str, values: ArrayLike) -> Array:
     """One positive number a joint."""
-    try:
-        array = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise VelocityError(f"{name} must be {chain.n} numbers: {error}") from None
+    array = inputs.real(values, name, f"{chain.n} numbers", VelocityError)
     if array.shape != (chain.n,):
         raise VelocityError(f"{name} of shape {array.shape} given; one number a joint ({chain.n},) is needed")
-    if not (np.isfinite(array) & (array > 0.0)).all():
-        bad = int(np.flatnonzero(~(np.isfinite(array) & (array > 0.0)))[0])
+    if not ((array > 0.0) & (array <= LARGEST)).all():
+        bad = int(np.flatnonzero(~((array > 0.0) & (array <= LARGEST)))[0])
         raise VelocityError(f"{name}: {array[bad]} for joint {chain.joint_names[bad]!r}; a number above 0 is needed")
     return array

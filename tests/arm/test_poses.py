@@ -173,7 +173,7 @@ def test_pose_broadcasts() -> None:
         ([1, 2, 3], {"rpy": [0, 0, 0], "rotvec": [0, 0, 0]}, "rotvec and rpy given", None),
         ([1, 2], {}, r"position has the shape \(2,\)", None),
         ([1, 2, np.nan], {}, "position is .*nan.*finite", None),
-        ([1, 2, "x"], {}, "position is", None),
+        ([1, 2, "x"], {}, "position must be", None),
         ([1, 2, 1j], {}, "real numbers", None),
         ([[1, 2, 3], [1, 2]], {}, "position", None),
         ([1, 2, 3], {"quat_xyzw": [0, 0, 0]}, "4 numbers are needed", None),

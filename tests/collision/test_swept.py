@@ -209,5 +209,5 @@ def test_bad_motions() -> None:
         arm.collision_model.motions_free(q[None], np.full((1, 6), np.inf))
     with pytest.raises(JointVectorError, match=r"both must be \(k, 6\)"):
         arm.collision_model.motions_free(q, q)
-    with pytest.raises(ArgumentError, match=r"margin of -0\.1"):
+    with pytest.raises(ArgumentError, match=r"margin=-0\.1"):
         arm.motion_is_free(q, q, margin=-0.1)

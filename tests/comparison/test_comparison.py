@@ -243,9 +243,9 @@ def test_an_arm_that_is_not_solved_is_compared_as_far_as_it_goes() -> None:
 def test_numbers_that_make_no_sense_are_refused() -> None:
     """No poses, or a negative seed."""
     arm = urdf_ik.load("planar_2r")
-    with pytest.raises(UrdfIkError, match="n = 0"):
+    with pytest.raises(UrdfIkError, match="n=0"):
         urdf_ik.compare(arm, arm, n=0)
-    with pytest.raises(UrdfIkError, match="seed = -1"):
+    with pytest.raises(UrdfIkError, match="seed=-1"):
         urdf_ik.compare(arm, arm, seed=-1)
 
 

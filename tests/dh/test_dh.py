@@ -318,7 +318,7 @@ def test_constructor_copies_and_checks() -> None:
     table = DHTable("standard", [0], [1], [0], [0], limits=limits, **fields)
     limits[0, 0] = -2.0
     assert table.limits[0, 0] == -1.0 and not table.limits.flags.writeable
-    for values, words in (("x", "'a' is no array"), ([1, 2], "column 'a' has the shape"), (np.nan, "column 'a'")):
+    for values, words in (("x", "'a' must be an array"), ([1, 2], "column 'a' has the shape"), (np.nan, "column 'a'")):
         with pytest.raises(DHError, match=words):
             DHTable("standard", [0], values, [0], [0], limits=limits, **fields)
 

@@ -13,7 +13,7 @@ PACKAGE = "urdf_ik"
 
 # The rooms, floor by floor: a room imports from its own floor and from those below.
 FLOORS = (
-    {"_core", "angles", "arrays", "errors", "palette", "text", "tolerances"},
+    {"_core", "angles", "arrays", "errors", "guards", "palette", "text", "tolerances"},
     {"catalogue", "poses", "urdf"},
     {"chain", "dh", "structure", "velocity"},
     {"families"},

@@ -127,7 +127,7 @@ def test_why_nothing_is_near_enough() -> None:
         ({"within": -0.1}, ArgumentError, "zero or positive"),
         ({"within": [0.1, np.nan, 1, 1, 1, 1]}, ArgumentError, "zero or positive"),
         ({"within": [0.1, 0.2]}, JointVectorError, "6 joints: shoulder_pan_joint"),
-        ({"within": "near"}, JointVectorError, "a number or one a joint"),
+        ({"within": "near"}, JointVectorError, "a number, or one a joint"),
         ({"weights": [1.0]}, JointVectorError, "weights has the shape"),
     ],
 )
@@ -204,7 +204,7 @@ def test_what_cannot_be_rated_is_refused() -> None:
         s.best("speed")
     with pytest.raises(ArgumentError, match="looks at no world"):
         s.best("limits", world=object())
-    with pytest.raises(ArgumentError, match="the 9 best of 8 columns"):
+    with pytest.raises(ArgumentError, match="the n best of 8 columns: n=9"):
         s.best("limits", n=9)
 
 

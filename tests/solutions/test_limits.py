@@ -173,5 +173,5 @@ def test_unbelievable_limits() -> None:
 @pytest.mark.parametrize("tol", [np.nan, np.inf, -np.inf])
 def test_a_tolerance_is_finite(tol: float) -> None:
     """NaN and infinities are refused as tolerances: they would drop or keep everything in silence."""
-    with pytest.raises(UrdfIkError, match="tolerance of"):
+    with pytest.raises(UrdfIkError, match="a finite number of rad or m"):
         limits.nearest_image(np.zeros((1, 1)), np.array([[-1.0, 1.0]]), np.array([True]), tol)

@@ -78,13 +78,13 @@ struct PyChain {
     PyChain(const PyChain&) = delete;
 
     // A function of joint vectors (..., n) as an array (..., rows, columns); None where they are anything but an array of
-    // finite float64 numbers in C order.
+    // float64 numbers in range in C order.
     nb::object of(nb::handle q, Fill fill, npy_intp rows, npy_intp columns) const {
         PyArrayObject* from = doubles(q);
         const int dimensions = from ? PyArray_NDIM(from) : 0;
         if (!dimensions || dimensions + 1 > NPY_MAXDIMS || PyArray_DIM(from, dimensions - 1) != arm.joints) return nb::none();
         const double* Q = (const double*)PyArray_DATA(from);
-        if (!all_finite(Q, PyArray_SIZE(from))) return nb::none();
+        if (!all_in_range(Q, PyArray_SIZE(from))) return nb::none();
         npy_intp shape[NPY_MAXDIMS];
         long m = 1;
         for (int i = 0; i + 1 < dimensions; ++i) m *= shape[i] = PyArray_DIM(from, i);

@@ -1,8 +1,7 @@
 // NumPy's C-API, for the calls that are too short for nanobind's typed arrays.
 #pragma once
 
-#include <cstdint>
-#include <cstring>
+#include <cmath>
 
 #include <nanobind/nanobind.h>
 
@@ -13,6 +12,8 @@
 #endif
 #include <numpy/arrayobject.h>
 
+#include "../arm.hpp"
+
 namespace urdf_ik {
 
 // The object as an array of float64 in C order, null where it is anything else.
@@ -22,14 +23,10 @@ inline PyArrayObject* doubles(nanobind::handle object) {
     return PyArray_TYPE(array) == NPY_DOUBLE && PyArray_ISCARRAY_RO(array) ? array : nullptr;
 }
 
-inline bool all_finite(const double* x, npy_intp count) {
-    const std::uint64_t exponent = 0x7ff0000000000000ULL;
+// Whether no number is NaN or beyond LARGEST.
+inline bool all_in_range(const double* x, npy_intp count) {
     bool bad = false;
-    for (npy_intp i = 0; i < count; ++i) {
-        std::uint64_t bits;
-        std::memcpy(&bits, x + i, 8);
-        bad |= (bits & exponent) == exponent;
-    }
+    for (npy_intp i = 0; i < count; ++i) bad |= !(std::fabs(x[i]) <= LARGEST);
     return !bad;
 }
 

@@ -1,7 +1,9 @@
 // Following poses one a cycle, as Python calls it: a tracker's state, and what one cycle answers. Against NumPy's C-API, see
 // answer.cpp.
 #include <algorithm>
+#include <cstring>
 #include <memory>
+#include <new>
 
 #include "numpy_api.hpp"
 #include "solver.hpp"
@@ -139,6 +141,17 @@ void add_tracker(nb::module_& m) {
             "distance", [](const Cycle& s) { return s.tracked.distance; }, "From the tip to the target [m].")
         .def_prop_ro(
             "angle", [](const Cycle& s) { return s.tracked.angle; }, "Between the tip and the target [rad].")
+        .def("__getstate__", [](const Cycle& s) { return nb::make_tuple(nb::bytes((const char*)&s, sizeof s)); })
+        .def("__setstate__",
+             [](Cycle& s, const nb::tuple& state) {
+                 const nb::bytes numbers = nb::cast<nb::bytes>(state[0]);
+                 Cycle from{};
+                 if (numbers.size() != sizeof from) throw nb::value_error("no step of this version");
+                 std::memcpy(&from, numbers.c_str(), sizeof from);
+                 if (from.joints < 0 || from.joints > MOST_TRACKED || int(from.tracked.status) > 2 || int(from.tracked.why) > 6)
+                     throw nb::value_error("no step of this version");
+                 new (&s) Cycle(from);
+             })
         .def("__repr__", [](const Cycle& s) {
             const char* why = WHY[int(s.tracked.why)];
             return std::string("<Step ") + STATUS[int(s.tracked.status)] + (why ? std::string(": ") + why : "") + ">";

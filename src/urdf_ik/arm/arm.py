@@ -17,12 +17,14 @@ from urdf_ik.chain.redundancy import spread
 from urdf_ik.errors import ArgumentError, JointVectorError, PoseError, TaskError, UnsupportedArm
 from urdf_ik.families import Plan, RedundantPlan
 from urdf_ik.families.wrappers import axis_free
+from urdf_ik.guards import inputs
 from urdf_ik.poses import as_pose_array, check_poses
 from urdf_ik.redundancy import inside, nearest, sweep
 from urdf_ik.solutions import IKSolutions
 from urdf_ik.solutions.representatives import near_each
 from urdf_ik.structure import Structure, analyse
-from urdf_ik.tasks import Targets
+from urdf_ik.tasks import TASKS, Targets
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -114,8 +116,11 @@ class Arm(Free):
     def __repr__(self) -> str:
         return f"<Arm {self.name!r}: {self.base} to {self.tip}, {self.structure.family or f'{self.dof} joints'}>"
 
-    def __reduce__(self) -> tuple[type[Arm], tuple[UrdfModel, Chain, str, FreeAxis | None, tuple[str, ...]]]:
-        return Arm, (self.model, self.chain, self._task, self._free_axis, self._given)
+    def __reduce__(self) -> tuple[type[Arm], tuple[Any, ...], dict[str, Any] | None]:
+        # The collision model is built when it is asked for; only what a user changed of it must not be lost.
+        own = self.__dict__.get("collision_model")
+        kept = {"collision_model": own} if own is not None and own.is_changed else None
+        return Arm, (self.model, self.chain, self._task, self._free_axis, self._given), kept
 
     def _again(self, **changed: Any) -> Self:
         make: Any = type(self)
@@ -137,6 +142,8 @@ class Arm(Free):
             >>> len(arm.ik([0.1, 0.1]))
             2
         """
+        if not isinstance(task, str):
+            raise TaskError(f"task={quoted(task)} given; one of {', '.join(map(repr, TASKS))} is needed")
         if task not in self._by_task:
             if self._free_axis is not None:
                 raise TaskError(
@@ -214,12 +221,13 @@ class Arm(Free):
             shoulder back, elbow down, wrist noflip
             shoulder back, elbow down, wrist flip
         """
-        if task is not None and task != self._task:
+        if task is not None and not (isinstance(task, str) and task == self._task):
             return self.for_task(task).ik(T, q_ref, redundancy=redundancy, threads=threads)
         single: Any = self._of_single_poses
         if (
             single is not None
             and redundancy is None
+            and type(threads) is int
             and threads == 1
             and T is not None
             and (q_ref is None or type(T) is np.ndarray)
@@ -233,8 +241,7 @@ class Arm(Free):
                 return solutions
         if self._plan is None:
             raise unsupported(self.name, self.chain, self.structure)
-        if threads < 1:
-            raise ArgumentError(f"threads={threads} given; a batch is shared by one or more")
+        threads = inputs.whole(threads, "threads", low=1)
         if self._targets is not None:
             if redundancy is not None:
                 raise UnsupportedArm(f"{self.name}: targets of the task {self._task!r} leave nothing free")
@@ -340,7 +347,7 @@ class Arm(Free):
             >>> arm.ik_nearest(arm.fk(q), q).q.round(6).tolist()
             [[0.3, -0.5, 0.8, 0.4, 0.7, -0.2]]
         """
-        if task is not None and task != self._task:
+        if task is not None and not (isinstance(task, str) and task == self._task):
             arm = self.for_task(task)
             return arm.ik_nearest(
                 T, q_ref, metric=metric, weights=weights, within=within, within_limits=within_limits, threads=threads

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
 from urdf_ik import velocity
 from urdf_ik.chain import velocity_limits
+from urdf_ik.guards import inputs
 from urdf_ik.solutions import limits
 from urdf_ik.tasks import control_of
 from urdf_ik.tolerances import DEFAULT
@@ -155,7 +155,7 @@ class Kinematics:
             >>> urdf_ik.load("scara_with_gripper.urdf", tip=arm.tip).tip
             'gripper'
         """
-        Path(path).write_bytes(self.model.xml)
+        inputs.path(path, "path").write_bytes(self.model.xml)
 
     @cached_property
     def control(self) -> Control:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
@@ -10,10 +11,11 @@ from urdf_ik import catalogue, urdf
 from urdf_ik.arm.arm import Arm
 from urdf_ik.chain import from_urdf
 from urdf_ik.errors import ArgumentError, ChainError
+from urdf_ik.text import quoted
 from urdf_ik.urdf.srdf import chain_groups
 
 if TYPE_CHECKING:
-    import os
+
     from collections.abc import Mapping, Sequence
 
 
@@ -72,9 +74,9 @@ def load(
     elif tip is None:
         base, tip = model.resolve_chain(base, tip, chain)
     elif chain is not None:
-        raise ArgumentError(f"chain={chain!r} and tip={tip!r} say the same; give one of them")
+        raise ArgumentError(f"chain={quoted(chain)} and tip={quoted(tip)} say the same; give one of them")
     given = (redundancy,) if isinstance(redundancy, str) else tuple(redundancy)
-    return Arm(model, from_urdf(model, base, tip).lock(locked or {}), given=given)
+    return Arm(model, from_urdf(model, base, tip).lock({} if locked is None else locked), given=given)
 
 
 def read(
@@ -98,7 +100,8 @@ def read(
     entry = None
     if isinstance(source, str) and _is_name(source):
         entry = catalogue.resolve(source)
-        source, mesh_roots = entry.path, (*mesh_roots, *entry.package_dirs)
+        roots = [mesh_roots] if isinstance(mesh_roots, str | os.PathLike) else mesh_roots
+        source, mesh_roots = entry.path, (*roots, *entry.package_dirs)
         if entry.xacro_args is not None:
             xacro_args = {**entry.xacro_args, **(xacro_args or {})}
     return urdf.read(source, mesh_roots=mesh_roots, xacro_args=xacro_args), entry
@@ -123,4 +126,9 @@ def _of_group(
 
 def _is_name(source: str) -> bool:
     """Whether ``source`` can only be meant as a catalogue name: no markup, no folder, no ending, no such file."""
-    return bool(re.fullmatch(r"[\w+-]+", source)) and not Path(source).exists()
+    if not re.fullmatch(r"[\w+-]+", source):
+        return False
+    try:
+        return not Path(source).exists()
+    except OSError:  # too long to be the name of a file
+        return True

@@ -8,6 +8,7 @@ from urdf_ik.chain import CoupledChain, dependent_joints, kinds_of
 from urdf_ik.errors import ArgumentError, ChainError, UnsupportedArm
 from urdf_ik.families import coupled
 from urdf_ik.families.registry import MOST_JOINTS
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from urdf_ik.chain import Chain
@@ -48,7 +49,7 @@ def unsupported(name: str, chain: Chain, structure: Structure) -> UnsupportedArm
             f"{', '.join(map(str, chain.followers))}; independent: {', '.join(chain.joint_names)}"
         )
     if chain.n == 0:
-        return UnsupportedArm(f"{name}: no joint moves between {chain.base!r} and {chain.tip!r}")
+        return UnsupportedArm(f"{name}: no joint moves between {quoted(chain.base)} and {quoted(chain.tip)}")
     same = dependent_joints(chain)
     if same:
         return UnsupportedArm(
@@ -66,7 +67,7 @@ def unsupported(name: str, chain: Chain, structure: Structure) -> UnsupportedArm
         return UnsupportedArm(f"{name}: no solver for this arm yet. {structure}")
     if chain.n <= MOST_JOINTS:
         return UnsupportedArm(f"{name}: no solver for any six of its {chain.n} joints, the others held. {structure}")
-    held = ", ".join(f"{name!r}: 0.0" for name in chain.joint_names[: chain.n - MOST_JOINTS])
+    held = ", ".join(f"{quoted(name)}: 0.0" for name in chain.joint_names[: chain.n - MOST_JOINTS])
     return UnsupportedArm(
         f"{name}: {chain.n} joints from {chain.base!r} to {chain.tip!r} ({', '.join(chain.joint_names)}); at "
         f"most {MOST_JOINTS} are solved: hold {chain.n - MOST_JOINTS} or more of them, each at a value [rad or m], as "

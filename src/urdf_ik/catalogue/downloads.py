@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from urdf_ik.errors import CatalogueError
+from urdf_ik.text import quoted
 
 INSTALL = "pip install 'urdf-ik[robots]'"
 _ENDINGS = ("_description", "_mj_description")
@@ -112,7 +113,7 @@ def fetch(model: str) -> Model:
             folders += [os.path.dirname(folder) for folder in folders]
             arguments = getattr(module, "XACRO_ARGS", {}) if attribute == "XACRO_PATH" else None
             return Model(Path(path), tuple(dict.fromkeys(map(Path, folders))), arguments)
-    raise CatalogueError(f"{model!r} of robot_descriptions is neither URDF nor xacro nor MJCF")
+    raise CatalogueError(f"{quoted(model)} of robot_descriptions is neither URDF nor xacro nor MJCF")
 
 
 @cache

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from urdf_ik.catalogue import downloads
 from urdf_ik.errors import CatalogueError
+from urdf_ik.text import nearest, quoted
 
 BUNDLED: Mapping[str, str] = {
     "zyyzyz_6r": "six axes z y y z y z with a spherical wrist, upright at zero",
@@ -129,6 +130,8 @@ def resolve(name: str) -> Entry:
         >>> resolve("zyyzyz_6r").tip
         'tool0'
     """
+    if not isinstance(name, str):
+        raise CatalogueError(f"{quoted(name)} given; the name of an arm is a text: {', '.join(names())}")
     if name in BUNDLED:
         return Entry(name, _bundled_folder() / f"{name}.urdf", "base_link", _TIPS.get(name, "tool0"), (), BUNDLED[name])
     if name in EXAMPLE_ROBOT_DATA:
@@ -136,19 +139,19 @@ def resolve(name: str) -> Entry:
     if model := downloads.model_of(name):
         found = downloads.fetch(model)
         return Entry(name, found.path, None, None, found.package_dirs, downloads.describe(model), found.xacro_args)
-    raise CatalogueError(f"no arm is called {name!r}; {_alternatives(name)}")
+    raise CatalogueError(f"no arm is called {quoted(name)}; {_alternatives(name)}")
 
 
 def _from_example_robot_data(name: str) -> Entry:
     share = _example_robot_data_share()
     if share is None:
         raise CatalogueError(
-            f"{name!r} is an arm of {_DISTRIBUTION}, which is not installed: {INSTALL_EXAMPLE_ROBOT_DATA}"
+            f"{quoted(name)} is an arm of {_DISTRIBUTION}, which is not installed: {INSTALL_EXAMPLE_ROBOT_DATA}"
         )
     path = _robot_file(share, name)
     if not path.is_file():
         raise CatalogueError(
-            f"{name!r} is not in the installed {_DISTRIBUTION}, {path} is missing: "
+            f"{quoted(name)} is not in the installed {_DISTRIBUTION}, {path} is missing: "
             f"{INSTALL_EXAMPLE_ROBOT_DATA} --upgrade"
         )
     return Entry(name, path, *EXAMPLE_ROBOT_DATA[name][1:], (share,))
@@ -184,10 +187,8 @@ def _example_robot_data_share() -> Path | None:
 
 def _alternatives(name: str) -> str:
     """The names nearest to one that the catalogue does not hold, or all of them where none is near."""
-    import difflib
-
     known = (*names(), *downloads.names())
     more = "" if downloads.names() else f"; robot_descriptions has more: {downloads.INSTALL}"
-    if nearest := difflib.get_close_matches(name.lower(), known, n=4, cutoff=0.5):
-        return f"nearest: {', '.join(nearest)}{more}"
+    if found := nearest(name.lower(), known, n=4, cutoff=0.5):
+        return f"nearest: {', '.join(found)}{more}"
     return f"there are: {', '.join(names())}{more or ', and those that `urdf-ik robots --all` lists'}"

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError
+from urdf_ik.guards.frozen import Frozen
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -18,7 +20,7 @@ _NAMED = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
 @dataclass(frozen=True)
-class FreeAxis:
+class FreeAxis(Frozen):
     """A line in the tip's frame.
 
     Attributes:
@@ -57,7 +59,7 @@ class FreeAxis:
             direction = _three("axis", axis, "'x', 'y', 'z' or a direction of three numbers")
         length = float(np.linalg.norm(direction))
         if length == 0.0:
-            raise ArgumentError(f"axis={axis!r} given; a direction needs a length, such as (0, 0, 1)")
+            raise ArgumentError(f"axis={quoted(axis)} given; a direction needs a length, such as (0, 0, 1)")
         x, y, z = (direction / length).tolist()
         px, py, pz = (0.0, 0.0, 0.0) if at is None else _three("at", at, "a point of three numbers [m]").tolist()
         return cls((x, y, z), (px, py, pz))
@@ -172,7 +174,7 @@ def _three(name: str, value: Any, wanted: str) -> Array:
     except (TypeError, ValueError):
         numbers = np.array(np.nan)
     if numbers.shape != (3,) or not np.isfinite(numbers).all():
-        raise ArgumentError(f"{name}={value!r} given; {wanted} is needed")
+        raise ArgumentError(f"{name}={quoted(value)} given; {wanted} is needed")
     return numbers
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.guards.frozen import Frozen
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ _ALIGNED = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Plane:
+class Plane(Frozen):
     """Coordinates (x, y) of the tip in the plane of a planar arm, and the angle of one of the tip's axes there.
 
     A plane along two axes of the base, in the order x, y, z, has these as its own: (x, y), (x, z) or (y, z). Any other

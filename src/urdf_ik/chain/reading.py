@@ -9,6 +9,7 @@ import numpy as np
 from urdf_ik.chain.mimic import coupled
 from urdf_ik.chain.serial import Chain, Follower, TreeJoint
 from urdf_ik.errors import UnsupportedArm
+from urdf_ik.text import quoted
 from urdf_ik.urdf import MOVABLE
 
 if TYPE_CHECKING:
@@ -75,7 +76,7 @@ def from_urdf(model: UrdfModel, base: str | None = None, tip: str | None = None)
 def _require_supported(model: UrdfModel, joint: Joint) -> None:
     if joint.type not in MOVABLE:
         raise UnsupportedArm(
-            f"{model.source}: joint {joint.name!r} of the chain is {joint.type}; "
+            f"{model.source}: joint {quoted(joint.name)} of the chain is {joint.type}; "
             f"only fixed, {', '.join(MOVABLE)} joints can be solved"
         )
 

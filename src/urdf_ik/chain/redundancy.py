@@ -10,6 +10,8 @@ import numpy as np
 
 from urdf_ik.angles import wrapped
 from urdf_ik.errors import JointVectorError
+from urdf_ik.guards import inputs
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -69,8 +71,8 @@ class Redundancy:
     def __str__(self) -> str:
         low, high = self.range
         what = {
-            SWIVEL: f"swivel angle of the arm's plane, the one across the axis of joint {self.joint!r}",
-            LOCKED_JOINT: f"value of joint {self.joint!r}",
+            SWIVEL: f"swivel angle of the arm's plane, the one across the axis of joint {quoted(self.joint)}",
+            LOCKED_JOINT: f"value of joint {quoted(self.joint)}",
         }.get(self.kind, self.label)
         return f"{what}, {low:.4f} to {high:.4f} {self.unit}, by default {self.default + 0.0:.4f}"
 
@@ -85,12 +87,11 @@ class Redundancy:
             >>> urdf_ik.load("srs_7r").redundancy.check([0, 0.5]).tolist()
             [0.0, 0.5]
         """
-        try:
-            values = np.asarray(value, dtype=np.float64)
-        except (TypeError, ValueError):
-            values = np.array(np.nan)
-        if not np.isfinite(values).all():
-            raise JointVectorError(f"redundancy is {value!r}; finite numbers [{self.unit}] are needed: {self}")
+        needed = f"a number [{self.unit}], or an array of numbers: {self}"
+        values = inputs.real(value, "redundancy", needed, JointVectorError)
+        if (bad := inputs.first_bad(values)) is not None:
+            problem = f"redundancy is {quoted(value)}; {inputs.why_bad(values[bad])}"
+            raise JointVectorError(f"{problem}, finite numbers [{self.unit}]: {self}")
         return values
 
     def spread(self, poses: Array, value: ArrayLike) -> tuple[Array, Array]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
@@ -10,18 +10,19 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 import numpy as np
 
 from urdf_ik import _core
-from urdf_ik.errors import ChainError, JointVectorError
+from urdf_ik.errors import ArgumentError, ChainError, JointVectorError
+from urdf_ik.guards import inputs
+from urdf_ik.guards.frozen import Frozen
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from numpy.typing import ArrayLike, NDArray
 
 _AnyChain = TypeVar("_AnyChain", bound="Chain")
 
 
 @dataclass(frozen=True)
-class TreeJoint:
+class TreeJoint(Frozen):
     """One joint of the URDF's whole tree, as :meth:`Chain.link_poses` walks it.
 
     ``column`` is the index in the joint vector that drives it (None: it stays at ``offset``), with
@@ -78,7 +79,7 @@ class Follower(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Chain:
+class Chain(Frozen):
     """The joints between ``base`` and ``tip`` as a product of exponentials.
 
     Where joints mimic others, a :class:`urdf_ik.chain.mimic.CoupledChain`.
@@ -322,23 +323,16 @@ class Chain:
             >>> urdf_ik.load("planar_2r").chain.check([[0, 1], [2, 3]]).tolist()
             [[0.0, 1.0], [2.0, 3.0]]
         """
-        try:
-            given = np.asarray(q)
-            if given.dtype.kind in "cSU":
-                raise TypeError(f"its elements are of type {given.dtype}")
-            Q = np.ascontiguousarray(given, dtype=np.float64)
-        except (TypeError, ValueError) as error:
-            raise JointVectorError(f"a joint vector must be an array of numbers (..., {self.n}): {error}") from None
+        Q = inputs.real(q, "a joint vector", f"an array of numbers (..., {self.n})", JointVectorError)
         if Q.ndim == 0 or Q.shape[-1] != self.n:
             raise JointVectorError(
                 f"joint vectors of shape {Q.shape} given; the chain has {self.n} joints "
                 f"({', '.join(self.joint_names)}), so the last dimension must be {self.n}"
             )
-        if not np.isfinite(Q).all():
-            where = np.argwhere(~np.isfinite(Q))[0]
+        if (where := inputs.first_bad(Q)) is not None:
             raise JointVectorError(
-                f"joint vector{where[:-1].tolist() or ''}: joint {self.joint_names[where[-1]]!r} "
-                f"is {Q[tuple(where)]}; a finite number is needed"
+                f"joint vector{list(where[:-1]) or ''}: joint {quoted(self.joint_names[where[-1]])} "
+                f"is {Q[where]}; {inputs.why_bad(Q[where])}"
             )
         return Q
 
@@ -352,13 +346,16 @@ def standing(chain: _AnyChain, beside: Mapping[str, float]) -> _AnyChain:
 
 def held_values(chain: Chain, values: Mapping[str, float]) -> dict[str, float]:
     """Names and values of joints to hold, as :meth:`Chain.lock` takes and refuses them."""
+    if not isinstance(values, Mapping):
+        raise ArgumentError(f"locked={quoted(values)} given; names of joints with values, {{name: 0.0}}, are needed")
     held = {name: _held_at(name, value) for name, value in values.items()}
     there = dict.fromkeys([*chain.joint_names, *(joint.driver for joint in chain.tree if joint.column is None)])
     able = [name for name in there if name and name not in dict(chain.locked)]
     if unknown := [name for name in held if name not in able]:
         where = "it is locked already" if unknown[0] in dict(chain.locked) else "no joint of that name moves by itself"
         raise ChainError(
-            f"joint {unknown[0]!r} cannot be locked: {where}; the chain is that from {chain.base!r} to {chain.tip!r}",
+            f"joint {quoted(unknown[0])} cannot be locked: {where}; the chain is that from {quoted(chain.base)} to "
+            f"{quoted(chain.tip)}",
             able,
         )
     return held
@@ -366,10 +363,4 @@ def held_values(chain: Chain, values: Mapping[str, float]) -> dict[str, float]:
 
 def _held_at(name: str, value: float) -> float:
     """``value`` as a float."""
-    try:
-        held = float(value)
-    except (TypeError, ValueError):
-        held = math.nan
-    if not math.isfinite(held):
-        raise JointVectorError(f"joint {name!r} cannot be locked at {value!r}; one finite number is needed, rad or m")
-    return held
+    return inputs.number(value, f"joint {quoted(name)} cannot be locked: its value", JointVectorError, unit="rad or m")

@@ -9,7 +9,7 @@ import typer
 
 from urdf_ik.cli import options
 from urdf_ik.cli.chosen_arm import ChosenArm, TypedPath, TypedPose, angles_of, on_an_arm
-from urdf_ik.cli.errors import Status
+from urdf_ik.cli.errors import Status, unwritten
 from urdf_ik.cli.options import Picture, ReportFormat, Value
 from urdf_ik.cli.program import app, help_text
 
@@ -382,6 +382,12 @@ def view(
 def main() -> None:
     """Entry point of the ``urdf-ik`` command."""
     try:
-        app()
+        try:
+            app()
+        finally:  # help and version are printed before any command runs
+            if sys.stdout is not None and not sys.stdout.closed:
+                sys.stdout.flush()
     except KeyboardInterrupt:
         sys.exit(Status.INTERRUPTED)
+    except OSError as error:
+        sys.exit(unwritten(error))

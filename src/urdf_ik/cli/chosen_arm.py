@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from urdf_ik.cli import options
+from urdf_ik.text import escaped, quoted
 
 if TYPE_CHECKING:
     import numpy as np
@@ -107,7 +108,7 @@ class ChosenArm:
         parts = [typed.partition(":=") for typed in self.xacro_arg or ()]
         for (name, given, _), typed in zip(parts, self.xacro_arg or (), strict=True):
             if not (name and given):
-                raise typer.BadParameter(f"{typed!r} is not NAME:=VALUE", param_hint="--xacro-arg")
+                raise typer.BadParameter(f"{quoted(typed)} is not NAME:=VALUE", param_hint="--xacro-arg")
         return {name: value for name, _, value in parts} or None
 
     def _say_which(self, arm: Arm) -> None:
@@ -122,7 +123,7 @@ class ChosenArm:
         also = f"; {', '.join(meant[0].frames[:4])} are fixed to it, too" if meant[0].frames else ""
         also = also.replace(" are fixed to it", " is fixed to it") if len(meant[0].frames) == 1 else also
         rest = f"; `urdf-ik info --chains` lists {others} more" if others else ""
-        typer.echo(f"chain: {arm.base} to {arm.tip} ({meant[0].reason}){also}{rest}", err=True)
+        typer.echo(escaped(f"chain: {arm.base} to {arm.tip} ({meant[0].reason}){also}{rest}"), err=True)
 
     def _tool(self) -> NDArray[np.float64] | None:
         """Pose of the tool's centre point in the tip link; None without a tool."""

@@ -16,6 +16,7 @@ import typer
 from urdf_ik import arrays
 from urdf_ik import text as texts
 from urdf_ik.errors import JointVectorError
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -70,11 +71,11 @@ def numbers(text: str, option: str, names: Sequence[str]) -> NDArray[np.float64]
         try:
             out.append(float(part))
         except ValueError:
-            raise usage(f"{part!r} in {text!r} is no number; give {','.join(names)}", option) from None
+            raise usage(f"{quoted(part)} in {quoted(text)} is no number; give {','.join(names)}", option) from None
     if len(out) != len(names):
-        raise usage(f"{text!r} holds {len(out)} values, {len(names)} are needed: {','.join(names)}", option)
+        raise usage(f"{quoted(text)} holds {len(out)} values, {len(names)} are needed: {','.join(names)}", option)
     if not np.isfinite(out).all():
-        raise usage(f"{text!r} holds a value that is not finite", option)
+        raise usage(f"{quoted(text)} holds a value that is not finite", option)
     return np.array(out)
 
 
@@ -132,7 +133,8 @@ def write(text: str | bytes, output: Path | None) -> None:
     Raises:
         typer.BadParameter: the file cannot be written.
     """
-    data = text.encode(_encoding(), "backslashreplace") if isinstance(text, str) else text
+    # Names in files of unknown origin are no orders to the terminal.
+    data = texts.escaped(text).encode(_encoding(), "backslashreplace") if isinstance(text, str) else text
     if output is None:
         if sys.stdout is None:  # closed by the caller, who wants the status only
             return

@@ -11,6 +11,7 @@ import typer
 from typer.core import TyperGroup
 
 from urdf_ik import errors
+from urdf_ik.text import escaped
 
 
 class Status(IntEnum):
@@ -51,9 +52,14 @@ class Commands(TyperGroup):
             typer.echo("Error: not enough memory for that many poses; give fewer at a time", err=True)
             raise typer.Exit(Status.USAGE) from None
         except OSError as error:
-            # Standard output cannot be written. Python would try again at exit and complain: let that go nowhere.
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-            if isinstance(error, BrokenPipeError):
-                raise typer.Exit(Status.READER_GONE) from None
-            typer.echo(f"Error: {error}", err=True)
-            raise typer.Exit(Status.USAGE) from None
+            raise typer.Exit(unwritten(error)) from None
+
+
+def unwritten(error: OSError) -> Status:
+    """Exit status where standard output cannot be written, and the message that says so."""
+    # Python would try again at exit and complain: let that go nowhere.
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    if isinstance(error, BrokenPipeError):
+        return Status.READER_GONE
+    typer.echo(escaped(f"Error: {error}"), err=True)
+    return Status.USAGE

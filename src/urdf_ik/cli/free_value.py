@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.cli import console
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -32,7 +33,7 @@ def locked(typed: Sequence[str], option: str) -> dict[str, float]:
         except ValueError:
             name = ""
         if not name:
-            raise console.usage(f"{text!r} is no NAME=VALUE, such as joint_7=0.5 or joint_7=30deg", option)
+            raise console.usage(f"{quoted(text)} is no NAME=VALUE, such as joint_7=0.5 or joint_7=30deg", option)
     return out
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import coal
@@ -10,9 +11,9 @@ import pinocchio as pin
 from lxml import etree
 from scipy import spatial
 
-from urdf_ik.collision.shapes import Capsule, HalfSpace, Sphere
+from urdf_ik.collision.shapes import Capsule, HalfSpace, Sphere, reason_of
 from urdf_ik.errors import UrdfError
-from urdf_ik.urdf import resolve_mesh
+from urdf_ik.urdf import meshes, resolve_mesh
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -37,15 +38,17 @@ def build(model: UrdfModel, pin_model: Any) -> Any:
     if broken := [error for error in model.left_out if "<collision>" in (error.element or "")]:
         raise broken[0]
     tree = etree.fromstring(model.xml)
+    files = []
     for mesh in tree.iterfind("link/collision/geometry/mesh"):
-        mesh.set("filename", str(resolve_mesh(model, mesh.get("filename"))))
+        files.append(resolve_mesh(model, mesh.get("filename")))
+        mesh.set("filename", str(files[-1]))
+    meshes.check_all(files, model.folders, model.source)
     for visual in tree.findall("link/visual"):
         visual.getparent().remove(visual)
     try:
         geometry = pin.buildGeomFromUrdfString(pin_model, etree.tostring(tree).decode(), pin.GeometryType.COLLISION)
-    except (ValueError, RuntimeError) as error:
-        reason = " ".join(str(error).partition("message:")[2].split()) or str(error)
-        raise UrdfError(f"a collision shape cannot be read: {reason}", source=model.source) from None
+    except (ValueError, RuntimeError, MemoryError) as error:
+        raise UrdfError(f"a collision shape cannot be read: {reason_of(error)}", source=model.source) from None
     if not geometry.ngeoms:
         raise UrdfError(
             "no link has a collision shape",
@@ -53,6 +56,8 @@ def build(model: UrdfModel, pin_model: Any) -> Any:
             hint="add <collision> to the links that must not touch",
         )
     for shape in geometry.geometryObjects:
+        if isinstance(shape.geometry, coal.BVHModelBase):
+            meshes.check_vertices(shape.geometry.vertices(), Path(shape.meshPath), model.source)
         if isinstance(shape.geometry, coal.Sphere):
             shape.geometry = Sphere(shape.geometry.radius).geometry()
     return geometry

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from urdf_ik.chain import from_urdf
 from urdf_ik.collision import geometry, table
 from urdf_ik.collision.questions import Questions, Seen
 from urdf_ik.collision.scene import ArmShapes, Scene
 from urdf_ik.errors import UrdfError, WorldError
+from urdf_ik.guards import inputs
 from urdf_ik.reference import Reference
+from urdf_ik.text import quoted
 from urdf_ik.urdf import srdf as srdf_reader
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Collection, Mapping
+    from collections.abc import Callable, Collection, Mapping
 
     from urdf_ik.collision.table import Table
     from urdf_ik.collision.world import World
@@ -81,6 +83,7 @@ class CollisionModel(Questions):
             ChainError: base or tip is unknown, or the tip is ambiguous.
             UnsupportedArm: the chain has a joint that one number does not describe.
         """
+        self._made_from = (model, base, tip, dict(locked or {}), samples, seed)
         self._reference = Reference(model, base, tip, locked=locked)
         self.joint_names = self._reference.joint_names
         self.world: World | None = None
@@ -105,6 +108,10 @@ class CollisionModel(Questions):
             kept = [pair for pair in self._pairs if pair.names not in self._allowed]
             always = table.always_colliding(Scene(self._arm, (), kept), ALWAYS, samples, seed)
             self._allowed.update(dict.fromkeys(always, table.ALWAYS_COLLIDE))
+
+    def __reduce__(self) -> tuple[Callable[..., CollisionModel], tuple[Any, ...]]:
+        allowed = None if self._error is not None else dict(self._allowed)
+        return _restored, (*self._made_from, allowed, dict(self._changes), self.world)
 
     @property
     def has_geometry(self) -> bool:
@@ -162,6 +169,7 @@ class CollisionModel(Questions):
         """
         if world is None or world is self.world:
             return self
+        inputs.kind(world, "snapshot", "world", "a urdf_ik.World", WorldError)
         last = self._last
         if last is None or last.world is not world:
             last = self._copy()
@@ -274,7 +282,7 @@ class CollisionModel(Questions):
         rank = {name: i for i, name in enumerate((*self._links, *obstacles))}
         if len(rank) < len(self._links) + len(obstacles):
             same = next(name for name in obstacles if name in self._links)
-            raise WorldError(f"the obstacle {same!r} has the name of a link of the arm; give it another")
+            raise WorldError(f"the obstacle {quoted(same)} has the name of a link of the arm; give it another")
         return rank
 
     def _now(self) -> Seen:
@@ -288,3 +296,23 @@ class CollisionModel(Questions):
             made, checked = table.made({**self._allowed, **allowed}, [*self._pairs, *pairs], self._changes, rank)
             self._seen = seen = Seen(version, Scene(self._arm, obstacles, checked), made)
         return seen
+
+
+def _restored(
+    model: UrdfModel,
+    base: str | None,
+    tip: str | None,
+    locked: dict[str, float],
+    samples: int,
+    seed: int,
+    allowed: dict[Pair, str] | None,
+    changes: dict[Pair, bool],
+    world: World | None,
+) -> CollisionModel:
+    """A collision model as it was before it was pickled: coal's shapes are made again."""
+    out = CollisionModel(model, base, tip, samples=0 if allowed is not None else samples, seed=seed, locked=locked)
+    if allowed is not None:
+        out._allowed = allowed
+    out._made_from = (model, base, tip, locked, samples, seed)
+    out._changes, out.world = changes, world
+    return out

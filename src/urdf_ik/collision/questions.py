@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -9,11 +10,13 @@ import numpy as np
 from urdf_ik.collision import swept
 from urdf_ik.collision.scene import ArmShapes, Scene
 from urdf_ik.errors import JointVectorError, PoseError, UrdfError
+from urdf_ik.guards import inputs
+from urdf_ik.poses import as_pose_array
 from urdf_ik.reference import Reference, finite
+from urdf_ik.text import printable, quoted
+from urdf_ik.tolerances import LARGEST
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik.collision.swept import Motions
@@ -61,7 +64,7 @@ class Questions:
         """Whether something touches that must not.
 
         Args:
-            q: (..., n) rad or m; rows that are not finite are not checked and give False.
+            q: (..., n) rad or m.
             margin: m that the bodies must stay apart.
 
         Returns:
@@ -69,7 +72,7 @@ class Questions:
 
         Raises:
             UrdfError: there are no collision shapes, or not all of them were found.
-            JointVectorError: the last dimension is not n.
+            JointVectorError: the last dimension is not n, or a value is not finite.
             ArgumentError: ``margin`` is negative or not finite.
 
         Example:
@@ -80,8 +83,13 @@ class Questions:
             >>> model.in_collision([0.0] * 6), model.in_collision([0.0] * 6, margin=0.05)
             (False, True)
         """
-        swept.check_margin(margin)
+        margin = swept.check_margin(margin)
         Q, places, scene = self._rows(q)
+        if not places.all():
+            row = np.argwhere(~places)[0].tolist()
+            raise JointVectorError(
+                f"joint vector{row or ''} is not finite, or beyond {LARGEST:g}; what touches at it cannot be known"
+            )
         out = np.zeros(len(Q), dtype=np.bool_)
         for part, placed in scene.chunks(Q):
             near = scene.near(placed, margin)
@@ -128,11 +136,11 @@ class Questions:
             q: (n,) rad or m.
 
         Returns:
-            Pairs of names, in the order of ``checked_pairs``; none where q is not finite.
+            Pairs of names, in the order of ``checked_pairs``.
 
         Raises:
             UrdfError: there are no collision shapes, or not all of them were found.
-            JointVectorError: q is no (n,).
+            JointVectorError: q is no (n,), or a value is not finite.
 
         Example:
             >>> import urdf_ik
@@ -157,12 +165,11 @@ class Questions:
             q: (n,) rad or m.
 
         Returns:
-            The pair and its distance; where several collide, one of them. None where no pair is checked or q is not
-            finite.
+            The pair and its distance; where several collide, one of them. None where no pair is checked.
 
         Raises:
             UrdfError: there are no collision shapes, or not all of them were found.
-            JointVectorError: q is no (n,).
+            JointVectorError: q is no (n,), or a value is not finite.
 
         Example:
             >>> import urdf_ik
@@ -198,7 +205,7 @@ class Questions:
             >>> model.motions_free([[0.0] * 6], [[0.3, 0.2, 0.1, 0.0, 0.0, 0.0]]).free.tolist()
             [True]
         """
-        swept.check_margin(margin)
+        margin = swept.check_margin(margin)
         self._require_geometry()
         start, end = (self._reference.vectors(q) for q in (q0, q1))
         if start.ndim != 2 or start.shape != end.shape:
@@ -214,15 +221,14 @@ class Questions:
         """:meth:`in_collision`, with every link where the caller says instead of where Pinocchio puts it.
 
         Args:
-            link_poses: link name to (..., 4, 4) [m], all in one frame; a set with a pose that is not finite gives
-                False.
+            link_poses: link name to (..., 4, 4) [m], all in one frame.
 
         Returns:
             A bool for one set of poses, else (...) bool.
 
         Raises:
             UrdfError: there are no collision shapes, or not all of them were found.
-            PoseError: a link that has a shape has no pose, or a pose is no (..., 4, 4).
+            PoseError: a link that has a shape has no pose, or a pose is no (..., 4, 4), or not finite.
 
         Example:
             >>> import urdf_ik
@@ -265,29 +271,37 @@ class Questions:
         """The finite joint vectors (k, n), the places (...) that they come from, and the scene."""
         self._require_geometry()
         Q = self._reference.vectors(q)
-        places = np.asarray(np.isfinite(Q).all(axis=-1))
+        places = np.asarray((np.abs(Q) <= LARGEST).all(axis=-1))
         return np.ascontiguousarray(Q[places]).reshape(-1, Q.shape[-1]), places, self._now().scene
 
     def _one(self, q: ArrayLike) -> tuple[Array, Scene, tuple[Pair, ...]]:
-        """A joint vector as (1, n), or (0, n) where it is not finite, the scene and its pairs."""
+        """A joint vector as (1, n), the scene and its pairs."""
         self._require_geometry()
         Q = self._reference.vectors(q)
         if Q.ndim != 1:
             raise JointVectorError(f"one joint vector ({len(self.joint_names)},) is needed, not shape {Q.shape}")
+        if inputs.first_bad(Q) is not None:
+            raise JointVectorError(f"the joint vector {quoted(Q)} is not finite; what is near at it cannot be known")
         now = self._now()
-        return Q[None][np.isfinite(Q).all(keepdims=True)], now.scene, now.table.checked
+        return Q[None], now.scene, now.table.checked
 
     def _each_placing(self, link_poses: Mapping[str, ArrayLike], otherwise: Any) -> Any:
         """Whether each set of link poses collides, or the distances, whichever ``otherwise`` stands for."""
         self._require_geometry()
         scene = self._now().scene
         needed = dict.fromkeys([*self._arm.links, *([self._reference.base] if scene.places else [])])
+        if not isinstance(link_poses, Mapping):
+            raise PoseError(f"{quoted(link_poses)} given; poses by the names of their links are needed, {{name: T}}")
         if absent := sorted(set(needed) - set(link_poses)):
-            raise PoseError(f"links with collision shapes have no pose: {', '.join(absent)}")
-        poses = [np.asarray(link_poses[link], dtype=np.float64) for link in needed]
-        if any(pose.shape[-2:] != (4, 4) for pose in poses):
-            raise PoseError("link poses must be of shape (..., 4, 4)")
-        batch = np.broadcast_shapes(*(pose.shape[:-2] for pose in poses))
+            raise PoseError(f"links with collision shapes have no pose: {', '.join(map(printable, absent))}")
+        poses = [as_pose_array(link_poses[link]) for link in needed]
+        try:
+            batch = np.broadcast_shapes(*(pose.shape[:-2] for pose in poses))
+        except ValueError:
+            raise PoseError("the link poses are stacks whose shapes do not broadcast") from None
+        for link, T in zip(needed, poses, strict=True):
+            if otherwise is False and (bad := inputs.first_bad(T)) is not None:
+                raise PoseError(f"the pose of link {quoted(link)} is not finite: {T[bad]}", bad[:-2] or None)
         stack = np.stack([np.broadcast_to(pose, (*batch, 4, 4)) for pose in poses], axis=-3)
         out = np.full(batch, otherwise)
         every = range(len(scene.pairs))

@@ -5,6 +5,7 @@ Each is centred at the origin of its own frame, cylinders and capsules along z, 
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,10 +13,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import UrdfError, WorldError
+from urdf_ik.guards import inputs
+from urdf_ik.guards.frozen import Frozen
+from urdf_ik.text import printable, quoted
 from urdf_ik.urdf import meshes
 
 if TYPE_CHECKING:
-    import os
+
     from collections.abc import Sequence
 
     from numpy.typing import ArrayLike, NDArray
@@ -218,10 +222,14 @@ class Mesh(Shape):
         scale: ArrayLike = 1.0,
         package_dirs: Sequence[str | os.PathLike[str]] | str | os.PathLike[str] = (),
     ) -> None:
+        if not isinstance(path, str | os.PathLike):
+            raise WorldError(f"Mesh: path is {quoted(path)}; the path of a file is needed")
         name, factors = str(path), _numbers("Mesh", "scale", scale)
         factors = factors * 3 if len(factors) == 1 else factors
         if len(factors) != 3 or 0.0 in factors:
-            raise WorldError(f"Mesh {name!r}: scale is {scale!r}; one number or three are needed, none of them zero")
+            raise WorldError(
+                f"Mesh {quoted(name)}: scale is {quoted(scale)}; one number or three are needed, none of them zero"
+            )
         folders = [package_dirs] if isinstance(package_dirs, str | Path) else package_dirs
         object.__setattr__(self, "path", name)
         object.__setattr__(self, "scale", factors)
@@ -241,33 +249,41 @@ class Mesh(Shape):
             'part.stl'
         """
         if not self.package_dirs and "://" not in self.path:
-            found = Path(self.path).expanduser().resolve()
-            if not found.is_file():
-                raise WorldError(f"Mesh: there is no file {str(found)!r}; give a path that exists, or package_dirs")
+            try:
+                found = Path(self.path).expanduser().resolve()
+                there = found.is_file()
+            except (OSError, ValueError, RuntimeError) as error:  # a null byte, a name too long, a loop of links
+                raise WorldError(f"Mesh: cannot look for {quoted(self.path)}: {printable(error)}") from None
+            if not there:
+                raise WorldError(f"Mesh: there is no file {quoted(str(found), 200)}; give its path, or package_dirs")
             return found
         try:
             return meshes.resolve(self.path, [Path(folder) for folder in self.package_dirs], "Mesh")
         except UrdfError as error:
             hint = "give the folder that holds it, or its package, in package_dirs"
-            raise WorldError(f"Mesh {self.path!r}: {error.problem} ({hint})") from None
+            raise WorldError(f"Mesh {quoted(self.path)}: {error.problem} ({hint})") from None
 
     def geometry(self) -> Any:
         """A ``coal.BVHModelOBBRSS`` of the file's triangles."""
         import coal
 
         path = self.file()
+        name = quoted(str(path), 200)
         try:
+            meshes.check(path, [Path(folder) for folder in self.package_dirs] or [path.parent], "Mesh")
             mesh = coal.MeshLoader().load(str(path), np.array(self.scale))
-        except (ValueError, RuntimeError) as error:
-            reason = " ".join(str(error).partition("message:")[2].split()) or str(error)
-            raise WorldError(f"Mesh {str(path)!r} cannot be read: {reason}") from None
+            meshes.check_vertices(mesh.vertices(), path, "Mesh")
+        except UrdfError as error:
+            raise WorldError(f"Mesh {name}: {error.problem} ({error.hint})") from None
+        except (ValueError, RuntimeError, MemoryError) as error:
+            raise WorldError(f"Mesh {name} cannot be read: {reason_of(error)}") from None
         if not mesh.num_tris:
-            raise WorldError(f"Mesh {str(path)!r} has no triangles")
+            raise WorldError(f"Mesh {name} has no triangles")
         return mesh
 
 
 @dataclass(frozen=True, eq=False)
-class Points(Shape):
+class Points(Frozen, Shape):
     """A cloud of points, each of them the centre of a ball: the solid is the union of the balls.
 
     What is found is exact to ``2 SPECK``, 0.02 micrometres, and never farther apart than the balls are.
@@ -289,14 +305,11 @@ class Points(Shape):
     radius: float
 
     def __post_init__(self) -> None:
-        try:
-            points = np.array(self.points, dtype=np.float64)
-        except (TypeError, ValueError) as error:
-            raise WorldError(f"Points: points must be numbers of shape (k, 3): {error}") from None
+        points = inputs.real(self.points, "Points: points", "numbers of shape (k, 3)", WorldError).copy()
         if points.ndim != 2 or points.shape[1] != 3 or not len(points):
             raise WorldError(f"Points: points of shape {points.shape} given; (k, 3) with one point or more is needed")
-        if len(bad := np.flatnonzero(~np.isfinite(points).all(axis=1))):
-            raise WorldError(f"Points: point {bad[0]} is {points[bad[0]].tolist()}; finite numbers are needed")
+        if (bad := inputs.first_bad(points)) is not None:
+            raise WorldError(f"Points: point {bad[0]} is {points[bad[0]].tolist()}; {inputs.why_bad(points[bad])}")
         points.setflags(write=False)
         object.__setattr__(self, "points", points)
         _set_lengths(self, "radius")
@@ -328,15 +341,22 @@ class Points(Shape):
         return mesh
 
 
+def reason_of(error: Exception) -> str:
+    """What coal or Pinocchio has to say, without the place in their sources.
+
+    Example:
+        >>> reason_of(RuntimeError("From file: a.cpp message: no such file"))
+        'no such file'
+    """
+    return printable(" ".join(str(error).partition("message:")[2].split()) or error or type(error).__name__, 300)
+
+
 def _numbers(shape: str, name: str, value: ArrayLike, count: int | None = None) -> tuple[float, ...]:
     """``value`` as finite numbers, ``count`` of them where that is given."""
-    try:
-        array = np.asarray(value, dtype=np.float64).reshape(-1)
-    except (TypeError, ValueError):
-        array = np.empty(0)
-    if not len(array) or not np.isfinite(array).all() or len(array) != (count or len(array)):
-        needed = {None: "finite numbers are", 1: "one finite number is"}.get(count, f"{count} finite numbers are")
-        raise WorldError(f"{shape}: {name} is {value!r}; {needed} needed")
+    needed = {None: "finite numbers", 1: "one finite number"}.get(count, f"{count} finite numbers")
+    array = inputs.real(value, f"{shape}: {name}", needed, WorldError).reshape(-1)
+    if not len(array) or inputs.first_bad(array) is not None or len(array) != (count or len(array)):
+        raise WorldError(f"{shape}: {name} is {quoted(value)}; {needed} {'is' if count == 1 else 'are'} needed")
     return tuple(float(x) for x in array)
 
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from urdf_ik.collision.scene import QUERY_ERROR
 from urdf_ik.errors import ArgumentError
+from urdf_ik.guards import inputs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -92,14 +93,13 @@ class _Pieces(NamedTuple):
     open: NDArray[np.bool_]
 
 
-def check_margin(margin: float) -> None:
-    """Refuse a margin that is no length.
+def check_margin(margin: float) -> float:
+    """``margin`` as a float; refuses one that is no length.
 
     Raises:
         ArgumentError: it is negative or not finite.
     """
-    if not 0.0 <= margin < np.inf:
-        raise ArgumentError(f"a margin of {margin} given; it must be zero or a positive number of m")
+    return inputs.number(margin, "margin", ArgumentError, low=0.0, unit="m")
 
 
 def motions(scene: Scene, q0: Array, q1: Array, margin: float) -> Motions:

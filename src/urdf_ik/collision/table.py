@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -11,10 +10,10 @@ import numpy as np
 
 from urdf_ik.collision.scene import ShapePair
 from urdf_ik.errors import WorldError
-from urdf_ik.text import aligned
+from urdf_ik.text import aligned, listed, nearest, printable, quoted
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from urdf_ik.collision.scene import ArmShapes, Scene
 
@@ -43,10 +42,18 @@ class Table:
     allowed: Mapping[Pair, str]
     checked: tuple[Pair, ...]
 
+    def __reduce__(self) -> tuple[Callable[..., Table], tuple[dict[Pair, str], tuple[Pair, ...]]]:
+        return _table, (dict(self.allowed), self.checked)
+
     def __str__(self) -> str:
         rows = [[*pair, "checked"] for pair in self.checked]
         rows += [[*pair, "allowed" if why == USER else f"allowed: {why}"] for pair, why in self.allowed.items()]
         return "\n".join(line.rstrip() for line in aligned([["first", "second", ""], *rows], left=(0, 1, 2)))
+
+
+def _table(allowed: dict[Pair, str], checked: tuple[Pair, ...]) -> Table:
+    """A table as it was before it was copied."""
+    return Table(MappingProxyType(allowed), checked)
 
 
 def among_links(arm: ArmShapes, rank: Mapping[str, int], excused: set[Pair]) -> tuple[dict[Pair, str], list[ShapePair]]:
@@ -138,11 +145,11 @@ def named(a: str, b: str, rank: Mapping[str, int], shaped: Sequence[str]) -> Pai
         WorldError: there is no such link or obstacle, it has no shape, or both are the same.
     """
     for name in (a, b):
-        if name not in rank:
-            close = difflib.get_close_matches(str(name), rank, n=3) or list(rank)
-            raise WorldError(f"there is no link or obstacle {name!r}; there are: {', '.join(close)}")
+        if not isinstance(name, str) or name not in rank:
+            close = nearest(printable(name), rank) or list(rank)
+            raise WorldError(f"there is no link or obstacle {quoted(name)}; there are: {listed(close)}")
         if name not in shaped:
-            raise WorldError(f"link {name!r} has no collision shape; links with one: {', '.join(shaped)}")
+            raise WorldError(f"link {quoted(name)} has no collision shape; links with one: {', '.join(shaped)}")
     if a == b:
-        raise WorldError(f"{a!r} and itself given; a pair is of two links, or of a link and an obstacle")
+        raise WorldError(f"{quoted(a)} and itself given; a pair is of two links, or of a link and an obstacle")
     return ordered(a, b, rank)

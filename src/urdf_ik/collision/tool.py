@@ -13,6 +13,7 @@ from urdf_ik import poses, urdf
 from urdf_ik.chain import from_urdf
 from urdf_ik.collision.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from urdf_ik.errors import ArgumentError, PoseError, WorldError
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -39,11 +40,14 @@ def with_tool(arm: AnyArm, pose: Any, shapes: Shapes, name: str) -> AnyArm:
             "then say which of its axes is free: arm.with_tool(...).with_free_axis(...)"
         )
     centre = _one_pose(pose, "the tool's centre point")
-    bodies = [_placed(each) for each in ([shapes] if isinstance(shapes, Shape) else shapes)]
+    given = [shapes] if isinstance(shapes, Shape) else shapes
+    if not isinstance(given, list | tuple):
+        raise ArgumentError(f"shapes={quoted(shapes)} given; a list of shapes, or of pairs (shape, pose), is needed")
+    bodies = [_placed(each) for each in given]
     model = _written(arm.model, arm.tip, name, centre, bodies)
     # Made again as a copy of it would be, which keeps the task, from another URDF.
     parts: Any = arm.__reduce__()
-    make, (_, _, *rest) = parts
+    make, (_, _, *rest), _ = parts
     new: AnyArm = make(model, from_urdf(model, arm.base, name).lock(arm.locked), *rest)
     # The allowed-collision table is only taken along where somebody changed it: the others are built when asked for.
     own = arm.__dict__.get("collision_model")
@@ -55,9 +59,9 @@ def with_tool(arm: AnyArm, pose: Any, shapes: Shapes, name: str) -> AnyArm:
 def _written(model: UrdfModel, mount: str, name: str, centre: Array, bodies: list[tuple[Shape, Array]]) -> UrdfModel:
     """The URDF with a link ``name`` fixed to the link ``mount``, and shapes placed in the frame of ``mount``."""
     if not isinstance(name, str) or not name:
-        raise ArgumentError(f"name={name!r} given; the tool's link needs a name, a text that is not empty")
+        raise ArgumentError(f"name={quoted(name)} given; the tool's link needs a name, a text that is not empty")
     if name in model.links:
-        raise ArgumentError(f"the URDF has a link {name!r} already; give the tool another name=...")
+        raise ArgumentError(f"the URDF has a link {quoted(name)} already; give the tool another name=...")
     joints = {joint.name for joint in model.joints}
     fixed = f"{name}_joint"
     while fixed in joints:
@@ -67,7 +71,7 @@ def _written(model: UrdfModel, mount: str, name: str, centre: Array, bodies: lis
         link = etree.SubElement(robot, "link", name=name)
         joint = etree.SubElement(robot, "joint", name=fixed, type="fixed")
     except ValueError as error:
-        raise ArgumentError(f"name={name!r} cannot be written into a URDF: {error}") from None
+        raise ArgumentError(f"name={quoted(name)} cannot be written into a URDF: {error}") from None
     etree.SubElement(joint, "parent", link=mount)
     etree.SubElement(joint, "child", link=name)
     etree.SubElement(joint, "origin", _origin(centre))
@@ -107,7 +111,9 @@ def _placed(given: Any) -> tuple[Shape, Array]:
     """A shape and its pose in the frame that it is mounted in."""
     shape, pose = given if isinstance(given, tuple | list) and len(given) == 2 else (given, np.eye(4))
     if not isinstance(shape, Shape):
-        raise ArgumentError(f"{shape!r} given as a tool's shape; give a shape such as urdf_ik.Box, or (shape, pose)")
+        raise ArgumentError(
+            f"{quoted(shape)} given as a tool's shape; give a shape such as urdf_ik.Box, or (shape, pose)"
+        )
     return shape, _one_pose(pose, f"the tool's {type(shape).__name__}")
 
 

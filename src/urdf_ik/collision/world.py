@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import difflib
 import hashlib
-import threading
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -14,10 +12,13 @@ from lxml import etree
 from urdf_ik import poses, urdf
 from urdf_ik.collision.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from urdf_ik.errors import PoseError, UrdfError, WorldError
+from urdf_ik.guards import forks
+from urdf_ik.guards.frozen import frozen
+from urdf_ik.text import listed, nearest, printable, quoted
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
     from typing import IO
 
     from numpy.typing import NDArray
@@ -39,6 +40,14 @@ class Obstacle(NamedTuple):
     name: str
     shape: Shape
     pose: Array
+
+    def __reduce__(self) -> tuple[Callable[..., Obstacle], tuple[str, Shape, Array]]:
+        return _obstacle, (self.name, self.shape, self.pose)
+
+
+def _obstacle(name: str, shape: Shape, pose: Array) -> Obstacle:
+    """An obstacle as it was before it was copied."""
+    return Obstacle(name, shape, frozen(pose))
 
 
 class World:
@@ -63,7 +72,7 @@ class World:
         self._obstacles: dict[str, Obstacle] = {}
         self._solids: dict[int, Solid] = {}
         self._version = 0
-        self._lock = threading.RLock()
+        self._lock = forks.lock()
 
     @classmethod
     def from_urdf(
@@ -92,7 +101,7 @@ class World:
         """
         model = urdf.read(source, mesh_roots=package_dirs)
         if moving := [joint for joint in model.joints if joint.type != "fixed"]:
-            listed = ", ".join(f"{joint.name!r} ({joint.type})" for joint in moving[:5])
+            listed = ", ".join(f"{quoted(joint.name)} ({joint.type})" for joint in moving[:5])
             raise WorldError(
                 f"{model.source}: a world stands still, and {len(moving)} of its joints can move: {listed}; "
                 'write type="fixed", or add the moving part\'s shapes with World.add and move them with World.move'
@@ -111,7 +120,7 @@ class World:
                     f"{link}/{taken}" if taken else link, _shape(body.find("geometry")[0], model), placed[link] @ offset
                 )
             except WorldError as error:
-                raise WorldError(f"{model.source}: link {link!r}: {error}") from None
+                raise WorldError(f"{model.source}: link {quoted(link)}: {error}") from None
         if not world:
             raise WorldError(f"{model.source}: no link has a collision shape; add <collision> to the links")
         return world
@@ -128,7 +137,7 @@ class World:
         return iter(tuple(self._obstacles.values()))
 
     def __contains__(self, name: object) -> bool:
-        return name in self._obstacles
+        return isinstance(name, str) and name in self._obstacles
 
     def __getitem__(self, name: str) -> Obstacle:
         return self._obstacles[self._known(name)]
@@ -156,10 +165,10 @@ class World:
             ('table',)
         """
         if not isinstance(name, str) or not name:
-            raise WorldError(f"an obstacle's name is a text that is not empty, not {name!r}")
+            raise WorldError(f"an obstacle's name is a text that is not empty, not {quoted(name)}")
         if not isinstance(shape, Shape):
             kinds = "Box, Sphere, Cylinder, Capsule, HalfSpace, Mesh or Points"
-            raise WorldError(f"obstacle {name!r}: a shape is needed ({kinds}), not {type(shape).__name__}")
+            raise WorldError(f"obstacle {quoted(name)}: a shape is needed ({kinds}), not {type(shape).__name__}")
         placed = _pose(np.eye(4) if pose is None else pose)
         if isinstance(shape, Mesh):
             shape.file()
@@ -273,14 +282,14 @@ class World:
         self.__dict__.update(state)
 
     def _known(self, name: str) -> str:
-        if name not in self._obstacles:
-            close = difflib.get_close_matches(str(name), self._obstacles, n=3)
+        if name not in self:
+            close = nearest(printable(name), self._obstacles)
             hint = (
-                f"did you mean {' or '.join(map(repr, close))}?"
+                f"did you mean {' or '.join(map(quoted, close))}?"
                 if close
-                else f"there are: {', '.join(self.names) or 'no'}"
+                else f"there are: {listed(self.names) or 'no'}"
             )
-            raise WorldError(f"there is no obstacle {name!r} in this world; {hint}")
+            raise WorldError(f"there is no obstacle {quoted(name)} in this world; {hint}")
         return name
 
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from urdf_ik.comparison import asking
 from urdf_ik.comparison.report import AxisChange, Comparison, Fact, LimitChange, Side
-from urdf_ik.errors import ArgumentError, UrdfIkError
+from urdf_ik.errors import UrdfIkError
+from urdf_ik.guards import inputs
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
@@ -52,10 +53,9 @@ def compare(
         >>> len(compare(a, b, n=10).structure) > 0
         True
     """
-    if n < 1:
-        raise ArgumentError(f"n = {n}: at least one pose must be compared")
-    if seed < 0:
-        raise ArgumentError(f"seed = {seed}: a seed is zero or more")
+    for what, each in (("a", a), ("b", b)):
+        inputs.arm(each, what)
+    n, seed = inputs.whole(n, "n", low=1), inputs.whole(seed, "seed", high=2**64)
     notes: list[str] = []
     order, reason = asking.paired(a, b)
     if reason:

@@ -11,6 +11,7 @@ from urdf_ik.collision import CollisionModel
 from urdf_ik.crosscheck.properties import Collision, Inverse, Kinematics, limits
 from urdf_ik.crosscheck.report import Report
 from urdf_ik.errors import ArgumentError, UrdfError
+from urdf_ik.guards import inputs
 from urdf_ik.reference import Reference
 
 if TYPE_CHECKING:
@@ -82,8 +83,8 @@ def check(
         >>> check(urdf_ik.load("planar_2r"), n=5).passed
         True
     """
-    if n < 1:
-        raise ArgumentError(f"n = {n}: at least one pose must be checked")
+    inputs.arm(arm)
+    n = inputs.whole(n, "n", low=1)
     _require_seed(seed)
     reference = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
     names = limits(arm, reference)
@@ -156,8 +157,7 @@ def _draw(reference: Reference, seed: int, index: int) -> Array:
 
 
 def _require_seed(seed: int) -> None:
-    if seed < 0:
-        raise ArgumentError(f"seed = {seed}: a seed is zero or more")
+    inputs.whole(seed, "seed", high=2**64)
 
 
 def _collision(arm: Arm, wanted: bool | None, most: int | None) -> tuple[Collision | None, str]:

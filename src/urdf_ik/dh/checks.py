@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdf_ik.errors import DHError, PoseError
+from urdf_ik.guards import inputs
 from urdf_ik.poses import check_poses
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -37,15 +40,16 @@ def check(table: TableFields) -> None:
         values = getattr(table, column)
         if values.shape != (n,):
             raise DHError(f"column {column!r} has the shape {values.shape}, {n} numbers are needed")
-        for row in np.flatnonzero(~np.isfinite(values)):
-            raise DHError(f"{values[row]} is no finite number", row=int(row) + 1, column=column)
+        if (bad := inputs.first_bad(values)) is not None:
+            problem = "is no finite number" if not np.isfinite(values[bad]) else f"given; {inputs.why_bad(values[bad])}"
+            raise DHError(f"{values[bad]} {problem}", row=bad[0] + 1, column=column)
     joint_types_of(table.joint_types, n)
     _check_names(table.joint_names, n)
     _check_limits(table)
     for name in ("base", "tool"):
         transform(getattr(table, name), name)
     if not isinstance(table.name, str) or not table.name.strip():
-        raise DHError(f"{table.name!r} is no name of a robot")
+        raise DHError(f"{quoted(table.name)} is no name of a robot")
     for array in (*(getattr(table, column) for column in COLUMNS), table.limits, table.base, table.tool):
         array.setflags(write=False)
 
@@ -56,10 +60,7 @@ def numbers(values: ArrayLike, field: str) -> Array:
     Raises:
         DHError: they are no numbers.
     """
-    try:
-        return np.array(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise DHError(f"{field!r} is no array of numbers: {error}") from None
+    return inputs.real(values, repr(field), "an array of numbers", DHError).copy()
 
 
 def check_convention(convention: Any) -> None:
@@ -68,8 +69,8 @@ def check_convention(convention: Any) -> None:
     Raises:
         DHError: it is not one of :data:`CONVENTIONS`.
     """
-    if convention not in CONVENTIONS:
-        raise DHError(f"unknown convention {convention!r}; there are {' and '.join(CONVENTIONS)} (Craig's)")
+    if not isinstance(convention, str) or convention not in CONVENTIONS:
+        raise DHError(f"unknown convention {quoted(convention)}; there are {' and '.join(CONVENTIONS)} (Craig's)")
 
 
 def joint_types_of(kinds: str | Sequence[str], n: int) -> tuple[str, ...]:
@@ -78,14 +79,16 @@ def joint_types_of(kinds: str | Sequence[str], n: int) -> tuple[str, ...]:
     Raises:
         DHError: an unknown word or letter, or too many or too few of them.
     """
+    if not isinstance(kinds, str | list | tuple):
+        raise DHError(f"joint types {quoted(kinds)} given; letters such as 'RRP', or a list of words, are needed")
     if len(kinds) == 0:
         return ("revolute",) * n
     words = []
     for row, kind in enumerate(kinds, start=1):
-        word = LETTERS.get(kind, kind)
+        word = LETTERS.get(kind, kind) if isinstance(kind, str) else ""
         if word not in JOINT_TYPES:
             raise DHError(
-                f"unknown joint type {kind!r}; there are {', '.join(JOINT_TYPES)} ({', '.join(LETTERS)})",
+                f"unknown joint type {quoted(kind)}; there are {', '.join(JOINT_TYPES)} ({', '.join(LETTERS)})",
                 row=row,
                 column="type",
             )
@@ -101,20 +104,25 @@ def table_array(rows: ArrayLike, columns: Sequence[str] = COLUMNS) -> Array:
     Raises:
         DHError: a row has more or fewer columns, or an entry is no number.
     """
+    if inputs.is_masked(rows):
+        raise DHError(f"a masked array is no table; rows of {', '.join(columns)} are needed")
     try:
         given = list(rows)  # type: ignore[arg-type]
-    except TypeError:
-        raise DHError(f"{rows!r} is no table; rows of {', '.join(columns)} are needed") from None
-    out = np.empty((len(given), len(columns)))
+    except Exception:  # whatever an object of unknown origin raises
+        raise DHError(f"{quoted(rows)} is no table; rows of {', '.join(columns)} are needed") from None
+    out = np.full((len(given), len(columns)), np.inf)
     for i, row in enumerate(given):
-        values = np.atleast_1d(np.asarray(row, dtype=object))
+        try:
+            values = np.atleast_1d(np.asarray(row, dtype=object))
+        except Exception:  # the same of one row
+            values = np.empty(0)
         if values.shape != (len(columns),):
             raise DHError(f"{values.size} columns given, {len(columns)} are needed: {', '.join(columns)}", row=i + 1)
         for k, value in enumerate(values):
-            try:
+            if not inputs.is_real(value):
+                raise DHError(f"{quoted(value)} is no number", row=i + 1, column=columns[k])
+            with contextlib.suppress(OverflowError):  # then it stays infinite
                 out[i, k] = float(value)
-            except (TypeError, ValueError):
-                raise DHError(f"{value!r} is no number", row=i + 1, column=columns[k]) from None
     return out
 
 
@@ -133,14 +141,25 @@ def transform(value: ArrayLike | None, name: str) -> Array:
     return T
 
 
+def names_of(names: Any) -> tuple[str, ...]:
+    """Names of joints as they are given; what they hold is checked with the table.
+
+    Raises:
+        DHError: they are no list.
+    """
+    if not isinstance(names, list | tuple):
+        raise DHError(f"joint names {quoted(names)} given; a list of texts is needed")
+    return tuple(names)
+
+
 def _check_names(names: Sequence[str], n: int) -> None:
     if len(names) != n:
         raise DHError(f"{len(names)} joint names for {n} rows; one a row is needed")
     for row, name in enumerate(names, start=1):
         if not isinstance(name, str) or not name.strip():
-            raise DHError(f"{name!r} is no name of a joint", row=row, column="name")
+            raise DHError(f"{quoted(name)} is no name of a joint", row=row, column="name")
         if name in names[: row - 1]:
-            raise DHError(f"{name!r} is the name of row {names.index(name) + 1}, too", row=row, column="name")
+            raise DHError(f"{quoted(name)} is the name of row {names.index(name) + 1}, too", row=row, column="name")
 
 
 def _check_limits(table: TableFields) -> None:

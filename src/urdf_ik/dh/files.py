@@ -16,8 +16,9 @@ import numpy as np
 
 from urdf_ik.dh.checks import COLUMNS
 from urdf_ik.errors import DHError, PoseError
+from urdf_ik.guards import inputs
 from urdf_ik.poses import pose, to_rpy
-from urdf_ik.text import aligned
+from urdf_ik.text import aligned, quoted
 
 if TYPE_CHECKING:
     import os
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
+MAX_BYTES = 2**20
+"""Greatest size of a table's file; one of 500 joints has less than a tenth of it."""
 KEYS = ("name", "convention", "angles", "base", "tool")
 OPTIONAL = ("name", "type", "offset", "lower", "upper")
 _UNITS = {"rad": False, "deg": True}
@@ -42,21 +45,19 @@ def read(path: str | os.PathLike[str], convention: str | None, degrees: bool) ->
         DHError: the file cannot be read or holds no table; the error names row, column and value.
     """
     try:
-        text = Path(path).read_text("utf-8-sig")
-    except OSError as error:
-        raise DHError(f"cannot be read: {error.strerror}") from None
+        text = inputs.read_bytes(inputs.path(path, "path", DHError), MAX_BYTES, DHError).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise DHError("is no text; a table is CSV or JSON") from None
     parse = _from_json if text.lstrip().startswith(("{", "[")) else _from_csv
     whole, joints = parse(text)
     if unknown := [key for key in whole if key not in KEYS]:
-        raise DHError(f"unknown key {unknown[0]!r}; there are {', '.join(KEYS)}")
+        raise DHError(f"unknown key {quoted(unknown[0])}; there are {', '.join(KEYS)}")
     chosen = whole.get("convention") or convention
     if chosen is None:
         raise DHError("the convention is not said; add 'convention: standard' or 'modified', or name it")
     unit = whole.get("angles", "deg" if degrees else "rad")
     if unit not in _UNITS:
-        raise DHError(f"angles in {unit!r}; there are rad and deg")
+        raise DHError(f"angles in {quoted(unit)}; there are rad and deg")
     return {
         **_columns(joints),
         "convention": chosen,
@@ -167,7 +168,7 @@ def _from_csv(text: str) -> tuple[dict[str, Any], list[dict[str, Any]]]:
         raise DHError(f"the table is empty; {_ALL}")
     header = [cell.strip() for cell in rows[0]]
     if not set(COLUMNS) <= set(header):
-        raise DHError(f"the first line must be a header, and {','.join(header)!r} lacks some; {_ALL}")
+        raise DHError(f"the first line must be a header, and {quoted(','.join(header))} lacks some; {_ALL}")
     joints = []
     for i, row in enumerate(rows[1:], start=1):
         if len(row) != len(header):
@@ -214,7 +215,7 @@ def _number(joint: dict[str, Any], key: str, row: int, default: float | None = N
             raise ValueError
         return float(value)
     except (TypeError, ValueError):
-        raise DHError(f"{value!r} is no number", row=row, column=key) from None
+        raise DHError(f"{quoted(value)} is no number", row=row, column=key) from None
 
 
 def _frame(value: Any, name: str, degrees: bool) -> Array | None:
@@ -224,7 +225,7 @@ def _frame(value: Any, name: str, degrees: bool) -> Array | None:
     try:
         numbers = np.array(value.replace(",", " ").split() if isinstance(value, str) else value, dtype=np.float64)
     except (TypeError, ValueError):
-        raise DHError(f"{name} transform: {value!r} are no numbers; {_FRAME_FORM}") from None
+        raise DHError(f"{name} transform: {quoted(value)} are no numbers; {_FRAME_FORM}") from None
     if numbers.shape == (4, 4):
         return numbers
     if numbers.shape != (6,):

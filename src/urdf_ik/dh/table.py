@@ -9,10 +9,12 @@ import numpy as np
 
 from urdf_ik.chain import Chain
 from urdf_ik.dh import files
-from urdf_ik.dh.checks import check, check_convention, joint_types_of, numbers, table_array, transform
+from urdf_ik.dh.checks import check, check_convention, joint_types_of, names_of, numbers, table_array, transform
 from urdf_ik.dh.frames import rotation_z, slide_z, step_x
 from urdf_ik.dh.from_chain import fields_of, frames_of
 from urdf_ik.errors import DHError
+from urdf_ik.guards import inputs
+from urdf_ik.guards.frozen import Frozen
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
@@ -27,7 +29,7 @@ _SAMPLES = 12
 
 
 @dataclass(frozen=True, eq=False)
-class DHTable:
+class DHTable(Frozen):
     """A serial arm as a Denavit-Hartenberg table between a base and a tool transform.
 
     The joint's variable is added to ``theta`` (revolute, continuous) or to ``d`` (prismatic): what stands there is
@@ -110,7 +112,7 @@ class DHTable:
             >>> table.joint_names, table.a.tolist()
             (('joint_1', 'joint_2', 'joint_3'), [0.325, 0.275, 0.0])
         """
-        table = table_array(rows)
+        table, degrees = table_array(rows), inputs.flag(degrees, "degrees", DHError)
         n = len(table)
         kinds = joint_types_of(joint_types, n)
         bounds = np.tile([-np.inf, np.inf], (n, 1)) if limits is None else table_array(limits, ("lower", "upper"))
@@ -128,7 +130,7 @@ class DHTable:
             d=table[:, 2],
             theta=table[:, 3],
             joint_types=tuple("continuous" if e else kind for e, kind in zip(endless, kinds, strict=True)),
-            joint_names=tuple(f"joint_{i + 1}" for i in range(n)) if joint_names is None else tuple(joint_names),
+            joint_names=tuple(f"joint_{i + 1}" for i in range(n)) if joint_names is None else names_of(joint_names),
             limits=np.where(
                 np.array([kind == "continuous" for kind in kinds], dtype=np.bool_)[:, None], [-np.inf, np.inf], bounds
             ),
@@ -186,6 +188,7 @@ class DHTable:
             ([0.0, 0.4318, 0.0203, 0.0, 0.0, 0.0], [0.672, 0.0, 0.15, 0.4318, 0.0, 0.0])
         """
         check_convention(convention)
+        inputs.kind(chain, "joint_types", "chain", "the chain of an arm, arm.chain,", DHError)
         if chain.n == 0:
             raise DHError(f"no movable joint between {chain.base!r} and {chain.tip!r}, so there is no table")
         if chain.axes is not chain:

@@ -11,7 +11,7 @@ from urdf_ik.dh import files
 from urdf_ik.dh.bodies import bodies
 from urdf_ik.errors import DHError
 from urdf_ik.poses import to_rpy
-from urdf_ik.text import aligned
+from urdf_ik.text import aligned, quoted
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -32,8 +32,8 @@ def write(table: TableFields, base_link: str, tip_link: str) -> str:
         DHError: base and tip have the same name, or that of another link.
     """
     links = [base_link, *(f"link_{i + 1}" for i in range(table.n)), tip_link]
-    if len(set(links)) < len(links) or not all(name.strip() for name in links):
-        raise DHError(f"the links {', '.join(map(repr, links))} must have different names")
+    if not all(isinstance(name, str) and name.strip() for name in links) or len(set(links)) < len(links):
+        raise DHError(f"the links {', '.join(map(quoted, links))} must have different names")
     if "tool_joint" in table.joint_names:
         raise DHError("'tool_joint' is the name of the fixed joint of the tool", column="name")
     origins = table.origins()

@@ -17,6 +17,7 @@ from urdf_ik.families import spherical_wrist
 from urdf_ik.families.parts.family import Family, Plan, columns
 from urdf_ik.families.parts.values import driven_values
 from urdf_ik.structure import analyse
+from urdf_ik.text import quoted
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
@@ -109,7 +110,7 @@ def why_not(chain: CoupledChain) -> str:
     turns = chain.image_turns[4]
     if not 0.0 < turns <= _MOST_TURNS:
         factors = ", ".join(f"{factor:g}" for factor in gain[4:6, 4])
-        return f"joint {names[4]!r}, with the multipliers {factors}, does not repeat within {_MOST_TURNS} turns"
+        return f"joint {quoted(names[4])}, with the multipliers {factors}, does not repeat within {_MOST_TURNS} turns"
     structure = analyse(_signed(chain))
     if not structure.is_parallel(2):
         return f"axes 2 and 3 ({names[1]}, {names[2]}) are {structure.pairs[1].relation}, and would have to be parallel"

@@ -9,8 +9,10 @@ import numpy as np
 
 from urdf_ik import arrays
 from urdf_ik.errors import PathError, PoseError
+from urdf_ik.guards import inputs
 from urdf_ik.motion.waypoints import read
 from urdf_ik.poses import pose
+from urdf_ik.text import printable
 
 if TYPE_CHECKING:
     import os
@@ -90,9 +92,9 @@ def writable(path: str | os.PathLike[str]) -> Path:
     Raises:
         PathError: it is a folder, or in a folder that is not there.
     """
-    file = Path(path)
+    file = inputs.path(path, "path", PathError)
     if not file.parent.is_dir():
-        raise PathError(f"{file} cannot be written: there is no folder {file.parent}")
+        raise PathError(f"{printable(file, 200)} cannot be written: there is no folder {printable(file.parent, 200)}")
     if file.is_dir():
         raise PathError(f"{file} cannot be written: it is a folder")
     return file

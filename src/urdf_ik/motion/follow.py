@@ -9,6 +9,7 @@ import numpy as np
 
 from urdf_ik.angles import TURN, shortest
 from urdf_ik.errors import PathError
+from urdf_ik.guards import inputs
 from urdf_ik.motion import waypoints
 from urdf_ik.motion.path import nodes as node_sets
 from urdf_ik.motion.path import redundant, several
@@ -164,8 +165,7 @@ def _nodes(settings: Settings, T: Array) -> Nodes:
 
 
 def _obstacles(arm: Arm, world: World | None, margin: float, collisions: bool) -> Obstacles | None:
-    if not 0.0 <= margin < np.inf:
-        raise PathError(f"a margin of {margin} given; it must be zero or a positive number of m")
+    margin = inputs.number(margin, "margin", PathError, low=0.0, unit="m")
     if not collisions:
         if world is not None:
             raise PathError("collisions=False given with a world; leave one of the two out")

@@ -82,6 +82,16 @@ class Margins:
     manipulability: Array
 
 
+@dataclass(frozen=True)
+class _Listed:
+    """Alternatives that are there already."""
+
+    plans: tuple[Plan, ...]
+
+    def __call__(self) -> tuple[Plan, ...]:
+        return self.plans
+
+
 @dataclass(frozen=True, eq=False)
 class Plan:
     """Joint vectors along a path, or the reason why there is no plan.
@@ -193,6 +203,13 @@ class Plan:
         from urdf_ik.motion.timing import timed
 
         return timed(self, velocity, acceleration, dt=dt)
+
+    def __getstate__(self) -> dict[str, Any]:
+        # The alternatives are found when they are asked for, by what cannot be pickled: they go along as they are.
+        state = {name: value for name, value in self.__dict__.items() if name != "alternatives"}
+        if self.others is not None:
+            state["others"] = _Listed(tuple(replace(plan, others=None) for plan in self.alternatives))
+        return state
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a row a waypoint: its number, its branch, the joints by name [rad or m].

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import PathError
+from urdf_ik.guards import inputs
 from urdf_ik.motion.files import writable
 from urdf_ik.motion.path import settings
 from urdf_ik.text import json_text
@@ -96,6 +97,9 @@ class Timed:
     def __repr__(self) -> str:
         return f"<Timed: {self.duration:.3f} s, {len(self.t)} samples, {self.method}>"
 
+MOST_SAMPLES = 10_000_000
+"""Samples of a plan in time at most."""
+
 
 def timed(plan: Any, velocity: Any = None, acceleration: Any = None, *, dt: float = 0.01) -> Timed:
     """The plan in time, from rest to rest.
@@ -118,8 +122,7 @@ def timed(plan: Any, velocity: Any = None, acceleration: Any = None, *, dt: floa
     """
     if not plan.found or plan.changes:
         raise PathError("only a plan that was found, without reconfigurations, can be timed")
-    if not (np.isfinite(dt) and dt > 0.0):
-        raise PathError(f"dt={dt} given; a positive number of s is needed")
+    dt = inputs.number(dt, "dt", PathError, above=0.0, unit="s")
     arm = plan.arm
     v = settings.velocities(arm) if velocity is None else settings.each_joint("velocity", velocity, arm.joint_names)
     a = 2.0 * v if acceleration is None else settings.each_joint("acceleration", acceleration, arm.joint_names)
@@ -172,4 +175,6 @@ def _scaled(q: Array, place: Array, v: Array, a: Array, dt: float) -> Timed:
 
 
 def _times(duration: float, dt: float) -> Array:
+    if not duration / dt <= MOST_SAMPLES:
+        raise PathError(f"{duration:.3g} s at dt={dt:g} s are more than {MOST_SAMPLES} samples; take a larger dt")
     return np.append(np.arange(0.0, duration - 1e-9 * dt, dt), duration)

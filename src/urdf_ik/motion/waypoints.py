@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import PathError, PoseError
+from urdf_ik.guards import inputs
 from urdf_ik.poses import check_poses, to_rotvec
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -30,6 +32,10 @@ def read(T: Any) -> Array:
     if not len(poses):
         raise PathError("no waypoint given; at least one pose (4, 4) is needed")
     return poses
+
+
+MOST_WAYPOINTS = 10_000_000
+"""Waypoints of a line, an arc or a polyline at most: 1.3 GB of poses."""
 
 
 def interpolated(T0: Array, T1: Array, share: Array, turn: Array | None = None) -> Array:
@@ -120,10 +126,10 @@ def arc(T0: Any, via: Any, T1: Any, n: int = 100) -> Array:
         [0.0, 1.0, 0.0]
     """
     start, end, count = _one(T0, "T0"), _one(T1, "T1"), _count(n)
-    middle = np.asarray(via, dtype=np.float64)
+    middle = inputs.real(getattr(via, "homogeneous", via), "via", "a point (3,) [m] or a pose (4, 4)", PathError)
     middle = middle[:3, 3] if middle.shape == (4, 4) else middle
-    if middle.shape != (3,) or not np.isfinite(middle).all():
-        raise PathError(f"via is {via!r}; a point (3,) [m] or a pose (4, 4) is needed")
+    if middle.shape != (3,) or inputs.first_bad(middle) is not None:
+        raise PathError(f"via is {quoted(via)}; a point (3,) [m] or a pose (4, 4) is needed")
     a, b, c = start[:3, 3], middle, end[:3, 3]
     ab, ac = b - a, c - a
     normal = np.cross(ab, ac)
@@ -172,11 +178,8 @@ def polyline(poses: Any, step: float = 0.01, *, blend: float = 0.0, turn: float 
     corners = read(poses)
     if len(corners) < 2:
         raise PathError(f"a polyline through {len(corners)} pose asked for; at least two are needed")
-    for name, value in (("step", step), ("turn", turn)):
-        if not (np.isfinite(value) and value > 0.0):
-            raise PathError(f"{name}={value} given; a positive number is needed")
-    if not (np.isfinite(blend) and blend >= 0.0):
-        raise PathError(f"blend={blend} given; zero or a positive number of m is needed")
+    step, turn = (inputs.number(value, name, PathError, above=0.0) for name, value in (("step", step), ("turn", turn)))
+    blend = inputs.number(blend, "blend", PathError, low=0.0, unit="m")
     apart = twists(corners[:-1], corners[1:])
     lengths = np.linalg.norm(apart[:, :3], axis=1)
     # Where a leg begins and ends being straight, as shares of it.
@@ -206,6 +209,4 @@ def _one(T: Any, name: str) -> Array:
 
 
 def _count(n: int) -> int:
-    if n < 2:
-        raise PathError(f"{n} waypoints asked for; at least 2 are needed")
-    return int(n)
+    return inputs.whole(n, "n", PathError, low=2, high=MOST_WAYPOINTS)

@@ -12,6 +12,8 @@ from matplotlib.path import Path
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from urdf_ik import palette
+from urdf_ik.errors import PlotError
+from urdf_ik.guards import inputs
 from urdf_ik.plot import figures
 
 if TYPE_CHECKING:
@@ -45,8 +47,12 @@ def words(text: str) -> str:
 
 def posture(arm: Arm, q: ArrayLike | None) -> Array:
     """``q`` as a joint vector (n,); where it is None, the one nearest to zero within the limits."""
+    inputs.arm(arm, error=PlotError)
     if q is not None:
-        return arm.chain.check(np.asarray(q)).reshape(arm.dof)
+        vector = arm.chain.check(q)
+        if vector.shape != (arm.dof,):
+            raise PlotError(f"joint vectors of shape {vector.shape} given; one ({arm.dof},) is drawn")
+        return vector
     lower, upper = arm.limits.T
     return np.clip(np.zeros(arm.dof), lower, upper)
 

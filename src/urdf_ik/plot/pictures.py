@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 import os
 import textwrap
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdf_ik.angles import TURN
 from urdf_ik.errors import MissingPackage, PlotError
+from urdf_ik.guards import inputs
 from urdf_ik.solutions import limits as joint_limits
 
 try:
@@ -80,6 +80,7 @@ def branches(solutions: IKSolutions, *, overlaid: bool = False, shapes: bool = F
         >>> len(figure.axes)
         2
     """
+    inputs.kind(solutions, "explain", "solutions", "what arm.ik gives", PlotError)
     found = list(solutions)
     if not found:
         raise PlotError(f"no solution to draw: {solutions.explain()}")
@@ -269,7 +270,9 @@ def save(figure: Figure, path: str | os.PathLike[str], dpi: float = _DPI) -> Non
         >>> Path("arm.svg").is_file()
         True
     """
-    target = Path(path)
+    target = inputs.path(path, "path", PlotError)
+    inputs.kind(figure, "savefig", "figure", "a picture of this module", PlotError)
+    dpi = inputs.number(dpi, "dpi", PlotError, above=0.0, high=10_000.0)
     if target.suffix.lower() not in SUFFIXES:
         raise PlotError(f"{target}: pictures are written as {', '.join(SUFFIXES)}; name the file so")
     try:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import JointVectorError
+from urdf_ik.guards import inputs
 from urdf_ik.poses import as_pose_array
 from urdf_ik.redundancy.finding import intervals
 from urdf_ik.solutions import select
@@ -37,6 +38,7 @@ def nearest(
     The distance is that to the +-2 pi images (with ``within_limits`` those inside the limits). Of a pose that has no
     solution inside the limits, what is least far outside them is looked at, and dropped with its reason.
     """
+    within_limits = inputs.flag(within_limits, "within_limits")
     target = as_pose_array(T)
     shape = target.shape[:-2]
     select.measure(arm, metric, weights, within)

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.angles import TURN
-from urdf_ik.errors import ArgumentError, PoseError
+from urdf_ik.errors import JointVectorError, PoseError
+from urdf_ik.guards import inputs
 from urdf_ik.poses import check_poses
 from urdf_ik.redundancy.finding import intervals, span
 
@@ -63,14 +64,17 @@ class Sweep:
         found = f"{self.solutions.count.sum()} at {len(self.redundancy)} values"
         return f"{self.parameter}; solutions at {where}; {found}"
 
+MOST_VALUES = 1_000_000
+"""Values of a sweep at most."""
+
 
 def sweep(arm: SolvingArm, plan: RedundantPlan, T: Any, n: int, within_limits: bool, threads: int) -> Sweep:
     """See :meth:`urdf_ik.Arm.sweep`."""
     target = check_poses(T)
     if target.ndim != 2:
         raise PoseError(f"an array of shape {target.shape} given; sweep takes a single pose (4, 4)")
-    if n < 1:
-        raise ArgumentError(f"a sweep over {n} values asked for; at least one is needed")
+    n = inputs.whole(n, "n", low=1, high=MOST_VALUES)
+    within_limits = inputs.flag(within_limits, "within_limits")
     parameter = plan.parameter
     low, high = span(arm, parameter, target[None])
     if plan.self_motion is None and len(plan.parameters) == 1:
@@ -85,7 +89,10 @@ def sweep(arm: SolvingArm, plan: RedundantPlan, T: Any, n: int, within_limits: b
 def explanation(arm: SolvingArm, plan: RedundantPlan, T: Array, value: ArrayLike | None) -> str:
     """Why the pose ``T`` (4, 4) has no solution at a value of the parameter (None: its default), and where it has."""
     parameter = plan.parameter
-    at = parameter.default if value is None else float(parameter.check(value))
+    given = parameter.check(parameter.default if value is None else value)
+    if given.ndim:
+        raise JointVectorError(f"redundancy of shape {given.shape} given; explain takes a single value")
+    at = float(given)
     found = sweep(arm, plan, T, 1, within_limits=False, threads=1).intervals
     places = ", ".join(f"{low:.4f} to {high:.4f} {parameter.unit}" for low, high in found)
     why = plan.explain_at(T, np.array([at]))

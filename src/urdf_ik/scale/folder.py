@@ -219,8 +219,9 @@ def checked_path(path: str | os.PathLike[str]) -> Path:
     if "://" in str(path):
         raise StoreError(f"{path}: a store is a folder on a disk; give a path")
     store = Path(path)
-    if not store.resolve().parent.is_dir():
-        raise StoreError(f"{store}: there is no folder {store.resolve().parent}")
+    parent = Path(os.path.realpath(store)).parent  # resolve() raises where links lead round in a circle
+    if not parent.is_dir():
+        raise StoreError(f"{store}: there is no folder {parent}")
     if store.exists() and not store.is_dir():
         raise StoreError(f"{store} is a file, and a store is a folder; give another path")
     if store.is_dir() and not (store / PRIVATE).is_dir() and any(store.iterdir()):

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError
+from urdf_ik.guards import inputs
+from urdf_ik.guards.frozen import frozen
 from urdf_ik.solutions import limits, select, sentences, tables
-from urdf_ik.solutions.kept import KeptSolutions, Singular, Solution, Step, frozen
+from urdf_ik.solutions.kept import KeptSolutions, Singular, Solution, Step
 from urdf_ik.solutions.turn_names import suffix, turned_branches
 
 if TYPE_CHECKING:
@@ -153,6 +155,7 @@ class IKSolutions(KeptSolutions):
         reference = select.reference(q_ref, self.arm.joint_names, self.shape)[..., None, :]
         measure = select.measure(self.arm, metric, weights, within)
         self._require_columns(n, "nearest")
+        within_limits = inputs.flag(within_limits, "within_limits")
         kept: IKSolutions = self
         on_circle: Array = np.zeros(len(self.rotary))
         if within_limits:
@@ -194,6 +197,7 @@ class IKSolutions(KeptSolutions):
             'elbow right'
         """
         self._require_columns(n, "best")
+        inputs.choice(by, "by", select.QUALITIES)
         kept: IKSolutions = self
         if by == "limits":
             kept = self._moved_inside(limits.image_inmost(self._q, self.arm.limits, self._turning))
@@ -219,8 +223,7 @@ class IKSolutions(KeptSolutions):
             >>> arm.ik(arm.fk([0.3, 0.5, 0.1, 0.2])).scores("limits").round(4).tolist()
             [0.6662, 0.8024]
         """
-        if by not in select.QUALITIES:
-            raise ArgumentError(f"by={by!r} given; there are {', '.join(map(repr, select.QUALITIES))}")
+        inputs.choice(by, "by", select.QUALITIES)
         if world is not None and by != "clearance":
             raise ArgumentError(f"by={by!r} looks at no world; leave it out, or take by='clearance'")
         if by == "limits":
@@ -254,8 +257,7 @@ class IKSolutions(KeptSolutions):
             >>> len(s), len(s.collision_free(world))
             (8, 4)
         """
-        if not 0.0 <= margin < np.inf:
-            raise ArgumentError(f"a margin of {margin} given; it must be zero or a positive number of m")
+        margin = inputs.number(margin, "margin", low=0.0, unit="m")
         q, info = self._q.copy(), self._info.copy()
         places = np.nonzero(info & 1)
         hits = np.asarray(self.arm.collision_model.in_world(world).in_collision(q[places], margin), dtype=np.bool_)
@@ -345,8 +347,7 @@ class IKSolutions(KeptSolutions):
         return f"<IKSolutions of {self.arm.name}: {self.count} in {self._info.shape[-1]} columns{filters}>"
 
     def _require_columns(self, n: int, what: str) -> None:
-        if not 1 <= n <= self._q.shape[-2]:
-            raise ArgumentError(f"the {n} {what} of {self._q.shape[-2]} columns asked for")
+        inputs.whole(n, f"the n {what} of {self._q.shape[-2]} columns: n", low=1, high=self._q.shape[-2])
 
     def _moved_inside(
         self, images: tuple[Array, NDArray[np.bool_]], tol: float = limits.LIMIT_TOLERANCE

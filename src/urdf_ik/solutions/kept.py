@@ -11,9 +11,13 @@ import numpy as np
 
 from urdf_ik._core import Answer
 from urdf_ik.angles import TURN
+from urdf_ik.guards.frozen import frozen
 from urdf_ik.solutions.turn_names import suffix
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from urdf_ik.solutions.solved_arm import SolvedArm
@@ -68,9 +72,17 @@ class Solution:
     singular: Singular
     index: int
 
+    def __reduce__(self) -> tuple[Callable[..., Solution], tuple[Array, str, Singular, int]]:
+        return _solution, (self.q, self.branch, self.singular, self.index)
+
     def __str__(self) -> str:
         flag = f" (singular: {self.singular.name})" if self.singular else ""
         return f"{self.branch}: [{', '.join(f'{x:.6f}' for x in self.q)}]{flag}"
+
+
+def _solution(q: Array, branch: str, singular: Singular, index: int) -> Solution:
+    """A solution as it was before it was copied."""
+    return Solution(frozen(q), branch, singular, index)
 
 
 class Step(NamedTuple):
@@ -91,6 +103,15 @@ class Step(NamedTuple):
     amount: float = 0.0
     apart: Array | None = None
     within: Array | None = None
+
+    def __reduce__(self) -> tuple[Callable[..., Step], tuple[Any, ...]]:
+        return _step, tuple(self)
+
+
+def _step(*fields: Any) -> Step:
+    """A step as it was before it was copied."""
+    parts: list[Any] = [frozen(each) if isinstance(each, np.ndarray) else each for each in fields]
+    return Step(*parts)
 
 
 class KeptSolutions(Answer):
@@ -273,7 +294,9 @@ class KeptSolutions(Answer):
             if isinstance(index, int | np.integer):
                 column = self._columns("an index")[index]
                 return self._solution(column, self.names[column])
-            raise TypeError(f"index {index!r}: the solutions of a single pose take a whole number; or use to_array()")
+            raise TypeError(
+                f"index {quoted(index)}: the solutions of a single pose take a whole number; or use to_array()"
+            )
         place: tuple[Any, ...] = index if isinstance(index, tuple) else (index,)
         if not all(isinstance(i, int | np.integer | slice) for i in place):
             # Whatever NumPy makes of it, applied to the places of the poses so that columns and joints stay whole.
@@ -313,9 +336,3 @@ class KeptSolutions(Answer):
 
     def _solution(self, column: np.intp, name: str) -> Solution:
         return Solution(frozen(self._q[column]), name, Singular(int(self._info[column]) >> 1 & 15), int(column))
-
-
-def frozen(array: NDArray[_Number]) -> NDArray[_Number]:
-    """``array``, read-only: a view or a fresh array, never one that somebody else writes to."""
-    array.setflags(write=False)
-    return array

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from urdf_ik.angles import TURN
 from urdf_ik.errors import ArgumentError, JointVectorError
+from urdf_ik.guards import inputs
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -108,8 +109,7 @@ def image_range(q: Array, limits: Array, turning: Mask | Array, tol: float = LIM
     Raises:
         ArgumentError: ``tol`` is not finite.
     """
-    if not np.isfinite(tol):
-        raise ArgumentError(f"a limit tolerance of {tol} given; it must be a finite number of rad or m")
+    tol = inputs.number(tol, "tol", unit="rad or m")
     lower, upper = limits[:, 0] - tol, limits[:, 1] + tol
     turning, turn = _turns(turning)
     with np.errstate(invalid="ignore", over="ignore"):  # NaN rows, and limits like 1e308 for "none"
@@ -206,7 +206,8 @@ def turns(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TOL
     inside = (first <= last).all(axis=-1, keepdims=True)
     counts = np.where(inside, last - first + 1.0, 1.0)
     per_joint = counts.reshape(-1, q.shape[-1]).max(axis=0, initial=1.0)
-    entries = q.size * float(np.prod(per_joint))
+    with np.errstate(over="ignore"):
+        entries = q.size * float(np.prod(per_joint))
     if entries > MAX_ENTRIES:
         images = " x ".join(f"{count:.4g}" for count in per_joint)
         raise ArgumentError(

@@ -10,7 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.errors import ArgumentError, JointVectorError
+from urdf_ik.guards import inputs
 from urdf_ik.solutions.limits import LIMIT_TOLERANCE
+from urdf_ik.text import quoted
+from urdf_ik.tolerances import LARGEST
 
 if TYPE_CHECKING:
     from urdf_ik.solutions.solved_arm import SolvedArm
@@ -71,6 +74,7 @@ def measure(arm: SolvedArm, metric: str, weights: ArrayLike | None, within: Arra
     """
     names = arm.joint_names
     each = np.ones(len(names)) if weights is None else factors(weights, names)
+    inputs.choice(metric, "metric", (*METRICS, "time") if "time" not in METRICS else METRICS)
     if metric == "time":
         speeds = arm.velocity_limits
         if unknown := [repr(name) for name, speed in zip(names, speeds, strict=True) if np.isinf(speed)]:
@@ -79,8 +83,6 @@ def measure(arm: SolvedArm, metric: str, weights: ArrayLike | None, within: Arra
                 f"{', '.join(unknown)}; write velocity=... into <limit>, or take metric='max' with weights of 1 / speed"
             )
         each = each / speeds
-    elif metric not in METRICS:
-        raise ArgumentError(f"metric={metric!r} given; there are {', '.join(map(repr, METRICS))}")
     return Measure(metric, each, None if within is None else bounds(within, names))  # type: ignore[arg-type]
 
 
@@ -131,17 +133,16 @@ def bounds(within: ArrayLike, names: Sequence[str]) -> Array:
         JointVectorError: there are not as many numbers as joints.
         ArgumentError: a number is negative or NaN.
     """
-    try:
-        array = np.asarray(within, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise JointVectorError(f"within must be a number or one a joint: {error}") from None
+    array = inputs.real(within, "within", "a number, or one a joint", JointVectorError)
     if array.shape not in ((), (len(names),)):
         raise JointVectorError(
             f"within has the shape {array.shape}; one number [rad or m] is needed, or one for each of the "
             f"{len(names)} joints: {', '.join(names)}"
         )
-    if not (array >= 0.0).all():
-        raise ArgumentError(f"within={within!r} given; zero or positive numbers of rad or m are needed")
+    if not (((array >= 0.0) & (array <= LARGEST)) | (array == np.inf)).all():
+        raise ArgumentError(
+            f"within={quoted(within)} given; zero or positive numbers of rad or m are needed, up to {LARGEST:g}, or inf"
+        )
     return np.broadcast_to(array, (len(names),)).copy()
 
 
@@ -153,20 +154,17 @@ def factors(weights: ArrayLike, names: Sequence[str]) -> Array:
     """
     array = _joint_vector(weights, "weights", names)
     if array.ndim != 1 or (array < 0.0).any():
-        raise JointVectorError(f"weights are {weights!r}; one number a joint is needed, zero or positive")
+        raise JointVectorError(f"weights are {quoted(weights)}; one number a joint is needed, zero or positive")
     return array
 
 
 def _joint_vector(value: ArrayLike, what: str, names: Sequence[str]) -> Array:
     """``value`` as (..., n) finite float64."""
-    try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise JointVectorError(f"{what} must be an array of numbers (..., {len(names)}): {error}") from None
+    array = inputs.real(value, what, f"an array of numbers (..., {len(names)})", JointVectorError)
     if array.shape[-1:] != (len(names),):
         raise JointVectorError(
             f"{what} has the shape {array.shape}; the arm has {len(names)} joints: {', '.join(names)}"
         )
-    if not np.isfinite(array).all():
-        raise JointVectorError(f"{what} is {value!r}; finite numbers are needed")
+    if (bad := inputs.first_bad(array)) is not None:
+        raise JointVectorError(f"{what} is {quoted(value)}; {inputs.why_bad(array[bad])}")
     return array

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.guards import inputs
 from urdf_ik.solutions import limits
-from urdf_ik.text import aligned
+from urdf_ik.text import aligned, quoted
 
 if TYPE_CHECKING:
     from urdf_ik.solutions.kept import KeptSolutions, Step
@@ -38,6 +39,7 @@ def explanation(solutions: KeptSolutions) -> str:
 
 def table(solutions: KeptSolutions, degrees: bool = False) -> str:
     """The solutions of a single pose, a line each; a batch in one sentence."""
+    degrees = inputs.flag(degrees, "degrees")
     name = solutions.arm.name
     how = f" ({', '.join(solutions.filters)})" if solutions.filters else ""
     if solutions.shape:
@@ -69,7 +71,7 @@ def _too_far(step: Step) -> str:
     i = int(np.argmax(apart[best] - step.within))
     far, unit = f"{apart[best, i]:.4g}", "rad" if step.parent.rotary[i] else "m"
     return (
-        f"the closest, {step.parent.names[best]}, has {arm.joint_names[i]!r} {far} {unit} from it, where "
+        f"the closest, {step.parent.names[best]}, has {quoted(arm.joint_names[i])} {far} {unit} from it, where "
         f"{step.within[i]:.4g} is allowed"
     )
 
@@ -86,7 +88,7 @@ def _out_of_limits(solutions: KeptSolutions, tol: float) -> str:
         side, limit = ("upper", arm.limits[i, 1]) if out[best, i] > 0.0 else ("lower", arm.limits[i, 0])
         margin = f", with a margin of {-tol:g} {unit}" if tol < 0.0 else ""
         parts.append(
-            f"{arm.joint_names[i]!r} at {image[best, i]:.4f} {unit}, {abs(out[best, i]):.4g} {unit} beyond its "
+            f"{quoted(arm.joint_names[i])} at {image[best, i]:.4f} {unit}, {abs(out[best, i]):.4g} {unit} beyond its "
             f"{side} limit of {limit:.4f} {unit}{margin}"
         )
     return f"the closest, {list(solutions)[best].branch}, has {' and '.join(parts)}"

@@ -5,10 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from urdf_ik.errors import ChainError
+from urdf_ik.text import quoted
 from urdf_ik.urdf.checks import MOVABLE
 from urdf_ik.urdf.joint import Joint
 
@@ -95,7 +97,7 @@ class Chains:
 
     def candidates(self) -> tuple[Candidate, ...]:
         """The chains that may be meant, the longest first; one is chosen, or none where that is in doubt."""
-        ways = [way for way in self._ways(self._body(self.base, None), 0) if len(way) > 1]
+        ways = [way for way in self._ways() if len(way) > 1]
         ways.sort(key=lambda way: -_actuated(way))
         if not ways or not _actuated(ways[0]):
             return ()
@@ -120,21 +122,40 @@ class Chains:
                     carried.append(joint)
         return _Body(tuple(links), carrier, tuple(carried))
 
+    @cached_property
+    def _heights(self) -> dict[str, int]:
+        """Most joints that follow no other on a way down from each link."""
+        links = [self.base]
+        for link in links:  # which grows, parents before children
+            links += [joint.child for joint in self._carried.get(link, ())]
+        heights: dict[str, int] = {}
+        for link in reversed(links):
+            carried = self._carried.get(link, ())
+            heights[link] = max((int(_moves(joint)) + heights[joint.child] for joint in carried), default=0)
+        return heights
+
     def _height(self, joint: Joint) -> int:
         """Most joints that follow no other on a way down, this one included."""
-        below = self._body(joint.child, joint).carried
-        return int(_moves(joint)) + max(map(self._height, below), default=0)
+        return int(_moves(joint)) + self._heights[joint.child]
 
-    def _ways(self, body: _Body, depth: int) -> list[list[_Body]]:
-        """Ways from a body down to the ends of arms; those behind a floating or planar joint begin there."""
-        ways = []
-        for joint in body.carried:
-            below = self._body(joint.child, joint)
-            if joint.type not in MOVABLE:
-                ways += self._ways(below, 0)
-            elif not self._is_finger(joint, len(body.carried), depth):
-                ways += [[body, *way] for way in self._ways(below, depth + int(_moves(joint)))]
-        return ways or [[body]]
+    def _ways(self) -> list[list[_Body]]:
+        """Ways from the base down to the ends of arms; those behind a floating or planar joint begin there."""
+        ways: list[list[_Body]] = []
+        # Without recursion: a chain may have as many joints as there may be links.
+        waiting: list[tuple[_Body, int, list[_Body]]] = [(self._body(self.base, None), 0, [])]
+        while waiting:
+            body, depth, way = waiting.pop()
+            on: list[tuple[_Body, int, list[_Body]]] = []
+            for joint in body.carried:
+                below = self._body(joint.child, joint)
+                if joint.type not in MOVABLE:
+                    on.append((below, 0, []))
+                elif not self._is_finger(joint, len(body.carried), depth):
+                    on.append((below, depth + int(_moves(joint)), [*way, body]))
+            waiting += reversed(on)
+            if not on:
+                ways.append([*way, body])
+        return ways
 
     def _is_finger(self, joint: Joint, beside: int, depth: int) -> bool:
         """Whether a joint moves a finger rather than the arm: one of several in a hand, or an arm's last one."""
@@ -181,7 +202,7 @@ class Chains:
         apart = [link for link in leaves if self._is_apart(link)]
         if len(apart) == 1:
             return apart[0], "the only frame away from the last link's own"
-        return None, f"{len(body.links)} links, all fixed to {body.links[0]!r}"
+        return None, f"{len(body.links)} links, all fixed to {quoted(body.links[0])}"
 
     def _is_apart(self, link: str) -> bool:
         """Whether a fixed leaf lies elsewhere than the link that carries it."""
@@ -193,15 +214,15 @@ def doubt(source: str, candidates: Sequence[Candidate], chain: str | None) -> Ch
     """The error where no candidate is chosen, or none or several have the name that was asked for."""
     tips: list[str] = []
     if chain is not None:
-        named = "; ".join(f"{each.name!r}: {each}" for each in candidates)
-        return ChainError(f"{source}: no chain, or more than one, is called {chain!r}; there are {named}")
+        named = "; ".join(f"{quoted(each.name)}: {each}" for each in candidates)
+        return ChainError(f"{source}: no chain, or more than one, is called {quoted(chain)}; there are {named}")
     longest = len(candidates[0].before) + len(candidates[0].joints)
     rivals = [each for each in candidates if 2 * (len(each.before) + len(each.joints)) > longest]
     if len(rivals) == 1:
         tips = [candidates[0].tip, *candidates[0].frames]
         why = f"the joints are {', '.join(candidates[0].joints)}, but their end has {candidates[0].reason}"
         return ChainError(f"{source}: the tip is ambiguous: {why}; name one with tip=...", tips)
-    named = "; ".join(f"{each.name!r}: {each}" for each in rivals)
+    named = "; ".join(f"{quoted(each.name)}: {each}" for each in rivals)
     why = f"{len(rivals)} movable chains come into question: {named}"
     return ChainError(f"{source}: {why}; name one with chain=... or tip=...", [each.tip for each in candidates])
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
 from dataclasses import dataclass
@@ -11,11 +10,16 @@ from typing import Any, NoReturn
 from lxml import etree
 
 from urdf_ik.errors import UrdfError
-from urdf_ik.text import quoted
+from urdf_ik.text import listed, nearest, quoted
+from urdf_ik.tolerances import LARGEST
 from urdf_ik.urdf.xml import XACRO_HINT, child, has_xacro, is_xacro, tag, written_tag
 
+LEAST = 1e-15
+"""Lengths that are a smaller share of the URDF's size, and smaller factors of mimics, are left over from rounding."""
 MIN_AXIS = 1e-12
 """A shorter axis is what rounding leaves of zero, and gives no direction."""
+_LONGEST = 1000
+"""Characters of an attribute that holds numbers, at most: six times what three numbers with all their digits have."""
 MOVABLE = ("revolute", "continuous", "prismatic")
 TYPES = (*MOVABLE, "fixed", "floating", "planar")
 
@@ -44,6 +48,9 @@ class Place:
     def numbers(self, element: Any, attribute: str, count: int, default: str | None = None) -> list[str]:
         """The attribute's ``count`` finite decimal numbers, as written."""
         text = element.get(attribute, default)
+        if text is not None and len(text) > _LONGEST:
+            problem = f"{attribute}={quoted(text)} has {len(text)} characters"
+            self.fail(problem, hint="write numbers with at most 17 digits", at=element)
         if text is not None and _NUMBERS.fullmatch(text):
             good: list[str] = text.split()
             if len(good) == count and all(map(math.isfinite, map(float, good))):
@@ -72,7 +79,15 @@ class Place:
             # URDF 1.2 only: Pinocchio would read it there, and yourdfpy never.
             problem = f"quat_xyzw={quoted(origin.get('quat_xyzw'))} is read by some URDF readers only"
             self.fail(problem, hint="write the rotation as rpy, in rad", at=origin)
-        return {name: " ".join(self.numbers(origin, name, 3, "0 0 0")) for name in ("xyz", "rpy")}
+        values = {name: self.numbers(origin, name, 3, "0 0 0") for name in ("xyz", "rpy")}
+        return {name: " ".join(self.in_range(origin, name, each)) for name, each in values.items()}
+
+    def in_range(self, element: Any, attribute: str, values: list[str]) -> list[str]:
+        """These values of the attribute, none of them beyond ``LARGEST``."""
+        if any(abs(float(value)) > LARGEST for value in values):
+            problem = f"{attribute}={quoted(element.get(attribute))} is beyond {LARGEST:g}, where no digit is left"
+            self.fail(problem, hint="write lengths in m, and angles in rad", at=element)
+        return values
 
 
 @dataclass(frozen=True)
@@ -176,9 +191,9 @@ def _end(place: Place, end: str, links: dict[str, Any]) -> str:
     if has_xacro(name):
         place.fail(f"link={quoted(name)} holds an unresolved xacro expression", hint=XACRO_HINT, at=element)
     if name not in links:
-        close = difflib.get_close_matches(name, links, n=3)
+        close = nearest(name, links)
         hint = f"declare it with <link name={quoted(name)}/>" + (
-            f", or did you mean {', '.join(close)}?" if close else ""
+            f", or did you mean {listed(close)}?" if close else ""
         )
         place.fail(f"link {quoted(name)} is not declared", hint=hint, at=element)
     return name
@@ -235,6 +250,10 @@ def _mimic(place: Place) -> tuple[str, float, float] | None:
     if not driver:
         place.fail("joint is missing", hint='write <mimic joint="..."/> with the joint to follow', at=element)
     multiplier, offset = (
-        float(place.numbers(element, name, 1, default)[0]) for name, default in (("multiplier", "1"), ("offset", "0"))
+        float(place.in_range(element, name, place.numbers(element, name, 1, default))[0])
+        for name, default in (("multiplier", "1"), ("offset", "0"))
     )
+    if 0.0 < abs(multiplier) < LEAST:
+        problem = f"multiplier={quoted(element.get('multiplier'))} is below {LEAST:g}, where the joint does not move"
+        place.fail(problem, hint="write 0, or a fixed joint", at=element)
     return driver, multiplier, offset

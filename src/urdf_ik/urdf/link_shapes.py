@@ -11,6 +11,7 @@ from lxml import etree
 
 from urdf_ik.errors import UrdfIkError
 from urdf_ik.poses import pose
+from urdf_ik.urdf import meshes as mesh_files
 from urdf_ik.urdf.model import resolve_mesh
 
 if TYPE_CHECKING:
@@ -153,12 +154,11 @@ def _capsule(geometry: Any, _: UrdfModel, coarse: bool) -> list[Any]:
 
 
 def _mesh(geometry: Any, model: UrdfModel, coarse: bool) -> list[Any]:
-    scene = trimesh.load_scene(resolve_mesh(model, geometry.get("filename")))
+    path = resolve_mesh(model, geometry.get("filename"))
+    scene = mesh_files.opened(path, model.folders, model.source)
     meshes = [each for each in scene.dump() if isinstance(each, trimesh.Trimesh) and len(each.faces)]
     scale = np.diag([*_numbers(geometry, "scale", 3, 1.0), 1.0])
     meshes = [each.apply_transform(scale) for each in meshes]
-    if not all(np.isfinite(each.vertices).all() for each in meshes):
-        raise UrdfIkError(f"{geometry.get('filename')}: a vertex is not finite")
     return [simplified(joined(meshes), COARSE)] if coarse and meshes else meshes
 
 

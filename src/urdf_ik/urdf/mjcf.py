@@ -11,6 +11,7 @@ from lxml import etree
 
 from urdf_ik.errors import MissingPackage, UrdfError
 from urdf_ik.poses import pose, to_rpy
+from urdf_ik.text import quoted
 from urdf_ik.urdf.xml import Source
 
 if TYPE_CHECKING:
@@ -67,7 +68,7 @@ def _without_missing_files(spec: Any, source: Source, folder: Path) -> tuple[Urd
     for geom in list(spec.geoms):
         if geom.meshname and geom.meshname in missing:
             if geom.contype or geom.conaffinity:
-                lost.append(_lost(source, geom.parent.name, f"mesh {geom.meshname!r}: its file is not there"))
+                lost.append(_lost(source, geom.parent.name, f"mesh {quoted(geom.meshname)}: its file is not there"))
             spec.delete(geom)
         else:
             geom.material = ""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import difflib
 import io
 import os
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -13,7 +13,9 @@ from typing import IO, TYPE_CHECKING, Any
 import numpy as np
 from lxml import etree
 
-from urdf_ik.errors import ChainError, UrdfError
+from urdf_ik.errors import ArgumentError, ChainError, UrdfError
+from urdf_ik.guards import inputs
+from urdf_ik.text import nearest, printable, quoted
 from urdf_ik.urdf import bodies, checks, formats, meshes, packages, tree
 from urdf_ik.urdf.chains import Candidate, Chains, doubt
 from urdf_ik.urdf.checks import MOVABLE
@@ -21,7 +23,7 @@ from urdf_ik.urdf.joint import Joint
 from urdf_ik.urdf.xml import open_source, parse
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
 
 
@@ -63,6 +65,11 @@ class UrdfModel:
     def robot(self) -> Any:
         """The yourdfpy.URDF of ``xml``, without meshes and without a scene."""
         return _yourdfpy(self.xml)
+
+    @property
+    def folders(self) -> list[Path]:
+        """The same folders as ``package_dirs``, as paths."""
+        return [Path(folder) for folder in self.package_dirs]
 
     @property
     def package_dirs(self) -> tuple[str, ...]:
@@ -164,7 +171,7 @@ class UrdfModel:
         if not candidates:
             start = self.root if base is None else base
             raise ChainError(
-                f"{self.source}: no {', '.join(MOVABLE)} joint below base {start!r}: there is no movable chain",
+                f"{self.source}: no {', '.join(MOVABLE)} joint below base {quoted(start)}: there is no movable chain",
                 [] if start == self.root else [self.root],
             )
         meant = [each for each in candidates if (each.chosen if chain is None else each.name == chain)]
@@ -182,7 +189,7 @@ class UrdfModel:
             >>> joint.name, multiplier, offset
             ('joint_1', 1.0, 0.0)
         """
-        by_name = {each.name: each for each in self.joints} if joint.mimic else {}
+        by_name = self._by_name if joint.mimic else {}
         multiplier, offset = 1.0, 0.0
         while joint.mimic is not None and joint.mimic[0] in by_name:
             name, factor, shift = joint.mimic
@@ -190,6 +197,10 @@ class UrdfModel:
             multiplier *= factor
             joint = by_name[name]
         return joint, multiplier, offset
+
+    @cached_property
+    def _by_name(self) -> dict[str, Joint]:
+        return {joint.name: joint for joint in self.joints}
 
     @cached_property
     def _carrier(self) -> dict[str, Joint]:
@@ -203,12 +214,15 @@ class UrdfModel:
         return carried
 
     def _require(self, link: str, role: str = "link") -> str:
-        if link == self.root or link in self._carrier:
+        if isinstance(link, str) and (link == self.root or link in self._carrier):
             return link
-        close = difflib.get_close_matches(str(link), self.links, n=3)
-        hint = f"; did you mean {' or '.join(map(repr, close))}?" if close else ""
+        close = nearest(printable(link), self.links)
+        hint = f"; did you mean {' or '.join(map(quoted, close))}?" if close else ""
         what = "link" if role == "link" else f"{role} link"
-        raise ChainError(f"{self.source}: there is no {what} {link!r}{hint}", dict.fromkeys([*close, *self.links]))
+        raise ChainError(
+            f"{printable(self.source, 200)}: there is no {what} {quoted(link)}{hint}",
+            dict.fromkeys([*close, *self.links]),
+        )
 
     def _up_from(self, link: str) -> list[Joint]:
         """The joints from ``link`` to the root."""
@@ -301,7 +315,10 @@ def resolve_mesh(model: UrdfModel, filename: str) -> Path:
         >>> resolve_mesh(urdf.read("arm.urdf"), "hand.stl").name
         'hand.stl'
     """
-    return meshes.resolve(filename, [Path(folder) for folder in model.package_dirs], model.source)
+    inputs.kind(model, "folders", "model", "the model of a URDF, as urdf_ik.urdf.read gives it,")
+    if not isinstance(filename, str):
+        raise UrdfError(f"{quoted(filename)} given; a mesh's filename is a text", source=model.source)
+    return meshes.resolve(filename, model.folders, model.source)
 
 
 def _yourdfpy(xml: bytes) -> Any:
@@ -340,4 +357,6 @@ def _joint(raw: checks.RawJoint, theirs: Any) -> Joint:
 
 def _folders(roots: Iterable[str | os.PathLike[str]] | str | os.PathLike[str]) -> tuple[Path, ...]:
     each = [roots] if isinstance(roots, str | os.PathLike) else roots
-    return tuple(Path(root).absolute() for root in each)
+    if not isinstance(each, Iterable):
+        raise ArgumentError(f"mesh_roots={quoted(roots)} given; paths of folders are needed")
+    return tuple(inputs.path(root, "a folder of mesh_roots").absolute() for root in each)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import difflib
 from typing import TYPE_CHECKING, Any
 
 from urdf_ik.errors import UrdfError
+from urdf_ik.text import nearest, quoted
 from urdf_ik.urdf.xml import child, children, open_source, parse, tag
 
 if TYPE_CHECKING:
@@ -76,9 +76,9 @@ def _two_links(element: Any, first: str, second: str, links: Collection[str], so
     for attribute in (first, second):
         name = element.get(attribute)
         if name not in links:
-            close = difflib.get_close_matches(name or "", links, n=3)
+            close = nearest(name or "", links)
             raise UrdfError(
-                f"{attribute} is missing" if name is None else f"{attribute}={name!r}: the URDF has no such link",
+                f"{attribute} is missing" if name is None else f"{attribute}={quoted(name)}: the URDF has no such link",
                 source=source,
                 line=element.sourceline,
                 element=f"<{tag(element)}>",

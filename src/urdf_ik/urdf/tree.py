@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
+import math
 from typing import TYPE_CHECKING, Any
 
-from urdf_ik.text import quoted
-from urdf_ik.urdf.checks import MOVABLE, Place, RawJoint, check_joint, check_name, label_of
+from urdf_ik.text import listed, nearest, printable, quoted
+from urdf_ik.urdf.checks import LEAST, MOVABLE, Place, RawJoint, check_joint, check_name, label_of
 from urdf_ik.urdf.xml import XACRO_HINT, child, children, is_xacro, written_tag
 
 if TYPE_CHECKING:
@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 MAX_LINKS = 500
 """Pinocchio crashes on chains of a few thousand links and yourdfpy hangs before that."""
+_SHOWN = 8
+"""Joints or links of a circle that an error lists at most."""
 VERSIONS = ("1.0", "1.1", "1.2")
 
 
@@ -72,6 +74,9 @@ def check_joints(robot: Any, links: dict[str, Any], source: str) -> list[RawJoin
             problem = f"the joint name {quoted(joint.name)} is taken by line {joints[joint.name].line}"
             joint.place.fail(problem, hint="give each joint a name of its own")
         joints[joint.name] = joint
+        if len(joints) > MAX_LINKS:
+            joint.place.fail(f"more than {MAX_LINKS} joints", hint=f"keep to {MAX_LINKS} links: split the robot")
+    _check_lengths(joints)
     _check_mimics(joints)
     return list(joints.values())
 
@@ -97,7 +102,7 @@ def check_tree(joints: Sequence[RawJoint], links: dict[str, Any], source: str) -
         while link in parent_of and link not in sound:
             if link in walked:
                 loop = list(walked)[list(walked).index(link) :]
-                shown = " <- ".join([*loop[:8], *(["..."] if len(loop) > 8 else []), link])
+                shown = " <- ".join(map(printable, [*loop[:_SHOWN], *(["..."] if len(loop) > _SHOWN else []), link]))
                 problem = f"the links form a cycle: {shown}"
                 hint = "remove the joint that closes the cycle, so that the links form a tree"
                 parent_of[link].place.fail(problem, hint=hint)
@@ -106,33 +111,51 @@ def check_tree(joints: Sequence[RawJoint], links: dict[str, Any], source: str) -
         sound.update(walked)
     roots = [link for link in links if link not in parent_of]
     if len(roots) > 1:
-        listed = ", ".join(roots[:10]) + (", ..." if len(roots) > 10 else "")
         Place(source, links[roots[1]], label_of(links[roots[1]])).fail(
-            f"{len(roots)} links have no parent ({listed}), so the robot falls into parts",
+            f"{len(roots)} links have no parent ({listed(roots, 10)}), so the robot falls into parts",
             hint="join them with fixed joints, or remove all but one",
         )
     return roots[0]
 
 
+def _check_lengths(joints: dict[str, RawJoint]) -> None:
+    """Refuse steps from joint to joint so short that they are lost beside the others, though they are not zero."""
+    lengths = {name: math.hypot(*map(float, joint.origin.get("xyz", "0").split())) for name, joint in joints.items()}
+    size = sum(lengths.values())
+    for name, length in lengths.items():
+        if 0.0 < length < LEAST * size:
+            place = joints[name].place
+            origin = child(place.element, "origin")
+            place.fail(
+                f"xyz={quoted(origin.get('xyz'))} is {length:.3g} m long, no digit beside the URDF's {size:.3g} m",
+                hint='write xyz="0 0 0"',
+                at=origin,
+            )
+
+
 def _check_mimics(joints: dict[str, RawJoint]) -> None:
+    sound: set[str] = set()  # joints whose row of mimics ends at one that moves by itself
     for joint in joints.values():
         if joint.mimic is None:
             continue
         element = child(joint.place.element, "mimic")
-        followed, driver = [joint.name], joint.mimic[0]
+        driver = joint.mimic[0]
         if driver not in joints:
-            close = difflib.get_close_matches(driver, joints, n=3)
-            hint = "name a joint of this URDF" + (f"; did you mean {', '.join(close)}?" if close else "")
+            close = nearest(driver, joints)
+            hint = "name a joint of this URDF" + (f"; did you mean {listed(close)}?" if close else "")
             joint.place.fail(f"it mimics {quoted(driver)}, and there is no such joint", hint=hint, at=element)
         if joints[driver].type in ("floating", "planar"):
             problem = f"it mimics {quoted(driver)}, a {joints[driver].type} joint, which has no single value"
             joint.place.fail(problem, hint=f"mimic a {', '.join(MOVABLE)} joint", at=element)
-        while driver in joints:
-            followed.append(driver)
+        followed = {joint.name: None}
+        while driver in joints and driver not in sound:
             if driver == joint.name:
-                problem = "it mimics itself" + (f", through {' -> '.join(followed)}" if len(followed) > 2 else "")
+                way = " -> ".join(printable(name) for name in [*list(followed)[:_SHOWN], "..."][: len(followed)])
+                problem = "it mimics itself" + (f", through {way} -> {printable(driver)}" if len(followed) > 1 else "")
                 joint.place.fail(problem, hint="let one joint of the circle move by itself", at=element)
             mimic = joints[driver].mimic
-            if mimic is None or driver in followed[:-1]:
+            if mimic is None or driver in followed:  # a circle further on is the fault of the joints in it
                 break
+            followed[driver] = None
             driver = mimic[0]
+        sound.update(followed)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from urdf_ik.errors import MissingPackage, UrdfError
+from urdf_ik.guards import forks
 from urdf_ik.text import quoted
 from urdf_ik.urdf import packages
 from urdf_ik.urdf.xml import Source
@@ -16,7 +16,7 @@ from urdf_ik.urdf.xml import Source
 INSTALL = "pip install 'urdf-ik[xacro]'"
 
 # The package keeps its arguments, its stack of files and the search for packages in variables of its modules.
-_ONE_AT_A_TIME = threading.Lock()
+_ONE_AT_A_TIME = forks.lock()
 
 
 class _NoPackage(Exception):
@@ -63,7 +63,7 @@ def expanded(source: Source, roots: Sequence[Path], given: Mapping[str, object])
     def folder(package: str) -> str:
         found = packages.find(package, searched)
         if found is None:
-            raise _NoPackage(f"there is no ROS package {package!r}")
+            raise _NoPackage(f"there is no ROS package {quoted(package)}")
         return str(found.absolute())
 
     arguments = _Arguments(given)

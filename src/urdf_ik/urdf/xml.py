@@ -17,13 +17,21 @@ from urdf_ik.errors import UrdfError
 from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
 TEXT = "<text>"
-MAX_BYTES = 64 * 2**20
+MAX_BYTES = 8 * 2**20
+"""Greatest size of a URDF: a tree of XML takes up to sixty times as much, and the greatest robots have one MiB."""
+ENCODINGS = frozenset(
+    [*(f"utf-{kind}" for kind in ("8", "8-sig", "16", "16-le", "16-be", "32", "32-le", "32-be")), "ascii", "cp437"]
+    + [f"iso8859-{k}" for k in (*range(1, 12), *range(13, 17))] + [f"cp125{k}" for k in range(9)]
+    + ["koi8-r", "koi8-u", "gb2312", "gbk", "gb18030", "big5", "shift_jis", "cp932", "euc_jp", "iso2022_jp", "euc_kr"]
+)  # fmt: skip
+"""The codecs of the encodings that XML parsers know; others of Python's are no encodings of text, or slow."""
 XACRO_HINT = "for a xacro, end the file's name in .xacro, or give xacro_args (--xacro-arg NAME:=VALUE)"
 
 _GZIP = b"\x1f\x8b"
+_TOO_LARGE = f"it is larger than {MAX_BYTES >> 20} MiB"
 _BOMS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
     (codecs.BOM_UTF32_LE, "utf-32"),
@@ -81,12 +89,22 @@ def open_source(source: object) -> Source:
     named = getattr(source, "name", None)
     name = named if isinstance(named, str) and named else TEXT
     try:
-        content = reader()
+        content = _read(reader)
+    except UrdfError:
+        raise
     except (OSError, ValueError) as error:  # ValueError: a closed file; UnicodeDecodeError is one too
         raise UrdfError(f"cannot read the open file: {error}", source=name, hint="open it as UTF-8 or 'rb'") from None
     if not isinstance(content, str | bytes):
         raise UrdfError(f"read() gave {type(content).__name__}", source=name, hint="it must give str or bytes")
     return Source(_text(content, name), name, None)
+
+
+def _read(reader: Callable[..., object]) -> object:
+    """What an open file holds, up to a little more than the size that is read at all."""
+    try:
+        return reader(MAX_BYTES + 1)
+    except TypeError:  # an object whose read() takes no size
+        return reader()
 
 
 def parse(source: Source) -> Any:
@@ -158,8 +176,8 @@ def _open_path(name: str | bytes) -> Source:
     try:
         if path.is_file():
             if path.stat().st_size > MAX_BYTES:
-                raise UrdfError("the file is larger than 64 MiB", source=label, hint="a URDF holds no meshes")
-            return Source(_text(path.read_bytes(), label), label, path.absolute())
+                raise UrdfError(_TOO_LARGE, source=label, hint="a URDF holds no meshes")
+            return Source(_text(_file_bytes(path), label), label, path.absolute())
         directory = path.is_dir()
     except UrdfError:
         raise
@@ -174,6 +192,12 @@ def _open_path(name: str | bytes) -> Source:
     raise UrdfError(
         "neither an existing file nor XML text", source=_shorten(label), hint="check the path; XML text begins with '<'"
     )
+
+
+def _file_bytes(path: Path) -> bytes:
+    """The file, up to a little more than the size that is read at all: what it says of its size may change."""
+    with path.open("rb") as file:
+        return file.read(MAX_BYTES + 1)
 
 
 def _shorten(label: str) -> str:
@@ -191,7 +215,7 @@ def _without_bom(data: bytes) -> bytes:
 
 def _text(content: str | bytes | bytearray, name: str) -> str:
     if len(content) > MAX_BYTES:
-        raise UrdfError("the text is larger than 64 MiB", source=name, hint="a URDF holds no meshes")
+        raise UrdfError(_TOO_LARGE, source=name, hint="a URDF holds no meshes")
     if isinstance(content, str):
         return content.removeprefix("\ufeff")
     data = _unpacked(bytes(content), name)
@@ -200,6 +224,8 @@ def _text(content: str | bytes | bytearray, name: str) -> str:
         declared = _DECLARED_ENCODING.match(data)
         encoding = declared[1].decode() if declared else "utf-8"
     try:
+        if codecs.lookup(encoding).name not in ENCODINGS:
+            raise LookupError(f"{encoding} is none that XML parsers know")
         return data.decode(encoding)
     except UnicodeDecodeError as error:
         raise UrdfError(
@@ -222,7 +248,7 @@ def _unpacked(data: bytes, name: str) -> bytes:
     except (OSError, EOFError, zlib.error) as error:
         raise UrdfError(f"damaged gzip data: {error}", source=name, hint="compress the file again") from None
     if len(unpacked) > MAX_BYTES:
-        raise UrdfError("it unpacks to more than 64 MiB", source=name, hint="a URDF holds no meshes")
+        raise UrdfError(f"it unpacks to more than {MAX_BYTES >> 20} MiB", source=name, hint="a URDF holds no meshes")
     return unpacked
 
 

@@ -11,13 +11,13 @@ import http
 import ipaddress
 import logging
 import secrets
-import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
 from urdf_ik.errors import MissingPackage
+from urdf_ik.guards import forks
 from urdf_ik.viewer import address
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 MAX_MESSAGE = 2**20
 """Greatest size of a message of the page [bytes]; it sends files in parts of half of that."""
 
-_LOCK = threading.Lock()
+_LOCK = forks.lock()
 _LOGGER = logging.getLogger("urdf_ik.viewer")
 _LOGGER.addHandler(logging.NullHandler())  # what strangers send is no news for the terminal
 _LOGGER.propagate = False

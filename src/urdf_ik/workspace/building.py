@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from urdf_ik.errors import UnsupportedArm, WorkspaceError
+from urdf_ik.guards import inputs
 from urdf_ik.workspace.grid import grid_of, require_memory, require_room
 from urdf_ik.workspace.maps import WorkspaceMap
 from urdf_ik.workspace.question import HELD, Question
@@ -144,12 +145,13 @@ def compute(
         >>> compute(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4, store="map.zarr").complete
         True
     """
+    inputs.arm(arm, error=WorkspaceError)
     if not arm.structure.branches:
         raise UnsupportedArm(f"{arm.name}: no solver for this arm yet. {arm.structure}")
-    if not 1 <= orientations <= MAX_SAMPLES or chunk < 1:
-        raise WorkspaceError(
-            f"{orientations} orientations, {chunk} poses a chunk: 1 to {MAX_SAMPLES} and 1 or more are needed"
-        )
+    orientations = inputs.whole(orientations, "orientations", WorkspaceError, low=1, high=MAX_SAMPLES)
+    chunk, threads = (
+        inputs.whole(value, name, WorkspaceError, low=1) for value, name in ((chunk, "chunk"), (threads, "threads"))
+    )
     if store is None and (client is not None or block is not None):
         raise WorkspaceError("client and block are for maps in a store; give store='map.zarr', too")
     if store is not None and output is not None:

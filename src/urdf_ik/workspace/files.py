@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import os
-import zipfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -16,10 +15,14 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from urdf_ik.errors import WorkspaceError
+from urdf_ik.guards import inputs
+from urdf_ik.text import printable
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+MAX_BYTES = 2**30
+"""What a map may unpack to where nothing else is said [bytes]."""
 FORMAT, VERSION = "urdf-ik workspace map", 2
 
 _Map = TypeVar("_Map")
@@ -32,7 +35,7 @@ def write(path: str | os.PathLike[str], header: Mapping[str, Any], arrays: Mappi
         WorkspaceError: the file cannot be written.
     """
     text = json.dumps({"format": FORMAT, "version": VERSION, **header})
-    target = Path(path)
+    target = inputs.path(path, "path", WorkspaceError)
     unfinished = target.with_name(f".{target.name}.{os.getpid()}")
     try:
         with unfinished.open("wb") as file:
@@ -44,14 +47,23 @@ def write(path: str | os.PathLike[str], header: Mapping[str, Any], arrays: Mappi
         unfinished.unlink(missing_ok=True)
 
 
-def read(path: str | os.PathLike[str], build: Callable[[dict[str, Any], dict[str, NDArray[Any]]], _Map]) -> _Map:
+def read(
+    path: str | os.PathLike[str], build: Callable[[dict[str, Any], dict[str, NDArray[Any]]], _Map], most: int
+) -> _Map:
     """What ``build`` makes of the header and the arrays of a file that :func:`write` wrote.
+
+    Args:
+        path: the file.
+        build: makes a map of its header and arrays.
+        most: bytes that the file may unpack to.
 
     Raises:
         WorkspaceError: the file cannot be read, or is no such map; the message says why.
     """
+    where = inputs.path(path, "path", WorkspaceError)
     try:
-        with Path(path).open("rb") as raw, np.lib.npyio.NpzFile(raw, allow_pickle=False) as file:
+        with where.open("rb") as raw, np.lib.npyio.NpzFile(raw, allow_pickle=False) as file:
+            _require_room(where, file, most)
             if "header" not in file.files:
                 raise WorkspaceError(f"{path} is no workspace map: it has no header")
             header = json.loads(str(file["header"][()]))
@@ -63,7 +75,18 @@ def read(path: str | os.PathLike[str], build: Callable[[dict[str, Any], dict[str
         return build(header, arrays)
     except OSError as error:
         raise WorkspaceError(f"cannot read {path}: {error.strerror or error}") from None
-    except (KeyError, TypeError, ValueError, EOFError, zipfile.BadZipFile) as error:
-        if isinstance(error, WorkspaceError):
-            raise
-        raise WorkspaceError(f"{path} is no workspace map, or a damaged one: {error}") from None
+    except WorkspaceError:
+        raise
+    except Exception as error:  # zip, zlib, NumPy and JSON each have their own ways to say that bytes are damaged
+        reason = printable(error) or type(error).__name__
+        raise WorkspaceError(f"{printable(path, 200)} is no workspace map, or a damaged one: {reason}") from None
+
+
+def _require_room(path: Path, file: Any, most: int) -> None:
+    """Refuse a file whose arrays need more memory than there is: they may be packed to a thousandth."""
+    size = sum(part.file_size for part in file.zip.infolist())
+    if size > most:
+        raise WorkspaceError(
+            f"{printable(path, 200)} unpacks to {size / 2**20:.4g} MiB, and at most {most / 2**20:.4g} MiB are read; "
+            "most=... of urdf_ik.workspace.read takes more, in bytes"
+        )

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
+import os
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdf_ik.errors import WorkspaceError
+from urdf_ik.guards import inputs
 from urdf_ik.scale import room
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -21,6 +25,8 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 AXES = "xyz"
+_MOST_VOXELS = 2**53
+"""Beyond it not even their number can be written; how many fit is found out next."""
 _ROUNDING = 1e-9
 """Share of a voxel by which bounds may exceed a whole number of voxels."""
 
@@ -112,8 +118,8 @@ class Grid:
             >>> Grid(np.zeros(3), 0.1, (2, 1, 1)).layer("x", 0.15)
             (0, 1)
         """
-        if axis not in tuple(AXES):
-            raise WorkspaceError(f"no axis is called {axis!r}; there are x, y and z")
+        axis = inputs.choice(axis, "axis", tuple(AXES), WorkspaceError)
+        at = inputs.number(at, "at", WorkspaceError, unit="m")
         k = AXES.index(axis)
         lower, upper = float(self.lower[k]), float(self.upper[k])
         if not lower <= at <= upper:
@@ -171,15 +177,20 @@ def grid_of(arm: Arm, voxel: float, bounds: ArrayLike | None) -> Grid:
     Raises:
         WorkspaceError: the edge or the bounds make no sense.
     """
-    if not (np.isfinite(voxel) and voxel > 0.0):
-        raise WorkspaceError(f"a voxel of {voxel} m given; its edge is a positive number of m")
+    voxel = inputs.number(voxel, "voxel", WorkspaceError, above=0.0, unit="m")
     lower, upper = _reach_box(arm) if bounds is None else _checked(bounds)
     planar = arm.task.startswith("planar")
     if planar:
         lower[2], upper[2] = -0.5 * voxel, 0.5 * voxel
-    steps = (upper - lower) / voxel
-    if not np.isfinite(steps).all():
+    with np.errstate(over="ignore"):
+        steps = (upper - lower) / voxel
+    if not np.isfinite(upper - lower).all():
         raise WorkspaceError(f"{arm.name}: a joint slides without a limit; give bounds [[x, y, z], [x, y, z]] m")
+    if not (steps < _MOST_VOXELS).all() or float(np.prod(np.maximum(steps, 1.0))) > _MOST_VOXELS:
+        raise WorkspaceError(
+            f"voxels of {voxel:g} m over {' x '.join(f'{length:g}' for length in upper - lower)} m are too many; take "
+            "larger voxels, or narrower bounds"
+        )
     counts = [max(1, math.ceil(float(step) - _ROUNDING)) for step in steps]
     # Whole voxels, with the middle where it was asked for.
     lower = 0.5 * (lower + upper) - 0.5 * voxel * np.array(counts, dtype=np.float64)
@@ -203,9 +214,9 @@ def _reach_box(arm: Arm) -> tuple[Array, Array]:
 
 
 def _checked(bounds: ArrayLike) -> tuple[Array, Array]:
-    box = np.array(bounds, dtype=np.float64)
-    if box.shape != (2, 3) or not np.isfinite(box).all() or (box[0] >= box[1]).any():
-        raise WorkspaceError(f"bounds {box.tolist()} given; [[x, y, z], [x, y, z]] m are needed, lower ones first")
+    box = inputs.real(bounds, "bounds", "[[x, y, z], [x, y, z]] m", WorkspaceError).copy()
+    if box.shape != (2, 3) or inputs.first_bad(box) is not None or (box[0] >= box[1]).any():
+        raise WorkspaceError(f"bounds {quoted(bounds)} given; [[x, y, z], [x, y, z]] m are needed, lower ones first")
     return box[0], box[1]
 
 
@@ -240,7 +251,7 @@ def require_room(grid: Grid, samples: int, needed: int, output: Path) -> None:
     Raises:
         WorkspaceError: with the numbers.
     """
-    folder = output.resolve().parent
+    folder = Path(os.path.realpath(output)).parent
     if not folder.is_dir():
         raise WorkspaceError(f"{output}: there is no folder {folder}")
     free = room.free_disk(folder)

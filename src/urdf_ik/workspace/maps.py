@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from urdf_ik.errors import WorkspaceError
+from urdf_ik.guards import inputs
+from urdf_ik.guards.frozen import Frozen
+from urdf_ik.text import quoted
 from urdf_ik.workspace import files
 from urdf_ik.workspace.grid import AXES, Grid
 from urdf_ik.workspace.lookup import cells
@@ -126,7 +129,7 @@ class MapSlice(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class WorkspaceMap:
+class WorkspaceMap(Frozen):
     """Positions x orientations of an arm's tip, with what they have as solutions.
 
     Attributes:
@@ -196,7 +199,7 @@ class WorkspaceMap:
             1.0
         """
         if what not in VALUES:
-            raise WorkspaceError(f"no value is called {what!r}; there are {', '.join(VALUES)}")
+            raise WorkspaceError(f"no value is called {quoted(what)}; there are {', '.join(VALUES)}")
         if what in ("reach", "solutions"):
             counts = self.counts if what == "solutions" else self.counts > 0
             values = counts.mean(axis=-1, dtype=np.float64)
@@ -250,11 +253,15 @@ class WorkspaceMap:
             >>> found.reach([1, 0, 0]).round(3).tolist()
             [[0.1, 0.2]]
         """
-        ray, start = np.asarray(direction, np.float64), np.asarray(origin, np.float64)
-        length = float(np.linalg.norm(ray)) if ray.shape == (3,) else 0.0
-        if start.shape != (3,) or not np.isfinite(start).all() or not (np.isfinite(length) and length > 0.0):
+        ray, start = (
+            inputs.real(value, name, "three numbers", WorkspaceError)
+            for name, value in (("direction", direction), ("origin", origin))
+        )
+        good = start.shape == ray.shape == (3,) and inputs.first_bad(start) is inputs.first_bad(ray) is None
+        length = float(np.linalg.norm(ray)) if good else 0.0
+        if length == 0.0:
             raise WorkspaceError(
-                f"direction {direction!r} from {origin!r}: three numbers each, not all zero, are needed"
+                f"direction {quoted(direction)} from {quoted(origin)}: three numbers each, not all zero, are needed"
             )
         ray = ray / length
         edges = [self.grid.lower[i] + self.grid.voxel * np.arange(self.grid.shape[i] + 1) for i in range(3)]
@@ -348,8 +355,12 @@ class WorkspaceMap:
         files.write(path, {**asdict(self.about), "grid": self.grid.described()}, arrays)
 
 
-def read(path: str | os.PathLike[str]) -> WorkspaceMap:
+def read(path: str | os.PathLike[str], *, most: int = files.MAX_BYTES) -> WorkspaceMap:
     """Read a map that :meth:`WorkspaceMap.save` wrote.
+
+    Args:
+        path: the file.
+        most: bytes that it may unpack to: a file of a few MiB may hold a thousand times as much.
 
     Raises:
         WorkspaceError: the file cannot be read, or is no such map; the message says why.
@@ -360,7 +371,7 @@ def read(path: str | os.PathLike[str]) -> WorkspaceMap:
         >>> urdf_ik.workspace.read("map.npz").grid.shape
         (8, 8, 1)
     """
-    return files.read(path, _built)
+    return files.read(path, _built, inputs.whole(most, "most", WorkspaceError, high=2**63))
 
 
 def _built(header: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> WorkspaceMap:

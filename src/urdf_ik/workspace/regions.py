@@ -9,8 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik.angles import TURN
-from urdf_ik.errors import WorkspaceError
+from urdf_ik.errors import JointVectorError, WorkspaceError
+from urdf_ik.guards import inputs
+from urdf_ik.guards.frozen import Frozen
 from urdf_ik.solutions import limits
+from urdf_ik.text import quoted
 from urdf_ik.tolerances import DEFAULT
 from urdf_ik.workspace.arcs import Circle, Region, region
 
@@ -28,7 +31,7 @@ ELBOWS = ("elbow left", "elbow right")
 
 
 @dataclass(frozen=True, eq=False)
-class PlanarWorkspace:
+class PlanarWorkspace(Frozen):
     """Where the tip of two turning joints can be, in the coordinates of ``arm.plane``.
 
     Attributes:
@@ -93,7 +96,7 @@ class PlanarWorkspace:
             >>> (urdf_ik.workspace.planar(urdf_ik.load("planar_2r")).elbow([0.0, 0.5]).round(6) + 0.0).tolist()
             [0.066, 0.0]
         """
-        turned = self.angles[0] + self.signs[0] * np.asarray(q, np.float64)[..., 0]
+        turned = self.angles[0] + self.signs[0] * _vectors(q)[..., 0]
         return np.asarray(self.centre + self.lengths[0] * _unit(turned))
 
     def tip(self, q: ArrayLike) -> Array:
@@ -104,7 +107,7 @@ class PlanarWorkspace:
             >>> (urdf_ik.workspace.planar(urdf_ik.load("planar_2r")).tip([0.0, 0.0]).round(6) + 0.0).tolist()
             [0.196, 0.0]
         """
-        turned = (self.angles + self.signs * np.asarray(q, np.float64)).sum(axis=-1)
+        turned = (self.angles + self.signs * _vectors(q)).sum(axis=-1)
         return np.asarray(self.elbow(q) + self.lengths[1] * _unit(turned))
 
 
@@ -123,6 +126,7 @@ def planar(arm: Arm) -> PlanarWorkspace:
         >>> region.lengths.round(6).tolist(), sorted(region.regions)
         ([0.066, 0.13], ['elbow left', 'elbow right'])
     """
+    inputs.arm(arm, error=WorkspaceError)
     chain, plane = arm.chain, arm.plane
     if plane is None or chain.n != 2 or chain.prismatic.any():
         kinds = ", ".join(chain.joint_types)
@@ -192,8 +196,7 @@ def _joints(
     centre: Array, lengths: Array, angles: Array, signs: Array, bounds: Array, points: Array, elbow: str
 ) -> Array:
     """Joint vectors (..., 2) within the limits by the law of cosines, NaN where a point is not reached."""
-    if elbow not in ELBOWS:
-        raise WorkspaceError(f"no elbow is called {elbow!r}; there are {ELBOWS[0]!r} and {ELBOWS[1]!r}")
+    inputs.choice(elbow, "elbow", ELBOWS, WorkspaceError)
     first, second = lengths
     offset = points - centre
     cosine = ((offset**2).sum(axis=-1) - first**2 - second**2) / (2.0 * first * second)
@@ -208,9 +211,18 @@ def _joints(
 
 
 def _points(points: ArrayLike) -> Array:
-    array = np.asarray(points, dtype=np.float64)
+    array = inputs.real(points, "points", "an array of numbers (..., 2), m in the arm's plane", WorkspaceError)
     if array.shape[-1:] != (2,):
         raise WorkspaceError(f"points of shape {array.shape} given; (..., 2) m in the arm's plane are needed")
+    if (bad := inputs.first_bad(array)) is not None:
+        raise WorkspaceError(f"point {array[bad[:-1]].tolist()} given; {inputs.why_bad(array[bad])}")
+    return array
+
+
+def _vectors(q: ArrayLike) -> Array:
+    array = inputs.real(q, "a joint vector", "an array of numbers (..., 2)", JointVectorError)
+    if array.shape[-1:] != (2,) or inputs.first_bad(array) is not None:
+        raise JointVectorError(f"joint vectors {quoted(q)} given; (..., 2) finite numbers [rad] are needed")
     return array
 
 

@@ -13,6 +13,7 @@ from urdf_ik.cli.errors import Status
 from urdf_ik.cli.paths import followed
 from urdf_ik.errors import PathError
 from urdf_ik.motion.files import writable
+from urdf_ik.text import escaped
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -72,7 +73,7 @@ def run(
             _write(what, file)
         elif file is not None:
             why = untimed or ("it changes its branch" if plan.found else "there is no plan")
-            typer.echo(f"{file} was not written: {why}", err=True)
+            typer.echo(escaped(f"{file} was not written: {why}"), err=True)
     if untimed is not None:
         raise typer.Exit(Status.USAGE)
     if not plan.found:

@@ -10,6 +10,7 @@ import typer
 from urdf_ik.cli import console
 from urdf_ik.cli.chosen_arm import angles_of
 from urdf_ik.cli.paths import cell, followed
+from urdf_ik.text import escaped
 from urdf_ik.viewer import Viewer
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ def run(
         found = followed(arm, angles_of(arm, degrees), path, chosen)
         plan, world = found.plan, found.world
         if not plan.found:
-            typer.echo(f"no plan:\n{plan.explain()}", err=True)
+            typer.echo(escaped(f"no plan:\n{plan.explain()}"), err=True)
     else:
         world = cell(path.world, chosen)
     if output is not None:
@@ -48,7 +49,7 @@ def run(
         return
     roots = chosen.mesh_root or ()
     with Viewer(arm, host=host, port=port, mesh_roots=roots, plan=plan, world=world, dark=dark) as viewer:
-        typer.echo(f"{arm.name}: {viewer.url} (Ctrl-C ends it)")
+        typer.echo(escaped(f"{arm.name}: {viewer.url} (Ctrl-C ends it)"))
         if viewer.message:
-            typer.echo(viewer.message, err=True)
+            typer.echo(escaped(viewer.message), err=True)
         viewer.wait()

@@ -19,6 +19,7 @@ from urdf_ik.families.parts.family import Plan, RedundantPlan
 from urdf_ik.families.parts.values import written_values
 from urdf_ik.families.wrappers import degenerate, middle_given
 from urdf_ik.structure import analyse
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -139,7 +140,7 @@ def _held(chain: Chain, k: int, plan: Plan, number: int, why: str) -> RedundantP
         back[:3] = np.tensordot([1.0, np.cos(value), np.sin(value)] if turns else [1.0, value, 0.0], motion, 1)
         moved = T @ back if last else back @ T
         reason = plan.explain(moved) if inner is None else inner.explain_at(moved, at[1:])
-        return f"with {parameter.joint!r} at {value:.6g} {parameter.unit}: {reason}"
+        return f"with {quoted(parameter.joint)} at {value:.6g} {parameter.unit}: {reason}"
 
     parameters = (parameter, *(() if inner is None else inner.parameters))
     defaults = np.array([each.default for each in parameters])

@@ -9,9 +9,12 @@ import numpy as np
 
 from urdf_ik.angles import largest_apart
 from urdf_ik.errors import PathError
+from urdf_ik.guards import inputs
 from urdf_ik.motion.path.graph import COSTS
 from urdf_ik.motion.path.joints import Joints
 from urdf_ik.motion.path.straight import Tolerance
+from urdf_ik.text import printable, quoted
+from urdf_ik.tolerances import LARGEST
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -88,19 +91,17 @@ def read(
         PathError: one of them makes no sense or does not fit the arm; the message says what would be valid.
     """
     names = arm.joint_names
-    if cost not in (*COSTS, "time"):
-        raise PathError(f"cost={cost!r} given; there are {', '.join(map(repr, (*COSTS, 'time')))}")
+    inputs.choice(cost, "cost", (*COSTS, "time"), PathError)
     factors = np.ones(len(names)) if weights is None else each_joint("weights", weights, names, zero=True)
     kind = COSTS.index("max" if cost == "time" else cost)
     if cost == "time":
         factors = factors / velocities(arm)
     steps = np.full(len(names), np.inf) if max_step is None else each_joint("max_step", max_step, names)
-    if not (np.isfinite(margins) and margins >= 0.0):
-        raise PathError(f"margins={margins} given; zero or a positive number is needed")
+    margins = inputs.number(margins, "margins", PathError, low=0.0)
     return Settings(
         arm, Joints.of(arm.chain), kind, factors, steps, _tolerance(tolerance),
         _at_pose(arm, "start", start, T[0], 0), _at_pose(arm, "end", end, T[-1], len(T) - 1),
-        obstacles, float(margins), reconfigure, tolerance is None and not reconfigure,
+        obstacles, margins, reconfigure, tolerance is None and not reconfigure,
     )  # fmt: skip
 
 
@@ -125,23 +126,21 @@ def each_joint(name: str, value: Any, names: tuple[str, ...], *, zero: bool = Fa
     Raises:
         PathError: ``value`` is neither.
     """
-    try:
-        numbers = np.broadcast_to(np.asarray(value, dtype=np.float64), (len(names),)).copy()
-    except (TypeError, ValueError):
-        numbers = np.array([np.nan])
+    needed = f"a number, or one for each of {', '.join(map(printable, names))}"
+    given = inputs.real(value, name, needed, PathError)
+    fits = given.shape in ((), (1,), (len(names),))
+    numbers = np.broadcast_to(given if fits else np.nan, (len(names),)).copy()
     if np.isnan(numbers).any() or (numbers < 0.0).any() or (not zero and (numbers == 0.0).any()):
         kind = "zero or positive" if zero else "positive"
-        raise PathError(f"{name} is {value!r}; a {kind} number is needed, or one for each of {', '.join(names)}")
+        raise PathError(f"{name} is {quoted(value)}; a {kind} number is needed, or one for each of {', '.join(names)}")
     return numbers
 
 
 def _tolerance(value: Any) -> Tolerance:
-    try:
-        numbers = np.asarray((POSITION, ROTATION) if value is None else value, dtype=np.float64)
-    except (TypeError, ValueError):
-        numbers = np.array(np.nan)
-    if numbers.shape != (2,) or not (np.isfinite(numbers) & (numbers > 0.0)).all():
-        raise PathError(f"tolerance is {value!r}; two positive numbers are needed: (m, rad)")
+    given = (POSITION, ROTATION) if value is None else value
+    numbers = inputs.real(given, "tolerance", "two positive numbers (m, rad)", PathError)
+    if numbers.shape != (2,) or not ((numbers > 0.0) & (numbers <= LARGEST)).all():
+        raise PathError(f"tolerance is {quoted(value)}; two positive numbers are needed: (m, rad)")
     return Tolerance(float(numbers[0]), min(float(numbers[1]), 1.0))
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdf_ik.errors import ArgumentError, VelocityError
+from urdf_ik.guards import inputs
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -19,23 +20,15 @@ if TYPE_CHECKING:
 
 def positive(name: str, value: float, unit: str, *, zero: bool = False) -> float:
     """A finite number above zero, or from zero on."""
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        number = math.nan
-    if not math.isfinite(number) or number < 0.0 or (number == 0.0 and not zero):
-        raise ArgumentError(
-            f"{name}={value!r} given; a finite number {'from' if zero else 'above'} 0 is needed [{unit}]"
-        )
-    return number
+    return inputs.number(value, name, ArgumentError, low=0.0, above=None if zero else 0.0, unit=unit)
 
 
 def limits_of(arm: Arm, name: str, value: ArrayLike) -> Array:
     """(n,) numbers above zero, infinite for no limit, from one number or one a joint."""
-    try:
-        array = np.array(np.broadcast_to(np.asarray(value, dtype=np.float64), (arm.dof,)))
-    except (TypeError, ValueError):
-        raise VelocityError(f"{name}: one number, or one a joint ({arm.dof},), is needed: {value!r} given") from None
+    given = inputs.real(value, name, f"one number, or one a joint ({arm.dof},)", VelocityError)
+    if given.shape not in ((), (1,), (arm.dof,)):
+        raise VelocityError(f"{name}: one number, or one a joint ({arm.dof},), is needed: {quoted(value)} given")
+    array = np.array(np.broadcast_to(given, (arm.dof,)))
     bad = np.flatnonzero(~(array > 0.0))
     if len(bad):
         raise VelocityError(

@@ -25,6 +25,8 @@ from urdf_ik.poses import check_poses
 from urdf_ik.solutions.limits import check_inside
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik.arm import Arm
@@ -48,8 +50,8 @@ _KINDS = {
 class Tracker:
     """An arm that follows targets, one a control cycle; made by :meth:`urdf_ik.Arm.tracker`.
 
-    One tracker must not be stepped from several threads at once; different trackers may. It cannot be pickled; another
-    one goes on from its ``q`` and ``velocity``.
+    One tracker must not be stepped from several threads at once; different trackers may. A copy goes on from its ``q``
+    and ``velocity``.
 
     Attributes:
         arm: the arm.
@@ -150,9 +152,16 @@ class Tracker:
         if world is not None or self_collision:
             model: Any = arm.collision_model
             self._collision = model.in_world(world)
+        self._options = {
+            "targets": targets, "velocity": self.velocity_limits, "acceleration": self.acceleration_limits,
+            "recentring": recentring, "world": world, "self_collision": self_collision, "margin": self._margin,
+        }  # fmt: skip
         # The whole of a cycle where a pose is followed and no collision is checked.
         self._quick = self._core.step if self._targets is None and self._collision is None else None
         self.reset(q0)
+
+    def __reduce__(self) -> tuple[Callable[..., Tracker], tuple[Any, ...]]:
+        return _restored, (self.arm, self.q, self.velocity, self.dt, self._options)
 
     def __repr__(self) -> str:
         return f"<Tracker of {self.arm.name!r}: {1.0 / self.dt:g} cycles a second>"
@@ -257,3 +266,11 @@ class Tracker:
             raise PoseError(f"an array of shape {target.shape} given; a cycle takes a single target")
         poses: Array = self._targets.poses(target[None])
         return np.ascontiguousarray(poses[0])
+
+
+def _restored(arm: Arm, q: Array, velocity: Array, dt: float, options: dict[str, Any]) -> Tracker:
+    """A tracker that goes on from where another one is."""
+    lower, upper = arm.limits.T
+    tracker = Tracker(arm, np.clip(q, lower, upper), dt, **options)
+    tracker.reset(tracker.q, velocity)
+    return tracker

@@ -1,0 +1,87 @@
+"""Forks wait until no other thread is in a first call: what it holds then would be held in the child for ever.
+
+A first call imports modules and computes what is kept (``functools.cached_property``), each under a lock. A child has
+only the thread that forked, so that nobody would release them.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+import sys
+import threading
+import time
+from typing import Any
+from weakref import WeakSet
+
+PATIENCE = 30.0
+"""How long a fork waits [s]; the longest first call takes a third of it on a slow machine."""
+_PAUSE = 0.001
+
+
+_own: WeakSet[Any] = WeakSet()
+_held: list[Any] = []
+
+
+def lock() -> threading.RLock:
+    """A lock that is free after a fork, in both processes.
+
+    Example:
+        >>> with lock() as held:
+        ...     held
+        True
+    """
+    made = threading.RLock()
+    _own.add(made)
+    return made
+
+
+def _locks() -> list[Any]:
+    """Our own locks, and those of what is computed when it is first asked for (before Python 3.12 it has some)."""
+    found = list(_own)
+    for name, module in list(sys.modules.items()):
+        if name.partition(".")[0] == "urdf_ik":
+            for value in list(vars(module).values()):
+                if isinstance(value, type) and value.__module__ == name:
+                    found += [
+                        each.lock
+                        for each in list(vars(value).values())
+                        if isinstance(each, functools.cached_property) and hasattr(each, "lock")
+                    ]
+    return found
+
+
+def _importing() -> bool:
+    """Whether another thread is importing a module."""
+    bootstrap: Any = sys.modules["_frozen_importlib"]
+    references = list(getattr(bootstrap, "_module_locks", {}).values())
+    owners = {getattr(reference(), "owner", None) for reference in references}
+    return bool(owners - {None, threading.get_ident()})
+
+
+def _before() -> None:
+    end = time.monotonic() + PATIENCE
+    while True:
+        taken: list[Any] = []
+        for each in _locks():
+            if not each.acquire(blocking=False):
+                break
+            taken.append(each)
+        else:
+            if not _importing() or time.monotonic() > end:
+                _held.extend(taken)
+                return
+        for each in taken:
+            each.release()
+        if time.monotonic() > end:  # rather a child that may wait than a program that does not go on
+            return
+        time.sleep(_PAUSE)
+
+
+def _after() -> None:
+    while _held:
+        _held.pop().release()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(before=_before, after_in_parent=_after, after_in_child=_after)

@@ -1,0 +1,39 @@
+"""Arrays that nobody may write to, also after an object was pickled or copied: NumPy forgets it on the way."""
+
+from __future__ import annotations
+
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+_Number = TypeVar("_Number", bound=np.generic)
+
+
+def frozen(array: NDArray[_Number]) -> NDArray[_Number]:
+    """``array``, read-only: a view or a fresh array, never one that somebody else writes to.
+
+    Example:
+        >>> frozen(np.zeros(3)).flags.writeable
+        False
+    """
+    array.setflags(write=False)
+    return array
+
+
+class Frozen:
+    """An object whose arrays are all read-only, and stay so in its copies.
+
+    Example:
+        >>> import copy
+        >>> import urdf_ik
+        >>> chain = urdf_ik.load("planar_2r").chain
+        >>> copy.deepcopy(chain).limits.flags.writeable
+        False
+    """
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        for value in state.values():
+            if isinstance(value, np.ndarray):
+                value.setflags(write=False)

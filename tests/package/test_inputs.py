@@ -1,0 +1,191 @@
+"""What is given from outside is read in one way everywhere: numbers that are none, and numbers out of range."""
+
+from __future__ import annotations
+
+import datetime
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import urdf_ik
+from urdf_ik import UrdfIkError, poses
+from urdf_ik.guards import inputs
+
+SIX, SEVEN, TWO = (urdf_ik.load(name) for name in ("zyyzyz_6r", "srs_7r", "planar_2r"))
+Q6, Q7 = np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]), np.array([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1])
+T6, T7 = SIX.fk(Q6), SEVEN.fk(Q7)
+SOLUTIONS = SIX.ik(T6)
+TRACKER = SIX.tracker(Q6, dt=0.01)
+REGION = urdf_ik.workspace.planar(TWO)
+CORNERS = np.stack([urdf_ik.pose([0, 0, 0]), urdf_ik.pose([0.1, 0, 0])])
+
+# What takes an array, and an array that it takes.
+ARRAYS: dict[str, tuple[Callable[[Any], Any], Any]] = {
+    "fk": (SIX.fk, Q6), "jacobian": (SIX.jacobian, Q6), "link_poses": (SIX.link_poses, Q6), "ik": (SIX.ik, T6),
+    "ik, reference": (lambda q: SIX.ik(T6, q), Q6), "ik, redundancy": (lambda v: SEVEN.ik(T7, redundancy=v), 0.3),
+    "ik, task": (lambda x: TWO.ik(x, task="planar position"), [0.1, 0.1]), "explain": (SIX.explain, T6),
+    "ik_nearest": (lambda q: SIX.ik_nearest(T6, q), Q6),
+    "weights": (lambda w: SIX.ik_nearest(T6, Q6, weights=w), Q6**2),
+    "within": (lambda w: SIX.ik_nearest(T6, Q6, within=w), np.ones(6)), "nearest": (SOLUTIONS.nearest, Q6),
+    "redundancy_of": (SEVEN.redundancy_of, Q7), "sweep": (lambda T: SEVEN.sweep(T, 4), T7),
+    "manipulability": (SIX.manipulability, Q6), "twist": (lambda v: SIX.joint_velocities(Q6, v), np.ones(6)),
+    "to_pinocchio": (SIX.to_pinocchio, Q6), "from_pinocchio": (SIX.from_pinocchio, Q6),
+    "clearance": (SIX.clearance, Q6), "in_collision": (SIX.collision_model.in_collision, Q6),
+    "motion_is_free": (lambda q: SIX.motion_is_free(q, Q6), Q6), "pose": (urdf_ik.pose, [0.1, 0.2, 0.3]),
+    "rotation vector": (lambda r: urdf_ik.pose([0, 0, 0], rotvec=r), [0.1, 0.2, 0.3]), "to_rpy": (urdf_ik.to_rpy, T6),
+    "check_poses": (poses.check_poses, T6), "line": (lambda T: urdf_ik.line(T, T6, 3), T6),
+    "arc": (lambda p: urdf_ik.arc(urdf_ik.pose([1, 0, 0]), p, urdf_ik.pose([-1, 0, 0]), 3), [0, 1, 0]),
+    "polyline": (lambda T: urdf_ik.polyline(T, 0.05), CORNERS), "tracker": (lambda q: SIX.tracker(q, dt=0.01), Q6),
+    "step": (TRACKER.step, T6), "Box": (urdf_ik.Box, (0.1, 0.1, 0.1)),
+    "Points": (lambda p: urdf_ik.Points(p, 0.1), [[0, 0, 1]]),
+    "obstacle": (lambda T: urdf_ik.World().add("box", urdf_ik.Box((1, 1, 1)), T), T6),
+    "tool": (lambda T: SIX.with_tool(T), T6), "region": (REGION.reaches, [0.1, 0.1]),
+    "elbow": (REGION.elbow, [0.1, 0.1]),
+    "table": (lambda rows: urdf_ik.DHTable.from_array(rows, "standard"), [[0.1, 0.3, 0.2, 0.1]]),
+}  # fmt: skip
+# What takes a number, and one that it takes.
+NUMBERS: dict[str, tuple[Callable[[Any], Any], float]] = {
+    "locked": (lambda x: urdf_ik.load("zyyzyz_6r", locked={"joint_1": x}), 0.3),
+    "explain, redundancy": (lambda x: SEVEN.explain(T7, x), 0.3), "tolerance": (SOLUTIONS.within_limits, 0.1),
+    "turns": (SOLUTIONS.turns, 0.1), "margin": (lambda x: SOLUTIONS.collision_free(margin=x), 0.1),
+    "in_collision, margin": (lambda x: SIX.collision_model.in_collision(Q6, x), 0.1),
+    "length": (lambda x: SIX.condition_number(Q6, length=x), 0.5), "dt": (lambda x: SIX.tracker(Q6, dt=x), 0.01),
+    "damping": (lambda x: SIX.joint_velocities(Q6, np.ones(6), damping=x), 0.1),
+    "Sphere": (urdf_ik.Sphere, 0.1), "step": (lambda x: urdf_ik.polyline(CORNERS, x), 0.05),
+    "blend": (lambda x: urdf_ik.polyline(CORNERS, 0.05, blend=x), 0.01),
+    "voxel": (lambda x: urdf_ik.workspace.compute(TWO, voxel=x, orientations=2), 0.2),
+    "project_rotation": (lambda x: poses.project_rotation(T6, x), 0.1),
+}  # fmt: skip
+# What takes a whole number, and one that it takes.
+WHOLE: dict[str, tuple[Callable[[Any], Any], int]] = {
+    "threads": (lambda n: SIX.ik(np.stack([T6, T6]), threads=n), 2), "sweep": (lambda n: SEVEN.sweep(T7, n), 4),
+    "columns": (lambda n: SOLUTIONS.nearest(Q6, n=n), 2), "line": (lambda n: urdf_ik.line(T6, T6, n), 3),
+    "orientations": (lambda n: urdf_ik.workspace.compute(TWO, voxel=0.2, orientations=n), 2),
+    "compare": (lambda n: urdf_ik.compare(TWO, TWO, n), 2),
+    "crosscheck": (lambda n: urdf_ik.crosscheck.check(TWO, n), 2),
+}  # fmt: skip
+
+LOOSE: dict[str, Callable[[Any], Any]] = {
+    "masked": lambda a: np.ma.masked_array(a, np.zeros(np.shape(a), bool)),
+    "masked in a list": lambda a: [np.ma.masked_array(each, True) for each in np.atleast_1d(a)],
+    "complex": lambda a: np.asarray(a, dtype=complex),
+    "dates": lambda a: np.zeros(np.shape(a), "M8[s]"),
+    "durations": lambda a: np.zeros(np.shape(a), "m8[s]"),
+    "structured": lambda a: np.zeros(np.shape(a), [("x", "f8")]),
+    "text": lambda a: np.asarray(a).astype(str),
+    "text in lists": lambda a: np.asarray(a).astype(str).tolist(),
+    "bytes": lambda a: np.asarray(a).astype("S"),
+    "truth values": lambda a: np.ones(np.shape(a), bool),
+    "nothing": lambda a: np.full(np.shape(a), None),
+    "objects": lambda a: np.full(np.shape(a), object()),
+    "a set": lambda a: {1.0, 2.0},
+    "a mapping": lambda a: {"a": a},
+    "ragged": lambda a: [[1.0, 2.0], [3.0]],
+}
+HUGE = (1e155, -1e155, 1e200, 1e308, float("nan"), float("inf"), -float("inf"), 10**400)
+
+
+@pytest.mark.parametrize("what", ARRAYS)
+@pytest.mark.parametrize("kind", LOOSE)
+def test_what_is_no_array_of_numbers_is_refused(what: str, kind: str) -> None:
+    """By all functions alike, in words that hold what is valid; what is an array of numbers is not."""
+    call, good = ARRAYS[what]
+    call(good)
+    call(np.asarray(good, dtype=np.float64).tolist())
+    with pytest.raises(UrdfIkError):
+        call(LOOSE[kind](good))
+
+
+@pytest.mark.parametrize("what", ARRAYS)
+def test_numbers_out_of_range_are_refused(what: str) -> None:
+    """At every place of an array: no overflow, no warning, no answer that is none."""
+    call, good = ARRAYS[what]
+    for value in HUGE[:-1]:
+        for place in range(min(np.size(good), 6)):
+            array = np.array(good, dtype=np.float64)
+            array.flat[place] = value
+            if what == "within" and value == float("inf"):
+                continue  # no bound
+            with pytest.raises(UrdfIkError):
+                call(array)
+
+
+@pytest.mark.parametrize("what", NUMBERS)
+def test_single_numbers(what: str) -> None:
+    """A float or an integer of any kind; nothing else, and none that is out of range."""
+    call, good = NUMBERS[what]
+    for same in (good, np.float64(good), np.array(good)):
+        call(same)
+    bad: list[Any] = [
+        *HUGE,
+        "0.5",
+        None if "tolerance" not in what else "x",
+        True,
+        1j,
+        [good, good],
+        np.array([good, good]),
+    ]
+    bad += [np.ma.masked, np.datetime64("2020-01-01"), np.timedelta64(1, "s"), datetime.timedelta(1), object(), {}]
+    for value in bad:
+        if value is None and what in ("length", "damping", "explain, redundancy"):
+            continue  # the default
+        with pytest.raises(UrdfIkError):
+            call(value)
+
+
+@pytest.mark.parametrize("what", WHOLE)
+def test_whole_numbers(what: str) -> None:
+    """An integer of any kind; no 2.5, no text, none that is out of range."""
+    call, good = WHOLE[what]
+    for same in (good, np.int64(good)):
+        call(same)
+    for value in (
+        2.5,
+        float(good),
+        "2",
+        None,
+        True,
+        0,
+        -1,
+        float("nan"),
+        10**18,
+        10**400,
+        [good],
+        np.array([good, good]),
+    ):
+        with pytest.raises(UrdfIkError):
+            call(value)
+
+
+def test_what_cannot_even_be_written_is_refused_in_words() -> None:
+    """Objects whose ``repr`` or ``__array__`` raises, lists within themselves: an error of ours, and a short one."""
+
+    class Odd:
+        def __array__(self, *_: Any, **__: Any) -> Any:
+            raise RuntimeError("no array")
+
+        def __repr__(self) -> str:
+            raise RuntimeError("no text")
+
+    around: list[Any] = []
+    around.append(around)
+    deep: list[Any] = []
+    for _ in range(3000):
+        deep = [deep]
+    for value in (Odd(), around, deep, "x" * 10**6, ["x"] * 10**6):
+        for call, _ in (*ARRAYS.values(), *NUMBERS.values()):
+            with pytest.raises(UrdfIkError) as refused:
+                call(value)
+            assert len(str(refused.value)) < 1000
+
+
+def test_numbers_of_every_kind_are_read() -> None:
+    """Integers, fractions, half and long floats, other byte orders, strided and read-only arrays: their values."""
+    from fractions import Fraction
+
+    for same in (Q6.astype(">f8"), Q6.astype(np.longdouble), np.repeat(Q6, 2)[::2], memoryview(Q6), tuple(Q6)):
+        np.testing.assert_allclose(SIX.fk(same), T6, atol=1e-15)
+    assert inputs.real([Fraction(1, 2), 2**70], "x", "numbers").tolist() == [0.5, 2.0**70]
+    assert inputs.number(np.float16(0.5), "x") == 0.5 and inputs.whole(np.uint8(3), "n") == 3
