@@ -128,7 +128,8 @@ def test_wheel_says_what_it_is(installed: Installed) -> None:
     assert metadata["Name"] == "urdf-ik"
     assert metadata["License-Expression"] == "BSD-3-Clause"
     assert metadata["Requires-Python"] == ">=3.11"
-    extras = {"viewer", "plot", "robots", "notebooks", "timing", "bench", "dev"}
+    own = {"docs", "interop", "mjcf", "notebooks", "plot", "robots", "scale", "tables", "timing", "viewer", "xacro"}
+    extras = {*own, "bench", "dev"}
     assert extras == set(metadata.get_all("Provides-Extra", []))
 
 
