@@ -34,7 +34,7 @@ def test_lengths_and_angles_that_are_too_large_are_refused(value: str, where: st
         assert refused.value.element == '<origin> of <joint name="j">' and refused.value.line == 4
 
 
-@pytest.mark.parametrize("value", ["1e-17", "1e-16", "5e-324", "-1e-200"])
+@pytest.mark.parametrize("value", ["1e-30", "5e-324", "-1e-200"])
 def test_lengths_that_are_lost_beside_the_others_are_refused(value: str) -> None:
     """Neither zero nor anything that a double keeps beside the arm's size; a small arm is no matter."""
     with pytest.raises(UrdfError, match="no digit beside") as refused:

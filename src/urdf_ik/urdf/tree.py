@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from urdf_ik.text import listed, nearest, printable, quoted
-from urdf_ik.urdf.checks import LEAST, MOVABLE, Place, RawJoint, check_joint, check_name, label_of
+from urdf_ik.urdf.checks import MOVABLE, Place, RawJoint, check_joint, check_name, label_of
 from urdf_ik.urdf.xml import XACRO_HINT, child, children, is_xacro, written_tag
 
 if TYPE_CHECKING:
@@ -118,12 +118,16 @@ def check_tree(joints: Sequence[RawJoint], links: dict[str, Any], source: str) -
     return roots[0]
 
 
+_LOST = 1e-25
+"""Share of all lengths below which one is no number that was meant: what rounding leaves of zero is 1e-17 or so."""
+
+
 def _check_lengths(joints: dict[str, RawJoint]) -> None:
     """Refuse steps from joint to joint so short that they are lost beside the others, though they are not zero."""
     lengths = {name: math.hypot(*map(float, joint.origin.get("xyz", "0").split())) for name, joint in joints.items()}
     size = sum(lengths.values())
     for name, length in lengths.items():
-        if 0.0 < length < LEAST * size:
+        if 0.0 < length < _LOST * size:
             place = joints[name].place
             origin = child(place.element, "origin")
             place.fail(
