@@ -155,7 +155,7 @@ def test_sweep_without_solutions_and_with_few_values(case: Case) -> None:
     assert str(case.arm.redundancy) in str(one)
     with pytest.raises(PoseError, match="single pose"):
         case.arm.sweep(np.tile(np.eye(4), (2, 1, 1)))
-    with pytest.raises(UrdfIkError, match="at least one"):
+    with pytest.raises(UrdfIkError, match="a whole number from 1"):
         case.arm.sweep(np.eye(4), n=0)
 
 
