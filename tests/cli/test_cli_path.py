@@ -191,7 +191,7 @@ def test_the_branch_is_changed_where_that_is_allowed(tmp_path: Path) -> None:
         (("-w", "{file}", "--timed", "motion"), ("--timed", ".csv, .json, .npz")),
         (("-w", "{file}", "--start", "1,2"), ("--start", "joint_6")),
         (("-w", "{file}", "--start", "0,0,0,0,0,0"), ("start is no solution of waypoint 0",)),
-        (("-w", "{file}", "--margin", "-1"), ("margin of -1",)),
+        (("-w", "{file}", "--margin", "-1"), ("margin=-1.0", "at least 0")),
         (("-w", "{file}", "--cost", "l3"), ("l3", "time")),
         (("-w", "{file}", "--max-step", "0.1,0.2"), ("--max-step", "joint_6")),
         (("-w", "{file}", "--max-step", "0"), ("max_step", "positive")),

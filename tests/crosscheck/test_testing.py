@@ -121,7 +121,7 @@ def test_plugin_costs_nothing_where_it_is_not_asked_for(pytester: pytest.Pyteste
         import sys
 
         def test_own():
-            assert not {"urdf_ik", "numpy", "pinocchio"} & set(sys.modules)
+            assert not {"urdf_ik", "pinocchio"} & set(sys.modules)  # numpy may be there: zarr's plugin imports it
         """
     )
     # An editable install is a module that Python imports at its start, of which pytest warns.

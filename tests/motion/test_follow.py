@@ -202,7 +202,7 @@ def test_no_step_is_larger_than_allowed() -> None:
         ({"start": [0.0] * 6}, "start is no solution of waypoint 0"),
         ({"cost": "cheap"}, "'l1', 'l2', 'max', 'time'"),
         ({"max_step": -1.0}, "max_step is -1.0"),
-        ({"margin": -0.1}, "margin of -0.1"),
+        ({"margin": -0.1}, "margin=-0.1 given; a finite number of m of at least 0 is needed"),
         ({"weights": [1.0, 2.0]}, "weights is"),
         ({"tolerance": 0.0}, "tolerance is 0.0"),
         ({"margins": np.nan}, "margins=nan"),

@@ -101,7 +101,7 @@ def read_joint_vectors(source: str, option: str, joint_names: Sequence[str]) -> 
     n = len(joint_names)
     accepted = (
         f"accepted: {n} values each ({', '.join(map(texts.printable, joint_names))}), as .npy or .npz (array 'q' or "
-        f"the only one) or JSON of shape ({n},) or (N, {n}), JSON {{\"q\": [...]}}, CSV with {n} columns or a header "
+        f'the only one) or JSON of shape ({n},) or (N, {n}), JSON {{"q": [...]}}, CSV with {n} columns or a header '
         "with the joints' names"
     )
     wanted = arrays.Wanted(("q", "poses"), "joint vector", accepted, JointVectorError)
@@ -112,6 +112,10 @@ def read_joint_vectors(source: str, option: str, joint_names: Sequence[str]) -> 
     if held.ndim not in (1, 2) or not held.size or held.shape[-1] != n:
         raise JointVectorError(f"{name} holds numbers of shape {held.shape}; {accepted}")
     return held.reshape(-1, n)
+
+
+class Coloured(str):
+    """Text whose orders to the terminal are this package's own: what comes from files is escaped in it already."""
 
 
 def opened(source: str, option: str) -> str | IO[bytes]:
@@ -134,7 +138,8 @@ def write(text: str | bytes, output: Path | None) -> None:
         typer.BadParameter: the file cannot be written.
     """
     # Names in files of unknown origin are no orders to the terminal.
-    data = texts.escaped(text).encode(_encoding(), "backslashreplace") if isinstance(text, str) else text
+    shown = texts.escaped(text) if isinstance(text, str) and not isinstance(text, Coloured) else text
+    data = shown.encode(_encoding(), "backslashreplace") if isinstance(shown, str) else shown
     if output is None:
         if sys.stdout is None:  # closed by the caller, who wants the status only
             return

@@ -17,7 +17,9 @@ from rich.table import Table
 from rich.text import Text
 
 from urdf_ik.cli import answers, free_value
+from urdf_ik.cli.console import Coloured
 from urdf_ik.cli.options import is_terminal
+from urdf_ik.text import escaped
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -44,9 +46,9 @@ def render(*parts: Table | str, to_file: bool = False) -> str:
             console.width = max(width, needed_width(part))
             console.print(part)
         else:
-            out.write(part + "\n")
+            out.write(escaped(part) + "\n")
     lines = out.getvalue().split("\n")
-    return "\n".join(line if colour else line.rstrip() for line in lines)
+    return Coloured("\n".join(line if colour else line.rstrip() for line in lines))
 
 
 def needed_width(table: Table) -> int:
@@ -64,7 +66,7 @@ def grid(header: Sequence[str], rows: Iterable[Sequence[Any]], *, left: Sequence
     """A table of texts; columns are right-aligned but for those named in ``left``."""
     table = Table(box=_PLAIN, pad_edge=False, padding=(0, 1, 0, 0), show_edge=False)
     for name in header:
-        table.add_column(Text(name), justify="left" if name in left else "right", no_wrap=True)
+        table.add_column(Text(escaped(name)), justify="left" if name in left else "right", no_wrap=True)
     for row in rows:
         table.add_row(*[_cell(value) for value in row])
     return table
@@ -207,5 +209,5 @@ def _folded(lead: str, parts: Sequence[str], comma: str = ", ", width: int = 79)
 
 
 def _cell(value: Any) -> Text:
-    text = str(value)
+    text = escaped(str(value))
     return Text(text, style=_STYLES.get(text, ""))

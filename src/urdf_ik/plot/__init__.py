@@ -13,6 +13,15 @@ window knows of: it is drawn without a display, and a notebook shows it. ``slide
 
 from __future__ import annotations
 
+from urdf_ik.errors import MissingPackage, PlotError
+
+try:
+    import matplotlib as _  # noqa: F401
+except ImportError:
+    raise MissingPackage("pictures need matplotlib: pip install 'urdf-ik[plot]'") from None
+except ValueError as error:  # the environment names a backend that there is not
+    raise PlotError(f"matplotlib does not start: {error}") from None
+
 from urdf_ik.plot.intervals import intervals
 from urdf_ik.plot.pictures import (
     SUFFIXES,

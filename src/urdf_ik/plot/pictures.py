@@ -14,13 +14,7 @@ from urdf_ik.errors import MissingPackage, PlotError
 from urdf_ik.guards import inputs
 from urdf_ik.solutions import limits as joint_limits
 
-try:
-    from urdf_ik.plot import axes as draw
-except ImportError:
-    raise MissingPackage("pictures need matplotlib: pip install 'urdf-ik[plot]'") from None
-except ValueError as error:  # the environment names a backend that there is not
-    raise PlotError(f"matplotlib does not start: {error}") from None
-
+from urdf_ik.plot import axes as draw
 from urdf_ik.plot import figures
 
 if TYPE_CHECKING:
@@ -165,9 +159,7 @@ def limits(solutions: IKSolutions, *, degrees: bool = True) -> Figure:
     return figure
 
 
-def workspace_slice(
-    found: WorkspaceMap | StoredMap, axis: str = "z", at: float = 0.0, what: str = "reach"
-) -> Figure:
+def workspace_slice(found: WorkspaceMap | StoredMap, axis: str = "z", at: float = 0.0, what: str = "reach") -> Figure:
     """One layer of a workspace map; see :meth:`urdf_ik.workspace.WorkspaceMap.slice`.
 
     Raises:

@@ -38,9 +38,10 @@ _NARROWEST = 1e-13
 
 def is_closed(plan: RedundantPlan) -> bool:
     """Whether the intervals of an arm have this closed form."""
-    values: Any = plan.solver.values if plan.is_exact else {}
-    square = all(values.get(name, {}).get("square", False) for name, _ in _TRIPLES)
-    return plan.parameter.kind == SWIVEL and square
+    if plan.parameter.kind != SWIVEL or not plan.is_exact:
+        return False
+    values: Any = plan.solver.values
+    return all(values.get(name, {}).get("square", False) for name, _ in _TRIPLES)
 
 
 def intervals(arm: SolvingArm, plan: RedundantPlan, T: Array, limits: Array) -> tuple[Found, Columns]:
