@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.angles import TURN
-from urdf_ik.errors import MissingPackage, PlotError
+from urdf_ik.errors import PlotError
 from urdf_ik.guards import inputs
-from urdf_ik.solutions import limits as joint_limits
-
 from urdf_ik.plot import axes as draw
 from urdf_ik.plot import figures
+from urdf_ik.solutions import limits as joint_limits
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
