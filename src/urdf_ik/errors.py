@@ -23,6 +23,7 @@ class UrdfIkError(Exception):
         CatalogueError
     """
 
+
     def __init__(self, *arguments: object) -> None:
         # Names in files of unknown origin are no orders to the terminal that shows the message.
         super().__init__(*(_shown(each) if isinstance(each, str) else each for each in arguments))

@@ -15,6 +15,7 @@ from urdf_ik.text import quoted
 from urdf_ik.urdf.srdf import chain_groups
 
 if TYPE_CHECKING:
+
     from collections.abc import Mapping, Sequence
 
 

@@ -19,6 +19,7 @@ from urdf_ik.text import printable, quoted
 from urdf_ik.urdf import meshes
 
 if TYPE_CHECKING:
+
     from collections.abc import Sequence
 
     from numpy.typing import ArrayLike, NDArray

@@ -192,7 +192,9 @@ def _end(place: Place, end: str, links: dict[str, Any]) -> str:
         place.fail(f"link={quoted(name)} holds an unresolved xacro expression", hint=XACRO_HINT, at=element)
     if name not in links:
         close = nearest(name, links)
-        hint = f"declare it with <link name={quoted(name)}/>" + (f", or did you mean {listed(close)}?" if close else "")
+        hint = f"declare it with <link name={quoted(name)}/>" + (
+            f", or did you mean {listed(close)}?" if close else ""
+        )
         place.fail(f"link {quoted(name)} is not declared", hint=hint, at=element)
     return name
 

@@ -127,7 +127,9 @@ def _stopped(settings: Settings, path: Array, whole: Refined, search: Search, st
         if found is not None:
             return made(settings, path, whole, near, found, alone=True)
         near.graph.prove(settings.arm, np.arange(len(near.graph.end)), settings.tolerance)
-        stops += tuple(stop for stop in stops_of(settings, near, whole.T, whole.place) if stop.branch == names[column])
+        stops += tuple(
+            stop for stop in stops_of(settings, near, whole.T, whole.place) if stop.branch == names[column]
+        )
     return not_found(settings, path, sorted(stops, key=lambda stop: (stop.branch != EVERY_BRANCH, -stop.waypoint)))
 
 
