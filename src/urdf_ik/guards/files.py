@@ -40,7 +40,9 @@ def opened(path: Path) -> IO[bytes]:
         ValueError: its name holds a null byte.
 
     Example:
-        >>> Path("poses.csv").write_bytes(b"x,y,z") and opened(Path("poses.csv")).read()
+        >>> _ = Path("poses.csv").write_bytes(b"x,y,z")
+        >>> with opened(Path("poses.csv")) as file:
+        ...     file.read()
         b'x,y,z'
     """
 
