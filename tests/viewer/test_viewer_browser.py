@@ -226,6 +226,7 @@ def test_the_catalogue_brings_seven_joints_and_their_slider(seen: Seen) -> None:
     assert isinstance(before.redundancy, float)
     thumb = page.get_by_role("slider").first
     seen.wait(lambda: thumb.get_attribute("aria-valuenow") == f"{round(before.redundancy, 3):g}", "the slider is there")
+    page.get_by_role("img", name="Values at which each branch has solutions").wait_for()
     thumb.focus()
     for _ in range(150):
         thumb.press("ArrowRight")
