@@ -1,8 +1,14 @@
-"""Colours of branches, which those who see two primary colours tell apart, too."""
+"""Colours of branches and of values, which those who see two primary colours tell apart, too."""
 
 from __future__ import annotations
 
 import colorsys
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
 
 Colour = tuple[float, float, float]
 
@@ -10,6 +16,11 @@ Colour = tuple[float, float, float]
 # their yellow, which is too light for lines on white.
 _EIGHT = ("0072b2", "d55e00", "009e73", "cc79a7", "e69f00", "56b4e9", "444444", "7a0019")
 _DARKER = 0.5
+# Matplotlib's viridis (Smith and van der Walt, 2015) at 17 places: dark blue to yellow, ever lighter.
+_VIRIDIS = (
+    "440154", "48186a", "472d7b", "424086", "3b528b", "33638d", "2c728e", "26828e", "21918c", "1fa088", "28ae80",
+    "3fbc73", "5ec962", "84d44b", "addc30", "d8e219", "fde725",
+)  # fmt: skip
 
 
 def colours(count: int) -> tuple[Colour, ...]:
@@ -19,9 +30,27 @@ def colours(count: int) -> tuple[Colour, ...]:
         >>> [tuple(round(255 * part) for part in colour) for colour in colours(2)]
         [(0, 114, 178), (213, 94, 0)]
     """
-    eight = [tuple(int(code[k : k + 2], 16) / 255.0 for k in (0, 2, 4)) for code in _EIGHT]
+    eight = [tuple(part / 255.0 for part in _parts(code)) for code in _EIGHT]
     many = [(r, g, b) for r, g, b in eight] + [(_DARKER * r, _DARKER * g, _DARKER * b) for r, g, b in eight]
     if count <= len(many):
         return tuple(many[:count])
     # Neighbours differ in lightness, and all are dark enough for letters.
     return tuple(colorsys.hls_to_rgb(k / count, (0.3, 0.5)[k % 2], 0.8) for k in range(count))
+
+
+def shades(values: ArrayLike) -> NDArray[np.uint8]:
+    """The colours (..., 3), red, green and blue from 0 to 255, of ``values`` (...) from 0, dark blue, to 1, yellow.
+
+    Example:
+        >>> shades([0.0, 1.0]).tolist()
+        [[68, 1, 84], [253, 231, 37]]
+    """
+    given = np.asarray(values, dtype=np.float64)
+    table = np.array([_parts(code) for code in _VIRIDIS], dtype=np.float64)
+    places = np.linspace(0.0, 1.0, len(table))
+    return np.stack([np.interp(given, places, table[:, k]) for k in range(3)], axis=-1).round().astype(np.uint8)
+
+
+def _parts(code: str) -> tuple[int, int, int]:
+    """Red, green and blue of '0072b2'."""
+    return int(code[:2], 16), int(code[2:4], 16), int(code[4:], 16)

@@ -13,6 +13,7 @@ import threading
 import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -21,7 +22,8 @@ from typer.testing import CliRunner
 import urdf_ik
 from urdf_ik import Arm, Singular, UrdfIkError, catalogue
 from urdf_ik.cli import app
-from urdf_ik.viewer import address, panel
+from urdf_ik.redundancy.bars import bars
+from urdf_ik.viewer import address, panel, strip
 from urdf_ik.viewer import state as states
 from urdf_ik.viewer.latest import Latest
 
@@ -143,6 +145,27 @@ def test_seven_joints_have_a_redundancy_parameter() -> None:
     after = states.with_redundancy(state, state.redundancy + 0.1)
     assert after.chosen is not None and np.abs(after.q - state.q).max() > 1e-3
     assert np.abs(arm.fk(after.q) - state.target).max() < 1e-8
+
+
+def test_the_intervals_stand_under_the_slider() -> None:
+    """A bar of the strip covers exactly the values at which its branch has solutions inside the limits."""
+    arm = urdf_ik.load("srs_7r")
+    state = states.start(arm)
+    assert state.intervals is not None
+    names, drawn = bars(state.intervals)
+    values = np.linspace(-np.pi, np.pi, 200)
+    kept = arm.ik(state.target, redundancy=values).within_limits().valid
+    for row, name in enumerate(names):
+        covered = np.zeros(len(values), dtype=bool)
+        for bar in drawn:
+            covered |= (bar.row == row) & (values >= bar.value[0]) & (values <= bar.value[-1])
+        np.testing.assert_array_equal(covered, kept[:, arm.structure.branches.index(name)])
+    page = ElementTree.fromstring(strip.drawn(state).replace("&middot;", "-"))
+    assert len(page.findall(".//title")) == len(drawn)
+    moved = states.with_redundancy(state, 0.5)
+    assert moved.intervals is state.intervals and strip.drawn(moved) != strip.drawn(state)
+    assert states.with_joints(state, state.q + 0.05).intervals is not state.intervals
+    assert strip.drawn(states.start(urdf_ik.load("zyyzyz_6r"))) == ""
 
 
 @pytest.mark.parametrize("name", [name for name in catalogue.BUNDLED if name != "zyyzyz_6r"])

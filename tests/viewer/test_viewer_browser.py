@@ -43,6 +43,7 @@ class Seen:
 
     def __init__(self, viewer: Viewer, page: Any) -> None:
         self.viewer, self.page = viewer, page
+        page.set_default_timeout(1000.0 * PATIENCE)
 
     def wait(self, what: Callable[[], Any], why: str) -> None:
         """Let the page run until ``what()`` is true."""
@@ -100,7 +101,6 @@ def opened() -> Iterator[Seen]:
     with Viewer(urdf_ik.load(ARM), port=0) as viewer, playwright.sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=CHROMIUM, args=list(SOFTWARE))
         page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
-        page.set_default_timeout(240_000)
         page.goto(viewer.url)
         seen = Seen(viewer, page)
         seen.wait(viewer.server.get_clients, "the page connects")
@@ -226,6 +226,7 @@ def test_the_catalogue_brings_seven_joints_and_their_slider(seen: Seen) -> None:
     assert isinstance(before.redundancy, float)
     thumb = page.get_by_role("slider").first
     seen.wait(lambda: thumb.get_attribute("aria-valuenow") == f"{round(before.redundancy, 3):g}", "the slider is there")
+    page.get_by_role("img", name="Values at which each branch has solutions").wait_for()
     thumb.focus()
     for _ in range(150):
         thumb.press("ArrowRight")
@@ -281,7 +282,6 @@ def test_the_scene_is_saved_as_a_page_that_needs_no_viewer(seen: Seen, tmp_path:
     download.value.save_as(file)
     assert file.name == f"{ARM}.html"
     page = seen.page.context.browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
-    page.set_default_timeout(240_000)
     asked: list[str] = []
     page.on("request", lambda request: asked.append(request.url))
     page.goto(file.as_uri())

@@ -14,9 +14,14 @@ constexpr double PI = 3.141592653589793, TURN = 2.0 * PI;
 // TOO_MUCH [rad] or where Newton's method leads further than ASIDE times the step away. A curve whose steps would have to be
 // shorter than SHORTEST has come to a singularity.
 constexpr double LONGEST = 0.3, AIM = 0.2, TOO_MUCH = 0.45, ASIDE = 0.12, SHORTEST = 1e-7;
+// From one solution of the grid to the next: at most so far [rad, shares of size], the tangent turned by at most BRIDGE_TURN
+// [rad], the chord off the mean of the tangents by at most BRIDGE_OFF of its length, any other solution this many times further
+// off. The cubic between two samples is halved at most so often; Newton's method leads off it by at most BRIDGE_ASIDE of the way.
+constexpr double BRIDGE = 1.0, BRIDGE_TURN = 0.9, BRIDGE_OFF = 0.2, BRIDGE_CLEAR = 3.0, BRIDGE_ASIDE = 0.03;
+constexpr int MOST_HALVED = 3;
 // Newton's method ends below these errors: on the way, where steps are as long as WIDE_STEP (less by the square of shorter ones,
 // which there are next to singularities), and at the points that count.
-constexpr double ON_THE_WAY = 1e-7, WIDE_STEP = 0.03, EXACT = 3e-15, SETTLED = 1e-11;
+constexpr double ON_THE_WAY = 1e-7, WIDE_STEP = 0.03, NEARLY_EXACT = 1e-9, EXACT = 3e-15, SETTLED = 1e-11;
 constexpr int FEW_ROUNDS = 4, MANY_ROUNDS = 12;
 // Two joint vectors nearer than this in every joint are one; the same for places between samples, which are interpolated.
 constexpr double SAME = 1e-6, NEARLY_SAME = 3e-3;
@@ -145,11 +150,22 @@ private:
         return s + u * (2.0 * second + 3.0 * u * third);
     }
 
+    // Where the parameter stands still along the cubic between two samples, of which one is before the fold, one behind.
+    double stand_still(const CurveSample& a, const CurveSample& b) const {
+        const double d = b.value - a.value, s = b.arc * a.rate, e = b.arc * b.rate;
+        const double third = 3.0 * (s + e - 2.0 * d), second = 3.0 * d - 2.0 * s - e, root = second * second - third * s;
+        if (!(root >= 0.0)) return -1.0;
+        const double sum = -(second + std::copysign(std::sqrt(root), second)), one = sum / third;
+        return one > 0.0 && one < 1.0 ? one : s / sum;
+    }
     bool step(const CurveSample& from, const CurveSample* before, double& h, CurveSample& to) const;
     bool fold_between(const CurveSample& a, const CurveSample& b, CurveSample& to) const;
     CurveSample at_value(const CurveSample& a, const CurveSample& b, double value, bool& found) const;
     double way_to(const CurveSample& a, const CurveSample& b, const CurveSample& point) const;
     bool closes(const CurveSample& a, const CurveSample& b, const CurveSample& point) const;
+    double off_line(const CurveSample& a, const CurveSample& b, double& arc, double& turned) const;
+    bool halved(const CurveSample& a, CurveSample b, int depth, std::vector<CurveSample>& way) const;
+    void bridge_cell(long cell);
     enum class Stop { low, high, closed, lost };
     Stop travel(const CurveSample& from, double low, double high, std::vector<CurveSample>& way, std::vector<long>& folds) const;
 
@@ -240,7 +256,7 @@ bool Follower::fold_between(const CurveSample& a, const CurveSample& b, CurveSam
     double low = 0.0, high = 1.0, at_low = a.rate, at_high = b.rate;
     bool found = false;
     for (int round = 0; round < 30; ++round) {
-        double u = low + (high - low) * at_low / (at_low - at_high);
+        double u = round ? low + (high - low) * at_low / (at_low - at_high) : stand_still(a, b);
         if (!(u > low && u < high)) u = 0.5 * (low + high);
         double q[7];
         between(a, b, u, q);
@@ -430,10 +446,70 @@ bool Follower::take(long cell, std::vector<CurveSample>& way, const std::vector<
     return true;
 }
 
+// How far a way between two samples is from one that turns evenly, as a share of its length; infinite where it is no step.
+double Follower::off_line(const CurveSample& a, const CurveSample& b, double& arc, double& turned) const {
+    double way[7], square = 0.0, same = 0.0;
+    for (int j = 0; j < 7; ++j) {
+        way[j] = gap(j, b.q[j], a.q[j]);
+        if (std::abs(way[j]) > BRIDGE) return INFINITY;
+        square += way[j] * way[j], same += a.along[j] * b.along[j];
+    }
+    turned = std::acos(std::clamp(same, -1.0, 1.0));
+    arc = std::sqrt(square) * (1.0 + turned * turned / 24.0);
+    if (!(arc <= BRIDGE && turned <= BRIDGE_TURN)) return INFINITY;
+    double off = 0.0;
+    for (int j = 0; j < 7; ++j) off += std::pow(way[j] - 0.5 * arc * (a.along[j] + b.along[j]), 2);
+    return std::sqrt(off) / (arc + 1e-300);
+}
+
+// The samples behind `a` up to `b`, the curve halved until its steps are as short as those of step(); at least once. False
+// where the curve is not what the two ends let expect, or turns round on the way.
+bool Follower::halved(const CurveSample& a, CurveSample b, int depth, std::vector<CurveSample>& way) const {
+    double arc, turned, u;
+    if (!(off_line(a, b, arc, turned) <= BRIDGE_OFF)) return false;
+    b.arc = arc;
+    const bool grows = least_rate(a, b, u) > 0.0;
+    if (depth && grows && arc <= LONGEST && turned <= 2.0 * AIM) {
+        way.push_back(b);
+        return true;
+    }
+    if (depth == MOST_HALVED) return false;
+    double q[7];
+    between(a, b, 0.5, q);
+    CurveSample middle;
+    if (!settle(q, {Pin::nothing, 0, 0.0}, a.along, a.value, ON_THE_WAY, middle) || moved_ > BRIDGE_ASIDE * arc) return false;
+    if (!(middle.rate > 0.0 && middle.value > a.value && middle.value < b.value)) return false;
+    return halved(a, middle, depth + 1, way) && halved(middle, b, depth + 1, way);
+}
+
+// Join the solutions at both ends of a cell that lie on one curve beyond doubt.
+void Follower::bridge_cell(long cell) {
+    const long after = next(cell);
+    for (long i = 0; i < long(nodes_[cell].size()); ++i) {
+        const Node& from = nodes_[cell][i];
+        if (from.stands || from.behind >= 0) continue;
+        long best = -1;
+        double least = INFINITY, second = INFINITY, arc, turned;
+        for (long j = 0; j < long(nodes_[after].size()); ++j) {
+            const double off = off_line(from.at, nodes_[after][j].at, arc, turned);
+            if (off < least) second = least, least = off, best = j;
+            else second = std::min(second, off);
+        }
+        if (best < 0 || least > BRIDGE_OFF || second < BRIDGE_CLEAR * least) continue;
+        const Node& to = nodes_[after][best];
+        if (to.stands || to.before >= 0) continue;
+        std::vector<CurveSample> way(1, from.at);
+        CurveSample end = to.at;
+        way.front().value = low_of(cell), end.value = high_of(cell);
+        if (halved(way.front(), end, 0, way)) take(cell, way, {}, cell, i, true, Stop::high);
+    }
+}
+
 // Follow every solution at the ends of a cell into it. Returns whether each was met by one curve.
 bool Follower::follow_cell(long cell) {
     const double low = low_of(cell), high = high_of(cell);
     bool agrees = true;
+    if (longest_ == LONGEST) bridge_cell(cell);
     for (int side = 0; side < 2; ++side) {
         const long k = side ? next(cell) : cell;
         for (long i = 0; i < long(nodes_[k].size()); ++i) {
@@ -487,7 +563,7 @@ bool Follower::meets(const double* q, const double* t, const CurveSample& point)
     int most = 0;
     for (int j = 1; j < 7; ++j) most = std::abs(t[j]) > std::abs(t[most]) ? j : most;
     CurveSample there;
-    if (!settle(q, {Pin::joint, most, point.q[most]}, t, point.value, EXACT, there)) return true;
+    if (!settle(q, {Pin::joint, most, point.q[most]}, t, point.value, NEARLY_EXACT, there)) return true;
     return apart(there.q, point.q) < SAME;
 }
 
@@ -597,9 +673,11 @@ void Follower::look_for_loops() {
     std::vector<double> found(starts.size());
     const int many = count ? core_.search(arm_, given_.T, starts.data(), count, found.data()) : 0;
     for (int i = 0; i < many; ++i) {
+        const double* q = &found[7 * i];
+        if (known(sample_of(core_.settle(arm_, given_.T, q, {Pin::nothing, 0, 0.0}, 0, 0.0), 0.0))) continue;
         CurveSample at;
         const double along[7] = {};
-        if (!settle(&found[7 * i], {Pin::nothing, 0, 0.0}, along, 0.0, EXACT, at)) continue;
+        if (!settle(q, {Pin::nothing, 0, 0.0}, along, 0.0, EXACT, at)) continue;
         if (!given_.round && (at.value < given_.grid[0] || at.value > given_.grid[given_.values - 1])) continue;
         if (std::abs(at.rate) < STANDS || known(at)) continue;
         add_loop(at);

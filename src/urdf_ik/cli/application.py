@@ -355,17 +355,23 @@ def plot(
 @app.command(
     help=help_text(
         "Show an arm in the browser: every solution of a target to drag, sliders for the joints. With --waypoints, a "
-        "plan to be played along its path, or where each branch ends; with --world, obstacles. Ctrl-C ends it.",
+        "plan to be played along its path, or where each branch ends; with --world, obstacles; with --map, a layer of "
+        "a workspace map as coloured points, and the boundary of what is reached. Ctrl-C ends it.",
         "urdf-ik view ur5",
         "urdf-ik view my_arm.urdf --tip tool0 --mesh-root meshes --port 9000",
         "urdf-ik view panda -o panda.html",
         "urdf-ik view zyyzyz_6r --waypoints seam.csv --world cell.urdf",
+        "urdf-ik view zyyzyz_6r --map map.npz --show solutions",
     )
 )
 @on_an_arm
 def view(
     *,
     path: TypedPath,
+    map_file: options.Map = None,
+    axis: options.FirstAcross = None,
+    at: options.FirstLayer = None,
+    show: options.Shown = Value.REACH,
     chosen: ChosenArm,
     degrees: options.Degrees = False,
     host: options.Host = "127.0.0.1",
@@ -376,7 +382,8 @@ def view(
     """Serve the page."""
     from urdf_ik.cli.commands import view as view_command
 
-    view_command.run(chosen, path, degrees, host, port, output, dark=dark)
+    layer = view_command.Layer(map_file, axis, at, show.value)
+    view_command.run(chosen, path, layer, degrees, host, port, output, dark=dark)
 
 
 def main() -> None:

@@ -65,6 +65,7 @@ class Value(StrEnum):
     SOLUTIONS = "solutions"
     MANIPULABILITY = "manipulability"
     MARGIN = "margin"
+    CLEARANCE = "clearance"
 
 
 class Cost(StrEnum):
@@ -377,10 +378,15 @@ At = Annotated[
 ]
 Shapes = Annotated[bool, Option("--shapes/--no-shapes", help="The shapes of the links, too, meshes among them.")]
 Map = Annotated[
-    Path | None, Option("--map", metavar="FILE", help="Map that `urdf-ik workspace -o` wrote, to cut a layer from.")
+    Path | None,
+    Option("--map", metavar="FILE|FOLDER", help="Map that `urdf-ik workspace` made, to cut a layer from."),
 ]
 Across = Annotated[str, Option("--axis", metavar="x|y|z", help="Axis that the layer of the workspace lies across.")]
 Layer = Annotated[float, Option("--at", metavar="M", help="Where on that axis [m].")]
+FirstAcross = Annotated[str | None, Option("--axis", metavar="x|y|z", help="Axis that the map's layer lies across.")]
+FirstLayer = Annotated[
+    float | None, Option("--at", metavar="M", help="Where on that axis [m]. Default: the middle.", show_default=False)
+]
 Shown = Annotated[Value, Option("--show", help="Value of a layer's voxels.")]
 PictureFile = Annotated[
     Path | None,

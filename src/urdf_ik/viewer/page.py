@@ -15,6 +15,7 @@ import numpy as np
 from urdf_ik import catalogue
 from urdf_ik.arm import load
 from urdf_ik.errors import ArgumentError, MissingPackage, UrdfIkError
+from urdf_ik.guards import inputs
 from urdf_ik.poses import pose
 from urdf_ik.viewer import address, guard, playback
 from urdf_ik.viewer import state as states
@@ -29,17 +30,16 @@ if TYPE_CHECKING:
     from urdf_ik.collision import World
     from urdf_ik.motion import Plan
     from urdf_ik.motion.plan import Stop
+    from urdf_ik.viewer.map_view import MapView
     from urdf_ik.viewer.path_panel import PathPanel
     from urdf_ik.viewer.playback import Track
-    from urdf_ik.viewer.scene import Drawing
     from urdf_ik.viewer.state import State
     from urdf_ik.viewer.surroundings import PathDrawing
+    from urdf_ik.workspace import StoredMap, WorkspaceMap
 
 INSTALL = "pip install 'urdf-ik[viewer]'"
 
 _NO_CHOICE = "catalogue ..."
-_NAMED = 2
-"""Greatest number of shapes that could not be read which the page names one by one."""
 
 
 class Viewer:
@@ -53,6 +53,7 @@ class Viewer:
         track: the plan that is shown, or None.
         place: where on it the arm is; 2.5 is half way from waypoint 2 to waypoint 3.
         obstacles: the world in the scene.
+        map: the workspace map in page and scene, or None.
         uploads: the files that pages are sending.
         message: what the last request for another arm came to.
     """
@@ -66,6 +67,7 @@ class Viewer:
         mesh_roots: Sequence[str | os.PathLike[str]] = (),
         plan: Plan | None = None,
         world: World | None = None,
+        workspace: WorkspaceMap | StoredMap | None = None,
         dark: bool = False,
     ) -> None:
         """Start the server.
@@ -77,11 +79,14 @@ class Viewer:
             mesh_roots: folders that meshes of arms that the page asks for may be read from.
             plan: of ``arm.follow``, found or not, to be played along its waypoints.
             world: obstacles to show; a solution that touches one is marked. Default: those of the plan.
+            workspace: map of ``urdf_ik.workspace(arm)`` to show, see :meth:`show_workspace`.
             dark: light on dark.
 
         Raises:
             MissingPackage: viser is not installed, or is one whose requests cannot be checked.
-            ArgumentError: the port is in use, the host is not this machine, or the plan is another arm's.
+            ArgumentError: the port is in use, the host is not this machine, or the plan or the map is another
+                arm's.
+            StoreError: the map is in a store that is not complete, or damaged.
         """
         try:
             import viser
@@ -103,6 +108,7 @@ class Viewer:
         self.track: Track | None = None
         self.place = 0.0
         self._path: tuple[PathPanel, PathDrawing] | None = None
+        self.map: MapView | None = None
         self._player = playback.Player(self.go_to, self._ended)
         first = address.DEFAULT_PORT if port is None else port
         with _quiet(), guard.guarding(self._guard, host) as guarded:
@@ -120,13 +126,15 @@ class Viewer:
         self._message = self.server.gui.add_markdown("")
         self._show_arm(self.state)
         self._add_sources()
-        if plan is not None:
-            try:
+        try:
+            if plan is not None:
                 self.show_plan(plan)
-            except ArgumentError:
-                self.close()
-                raise
-            self.settle()
+            if workspace is not None:
+                self.show_workspace(workspace)
+        except UrdfIkError:
+            self.close()
+            raise
+        self.settle()
 
     def __enter__(self) -> Viewer:
         return self
@@ -216,6 +224,44 @@ class Viewer:
             raise ArgumentError(f"the plan is one of {plan.arm.name}, not of the arm that is shown")
         self._latest.put("plan", lambda: self._show_plan(plan))
 
+    def show_workspace(
+        self,
+        found: WorkspaceMap | StoredMap | None,
+        what: str = "reach",
+        axis: str | None = None,
+        at: float | None = None,
+    ) -> None:
+        """Show a map of this arm: a layer of voxels as coloured points, and in the page what chooses another one.
+
+        Args:
+            found: the map; None takes away the one that is shown.
+            what: value that colours the points, a key of ``urdf_ik.workspace.VALUES`` that the map holds.
+            axis: 'x', 'y' or 'z', which the layer lies across; default: the one with fewest layers.
+            at: m on that axis; default: the middle layer.
+
+        Raises:
+            ArgumentError: the map is another arm's, or holds no such value.
+            StoreError: the map is in a store that is not complete, or damaged.
+        """
+        from urdf_ik.viewer import map_view, voxels
+
+        read = None if found is None else voxels.Voxels(found, self.state.arm)
+        if read is not None:
+            read.values(what)
+            axis = inputs.choice(axis or read.across, "axis", tuple("xyz"))
+
+        def do() -> None:
+            self._remove_map()
+            if read is not None and read.arm is self.state.arm:
+                self.map = map_view.MapView(self.server, read, self._latest.put, what=what, axis=axis, at=at)
+
+        self._latest.put("map", do)
+
+    def _remove_map(self) -> None:
+        if self.map is not None:
+            self.map.remove()
+        self.map = None
+
     def go_to(self, place: float) -> None:
         """Go to a place of the plan that is shown; 2.5 is half way from waypoint 2 to waypoint 3."""
         self._latest.put("place", lambda: self._go_to(place))
@@ -247,6 +293,7 @@ class Viewer:
             self._say(f"a defect of this program; the terminal says more: {error!r}")
             raise
         self._show_plan(None)
+        self._remove_map()
         self.drawing.remove()
         self.panel.remove()
         self.obstacles.remove()
@@ -264,7 +311,7 @@ class Viewer:
         self.drawing = drawing(self.server.scene, arm)
         self.panel = panel(self.server.gui, arm, self.choose, self._slid, self._turned)
         self.obstacles = self._path_parts[2](self.server.scene, state.world, arm.chain.size)
-        self._say("\n".join([*_unseen(self.drawing), *self.obstacles.missing.values()]))
+        self._say("\n".join([*self.drawing.unseen, *self.obstacles.missing.values()]))
         self.drawing.target.on_update(self._dragged)
         cameras: list[Any] = [self.server.initial_camera]
         cameras += [client.camera for client in self.server.get_clients().values()]
@@ -384,17 +431,6 @@ class Viewer:
                 event.client.send_file_download(
                     f"{Path(self.state.arm.name).name}.html", self.html().encode(), save_immediately=True
                 )
-
-
-def _unseen(drawing: Drawing) -> list[str]:
-    """That there are frames and lines for want of shapes, and why some cannot be read; of many the first ones."""
-    lines, missing = [], drawing.missing
-    if not drawing.has_shapes:
-        lines.append("No link has a shape that can be shown: the arm is drawn as frames and lines.")
-    elif missing:
-        lines.append("Not all shapes can be shown: frames and lines are drawn, too.")
-    lines += missing[:_NAMED]
-    return [*lines, f"and {len(missing) - _NAMED} more"] if len(missing) > _NAMED else lines
 
 
 @contextmanager

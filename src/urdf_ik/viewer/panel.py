@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.solutions import limits
+from urdf_ik.viewer import strip
 from urdf_ik.viewer.scene import colours
 
 if TYPE_CHECKING:
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from urdf_ik.viewer.state import State
 
 _STEP, _DIGITS = 0.001, 3
+_ROUNDING = 1e-6  # steps that an end may be off for rounding
 _LETTERS = 54
 """As many fit on a button."""
 
@@ -30,6 +32,7 @@ class Panel:
         branches: one button a branch.
         sliders: one a joint.
         redundancies: sliders of the redundancy parameters.
+        strip: under that of a single parameter, its intervals by branch; None without one.
     """
 
     def __init__(
@@ -51,17 +54,18 @@ class Panel:
             ]
         for column, button in enumerate(self.branches):
             button.on_click(_calling(partial(on_branch, column)))
-        self.redundancies = []
+        self.redundancies, self.strip = [], None
         if arm.redundancies:
             self._folders.append(gui.add_folder("Redundancy"))
             with self._folders[-1]:
-                self.redundancies = [_slider(gui, f"{p.label} [{p.unit}]", *p.range) for p in arm.redundancies]
+                self.redundancies = [slider_of(gui, f"{p.label} [{p.unit}]", *p.range) for p in arm.redundancies]
+                self.strip = gui.add_html("", visible=False)
         for which, slider in enumerate(self.redundancies):
             on_change(slider, partial(on_redundancy, which))
         self._folders.append(gui.add_folder("Joints"))
         with self._folders[-1]:
             self.sliders = [
-                _slider(gui, f"{name} [{'m' if slides else 'rad'}]", float(low), float(high))
+                slider_of(gui, f"{name} [{'m' if slides else 'rad'}]", float(low), float(high))
                 for name, (low, high), slides in zip(
                     arm.joint_names, limits.drawn(arm.limits, ~arm.chain.prismatic), arm.chain.prismatic, strict=True
                 )
@@ -81,11 +85,15 @@ class Panel:
                 button.label = _label(ghost.branch, ghost.marks, k == chosen)
         for slider, value in zip(self.sliders, state.q, strict=True):
             if slider is not keep:
-                _set(slider, float(value))
+                turn_to(slider, float(value))
+        if self.strip is not None:
+            content = strip.drawn(state)
+            self.strip.visible = bool(content)
+            self.strip.content = content
         if state.redundancy is not None:
             for slider, value in zip(self.redundancies, np.atleast_1d(state.redundancy), strict=True):
                 if slider is not keep:
-                    _set(slider, float(value))
+                    turn_to(slider, float(value))
 
     def remove(self) -> None:
         """Take the widgets out of the panel again."""
@@ -120,14 +128,15 @@ def plain(text: str) -> str:
     return "".join(f"\\{c}" if c in "\\`*_{}[]<>#|!~$&" else c for c in text)
 
 
-def _slider(gui: Any, name: str, low: float, high: float) -> Any:
+def slider_of(gui: Any, name: str, low: float, high: float) -> Any:
+    """A slider from ``low`` to ``high`` [rad or m] in steps of a thousandth."""
     # Whole steps, since the page writes as many digits as the ends have; at least one, or there is no slider.
-    low, high = math.ceil(low / _STEP) * _STEP, math.floor(high / _STEP) * _STEP
+    low, high = math.ceil(low / _STEP - _ROUNDING) * _STEP, math.floor(high / _STEP + _ROUNDING) * _STEP
     low, high = round(low, _DIGITS), round(max(high, low + _STEP), _DIGITS)
     return gui.add_slider(name, low, high, _STEP, low)
 
 
-def _set(slider: Any, value: float) -> None:
+def turn_to(slider: Any, value: float) -> None:
     """Move a slider; one end gives way to a value beyond it, as a solution outside the limits has."""
     shown = round(value, _DIGITS)
     if shown < slider.min:
@@ -137,14 +146,14 @@ def _set(slider: Any, value: float) -> None:
     slider.value = shown
 
 
-def on_change(slider: Any, call: Callable[[float], None]) -> None:
-    """Call ``call`` with the slider's value where the reader of the page moves it."""
+def on_change(widget: Any, call: Callable[[Any], None]) -> None:
+    """Call ``call`` with the widget's value where the reader of the page changes it."""
 
     def changed(event: Any) -> None:
         if event.client_id is not None:  # not what this program set itself
-            call(float(slider.value))
+            call(widget.value)
 
-    slider.on_update(changed)
+    widget.on_update(changed)
 
 
 def _calling(call: Callable[[], None]) -> Callable[[Any], None]:

@@ -27,6 +27,8 @@ _SAME = 1e-6
 _FROM, _ASIDE, _AROUND = np.array([0.6, -0.75, 0.35]), 0.22, 0.12
 # Faces that a ghost's link has at most: there may be sixteen of them.
 _MOST_FACES = 4000
+_NAMED = 2
+"""Greatest number of shapes that could not be read which the page names one by one."""
 
 
 def colours(count: int) -> tuple[tuple[int, int, int], ...]:
@@ -94,6 +96,17 @@ class Drawing:
             self._place_lines(columns, poses)
         if not keep_target:
             _place(self.target, state.target)
+
+    @property
+    def unseen(self) -> list[str]:
+        """That there are frames and lines for want of shapes, and why some cannot be read; of many the first ones."""
+        lines: list[str] = []
+        if not self.has_shapes:
+            lines.append("No link has a shape that can be shown: the arm is drawn as frames and lines.")
+        elif self.missing:
+            lines.append("Not all shapes can be shown: frames and lines are drawn, too.")
+        lines += self.missing[:_NAMED]
+        return [*lines, f"and {len(self.missing) - _NAMED} more"] if len(self.missing) > _NAMED else lines
 
     def camera(self, state: State, fov: float) -> tuple[Array, Array]:
         """Where a camera with that angle of view [rad] stands, and what it looks at, to see the arm and its ghosts."""

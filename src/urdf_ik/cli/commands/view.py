@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
 
+from urdf_ik import workspace as rooms
 from urdf_ik.cli import console
 from urdf_ik.cli.chosen_arm import angles_of
 from urdf_ik.cli.paths import cell, followed
@@ -17,9 +19,28 @@ if TYPE_CHECKING:
     from urdf_ik.cli.chosen_arm import ChosenArm, TypedPath
 
 
+@dataclass(frozen=True)
+class Layer:
+    """The map to show and its first layer, as typed; None for what was not given."""
+
+    map: Path | None
+    axis: str | None
+    at: float | None
+    what: str
+
+    def show(self, viewer: Viewer) -> None:
+        """Show it; nothing where no map was given."""
+        if self.map is not None:
+            viewer.show_workspace(rooms.opened(self.map), self.what, self.axis, self.at)
+            viewer.settle()
+        elif self.axis is not None or self.at is not None:
+            raise console.usage("a layer is one of a map: give --map, too", "--axis" if self.axis else "--at")
+
+
 def run(
     chosen: ChosenArm,
     path: TypedPath,
+    layer: Layer,
     degrees: bool,
     host: str,
     port: int | None,
@@ -45,10 +66,12 @@ def run(
         world = cell(path.world, chosen)
     if output is not None:
         with Viewer(arm, port=0, plan=plan, world=world, dark=dark) as viewer:
+            layer.show(viewer)
             console.write(viewer.html(), output)
         return
     roots = chosen.mesh_root or ()
     with Viewer(arm, host=host, port=port, mesh_roots=roots, plan=plan, world=world, dark=dark) as viewer:
+        layer.show(viewer)
         typer.echo(escaped(f"{arm.name}: {viewer.url} (Ctrl-C ends it)"))
         if viewer.message:
             typer.echo(escaped(viewer.message), err=True)
