@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik.angles import shortest
+from urdf_ik.guards import inputs
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -53,6 +54,7 @@ def is_cuspidal(arm: SolvingArm) -> bool | None:
         >>> is_cuspidal(arm)
         False
     """
+    inputs.arm(arm)
     structure = arm.structure
     if not structure.is_6r or not structure.family or arm.chain.axes is not arm.chain:
         return None
@@ -85,6 +87,7 @@ def nonsingular_change(arm: SolvingArm) -> Array | None:
         (k, 6) rad, joint vectors from one solution of a pose to another, each a move of one of the joints 2 to 5 away
         from the one before, but for the last, which moves joints 1 and 6; None where none was found.
     """
+    inputs.arm(arm)
     grid = _Grid(arm.chain)
     T = arm.fk(np.random.default_rng(0).uniform(-np.pi, np.pi, (_POSES, 6)))
     solutions = arm.ik(T)
@@ -120,6 +123,9 @@ def keeps_its_sign(chain: Chain, start: Array, joint: int, end: float) -> bool:
         >>> keeps_its_sign(chain, q, 4, 0.2), keeps_its_sign(chain, q, 4, -0.2)
         (True, False)
     """
+    inputs.kind(chain, "axes", "chain", "a chain, as arm.chain is,")
+    start = chain.check(start)
+    joint, end = inputs.whole(joint, "joint", high=chain.n - 1), inputs.number(end, "end", unit="rad")
     circle = 2.0 * np.pi * np.arange(5) / 5.0
     Q = np.tile(start, (5, 1))
     Q[:, joint] = start[joint] + circle

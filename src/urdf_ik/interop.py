@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import JointVectorError, MissingPackage
+from urdf_ik.guards import inputs
 from urdf_ik.poses import to_quat_wxyz
+from urdf_ik.text import quoted
 from urdf_ik.urdf import link_shapes
 
 if TYPE_CHECKING:
@@ -54,8 +56,10 @@ def to_joint_state(arm: Arm, q: ArrayLike, names: Sequence[str], others: ArrayLi
         >>> interop.to_joint_state(arm, [0.1, 0.2], ["gripper", "joint_2", "joint_1"], others=[0.04, 0.0, 0.0]).tolist()
         [0.04, 0.2, 0.1]
     """
+    inputs.arm(arm)
     Q, place = arm.chain.check(q), _places(names)
-    kept = np.full(len(names), np.nan) if others is None else np.asarray(others, dtype=np.float64)
+    given = None if others is None else inputs.real(others, "others", "a position for each name", JointVectorError)
+    kept = np.full(len(names), np.nan) if given is None else given
     if kept.shape != (len(names),):
         raise JointVectorError(
             f"others has the shape {kept.shape}; one position for each of {len(names)} names is needed"
@@ -85,7 +89,8 @@ def from_joint_state(arm: Arm, names: Sequence[str], positions: ArrayLike) -> Ar
         >>> interop.from_joint_state(arm, ["gripper", "joint_2", "joint_1"], [0.04, 0.2, 0.1]).tolist()
         [0.1, 0.2]
     """
-    given, place = np.asarray(positions, dtype=np.float64), _places(names)
+    inputs.arm(arm)
+    given, place = inputs.real(positions, "positions", "joint positions", JointVectorError), _places(names)
     if given.shape[-1:] != (len(names),):
         raise JointVectorError(
             f"positions of shape {given.shape} for {len(names)} names; (..., {len(names)}) is needed"
@@ -122,8 +127,9 @@ def pink_configuration(arm: Arm, q: ArrayLike) -> Any:
         import pink
     except ImportError:
         raise MissingPackage("pink is not installed: pip install 'urdf-ik[interop]'") from None
+    inputs.arm(arm)
     model = arm.pinocchio_model
-    return pink.Configuration(model, model.createData(), arm.to_pinocchio(np.asarray(q, dtype=np.float64)))
+    return pink.Configuration(model, model.createData(), arm.to_pinocchio(_one(arm, q)))
 
 
 class ViserArm:
@@ -136,6 +142,8 @@ class ViserArm:
     """
 
     def __init__(self, scene: Any, arm: Arm, name: str) -> None:
+        inputs.arm(arm)
+        inputs.kind(scene, "add_mesh_trimesh", "scene", "a scene of viser's")
         self.arm, self.root = arm, scene.add_frame(name, show_axes=False)
         shapes = link_shapes.read(arm.model)
         self.missing = shapes.missing
@@ -149,7 +157,7 @@ class ViserArm:
         Raises:
             JointVectorError: q is not (n,).
         """
-        poses = self.arm.link_poses(np.asarray(q, dtype=np.float64).reshape(self.arm.dof))
+        poses = self.arm.link_poses(_one(self.arm, q))
         for link, handle in self._bodies:
             handle.position, handle.wxyz = poses[link][:3, 3], to_quat_wxyz(poses[link])
 
@@ -179,6 +187,7 @@ class RerunArm:
     """
 
     def __init__(self, rerun: Any, arm: Arm, path: str, recording: Any) -> None:
+        inputs.arm(arm)
         self.arm, self._rerun, self._path, self._recording = arm, rerun, path, recording
         shapes = link_shapes.read(arm.model)
         self.missing = shapes.missing
@@ -201,7 +210,7 @@ class RerunArm:
             ...     recording.set_time("step", sequence=step)
             ...     shown.show([0.1 * step] * 6)
         """
-        poses = self.arm.link_poses(np.asarray(q, dtype=np.float64).reshape(self.arm.dof))
+        poses = self.arm.link_poses(_one(self.arm, q))
         for link, pose in poses.items():
             placed = self._rerun.Transform3D(translation=pose[:3, 3], mat3x3=pose[:3, :3])
             self._rerun.log([self._path, link], placed, recording=self._recording)
@@ -234,12 +243,22 @@ def add_to_rerun(arm: Arm, path: str = "arm", recording: Any = None) -> RerunArm
     return RerunArm(rerun, arm, path, recording)
 
 
+def _one(arm: Arm, q: ArrayLike) -> Array:
+    """One joint vector (n,)."""
+    Q = arm.chain.check(q)
+    if Q.ndim != 1:
+        raise JointVectorError(f"joint vectors of shape {Q.shape} given; one, ({arm.dof},), is needed")
+    return Q
+
+
 def _places(names: Sequence[str]) -> dict[str, int]:
     """Index of each name.
 
     Raises:
-        JointVectorError: one of them stands there twice.
+        JointVectorError: these are no names, or one of them stands there twice.
     """
+    if not isinstance(names, list | tuple) or not all(isinstance(name, str) for name in names):
+        raise JointVectorError(f"names={quoted(names)} given; a list of joints' names is needed")
     place = {name: k for k, name in enumerate(names)}
     if len(place) < len(names):
         twice = sorted({name for name in names if list(names).count(name) > 1})

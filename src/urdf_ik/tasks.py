@@ -82,6 +82,7 @@ def control_of(chain: Chain) -> Control:
         >>> control_of(urdf_ik.load("planar_2r").chain).task, control_of(urdf_ik.load("puma_560").chain).task
         ('planar position', 'pose')
     """
+    inputs.kind(chain, "axes", "chain", "a chain, as arm.chain is,")
     if chain.axes is not chain:
         return Control("pose")
     plane = plane_of(chain)

@@ -93,6 +93,7 @@ def manipulability(chain: Chain, q: ArrayLike, part: str = "all") -> Array:
         >>> float(manipulability(arm.chain, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]).round(4)) > 0.0
         True
     """
+    inputs.kind(chain, "jacobian", "chain", "a chain, as arm.chain is,")
     J = chain.jacobian(q)[..., _rows(part), :]
     if chain.n == 0:
         return np.zeros(J.shape[:-2])

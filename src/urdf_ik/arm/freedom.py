@@ -15,6 +15,7 @@ from urdf_ik.chain import from_urdf
 from urdf_ik.chain.free_axis import FreeAxis
 from urdf_ik.errors import ArgumentError, JointVectorError, TaskError, UnsupportedArm
 from urdf_ik.families import Plan, RedundantPlan
+from urdf_ik.guards import inputs
 from urdf_ik.poses import as_pose_array, check_poses
 from urdf_ik.redundancy import finding, sweep
 
@@ -158,7 +159,8 @@ class Free(Moving):
             >>> bool(left.clearance(q) > 0.02), float(crossed.clearance(q))
             (True, 0.0)
         """
-        chain = from_urdf(self.model, self.base, self.tip).lock({**self.locked, **values})
+        given = inputs.mapping(values, "values", "a value for each joint by name")
+        chain = from_urdf(self.model, self.base, self.tip).lock({**self.locked, **given})
         return self._again(chain=chain)
 
     def with_positioner(self, positioner: Kinematics, pose: Any, name: str = "positioner") -> Self:
@@ -185,6 +187,7 @@ class Free(Moving):
             >>> cell.base, cell.dof, cell.redundancy.joint
             ('table_link_1', 7, 'table_joint_1')
         """
+        inputs.arm(positioner, "positioner")
         at = check_poses(pose)
         if at.ndim != 2:
             raise ArgumentError(f"a pose of shape {at.shape} given; one pose (4, 4) is needed")

@@ -107,6 +107,8 @@ def is_here(name: str) -> bool:
         >>> is_here("zyyzyz_6r")
         True
     """
+    if not isinstance(name, str):
+        return False
     if name in BUNDLED:
         return True
     if name in EXAMPLE_ROBOT_DATA:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError
+from urdf_ik.guards import inputs
 from urdf_ik.guards.frozen import Frozen
 from urdf_ik.text import quoted
 
@@ -169,11 +170,8 @@ def turning(h: Array, p: Array) -> Array:
 
 
 def _three(name: str, value: Any, wanted: str) -> Array:
-    try:
-        numbers = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        numbers = np.array(np.nan)
-    if numbers.shape != (3,) or not np.isfinite(numbers).all():
+    numbers = inputs.real(value, name, wanted)
+    if numbers.shape != (3,) or inputs.first_bad(numbers) is not None:
         raise ArgumentError(f"{name}={quoted(value)} given; {wanted} is needed")
     return numbers
 

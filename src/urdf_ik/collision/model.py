@@ -83,7 +83,8 @@ class CollisionModel(Questions):
             ChainError: base or tip is unknown, or the tip is ambiguous.
             UnsupportedArm: the chain has a joint that one number does not describe.
         """
-        self._made_from = (model, base, tip, dict(locked or {}), samples, seed)
+        held = inputs.mapping({} if locked is None else locked, "locked", "a value for each joint by name")
+        self._made_from = (model, base, tip, dict(held), samples, seed)
         self._reference = Reference(model, base, tip, locked=locked)
         self.joint_names = self._reference.joint_names
         self.world: World | None = None
@@ -230,7 +231,11 @@ class CollisionModel(Questions):
             >>> model.checking(model.checked_pairs[:3]).checked_pairs == model.checked_pairs[:3]
             True
         """
-        own, wanted, model = set(self.checked_pairs), set(pairs), self
+        try:
+            given = {(first, second) for first, second in pairs}
+        except (TypeError, ValueError):
+            raise WorldError(f"pairs={quoted(pairs)} given; pairs of links' names are needed") from None
+        own, wanted, model = set(self.checked_pairs), given, self
         for pair in sorted(own - wanted):
             model = model.allow(*pair)
         for pair in sorted(wanted - own):

@@ -231,9 +231,11 @@ class Mesh(Shape):
                 f"Mesh {quoted(name)}: scale is {quoted(scale)}; one number or three are needed, none of them zero"
             )
         folders = [package_dirs] if isinstance(package_dirs, str | Path) else package_dirs
+        if not isinstance(folders, list | tuple) or not all(isinstance(each, str | Path) for each in folders):
+            raise WorldError(f"Mesh: package_dirs={quoted(package_dirs)} given; folders are needed")
         object.__setattr__(self, "path", name)
         object.__setattr__(self, "scale", factors)
-        object.__setattr__(self, "package_dirs", tuple(str(folder) for folder in folders))  # type: ignore[union-attr]
+        object.__setattr__(self, "package_dirs", tuple(str(folder) for folder in folders))
 
     def file(self) -> Path:
         """The mesh's file, absolute, with symbolic links followed.

@@ -57,6 +57,7 @@ def compare(
         inputs.arm(each, what)
     n, seed = inputs.whole(n, "n", low=1), inputs.whole(seed, "seed", high=2**64)
     notes: list[str] = []
+    inputs.callback(progress, "progress")
     order, reason = asking.paired(a, b)
     if reason:
         notes.append(f"axes, limits, joint differences and the tool error: {reason}")

@@ -10,7 +10,8 @@ import pinocchio as pin
 from urdf_ik.completeness.report import BOTH, SECOND, SOLVER, Completeness, Difference, Group
 from urdf_ik.completeness.sameness import Sameness, Unmatched, distance_to_singularity, plant
 from urdf_ik.completeness.second_way import SecondWay
-from urdf_ik.errors import ArgumentError, UnsupportedArm
+from urdf_ik.errors import UnsupportedArm
+from urdf_ik.guards import inputs
 from urdf_ik.reference import Reference
 
 if TYPE_CHECKING:
@@ -52,10 +53,9 @@ def compare(
         >>> report.passed, [group.solver == group.second for group in report.groups]
         (True, [True, True, True])
     """
-    if n < 1:
-        raise ArgumentError(f"n = {n}: at least one pose must be compared")
-    if seed < 0:
-        raise ArgumentError(f"seed = {seed}: a seed is zero or more")
+    inputs.arm(arm)
+    n, seed = inputs.whole(n, "n", low=1), inputs.whole(seed, "seed", high=2**64)
+    inputs.callback(progress, "progress")
     if arm.dof != 6 or not arm.structure.is_6r:
         kinds = ", ".join(arm.chain.joint_types)
         raise UnsupportedArm(f"{arm.name}: completeness is compared for six turning joints, and this arm has {kinds}")
@@ -113,7 +113,9 @@ def replay(arm: Arm, n: int, seed: int, index: int) -> tuple[Array, Array]:
         >>> bool(abs(arm.fk(q) - T).max() < 1e-9)
         True
     """
-    q = plant(arm.chain, n, seed, index)
+    inputs.arm(arm)
+    n, seed = inputs.whole(n, "n", low=1), inputs.whole(seed, "seed", high=2**64)
+    q = plant(arm.chain, n, seed, inputs.whole(index, "index", high=3 * n - 1))
     return q, Reference(arm.model, arm.base, arm.tip).pose(q)
 
 

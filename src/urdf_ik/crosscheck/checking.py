@@ -10,7 +10,7 @@ import pinocchio as pin
 from urdf_ik.collision import CollisionModel
 from urdf_ik.crosscheck.properties import Collision, Inverse, Kinematics, limits
 from urdf_ik.crosscheck.report import Report
-from urdf_ik.errors import ArgumentError, UrdfError
+from urdf_ik.errors import UrdfError
 from urdf_ik.guards import inputs
 from urdf_ik.reference import Reference
 
@@ -141,9 +141,9 @@ def replay(arm: Arm, seed: int, index: int) -> tuple[Array, Array]:
         >>> bool(abs(arm.fk(q) - T).max() < 1e-9)
         True
     """
+    inputs.arm(arm)
     _require_seed(seed)
-    if index < 0:
-        raise ArgumentError(f"index = {index}: poses are counted from 0")
+    index = inputs.whole(index, "index")
     reference = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
     q = _draw(reference, seed, index)
     return q, reference.pose(q)

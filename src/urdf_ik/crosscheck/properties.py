@@ -10,6 +10,7 @@ import numpy as np
 from urdf_ik.angles import shortest
 from urdf_ik.crosscheck.report import Row
 from urdf_ik.errors import PoseError, UnsupportedArm
+from urdf_ik.guards import inputs
 from urdf_ik.reference import finite, pose_errors
 
 if TYPE_CHECKING:
@@ -269,7 +270,7 @@ class Collision:
 
     def __init__(self, arm: Arm, shapes: CollisionModel, most: int | None) -> None:
         self._arm, self._shapes = arm, shapes
-        self._left: float = np.inf if most is None else most
+        self._left: float = np.inf if most is None else inputs.whole(most, "collision_poses")
         self._verdict = Tally("collision, verdict", "cases", 0.0, counted=True)
         self._distance = Tally("collision, distance", "m", CONTACT)
         self.tallies = [self._verdict, self._distance]

@@ -15,6 +15,7 @@ import numpy as np
 from urdf_ik.datasets.drawing import CHUNK, Drawing, Samples
 from urdf_ik.datasets.stored import FORMAT, VERSION, StoredSamples
 from urdf_ik.errors import ArgumentError, MissingPackage, StoreError, UnsupportedArm
+from urdf_ik.guards import inputs
 from urdf_ik.scale import Folder, room, run, zarrs
 from urdf_ik.scale.folder import checked_path, finished
 
@@ -110,10 +111,15 @@ def dataset(
         >>> bool((found.read(0, 10).q == dataset(arm, 100, seed=7).q[:10]).all())
         True
     """
+    inputs.arm(arm)
     if not arm.structure.branches:
         raise UnsupportedArm(f"{arm.name}: no solver for this arm yet. {arm.structure}")
-    if n < 1 or chunk < 1 or not 0 <= seed < SEEDS:
-        raise ArgumentError(f"n={n}, chunk={chunk}, seed={seed}: 1 or more, 1 or more, and 0 to 2**64 - 1 are needed")
+    n, chunk = inputs.whole(n, "n", low=1, high=2**53), inputs.whole(chunk, "chunk", low=1, high=2**40)
+    seed, threads = inputs.whole(seed, "seed", high=SEEDS - 1), inputs.whole(threads, "threads", low=1)
+    collisions = None if collisions is None else inputs.flag(collisions, "collisions")
+    if world is not None:
+        inputs.kind(world, "snapshot", "world", "a urdf_ik.World")
+    inputs.callback(progress, "progress")
     if collisions is None:
         collisions = world is not None or arm.collision_model.has_geometry
     if world is not None and not collisions:
@@ -123,7 +129,7 @@ def dataset(
         if client is not None:
             raise ArgumentError("client is for data sets in a store; give store='samples.zarr', too")
         return _in_memory(drawing, progress)
-    return _in_store(drawing, Path(store), client, progress)
+    return _in_store(drawing, inputs.path(store, "store", StoreError), client, progress)
 
 
 def _in_memory(drawing: Drawing, progress: Progress | None) -> Samples:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from urdf_ik.datasets.drawing import Samples
 from urdf_ik.errors import ArgumentError, StoreError
+from urdf_ik.guards import inputs
 from urdf_ik.scale import zarrs
 from urdf_ik.scale.folder import finished, read_question
 
@@ -40,7 +40,7 @@ class StoredSamples:
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.path = Path(path)
+        self.path = inputs.path(path, "path", StoreError)
         self.about = read_question(self.path)
         if self.about.get("format") != FORMAT or self.about.get("version") != VERSION:
             found = f"{self.about.get('format')!r}, version {self.about.get('version')}"
@@ -72,7 +72,8 @@ class StoredSamples:
             >>> made.read(20, 70).q.shape
             (50, 6)
         """
-        end = self.n if stop is None else stop
+        start = inputs.whole(start, "start", high=self.n)
+        end = self.n if stop is None else inputs.whole(stop, "stop", high=self.n)
         if not 0 <= start < end <= self.n:
             raise ArgumentError(f"samples {start} to {end} asked for; there are 0 to {self.n}")
         wanted = range(start // self.chunk, -(-end // self.chunk))

@@ -8,6 +8,8 @@ import numpy as np
 
 from urdf_ik.angles import wrapped
 from urdf_ik.dh.frames import denavit_hartenberg, rotation_z, slide_z, step_x
+from urdf_ik.errors import DHError
+from urdf_ik.guards import inputs
 from urdf_ik.structure import closest_points
 
 if TYPE_CHECKING:
@@ -34,6 +36,7 @@ def _as_written(snap: float | None) -> tuple[float, float]:
 
 def frames_of(chain: Chain, snap: float | None) -> DHFrames:
     """Craig's frames on the axes of the chain."""
+    snap = None if snap is None else inputs.number(snap, "snap", DHError, low=0.0)
     near_angle, near_distance = _as_written(snap)
     # Measured from the first axis: how far from its base the arm is mounted has no part in its table.
     mount = chain.P[0]

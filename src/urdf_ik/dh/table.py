@@ -300,6 +300,9 @@ class DHTable(Frozen):
             >>> urdf_ik.DHTable.from_chain(chain).deviation(chain) < 1e-9
             True
         """
+        inputs.kind(chain, "axes", "chain", "a chain, as arm.chain is,", DHError)
+        if chain.n != self.n:
+            raise DHError(f"the chain has {chain.n} joints, and the table {self.n}")
         Q = np.random.default_rng(0).uniform(-np.pi, np.pi, (_SAMPLES, chain.n))
         Q = np.where(chain.prismatic, Q * chain.size / np.pi, Q)
         apart = self.fk(Q) - chain.fk(Q)
@@ -333,7 +336,7 @@ class DHTable(Frozen):
             joint_1,continuous,0.0,0.3,0.0,0.0,,
             joint_2,continuous,0.0,0.2,0.0,0.0,,
         """
-        return files.as_csv(self, degrees)
+        return files.as_csv(self, inputs.flag(degrees, "degrees", DHError))
 
     def to_json(self, *, degrees: bool = False) -> str:
         """JSON text that :meth:`read` takes, with every digit.
@@ -345,7 +348,7 @@ class DHTable(Frozen):
             >>> json.loads(table.to_json())["convention"]
             'standard'
         """
-        return files.as_json(self, degrees)
+        return files.as_json(self, inputs.flag(degrees, "degrees", DHError))
 
     def __str__(self) -> str:
         return files.as_text(self)

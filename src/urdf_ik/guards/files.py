@@ -70,12 +70,14 @@ def read(source: Any, most: int, error: Callable[[str], UrdfIkError] = ArgumentE
         >>> Path("poses.csv").write_bytes(b"x,y,z") and read(Path("poses.csv"), 10)
         b'x,y,z'
     """
-    name = name_of(getattr(source, "name", "the file") if hasattr(source, "read") else source)
+    is_open = hasattr(source, "read") and not isinstance(source, type)
+    name = name_of(getattr(source, "name", "the file") if is_open else source)
+    where = None if is_open else inputs.path(source, "path", error)
     try:
-        if hasattr(source, "read"):
+        if where is None:
             data = from_open(source, most)
         else:
-            with opened(Path(source)) as file:
+            with opened(where) as file:
                 data = file.read(most + 1)
     except (OSError, ValueError) as failure:  # ValueError: a name with a null byte, a closed file, no UTF-8
         raise error(f"cannot read {name}: {getattr(failure, 'strerror', None) or failure}") from None

@@ -6,6 +6,7 @@ import math
 import numbers
 import operator
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -224,6 +225,39 @@ def kind(
     """
     if isinstance(value, type) or not hasattr(value, attribute):
         raise error(f"{what}={quoted(value)} given; {needed} is needed")
+
+
+def mapping(
+    value: Any, what: str, needed: str, error: Callable[[str], UrdfIkError] = ArgumentError
+) -> Mapping[Any, Any]:
+    """Values by name.
+
+    Raises:
+        UrdfIkError: ``error``; it is no mapping.
+
+    Example:
+        >>> mapping(["joint_1"], "values", "a value for each joint by name")
+        Traceback (most recent call last):
+        urdf_ik.errors.ArgumentError: values=['joint_1'] given; a value for each joint by name is needed
+    """
+    if isinstance(value, Mapping):
+        return value
+    raise error(f"{what}={quoted(value)} given; {needed} is needed")
+
+
+def callback(value: Any, what: str, error: Callable[[str], UrdfIkError] = ArgumentError) -> None:
+    """Refuse what can neither be called nor is None.
+
+    Raises:
+        UrdfIkError: ``error``; it is no function.
+
+    Example:
+        >>> callback("bar", "progress")
+        Traceback (most recent call last):
+        urdf_ik.errors.ArgumentError: progress='bar' given; a function, or None, is needed
+    """
+    if value is not None and not callable(value):
+        raise error(f"{what}={quoted(value)} given; a function, or None, is needed")
 
 
 def arm(value: Any, what: str = "arm", error: Callable[[str], UrdfIkError] = ArgumentError) -> None:

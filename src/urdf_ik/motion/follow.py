@@ -166,7 +166,7 @@ def _nodes(settings: Settings, T: Array) -> Nodes:
 
 def _obstacles(arm: Arm, world: World | None, margin: float, collisions: bool) -> Obstacles | None:
     margin = inputs.number(margin, "margin", PathError, low=0.0, unit="m")
-    if not collisions:
+    if not inputs.flag(collisions, "collisions", PathError):
         if world is not None:
             raise PathError("collisions=False given with a world; leave one of the two out")
         return None

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from urdf_ik.errors import ArgumentError, StoreError
+from urdf_ik.guards import inputs
 from urdf_ik.placements.asking import SCORES
 from urdf_ik.poses import pose
 from urdf_ik.scale import zarrs
 from urdf_ik.scale.folder import finished, read_question
+from urdf_ik.text import quoted
 from urdf_ik.workspace import Grid
 from urdf_ik.workspace.store.blocks import Blocks
 
@@ -104,10 +105,10 @@ class PlacementMap:
             >>> float(np.nanmax(found.values("solutions")))
             8.0
         """
-        found = getattr(self, what) if what in SCORES else None
+        found = getattr(self, what) if isinstance(what, str) and what in SCORES else None
         if found is None:
             held = ", ".join(name for name in SCORES if getattr(self, name) is not None)
-            raise ArgumentError(f"the map holds no {what!r}; it holds {held}")
+            raise ArgumentError(f"the map holds no {quoted(what)}; it holds {held}")
         if what == "reached":
             return np.asarray(found, dtype=np.float64)
         return np.where(self.reached == len(self.targets), found, np.nan).astype(np.float64)
@@ -140,8 +141,7 @@ class PlacementMap:
             >>> [place.reached for place in found.places(2)]
             [1, 1]
         """
-        if count < 1:
-            raise ArgumentError(f"{count} places asked for; 1 is the least")
+        count = inputs.whole(count, "count", low=1)
         keys = [self.reached, self._or_zero(self.followed), self._or_least(self.margin)]
         keys += [-self._or_greatest(self.cost), self.branches.astype(np.float64), self._or_least(self.clearance)]
         order = np.lexsort([np.asarray(key, np.float64).ravel() for key in reversed(keys)])[::-1][:count]
@@ -157,8 +157,14 @@ class PlacementMap:
             >>> found.base((0, 1, 0, 0))[:3, 3].tolist()
             [-1.0, -0.5, 0.0]
         """
-        position = [self.grid.coordinates(axis)[index[axis]] for axis in range(3)]
-        found = pose(position, rotvec=[0.0, 0.0, float(self.headings[index[3]])])
+        sizes = (*self.grid.shape, len(self.headings))
+        if not isinstance(index, tuple | list) or len(index) != len(sizes):
+            raise ArgumentError(f"index={quoted(index)} given; four whole numbers are needed")
+        x, y, z, heading = (
+            inputs.whole(each, "index", high=size - 1) for each, size in zip(index, sizes, strict=True)
+        )
+        position = [self.grid.coordinates(axis)[at] for axis, at in enumerate((x, y, z))]
+        found = pose(position, rotvec=[0.0, 0.0, float(self.headings[heading])])
         found[:3, :3] = found[:3, :3] @ self.mount
         return found
 
@@ -199,7 +205,7 @@ def opened(path: str | os.PathLike[str]) -> PlacementMap:
         >>> bool((opened("bases.zarr").reached == made.reached).all())
         True
     """
-    folder = Path(path)
+    folder = inputs.path(path, "path", StoreError)
     about = read_question(folder)
     if about.get("format") != FORMAT or about.get("version") != VERSION:
         raise StoreError(f"{folder} holds no placements that this package reads, but {about.get('format')!r}")

@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError, UnsupportedArm
+from urdf_ik.guards import inputs
 from urdf_ik.placements.asking import AXES, SCORES, Asked, Scoring, headings
 from urdf_ik.placements.found import FORMAT, VERSION, PlacementMap, opened
 from urdf_ik.poses import as_pose_array
 from urdf_ik.scale import Folder, run, zarrs
 from urdf_ik.scale.folder import checked_path
+from urdf_ik.text import quoted
 from urdf_ik.tolerances import DEFAULT
 from urdf_ik.workspace import Grid
 
@@ -25,6 +27,8 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
+MOST_POSITIONS = 10**9
+"""Of the base, at one heading."""
 _ROUNDING = 1e-9  # share of a step by which the bounds may be off a whole number of steps
 
 
@@ -85,11 +89,18 @@ def placement(
         >>> found.followed[:, 0, 0, 0].tolist()
         [1, 0, 0]
     """
+    inputs.arm(arm)
     if not arm.structure.branches:
         raise UnsupportedArm(f"{arm.name}: no solver for this arm yet. {arm.structure}")
     targets = as_pose_array(T).reshape(-1, 4, 4)
-    if turns < 1 or not len(targets) or not margin >= 0.0:
-        raise ArgumentError(f"{len(targets)} targets, turns={turns}, margin={margin}: 1, 1 and 0 are the least")
+    if not len(targets):
+        raise ArgumentError("no targets given; one is the least")
+    turns, threads = (inputs.whole(value, name, low=1) for value, name in ((turns, "turns"), (threads, "threads")))
+    margin, path = inputs.number(margin, "margin", low=0.0, unit="m"), inputs.flag(path, "path")
+    collisions = None if collisions is None else inputs.flag(collisions, "collisions")
+    if world is not None:
+        inputs.kind(world, "snapshot", "world", "a urdf_ik.World")
+    inputs.callback(progress, "progress")
     if store is None and client is not None:
         raise ArgumentError("client is for maps in a store; give store='bases.zarr', too")
     if world is not None and collisions is False:
@@ -133,19 +144,24 @@ def _coordinates(asked: Asked) -> tuple[zarrs.Coordinate, ...]:
 
 def _positions(bounds: ArrayLike, step: float) -> Grid:
     """Positions from the lower corner to the upper one, as voxels around them."""
-    box = np.array(bounds, dtype=np.float64)
-    if box.shape != (2, 3) or not np.isfinite(box).all() or (box[0] > box[1]).any():
-        raise ArgumentError(f"bounds {box.tolist()} given; [[x, y, z], [x, y, z]] m are needed, lower ones first")
-    if not (np.isfinite(step) and step > 0.0):
-        raise ArgumentError(f"a step of {step} m given; it is a positive number of m")
-    x, y, z = (int(count) + 1 for count in np.floor((box[1] - box[0]) / step + _ROUNDING))
+    box = inputs.real(bounds, "bounds", "[[x, y, z], [x, y, z]] m")
+    if box.shape != (2, 3) or inputs.first_bad(box) is not None or (box[0] > box[1]).any():
+        raise ArgumentError(f"bounds {quoted(box.tolist())} given; [[x, y, z], [x, y, z]] m are needed, lower ones first")
+    step = inputs.number(step, "step", above=0.0, unit="m")
+    counts = np.floor((box[1] - box[0]) / step + _ROUNDING) + 1.0
+    if not counts.prod() <= MOST_POSITIONS:
+        raise ArgumentError(
+            f"bounds {box.tolist()} with a step of {step:g} m are {counts.prod():.3g} positions, and at most "
+            f"{MOST_POSITIONS:,} are looked at; take a larger step"
+        )
+    x, y, z = (int(count) for count in counts)
     return Grid(np.asarray(box[0] - 0.5 * step), float(step), (x, y, z))
 
 
 def _mount(mount: ArrayLike | None) -> Array:
     if mount is None:
         return np.eye(3)
-    R = np.array(mount, dtype=np.float64)
+    R = inputs.real(mount, "mount", "a rotation matrix (3, 3)").copy()
     if R.shape != (3, 3) or np.abs(R @ R.T - np.eye(3)).max(initial=0.0) > DEFAULT.rotation or np.linalg.det(R) < 0.0:
         raise ArgumentError(
             f"mount={R.tolist()} given; a rotation matrix (3, 3) is needed, such as urdf_ik.pose(...)[:3, :3]"

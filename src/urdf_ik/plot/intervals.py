@@ -8,6 +8,8 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
+from urdf_ik.errors import PlotError
+from urdf_ik.guards import inputs
 from urdf_ik.plot import axes as draw
 from urdf_ik.redundancy.bars import ENDS, bars
 
@@ -39,6 +41,8 @@ def intervals(found: Intervals, *, degrees: bool = True) -> Figure:
         >>> len(figure.axes[0].get_yticklabels())
         8
     """
+    inputs.kind(found, "merged", "found", "what arm.intervals gives", PlotError)
+    degrees = inputs.flag(degrees, "degrees", PlotError)
     arm, parameter = found.arm, found.parameter
     names, drawn = bars(found)
     scale = 180.0 / np.pi if degrees and parameter.unit == "rad" else 1.0

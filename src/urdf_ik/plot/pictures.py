@@ -15,6 +15,7 @@ from urdf_ik.guards import files, inputs
 from urdf_ik.plot import axes as draw
 from urdf_ik.plot import figures
 from urdf_ik.solutions import limits as joint_limits
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -44,6 +45,8 @@ def arm(arm: Arm, q: ArrayLike | None = None, *, shapes: bool = True) -> Figure:
         >>> len(figure.axes)
         1
     """
+    inputs.arm(arm, error=PlotError)
+    shapes = inputs.flag(shapes, "shapes", PlotError)
     at = draw.posture(arm, q)
     figure = draw.Picture(figsize=(5.0, 5.0), layout="constrained")
     bodies = _bodies(figure, arm, shapes)
@@ -74,6 +77,7 @@ def branches(solutions: IKSolutions, *, overlaid: bool = False, shapes: bool = F
         2
     """
     inputs.kind(solutions, "explain", "solutions", "what arm.ik gives", PlotError)
+    overlaid, shapes = (inputs.flag(*each, PlotError) for each in ((overlaid, "overlaid"), (shapes, "shapes")))
     found = list(solutions)
     if not found:
         raise PlotError(f"no solution to draw: {solutions.explain()}")
@@ -122,6 +126,8 @@ def limits(solutions: IKSolutions, *, degrees: bool = True) -> Figure:
         >>> len(figure.axes)
         2
     """
+    inputs.kind(solutions, "explain", "solutions", "what arm.ik gives", PlotError)
+    degrees = inputs.flag(degrees, "degrees", PlotError)
     owner, found = _owner(solutions), list(solutions)
     if not found:
         raise PlotError(f"no solution to draw: {solutions.explain()}")
@@ -173,6 +179,7 @@ def workspace_slice(found: WorkspaceMap | StoredMap, axis: str = "z", at: float 
     """
     from urdf_ik.workspace import VALUES
 
+    inputs.kind(found, "slice", "found", "a map of a workspace", PlotError)
     layer = found.slice(axis, at, what)
     figure = draw.Picture(figsize=(5.6, 4.6), layout="constrained")
     axes = figure.add_subplot()
@@ -206,6 +213,7 @@ def placements(found: PlacementMap, what: str = "reached", at: float | None = No
     """
     from urdf_ik.placements import SHOWN
 
+    inputs.kind(found, "places", "found", "what urdf_ik.placement gives", PlotError)
     best = found.best().pose[:3, 3]
     _, layer = found.grid.layer("z", float(best[2]) if at is None else at)
     values = found.values(what)[:, :, layer]
@@ -238,11 +246,15 @@ def planar_workspace(region: PlanarWorkspace, q: ArrayLike | None = None) -> Fig
         >>> len(figure.axes)
         1
     """
+    inputs.kind(region, "regions", "region", "what urdf_ik.workspace.planar gives", PlotError)
+    given = None if q is None else inputs.real(q, "q", "two joint values [rad]", PlotError)
+    if given is not None and (given.shape != (2,) or inputs.first_bad(given) is not None):
+        raise PlotError(f"q={quoted(q)} given; two joint values [rad] are needed")
     figure = draw.Picture(figsize=(6.4, 5.0), layout="constrained")
     axes = figure.add_subplot()
     draw.regions(axes, region)
-    if q is not None:
-        draw.two_links(axes, region, np.asarray(q, dtype=np.float64))
+    if given is not None:
+        draw.two_links(axes, region, given)
     figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=8)
     axes.set_title(f"{draw.words(region.name)}: where the tip can be")
     return figure

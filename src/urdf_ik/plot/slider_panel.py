@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import MissingPackage, PlotError
+from urdf_ik.guards import inputs
 from urdf_ik.plot import axes as draw
 from urdf_ik.plot import figures
 from urdf_ik.solutions import limits
@@ -84,6 +85,8 @@ class Sliders:
         """Draw the arm and its sliders into ``figure``."""
         from matplotlib.widgets import Slider
 
+        inputs.arm(arm, error=PlotError)
+        inputs.kind(figure, "set_size_inches", "figure", "a figure of Matplotlib's", PlotError)
         self.figure = figure
         self.q: Array = start(arm, q).copy()
         self._scale = scales(arm)
@@ -126,6 +129,7 @@ def sliders(arm: Arm, q: ArrayLike | None = None, *, window: bool = True) -> Sli
         >>> len(panel.sliders), panel.q.round(6).tolist()
         (2, [0.3, 0.2])
     """
+    inputs.arm(arm, error=PlotError)
     figure = draw.Picture(figsize=size(arm))
     if window:  # before the sliders, which listen to the canvas that they find
         _open(figure, arm.name)

@@ -11,6 +11,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from urdf_ik.angles import TURN
+from urdf_ik.errors import PlotError
+from urdf_ik.guards import inputs
 from urdf_ik.plot import axes as draw
 from urdf_ik.solutions import limits as joint_limits
 
@@ -83,6 +85,8 @@ def path(plan: Plan, *, degrees: bool = True) -> Figure:
         >>> len(figure.axes)
         4
     """
+    inputs.kind(plan, "explain", "plan", "what arm.follow gives", PlotError)
+    degrees = inputs.flag(degrees, "degrees", PlotError)
     arm, found = plan.arm, background(plan)
     rows = math.ceil(arm.dof / _COLUMNS)
     columns = min(_COLUMNS, arm.dof)

@@ -18,6 +18,7 @@ from urdf_ik._core import Solver
 from urdf_ik.angles import TURN, wrapped
 from urdf_ik.chain.redundancy import SWIVEL
 from urdf_ik.errors import UnsupportedArm
+from urdf_ik.guards import inputs
 from urdf_ik.redundancy import swivel
 from urdf_ik.redundancy.along import Curves
 from urdf_ik.redundancy.contacts import without_contacts
@@ -74,7 +75,7 @@ def intervals(
     curves = Curves(plan.self_motion, plan.parameter, arm.dof < 7, ~arm.chain.prismatic)
     stack = T.reshape(-1, 4, 4)
     bounds = np.tile([-np.inf, np.inf], (7, 1))
-    if within_limits:
+    if inputs.flag(within_limits, "within_limits"):
         bounds[: arm.dof] = arm.limits
     parts, open_ = [], np.arange(len(stack))
     if swivel.is_closed(plan):

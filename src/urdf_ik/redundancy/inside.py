@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError, JointVectorError
+from urdf_ik.guards import inputs
 from urdf_ik.poses import as_pose_array
 from urdf_ik.redundancy.finding import span
 from urdf_ik.redundancy.region import Region
@@ -73,6 +74,8 @@ def nearest(
         ) from None
     bounds = arm.limits if within_limits else np.tile([-np.inf, np.inf], (arm.dof, 1))
     free = arm.free_axis
+    if region is not None:
+        inputs.kind(region, "sampled", "region", "a urdf_ik.Region")
     sought = region or Region()
     if free is not None:
         sought = Region(rotation=np.pi, axis=free)

@@ -11,6 +11,7 @@ import numpy as np
 
 from urdf_ik.angles import TURN
 from urdf_ik.errors import ArgumentError
+from urdf_ik.guards import inputs
 from urdf_ik.redundancy import along
 from urdf_ik.redundancy.found import End, Found
 from urdf_ik.solutions import select
@@ -149,6 +150,7 @@ class Intervals:
         """
         self._single("samples()")
         found = self._full
+        k = inputs.whole(k, "k", high=len(found.low) - 1)
         part = slice(found.first[k], found.first[k] + found.count[k])
         return found.value[part], found.q[part]
 
@@ -246,8 +248,7 @@ class Intervals:
             >>> len(best)
             1
         """
-        if by not in QUALITIES:
-            raise ArgumentError(f"by={by!r} given; there are {', '.join(map(repr, QUALITIES))}")
+        inputs.choice(by, "by", tuple(QUALITIES))
 
         def cost(q: Array, pose: NDArray[np.intp]) -> Array:
             return -along.quality(self.arm, q, by)

@@ -10,6 +10,8 @@ import numpy as np
 
 from urdf_ik.chain.free_axis import FreeAxis
 from urdf_ik.errors import ArgumentError
+from urdf_ik.guards import inputs
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -65,16 +67,15 @@ class Region:
         Raises:
             ArgumentError: a width, an angle or an axis that makes no sense.
         """
-        try:
-            given = np.asarray(box, dtype=np.float64)
-            ranges = given if given.shape == (3, 2) else np.broadcast_to(given, (3,))[:, None] * [-1.0, 1.0]
-        except (TypeError, ValueError):
-            ranges = np.full((3, 2), np.nan)
+        needed = "a half width [m], three, or three pairs (low, high)"
+        given = inputs.real(box, "box", needed)
+        half = given if given.shape in ((), (1,), (3,)) else np.array(np.nan)
+        ranges = given if given.shape == (3, 2) else np.broadcast_to(half, (3,))[:, None] * [-1.0, 1.0]
         if not np.isfinite(ranges).all() or (ranges[:, 0] > ranges[:, 1]).any():
-            raise ArgumentError(f"box={box!r} given; a half width [m], three, or three pairs (low, high) are needed")
+            raise ArgumentError(f"box={quoted(box)} given; {needed} is needed")
         for name, angle, most in (("cone", cone, np.pi), ("rotation", rotation, np.inf)):
-            if not 0.0 <= angle < most:
-                raise ArgumentError(f"{name}={angle!r} given; zero or a positive angle [rad] is needed")
+            if not (inputs.is_real(angle) and 0.0 <= angle < most):
+                raise ArgumentError(f"{name}={quoted(angle)} given; zero or a positive angle [rad] is needed")
         x, y, z = ((float(low) + 0.0, float(high)) for low, high in ranges)
         for name, value in (
             ("box", (x, y, z)),

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.guards import inputs
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
@@ -220,6 +221,7 @@ def analyse(chain: Chain) -> Structure:
         >>> analyse(arm.chain).triple(4, "meet").first
         4
     """
+    inputs.kind(chain, "axes", "chain", "a chain, as arm.chain is,")
     chain = chain.axes
     size = chain.size
     n = chain.n

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from urdf_ik.errors import UrdfError
+from urdf_ik.guards import inputs
 from urdf_ik.urdf import mjcf, xacros
 from urdf_ik.urdf.xml import Source, prolog_end
 
@@ -32,7 +33,9 @@ def as_urdf(
         MissingPackage: the package that reads it is not installed.
     """
     if xacro_args is not None or _XACRO_NAME.search(source.name):
-        return xacros.expanded(source, roots, xacro_args or {}), ()
+        needed = "a value for each argument by name"
+        given = inputs.mapping({} if xacro_args is None else xacro_args, "xacro_args", needed)
+        return xacros.expanded(source, roots, given), ()
     if _MUJOCO.match(source.text, prolog_end(source.text)):
         return mjcf.as_urdf(source)
     return source, ()

@@ -165,6 +165,8 @@ class UrdfModel:
             >>> urdf_ik.load("planar_2r").model.resolve_chain(tip="link_1")
             ('base_link', 'link_1')
         """
+        if chain is not None and not isinstance(chain, str):
+            raise ChainError(f"chain={quoted(chain)} given; the name of a chain is needed")
         if tip is not None:
             return self.root if base is None else self._require(base, "base"), self._require(tip, "tip")
         candidates = self.chains(base)

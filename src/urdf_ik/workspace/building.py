@@ -149,6 +149,7 @@ def compute(
     if not arm.structure.branches:
         raise UnsupportedArm(f"{arm.name}: no solver for this arm yet. {arm.structure}")
     orientations = inputs.whole(orientations, "orientations", WorkspaceError, low=1, high=MAX_SAMPLES)
+    inputs.callback(progress, "progress", WorkspaceError)
     chunk, threads = (
         inputs.whole(value, name, WorkspaceError, low=1) for value, name in ((chunk, "chunk"), (threads, "threads"))
     )

@@ -59,12 +59,13 @@ class Grid:
         return math.prod(self.shape)
 
     def coordinates(self, axis: int) -> Array:
-        """Centres (shape[axis],) m along an axis.
+        """Centres (shape[axis],) m along an axis, 0 to 2.
 
         Example:
             >>> Grid(np.zeros(3), 0.1, (3, 1, 1)).coordinates(0).round(6).tolist()
             [0.05, 0.15, 0.25]
         """
+        axis = inputs.whole(axis, "axis", WorkspaceError, high=2)
         return np.asarray(self.lower[axis] + self.voxel * (np.arange(self.shape[axis]) + 0.5))
 
     def centres(self, part: slice) -> Array:
@@ -147,7 +148,10 @@ class Grid:
             ([1, 0, 0], [True, False])
         """
         with np.errstate(invalid="ignore"):
-            places = np.floor((np.asarray(points, np.float64) - self.lower) / self.voxel)
+            given = inputs.real(points, "points", "points (m, 3)", WorkspaceError)
+            if given.shape[-1:] != (3,):
+                raise WorkspaceError(f"points of shape {given.shape} given; (m, 3) is needed")
+            places = np.floor((given - self.lower) / self.voxel)
             inside = np.asarray(((places >= 0) & (places < self.shape)).all(axis=-1))
         return np.where(inside[..., None], places, 0).astype(np.intp), inside
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from urdf_ik.errors import WorkspaceError
+from urdf_ik.guards import inputs
 from urdf_ik.poses import to_quat_xyzw
 from urdf_ik.tolerances import DEFAULT
 
@@ -54,7 +55,7 @@ def cells(grid: Grid, samples: Array, task: str, targets: Any) -> Cells:
         ([[1, 0, 0]], [True])
     """
     shape, words = _TARGETS[task]
-    given = np.asarray(targets, dtype=np.float64)
+    given = inputs.real(targets, "targets", words, WorkspaceError)
     if given.shape[1:] != shape:
         raise WorkspaceError(f"targets of shape {given.shape} given; the map's task is {task!r}, which takes {words}")
     if task == "pose":

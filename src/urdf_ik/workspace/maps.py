@@ -198,7 +198,7 @@ class WorkspaceMap(Frozen):
             >>> float(np.nanmax(found.values("reach")))
             1.0
         """
-        if what not in VALUES:
+        if not isinstance(what, str) or what not in VALUES:
             raise WorkspaceError(f"no value is called {quoted(what)}; there are {', '.join(VALUES)}")
         if what in ("reach", "solutions"):
             counts = self.counts if what == "solutions" else self.counts > 0
@@ -296,9 +296,9 @@ class WorkspaceMap(Frozen):
             [1, 0]
         """
         name = self.about.counted if what is None else what
-        values = getattr(self, name) if name in _PERHAPS + ("solutions",) else None
+        values = getattr(self, name) if isinstance(name, str) and name in _PERHAPS + ("solutions",) else None
         if values is None:
-            raise WorkspaceError(f"the map holds no {name!r} for each pose")
+            raise WorkspaceError(f"the map holds no {quoted(name)} for each pose")
         at = cells(self.grid, self.samples, self.about.task, targets)
         found = values[(*at.voxels.T, at.samples)]
         found[~at.inside] = np.nan if found.dtype.kind == "f" else 0

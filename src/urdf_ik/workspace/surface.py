@@ -6,6 +6,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from urdf_ik.errors import WorkspaceError
+from urdf_ik.guards import inputs
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -42,6 +45,8 @@ def boundary(found: WorkspaceMap | StoredMap, least: float = 0.0) -> Surface:
         >>> mesh.faces.shape[1], bool(np.ptp(mesh.vertices[:, 0]) > 1.0)
         (3, True)
     """
+    inputs.kind(found, "totals", "found", "a map of a workspace", WorkspaceError)
+    least = inputs.number(least, "least", WorkspaceError)
     with np.errstate(invalid="ignore"):
         inside = np.nan_to_num(found.values("reach")) > least
     padded = np.pad(inside, 1)

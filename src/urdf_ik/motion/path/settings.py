@@ -98,6 +98,7 @@ def read(
         factors = factors / velocities(arm)
     steps = np.full(len(names), np.inf) if max_step is None else each_joint("max_step", max_step, names)
     margins = inputs.number(margins, "margins", PathError, low=0.0)
+    reconfigure = inputs.flag(reconfigure, "reconfigure", PathError)
     return Settings(
         arm, Joints.of(arm.chain), kind, factors, steps, _tolerance(tolerance),
         _at_pose(arm, "start", start, T[0], 0), _at_pose(arm, "end", end, T[-1], len(T) - 1),

@@ -20,6 +20,7 @@ from urdf_ik._core import Tracker as CoreTracker
 from urdf_ik.chain import CoupledChain
 from urdf_ik.errors import JointVectorError, PoseError, UnsupportedArm
 from urdf_ik.families.parts import aim
+from urdf_ik.guards import inputs
 from urdf_ik.motion.tracker.limits import limits_of, positive
 from urdf_ik.poses import check_poses
 from urdf_ik.solutions.limits import check_inside
@@ -106,6 +107,7 @@ class Tracker:
             VelocityError: a limit of velocity or acceleration is.
             UnsupportedArm: the arm has more than seven joints, joints that mimic others, or a free axis.
         """
+        inputs.arm(arm)
         chain = arm.chain
         if isinstance(chain, CoupledChain):
             raise UnsupportedArm(

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from urdf_ik.errors import WorkspaceError
+from urdf_ik.guards import inputs
 from urdf_ik.scale import zarrs
 from urdf_ik.scale.folder import read_question
 from urdf_ik.workspace.grid import Grid
@@ -64,6 +65,7 @@ def differences(first: StoredMap, second: StoredMap) -> Differences:
         >>> differences(one, other).only_first
         0
     """
+    _stores(first=first, second=second)
     if first.grid.described() != second.grid.described() or not np.array_equal(first.samples, second.samples):
         raise WorkspaceError(f"{first.path} and {second.path} are of other grids or orientations; make them alike")
     found = np.zeros(7, dtype=np.int64)
@@ -91,6 +93,7 @@ def cut(source: StoredMap, path: str | os.PathLike[str], bounds: ArrayLike) -> S
         >>> cut(found, "part.zarr", [[0, 0, -1], [0.2, 0.2, 1]]).grid.shape
         (4, 4, 1)
     """
+    _stores(source=source)
     part = source.grid.part(bounds)
     grid = source.grid.cut(part)
     starts = (part[0].start, part[1].start, part[2].start)
@@ -113,6 +116,7 @@ def join(first: StoredMap, second: StoredMap, path: str | os.PathLike[str]) -> S
         >>> join(left, right, "whole.zarr").grid.shape
         (8, 8, 1)
     """
+    _stores(first=first, second=second)
     one, other = (_question(each) for each in (first, second))
     differing = sorted(name for name in {*one, *other} if one.get(name) != other.get(name))
     if differing or first.grid.voxel != second.grid.voxel:
@@ -191,6 +195,12 @@ class _Copying:
     @cached_property
     def _encoder(self) -> zarrs.Encoder:
         return zarrs.Encoder(self._layout.plans)
+
+
+def _stores(**given: Any) -> None:
+    """Refuse what is no store of a map."""
+    for name, value in given.items():
+        inputs.kind(value, "blocks", name, "a store of a map, as urdf_ik.workspace.opened gives it,", WorkspaceError)
 
 
 def _question(stored: StoredMap) -> dict[str, Any]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -57,7 +56,7 @@ class StoredMap:
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.path = Path(path)
+        self.path = inputs.path(path, "path", StoreError)
         question = read_question(self.path)
         if question.get("format") != FORMAT:
             raise StoreError(f"{self.path} is no workspace map: it is of the format {quoted(question.get('format'))}")
