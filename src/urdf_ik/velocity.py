@@ -93,7 +93,7 @@ def manipulability(chain: Chain, q: ArrayLike, part: str = "all") -> Array:
         >>> float(manipulability(arm.chain, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]).round(4)) > 0.0
         True
     """
-    inputs.kind(chain, "jacobian", "chain", "a chain, as arm.chain is,")
+    inputs.kind(chain, "jacobian", "chain", "a chain, as arm.chain is,", VelocityError)
     J = chain.jacobian(q)[..., _rows(part), :]
     if chain.n == 0:
         return np.zeros(J.shape[:-2])
@@ -256,6 +256,7 @@ def _rows(part: str) -> slice:
 
 
 def _length(chain: Chain, length: float | None) -> float:
+    inputs.kind(chain, "jacobian", "chain", "a chain, as arm.chain is,", VelocityError)
     return chain.size if length is None else inputs.number(length, "length", VelocityError, low=LEAST_LENGTH, unit="m")
 
 

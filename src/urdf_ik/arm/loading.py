@@ -75,8 +75,10 @@ def load(
         base, tip = model.resolve_chain(base, tip, chain)
     elif chain is not None:
         raise ArgumentError(f"chain={quoted(chain)} and tip={quoted(tip)} say the same; give one of them")
-    given = (redundancy,) if isinstance(redundancy, str) else tuple(redundancy)
-    return Arm(model, from_urdf(model, base, tip).lock({} if locked is None else locked), given=given)
+    given = (redundancy,) if isinstance(redundancy, str) else redundancy
+    if not isinstance(given, list | tuple) or not all(isinstance(each, str) for each in given):
+        raise ArgumentError(f"redundancy={quoted(redundancy)} given; names of joints are needed")
+    return Arm(model, from_urdf(model, base, tip).lock({} if locked is None else locked), given=tuple(given))
 
 
 def read(
@@ -101,6 +103,8 @@ def read(
     if isinstance(source, str) and _is_name(source):
         entry = catalogue.resolve(source)
         roots = [mesh_roots] if isinstance(mesh_roots, str | os.PathLike) else mesh_roots
+        if not isinstance(roots, list | tuple):
+            raise ArgumentError(f"mesh_roots={quoted(mesh_roots)} given; paths of folders are needed")
         source, mesh_roots = entry.path, (*roots, *entry.package_dirs)
         if entry.xacro_args is not None:
             xacro_args = {**entry.xacro_args, **(xacro_args or {})}

@@ -86,6 +86,7 @@ def check(
     inputs.arm(arm)
     n = inputs.whole(n, "n", low=1)
     _require_seed(seed)
+    inputs.callback(progress, "progress")
     reference = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
     names = limits(arm, reference)
     tallies, skipped = [names], []

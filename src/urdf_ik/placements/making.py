@@ -146,7 +146,8 @@ def _positions(bounds: ArrayLike, step: float) -> Grid:
     """Positions from the lower corner to the upper one, as voxels around them."""
     box = inputs.real(bounds, "bounds", "[[x, y, z], [x, y, z]] m")
     if box.shape != (2, 3) or inputs.first_bad(box) is not None or (box[0] > box[1]).any():
-        raise ArgumentError(f"bounds {quoted(box.tolist())} given; [[x, y, z], [x, y, z]] m are needed, lower ones first")
+        needed = "[[x, y, z], [x, y, z]] m are needed, lower ones first"
+        raise ArgumentError(f"bounds {quoted(box.tolist())} given; {needed}")
     step = inputs.number(step, "step", above=0.0, unit="m")
     counts = np.floor((box[1] - box[0]) / step + _ROUNDING) + 1.0
     if not counts.prod() <= MOST_POSITIONS:

@@ -223,7 +223,8 @@ class Intervals:
             True
         """
         measure = select.measure(self.arm, metric, weights, within)
-        each = np.broadcast_to(q_ref, (*self.shape, self.arm.dof)).reshape(-1, self.arm.dof)
+        reference = select.reference(q_ref, self.arm.joint_names, self.shape)
+        each = np.broadcast_to(reference, (*self.shape, self.arm.dof)).reshape(-1, self.arm.dof)
         bounds = self.arm.limits if within_limits else np.tile([-np.inf, np.inf], (self.arm.dof, 1))
 
         def cost(q: Array, pose: NDArray[np.intp]) -> Array:

@@ -71,7 +71,7 @@ class Region:
         given = inputs.real(box, "box", needed)
         half = given if given.shape in ((), (1,), (3,)) else np.array(np.nan)
         ranges = given if given.shape == (3, 2) else np.broadcast_to(half, (3,))[:, None] * [-1.0, 1.0]
-        if not np.isfinite(ranges).all() or (ranges[:, 0] > ranges[:, 1]).any():
+        if inputs.first_bad(ranges) is not None or (ranges[:, 0] > ranges[:, 1]).any():
             raise ArgumentError(f"box={quoted(box)} given; {needed} is needed")
         for name, angle, most in (("cone", cone, np.pi), ("rotation", rotation, np.inf)):
             if not (inputs.is_real(angle) and 0.0 <= angle < most):

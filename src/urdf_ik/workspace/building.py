@@ -159,6 +159,13 @@ def compute(
         raise WorkspaceError("a store and an output are given; leave one of the two out")
     if world is not None and not (collision_free or clearance):
         raise WorkspaceError("a world is given, and nothing asks for it; give collision_free=True or clearance=True")
+    within_limits, collision_free, manipulability, margin, clearance = (
+        inputs.flag(value, name, WorkspaceError)
+        for value, name in (
+            (within_limits, "within_limits"), (collision_free, "collision_free"), (manipulability, "manipulability"),
+            (margin, "margin"), (clearance, "clearance"),
+        )
+    )  # fmt: skip
     wanted = {
         "solutions": True,
         "within": within_limits or collision_free or clearance,
@@ -181,7 +188,7 @@ def compute(
     )
     if store is not None:
         return fill(asked, store, client, block, progress)
-    return _in_memory(asked, None if output is None else Path(output), progress)
+    return _in_memory(asked, None if output is None else inputs.path(output, "output", WorkspaceError), progress)
 
 
 def _in_memory(asked: Question, output: Path | None, progress: Progress | None) -> WorkspaceMap:

@@ -96,8 +96,8 @@ class StoredMap:
             >>> found.array("solutions", (slice(0, 2), slice(0, 8), slice(0, 1))).shape
             (2, 8, 1, 1)
         """
-        if name not in self.holds:
-            raise StoreError(f"{self.path} holds no {name!r}; it holds {', '.join(self.holds)}")
+        if not isinstance(name, str) or name not in self.holds:
+            raise StoreError(f"{self.path} holds no {quoted(name)}; it holds {', '.join(self.holds)}")
         self._require(part)
         try:
             return np.asarray(self._group[name][part])
