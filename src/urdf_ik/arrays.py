@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-import sys
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator, Sequence
@@ -23,7 +22,6 @@ Refused = Callable[[str], UrdfIkError]
 
 MAX_BYTES = 2**28
 """Of a file, and of what a compressed one unpacks to: more than a million poses as text."""
-STDIN = "standard input"
 # What NumPy raises on a .npy or .npz file that is cut short or scrambled, or whose header asks for the impossible.
 _DAMAGED = (
     ValueError, EOFError, OSError, KeyError, NotImplementedError, MemoryError, OverflowError, zipfile.BadZipFile,
@@ -109,7 +107,7 @@ def read(source: Any, wanted: Wanted) -> tuple[str, Array | Rows]:
         >>> numbers.tolist()
         [[1.0, 2.0], [3.0, 4.0]]
     """
-    name = _name(source)
+    name = files.called(source) if hasattr(source, "read") else files.name_of(source)
     data = files.read(source, MAX_BYTES, wanted.error)
     if not data.strip():
         raise wanted.error(f"{name} is empty; {wanted.accepted}")
@@ -122,14 +120,6 @@ def read(source: Any, wanted: Wanted) -> tuple[str, Array | Rows]:
     if text.lstrip().startswith(("[", "{")):
         return name, _from_json(name, text, wanted)
     return name, _from_csv(name, text, wanted)
-
-
-def _name(source: Any) -> str:
-    """What messages call a file."""
-    if not hasattr(source, "read"):
-        return files.name_of(source)
-    stdin = source is getattr(sys.stdin, "buffer", sys.stdin)
-    return STDIN if stdin else files.name_of(getattr(source, "name", "the file"))
 
 
 def _from_numpy(name: str, data: bytes, wanted: Wanted) -> Array:

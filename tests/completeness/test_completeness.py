@@ -193,9 +193,9 @@ def test_progress_counts_up_to_the_end() -> None:
 
 def test_senseless_requests_are_refused() -> None:
     """No pose, a seed below zero, an arm that is not one of six turning joints."""
-    with pytest.raises(UrdfIkError, match="n = 0"):
+    with pytest.raises(UrdfIkError, match="n=0"):
         completeness.compare(loaded("zyyzyz_6r"), 0)
-    with pytest.raises(UrdfIkError, match="seed = -1"):
+    with pytest.raises(UrdfIkError, match="seed=-1"):
         completeness.compare(loaded("zyyzyz_6r"), 1, -1)
     five = standard_dh("five", (1.5, 0.3, 0.9, -0.7, 1.1), (0.1, 0.4, 0.2, 0.1, 0.0), (0.3, 0.0, 0.1, 0.2, 0.1))
     with pytest.raises(UnsupportedArm, match="six turning joints"):

@@ -180,4 +180,4 @@ def _encoding() -> str:
 
 def place(source: str) -> str:
     """What a message calls the place that was read."""
-    return arrays.STDIN if source == STDIN else source
+    return files.STDIN if source == STDIN else source

@@ -177,7 +177,9 @@ Planted = Annotated[
     list[str] | None, Option("--q", metavar="Q1,Q2,...", help="The tip at this joint vector; repeatable.")
 ]
 PoseFile = Annotated[str | None, Option("--poses", metavar="FILE", help="Poses from a file, or - for stdin.")]
-Random = Annotated[int | None, Option("--random", metavar="N", min=1, help="N poses of random joint vectors.")]
+Random = Annotated[
+    int | None, Option("--random", metavar="N", min=1, max=10**8, help="N poses of random joint vectors.")
+]
 
 Redundancy = Annotated[
     str | None,

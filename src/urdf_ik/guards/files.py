@@ -6,6 +6,7 @@ import contextlib
 import os
 import secrets
 import stat
+import sys
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
     from urdf_ik.errors import UrdfIkError
 
+STDIN = "standard input"
 _QUOTED = 200
 """Characters of a path that a message quotes at most."""
 
@@ -30,6 +32,18 @@ def name_of(path: object) -> str:
         'a\\nb.csv'
     """
     return printable(path, _QUOTED)
+
+
+def called(file: Any) -> str:
+    """A file that is open as messages call it.
+
+    Example:
+        >>> import io
+        >>> called(io.BytesIO(b""))
+        'the file'
+    """
+    stdin = file is getattr(sys.stdin, "buffer", sys.stdin)
+    return STDIN if stdin else name_of(getattr(file, "name", "the file"))
 
 
 def opened(path: Path) -> IO[bytes]:
@@ -71,7 +85,7 @@ def read(source: Any, most: int, error: Callable[[str], UrdfIkError] = ArgumentE
         b'x,y,z'
     """
     is_open = hasattr(source, "read") and not isinstance(source, type)
-    name = name_of(getattr(source, "name", "the file") if is_open else source)
+    name = called(source) if is_open else name_of(source)
     where = None if is_open else inputs.path(source, "path", error)
     try:
         if where is None:
