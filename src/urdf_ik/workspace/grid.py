@@ -12,6 +12,7 @@ import numpy as np
 
 from urdf_ik.errors import WorkspaceError
 from urdf_ik.guards import inputs
+from urdf_ik.guards.files import name_of
 from urdf_ik.scale import room
 from urdf_ik.text import quoted
 
@@ -252,12 +253,12 @@ def require_room(grid: Grid, samples: int, needed: int, output: Path) -> None:
         WorkspaceError: with the numbers.
     """
     folder = Path(os.path.realpath(output)).parent
-    if not folder.is_dir():
-        raise WorkspaceError(f"{output}: there is no folder {folder}")
+    if not os.path.isdir(folder):
+        raise WorkspaceError(f"{name_of(output)}: there is no folder {name_of(folder)}")
     free = room.free_disk(folder)
     if needed > free:
         raise WorkspaceError(
-            f"{_words(grid, samples)} take up to {room.size_text(needed)} on the disk, and {folder} has "
+            f"{_words(grid, samples)} take up to {room.size_text(needed)} on the disk, and {name_of(folder)} has "
             f"{room.size_text(free)} free; {_HINT}"
         )
 

@@ -11,6 +11,7 @@ from urdf_ik import scale
 from urdf_ik import workspace as rooms
 from urdf_ik.cli import console, tables
 from urdf_ik.cli.progress import Progress
+from urdf_ik.guards import files
 
 if TYPE_CHECKING:
     from urdf_ik.arm import Arm
@@ -37,11 +38,11 @@ class Places:
         """Refuse what cannot be.
 
         Raises:
-            typer.BadParameter: two of these do not go together, or ``output`` is a folder, a device or a pipe.
+            typer.BadParameter: two of these do not go together.
+            ArgumentError: ``output`` is a folder, or there is no folder for it.
         """
-        if self.output is not None and self.output.exists() and not self.output.is_file():
-            # The map is written beside it and put in its place, which a device or a pipe would not survive.
-            raise console.usage(f"cannot write {self.output}: it is no regular file", "--output")
+        if self.output is not None:
+            files.writable(self.output)
         if self.output is not None and self.store is not None:
             raise console.usage("a map goes into a file or into a store: give --output or --store", "--store")
         if self.workers is not None and self.scheduler is not None:
