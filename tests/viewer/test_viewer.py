@@ -11,7 +11,6 @@ import subprocess
 import sys
 import threading
 import urllib.request
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -46,13 +45,6 @@ PATIENCE = 120.0
 def arm() -> Arm:
     """The arm that most tests show."""
     return urdf_ik.load("zyyzyz_6r")
-
-
-@pytest.fixture
-def viewer(arm: Arm) -> Iterator[Viewer]:
-    """A running viewer."""
-    with Viewer(arm, port=0) as running:
-        yield running
 
 
 def test_it_starts_where_there_is_much_to_see(arm: Arm) -> None:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -251,15 +249,7 @@ def require_room(grid: Grid, samples: int, needed: int, output: Path) -> None:
     Raises:
         WorkspaceError: with the numbers.
     """
-    folder = Path(os.path.realpath(output)).parent
-    if not folder.is_dir():
-        raise WorkspaceError(f"{output}: there is no folder {folder}")
-    free = room.free_disk(folder)
-    if needed > free:
-        raise WorkspaceError(
-            f"{_words(grid, samples)} take up to {room.size_text(needed)} on the disk, and {folder} has "
-            f"{room.size_text(free)} free; {_HINT}"
-        )
+    room.require_disk(output, needed, _words(grid, samples), _HINT, WorkspaceError)
 
 
 def _words(grid: Grid, samples: int) -> str:
