@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.angles import TURN
-from urdf_ik.scale.jobs import AskedOfAnArm
+from urdf_ik.scale.asked import AskedOfAnArm
 from urdf_ik.solutions import limits as joint_limits
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ import numpy as np
 from urdf_ik.angles import TURN
 from urdf_ik.poses import pose
 from urdf_ik.scale import zarrs
-from urdf_ik.scale.jobs import AskedOfAnArm
+from urdf_ik.scale.asked import AskedOfAnArm
 from urdf_ik.workspace.counting import Counting
 from urdf_ik.workspace.store.blocks import Blocks
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from urdf_ik import palette
 from urdf_ik.errors import ArgumentError
-from urdf_ik.scale.jobs import urdf_digest
+from urdf_ik.scale.asked import urdf_digest
 from urdf_ik.text import quoted
 from urdf_ik.workspace import VALUES, boundary
 from urdf_ik.workspace.grid import AXES

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from urdf_ik.scale import versions
-from urdf_ik.scale.jobs import AskedOfAnArm, urdf_digest
+from urdf_ik.scale.asked import AskedOfAnArm, urdf_digest
 from urdf_ik.workspace.counting import Counting, sum_over_samples
 from urdf_ik.workspace.maps import About
 from urdf_ik.workspace.sampling import Targets, sampled

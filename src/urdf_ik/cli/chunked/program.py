@@ -19,7 +19,7 @@ from urdf_ik.cli.program import app, help_text
         "block: killed at any moment, the same command goes on where it stopped.",
         "urdf-ik workspace planar_2r --degrees",
         "urdf-ik workspace zyyzyz_6r --voxel 0.2 --orientations 50 -o map.npz",
-        "urdf-ik workspace zyyzyz_6r --voxel 0.05 --store map.zarr --workers 4",
+        "urdf-ik workspace zyyzyz_6r --voxel 0.25 --orientations 50 --store map.zarr --workers 2",
     )
 )
 @on_an_arm
