@@ -5,8 +5,9 @@
 
 The poses are made from random joint vectors of which one joint stands within 2 % of its range from a limit, so that
 each has a solution inside the limits, often for a small part of the redundancy parameter's values only. ``grid`` solves
-at as many values as it says and takes what is inside; ssik's ``self_motion`` gives its arcs inside the limits. Times
-are those of one process, a pose at a time where there is no call for many.
+at as many values as it says and takes what is inside; frankik, which knows the Panda only, solves at 60 values of joint
+7 over its whole range; ssik's ``self_motion`` gives its arcs inside the limits. Times are those of one process, a pose
+at a time where there is no call for many.
 """
 
 from __future__ import annotations
@@ -23,6 +24,11 @@ import numpy as np
 from seven_joints import IIWA, PANDA
 
 import urdf_ik
+
+try:
+    import frankik
+except ImportError:
+    frankik = None
 
 LIMITS = {
     # Published limits [rad]: Franka Emika's data sheet, KUKA's for the LBR iiwa.
@@ -51,7 +57,7 @@ def near_limits(arm: urdf_ik.Arm, rng: np.random.Generator, count: int) -> np.nd
     return q
 
 
-def ways(arm: urdf_ik.Arm, text: str) -> dict[str, Callable[[np.ndarray], list[bool]]]:
+def ways(robot: str, arm: urdf_ik.Arm, text: str) -> dict[str, Callable[[np.ndarray], list[bool]]]:
     """Names of ways, and what says of poses (m, 4, 4) whether each has a solution inside the limits."""
 
     def grid(count: int) -> Callable[[np.ndarray], list[bool]]:
@@ -59,12 +65,19 @@ def ways(arm: urdf_ik.Arm, text: str) -> dict[str, Callable[[np.ndarray], list[b
         values = np.linspace(*arm.redundancy.range, count, endpoint=not arm.redundancy.round)
         return lambda T: [bool(arm.ik(pose, redundancy=values).within_limits().count.any()) for pose in T]
 
+    def sampled(T: np.ndarray) -> list[bool]:
+        return [bool(frankik.ik_sample_q7(pose, None, False, 60, 332.0, True)) for pose in T @ at_hand]
+
     found: dict[str, Callable[[np.ndarray], list[bool]]] = {
         "urdf-ik, intervals": lambda T: (arm.intervals(T).count > 0).tolist(),
         "urdf-ik, grid of 16": grid(16),
         "urdf-ik, grid of 256": grid(256),
         "urdf-ik, grid of 4096": grid(4096),
     }
+    if robot == PANDA.name and frankik is not None:
+        # Its end effector is the hand's, 0.1034 m beyond the flange.
+        at_hand = np.linalg.inv(arm.fk(np.zeros(7))) @ frankik.fk(np.zeros(7))
+        found[f"frankik {frankik.__version__}, 60 values"] = sampled
     try:
         import ssik
     except ImportError:
@@ -94,7 +107,7 @@ def main() -> None:
         text = limited(robot.urdf, LIMITS[robot.name])
         arm = urdf_ik.load(text, "base", "tool")
         T = arm.fk(near_limits(arm, np.random.default_rng(options.seed), options.poses))
-        for name, way in ways(arm, text).items():
+        for name, way in ways(robot.name, arm, text).items():
             way(T[:2])
             start = time.perf_counter()
             found = way(T)

@@ -60,6 +60,9 @@ template <class Model>
 SHARED bool is_new(const Model& arm, const Goal<double>& goal, const Columns<Model::joints>& columns,
                    const double (&q)[Model::joints]) {
     constexpr int N = Model::joints;
+    // The pose of a slide many sizes out is rounded as coarsely as it is far.
+    double far = 1.0;
+    for (int j = 0; j < N; ++j) far = max(far, abs(gap(arm, j, q[j], 0.0)) / PI);
     for (int b = 0; b < columns.many; ++b) {
         if (!columns.valid(b)) continue;
         const double* other = columns.row(b);
@@ -69,8 +72,8 @@ SHARED bool is_new(const Model& arm, const Goal<double>& goal, const Columns<Mod
             middle[j] = advanced(arm, j, other[j], 0.5 * step);
             apart = max(apart, abs(step));
         }
-        if (apart <= arm.tolerances.duplicate) return false;
-        if (apart < BESIDE && error_at(arm, goal, middle).size <= arm.tolerances.fold) return false;
+        if (apart <= arm.tolerances.duplicate * far) return false;
+        if (apart < BESIDE && error_at(arm, goal, middle).size <= arm.tolerances.fold * far) return false;
     }
     return true;
 }

@@ -9,13 +9,13 @@ import sys
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from urdf_ik.errors import UrdfIkError
+from urdf_ik.guards import files
 from urdf_ik.text import printable, quoted
 
 Array = NDArray[np.float64]
@@ -23,8 +23,6 @@ Refused = Callable[[str], UrdfIkError]
 
 MAX_BYTES = 2**28
 """Of a file, and of what a compressed one unpacks to: more than a million poses as text."""
-MOST_OF_A_PATH = 200
-"""Characters of a file's name that a message quotes at most."""
 STDIN = "standard input"
 # What NumPy raises on a .npy or .npz file that is cut short or scrambled, or whose header asks for the impossible.
 _DAMAGED = (
@@ -111,7 +109,8 @@ def read(source: Any, wanted: Wanted) -> tuple[str, Array | Rows]:
         >>> numbers.tolist()
         [[1.0, 2.0], [3.0, 4.0]]
     """
-    name, data = _bytes(source, wanted)
+    name = _name(source)
+    data = files.read(source, MAX_BYTES, wanted.error)
     if not data.strip():
         raise wanted.error(f"{name} is empty; {wanted.accepted}")
     if data.startswith((b"\x93NUMPY", b"PK")):
@@ -125,22 +124,12 @@ def read(source: Any, wanted: Wanted) -> tuple[str, Array | Rows]:
     return name, _from_csv(name, text, wanted)
 
 
-def _bytes(source: Any, wanted: Wanted) -> tuple[str, bytes]:
-    if hasattr(source, "read"):
-        stdin = source is getattr(sys.stdin, "buffer", sys.stdin)
-        name = STDIN if stdin else printable(getattr(source, "name", "the file"), MOST_OF_A_PATH)
-        data = source.read(MAX_BYTES + 1)
-        data = data.encode() if isinstance(data, str) else data
-    else:
-        name = printable(source, MOST_OF_A_PATH)
-        try:
-            with Path(source).open("rb") as file:
-                data = file.read(MAX_BYTES + 1)
-        except (OSError, ValueError) as error:  # ValueError: a name with a NUL in it
-            raise wanted.error(f"cannot read {name}: {getattr(error, 'strerror', None) or error}") from None
-    if len(data) > MAX_BYTES:
-        raise wanted.error(f"{name} is larger than {MAX_BYTES >> 20} MiB; read it in parts")
-    return name, data
+def _name(source: Any) -> str:
+    """What messages call a file."""
+    if not hasattr(source, "read"):
+        return files.name_of(source)
+    stdin = source is getattr(sys.stdin, "buffer", sys.stdin)
+    return STDIN if stdin else files.name_of(getattr(source, "name", "the file"))
 
 
 def _from_numpy(name: str, data: bytes, wanted: Wanted) -> Array:

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable
 
-from urdf_ik.text import MOST_OF_A_NAME, escaped, listed, printable
+from urdf_ik.text import listed, message, printable
 
-_LONG_WORD = re.compile(rf"[^\s/]{{{MOST_OF_A_NAME + 1},}}")
 _MOST_OF_A_PATH, _MOST_CANDIDATES = 200, 100
 
 
@@ -23,17 +21,12 @@ class UrdfIkError(Exception):
         CatalogueError
     """
 
-
     def __init__(self, *arguments: object) -> None:
         # Names in files of unknown origin are no orders to the terminal that shows the message.
-        super().__init__(*(_shown(each) if isinstance(each, str) else each for each in arguments))
+        super().__init__(*(message(each) if isinstance(each, str) else each for each in arguments))
 
     def __reduce__(self) -> tuple[Callable[..., UrdfIkError], tuple[object, ...]]:
         return _restored, (type(self), self.args, self.__dict__)
-
-
-def _shown(message: str) -> str:
-    return _LONG_WORD.sub(lambda word: printable(word[0]), escaped(message))
 
 
 def _restored(kind: type[UrdfIkError], arguments: tuple[object, ...], fields: dict[str, object]) -> UrdfIkError:

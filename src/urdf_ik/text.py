@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import reprlib
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ MOST_OF_A_NAME = 80
 """Characters of a name or value that a message quotes at most."""
 _MOST_COMPARED = 1000
 """Names that are compared with one that is not there."""
+_LONG_WORD = re.compile(rf"[^\s/]{{{MOST_OF_A_NAME + 1},}}")
 _SHORT = reprlib.Repr()
 _SHORT.maxlist = _SHORT.maxtuple = _SHORT.maxdict = _SHORT.maxset = 16
 _SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = 4 * MOST_OF_A_NAME
@@ -69,6 +71,16 @@ def printable(text: object, most: int = MOST_OF_A_NAME) -> str:
         written = f"<{type(text).__name__}>"
     cut = escaped(written[:most]).replace("\n", "\\n")
     return cut if len(cut) <= most and len(written) <= most else cut[: most - 3] + "..."
+
+
+def message(text: str) -> str:
+    r"""A message that any terminal can show: :func:`escaped`, and words longer than a name are cut.
+
+    Example:
+        >>> message("unknown option: \x1b" + 100 * "x")
+        'unknown option: \\x1bxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx...'
+    """
+    return _LONG_WORD.sub(lambda word: printable(word[0]), escaped(text))
 
 
 def listed(names: Iterable[object], most: int = 20) -> str:

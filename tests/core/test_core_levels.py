@@ -87,6 +87,7 @@ def test_every_instruction_set_answers_alike(answers: dict[str, dict[str, Answer
                 worse.append(f"{name}: {one} and {other} differ in the flags of {differ} of {len(a.flags)} poses")
                 continue
             apart = np.abs(np.remainder(a.q - b.q + np.pi, 2.0 * np.pi) - np.pi)
+            apart /= np.fmax(1.0, np.abs(a.q) / np.pi)  # of slides far out, the share of their way
             if not np.nanmax(apart, initial=0.0) <= ANGLE:
                 worse.append(f"{name}: {one} and {other} are {np.nanmax(apart):.1e} apart")
     assert not worse, "\n".join(worse)

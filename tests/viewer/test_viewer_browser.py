@@ -127,7 +127,8 @@ def seen(opened: Seen, home: NDArray[np.float64]) -> Seen:
 
 def test_a_narrow_window_shows_whole_labels(seen: Seen) -> None:
     """On a telephone no label is cut off or reaches beyond the page, and the panel is as wide as the page."""
-    bare = re.sub(r"<visual>.*?</visual>", "", catalogue.resolve(ARM).path.read_text(), flags=re.DOTALL)  # quickly drawn
+    text = catalogue.resolve(ARM).path.read_text()
+    bare = re.sub(r"<visual>.*?</visual>", "", text, flags=re.DOTALL)  # lines and frames are quickly drawn
     narrow = seen.page.context.browser.new_page(viewport={"width": 360, "height": 740})
     with Viewer(urdf_ik.load(bare), port=0) as viewer:
         narrow.goto(viewer.url)
@@ -246,6 +247,7 @@ def test_the_catalogue_brings_seven_joints_and_their_slider(seen: Seen) -> None:
     assert isinstance(before.redundancy, float)
     thumb = page.get_by_role("slider").first
     seen.wait(lambda: thumb.get_attribute("aria-valuenow") == f"{round(before.redundancy, 3):g}", "the slider is there")
+    page.get_by_role("img", name="Values at which each branch has solutions").wait_for()
     thumb.focus()
     for _ in range(150):
         thumb.press("ArrowRight")

@@ -16,15 +16,16 @@ namespace {
 using Row = Pack<BLOCK, 8 / BLOCK>;
 constexpr int LANES = 8;
 
+// By halves, each added to the other.
 template <int L> STEP double sum_of(const typename Register<L>::type& r) {
     if constexpr (L == 2) return r[0] + r[1];
-    else {
-        double half[L / 2];
-        for (int i = 0; i < L / 2; ++i) half[i] = r[i] + r[i + L / 2];
-        for (int step = L / 4; step; step /= 2) {
-            for (int i = 0; i < step; ++i) half[i] += half[i + step];
-        }
-        return half[0];
+    else if constexpr (L == 4) {
+        const auto half = __builtin_shufflevector(r, r, 0, 1) + __builtin_shufflevector(r, r, 2, 3);
+        return half[0] + half[1];
+    } else {
+        const auto half = __builtin_shufflevector(r, r, 0, 1, 2, 3) + __builtin_shufflevector(r, r, 4, 5, 6, 7);
+        const auto quarter = __builtin_shufflevector(half, half, 0, 1) + __builtin_shufflevector(half, half, 2, 3);
+        return quarter[0] + quarter[1];
     }
 }
 template <int L, int K> STEP double sum(const Pack<L, K>& a) {

@@ -74,7 +74,8 @@ class Free(Moving):
         ``follow`` choose the rotation.
 
         The axis belongs to the tip link: mount a tool first. An arm with seven joints has two parameters then, this one
-        first and its own second, and takes values ``redundancy=(..., 2)``.
+        first and its own second, and takes values ``redundancy=(..., 2)``. Intervals of the second at a value v of the
+        first: ``arm.fixed.intervals(T @ arm.free_axis.rotation(v))``; ``arm.fixed`` is the arm without the free axis.
 
         Args:
             axis: 'x', 'y' or 'z' of the tip, or a direction (3,) in the tip's frame.
@@ -259,9 +260,9 @@ class Free(Moving):
 
         Every solution at the values of a grid is followed along its curve to both sides, and every solution must be met
         from both; ends are computed to 1e-9. Of S-R-S arms with axes at right angles they are roots of the limits,
-        in closed form. An interval that lies between two values of the grid is found where a branch of the closed form,
-        taken beyond its ends, comes near, or by Newton's method from starts all over the joints: that is no proof that
-        none is missed.
+        in closed form, as they are where the tip turns about the axis of the last of six joints. An interval that lies
+        between two values of the grid is found where a branch of the closed form, taken beyond its ends, comes near, or
+        by Newton's method from starts all over the joints: that is no proof that none is missed.
 
         Args:
             T: (..., 4, 4) poses of the tip in the base [m], or a ``pinocchio.SE3``.
@@ -340,8 +341,8 @@ class Free(Moving):
         if rest:
             raise UnsupportedArm(
                 f"{self.name}: {what} takes one redundancy parameter, and this arm has {1 + len(rest)}: "
-                f"{', '.join(each.label for each in (first, *rest))}; hold a joint, urdf_ik.load(..., locked={{...}}), "
-                "or fix the axis, arm.fixed"
+                f"{', '.join(each.label for each in (first, *rest))}; hold a joint, arm.with_locked({{...}}), or give "
+                f"the rotation about a free axis, arm.fixed.{what}(T @ arm.free_axis.rotation(value))"
             )
         return plan
 

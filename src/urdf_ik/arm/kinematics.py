@@ -9,7 +9,7 @@ import numpy as np
 
 from urdf_ik import velocity
 from urdf_ik.chain import velocity_limits
-from urdf_ik.guards import inputs
+from urdf_ik.guards import files
 from urdf_ik.solutions import limits
 from urdf_ik.tasks import control_of
 from urdf_ik.tolerances import DEFAULT
@@ -146,7 +146,7 @@ class Kinematics:
             path: the file, which is replaced if it is there. The same text as bytes: ``arm.model.xml``.
 
         Raises:
-            OSError: it cannot be written.
+            ArgumentError: it cannot be written.
 
         Example:
             >>> import urdf_ik
@@ -155,7 +155,7 @@ class Kinematics:
             >>> urdf_ik.load("scara_with_gripper.urdf", tip=arm.tip).tip
             'gripper'
         """
-        inputs.path(path, "path").write_bytes(self.model.xml)
+        files.write(path, self.model.xml)
 
     @cached_property
     def control(self) -> Control:

@@ -16,6 +16,7 @@ import typer
 from urdf_ik import arrays
 from urdf_ik import text as texts
 from urdf_ik.errors import JointVectorError
+from urdf_ik.guards import files
 from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
@@ -135,7 +136,7 @@ def write(text: str | bytes, output: Path | None) -> None:
     """Write to ``output``, or to standard output.
 
     Raises:
-        typer.BadParameter: the file cannot be written.
+        ArgumentError: the file cannot be written.
     """
     # Names in files of unknown origin are no orders to the terminal.
     shown = texts.escaped(text) if isinstance(text, str) and not isinstance(text, Coloured) else text
@@ -149,10 +150,7 @@ def write(text: str | bytes, output: Path | None) -> None:
             rest = rest[sys.stdout.buffer.write(rest) :]
         sys.stdout.buffer.flush()
         return
-    try:
-        output.write_bytes(data)
-    except OSError as error:
-        raise usage(f"cannot write {output}: {error.strerror}", "--output") from None
+    files.write(output, data)
 
 
 def csv_text(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from enum import IntEnum
 from typing import Any
 
@@ -11,7 +14,10 @@ import typer
 from typer.core import TyperGroup
 
 from urdf_ik import errors
-from urdf_ik.text import escaped
+from urdf_ik.text import MOST_OF_A_NAME, message, printable
+
+_QUOTE = re.compile(rf"'[^']{{{MOST_OF_A_NAME + 1},}}'")
+_MOST = 1000  # characters of a message about the arguments: a list of all that would be valid has some hundred
 
 
 class Status(IntEnum):
@@ -36,10 +42,16 @@ def status_of(error: errors.UrdfIkError) -> Status:
 class Commands(TyperGroup):
     """Turns this package's errors into one message on stderr and an exit status."""
 
+    def make_context(self, *args: Any, **kwargs: Any) -> Any:
+        """Read what stands before the command."""
+        with _quoting_little():
+            return super().make_context(*args, **kwargs)
+
     def invoke(self, ctx: Any) -> Any:
         """Run the command."""
         try:
-            return super().invoke(ctx)
+            with _quoting_little():
+                return super().invoke(ctx)
         except errors.UrdfIkError as error:
             typer.echo(f"Error: {error}", err=True)
             raise typer.Exit(status_of(error)) from None
@@ -55,11 +67,27 @@ class Commands(TyperGroup):
             raise typer.Exit(unwritten(error)) from None
 
 
+@contextmanager
+def _quoting_little() -> Iterator[None]:
+    """Keep short, and free of orders to the terminal, what Typer's own errors quote of the arguments."""
+    try:
+        yield
+    except Exception as error:
+        text = getattr(error, "message", None)
+        if hasattr(error, "format_message") and isinstance(text, str):
+            text = message(_QUOTE.sub(lambda quote: printable(quote[0]) + quote[0][0], text))
+            error.message = text if len(text) <= _MOST else text[: _MOST - 3] + "..."  # type: ignore[attr-defined]
+        raise
+
+
 def unwritten(error: OSError) -> Status:
     """Exit status where standard output cannot be written, and the message that says so."""
     # Python would try again at exit and complain: let that go nowhere.
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    with suppress(OSError):  # what has no descriptor is no file
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     if isinstance(error, BrokenPipeError):
         return Status.READER_GONE
-    typer.echo(escaped(f"Error: {error}"), err=True)
+    problem = error if error.filename is not None else f"cannot write standard output: {error.strerror or error}"
+    with suppress(OSError):  # nobody can be told
+        typer.echo(message(f"Error: {problem}"), err=True)
     return Status.USAGE

@@ -16,7 +16,7 @@ import numpy as np
 
 from urdf_ik.dh.checks import COLUMNS
 from urdf_ik.errors import DHError, PoseError
-from urdf_ik.guards import inputs
+from urdf_ik.guards import files, inputs
 from urdf_ik.poses import pose, to_rpy
 from urdf_ik.text import aligned, quoted
 
@@ -45,7 +45,7 @@ def read(path: str | os.PathLike[str], convention: str | None, degrees: bool) ->
         DHError: the file cannot be read or holds no table; the error names row, column and value.
     """
     try:
-        text = inputs.read_bytes(inputs.path(path, "path", DHError), MAX_BYTES, DHError).decode("utf-8-sig")
+        text = files.read(inputs.path(path, "path", DHError), MAX_BYTES, DHError).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise DHError("is no text; a table is CSV or JSON") from None
     parse = _from_json if text.lstrip().startswith(("{", "[")) else _from_csv

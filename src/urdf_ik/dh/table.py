@@ -14,6 +14,7 @@ from urdf_ik.dh.frames import rotation_z, slide_z, step_x
 from urdf_ik.dh.from_chain import fields_of, frames_of
 from urdf_ik.errors import DHError
 from urdf_ik.guards import inputs
+from urdf_ik.guards.files import name_of
 from urdf_ik.guards.frozen import Frozen
 from urdf_ik.tolerances import DEFAULT
 
@@ -162,7 +163,7 @@ class DHTable(Frozen):
         try:
             return cls.from_array(**files.read(path, convention, degrees))
         except DHError as error:
-            raise DHError(error.problem, row=error.row, column=error.column, source=str(path)) from None
+            raise DHError(error.problem, row=error.row, column=error.column, source=name_of(path)) from None
 
     @classmethod
     def from_chain(

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError
-from urdf_ik.text import printable, quoted
+from urdf_ik.text import quoted
 from urdf_ik.tolerances import LARGEST
 
 if TYPE_CHECKING:
@@ -191,30 +191,6 @@ def path(value: Any, what: str, error: Callable[[str], UrdfIkError] = ArgumentEr
         if isinstance(written, str) and written.strip() and "\0" not in written:
             return Path(written)
     raise error(f"{what}={quoted(value)} given; the path of a file is needed")
-
-
-def read_bytes(file: Path, most: int, error: Callable[[str], UrdfIkError] = ArgumentError) -> bytes:
-    """All of a file of at most ``most`` bytes; of a larger one no more than that is read.
-
-    Raises:
-        UrdfIkError: ``error``; it cannot be read, or is larger.
-
-    Example:
-        >>> Path("poses.csv").write_bytes(b"x,y,z") and read_bytes(Path("poses.csv"), 10)
-        b'x,y,z'
-    """
-    try:
-        with file.open("rb") as opened:
-            data = opened.read(most + 1)
-    except OSError as failure:
-        raise error(f"cannot read {printable(file, 200)}: {failure.strerror or failure}") from None
-    if len(data) > most:
-        raise error(f"{printable(file, 200)} is larger than the {_size(most)} that are read")
-    return data
-
-
-def _size(count: int) -> str:
-    return f"{count >> 20} MiB" if count >= 2**20 else f"{count} bytes"
 
 
 def flag(value: Any, what: str, error: Callable[[str], UrdfIkError] = ArgumentError) -> bool:

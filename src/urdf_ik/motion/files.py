@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
 import numpy as np
 
 from urdf_ik import arrays
 from urdf_ik.errors import PathError, PoseError
-from urdf_ik.guards import inputs
 from urdf_ik.motion.waypoints import read
 from urdf_ik.poses import pose
-from urdf_ik.text import printable
 
 if TYPE_CHECKING:
     import os
@@ -84,20 +81,6 @@ def read_poses(source: str | os.PathLike[str] | IO[bytes]) -> Array:
         rows = np.atleast_2d(held)
         return _posed("quat_wxyz", rows[:, [0, 1, 2, 6, 3, 4, 5]], lambda k: f"{name}, pose {k}")
     return _checked(name, held)
-
-
-def writable(path: str | os.PathLike[str]) -> Path:
-    """A file that can be written.
-
-    Raises:
-        PathError: it is a folder, or in a folder that is not there.
-    """
-    file = inputs.path(path, "path", PathError)
-    if not file.parent.is_dir():
-        raise PathError(f"{printable(file, 200)} cannot be written: there is no folder {printable(file.parent, 200)}")
-    if file.is_dir():
-        raise PathError(f"{file} cannot be written: it is a folder")
-    return file
 
 
 def _checked(name: str, values: Array) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from urdf_ik.errors import PathError
-from urdf_ik.motion.files import writable
+from urdf_ik.guards import files
 from urdf_ik.solutions import limits
 from urdf_ik.text import json_text
 
@@ -227,11 +228,12 @@ class Plan:
             'waypoint,branch,joint_1,joint_2,joint_3,joint_4'
         """
         self._require()
-        with writable(path).open("w", newline="", encoding="utf-8") as file:
-            rows = csv.writer(file)
-            rows.writerow(["waypoint", "branch", *self.arm.joint_names])
-            for k, (branch, q) in enumerate(zip(self.branches, self.q, strict=True)):
-                rows.writerow([k, branch, *(repr(float(x)) for x in q)])
+        text = io.StringIO()
+        rows = csv.writer(text)
+        rows.writerow(["waypoint", "branch", *self.arm.joint_names])
+        for k, (branch, q) in enumerate(zip(self.branches, self.q, strict=True)):
+            rows.writerow([k, branch, *(repr(float(x)) for x in q)])
+        files.write(path, text.getvalue().encode(), PathError)
 
     def to_json(self, path: str | os.PathLike[str] | None = None) -> str:
         """The plan as JSON, written to a file where one is given; also of a path without a plan.
@@ -262,7 +264,7 @@ class Plan:
             },
         )
         if path is not None:
-            writable(path).write_text(text, encoding="utf-8")
+            files.write(path, text.encode(), PathError)
         return text
 
     def to_npz(self, path: str | os.PathLike[str]) -> None:
@@ -281,11 +283,11 @@ class Plan:
             (10, 4)
         """
         self._require()
-        with writable(path).open("wb") as file:
-            np.savez(
-                file, q=self.q, poses=self.poses, branches=np.array(self.branches), motion=self.motion,
-                joints=np.array(self.arm.joint_names), place=self.place,
-            )  # fmt: skip
+        held = {
+            "q": self.q, "poses": self.poses, "branches": np.array(self.branches), "motion": self.motion,
+            "joints": np.array(self.arm.joint_names), "place": self.place,
+        }  # fmt: skip
+        files.write(path, lambda file: np.savez(file, allow_pickle=False, **held), PathError)
 
     def __str__(self) -> str:
         if not self.found:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import logging
 from dataclasses import dataclass, replace
 from importlib import import_module
@@ -12,8 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import PathError
-from urdf_ik.guards import inputs
-from urdf_ik.motion.files import writable
+from urdf_ik.guards import files, inputs
 from urdf_ik.motion.path import settings
 from urdf_ik.text import json_text
 
@@ -67,11 +67,12 @@ class Timed:
         Raises:
             PathError: the file cannot be written.
         """
-        with writable(path).open("w", newline="", encoding="utf-8") as file:
-            rows = csv.writer(file)
-            rows.writerow(["t", *(f"{name}{what}" for what in ("", " qd", " qdd") for name in self.joints)])
-            for row in np.column_stack([self.t, self.q, self.qd, self.qdd]).tolist():
-                rows.writerow(map(repr, row))
+        text = io.StringIO()
+        rows = csv.writer(text)
+        rows.writerow(["t", *(f"{name}{what}" for what in ("", " qd", " qdd") for name in self.joints)])
+        for row in np.column_stack([self.t, self.q, self.qd, self.qdd]).tolist():
+            rows.writerow(map(repr, row))
+        files.write(path, text.getvalue().encode(), PathError)
 
     def to_json(self, path: str | os.PathLike[str] | None = None) -> str:
         """As JSON: joints, t, q, qd, qdd; written to a file where one is given.
@@ -82,7 +83,7 @@ class Timed:
         arrays = {"t": self.t, "q": self.q, "qd": self.qd, "qdd": self.qdd}
         text = json_text({"joints": self.joints, **arrays})
         if path is not None:
-            writable(path).write_text(text, encoding="utf-8")
+            files.write(path, text.encode(), PathError)
         return text
 
     def to_npz(self, path: str | os.PathLike[str]) -> None:
@@ -91,8 +92,8 @@ class Timed:
         Raises:
             PathError: the file cannot be written.
         """
-        with writable(path).open("wb") as file:
-            np.savez(file, joints=np.array(self.joints), t=self.t, q=self.q, qd=self.qd, qdd=self.qdd)
+        held = {"joints": np.array(self.joints), "t": self.t, "q": self.q, "qd": self.qd, "qdd": self.qdd}
+        files.write(path, lambda file: np.savez(file, allow_pickle=False, **held), PathError)
 
     def __repr__(self) -> str:
         return f"<Timed: {self.duration:.3f} s, {len(self.t)} samples, {self.method}>"

@@ -9,23 +9,13 @@ from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
 from urdf_ik.plot import axes as draw
-from urdf_ik.solutions import limits
+from urdf_ik.redundancy.bars import ENDS, bars
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from urdf_ik.redundancy import Intervals
 
-ENDS = {
-    "limit": ("#0072b2", "a joint's limit"),
-    "fold": ("#d55e00", "fold: two branches become one"),
-    "reach": ("#000000", "edge of reach"),
-    "contact": ("#cc79a7", "contact"),
-    "singularity": ("#e69f00", "singularity"),
-    "range": ("#009e73", "end of the parameter's range"),
-    "none": ("#999999", "the whole circle"),
-}
-"""Colours of what ends an interval, and words for it: those of Okabe and Ito, which the colour-blind tell apart."""
 _WIDTH, _ROW, _LEAST = 8.0, 0.32, 2.4
 
 
@@ -50,43 +40,30 @@ def intervals(found: Intervals, *, degrees: bool = True) -> Figure:
         8
     """
     arm, parameter = found.arm, found.parameter
-    every = list(found)
-    names = [name for name in arm.structure.branches if any(each.branch == name for each in every)]
+    names, drawn = bars(found)
     scale = 180.0 / np.pi if degrees and parameter.unit == "rad" else 1.0
     figure = draw.Picture(figsize=(_WIDTH, max(_LEAST, 1.4 + _ROW * len(names))), layout="constrained")
     axes = figure.subplots()
-    turning = ~arm.chain.prismatic
-    for k, each in enumerate(every):
-        row = names.index(each.branch)
-        value, q = found.samples(k)
-        inmost, _ = limits.image_inmost(q, arm.limits, turning)
-        margin = np.clip(np.nan_to_num(limits.margin(inmost, arm.limits)), 0.0, 1.0)
-        # What passes half a turn goes on from the other side.
-        turns = (0.0, 2.0 * np.pi) if parameter.unit == "rad" and each.high > np.pi else (0.0,)
-        for turn in turns:
-            x = scale * (value - turn)
-            points = np.stack([x, np.full(len(x), float(row))], axis=1)
-            bar = LineCollection(
-                list(np.stack([points[:-1], points[1:]], axis=1)), cmap="Greys", linewidths=9.0, capstyle="butt"
-            )
-            bar.set_array(0.5 * (margin[:-1] + margin[1:]))
-            bar.set_clim(-0.35, 1.0)
-            axes.add_collection(bar)
-            for end, at in zip(each.ends, (each.low, each.high), strict=True):
-                if end.cause != "none":
-                    x_end, colour = scale * (at - turn), ENDS[end.cause][0]
-                    axes.plot([x_end, x_end], [row - 0.38, row + 0.38], color=colour, linewidth=2.2)
+    for bar in drawn:
+        points = np.stack([scale * bar.value, np.full(len(bar.value), float(bar.row))], axis=1)
+        lines = list(np.stack([points[:-1], points[1:]], axis=1))
+        shaded = LineCollection(lines, cmap="Greys", linewidths=9.0, capstyle="butt")
+        shaded.set_array(bar.margin)
+        shaded.set_clim(-0.35, 1.0)
+        axes.add_collection(shaded)
+        for at, cause in bar.ends:
+            axes.plot([scale * at] * 2, [bar.row - 0.38, bar.row + 0.38], color=ENDS[cause][0], linewidth=2.2)
     low, high = (-np.pi, np.pi) if parameter.unit == "rad" else parameter.range
     if not np.isfinite(high - low):
-        low, high = min(each.low for each in every), max(each.high for each in every)
+        low, high = min(each.low for each in found), max(each.high for each in found)
     axes.set_xlim(scale * low, scale * high)
     axes.set_ylim(len(names) - 0.4, -0.6)
     axes.set_yticks(range(len(names)), [draw.words(name) for name in names], fontsize=8)
     unit = "deg" if scale != 1.0 else parameter.unit
     axes.set_xlabel(f"{draw.words(parameter.label)} [{unit}]", fontsize=9)
     inside = "inside the joint limits" if found.within_limits else "whatever the joint limits"
-    axes.set_title(f"{draw.words(arm.name)}: {len(every)} intervals {inside}", fontsize=10)
-    causes = [cause for cause in ENDS if any(end.cause == cause for each in every for end in each.ends)]
+    axes.set_title(f"{draw.words(arm.name)}: {len(found)} intervals {inside}", fontsize=10)
+    causes = [cause for cause in ENDS if any(end.cause == cause for each in found for end in each.ends)]
     handles = [Line2D([], [], color=ENDS[cause][0], linewidth=2.2, label=ENDS[cause][1]) for cause in causes]
     handles.append(Line2D([], [], color="0.35", linewidth=6, label="solutions; darker: farther from the limits"))
     figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=7, frameon=False)

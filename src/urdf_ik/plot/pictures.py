@@ -11,7 +11,7 @@ import numpy as np
 
 from urdf_ik.angles import TURN
 from urdf_ik.errors import PlotError
-from urdf_ik.guards import inputs
+from urdf_ik.guards import files, inputs
 from urdf_ik.plot import axes as draw
 from urdf_ik.plot import figures
 from urdf_ik.solutions import limits as joint_limits
@@ -265,11 +265,8 @@ def save(figure: Figure, path: str | os.PathLike[str], dpi: float = _DPI) -> Non
     inputs.kind(figure, "savefig", "figure", "a picture of this module", PlotError)
     dpi = inputs.number(dpi, "dpi", PlotError, above=0.0, high=10_000.0)
     if target.suffix.lower() not in SUFFIXES:
-        raise PlotError(f"{target}: pictures are written as {', '.join(SUFFIXES)}; name the file so")
-    try:
-        figure.savefig(target, dpi=dpi)
-    except OSError as error:
-        raise PlotError(f"cannot write {target}: {error.strerror}") from None
+        raise PlotError(f"{files.name_of(target)}: pictures are written as {', '.join(SUFFIXES)}; name the file so")
+    files.write(target, lambda file: figure.savefig(file, format=target.suffix.lower()[1:], dpi=dpi), PlotError)
 
 
 def _bodies(figure: Figure, owner: Arm, wanted: bool) -> figures.Bodies:

@@ -16,6 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from urdf_ik.errors import StoreError
+from urdf_ik.guards import inputs
+from urdf_ik.guards.files import name_of
 from urdf_ik.scale.journal import Journal, Kept, digest
 from urdf_ik.scale.lock import Lock
 from urdf_ik.text import json_text
@@ -216,16 +218,20 @@ def checked_path(path: str | os.PathLike[str]) -> Path:
         >>> checked_path("map.zarr").name
         'map.zarr'
     """
+    store = inputs.path(path, "path", StoreError)
+    name = name_of(store)
     if "://" in str(path):
-        raise StoreError(f"{path}: a store is a folder on a disk; give a path")
-    store = Path(path)
+        raise StoreError(f"{name}: a store is a folder on a disk; give a path")
     parent = Path(os.path.realpath(store)).parent  # resolve() raises where links lead round in a circle
-    if not parent.is_dir():
-        raise StoreError(f"{store}: there is no folder {parent}")
-    if store.exists() and not store.is_dir():
-        raise StoreError(f"{store} is a file, and a store is a folder; give another path")
-    if store.is_dir() and not (store / PRIVATE).is_dir() and any(store.iterdir()):
-        raise StoreError(f"{store} is there already, and is no store of this package; give another path")
+    if not os.path.isdir(parent):
+        raise StoreError(f"{name}: there is no folder {name_of(parent)}")
+    if os.path.exists(store) and not os.path.isdir(store):
+        raise StoreError(f"{name} is a file, and a store is a folder; give another path")
+    try:
+        if os.path.isdir(store) and not os.path.isdir(store / PRIVATE) and any(store.iterdir()):
+            raise StoreError(f"{name} is there already, and is no store of this package; give another path")
+    except OSError as error:
+        raise StoreError(f"cannot read {name}: {error.strerror}") from None
     return store
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdf_ik.errors import StoreError
+from urdf_ik.guards.files import name_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -63,13 +64,12 @@ def require_disk(
         urdf_ik.errors.StoreError: 10 samples take up to 1.1e+12 GiB on the disk, and ... free; take fewer
     """
     folder = Path(os.path.realpath(place)).parent
-    if not folder.is_dir():
-        raise error(f"{place}: there is no folder {folder}")
+    if not os.path.isdir(folder):  # of a name that no file can have, too
+        raise error(f"{name_of(place)}: there is no folder {name_of(folder)}")
     free = free_disk(folder)
     if needed > free:
-        raise error(
-            f"{what} take up to {size_text(needed)} on the disk, and {folder} has {size_text(free)} free; {hint}"
-        )
+        there = f"{name_of(folder)} has {size_text(free)} free"
+        raise error(f"{what} take up to {size_text(needed)} on the disk, and {there}; {hint}")
 
 
 def size_text(count: int) -> str:

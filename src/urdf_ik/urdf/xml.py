@@ -14,10 +14,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from lxml import etree
 
 from urdf_ik.errors import UrdfError
+from urdf_ik.guards import files
 from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
 TEXT = "<text>"
 MAX_BYTES = 8 * 2**20
@@ -79,8 +80,7 @@ def open_source(source: object) -> Source:
         return _open_path(source)
     if isinstance(source, os.PathLike):
         return _open_path(os.fspath(source))
-    reader = getattr(source, "read", None)
-    if reader is None:
+    if not hasattr(source, "read"):
         raise UrdfError(
             f"cannot read a URDF from {type(source).__name__} {quoted(source)}",
             source=TEXT,
@@ -89,7 +89,7 @@ def open_source(source: object) -> Source:
     named = getattr(source, "name", None)
     name = named if isinstance(named, str) and named else TEXT
     try:
-        content = _read(reader)
+        content = files.from_open(source, MAX_BYTES)
     except UrdfError:
         raise
     except (OSError, ValueError) as error:  # ValueError: a closed file; UnicodeDecodeError is one too
@@ -97,14 +97,6 @@ def open_source(source: object) -> Source:
     if not isinstance(content, str | bytes):
         raise UrdfError(f"read() gave {type(content).__name__}", source=name, hint="it must give str or bytes")
     return Source(_text(content, name), name, None)
-
-
-def _read(reader: Callable[..., object]) -> object:
-    """What an open file holds, up to a little more than the size that is read at all."""
-    try:
-        return reader(MAX_BYTES + 1)
-    except TypeError:  # an object whose read() takes no size
-        return reader()
 
 
 def parse(source: Source) -> Any:
@@ -196,7 +188,7 @@ def _open_path(name: str | bytes) -> Source:
 
 def _file_bytes(path: Path) -> bytes:
     """The file, up to a little more than the size that is read at all: what it says of its size may change."""
-    with path.open("rb") as file:
+    with files.opened(path) as file:
         return file.read(MAX_BYTES + 1)
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.solutions import limits
+from urdf_ik.viewer import strip
 from urdf_ik.viewer.scene import colours
 
 if TYPE_CHECKING:
@@ -40,6 +41,7 @@ class Panel:
         branches: one button a branch.
         sliders: one a joint.
         redundancies: sliders of the redundancy parameters.
+        strip: under that of a single parameter, its intervals by branch; None without one.
     """
 
     def __init__(
@@ -62,11 +64,12 @@ class Panel:
             ]
         for column, button in enumerate(self.branches):
             button.on_click(_calling(partial(on_branch, column)))
-        self.redundancies = []
+        self.redundancies, self.strip = [], None
         if arm.redundancies:
             self._folders.append(gui.add_folder("Redundancy"))
             with self._folders[-1]:
                 self.redundancies = [slider_of(gui, f"{p.label} [{p.unit}]", *p.range) for p in arm.redundancies]
+                self.strip = gui.add_html("", visible=False)
         for which, slider in enumerate(self.redundancies):
             on_change(slider, partial(on_redundancy, which))
         self._folders.append(gui.add_folder("Joints"))
@@ -93,6 +96,10 @@ class Panel:
         for slider, value in zip(self.sliders, state.q, strict=True):
             if slider is not keep:
                 turn_to(slider, float(value))
+        if self.strip is not None:
+            content = strip.drawn(state)
+            self.strip.visible = bool(content)
+            self.strip.content = content
         if state.redundancy is not None:
             for slider, value in zip(self.redundancies, np.atleast_1d(state.redundancy), strict=True):
                 if slider is not keep:

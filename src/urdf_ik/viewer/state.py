@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from urdf_ik.arm import Arm
     from urdf_ik.collision import CollisionModel, World
+    from urdf_ik.redundancy import Intervals
     from urdf_ik.solutions import IKSolutions
 
     Array = NDArray[np.float64]
@@ -70,6 +71,8 @@ class State:
         note: what could not be checked, in words; else ''.
         world: obstacles, or None.
         model: what answers about contacts, with the world's obstacles; None where the URDF has nothing to check.
+        intervals: where along its one redundancy parameter the target has solutions inside the limits; None for an
+            arm without one, or one whose intervals are not known.
     """
 
     arm: Arm
@@ -81,6 +84,7 @@ class State:
     note: str
     world: World | None = None
     model: CollisionModel | None = None
+    intervals: Intervals | None = None
 
     @property
     def chosen(self) -> int | None:
@@ -118,7 +122,7 @@ def start(arm: Arm, world: World | None = None) -> State:
 
 def with_target(state: State, target: Array) -> State:
     """The target moved to the pose ``target`` (4, 4) [m]; the arm follows to the nearest solution inside its limits."""
-    return _followed(_solved(replace(state, target=target)))
+    return _followed(_solved(_moved(replace(state, target=target))))
 
 
 def with_redundancy(state: State, value: float, which: int = 0) -> State:
@@ -135,7 +139,7 @@ def with_joints(state: State, q: Array) -> State:
     arm = state.arm
     values = arm.redundancy_of(q) if arm.redundancies else None
     value = float(values) if values is not None and not values.ndim else values
-    return _solved(replace(state, q=q, target=arm.fk(q), redundancy=value))
+    return _solved(_moved(replace(state, q=q, target=arm.fk(q), redundancy=value)))
 
 
 def with_joint(state: State, index: int, value: float) -> State:
@@ -149,6 +153,16 @@ def with_branch(state: State, column: int) -> State:
     """The arm moved to the solution of that branch; where the target has no such solution, nothing changes."""
     found = [ghost for ghost in state.ghosts if ghost.column == column]
     return replace(state, q=found[0].q) if found else state
+
+
+def _moved(state: State) -> State:
+    """The intervals of a target that has moved."""
+    if len(state.arm.redundancies) != 1:
+        return state
+    try:
+        return replace(state, intervals=state.arm.intervals(state.target))
+    except UrdfIkError:  # of a joint that others mimic, say
+        return replace(state, intervals=None)
 
 
 def _followed(state: State) -> State:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from urdf_ik.errors import WorkspaceError
-from urdf_ik.guards import inputs
+from urdf_ik.guards import files, inputs
 from urdf_ik.text import printable
 
 if TYPE_CHECKING:
@@ -35,16 +35,8 @@ def write(path: str | os.PathLike[str], header: Mapping[str, Any], arrays: Mappi
         WorkspaceError: the file cannot be written.
     """
     text = json.dumps({"format": FORMAT, "version": VERSION, **header})
-    target = inputs.path(path, "path", WorkspaceError)
-    unfinished = target.with_name(f".{target.name}.{os.getpid()}")
-    try:
-        with unfinished.open("wb") as file:
-            np.savez_compressed(file, allow_pickle=False, header=np.array(text), **arrays)
-        unfinished.replace(target)
-    except OSError as error:
-        raise WorkspaceError(f"cannot write {target}: {error.strerror}") from None
-    finally:
-        unfinished.unlink(missing_ok=True)
+    held: dict[str, Any] = {"header": np.array(text), **arrays}
+    files.write(path, lambda file: np.savez_compressed(file, allow_pickle=False, **held), WorkspaceError)
 
 
 def read(
@@ -61,25 +53,26 @@ def read(
         WorkspaceError: the file cannot be read, or is no such map; the message says why.
     """
     where = inputs.path(path, "path", WorkspaceError)
+    name = files.name_of(where)
     try:
-        with where.open("rb") as raw, np.lib.npyio.NpzFile(raw, allow_pickle=False) as file:
+        with files.opened(where) as raw, np.lib.npyio.NpzFile(raw, allow_pickle=False) as file:
             _require_room(where, file, most)
             if "header" not in file.files:
-                raise WorkspaceError(f"{path} is no workspace map: it has no header")
+                raise WorkspaceError(f"{name} is no workspace map: it has no header")
             header = json.loads(str(file["header"][()]))
             if not isinstance(header, dict) or header.get("format") != FORMAT:
-                raise WorkspaceError(f"{path} is no workspace map: its header is of another format")
+                raise WorkspaceError(f"{name} is no workspace map: its header is of another format")
             if header.get("version") != VERSION:
-                raise WorkspaceError(f"{path} is of version {header.get('version')}; this package reads {VERSION}")
+                raise WorkspaceError(f"{name} is of version {header.get('version')}; this package reads {VERSION}")
             arrays = {name: file[name] for name in file.files if name != "header"}
         return build(header, arrays)
     except OSError as error:
-        raise WorkspaceError(f"cannot read {path}: {error.strerror or error}") from None
+        raise WorkspaceError(f"cannot read {name}: {error.strerror or error}") from None
     except WorkspaceError:
         raise
     except Exception as error:  # zip, zlib, NumPy and JSON each have their own ways to say that bytes are damaged
         reason = printable(error) or type(error).__name__
-        raise WorkspaceError(f"{printable(path, 200)} is no workspace map, or a damaged one: {reason}") from None
+        raise WorkspaceError(f"{files.name_of(path)} is no workspace map, or a damaged one: {reason}") from None
 
 
 def _require_room(path: Path, file: Any, most: int) -> None:
@@ -87,6 +80,6 @@ def _require_room(path: Path, file: Any, most: int) -> None:
     size = sum(part.file_size for part in file.zip.infolist())
     if size > most:
         raise WorkspaceError(
-            f"{printable(path, 200)} unpacks to {size / 2**20:.4g} MiB, and at most {most / 2**20:.4g} MiB are read; "
+            f"{files.name_of(path)} unpacks to {size / 2**20:.4g} MiB, and at most {most / 2**20:.4g} MiB are read; "
             "most=... of urdf_ik.workspace.read takes more, in bytes"
         )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from urdf_ik import workspace as rooms
 from urdf_ik.cli import console, tables
 from urdf_ik.cli.progress import Progress
+from urdf_ik.guards import files
 
 if TYPE_CHECKING:
     from urdf_ik.arm import Arm
@@ -22,14 +23,14 @@ def run(arm: Arm, angles: Angles, output: Path | None, places: Places, as_json: 
     for it; None stands for an option that was not given.
 
     Raises:
-        typer.BadParameter: places that cannot be, or ``output`` is a folder, a device or a pipe.
+        typer.BadParameter: places that cannot be.
+        ArgumentError: ``output`` is a folder, or there is no folder for it.
         WorkspaceError: options of which no map can be made, or a file that cannot be written.
         StoreError: a store that cannot be gone on with, or cannot be written.
         ClusterError: a scheduler or workers that cannot do the work.
     """
-    if output is not None and output.exists() and not output.is_file():
-        # The map is written beside it and put in its place, which a device or a pipe would not survive.
-        raise console.usage(f"cannot write {output}: it is no regular file", "--output")
+    if output is not None:
+        files.writable(output)
     if output is not None and places.store is not None:
         raise console.usage("a map goes into a file or into a store: give --output or --store", "--store")
     places.check()

@@ -12,7 +12,7 @@ from urdf_ik.cli import console, tables
 from urdf_ik.cli.errors import Status
 from urdf_ik.cli.paths import followed
 from urdf_ik.errors import PathError
-from urdf_ik.motion.files import writable
+from urdf_ik.guards import files
 from urdf_ik.text import escaped
 
 if TYPE_CHECKING:
@@ -51,9 +51,10 @@ def run(
 
     for file, option in ((output, "--out"), (timed, "--timed")):
         if file is not None and file.suffix.lower() not in SUFFIXES:
-            raise console.usage(f"{file}: plans are written as {', '.join(SUFFIXES)}; name the file so", option)
+            kinds = ", ".join(SUFFIXES)
+            raise console.usage(f"{files.name_of(file)}: plans are written as {kinds}; name the file so", option)
         if file is not None:
-            writable(file)
+            files.writable(file)
     arm = chosen.load()
     angles = angles_of(arm, degrees)
     found = followed(arm, angles, typed, chosen)
@@ -70,7 +71,7 @@ def run(
         console.write(text_of(found, angles, in_time, others), None)
     for file, what in ((output, plan), (timed, in_time)):
         if file is not None and what is not None and (plan.found or file.suffix.lower() == ".json"):
-            _write(what, file)
+            getattr(what, f"to_{file.suffix.lower()[1:]}")(file)
         elif file is not None:
             why = untimed or ("it changes its branch" if plan.found else "there is no plan")
             typer.echo(escaped(f"{file} was not written: {why}"), err=True)
@@ -78,13 +79,6 @@ def run(
         raise typer.Exit(Status.USAGE)
     if not plan.found:
         raise typer.Exit(Status.FAILED)
-
-
-def _write(what: Plan | Timed, file: Path) -> None:
-    try:
-        getattr(what, f"to_{file.suffix.lower()[1:]}")(file)
-    except OSError as error:
-        raise console.usage(f"cannot write {file}: {error.strerror}", "--out") from None
 
 
 def text_of(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[Plan, ...]) -> str:

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik.errors import StoreError
+from urdf_ik.errors import StoreError, WorkspaceError
+from urdf_ik.guards import inputs
 from urdf_ik.scale import zarrs
 from urdf_ik.scale.folder import finished, read_question
+from urdf_ik.text import quoted
 from urdf_ik.workspace.grid import Grid, require_memory
 from urdf_ik.workspace.lookup import cells
 from urdf_ik.workspace.maps import About, MapSlice, WorkspaceMap, read
@@ -58,9 +60,10 @@ class StoredMap:
         self.path = Path(path)
         question = read_question(self.path)
         if question.get("format") != FORMAT:
-            raise StoreError(f"{self.path} is no workspace map: it is of the format {question.get('format')!r}")
+            raise StoreError(f"{self.path} is no workspace map: it is of the format {quoted(question.get('format'))}")
         if question.get("version") != VERSION:
-            raise StoreError(f"{self.path} is of version {question.get('version')}; this package reads {VERSION}")
+            found = quoted(question.get("version"))
+            raise StoreError(f"{self.path} is of version {found}; this package reads {VERSION}")
         try:
             self._group = zarrs.package().open_group(str(self.path), mode="r")
             self.about = About.read(question)
@@ -238,4 +241,5 @@ def opened(path: str | os.PathLike[str]) -> WorkspaceMap | StoredMap:
         >>> opened("map.zarr").grid.shape
         (8, 8, 1)
     """
-    return StoredMap(path) if Path(path).is_dir() else read(path)
+    where = inputs.path(path, "path", WorkspaceError)
+    return StoredMap(where) if os.path.isdir(where) else read(where)
