@@ -33,6 +33,8 @@ ROOMS = {
     "interop": "Other programs",
     "workspace": "Workspaces",
     "datasets": "Data sets",
+    "placements": "Base positions",
+    "surveys": "Checks of many arms",
     "scale": "Work in blocks",
     "crosscheck": "The cross-check against Pinocchio",
     "completeness": "The second way to all solutions",

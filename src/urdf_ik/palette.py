@@ -16,6 +16,8 @@ Colour = tuple[float, float, float]
 # their yellow, which is too light for lines on white.
 _EIGHT = ("0072b2", "d55e00", "009e73", "cc79a7", "e69f00", "56b4e9", "444444", "7a0019")
 _DARKER = 0.5
+# On black: light grey and their yellow in the places of those two, and the same eight lighter.
+_ON_BLACK = {"444444": "c0c0c0", "7a0019": "f0e442"}
 # Matplotlib's viridis (Smith and van der Walt, 2015) at 17 places: dark blue to yellow, ever lighter.
 _VIRIDIS = (
     "440154", "48186a", "472d7b", "424086", "3b528b", "33638d", "2c728e", "26828e", "21918c", "1fa088", "28ae80",
@@ -23,19 +25,27 @@ _VIRIDIS = (
 )  # fmt: skip
 
 
-def colours(count: int) -> tuple[Colour, ...]:
+def colours(count: int, dark: bool = False) -> tuple[Colour, ...]:
     """``count`` colours, red, green and blue from 0 to 1: eight hues, then the same darker, then round the circle.
+
+    Args:
+        count: number of colours.
+        dark: for a black background; instead of darker the second eight are lighter.
 
     Example:
         >>> [tuple(round(255 * part) for part in colour) for colour in colours(2)]
         [(0, 114, 178), (213, 94, 0)]
     """
-    eight = [tuple(part / 255.0 for part in _parts(code)) for code in _EIGHT]
-    many = [(r, g, b) for r, g, b in eight] + [(_DARKER * r, _DARKER * g, _DARKER * b) for r, g, b in eight]
+    codes = [_ON_BLACK.get(code, code) if dark else code for code in _EIGHT]
+    eight = [tuple(part / 255.0 for part in _parts(code)) for code in codes]
+    white = 1.0 - _DARKER if dark else 0.0
+    many = [(r, g, b) for r, g, b in eight]
+    many += [(white + _DARKER * r, white + _DARKER * g, white + _DARKER * b) for r, g, b in eight]
     if count <= len(many):
         return tuple(many[:count])
-    # Neighbours differ in lightness, and all are dark enough for letters.
-    return tuple(colorsys.hls_to_rgb(k / count, (0.3, 0.5)[k % 2], 0.8) for k in range(count))
+    # Neighbours differ in lightness, and all are dark enough for letters; on black, light enough to be seen.
+    lightness = (0.5, 0.7) if dark else (0.3, 0.5)
+    return tuple(colorsys.hls_to_rgb(k / count, lightness[k % 2], 0.8) for k in range(count))
 
 
 def shades(values: ArrayLike) -> NDArray[np.uint8]:

@@ -19,7 +19,10 @@ FLOORS = (
     {"families"},
     {"arm", "redundancy", "solutions", "tasks"},
     {"collision", "motion", "reference", "scale"},
-    {"comparison", "completeness", "crosscheck", "cuspidality", "datasets", "placements", "testing", "workspace"},
+    {
+        "comparison", "completeness", "crosscheck", "cuspidality", "datasets", "placements", "surveys", "testing",
+        "workspace",
+    },  # fmt: skip
     {"cli", "interop", "plot", "viewer"},
 )
 FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}

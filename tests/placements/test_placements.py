@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 import urdf_ik
 from urdf_ik import placements
+from urdf_ik.scale import room
 from urdf_ik.scale.folder import finished
 
 Array = NDArray[np.float64]
@@ -177,3 +178,18 @@ def test_a_picture_and_what_is_refused() -> None:
     for ask in (lambda: found.values("cost"), lambda: found.values("nonsense"), lambda: found.places(0)):
         with pytest.raises(urdf_ik.ArgumentError):
             ask()
+
+
+def test_a_store_that_would_not_fit_is_refused_before_any_work(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With the numbers; what is there already needs no room."""
+    arm = urdf_ik.load("zyyzyz_6r")
+    asked: dict[str, Any] = {"bounds": [[-0.5, -0.5, 0.0], [0.5, 0.5, 0.0]], "step": 0.5, "turns": 2}
+    store = tmp_path / "bases.zarr"
+    urdf_ik.placement(arm, arm.fk([0.3] * 6), **asked, store=store)
+    monkeypatch.setattr(room, "free_disk", lambda folder: 100)
+    assert urdf_ik.placement(arm, arm.fk([0.3] * 6), **asked, store=store).reached.shape == (3, 3, 1, 2)
+    with pytest.raises(urdf_ik.StoreError, match=r"9 base positions x 2 headings take up to .* on the disk.* free"):
+        urdf_ik.placement(arm, arm.fk([0.4] * 6), **asked, store=tmp_path / "others.zarr")
+    assert not (tmp_path / "others.zarr").exists()

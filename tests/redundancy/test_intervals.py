@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from arms_seven import random_seven
 from cases import Array, Case, described, worst_error
 
 import urdf_ik
-from urdf_ik.redundancy import Interval, swivel
+from urdf_ik.redundancy import Interval, last_axis, swivel
 
 KINDS = ("S-R-S", "S-R-S, offset elbow", "one behind wrist, 1x2", "one before 2||3||4, 5x6")
 TINY = 1e-7
@@ -81,6 +83,31 @@ def test_a_scan_finds_nothing_more(case: Case) -> None:
             for end in (interval.low, interval.high):
                 edge |= np.abs(np.angle(np.exp(1j * (values - end)))) < 1e-6
         np.testing.assert_array_equal(count[~edge], covering[~edge])
+
+
+@pytest.mark.parametrize(("axis", "lower", "upper"), [("z", -1.0, 2.5), ([0.0, 0.0, -1.0], -2.5, 0.5)])
+def test_a_tip_that_turns_about_the_last_axis(axis: str | list[float], lower: float, upper: float) -> None:
+    """The closed form: a scan finds solutions where it says so, and following the curves ends at the same places."""
+    limit = 'lower="-4.642575810304916" upper="4.642575810304916"'
+    text = Path(urdf_ik.load("puma_560").model.source).read_text()
+    assert limit in text
+    arm = urdf_ik.load(text.replace(limit, f'lower="{lower}" upper="{upper}"')).with_free_axis(axis)
+    assert arm.free_axis is not None
+    rng = np.random.default_rng(8)
+    T = arm.fk(rng.uniform(*arm.limits.T, (30, 6))) @ arm.free_axis.rotation(rng.uniform(-3.0, 3.0, 30))
+    values = np.linspace(-np.pi, np.pi, 721)[1:]
+    found = arm.intervals(T)
+    for each, pose in ((found[i], T[i]) for i in range(30)):
+        assert each and {end.joint for interval in each for end in interval.ends} == {arm.joint_names[5]}
+        count = arm.ik(pose, redundancy=values).within_limits().count
+        np.testing.assert_array_equal(count, covered(list(each), values))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(last_axis, "sense", lambda arm, plan: 0.0)
+        again = arm.intervals(T)
+        for each, followed in ((found[i], again[i]) for i in range(30)):
+            assert [interval.ends for interval in each] == [interval.ends for interval in followed]
+            ends = [[(interval.low, interval.high) for interval in of] for of in (each, followed)]
+            np.testing.assert_allclose(*ends, atol=1e-9)
 
 
 def covered(intervals: list[Interval], values: Array) -> Array:

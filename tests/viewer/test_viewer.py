@@ -11,7 +11,6 @@ import subprocess
 import sys
 import threading
 import urllib.request
-from collections.abc import Iterator
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -20,7 +19,7 @@ import pytest
 from typer.testing import CliRunner
 
 import urdf_ik
-from urdf_ik import Arm, Singular, UrdfIkError, catalogue
+from urdf_ik import Arm, Singular, UrdfIkError, catalogue, palette
 from urdf_ik.cli import app
 from urdf_ik.redundancy.bars import bars
 from urdf_ik.viewer import address, panel, strip
@@ -48,13 +47,6 @@ PATIENCE = 120.0
 def arm() -> Arm:
     """The arm that most tests show."""
     return urdf_ik.load("zyyzyz_6r")
-
-
-@pytest.fixture
-def viewer(arm: Arm) -> Iterator[Viewer]:
-    """A running viewer."""
-    with Viewer(arm, port=0) as running:
-        yield running
 
 
 def test_it_starts_where_there_is_much_to_see(arm: Arm) -> None:
@@ -257,6 +249,41 @@ def test_the_camera_sees_the_arm_left_of_the_panel(name: str) -> None:
         assert (np.abs(points @ np.cross(right, ahead)) < 0.95 * half * depth).all()
         across = points @ right / (half * depth)  # -1.6 to 0.45 is what a usual window shows beside the panel
         assert across.min() > -1.5 and across.max() < 0.5
+
+
+@pytest.mark.parametrize("aspect", [360 / 760, 480 / 760, 0.9])
+@pytest.mark.parametrize("name", ["zyyzyz_6r", "planar_2r", "srs_7r"])
+def test_the_camera_of_a_narrow_window_sees_the_arm_above_the_panel(name: str, aspect: float) -> None:
+    """All frames of the arm and its ghosts are in the window, and above its lower half, where the panel is."""
+    arm = urdf_ik.load(name)
+    with Viewer(arm, port=0) as viewer:
+        state, fov = viewer.state, viewer.server.initial_camera.fov
+        position, look_at = viewer.drawing.camera(state, fov, aspect)
+        ahead = (look_at - position) / np.linalg.norm(look_at - position)
+        right = np.cross(ahead, [0.0, 0.0, 1.0])
+        right /= np.linalg.norm(right)
+        poses = arm.link_poses(np.stack([state.q, *(ghost.q for ghost in state.ghosts)]))
+        points = np.concatenate([pose[:, :3, 3] for pose in poses.values()]) - position
+        depth, half = points @ ahead, np.tan(0.5 * fov)
+        assert (depth > 0.0).all()
+        assert (np.abs(points @ right) < aspect * half * depth).all()
+        up = points @ np.cross(right, ahead) / (half * depth)
+        assert up.min() > 0.0 and up.max() < 1.0
+
+
+def test_all_sixteen_colours_are_seen_on_either_background() -> None:
+    """The contrast to the page, as WCAG 2.1 measures it, is 1.9 or more in a light page and 2.9 in a dark one."""
+
+    def luminance(colour: tuple[float, ...]) -> float:
+        linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in colour]
+        return float(np.dot(linear, [0.2126, 0.7152, 0.0722]))
+
+    for dark, page, least in ((False, luminance((1.0,) * 3), 1.9), (True, luminance((36 / 255,) * 3), 2.9)):
+        shades = palette.colours(16, dark)
+        assert len(set(shades)) == 16
+        for colour in shades:
+            low, high = sorted([luminance(colour), page])
+            assert (high + 0.05) / (low + 0.05) >= least
 
 
 def test_buttons_hold_names_and_marks() -> None:

@@ -6,7 +6,7 @@ import gc
 import time
 import urllib.error
 import urllib.request
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -30,13 +30,6 @@ PROTOCOL = f"viser-v{viser.__version__}"
 def arm() -> Arm:
     """Small, so that a page is quickly there."""
     return urdf_ik.load("planar_2r")
-
-
-@pytest.fixture
-def viewer(arm: Arm) -> Iterator[Viewer]:
-    """A running viewer."""
-    with Viewer(arm, port=0) as running:
-        yield running
 
 
 def page(viewer: Viewer, **options: Any) -> Any:

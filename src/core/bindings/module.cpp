@@ -73,6 +73,8 @@ static long solve(const PySolver& self, const Targets& T, const std::optional<Nu
 NB_MODULE(_core, m) {
     using namespace urdf_ik;
     m.doc() = "The compiled solvers.";
+    // Arms that a caller still holds when Python ends are no news for its terminal.
+    nb::set_leak_warnings(false);
     level();  // throws where URDF_IK_ISA names what this processor does not run
     m.def("isa", [] { return std::string(level().name); }, "The instruction set in use.");
     m.def("levels", &levels_built, "The instruction sets that were built and that this processor runs.");

@@ -263,9 +263,9 @@ class Free(Moving):
 
         Every solution at the values of a grid is followed along its curve to both sides, and every solution must be met
         from both; ends are computed to 1e-9. Of S-R-S arms with axes at right angles they are roots of the limits,
-        in closed form. An interval that lies between two values of the grid is found where a branch of the closed form,
-        taken beyond its ends, comes near, or by Newton's method from starts all over the joints: that is no proof that
-        none is missed.
+        in closed form, as they are where the tip turns about the axis of the last of six joints. An interval that lies
+        between two values of the grid is found where a branch of the closed form, taken beyond its ends, comes near, or
+        by Newton's method from starts all over the joints: that is no proof that none is missed.
 
         Args:
             T: (..., 4, 4) poses of the tip in the base [m], or a ``pinocchio.SE3``.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from urdf_ik.cli.application import main
+from urdf_ik.cli.chunked import program as _last  # noqa: F401  its commands are listed after the others
 from urdf_ik.cli.program import app
 
 __all__ = ["app", "main"]

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import sys
-from typing import Any
+from pathlib import Path
 
 import typer
 
 from urdf_ik.cli import options
 from urdf_ik.cli.chosen_arm import ChosenArm, TypedPath, TypedPose, angles_of, on_an_arm
+from urdf_ik.cli.chunked import options as chunked
 from urdf_ik.cli.errors import Status, unwritten
 from urdf_ik.cli.options import Picture, ReportFormat, Value
 from urdf_ik.cli.program import app, help_text
@@ -127,10 +128,12 @@ def ik(
         "With --complete it looks for solutions that the solver missed: the general elimination, and Newton's method "
         "from random starts where the solver uses the elimination itself, answer the same poses, random ones and some "
         "1e-1 to 1e-8 rad from a singularity. Every difference is printed. The status is 1 when the solver lacks a "
-        "solution or has one that Pinocchio does not confirm.",
+        "solution or has one that Pinocchio does not confirm.\n\n"
+        "ROBOT may be a folder: every URDF in it is checked, and one table tells what came of each.",
         "urdf-ik check zyyzyz_6r -n 200",
         "urdf-ik check ur5 --complete -n 80",
         "urdf-ik check my_arm.urdf --tip tool0 --no-collision --format json",
+        "urdf-ik check lab/ --complete -n 2 --store night --workers 2",
     )
 )
 @on_an_arm
@@ -140,6 +143,9 @@ def check(
     seed: options.Seed = 0,
     complete: options.Complete = False,
     collision: options.Collision = None,
+    store: chunked.Store = None,
+    workers: chunked.Workers = None,
+    scheduler: chunked.Scheduler = None,
     chosen: ChosenArm,
     printed_as: options.TextFormat = ReportFormat.TABLE,
 ) -> None:
@@ -150,6 +156,16 @@ def check(
 
     if complete and collision is not None:
         raise console.usage("--complete compares solutions and nothing else", "--collision")
+    if Path(chosen.robot).is_dir():
+        from urdf_ik.cli.chunked import survey
+        from urdf_ik.cli.chunked.places import Places
+
+        places, as_json = Places(store, workers, scheduler), printed_as is ReportFormat.JSON
+        if not survey.run(chosen, n, seed, complete, collision, places, as_json):
+            raise typer.Exit(Status.FAILED)
+        return
+    if store is not None or workers is not None or scheduler is not None:
+        raise console.usage("a store is for the arms of a folder, and this is one arm", "--store")
     arm = chosen.load()
     report: crosscheck.Report | completeness.Completeness
     if complete:
@@ -228,52 +244,6 @@ def dh(
     from urdf_ik.cli.commands import dh as dh_command
 
     dh_command.run(ChosenArm(file, base, tip), convention, snap, degrees, printed_as, output)
-
-
-@app.command(
-    help=help_text(
-        "Where the tip can be. Two turning joints in a plane: the exact regions of both elbows, bounded by arcs. Any "
-        "other arm: a map of voxels x orientations, with the number of solutions, how many are within limits, and the "
-        "share that each branch covers. `urdf-ik plot --map` draws it. With --store it is made on the disk, block by "
-        "block: killed at any moment, the same command goes on where it stopped.",
-        "urdf-ik workspace planar_2r --degrees",
-        "urdf-ik workspace zyyzyz_6r --voxel 0.2 --orientations 50 -o map.npz",
-        "urdf-ik workspace zyyzyz_6r --voxel 0.05 --store map.zarr --workers 4",
-    )
-)
-@on_an_arm
-def workspace(
-    *,
-    voxel: options.Voxel = None,
-    orientations: options.Orientations = None,
-    bounds: options.Bounds = None,
-    collision_free: options.MapFree = False,
-    manipulability: options.Manipulability = False,
-    margin: options.Margin = False,
-    clearance: options.Clearance = False,
-    world: options.Cell = None,
-    threads: options.Threads = 1,
-    store: options.Store = None,
-    workers: options.Workers = None,
-    scheduler: options.Scheduler = None,
-    chosen: ChosenArm,
-    degrees: options.Degrees = False,
-    printed_as: options.TextFormat = ReportFormat.TABLE,
-    output: options.MapFile = None,
-) -> None:
-    """Print the region, or the map's sums, and save the map."""
-    from urdf_ik.cli import console, paths
-    from urdf_ik.cli.commands import workspace as workspace_command
-
-    arm = chosen.load()
-    corners = ("x0", "y0", "z0", "x1", "y1", "z1")
-    box = None if bounds is None else console.numbers(bounds, "--bounds", corners).reshape(2, 3).tolist()
-    given: dict[str, Any] = {"voxel": voxel, "orientations": orientations, "bounds": box}
-    given |= {"collision_free": collision_free}
-    given |= {"manipulability": manipulability, "margin": margin, "threads": None if threads == 1 else threads}
-    given |= {"clearance": clearance, "world": paths.cell(world, chosen)}
-    places = workspace_command.Places(output, store, workers, scheduler)
-    workspace_command.run(arm, angles_of(arm, degrees), places, printed_as is ReportFormat.JSON, given)
 
 
 @app.command(

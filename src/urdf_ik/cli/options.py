@@ -299,18 +299,6 @@ MapFree = Annotated[bool, Option("--collision-free", help="Count those free of c
 Manipulability = Annotated[bool, Option("--manipulability", help="Keep each pose's greatest manipulability.")]
 Margin = Annotated[bool, Option("--margin", help="Keep each pose's greatest limit margin.")]
 Clearance = Annotated[bool, Option("--clearance", help="Keep each pose's greatest clearance; slow.")]
-Store = Annotated[
-    Path | None,
-    Option("--store", metavar="FOLDER", help="Make the map in this Zarr group; run again, it goes on."),
-]
-Workers = Annotated[
-    int | None, Option("--workers", min=1, help="Processes on this machine that fill the store (urdf-ik\\[scale]).")
-]
-Scheduler = Annotated[
-    str | None,
-    Option("--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers fill the store, as tcp://HOST:PORT."),
-]
-Threads = Annotated[int, Option("--threads", min=1, help="Threads that solve.")]
 MapFile = Annotated[Path | None, Option("--output", "-o", metavar="FILE", help="Write the map here, as .npz.")]
 
 # Paths. What is not given is None: `path`, `plot path` and `view` take the same.

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdf_ik.angles import TURN
-from urdf_ik.scale import versions
+from urdf_ik.scale.asked import AskedOfAnArm
 from urdf_ik.solutions import limits as joint_limits
 
 if TYPE_CHECKING:
@@ -59,7 +58,7 @@ class Samples:
 
 
 @dataclass(frozen=True, eq=False)
-class Drawing:
+class Drawing(AskedOfAnArm):
     """What decides every sample; it is pickled for workers.
 
     Attributes:
@@ -79,16 +78,6 @@ class Drawing:
     collisions: bool
     chunk: int
     threads: int
-
-    def __getstate__(self) -> dict[str, Any]:
-        # An arm is pickled without its collision model: it is built anew, with the pairs that this one checks.
-        return vars(self) | {"pairs": self.pairs}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        pairs = state.pop("pairs")
-        self.__dict__.update(state)
-        if pairs is not None:
-            self.arm.collision_model = self.arm.collision_model.checking(pairs)
 
     @property
     def pairs(self) -> tuple[tuple[str, str], ...] | None:
@@ -128,22 +117,13 @@ class Drawing:
 
     def described(self) -> dict[str, Any]:
         """All that the samples depend on, for a store."""
-        arm = self.arm
         return {
-            "robot": arm.name,
-            "urdf_sha256": hashlib.sha256(arm.model.xml).hexdigest(),
-            "base": arm.base,
-            "tip": arm.tip,
-            "joints": arm.joint_names,
-            "locked": arm.locked,
-            "branches": arm.structure.branches,
+            **self.of_the_arm,
+            "joints": self.arm.joint_names,
+            "branches": self.arm.structure.branches,
             "n": self.n,
             "seed": self.seed,
             "chunk": self.chunk,
-            "pairs_sha256": None if self.pairs is None else hashlib.sha256(repr(self.pairs).encode()).hexdigest(),
-            "world": None if self.world is None else self.world.digest(),
-            "made_by": versions()["urdf-ik"],
-            "instructions": versions()["instructions"],
         }
 
     def _own(self, q: Array, solutions: Array) -> NDArray[np.int8]:

@@ -149,12 +149,7 @@ def _in_store(drawing: Drawing, path: Path, client: Any, progress: Progress | No
     size = sum(array.nbytes for array in one.values())
     folder = checked_path(path)
     needed = size * max(0, drawing.n - len(finished(folder)) * drawing.chunk)
-    free = room.free_disk(Path(os.path.realpath(folder)).parent)
-    if needed > free:
-        raise StoreError(
-            f"{drawing.n:.4g} samples take up to {room.size_text(needed)} on the disk, and {folder.resolve().parent} "
-            f"has {room.size_text(free)} free; take fewer samples, or another disk"
-        )
+    room.require_disk(folder, needed, f"{drawing.n:.4g} samples", "take fewer samples, or another disk")
     job: Job = ZarrJob(drawing) if path.suffix == ".zarr" else ParquetJob(drawing)
     question = {**drawing.described(), "format": FORMAT, "version": VERSION, "kind": path.suffix, "columns": list(one)}
 

@@ -12,7 +12,8 @@ import numpy as np
 
 from urdf_ik.angles import TURN
 from urdf_ik.poses import pose
-from urdf_ik.scale import versions, zarrs
+from urdf_ik.scale import zarrs
+from urdf_ik.scale.asked import AskedOfAnArm
 from urdf_ik.workspace.counting import Counting
 from urdf_ik.workspace.store.blocks import Blocks
 
@@ -66,7 +67,7 @@ SCORES = {
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class Asked(AskedOfAnArm):
     """What is asked of base positions; it is pickled for workers.
 
     Attributes:
@@ -92,16 +93,6 @@ class Asked:
     margin: float
     collisions: bool
     threads: int
-
-    def __getstate__(self) -> dict[str, Any]:
-        # An arm is pickled without its collision model: it is built anew, with the pairs that this one checks.
-        return vars(self) | {"pairs": self.pairs}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        pairs = state.pop("pairs")
-        self.__dict__.update(state)
-        if pairs is not None:
-            self.arm.collision_model = self.arm.collision_model.checking(pairs)
 
     @property
     def pairs(self) -> tuple[tuple[str, str], ...] | None:
@@ -135,24 +126,15 @@ class Asked:
 
     def described(self) -> dict[str, Any]:
         """All that the scores depend on, for a store."""
-        arm = self.arm
         return {
-            "robot": arm.name,
-            "urdf_sha256": hashlib.sha256(arm.model.xml).hexdigest(),
-            "base": arm.base,
-            "tip": arm.tip,
-            "locked": arm.locked,
+            **self.of_the_arm,
             "targets": {"count": len(self.targets), "sha256": hashlib.sha256(self.targets.tobytes()).hexdigest()},
             "grid": self.grid.described(),
             "headings": self.headings.tolist(),
             "mount": self.mount.tolist(),
             "is_path": self.is_path,
             "margin": self.margin,
-            "world": None if self.world is None else self.world.digest(),
-            "pairs_sha256": None if self.pairs is None else hashlib.sha256(repr(self.pairs).encode()).hexdigest(),
             "holds": list(self.holds),
-            "made_by": versions()["urdf-ik"],
-            "instructions": versions()["instructions"],
         }
 
     def base(self, position: Array, heading: float) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -13,8 +14,8 @@ from urdf_ik.guards import inputs
 from urdf_ik.placements.asking import AXES, SCORES, Asked, Scoring, headings
 from urdf_ik.placements.found import FORMAT, VERSION, PlacementMap, opened
 from urdf_ik.poses import as_pose_array
-from urdf_ik.scale import Folder, run, zarrs
-from urdf_ik.scale.folder import checked_path
+from urdf_ik.scale import Folder, room, run, zarrs
+from urdf_ik.scale.folder import checked_path, finished
 from urdf_ik.text import quoted
 from urdf_ik.tolerances import DEFAULT
 from urdf_ik.workspace import Grid
@@ -78,7 +79,7 @@ def placement(
         PoseError: a target is no pose.
         UnsupportedArm: no solver takes this arm.
         UrdfError: the URDF has no collision shapes, and collisions are looked for.
-        StoreError: the store is in use, is of another question, or cannot be written.
+        StoreError: the store is in use, is of another question, does not fit on the disk or cannot be written.
         ClusterError: a scheduler or workers that cannot do the work.
 
     Example:
@@ -124,6 +125,10 @@ def placement(
             tick(block + 1, blocks.count)
         return PlacementMap(asked.described(), asked.grid, asked.headings, asked.mount, asked.targets, **arrays)
     path_of_store = checked_path(store)
+    left = blocks.count - len(finished(path_of_store))
+    size = sum(np.dtype(SCORES[name].kind).itemsize for name in asked.holds) * turns * math.prod(blocks.shape) * left
+    what = f"{asked.grid.count:.4g} base positions x {turns} headings"
+    room.require_disk(path_of_store, size, what, "take a larger step, fewer turns or narrower bounds")
     question = {**asked.described(), "format": FORMAT, "version": VERSION, "block": list(blocks.shape)}
     about = {"format": FORMAT, "version": VERSION, "complete": False, **asked.described()}
     files = zarrs.group_files(asked.plans, _coordinates(asked), about)

@@ -19,7 +19,7 @@ from urdf_ik.angles import TURN, wrapped
 from urdf_ik.chain.redundancy import SWIVEL
 from urdf_ik.errors import UnsupportedArm
 from urdf_ik.guards import inputs
-from urdf_ik.redundancy import swivel
+from urdf_ik.redundancy import last_axis, swivel
 from urdf_ik.redundancy.along import Curves
 from urdf_ik.redundancy.contacts import without_contacts
 from urdf_ik.redundancy.found import End, Found
@@ -78,8 +78,13 @@ def intervals(
     if inputs.flag(within_limits, "within_limits"):
         bounds[: arm.dof] = arm.limits
     parts, open_ = [], np.arange(len(stack))
-    if swivel.is_closed(plan):
-        closed, open_ = swivel.intervals(arm, plan, stack, bounds)
+    way = last_axis.sense(arm, plan)
+    if swivel.is_closed(plan) or way:
+        closed, open_ = (
+            last_axis.intervals(arm, way, stack, bounds[: arm.dof])
+            if way
+            else swivel.intervals(arm, plan, stack, bounds)
+        )
         parts.append(closed if world is None and not len(open_) else with_samples(arm, curves, stack, closed))
     for k in range(0, len(open_), _AT_ONCE):
         some = open_[k : k + _AT_ONCE]

@@ -14,6 +14,7 @@ import numpy as np
 
 from urdf_ik.angles import TURN, wrapped
 from urdf_ik.chain.redundancy import SWIVEL
+from urdf_ik.redundancy.bounds import Bounds
 from urdf_ik.redundancy.found import End, Found
 
 if TYPE_CHECKING:
@@ -71,23 +72,10 @@ def intervals(arm: SolvingArm, plan: RedundantPlan, T: Array, limits: Array) -> 
     found = np.setdiff1d(np.flatnonzero(valid), open_)
     E = np.stack(expressions, axis=2)[found]  # (m, elbow, triple, 5, 3)
     signs = np.stack(sign, axis=2)[found]  # (m, elbow, triple)
-    bounds = _Bounds(limits)
+    bounds = Bounds(limits)
     breaks = _breaks(E, bounds, np.array(shifts))
     rows = _Rows(E, signs, np.array(shifts), q[found, 0, 0, :, 0, _ELBOW])
     return _assembled(arm, found, rows, bounds, breaks), open_
-
-
-class _Bounds:
-    """Limits, which joints they matter for, their middles and half widths."""
-
-    def __init__(self, limits: Array) -> None:
-        self.limits = limits
-        self.matter = np.isfinite(limits).all(axis=1) & (limits[:, 1] - limits[:, 0] < TURN)
-        low, high = np.where(self.matter, limits.T, 0.0)
-        self.middle, self.half = 0.5 * (low + high), np.where(self.matter, 0.5 * (high - low), np.inf)
-
-    def inside(self, j: int, q: Array) -> Mask:
-        return np.asarray(np.abs(wrapped(q - self.middle[j])) <= self.half[j])
 
 
 class _Rows:
@@ -109,7 +97,7 @@ class _Rows:
         bend = np.arccos(np.clip(c2, -1.0, 1.0))
         return np.arctan2(sign * y1, sign * x1), sign * bend - self.shifts[t], np.arctan2(sign * y3, sign * x3)
 
-    def at_limit(self, bounds: _Bounds, i: Columns, b: Columns, at: Array) -> Columns:
+    def at_limit(self, bounds: Bounds, i: Columns, b: Columns, at: Array) -> Columns:
         """(k,) which limit branches ``b`` of poses ``i`` are at, at swivel angles (k,): 2 * joint + side."""
         e, wave = b >> 1 & 1, np.stack([np.ones_like(at), np.cos(at), np.sin(at)], axis=-1)
         values = np.einsum("jtgk,jk->jtg", self.E[i, e], wave)
@@ -123,7 +111,7 @@ class _Rows:
         return np.asarray(np.argmin(away.reshape(len(at), 14), axis=1))
 
 
-def _breaks(E: Array, bounds: _Bounds, shifts: Array) -> Array:
+def _breaks(E: Array, bounds: Bounds, shifts: Array) -> Array:
     """Swivel angles (m, elbow, 24) at which some joint is at a limit, NaN where it never is."""
     breaks = []
     for t, (_, joints) in enumerate(_TRIPLES):
@@ -149,7 +137,7 @@ def _roots(abc: Array) -> Array:
     return np.stack([wrapped(middle - half), wrapped(middle + half)], axis=-1)
 
 
-def _assembled(arm: SolvingArm, pose: Columns, rows: _Rows, bounds: _Bounds, breaks: Array) -> Found:
+def _assembled(arm: SolvingArm, pose: Columns, rows: _Rows, bounds: Bounds, breaks: Array) -> Found:
     """The intervals of all branches of the poses."""
     m, K = len(pose), breaks.shape[-1]
     at = np.sort(breaks, axis=-1)  # NaN last

@@ -3,8 +3,18 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import shutil
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+from urdf_ik.errors import StoreError
+from urdf_ik.guards.files import name_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from urdf_ik.errors import UrdfIkError
 
 
 def available_memory() -> int:
@@ -31,6 +41,35 @@ def free_disk(folder: Path) -> int:
         True
     """
     return shutil.disk_usage(folder).free
+
+
+def require_disk(
+    place: Path, needed: int, what: str, hint: str, error: Callable[[str], UrdfIkError] = StoreError
+) -> None:
+    """Refuse what does not fit on the disk, before any work.
+
+    Args:
+        place: the file or folder that it goes to.
+        needed: bytes of it, which are compressed at best.
+        what: what is to be made, in the plural, and how much of it.
+        hint: what would make it fit.
+        error: class of what is raised.
+
+    Raises:
+        UrdfIkError: ``error``, with the numbers; or there is no such folder.
+
+    Example:
+        >>> require_disk(Path("samples.zarr"), 2**70, "10 samples", "take fewer")
+        Traceback (most recent call last):
+        urdf_ik.errors.StoreError: 10 samples take up to 1.1e+12 GiB on the disk, and ... free; take fewer
+    """
+    folder = Path(os.path.realpath(place)).parent
+    if not os.path.isdir(folder):  # of a name that no file can have, too
+        raise error(f"{name_of(place)}: there is no folder {name_of(folder)}")
+    free = free_disk(folder)
+    if needed > free:
+        there = f"{name_of(folder)} has {size_text(free)} free"
+        raise error(f"{what} take up to {size_text(needed)} on the disk, and {there}; {hint}")
 
 
 def size_text(count: int) -> str:

@@ -129,6 +129,19 @@ def guarding(guard: Guard, host: str) -> Iterator[str]:
             server.serve = original  # type: ignore[misc]
 
 
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Keep viser from printing: it does so when it starts and stops, and has no setting for that."""
+    import rich
+
+    console = rich.get_console()
+    before, console.quiet = console.quiet, True
+    try:
+        yield
+    finally:
+        console.quiet = before
+
+
 def require(guard: Guard, server: Any) -> None:
     """Make sure that a viser server asks the guard, and that it opens no tunnel for the page.
 

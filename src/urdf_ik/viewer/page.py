@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import io
 import threading
-from collections.abc import Callable, Hashable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Hashable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -98,7 +97,7 @@ class Viewer:
         self._parts, self._plain = (panel.Panel, scene.Drawing), panel.plain
         self._upload_part = uploads.Uploads
         self._path_parts = path_panel.PathPanel, surroundings.PathDrawing, surroundings.Obstacles
-        self._host, self._mesh_roots = host, tuple(mesh_roots)
+        self._host, self._mesh_roots, self._dark = host, tuple(mesh_roots), dark
         self._guard = guard.Guard(host)
         self.message = ""
         if plan is not None and plan.obstacles is not None and world is None:
@@ -111,7 +110,7 @@ class Viewer:
         self.map: MapView | None = None
         self._player = playback.Player(self.go_to, self._ended)
         first = address.DEFAULT_PORT if port is None else port
-        with _quiet(), guard.guarding(self._guard, host) as guarded:
+        with guard.quiet(), guard.guarding(self._guard, host) as guarded:
             self.server = viser.ViserServer(host=guarded, port=first, label="urdf-ik", verbose=False)
         try:
             guard.require(self._guard, self.server)
@@ -122,10 +121,12 @@ class Viewer:
             self.close()
             raise ArgumentError(f"port {port} on {host} is in use; name another one, or leave it out")
         self.server.gui.configure_theme(control_width="large", show_share_button=False, dark_mode=dark)
+        self.server.gui.add_html(panel.STYLE, order=-1e9)
         self.server.scene.add_grid("/grid", width=4.0, height=4.0, cell_size=0.1, section_size=0.5)
         self._message = self.server.gui.add_markdown("")
         self._show_arm(self.state)
         self._add_sources()
+        self.server.on_client_connect(lambda client: self._look(client.camera, client.camera.aspect))
         try:
             if plan is not None:
                 self.show_plan(plan)
@@ -156,7 +157,7 @@ class Viewer:
         """Stop the server."""
         self._player.stop()
         self._latest.close()
-        with _quiet():
+        with guard.quiet():
             self.server.stop()
 
     def show(self, height: int = 640) -> Any:
@@ -308,16 +309,19 @@ class Viewer:
         """Build scene and panel of another arm."""
         panel, drawing = self._parts
         self.state, arm = state, state.arm
-        self.drawing = drawing(self.server.scene, arm)
-        self.panel = panel(self.server.gui, arm, self.choose, self._slid, self._turned)
+        self.drawing = drawing(self.server.scene, arm, self._dark)
+        self.panel = panel(self.server.gui, arm, self.choose, self._slid, self._turned, self._dark)
         self.obstacles = self._path_parts[2](self.server.scene, state.world, arm.chain.size)
         self._say("\n".join([*self.drawing.unseen, *self.obstacles.missing.values()]))
         self.drawing.target.on_update(self._dragged)
-        cameras: list[Any] = [self.server.initial_camera]
-        cameras += [client.camera for client in self.server.get_clients().values()]
-        for camera in cameras:
-            camera.position, camera.look_at = self.drawing.camera(state, camera.fov)
+        self._look(self.server.initial_camera)
+        for client in self.server.get_clients().values():
+            self._look(client.camera, client.camera.aspect)
         self._show(state)
+
+    def _look(self, camera: Any, aspect: float | None = None) -> None:
+        """Have a page see the whole arm; ``aspect`` is its window's."""
+        camera.position, camera.look_at = self.drawing.camera(self.state, camera.fov, aspect)
 
     def _show(self, state: State, held: object = None) -> None:
         """Show ``state`` in everything but ``held``, which the reader is moving and which may be further on."""
@@ -339,8 +343,8 @@ class Viewer:
         self.track = playback.track(plan)
         panel, drawing, _ = self._path_parts
         self._path = (
-            panel(self.server.gui, self.track, self._scrubbed, self.play, self._show_end),
-            drawing(self.server.scene, self.track, self.state.arm.chain.size, self._show_end),
+            panel(self.server.gui, self.track, self._scrubbed, self.play, self._show_end, self._dark),
+            drawing(self.server.scene, self.track, self.state.arm.chain.size, self._show_end, self._dark),
         )
         self._go_to(0.0)
 
@@ -432,15 +436,3 @@ class Viewer:
                     f"{Path(self.state.arm.name).name}.html", self.html().encode(), save_immediately=True
                 )
 
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """Keep viser from printing: it does so when it starts and stops, and has no setting for that."""
-    import rich
-
-    console = rich.get_console()
-    before, console.quiet = console.quiet, True
-    try:
-        yield
-    finally:
-        console.quiet = before

@@ -21,7 +21,16 @@ if TYPE_CHECKING:
 _STEP, _DIGITS = 0.001, 3
 _ROUNDING = 1e-6  # steps that an end may be off for rounding
 _LETTERS = 54
-"""As many fit on a button."""
+"""As many fit on a button of a wide window."""
+STYLE = """<style>
+.mantine-Button-root { height: auto !important; min-height: 2em; padding-top: 0.2em; padding-bottom: 0.2em; }
+.mantine-Button-label { white-space: normal; line-height: 1.2; overflow: visible; }
+@media (max-width: 36em) {
+  .mantine-Paper-root[style*="bottom: 0px"] { width: 100% !important; max-height: 50% !important; }
+  .mantine-Paper-root[style*="bottom: 0px"] div[style*="width: 20em"] { width: 100% !important; }
+}
+</style>"""
+"""A label that is too long for its button goes on in another line; the panel of a narrow window is as wide as that."""
 
 
 class Panel:
@@ -42,6 +51,7 @@ class Panel:
         on_branch: Callable[[int], None],
         on_joint: Callable[[int, float], None],
         on_redundancy: Callable[[int, float], None],
+        dark: bool = False,
     ) -> None:
         """Add the widgets; the functions are called with what the reader of the page chose."""
         self._arm = arm
@@ -50,7 +60,7 @@ class Panel:
         with self._folders[-1]:
             self.branches = [
                 gui.add_button(name, color=colour, visible=False)
-                for name, colour in zip(arm.structure.branches, colours(len(arm.structure.branches)), strict=True)
+                for name, colour in zip(arm.structure.branches, colours(len(arm.structure.branches), dark), strict=True)
             ]
         for column, button in enumerate(self.branches):
             button.on_click(_calling(partial(on_branch, column)))

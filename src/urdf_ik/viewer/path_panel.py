@@ -35,11 +35,12 @@ class PathPanel:
         on_place: Callable[[float], None],
         on_play: Callable[[], None],
         on_end: Callable[[Stop], None],
+        dark: bool = False,
     ) -> None:
         """Add the widgets; the functions are called with what the reader of the page chose."""
         plan = track.plan
         names = plan.arm.structure.branches
-        shades = dict(zip(names, colours(len(names)), strict=True))
+        shades = dict(zip(names, colours(len(names), dark), strict=True))
         self._folder = gui.add_folder("Path", order=-1.0)
         with self._folder:
             self.status = gui.add_markdown(_status(track))

@@ -27,13 +27,16 @@ _SAME = 1e-6
 _FROM, _ASIDE, _AROUND = np.array([0.6, -0.75, 0.35]), 0.22, 0.12
 # Faces that a ghost's link has at most: there may be sixteen of them.
 _MOST_FACES = 4000
+_ABOVE = 0.45
+"""Share of a narrow window's height that the panel below leaves for the arm."""
+_LINE, _LINE_ON_BLACK = (40, 40, 40), (215, 215, 215)
 _NAMED = 2
 """Greatest number of shapes that could not be read which the page names one by one."""
 
 
-def colours(count: int) -> tuple[tuple[int, int, int], ...]:
+def colours(count: int, dark: bool = False) -> tuple[tuple[int, int, int], ...]:
     """``count`` colours, red, green, blue from 0 to 255: those of every picture, see :mod:`urdf_ik.palette`."""
-    return tuple((round(255 * r), round(255 * g), round(255 * b)) for r, g, b in palette.colours(count))
+    return tuple((round(255 * r), round(255 * g), round(255 * b)) for r, g, b in palette.colours(count, dark))
 
 
 class Drawing:
@@ -46,11 +49,12 @@ class Drawing:
         has_shapes: whether any link has a shape; where it has not, or lacks some, there are frames and lines.
     """
 
-    def __init__(self, scene: Any, arm: Arm) -> None:
-        """Add everything, at the arm's zero configuration."""
+    def __init__(self, scene: Any, arm: Arm, dark: bool = False) -> None:
+        """Add everything, at the arm's zero configuration; ``dark`` is for a black background."""
         self._arm, self._scene, count = arm, scene, len(arm.structure.branches)
         self._capacity = max(count, 1)
-        self._colours = np.array(colours(self._capacity), dtype=np.uint8)
+        self._colours = np.array(colours(self._capacity, dark), dtype=np.uint8)
+        self._own_line = np.array(_LINE_ON_BLACK if dark else _LINE, dtype=np.uint8)
         shapes = link_shapes.read(arm.model)
         self.missing, self.has_shapes = shapes.missing, bool(shapes.bodies)
         self.root = scene.add_frame("/robot", show_axes=False)
@@ -108,16 +112,28 @@ class Drawing:
         lines += self.missing[:_NAMED]
         return [*lines, f"and {len(self.missing) - _NAMED} more"] if len(self.missing) > _NAMED else lines
 
-    def camera(self, state: State, fov: float) -> tuple[Array, Array]:
-        """Where a camera with that angle of view [rad] stands, and what it looks at, to see the arm and its ghosts."""
+    def camera(self, state: State, fov: float, aspect: float | None = None) -> tuple[Array, Array]:
+        """Where a camera stands, and what it looks at, to see the arm and its ghosts beside the panel.
+
+        Args:
+            state: what is shown.
+            fov: angle of view from bottom to top [rad].
+            aspect: width of the window as a share of its height; a narrow one has the panel below. Default: a wide one.
+        """
         poses = self._arm.link_poses(np.stack([state.q, *(ghost.q for ghost in state.ghosts)]))
         points = np.concatenate([poses[link].reshape(-1, 4, 4)[:, :3, 3] for link in self._arm.model.links])
         middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
         radius = float(np.linalg.norm(points - middle, axis=1).max()) + _AROUND * self._size
         towards = -_FROM / np.linalg.norm(_FROM)
-        distance = radius / np.sin(0.5 * fov)
         aside = np.cross(towards, [0.0, 0.0, 1.0])
-        middle = middle + _ASIDE * distance * aside / np.linalg.norm(aside)
+        aside /= np.linalg.norm(aside)
+        if aspect is None or aspect >= 1.0:
+            distance = radius / np.sin(0.5 * fov)
+            middle = middle + _ASIDE * distance * aside
+        else:
+            half = np.tan(0.5 * fov)
+            distance = radius / np.sin(np.arctan(half * min(aspect, _ABOVE)))
+            middle = middle - (1.0 - _ABOVE) * half * distance * np.cross(aside, towards)
         return middle - distance * towards, middle
 
     def remove(self) -> None:
@@ -158,7 +174,7 @@ class Drawing:
 
     def _add_lines(self) -> None:
         shape = (max(len(self._edges), 1), 2, 3)
-        for k, colour in enumerate([np.array([40, 40, 40], dtype=np.uint8), *self._colours]):
+        for k, colour in enumerate([self._own_line, *self._colours]):
             self._lines.append(
                 self._scene.add_line_segments(
                     f"/robot/line_{k}",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -10,6 +9,7 @@ import numpy as np
 
 from urdf_ik import palette
 from urdf_ik.errors import ArgumentError
+from urdf_ik.scale.asked import urdf_digest
 from urdf_ik.text import quoted
 from urdf_ik.workspace import VALUES, boundary
 from urdf_ik.workspace.grid import AXES
@@ -136,7 +136,7 @@ def _require_same(found: WorkspaceMap | StoredMap, arm: Arm) -> None:
             f"the map is one of {quoted(about.robot)} from {about.base} to {about.tip}, and the arm is shown from "
             f"{arm.base} to {arm.tip}; give the same base and tip"
         )
-    if about.urdf_sha256 != hashlib.sha256(arm.model.xml).hexdigest() or about.locked != arm.locked:
+    if about.urdf_sha256 != urdf_digest(arm) or about.locked != arm.locked:
         raise ArgumentError(
             f"the map is one of another URDF of {quoted(about.robot)}, or with other joints held, than the arm "
             f"{quoted(arm.name)}; make it anew: urdf-ik workspace"

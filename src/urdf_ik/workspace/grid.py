@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdf_ik.errors import WorkspaceError
 from urdf_ik.guards import inputs
-from urdf_ik.guards.files import name_of
 from urdf_ik.scale import room
 from urdf_ik.text import quoted
 
@@ -256,15 +253,7 @@ def require_room(grid: Grid, samples: int, needed: int, output: Path) -> None:
     Raises:
         WorkspaceError: with the numbers.
     """
-    folder = Path(os.path.realpath(output)).parent
-    if not os.path.isdir(folder):
-        raise WorkspaceError(f"{name_of(output)}: there is no folder {name_of(folder)}")
-    free = room.free_disk(folder)
-    if needed > free:
-        raise WorkspaceError(
-            f"{_words(grid, samples)} take up to {room.size_text(needed)} on the disk, and {name_of(folder)} has "
-            f"{room.size_text(free)} free; {_HINT}"
-        )
+    room.require_disk(output, needed, _words(grid, samples), _HINT, WorkspaceError)
 
 
 def _words(grid: Grid, samples: int) -> str:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from urdf_ik.scale import versions
+from urdf_ik.scale.asked import AskedOfAnArm, urdf_digest
 from urdf_ik.workspace.counting import Counting, sum_over_samples
 from urdf_ik.workspace.maps import About
 from urdf_ik.workspace.sampling import Targets, sampled
@@ -57,7 +58,7 @@ HELD = {
 
 
 @dataclass(frozen=True, eq=False)
-class Question:
+class Question(AskedOfAnArm):
     """What is asked of every pose of a grid; it is pickled for workers.
 
     Attributes:
@@ -79,17 +80,6 @@ class Question:
     redundancy: float | None
     threads: int
     at_once: int
-
-    def __getstate__(self) -> dict[str, Any]:
-        # An arm is pickled without its collision model: it is built anew, and pairs that were changed are told apart.
-        state = {each.name: getattr(self, each.name) for each in fields(self)}
-        return state | {"pairs": self.pairs}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        pairs = state.pop("pairs")
-        self.__dict__.update(state)
-        if pairs is not None:
-            self.arm.collision_model = self.arm.collision_model.checking(pairs)
 
     @property
     def counted(self) -> str:
@@ -131,7 +121,7 @@ class Question:
         arm, free = self.arm, self.arm.redundancy
         return About(
             robot=arm.name,
-            urdf_sha256=hashlib.sha256(arm.model.xml).hexdigest(),
+            urdf_sha256=urdf_digest(arm),
             base=arm.base,
             tip=arm.tip,
             joints=arm.joint_names,
@@ -151,14 +141,12 @@ class Question:
 
     def described(self) -> dict[str, Any]:
         """All that the answers depend on, for a store."""
-        pairs = None if self.pairs is None else hashlib.sha256(repr(self.pairs).encode()).hexdigest()
         return {
+            **self.of_the_arm,
             **asdict(self.about()),
             "grid": self.grid.described(),
             "samples": {"count": len(self.samples), "sha256": hashlib.sha256(self.samples.tobytes()).hexdigest()},
             "holds": list(self.holds),
-            "pairs_sha256": pairs,
-            "instructions": versions()["instructions"],
         }
 
 

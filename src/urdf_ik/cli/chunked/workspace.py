@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from urdf_ik import scale
 from urdf_ik import workspace as rooms
 from urdf_ik.cli import console, tables
 from urdf_ik.cli.progress import Progress
@@ -15,49 +12,11 @@ from urdf_ik.guards import files
 
 if TYPE_CHECKING:
     from urdf_ik.arm import Arm
+    from urdf_ik.cli.chunked.places import Places
     from urdf_ik.cli.console import Angles
 
 
-@dataclass(frozen=True)
-class Places:
-    """Where a map goes, and who makes it; None for what was not given.
-
-    Attributes:
-        output: file to save it to.
-        store: folder to make it in.
-        workers: number of processes on this machine that fill the store.
-        scheduler: address of the scheduler whose workers do.
-    """
-
-    output: Path | None
-    store: Path | None
-    workers: int | None
-    scheduler: str | None
-
-    def check(self) -> None:
-        """Refuse what cannot be.
-
-        Raises:
-            typer.BadParameter: two of these do not go together.
-            ArgumentError: ``output`` is a folder, or there is no folder for it.
-        """
-        if self.output is not None:
-            files.writable(self.output)
-        if self.output is not None and self.store is not None:
-            raise console.usage("a map goes into a file or into a store: give --output or --store", "--store")
-        if self.workers is not None and self.scheduler is not None:
-            raise console.usage("--scheduler has workers of its own: give it or --workers", "--workers")
-        if self.store is None and (self.workers is not None or self.scheduler is not None):
-            raise console.usage("workers fill a store: give --store FOLDER, too", "--workers")
-
-    def client(self) -> AbstractContextManager[Any]:
-        """The workers, for as long as the map is made; None for this process."""
-        if self.workers is None and self.scheduler is None:
-            return nullcontext()
-        return scale.connect(self.scheduler, self.workers)  # type: ignore[no-any-return]
-
-
-def run(arm: Arm, angles: Angles, places: Places, as_json: bool, options: dict[str, Any]) -> None:
+def run(arm: Arm, angles: Angles, output: Path | None, places: Places, as_json: bool, options: dict[str, Any]) -> None:
     """Print the exact region of two turning joints, or compute a map, print its sums and save it.
 
     A map is made of any other arm, and wherever one of the ``options`` of ``workspace.compute``, a file or a store asks
@@ -65,13 +24,18 @@ def run(arm: Arm, angles: Angles, places: Places, as_json: bool, options: dict[s
 
     Raises:
         typer.BadParameter: places that cannot be.
+        ArgumentError: ``output`` is a folder, or there is no folder for it.
         WorkspaceError: options of which no map can be made, or a file that cannot be written.
         StoreError: a store that cannot be gone on with, or cannot be written.
         ClusterError: a scheduler or workers that cannot do the work.
     """
+    if output is not None:
+        files.writable(output)
+    if output is not None and places.store is not None:
+        raise console.usage("a map goes into a file or into a store: give --output or --store", "--store")
     places.check()
     given = {name: value for name, value in options.items() if value is not None and value is not False}
-    asked = bool(given) or places.output is not None or places.store is not None
+    asked = bool(given) or output is not None or places.store is not None
     if arm.dof == 2 and arm.plane is not None and not arm.chain.prismatic.any() and not asked:
         region = rooms.planar(arm)
         console.write(_region_json(region) if as_json else _region_text(region, angles), None)
@@ -81,8 +45,8 @@ def run(arm: Arm, angles: Angles, places: Places, as_json: bool, options: dict[s
         if places.store is not None:
             found = rooms.compute(arm, **given, store=places.store, client=client, progress=progress.tick)
         else:
-            found = rooms.compute(arm, **given, output=places.output, progress=progress.tick)
-    console.write(_map_json(found) if as_json else _map_text(found, places.output or places.store), None)
+            found = rooms.compute(arm, **given, output=output, progress=progress.tick)
+    console.write(_map_json(found) if as_json else _map_text(found, output or places.store), None)
 
 
 def _region_text(region: rooms.PlanarWorkspace, angles: Angles) -> str:

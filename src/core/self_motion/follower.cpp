@@ -1,0 +1,398 @@
+// Following curves from one value of the grid to the next; see follower.hpp.
+#include "follower.hpp"
+
+namespace urdf_ik::self_motion {
+
+// One step along the curve; h is what it begins with, then what the next may be. `to` is turned as `from` is.
+bool Follower::step(const CurveSample& from, const CurveSample* before, double& h, CurveSample& to) const {
+    for (;;) {
+        if (h < SHORTEST) return false;
+        double q[7];
+        const double bend = before && from.arc > 0.0 ? 0.5 * h * h / from.arc : 0.0;
+        for (int j = 0; j < 7; ++j) {
+            const double curved = before ? bend * (from.along[j] - before->along[j]) : 0.0;
+            q[j] = from.q[j] + unit(j) * (h * from.along[j] + curved);
+        }
+        const double share = std::min(1.0, h / WIDE_STEP), enough = std::max(ON_THE_WAY * share * share, EXACT);
+        if (settle(q, {Pin::nothing, 0, 0.0}, from.along, from.value, enough, to) && moved_ <= ASIDE * h) {
+            double same = 0.0;
+            for (int j = 0; j < 7; ++j) same += to.along[j] * from.along[j];
+            const double turned = std::acos(std::min(1.0, same));
+            if (turned <= TOO_MUCH) {
+                double square = 0.0;
+                for (int j = 0; j < 7; ++j) square += std::pow(gap(j, to.q[j], from.q[j]), 2);
+                // The arc, from its chord.
+                to.arc = std::sqrt(square) * (1.0 + turned * turned / 24.0);
+                h = std::min(longest_, h * std::clamp(AIM / (turned + 1e-3), 0.3, 2.0));
+                return true;
+            }
+        }
+        h *= 0.4;
+    }
+}
+
+// The fold between two samples, at which the parameter stands still: by the method of false position.
+bool Follower::fold_between(const CurveSample& a, const CurveSample& b, CurveSample& to) const {
+    double low = 0.0, high = 1.0, at_low = a.rate, at_high = b.rate;
+    bool found = false;
+    for (int round = 0; round < 30; ++round) {
+        double u = round ? low + (high - low) * at_low / (at_low - at_high) : stand_still(a, b);
+        if (!(u > low && u < high)) u = 0.5 * (low + high);
+        double q[7];
+        between(a, b, u, q);
+        CurveSample here;
+        if (!settle(q, {Pin::nothing, 0, 0.0}, a.along, a.value, EXACT, here)) return found;
+        to = here, found = true;
+        to.arc = u * b.arc;
+        if (std::abs(here.rate) < STANDS || high - low < 1e-12) break;
+        // Illinois: the side that stays counts half.
+        if (here.rate * at_low > 0.0) low = u, at_low = here.rate, at_high *= 0.5;
+        else high = u, at_high = here.rate, at_low *= 0.5;
+    }
+    return found;
+}
+
+// The point between two samples that has this value.
+CurveSample Follower::at_value(const CurveSample& a, const CurveSample& b, double value, bool& found) const {
+    double low = 0.0, high = 1.0;
+    const double d = b.value - a.value, s = b.arc * a.rate, e = b.arc * b.rate;
+    const double third = s + e - 2.0 * d, second = 3.0 * d - 2.0 * s - e;
+    for (int round = 0; round < 40; ++round) {
+        const double u = 0.5 * (low + high), there = a.value + u * (s + u * (second + u * third));
+        if ((there - value) * d < 0.0) low = u;
+        else high = u;
+    }
+    double q[7];
+    const double u = 0.5 * (low + high);
+    between(a, b, u, q);
+    CurveSample out = a;
+    found = settle(q, {Pin::parameter, 0, value}, a.along, value, EXACT, out);
+    out.value = value;
+    out.arc = u * b.arc;
+    return out;
+}
+
+// How far along the step between two samples a point is.
+double Follower::way_to(const CurveSample& a, const CurveSample& b, const CurveSample& point) const {
+    double ahead = 0.0;
+    for (int j = 0; j < 7; ++j) ahead += gap(j, point.q[j], a.q[j]) * a.along[j];
+    return std::clamp(ahead / b.arc, 0.0, 1.0);
+}
+// Whether the step between two samples passes through a point, the way that its tangent points.
+bool Follower::closes(const CurveSample& a, const CurveSample& b, const CurveSample& point) const {
+    if (apart(a.q, point.q) > 1.5 * b.arc || apart(b.q, point.q) > 1.5 * b.arc) return false;
+    double ahead = 0.0, behind = 0.0, same = 0.0, q[7];
+    for (int j = 0; j < 7; ++j) {
+        ahead += gap(j, point.q[j], a.q[j]) * a.along[j], behind += gap(j, b.q[j], point.q[j]) * b.along[j];
+        same += a.along[j] * point.along[j];
+    }
+    if (!(ahead > 0.0 && behind >= 0.0 && same > 0.0)) return false;
+    between(a, b, way_to(a, b, point), q);
+    return apart(q, point.q) < NEARLY_SAME;
+}
+
+// Along the curve, the way that the tangent of `from` points, until the value leaves [low, high] or the curve is closed.
+// way: the samples, `from` first; folds: their numbers.
+Follower::Stop Follower::travel(const CurveSample& from, double low, double high, std::vector<CurveSample>& way,
+                                std::vector<long>& folds) const {
+    double h = 0.5 * longest_;
+    way.assign(1, from);
+    for (int count = 0; count < MOST_STEPS; ++count) {
+        const CurveSample& last = way.back();
+        const bool smooth = way.size() > 1 && (folds.empty() || folds.back() + 1 < long(way.size()));
+        const CurveSample before = smooth ? way[way.size() - 2] : last;
+        CurveSample to;
+        const double began = h;
+        if (!step(last, smooth ? &before : nullptr, h, to)) return Stop::lost;
+        double u;
+        const double sense = last.rate != 0.0 ? last.rate : to.rate;
+        CurveSample a = last, b = to;
+        if (sense < 0.0) a.value = -a.value, a.rate = -a.rate, b.value = -b.value, b.rate = -b.rate;
+        if (b.rate >= 0.0 && a.rate > STANDS && least_rate(a, b, u) <= 0.0 && to.arc > 1e-5) {
+            h = 0.4 * std::min(began, to.arc);  // two folds may lie in this step
+            continue;
+        }
+        const bool folds_here = last.rate * to.rate < 0.0 && std::abs(last.rate) > STANDS;
+        CurveSample fold;
+        const bool has_fold = folds_here && fold_between(last, to, fold);
+        if (folds_here && !has_fold) return Stop::lost;
+        const CurveSample& end = has_fold ? fold : to;
+        const bool over = end.value > high, under = end.value < low;
+        if ((over && sense > 0.0) || (under && sense < 0.0)) {
+            bool found;
+            CurveSample there = at_value(last, end, over ? high : low, found);
+            if (!found) {
+                if (to.arc < 1e-5) return Stop::lost;
+                h = 0.3 * to.arc;
+                continue;
+            }
+            way.push_back(there);
+            return over ? Stop::high : Stop::low;
+        }
+        const long known = long(way.size());
+        if (has_fold) {
+            folds.push_back(known);
+            way.push_back(fold);
+            to.arc -= fold.arc;
+        }
+        if (!has_fold || to.arc > SHORTEST) way.push_back(to);
+        for (long k = known; known > 2 && k < long(way.size()); ++k) {
+            if (!closes(way[k - 1], way[k], from)) continue;
+            way.resize(k + 1);
+            if (!folds.empty() && folds.back() == k) folds.pop_back();
+            way[k].arc *= way_to(way[k - 1], way[k], from);
+            const double arc = way[k].arc;
+            way[k] = from;
+            way[k].arc = arc;
+            return Stop::closed;
+        }
+        // What lies behind the fold may have left the cell already.
+        if (has_fold && ((to.value > high && to.rate > 0.0) || (to.value < low && to.rate < 0.0))) {
+            bool found;
+            const bool up = to.value > high;
+            CurveSample there = at_value(fold, to, up ? high : low, found);
+            if (!found) return Stop::lost;
+            way.resize(known + 1);
+            way.push_back(there);
+            return up ? Stop::high : Stop::low;
+        }
+    }
+    return Stop::lost;
+}
+
+// The node at a value of the grid that is met.
+long Follower::node_at(long k, const CurveSample& at) const {
+    long best = -1;
+    double nearest = SAME;
+    for (long i = 0; i < long(nodes_[k].size()); ++i) {
+        const double away = apart(nodes_[k][i].at.q, at.q);
+        if (away < nearest) nearest = away, best = i;
+    }
+    return best;
+}
+
+// Keep what was followed in a cell as parts along which the value grows. Returns whether nothing contradicts it.
+bool Follower::take(long cell, std::vector<CurveSample>& way, const std::vector<long>& folds, long from_k, long from_node, bool up,
+                    Stop stop) {
+    long end_k = -1, end_node = -1;
+    if (stop == Stop::low || stop == Stop::high) {
+        end_k = stop == Stop::high ? next(cell) : cell;
+        end_node = node_at(end_k, way.back());
+        if (end_node < 0) {
+            CurveSample at = way.back();
+            at.value = given_.grid[end_k];
+            if (at.rate < 0.0) flip(at);
+            end_node = add_node(end_k, at, -1);
+        }
+        const Node& met = nodes_[end_k][end_node];
+        const bool taken = (stop == Stop::high ? met.before : met.behind) >= 0;
+        if (taken || (end_k == from_k && end_node == from_node && (stop == Stop::high) == !up)) return false;
+    }
+    std::vector<long> cuts = folds;
+    cuts.insert(cuts.begin(), 0);
+    cuts.push_back(long(way.size()) - 1);
+    for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
+        if (cuts[i + 1] <= cuts[i]) continue;
+        Part part;
+        part.samples.assign(way.begin() + cuts[i], way.begin() + cuts[i + 1] + 1);
+        const bool first = i == 0, last = i + 2 == cuts.size();
+        const bool grows = part.samples.back().value >= part.samples.front().value;
+        const int begin = grows ? 0 : 1, end = grows ? 1 : 0;
+        part.node[0][0] = part.node[1][0] = part.node[0][1] = part.node[1][1] = -1;
+        part.why[0] = part.why[1] = EndOf::fold;
+        const int number = int(parts_.size());
+        if (first && from_node >= 0) {
+            part.node[begin][0] = from_k, part.node[begin][1] = from_node;
+            (begin ? nodes_[from_k][from_node].before : nodes_[from_k][from_node].behind) = number;
+        }
+        if (last && end_node >= 0) {
+            part.node[end][0] = end_k, part.node[end][1] = end_node;
+            (end ? nodes_[end_k][end_node].before : nodes_[end_k][end_node].behind) = number;
+        }
+        if (last && stop == Stop::lost) part.why[end] = EndOf::singularity;
+        if (!grows) {
+            std::vector<CurveSample> back(part.samples.rbegin(), part.samples.rend());
+            for (std::size_t k = 0; k < back.size(); ++k) {
+                // The arc belongs to the step before a sample.
+                back[k].arc = k ? part.samples[part.samples.size() - k].arc : 0.0;
+                flip(back[k]);
+            }
+            part.samples = std::move(back);
+        }
+        part.samples.front().arc = 0.0;
+        parts_.push_back(std::move(part));
+    }
+    return true;
+}
+
+// How far a way between two samples is from one that turns evenly, as a share of its length; infinite where it is no step.
+double Follower::off_line(const CurveSample& a, const CurveSample& b, double& arc, double& turned) const {
+    double way[7], square = 0.0, same = 0.0;
+    for (int j = 0; j < 7; ++j) {
+        way[j] = gap(j, b.q[j], a.q[j]);
+        if (std::abs(way[j]) > BRIDGE) return INFINITY;
+        square += way[j] * way[j], same += a.along[j] * b.along[j];
+    }
+    turned = std::acos(std::clamp(same, -1.0, 1.0));
+    arc = std::sqrt(square) * (1.0 + turned * turned / 24.0);
+    if (!(arc <= BRIDGE && turned <= BRIDGE_TURN)) return INFINITY;
+    double off = 0.0;
+    for (int j = 0; j < 7; ++j) off += std::pow(way[j] - 0.5 * arc * (a.along[j] + b.along[j]), 2);
+    return std::sqrt(off) / (arc + 1e-300);
+}
+
+// The samples behind `a` up to `b`, the curve halved until its steps are as short as those of step(); at least once. False
+// where the curve is not what the two ends let expect, or turns round on the way.
+bool Follower::halved(const CurveSample& a, CurveSample b, int depth, std::vector<CurveSample>& way) const {
+    double arc, turned, u;
+    if (!(off_line(a, b, arc, turned) <= BRIDGE_OFF)) return false;
+    b.arc = arc;
+    const bool grows = least_rate(a, b, u) > 0.0;
+    if (depth && grows && arc <= LONGEST && turned <= 2.0 * AIM) {
+        way.push_back(b);
+        return true;
+    }
+    if (depth == MOST_HALVED) return false;
+    double q[7];
+    between(a, b, 0.5, q);
+    CurveSample middle;
+    if (!settle(q, {Pin::nothing, 0, 0.0}, a.along, a.value, ON_THE_WAY, middle) || moved_ > BRIDGE_ASIDE * arc) return false;
+    if (!(middle.rate > 0.0 && middle.value > a.value && middle.value < b.value)) return false;
+    return halved(a, middle, depth + 1, way) && halved(middle, b, depth + 1, way);
+}
+
+// Join the solutions at both ends of a cell that lie on one curve beyond doubt.
+void Follower::bridge_cell(long cell) {
+    const long after = next(cell);
+    for (long i = 0; i < long(nodes_[cell].size()); ++i) {
+        const Node& from = nodes_[cell][i];
+        if (from.stands || from.behind >= 0) continue;
+        long best = -1;
+        double least = INFINITY, second = INFINITY, arc, turned;
+        for (long j = 0; j < long(nodes_[after].size()); ++j) {
+            const double off = off_line(from.at, nodes_[after][j].at, arc, turned);
+            if (off < least) second = least, least = off, best = j;
+            else second = std::min(second, off);
+        }
+        if (best < 0 || least > BRIDGE_OFF || second < BRIDGE_CLEAR * least) continue;
+        const Node& to = nodes_[after][best];
+        if (to.stands || to.before >= 0) continue;
+        std::vector<CurveSample> way(1, from.at);
+        CurveSample end = to.at;
+        way.front().value = low_of(cell), end.value = high_of(cell);
+        if (halved(way.front(), end, 0, way)) take(cell, way, {}, cell, i, true, Stop::high);
+    }
+}
+
+// Follow every solution at the ends of a cell into it. Returns whether each was met by one curve.
+bool Follower::follow_cell(long cell) {
+    const double low = low_of(cell), high = high_of(cell);
+    bool agrees = true;
+    if (longest_ == LONGEST) bridge_cell(cell);
+    for (int side = 0; side < 2; ++side) {
+        const long k = side ? next(cell) : cell;
+        for (long i = 0; i < long(nodes_[k].size()); ++i) {
+            const Node& node = nodes_[k][i];
+            if (node.stands || (side ? node.before : node.behind) >= 0) continue;
+            CurveSample from = node.at;
+            if (side) {
+                flip(from);
+                from.value = high;
+            }
+            std::vector<CurveSample> way;
+            std::vector<long> folds;
+            const Stop stop = travel(from, low, high, way, folds);
+            if (!take(cell, way, folds, k, i, !side, stop)) agrees = false;
+        }
+    }
+    return agrees;
+}
+
+void Follower::follow_cells() {
+    for (int pass = 0; pass < 3; ++pass) {
+        bool open = false;
+        for (long cell = 0; cell < cells_; ++cell) {
+            const std::size_t parts = parts_.size();
+            for (int redone = 0; !follow_cell(cell) && redone < MOST_REDONE; ++redone) {
+                // Two curves met one solution: one of them has left its way. The cell is followed again by shorter steps.
+                longest_ *= 0.3;
+                parts_.resize(parts);
+                for (const long k : {cell, next(cell)}) {
+                    for (Node& node : nodes_[k]) {
+                        if (node.before >= int(parts)) node.before = -1;
+                        if (node.behind >= int(parts)) node.behind = -1;
+                    }
+                }
+            }
+            longest_ = LONGEST;
+        }
+        for (long k = 0; k < given_.values; ++k) {
+            for (const Node& node : nodes_[k]) {
+                const bool first = !given_.round && k == 0, last = !given_.round && k + 1 == given_.values;
+                open |= !node.stands && ((node.before < 0 && !first) || (node.behind < 0 && !last));
+            }
+        }
+        if (!open) break;
+    }
+}
+
+// A part and all that continue it.
+Piece Follower::joined(Part& first) {
+    Piece out;
+    out.why[0] = first.node[0][0] >= 0 ? EndOf::range : first.why[0];
+    out.closed = false;
+    Part* part = &first;
+    double turned = 0.0;
+    for (;;) {
+        part->used = true;
+        for (std::size_t i = out.samples.empty() ? 0 : 1; i < part->samples.size(); ++i) {
+            out.samples.push_back(part->samples[i]);
+            out.samples.back().value += turned;
+        }
+        if (part->node[0][0] >= 0) {
+            const Node& node = nodes_[part->node[0][0]][part->node[0][1]];
+            out.columns.push_back({part->samples.front().value + turned, node.column});
+        }
+        out.why[1] = part->why[1];
+        if (part->node[1][0] < 0) break;
+        const Node& node = nodes_[part->node[1][0]][part->node[1][1]];
+        if (node.behind < 0) {
+            out.columns.push_back({part->samples.back().value + turned, node.column});
+            const bool last = !given_.round && part->node[1][0] + 1 == given_.values;
+            out.why[1] = last ? EndOf::range : EndOf::singularity;
+            break;
+        }
+        Part* behind = &parts_[node.behind];
+        if (behind == &first) {
+            out.closed = true, out.why[0] = out.why[1] = EndOf::nothing;
+            break;
+        }
+        if (behind->used) break;
+        turned += part->samples.back().value - behind->samples.front().value;
+        part = behind;
+    }
+    if (out.why[0] == EndOf::range && !(!given_.round && first.node[0][0] == 0)) out.why[0] = EndOf::singularity;
+    return out;
+}
+
+// Folds beyond which no branch has a solution are the edge of reach.
+void Follower::mark_reach(std::vector<Piece>& pieces) const {
+    for (Piece& piece : pieces) {
+        for (int side = 0; side < 2; ++side) {
+            if (piece.why[side] != EndOf::fold) continue;
+            const double beyond = side ? piece.samples.back().value + 1e-6 : piece.samples.front().value - 1e-6;
+            bool any = false;
+            for (const Piece& other : pieces) {
+                const double low = other.samples.front().value, high = other.samples.back().value;
+                any |= other.closed || (beyond >= low && beyond <= high);
+                if (turns_ && given_.round) {
+                    const double there = low + (wrapped(beyond - low - PI) + PI);
+                    any |= there <= high;
+                }
+            }
+            if (!any) piece.why[side] = EndOf::reach;
+        }
+    }
+}
+
+}  // namespace urdf_ik::self_motion

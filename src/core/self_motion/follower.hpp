@@ -1,0 +1,219 @@
+// How the curves of one pose are followed; see curves.hpp. follower.cpp follows them from value to value of the grid, loops.cpp
+// looks for those that lie between two values, limits.cpp cuts them at the joint limits.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "curves.hpp"
+
+namespace urdf_ik::self_motion {
+
+// A step along a curve [rad, shares of size]: at most LONGEST, so long that the tangent turns by AIM, refused where it turns by
+// TOO_MUCH [rad] or where Newton's method leads further than ASIDE times the step away. A curve whose steps would have to be
+// shorter than SHORTEST has come to a singularity.
+inline constexpr double LONGEST = 0.3, AIM = 0.2, TOO_MUCH = 0.45, ASIDE = 0.12, SHORTEST = 1e-7;
+// From one solution of the grid to the next: at most so far [rad, shares of size], the tangent turned by at most BRIDGE_TURN
+// [rad], the chord off the mean of the tangents by at most BRIDGE_OFF of its length, any other solution this many times further
+// off. The cubic between two samples is halved at most so often; Newton's method leads off it by at most BRIDGE_ASIDE of the way.
+inline constexpr double BRIDGE = 1.0, BRIDGE_TURN = 0.9, BRIDGE_OFF = 0.2, BRIDGE_CLEAR = 3.0, BRIDGE_ASIDE = 0.03;
+inline constexpr int MOST_HALVED = 3;
+// Newton's method ends below these errors: on the way, where steps are as long as WIDE_STEP (less by the square of shorter ones,
+// which there are next to singularities), and at the points that count.
+inline constexpr double ON_THE_WAY = 1e-7, WIDE_STEP = 0.03, NEARLY_EXACT = 1e-9, EXACT = 3e-15, SETTLED = 1e-11;
+inline constexpr int FEW_ROUNDS = 4, MANY_ROUNDS = 12;
+// Two joint vectors nearer than this in every joint are one; the same for places between samples, which are interpolated.
+inline constexpr double SAME = 1e-6, NEARLY_SAME = 3e-3;
+// Below this the parameter does not change along the tangent: at a fold, or where a joint is free at one value.
+inline constexpr double STANDS = 1e-9;
+// Where a joint comes this near [rad, m] to a limit between two samples, the place is looked at.
+inline constexpr double CLOSE = 4e-3;
+// Error [rad, share of size] of a branch beyond its ends from which it is not looked at.
+inline constexpr double FAR_FROM = 0.5;
+// Values to each side of where such a branch comes nearest that are starts, too.
+inline constexpr long BESIDE = 2;
+inline constexpr int MOST_SPLITS = 5, MOST_STEPS = 4000, MOST_REDONE = 3;
+
+// A solution at a value of the grid, and the pieces that lead away from it on both sides; -1: none yet.
+struct Node {
+    CurveSample at;
+    int column, before = -1, behind = -1;
+    bool stands;  // the parameter does not change there
+};
+
+// A part of a curve in one cell of the grid, along which the value grows.
+struct Part {
+    std::vector<CurveSample> samples;
+    long node[2][2];  // at both ends: number of the grid's value and of the node, or -1
+    EndOf why[2];
+    bool used = false;
+};
+
+// A whole part along which the value grows, over all cells.
+struct Piece {
+    std::vector<CurveSample> samples;
+    std::vector<std::pair<double, int>> columns;  // values of the grid with the columns there
+    EndOf why[2];
+    bool closed;
+};
+
+class Follower {
+public:
+    Follower(const FreeArm& arm, const SelfMotionFunctions& core, const GridOfSolutions& given)
+        : arm_(arm), core_(core), given_(given), nodes_(given.values) {
+        turns_ = arm.given < 0 || !arm.written.slides[arm.given];
+        cells_ = given.round ? given.values : given.values - 1;
+    }
+
+    void follow() {
+        for (long k = 0; k < given_.values; ++k) {
+            for (int b = 0; b < given_.branches; ++b) {
+                const long at = k * given_.branches + b;
+                if (given_.flags[at] & 1) add_node(k, sample_at(given_.q + 7 * at, given_.grid[k]), b);
+            }
+        }
+        follow_cells();
+        look_for_loops();
+    }
+
+    std::vector<Piece> pieces() {
+        std::vector<Piece> out;
+        for (int from_node = 0; from_node < 2; ++from_node) {
+            for (Part& part : parts_) {
+                if (part.used || (!from_node && leads_on(part, 0))) continue;
+                out.push_back(joined(part));
+            }
+        }
+        mark_reach(out);
+        return out;
+    }
+
+    // The intervals of a piece inside the limits.
+    void cut(const Piece& piece, long pose, Intervals& to) const;
+
+private:
+    double unit(int j) const { return arm_.unit[j]; }
+    double gap(int j, double a, double b) const { return gap_of(arm_, j, a, b); }
+    double apart(const double* a, const double* b) const {
+        double most = 0.0;
+        for (int j = 0; j < 7; ++j) most = std::max(most, std::abs(gap(j, a[j], b[j])));
+        return most;
+    }
+    double value_near(double value, double before) const { return turns_ ? before + wrapped(value - before) : value; }
+
+    CurveSample sample_of(const OnCurve& point, double before) const {
+        CurveSample out;
+        std::copy_n(point.q, 7, out.q), std::copy_n(point.along, 7, out.along);
+        out.value = value_near(point.value, before), out.rate = point.rate, out.arc = 0.0;
+        return out;
+    }
+    // A solution that is given, turned so that the value grows along the tangent.
+    CurveSample sample_at(const double* q, double value) const {
+        CurveSample out = sample_of(core_.settle(arm_, given_.T, q, {Pin::nothing, 0, 0.0}, 0, 0.0), value);
+        out.value = value;
+        if (out.rate < 0.0) flip(out);
+        return out;
+    }
+    static void flip(CurveSample& s) {
+        for (double& each : s.along) each = -each;
+        s.rate = -s.rate;
+    }
+    // The point pinned down from a start near it; along: the sense of its tangent. Returns whether there is one.
+    bool settle(const double* q, const Pinned& pin, const double* along, double before, double enough, CurveSample& out) const {
+        const int rounds = enough < ON_THE_WAY ? MANY_ROUNDS : FEW_ROUNDS;
+        const OnCurve point = core_.settle(arm_, given_.T, q, pin, rounds, enough);
+        if (!(point.left <= std::max(enough, SETTLED))) return false;
+        out = sample_of(point, before);
+        double same = 0.0;
+        for (int j = 0; j < 7; ++j) same += point.along[j] * along[j];
+        if (same < 0.0) flip(out);
+        moved_ = point.moved;
+        return true;
+    }
+
+    void between(const CurveSample& a, const CurveSample& b, double u, double* q, double* along = nullptr) const {
+        interpolate(arm_, a, b, u, q, along);
+    }
+    // Where the parameter changes along the curve's cubic by least, between two samples in order.
+    double least_rate(const CurveSample& a, const CurveSample& b, double& u) const {
+        const double d = b.value - a.value, s = b.arc * a.rate, e = b.arc * b.rate;
+        const double third = s + e - 2.0 * d, second = 3.0 * d - 2.0 * s - e;
+        u = std::abs(third) > 1e-300 ? -second / (3.0 * third) : -1.0;
+        if (!(u > 0.0 && u < 1.0)) return std::min(s, e);
+        return s + u * (2.0 * second + 3.0 * u * third);
+    }
+
+    // Where the parameter stands still along the cubic between two samples, of which one is before the fold, one behind.
+    double stand_still(const CurveSample& a, const CurveSample& b) const {
+        const double d = b.value - a.value, s = b.arc * a.rate, e = b.arc * b.rate;
+        const double third = 3.0 * (s + e - 2.0 * d), second = 3.0 * d - 2.0 * s - e, root = second * second - third * s;
+        if (!(root >= 0.0)) return -1.0;
+        const double sum = -(second + std::copysign(std::sqrt(root), second)), one = sum / third;
+        return one > 0.0 && one < 1.0 ? one : s / sum;
+    }
+    bool step(const CurveSample& from, const CurveSample* before, double& h, CurveSample& to) const;
+    bool fold_between(const CurveSample& a, const CurveSample& b, CurveSample& to) const;
+    CurveSample at_value(const CurveSample& a, const CurveSample& b, double value, bool& found) const;
+    double way_to(const CurveSample& a, const CurveSample& b, const CurveSample& point) const;
+    bool closes(const CurveSample& a, const CurveSample& b, const CurveSample& point) const;
+    double off_line(const CurveSample& a, const CurveSample& b, double& arc, double& turned) const;
+    bool halved(const CurveSample& a, CurveSample b, int depth, std::vector<CurveSample>& way) const;
+    void bridge_cell(long cell);
+    enum class Stop { low, high, closed, lost };
+    Stop travel(const CurveSample& from, double low, double high, std::vector<CurveSample>& way, std::vector<long>& folds) const;
+
+    long add_node(long k, const CurveSample& at, int column) {
+        nodes_[k].push_back({at, column, -1, -1, std::abs(at.rate) < STANDS});
+        return long(nodes_[k].size()) - 1;
+    }
+    double low_of(long cell) const { return given_.grid[cell]; }
+    double high_of(long cell) const { return cell + 1 < given_.values ? given_.grid[cell + 1] : given_.grid[0] + TURN; }
+    long next(long cell) const { return cell + 1 < given_.values ? cell + 1 : 0; }
+
+    void follow_cells();
+    bool follow_cell(long cell);
+    bool take(long cell, std::vector<CurveSample>& way, const std::vector<long>& folds, long from_k, long from_node, bool up,
+              Stop stop);
+    long node_at(long k, const CurveSample& at) const;
+    void look_for_loops();
+    void add_nearest(std::vector<double>& starts) const;
+    bool known(const CurveSample& at) const;
+    bool meets(const double* q, const double* t, const CurveSample& point) const;
+    void add_loop(const CurveSample& at);
+    bool leads_on(const Part& part, int side) const {
+        const long* node = part.node[side];
+        if (node[0] < 0) return false;
+        const Node& n = nodes_[node[0]][node[1]];
+        return (side ? n.behind : n.before) >= 0;
+    }
+    Piece joined(Part& first);
+    void mark_reach(std::vector<Piece>& pieces) const;
+
+    // Of a limit: which joint, which side, where.
+    // The image of a joint of more than a turn leaves the limits there, another one is still inside: it ends nothing.
+    struct Crossing {
+        CurveSample at;
+        double share;
+        int joint;
+        bool upper, wide;
+    };
+    bool limited(int j) const { return std::isfinite(given_.lower[j]) || std::isfinite(given_.upper[j]); }
+    bool wide(int j) const { return !arm_.written.slides[j] && given_.upper[j] - given_.lower[j] >= TURN; }
+    double room(int j, double q) const;
+    bool inside(const double* q) const;
+    void split(const CurveSample& a, const CurveSample& b, int depth, std::vector<CurveSample>& to) const;
+    void crossings(const CurveSample& a, const CurveSample& b, std::vector<Crossing>& to) const;
+    bool is_inside(const CurveSample& a, const CurveSample& b, double from, double to) const;
+
+    const FreeArm& arm_;
+    const SelfMotionFunctions& core_;
+    const GridOfSolutions& given_;
+    std::vector<std::vector<Node>> nodes_;
+    std::vector<Part> parts_;
+    long cells_;
+    bool turns_;
+    double longest_ = LONGEST;
+    mutable double moved_ = 0.0;
+};
+
+}  // namespace urdf_ik::self_motion

@@ -1,0 +1,178 @@
+// The parts of a curve inside the joint limits; see follower.hpp.
+#include "follower.hpp"
+
+namespace urdf_ik::self_motion {
+
+// How far a joint is inside its limits by its best image, negative outside.
+double Follower::room(int j, double q) const {
+    const double low = given_.lower[j], high = given_.upper[j];
+    if (arm_.written.slides[j]) return std::min(q - low, high - q);
+    if (!std::isfinite(high - low) || high - low >= TURN) return PI;  // some image is inside
+    const double middle = 0.5 * (low + high);
+    return 0.5 * (high - low) - std::abs(wrapped(q - middle));
+}
+bool Follower::inside(const double* q) const {
+    for (int j = 0; j < 7; ++j) {
+        if (limited(j) && room(j, q[j]) < 0.0) return false;
+    }
+    return true;
+}
+
+// Samples between two, where a joint turns round near a limit: `b` last.
+void Follower::split(const CurveSample& a, const CurveSample& b, int depth, std::vector<CurveSample>& to) const {
+    double where = -1.0;
+    for (int j = 0; depth < MOST_SPLITS && b.arc > SAME && j < 7 && where < 0.0; ++j) {
+        if (!limited(j) || std::min(room(j, a.q[j]), room(j, b.q[j])) > 2.0 * b.arc * unit(j)) continue;
+        const double d = gap(j, b.q[j], a.q[j]), s = b.arc * a.along[j], e = b.arc * b.along[j];
+        const double third = 3.0 * (s + e - 2.0 * d), second = 3.0 * d - 2.0 * s - e, root = second * second - third * s;
+        if (root < 0.0) continue;
+        const double sum = -(second + std::copysign(std::sqrt(root), second));
+        for (const double u : {sum / third, s / sum}) {
+            if (!(u > 0.01 && u < 0.99)) continue;
+            double q[7];
+            between(a, b, u, q);
+            if (std::abs(room(j, q[j])) < CLOSE * (depth ? 0.1 : 1.0)) where = u;
+        }
+    }
+    if (where > 0.0) {
+        double q[7];
+        between(a, b, where, q);
+        CurveSample middle;
+        if (settle(q, {Pin::nothing, 0, 0.0}, a.along, a.value, EXACT, middle)) {
+            CurveSample last = b;
+            middle.arc = where * b.arc, last.arc = (1.0 - where) * b.arc;
+            split(a, middle, depth + 1, to);
+            split(middle, last, depth + 1, to);
+            return;
+        }
+    }
+    to.push_back(b);
+}
+
+// Where joints cross their limits between two samples, in order.
+void Follower::crossings(const CurveSample& a, const CurveSample& b, std::vector<Crossing>& to) const {
+    const std::size_t before = to.size();
+    for (int j = 0; j < 7; ++j) {
+        if (!limited(j)) continue;
+        for (int side = 0; side < 2; ++side) {
+            const double limit = side ? given_.upper[j] : given_.lower[j];
+            if (!std::isfinite(limit)) continue;
+            const double from = gap(j, a.q[j], limit), d = gap(j, b.q[j], a.q[j]);
+            if (std::abs(from) > 2.0 || from * (from + d) > 0.0 || (from + d == 0.0)) continue;
+            // The cubic's root, by bisection; where there are three, one of them: samples lie where a joint turns round.
+            const double s = b.arc * a.along[j], e = b.arc * b.along[j], third = s + e - 2.0 * d, second = 3.0 * d - 2.0 * s - e;
+            double low = 0.0, high = 1.0;
+            for (int round = 0; round < 40; ++round) {
+                const double u = 0.5 * (low + high);
+                if ((from + u * (s + u * (second + u * third))) * d < 0.0) low = u;
+                else high = u;
+            }
+            Crossing c;
+            c.share = 0.5 * (low + high), c.joint = j, c.upper = side, c.wide = wide(j);
+            double q[7];
+            between(a, b, c.share, q);
+            if (!settle(q, {Pin::joint, j, arm_.written.slides[j] ? limit : wrapped(limit)}, a.along, a.value, EXACT, c.at))
+                continue;
+            c.at.arc = c.share * b.arc;
+            to.push_back(c);
+        }
+    }
+    std::sort(to.begin() + before, to.end(), [](const Crossing& x, const Crossing& y) { return x.share < y.share; });
+}
+
+// Whether the middle of a part of the step is inside all limits.
+bool Follower::is_inside(const CurveSample& a, const CurveSample& b, double from, double to) const {
+    double q[7];
+    between(a, b, 0.5 * (from + to), q);
+    double least = PI;
+    for (int j = 0; j < 7; ++j) {
+        if (limited(j)) least = std::min(least, room(j, q[j]) / unit(j));
+    }
+    if (std::abs(least) > 1e-4) return least > 0.0;
+    CurveSample middle;
+    if (!settle(q, {Pin::nothing, 0, 0.0}, a.along, a.value, EXACT, middle)) return least > 0.0;
+    return inside(middle.q);
+}
+
+void Follower::cut(const Piece& piece, long pose, Intervals& to) const {
+    std::vector<CurveSample> fine(1, piece.samples.front());
+    for (std::size_t i = 1; i < piece.samples.size(); ++i) split(piece.samples[i - 1], piece.samples[i], 0, fine);
+    struct Run {
+        std::vector<CurveSample> samples;
+        EndOf why[2];
+        int joint[2];
+    };
+    std::vector<Run> runs;
+    bool open = false;
+    Crossing last_crossing = {};
+    bool crossed = false;
+    const auto begin = [&](const CurveSample& at, bool at_crossing) {
+        Run run;
+        run.samples.push_back(at);
+        run.samples.back().arc = 0.0;
+        run.why[0] = at_crossing ? (last_crossing.upper ? EndOf::upper_limit : EndOf::lower_limit) : piece.why[0];
+        run.joint[0] = at_crossing ? last_crossing.joint : -1;
+        runs.push_back(std::move(run));
+        open = true;
+    };
+    for (std::size_t i = 1; i < fine.size(); ++i) {
+        const CurveSample &a = fine[i - 1], &b = fine[i];
+        std::vector<Crossing> met;
+        crossings(a, b, met);
+        double from = 0.0;
+        for (std::size_t k = 0; k <= met.size(); ++k) {
+            const double end = k < met.size() ? met[k].share : 1.0;
+            const bool in = is_inside(a, b, from, end);
+            if (in && !open) begin(crossed ? last_crossing.at : a, crossed);
+            if (!in && open) {
+                // A joint left its limits without a crossing that was found: at the sample, then.
+                runs.back().why[1] = crossed ? (last_crossing.upper ? EndOf::upper_limit : EndOf::lower_limit) : EndOf::singularity;
+                runs.back().joint[1] = crossed ? last_crossing.joint : -1;
+                open = false;
+            }
+            if (k < met.size()) {
+                if (!met[k].wide) last_crossing = met[k], crossed = true;
+                if (open) {
+                    CurveSample at = met[k].at;
+                    at.arc = (end - from) * b.arc;
+                    runs.back().samples.push_back(at);
+                }
+                from = end;
+            } else if (open) {
+                runs.back().samples.push_back(b);
+                runs.back().samples.back().arc = (end - from) * b.arc;
+                crossed = false;
+            } else {
+                crossed = false;
+            }
+        }
+    }
+    if (open) runs.back().why[1] = piece.why[1], runs.back().joint[1] = -1;
+    // A run that passes the place where a closed curve was opened.
+    if (piece.closed && runs.size() > 1 && runs.front().why[0] == EndOf::nothing && runs.back().why[1] == EndOf::nothing) {
+        Run& back = runs.back();
+        for (std::size_t i = 1; i < runs.front().samples.size(); ++i) {
+            back.samples.push_back(runs.front().samples[i]);
+            back.samples.back().value += TURN;
+        }
+        back.why[1] = runs.front().why[1], back.joint[1] = runs.front().joint[1];
+        runs.erase(runs.begin());
+    }
+    for (const Run& run : runs) {
+        if (run.samples.size() < 2) continue;
+        Interval found = {pose, long(to.samples.size()),  long(run.samples.size()),
+                          -1,   {run.why[0], run.why[1]}, {run.joint[0], run.joint[1]}};
+        const double low = run.samples.front().value, high = run.samples.back().value, middle = 0.5 * (low + high);
+        double nearest = INFINITY;
+        for (const auto& [value, column] : piece.columns) {
+            for (const double there : {value, value + TURN}) {
+                if (column < 0 || (there != value && !piece.closed) || there < low || there > high) continue;
+                if (std::abs(there - middle) < nearest) nearest = std::abs(there - middle), found.column = column;
+            }
+        }
+        to.samples.insert(to.samples.end(), run.samples.begin(), run.samples.end());
+        to.found.push_back(found);
+    }
+}
+
+}  // namespace urdf_ik::self_motion

@@ -1,0 +1,18 @@
+"""Many arms checked in one run: a folder of URDFs in, one table out.
+
+>>> from pathlib import Path
+>>> from urdf_ik import catalogue, surveys
+>>> files = [catalogue.resolve(name).path for name in ("planar_2r", "puma_560")]
+>>> found = surveys.survey(files, n=5)
+>>> found.passed, [each.result for each in found.arms]
+(True, ['passed', 'passed'])
+
+The checks are those of :mod:`urdf_ik.crosscheck`, or with ``complete=True`` of :mod:`urdf_ik.completeness`.
+"""
+
+from __future__ import annotations
+
+from urdf_ik.surveys.checking import survey, urdf_files
+from urdf_ik.surveys.report import FAILED, NOT_CHECKED, PASSED, REFUSED, Checked, Survey
+
+__all__ = ["Checked", "FAILED", "NOT_CHECKED", "PASSED", "REFUSED", "Survey", "survey", "urdf_files"]

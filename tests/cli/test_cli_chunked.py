@@ -1,0 +1,113 @@
+"""``placement``, ``dataset`` and ``check FOLDER``: what they print is what the library finds; stores and workers."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command import ARM, call, strict_json, succeed
+from pictures import is_png
+from seams import seam
+
+import urdf_ik
+from urdf_ik import catalogue, datasets, placements
+
+BOX = "--bounds=-0.5,-0.5,0,0.5,0.5,0"
+
+
+@pytest.fixture
+def targets(tmp_path: Path) -> Path:
+    """Some poses of a seam, in a file."""
+    path = tmp_path / "seam.npy"
+    np.save(path, seam()[::6])
+    return path
+
+
+def test_the_best_places_are_those_of_the_map(targets: Path, tmp_path: Path) -> None:
+    """JSON and table hold what ``urdf_ik.placement`` finds for the same question; a mount brings roll and pitch in."""
+    asked = {"bounds": [[-0.5, -0.5, 0], [0.5, 0.5, 0]], "step": 0.5, "turns": 2}
+    found = placements.placement(urdf_ik.load(ARM), np.load(targets), **asked)
+    picture = tmp_path / "map.png"
+    typed = ("placement", ARM, "-t", str(targets), BOX, "--step", "0.5", "--turns", "2")
+    told = strict_json(succeed(*typed, "--places", "3", "--picture", str(picture), "-f", "json"))
+    assert is_png(picture.read_bytes())
+    assert [place["reached"] for place in told["places"]] == [place.reached for place in found.places(3)]
+    assert np.allclose([place["pose"] for place in told["places"]], [place.pose for place in found.places(3)])
+    table = succeed(*typed, "--degrees")
+    assert "5 targets" in table and "yaw [deg]" in table and "roll" not in table
+    assert max(map(len, table.splitlines())) <= 80
+    hanging = succeed(*typed, "--mount", "180,0,0", "--degrees")
+    assert "roll [deg]" in hanging and "180.000" in hanging
+
+
+def test_a_path_and_a_world_have_columns_of_their_own(targets: Path, tmp_path: Path) -> None:
+    """With --path whether it is followed, with --world the clearance; a store is gone on with."""
+    cell = tmp_path / "cell.urdf"
+    cell.write_text(
+        '<robot name="cell"><link name="post"><collision><origin xyz="3 3 0.5"/><geometry><sphere radius="0.1"/>'
+        "</geometry></collision></link></robot>"
+    )
+    store = tmp_path / "bases.zarr"
+    typed = ("placement", ARM, "-t", str(targets), "--bounds=0,0,0,0,0,0", "--step", "1", "--path")
+    first = succeed(*typed, "--world", str(cell), "--store", str(store))
+    assert "followed" in first and "clear [m]" in first and "the path is followed from 1 of" in first
+    assert succeed(*typed, "--world", str(cell), "--store", str(store)) == first
+    assert placements.opened(store).followed is not None
+
+
+def test_a_data_set_is_that_of_the_library(tmp_path: Path) -> None:
+    """The same bytes as ``urdf_ik.dataset`` makes; the table names every column with its shape."""
+    by_hand = datasets.dataset(urdf_ik.load(ARM), 50, seed=7, collisions=False, store=tmp_path / "one.parquet")
+    store = tmp_path / "two.parquet"
+    table = succeed("dataset", ARM, "-n", "50", "--seed", "7", "--no-collisions", "--store", str(store))
+    assert "50 samples, seed 7" in table and "50 x 8 x 6" in table and "collision" not in table
+    names = sorted(path.name for path in by_hand.path.glob("*.parquet"))
+    assert names == sorted(path.name for path in store.glob("*.parquet"))
+    for name in names:
+        assert (by_hand.path / name).read_bytes() == (store / name).read_bytes()
+    told = json.loads(
+        succeed("dataset", ARM, "-n", "50", "--seed", "7", "--no-collisions", "--store", str(store), "-f", "json")
+    )
+    assert told["columns"]["T"] == [4, 4] and told["seed"] == 7
+
+
+def test_a_folder_is_checked_in_one_table(tmp_path: Path) -> None:
+    """A row a file; status 1 where one fails or cannot be read, 0 where all pass; workers do the same work."""
+    lab = tmp_path / "lab"
+    lab.mkdir()
+    for name in ("planar_2r", "puma_560"):
+        shutil.copy(catalogue.resolve(name).path, lab)
+    table = succeed("check", str(lab), "-n", "5")
+    assert "planar_2r.urdf" in table and table.endswith("PASSED: 2 files: 2 passed\n")
+    assert max(map(len, table.splitlines())) <= 80
+    with_workers = succeed("check", str(lab), "-n", "5", "--store", str(tmp_path / "night"), "--workers", "1")
+    assert with_workers == table
+    (lab / "cut.urdf").write_text("<robot name=")
+    result = call("check", str(lab), "-n", "5", "-f", "json")
+    assert result.exit_code == 1
+    assert [each["result"] for each in strict_json(result.stdout)["arms"]] == ["REFUSED", "passed", "passed"]
+
+
+@pytest.mark.parametrize(
+    ("typed", "words"),
+    [
+        (("placement", ARM, "-t", "{t}", BOX, "--step", "0"), "a step of 0.0 m"),
+        (("placement", ARM, "-t", "{t}", "--bounds=1,2", "--step", "1"), "holds 2 values, 6 are needed"),
+        (("placement", ARM, "-t", "{t}", BOX, "--step", "1", "--show", "beauty"), "no score is called 'beauty'"),
+        (("placement", ARM, "-t", "{t}", BOX, "--step", "1", "--picture", "map.bmp"), "pictures are written as"),
+        (("placement", ARM, "-t", "{t}", BOX, "--step", "1", "--workers", "2"), "give --store FOLDER, too"),
+        (("placement", ARM, "-t", "no.csv", BOX, "--step", "1"), "no.csv"),
+        (("dataset", ARM, "-n", "5", "--store", "samples"), "something.zarr or something.parquet"),
+        (("dataset", ARM, "-n", "5", "--store", "s.zarr", "--workers", "1", "--scheduler", "tcp://x:1"), "--workers"),
+        (("check", ARM, "--store", "night"), "a store is for the arms of a folder"),
+        (("check", "{folder}", "--lock", "a=1"), "--lock is for one arm"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(typed: tuple[str, ...], words: str, targets: Path, tmp_path: Path) -> None:
+    """Status 2, and one message that says what would be valid."""
+    given = [each.format(t=targets, folder=tmp_path) for each in typed]
+    result = call(*given)
+    assert result.exit_code == 2 and words in result.stderr
