@@ -7,6 +7,7 @@ import io
 import os
 import signal
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Any
 
@@ -32,25 +33,27 @@ WRITERS: dict[str, Callable[[Path], Any]] = {
 }  # fmt: skip
 
 
-@pytest.fixture
+@contextmanager
 def full_disk() -> Iterator[None]:
     """Every file that grows beyond 16 bytes meets an error of the system's, for the administrator too."""
     resource = pytest.importorskip("resource", reason="only POSIX limits the size of files")
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     ignored = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, (16, before[1]))
-    yield
-    resource.setrlimit(resource.RLIMIT_FSIZE, before)
-    signal.signal(signal.SIGXFSZ, ignored)
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        signal.signal(signal.SIGXFSZ, ignored)
 
 
 @pytest.mark.parametrize("name", WRITERS)
-def test_a_full_disk_leaves_what_was_there(name: str, tmp_path: Path, full_disk: None) -> None:
+def test_a_full_disk_leaves_what_was_there(name: str, tmp_path: Path) -> None:
     """The error is one of ours and names file and folder; the old file is whole, and nothing else is left behind."""
     file = tmp_path / name
     file.write_bytes(OLD[:16])
     for target in (file, tmp_path / f"new-{name}"):
-        with pytest.raises(UrdfIkError, match="cannot write") as refused:
+        with pytest.raises(UrdfIkError, match="cannot write") as refused, full_disk():
             WRITERS[name](target)
         assert str(target) in str(refused.value) and f"folder {tmp_path}" in str(refused.value)
     assert [each.name for each in tmp_path.iterdir()] == [name]
@@ -223,12 +226,13 @@ def test_files_that_give_odd_things() -> None:
     ],
 )  # fmt: skip
 def test_the_command_says_what_cannot_be_written(
-    args: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, full_disk: None
+    args: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Status 2, one line that names the place, and no file that is half there."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "agg")
-    result = call(*args)
+    with full_disk():
+        result = call(*args)
     assert result.exit_code == 2
     assert result.stderr.count("\n") == 1 and "cannot write" in result.stderr and "x." in result.stderr
     assert not [each for each in tmp_path.iterdir() if each.is_file()]
