@@ -72,8 +72,8 @@ class StoredSamples:
             >>> made.read(20, 70).q.shape
             (50, 6)
         """
-        start = inputs.whole(start, "start", high=self.n)
-        end = self.n if stop is None else inputs.whole(stop, "stop", high=self.n)
+        start = inputs.whole(start, "start", high=2**53)
+        end = self.n if stop is None else inputs.whole(stop, "stop", high=2**53)
         if not 0 <= start < end <= self.n:
             raise ArgumentError(f"samples {start} to {end} asked for; there are 0 to {self.n}")
         wanted = range(start // self.chunk, -(-end // self.chunk))
