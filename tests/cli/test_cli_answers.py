@@ -208,14 +208,17 @@ def test_a_tool_at_the_tip() -> None:
 
 def test_obstacles_of_a_world_count_as_collisions(tmp_path: Path) -> None:
     """With --world the marks and what --collision-free keeps are those of the library among the same obstacles."""
+    arm = urdf_ik.load(ARM)
+    solutions = arm.ik(urdf_ik.pose([1.2, 0.4, 0.9], rpy=[0.0, 1.57, 0.3]))
+    untouched = next(one for one in solutions if not arm.collision_model.in_collision(one.q))
+    elbow = " ".join(map(str, arm.link_poses(untouched.q)["link_3"][:3, 3]))
     cell = tmp_path / "cell.urdf"
     cell.write_text(
-        '<robot name="cell"><link name="post"><collision><origin xyz="1.1 0.55 0.9"/><geometry><box size="0.2 0.2 0.2"/>'
+        f'<robot name="cell"><link name="post"><collision><origin xyz="{elbow}"/><geometry><box size="0.1 0.1 0.1"/>'
         "</geometry></collision></link></robot>"
     )
-    arm, world = urdf_ik.load(ARM), urdf_ik.World.from_urdf(cell)
+    world = urdf_ik.World.from_urdf(cell)
     typed = ("ik", ARM, "--xyz", "1.2,0.4,0.9", "--rpy", "0,1.57,0.3", "--world", str(cell), "-f", "json")
-    solutions = arm.ik(urdf_ik.pose([1.2, 0.4, 0.9], rpy=[0.0, 1.57, 0.3]))
     among = arm.collision_model.in_world(world)
     free = [not among.in_collision(one.q) for one in solutions]
     assert free != [not arm.collision_model.in_collision(one.q) for one in solutions]
