@@ -3,10 +3,6 @@
 
 namespace urdf_ik {
 
-double gap_of(const FreeArm& arm, int j, double a, double b) {
-    return arm.written.slides[j] ? (a - b) / arm.unit[j] : self_motion::wrapped(a - b);
-}
-
 void interpolate(const FreeArm& arm, const CurveSample& a, const CurveSample& b, double share, double* q, double* along) {
     const double u = share;
     for (int j = 0; j < 7; ++j) {

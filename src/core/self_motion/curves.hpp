@@ -7,6 +7,7 @@
 // values of the grid are looked for by Newton's method from starts all over the joints.
 #pragma once
 
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -55,8 +56,20 @@ struct GridOfSolutions {
     int count;
 };
 
+namespace self_motion {
+inline constexpr double PI = 3.141592653589793, TURN = 2.0 * PI;
+
+inline double wrapped(double a) {
+    if (a > PI) a -= TURN * std::ceil((a - PI) / TURN);
+    else if (a <= -PI) a += TURN * std::ceil((-PI - a) / TURN + (a == -PI ? 1.0 : 0.0));
+    return a;
+}
+}  // namespace self_motion
+
 // From one value of a joint to another, the shorter way round [rad, shares of size].
-double gap_of(const FreeArm& arm, int joint, double to, double from);
+inline double gap_of(const FreeArm& arm, int joint, double to, double from) {
+    return arm.written.slides[joint] ? (to - from) / arm.unit[joint] : self_motion::wrapped(to - from);
+}
 
 // The cubic through two neighbouring samples with their tangents, at a share of the way: a joint vector near the curve, and the
 // tangent times the arc where it is asked for.

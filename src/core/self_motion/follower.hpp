@@ -9,8 +9,6 @@
 
 namespace urdf_ik::self_motion {
 
-inline constexpr double PI = 3.141592653589793, TURN = 2.0 * PI;
-
 // A step along a curve [rad, shares of size]: at most LONGEST, so long that the tangent turns by AIM, refused where it turns by
 // TOO_MUCH [rad] or where Newton's method leads further than ASIDE times the step away. A curve whose steps would have to be
 // shorter than SHORTEST has come to a singularity.
@@ -35,12 +33,6 @@ inline constexpr double FAR_FROM = 0.5;
 // Values to each side of where such a branch comes nearest that are starts, too.
 inline constexpr long BESIDE = 2;
 inline constexpr int MOST_SPLITS = 5, MOST_STEPS = 4000, MOST_REDONE = 3;
-
-inline double wrapped(double a) {
-    if (a > PI) a -= TURN * std::ceil((a - PI) / TURN);
-    else if (a <= -PI) a += TURN * std::ceil((-PI - a) / TURN + (a == -PI ? 1.0 : 0.0));
-    return a;
-}
 
 // A solution at a value of the grid, and the pieces that lead away from it on both sides; -1: none yet.
 struct Node {

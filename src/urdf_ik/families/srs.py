@@ -126,9 +126,9 @@ def _swivels(chain: Chain, ends: dict[str, Array], Q: Array) -> Array:
     with np.errstate(invalid="ignore", divide="ignore"):
         along = np.where(length[:, None] > 0.0, W / length[:, None], [0.0, 0.0, 1.0])
         normal = np.column_stack([-W[:, 1] / aside, W[:, 0] / aside, np.zeros(len(W))])
-    # Frame 1's x, made perpendicular to the line.
-    x = np.array([1.0, 0.0, 0.0]) - along[:, :1] * along
-    normal = np.where(on_axis[:, None], x / np.linalg.norm(x, axis=1, keepdims=True), normal)
+        # On the axis frame 1's x, made perpendicular to the line; it has no such part where the line is x itself.
+        x = np.array([1.0, 0.0, 0.0]) - along[:, :1] * along
+        normal = np.where(on_axis[:, None], x / np.linalg.norm(x, axis=1, keepdims=True), normal)
     across = np.cross(along, normal)
     swivels: Array = np.arctan2((across * axis).sum(axis=1), (normal * axis).sum(axis=1))
     return swivels
