@@ -6,6 +6,7 @@ import csv
 import io
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -203,3 +204,25 @@ def test_a_tool_at_the_tip() -> None:
     succeed("check", ARM, "-n", "5", *tool)
     text = succeed("compare", ARM, ARM, "-n", "5", "--tool-xyz-b", "0,0,0.1")
     assert "base_link to tool " in text and "base_link to tool0 " in text
+
+
+def test_obstacles_of_a_world_count_as_collisions(tmp_path: Path) -> None:
+    """With --world the marks and what --collision-free keeps are those of the library among the same obstacles."""
+    arm = urdf_ik.load(ARM)
+    solutions = arm.ik(urdf_ik.pose([1.2, 0.4, 0.9], rpy=[0.0, 1.57, 0.3]))
+    untouched = next(one for one in solutions if not arm.collision_model.in_collision(one.q))
+    elbow = " ".join(map(str, arm.link_poses(untouched.q)["link_3"][:3, 3]))
+    cell = tmp_path / "cell.urdf"
+    cell.write_text(
+        f'<robot name="cell"><link name="post"><collision><origin xyz="{elbow}"/><geometry><box size="0.1 0.1 0.1"/>'
+        "</geometry></collision></link></robot>"
+    )
+    world = urdf_ik.World.from_urdf(cell)
+    typed = ("ik", ARM, "--xyz", "1.2,0.4,0.9", "--rpy", "0,1.57,0.3", "--world", str(cell), "-f", "json")
+    among = arm.collision_model.in_world(world)
+    free = [not among.in_collision(one.q) for one in solutions]
+    assert free != [not arm.collision_model.in_collision(one.q) for one in solutions]
+    told = strict_json(call(*typed).stdout)["poses"]
+    assert [each["collision_free"] for each in told[0]["solutions"]] == free
+    kept = strict_json(call(*typed, "--collision-free").stdout)["poses"]
+    assert len(kept[0]["solutions"]) == sum(free)

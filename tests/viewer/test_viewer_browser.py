@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import io
 import os
-import re
-import shutil
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -17,12 +15,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from browser import CHROMIUM, INSTALL, PATIENCE, SOFTWARE
 from numpy.typing import NDArray
 
 import urdf_ik
 from urdf_ik import catalogue
 
-INSTALL = "the page is not tested: apt-get install chromium, and pip install playwright viser"
 playwright = pytest.importorskip("playwright.sync_api", reason=INSTALL)
 pytest.importorskip("viser", reason=INSTALL)
 
@@ -30,12 +28,9 @@ from PIL import Image  # noqa: E402  it comes with viser
 
 from urdf_ik.viewer import Viewer  # noqa: E402
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason=INSTALL)
 
-SOFTWARE = ("--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 WIDTH, HEIGHT, PANEL = 1120, 740, 420
-PATIENCE = 240.0  # [s] pages are drawn without a GPU, on a machine that may have other work
 ARM = "zyyzyz_6r"
 
 
@@ -123,26 +118,6 @@ def seen(opened: Seen, home: NDArray[np.float64]) -> Seen:
     """The page, showing the arm as it is at first."""
     opened.restart(home)
     return opened
-
-
-def test_a_narrow_window_shows_whole_labels(seen: Seen) -> None:
-    """On a telephone no label is cut off or reaches beyond the page, and the panel is as wide as the page."""
-    text = catalogue.resolve(ARM).path.read_text()
-    bare = re.sub(r"<visual>.*?</visual>", "", text, flags=re.DOTALL)  # lines and frames are quickly drawn
-    narrow = seen.page.context.browser.new_page(viewport={"width": 360, "height": 740})
-    with Viewer(urdf_ik.load(bare), port=0) as viewer:
-        narrow.goto(viewer.url)
-        narrow.get_by_role("button", name=viewer.state.ghosts[0].branch).wait_for(timeout=1000 * PATIENCE)
-        labels = narrow.locator(".mantine-Button-label").evaluate_all(
-            "all => all.map(e => [e.textContent, e.scrollWidth - e.clientWidth, e.scrollHeight - e.clientHeight,"
-            " e.getBoundingClientRect().right])"
-        )
-        assert len(labels) >= len(viewer.state.ghosts)
-        for text, beyond, below, right in labels:
-            assert beyond <= 1 and below <= 1 and right <= 360, text
-        panel = narrow.get_by_text("Joints").first.evaluate("e => e.closest('.mantine-ScrollArea-root').offsetWidth")
-        assert panel == 360
-        narrow.close()
 
 
 def test_the_arm_and_its_ghosts_appear(seen: Seen) -> None:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from urdf_ik.arm import Arm
     from urdf_ik.cli.console import Angles
+    from urdf_ik.collision import World
     from urdf_ik.solutions.limits import LIMIT_TOLERANCE
 from urdf_ik.solutions import IKSolutions
 
@@ -83,11 +84,12 @@ def solve(
     redundancy: NDArray[np.float64] | None = None,
     errors: bool,
     collisions: bool,
+    world: World | None = None,
     tick: Callable[[int, int], None],
 ) -> Answer:
     """Solve, filter with ``pick`` and check; ``tick(done, total)`` reports how far the checks are.
 
-    ``redundancy``: (N,) rad or m, or None for the arm's default.
+    ``redundancy``: (N,) rad or m, or None for the arm's default; ``world``: obstacles that count as collisions.
     """
     solutions = pick(arm.ik(poses, redundancy=redundancy))
     q, valid = solutions.q, solutions.valid
@@ -108,7 +110,7 @@ def solve(
             position[i, b], rotation[i, b] = reference.errors(q[i, b], poses[i])
             tick(start + len(i), len(todo))
     if collisions:
-        body = arm.collision_model
+        body = arm.collision_model.in_world(world)
         unchecked = body.missing
         if body.has_geometry:
             free = np.zeros(valid.shape, dtype=np.bool_)

@@ -80,7 +80,7 @@ def fk(
         "in the table; csv, json and npz hold them all. The status is 1 when a pose has no solution.",
         "urdf-ik ik zyyzyz_6r",
         "urdf-ik ik dh_6r --xyz 0.5,0.11,0.26 --quat-xyzw 0,0,0.8,0.6",
-        "urdf-ik ik ur5 --q 0.1,-1,1,0.2,0.3,0 --within-limits --collision-free",
+        "urdf-ik ik ur5 --q 0.1,-1,1,0.2,0.3,0 --within-limits --collision-free --world cell.urdf",
         "urdf-ik ik ur5 --q 0.1,-1,1,0.2,0.3,0 --nearest 0,-1,1,0,0,0 --metric time --within 0.5",
         "urdf-ik ik ur5 --random 1000 --format npz --output solutions.npz",
         "urdf-ik ik panda --xyz 0.4,0,0.3 --rpy 3.14,0,0 --redundancy 0,0.4,0.8",
@@ -98,6 +98,7 @@ def ik(
     turns: options.Turns = False,
     within_limits: options.WithinLimits = False,
     collision_free: options.CollisionFree = False,
+    world: options.Cell = None,
     nearest: options.Nearest = None,
     metric: options.Measured = options.Metric.L2,
     within: options.Within = None,
@@ -109,13 +110,14 @@ def ik(
     output: options.Output = None,
 ) -> None:
     """Print every solution."""
-    from urdf_ik.cli import targets
+    from urdf_ik.cli import paths, targets
     from urdf_ik.cli.commands import ik as ik_command
 
     written = options.format_for(printed_as, output, terminal=options.is_terminal(sys.stdout))
     chosen.without_stdin(poses, "--poses")
     target = targets.Asked(typed, q or (), poses, random, seed)
-    choice = ik_command.Choice(within_limits, collision_free, turns, nearest, metric, within, best)
+    cell = paths.cell(world, chosen)
+    choice = ik_command.Choice(within_limits, collision_free, turns, nearest, metric, within, best, cell)
     asked = ik_command.Asked(target, redundancy, choice, check)
     arm = chosen.load()
     ik_command.run(arm, angles_of(arm, degrees), asked, written, output)

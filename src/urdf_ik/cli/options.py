@@ -195,7 +195,7 @@ Redundancy = Annotated[
 # What becomes of the solutions of ik.
 Turns = Annotated[bool, Option("--turns", help="Add the +-2 pi images inside the limits.")]
 WithinLimits = Annotated[bool, Option("--within-limits", help="Keep those inside the limits.")]
-CollisionFree = Annotated[bool, Option("--collision-free", help="Keep those free of self-collision.")]
+CollisionFree = Annotated[bool, Option("--collision-free", help="Keep those free of self-collision, and of --world.")]
 Nearest = Annotated[
     str | None, Option("--nearest", metavar="Q1,Q2,...", help="Keep the one nearest to this joint vector.")
 ]

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from urdf_ik.arm import Arm
     from urdf_ik.cli.console import Angles
+    from urdf_ik.collision import World
     from urdf_ik.solutions import IKSolutions
 
 
@@ -33,6 +34,7 @@ class Choice:
     metric: Metric
     within: str | None
     best: Quality | None
+    world: World | None
 
     def made_for(self, arm: Arm, angles: Angles) -> Callable[[IKSolutions], IKSolutions]:
         """What picks the solutions.
@@ -56,10 +58,11 @@ class Choice:
         def pick(solutions: IKSolutions) -> IKSolutions:
             # In this order, since images of a solution neither change its collisions nor leave the limits.
             solutions = solutions.within_limits() if self.within_limits else solutions
-            solutions = solutions.collision_free() if self.collision_free else solutions
+            solutions = solutions.collision_free(self.world) if self.collision_free else solutions
             solutions = solutions.turns() if self.turns else solutions
             if self.best is not None:
-                solutions = solutions.best(self.best.value)
+                around = self.world if self.best is Quality.CLEARANCE else None
+                solutions = solutions.best(self.best.value, world=around)
             if reference is None:
                 return solutions
             return solutions.nearest(reference, metric=self.metric.value, within=bounds)
@@ -95,6 +98,7 @@ def run(arm: Arm, angles: Angles, asked: Asked, printed_as: Format, output: Path
             redundancy=target.redundancy,
             errors=asked.check is not False,
             collisions=few if asked.check is None else asked.check,
+            world=asked.choice.world,
             tick=progress.tick,
         )
     if printed_as is Format.TABLE:
