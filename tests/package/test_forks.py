@@ -9,7 +9,7 @@ import textwrap
 
 import pytest
 
-LIMIT = 120.0  # [s], of a program that needs two; a child that waits for ever is ended by it
+LIMIT = 300.0  # [s], of a program that needs two; a child that waits for ever is ended by it
 
 FIRST_CALLS = """
     import os, sys, threading, time

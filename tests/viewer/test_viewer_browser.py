@@ -6,10 +6,13 @@ keeps a picture of the page.
 
 from __future__ import annotations
 
+import http.server
 import io
 import os
+import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +43,22 @@ class Seen:
     def __init__(self, viewer: Viewer, page: Any) -> None:
         self.viewer, self.page = viewer, page
         page.set_default_timeout(1000.0 * PATIENCE)
+
+    def enter(self) -> None:
+        """Let the page show the viewer."""
+        self.page.goto(self.viewer.url)
+        self.wait(lambda: len(self.viewer.server.get_clients()) == 1, "the page connects, and no other is there")
+        close = self.page.locator(".mantine-Notification-closeButton")  # that it is drawn in software
+        if close.count():
+            close.first.click()
+
+    @contextmanager
+    def away(self) -> Iterator[Any]:
+        """The page for something else: two at once would have to be drawn without a GPU."""
+        try:
+            yield self.page
+        finally:
+            self.enter()
 
     def wait(self, what: Callable[[], Any], why: str) -> None:
         """Let the page run until ``what()`` is true."""
@@ -97,12 +116,8 @@ def opened() -> Iterator[Seen]:
     with Viewer(urdf_ik.load(ARM), port=0) as viewer, playwright.sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=CHROMIUM, args=list(SOFTWARE))
         page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
-        page.goto(viewer.url)
         seen = Seen(viewer, page)
-        seen.wait(viewer.server.get_clients, "the page connects")
-        close = page.locator(".mantine-Notification-closeButton")  # that it is drawn in software
-        if close.count():
-            close.first.click()
+        seen.enter()
         yield seen
         browser.close()
 
@@ -247,14 +262,33 @@ def test_the_camera_follows_another_arm(seen: Seen) -> None:
     seen.wait(lambda: 0.1 * HEIGHT < spread() < HEIGHT, "the camera has moved")
 
 
+@contextmanager
+def served(text: str) -> Iterator[str]:
+    """The address on this machine of a page, as a notebook has one; other frames may not show local servers."""
+
+    class Page(http.server.BaseHTTPRequestHandler):
+        def do_GET(self) -> None:
+            self.send_response(http.HTTPStatus.OK)
+            self.send_header("Content-Type", "text/html")
+            self.end_headers()
+            self.wfile.write(text.encode())
+
+        def log_message(self, *args: Any, **named: Any) -> None:
+            pass
+
+    with http.server.HTTPServer(("127.0.0.1", 0), Page) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_port}/"
+        server.shutdown()
+
+
 def test_a_notebook_holds_the_page(seen: Seen) -> None:
     """The frame that a notebook is given draws the arm and its panel within another page."""
-    page = seen.page.context.browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
-    page.set_content(f"<html><body>{seen.viewer._repr_html_()}</body></html>")
-    page.frame_locator("iframe").get_by_text("8 solutions").wait_for(timeout=1000.0 * PATIENCE)
-    inside = Seen(seen.viewer, page)
-    drawn = inside.pixels()
-    page.close()
+    text = f"<html><body>{seen.viewer._repr_html_()}</body></html>"
+    with served(text) as address, seen.away() as page:
+        page.goto(address)
+        page.frame_locator("iframe").get_by_text("8 solutions").wait_for()
+        drawn = seen.pixels()
     assert changed(drawn, np.broadcast_to(drawn[0, -1], drawn.shape)) > 5000
 
 
@@ -277,13 +311,17 @@ def test_the_scene_is_saved_as_a_page_that_needs_no_viewer(seen: Seen, tmp_path:
     file = tmp_path / download.value.suggested_filename
     download.value.save_as(file)
     assert file.name == f"{ARM}.html"
-    page = seen.page.context.browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
     asked: list[str] = []
-    page.on("request", lambda request: asked.append(request.url))
-    page.goto(file.as_uri())
-    alone = Seen(seen.viewer, page)
-    drawn = alone.pixels()
-    page.close()
+    with seen.away() as page:
+        page.goto("about:blank")
+
+        def note(request: Any) -> None:
+            asked.append(request.url)
+
+        page.on("request", note)
+        page.goto(file.as_uri())
+        drawn = seen.pixels()
+        page.remove_listener("request", note)
     assert not [url for url in asked if url.startswith(("http:", "https:", "ws:"))]
     assert changed(drawn, np.broadcast_to(drawn[0, -1], drawn.shape)) > 5000
 
