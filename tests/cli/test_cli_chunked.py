@@ -94,7 +94,7 @@ def test_a_folder_is_checked_in_one_table(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("typed", "words"),
     [
-        (("placement", ARM, "-t", "{t}", BOX, "--step", "0"), "a step of 0.0 m"),
+        (("placement", ARM, "-t", "{t}", BOX, "--step", "0"), "step=0.0 given"),
         (("placement", ARM, "-t", "{t}", "--bounds=1,2", "--step", "1"), "holds 2 values, 6 are needed"),
         (("placement", ARM, "-t", "{t}", BOX, "--step", "1", "--show", "beauty"), "no score is called 'beauty'"),
         (("placement", ARM, "-t", "{t}", BOX, "--step", "1", "--picture", "map.bmp"), "pictures are written as"),
