@@ -6,6 +6,7 @@ only the thread that forked, so that nobody would release them.
 
 from __future__ import annotations
 
+import _imp
 import functools
 import os
 import sys
@@ -21,6 +22,7 @@ _PAUSE = 0.001
 
 _own: WeakSet[Any] = WeakSet()
 _held: list[Any] = []
+_import_lock: list[bool] = []
 
 
 def lock() -> threading.RLock:
@@ -68,9 +70,13 @@ def _before() -> None:
                 break
             taken.append(each)
         else:
+            # No import begins while this is held: another thread may run between here and the fork.
+            _imp.acquire_lock()
             if not _importing() or time.monotonic() > end:
                 _held.extend(taken)
+                _import_lock.append(True)
                 return
+            _imp.release_lock()
         for each in taken:
             each.release()
         if time.monotonic() > end:  # rather a child that may wait than a program that does not go on
@@ -79,6 +85,9 @@ def _before() -> None:
 
 
 def _after() -> None:
+    while _import_lock:
+        _import_lock.pop()
+        _imp.release_lock()
     while _held:
         _held.pop().release()
 
