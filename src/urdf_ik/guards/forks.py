@@ -7,7 +7,9 @@ only the thread that forked, so that nobody would release them.
 from __future__ import annotations
 
 import _imp
+import concurrent.futures.thread  # noqa: F401  it and logging hold locks during a fork, which imports want: see the end
 import functools
+import logging  # noqa: F401
 import os
 import sys
 import threading
@@ -93,4 +95,5 @@ def _after() -> None:
 
 
 if hasattr(os, "register_at_fork"):
+    # What is registered last is called first: the import that a fork waits for may want the locks that others take.
     os.register_at_fork(before=_before, after_in_parent=_after, after_in_child=_after)
