@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from urdf_ik.angles import shortest
-from urdf_ik.redundancy.found import End, ends_of
+from urdf_ik.redundancy.found import End
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -41,7 +41,7 @@ def without_contacts(model: Collisions, curves: Curves, T: Array, found: Found) 
         of,
         low=np.array([piece.values[0] for piece in pieces]),
         high=np.array([piece.values[-1] for piece in pieces]),
-        ends=ends_of([piece.ends for piece in pieces]),
+        ends=np.array([piece.ends for piece in pieces], dtype=object).reshape(-1, 2),
         first=np.cumsum(count) - count,
         count=count,
         value=np.concatenate([*(piece.values for piece in pieces), []]),

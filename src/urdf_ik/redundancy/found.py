@@ -89,11 +89,6 @@ class Found:
         )  # fmt: skip
 
 
-def ends_of(ends: list[tuple[End, End]]) -> NDArray[np.object_]:
-    """Ends as an array (k, 2)."""
-    return np.array(ends, dtype=object).reshape(-1, 2)
-
-
 def joined(parts: list[Found]) -> Found:
     """Several sets of intervals as one."""
     if len(parts) == 1:
@@ -105,6 +100,6 @@ def joined(parts: list[Found]) -> Found:
 
     first = np.concatenate([part.first + start for part, start in zip(parts, samples, strict=False)])
     return Found(
-        together("pose"), together("low"), together("high"), together("column"), together("ends"), first, together("count"),
-        together("value"), together("q"), together("core"),
+        together("pose"), together("low"), together("high"), together("column"), together("ends"), first,
+        together("count"), together("value"), together("q"), together("core"),
     )  # fmt: skip

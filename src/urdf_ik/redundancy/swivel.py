@@ -121,9 +121,7 @@ class _Rows:
                     parts.append((sign * _at(middle, wave), sine * np.cos(bounds.half[j])))
             if bounds.matter[joints[1]]:
                 turned = self.shifts[t] + bounds.middle[joints[1]]
-                parts.append(
-                    (sign * np.sin(turned) * sine, np.cos(bounds.half[joints[1]]) - np.cos(turned) * cosine)
-                )
+                parts.append((sign * np.sin(turned) * sine, np.cos(bounds.half[joints[1]]) - np.cos(turned) * cosine))
             for flip in (1.0, -1.0):
                 all_inside = np.ones(at.shape, dtype=bool)
                 for odd, least in parts:
@@ -146,7 +144,11 @@ class _Rows:
             x1, y1, c2, x3, y3 = values[t]
             sine = np.where((b >> 2 if t == 0 else b) & 1, -1.0, 1.0) * self.signs[t, i, e]
             sine *= np.sqrt(np.maximum(1.0 - c2 * c2, _ALIGNED * _ALIGNED))
-            for j, x, y in ((joints[0], x1 / sine, y1 / sine), (joints[1], c2, sine), (joints[2], x3 / sine, y3 / sine)):
+            for j, x, y in (
+                (joints[0], x1 / sine, y1 / sine),
+                (joints[1], c2, sine),
+                (joints[2], x3 / sine, y3 / sine),
+            ):
                 for side, limit in enumerate(bounds.limits[j] if bounds.matter[j] else ()):
                     angle = limit + self.shifts[t] if j == joints[1] else limit
                     cosines[j, side] = np.cos(angle) * x + np.sin(angle) * y
@@ -171,7 +173,7 @@ def _breaks(E: Array, bounds: Bounds, shifts: Array) -> Array:
 
 
 def _at(abc: Array, wave: tuple[Array, Array]) -> Array:
-    """a + b cos s + c sin s (m, elbow, K) of (3, m, elbow), at angles of these cosines and sines (m, elbow, K)."""
+    """Values (m, elbow, K) of a + b cos s + c sin s, (3, m, elbow), for (cos s, sin s), each (m, elbow, K)."""
     a, b, c = abc[..., None]
     value: Array = a + b * wave[0] + c * wave[1]
     return value
@@ -190,7 +192,7 @@ def _roots(a: Array, b: Array, c: Array) -> Array:
 def _assembled(arm: SolvingArm, pose: Columns, rows: _Rows, bounds: Bounds) -> Found:
     """The intervals of all branches of the poses."""
     breaks = _breaks(rows.E, bounds, rows.shifts)
-    m, K = len(pose), breaks.shape[-1]
+    K = breaks.shape[-1]
     real = np.isfinite(breaks)
     # Angles that do not exist stand at the last one that does, as pieces of no width.
     last = np.take_along_axis(breaks, np.maximum(real.sum(axis=-1) - 1, 0)[..., None], axis=-1)
