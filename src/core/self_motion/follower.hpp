@@ -104,7 +104,7 @@ private:
     CurveSample sample_of(const OnCurve& point, double before) const {
         CurveSample out;
         std::copy_n(point.q, 7, out.q), std::copy_n(point.along, 7, out.along);
-        out.value = value_near(point.value, before), out.rate = point.rate, out.arc = 0.0;
+        out.value = value_near(point.value, before), out.rate = point.rate, out.arc = 0.0, out.sense = point.sense;
         return out;
     }
     // A solution that is given, turned so that the value grows along the tangent.
@@ -116,8 +116,11 @@ private:
     }
     static void flip(CurveSample& s) {
         for (double& each : s.along) each = -each;
-        s.rate = -s.rate;
+        s.rate = -s.rate, s.sense = -s.sense;
     }
+    // Whether two points with tangents along one way may be on one curve. Two curves that all but meet have different senses
+    // where one would seem to go on as the other (Allgower and Georg, chapter 8).
+    static bool agree(const CurveSample& a, const CurveSample& b) { return a.sense * b.sense >= 0; }
     // The point pinned down from a start near it; along: the sense of its tangent. Returns whether there is one.
     bool settle(const double* q, const Pinned& pin, const double* along, double before, double enough, CurveSample& out) const {
         const int rounds = enough < ON_THE_WAY ? MANY_ROUNDS : FEW_ROUNDS;
