@@ -207,6 +207,14 @@ private:
     void split(const CurveSample& a, const CurveSample& b, int depth, std::vector<CurveSample>& to) const;
     void crossings(const CurveSample& a, const CurveSample& b, std::vector<Crossing>& to) const;
     bool is_inside(const CurveSample& a, const CurveSample& b, double from, double to) const;
+    // A part of a piece inside the limits.
+    struct Run {
+        std::vector<CurveSample> samples;
+        EndOf why[2];
+        int joint[2];
+    };
+    std::vector<Run> by_turns(const Run& run) const;
+    void keep(const Piece& piece, const Run& run, double turns, long pose, Intervals& to) const;
 
     const FreeArm& arm_;
     const SelfMotionFunctions& core_;
