@@ -288,7 +288,8 @@ void Follower::bridge_cell(long cell) {
     }
 }
 
-// Follow every solution at the ends of a cell into it. Returns whether each was met by one curve.
+// Follow every solution at the ends of a cell into it. Returns whether each was met by one curve, and none was lost that might
+// go on straight.
 bool Follower::follow_cell(long cell) {
     const double low = low_of(cell), high = high_of(cell);
     bool agrees = true;
@@ -306,7 +307,7 @@ bool Follower::follow_cell(long cell) {
             std::vector<CurveSample> way;
             std::vector<long> folds;
             const Stop stop = travel(from, low, high, way, folds);
-            if (!take(cell, way, folds, k, i, !side, stop)) agrees = false;
+            if (!take(cell, way, folds, k, i, !side, stop) || (stop == Stop::lost && !straight_)) agrees = false;
         }
     }
     return agrees;
@@ -318,8 +319,10 @@ void Follower::follow_cells() {
         for (long cell = 0; cell < cells_; ++cell) {
             const std::size_t parts = parts_.size();
             for (int redone = 0; !follow_cell(cell) && redone < MOST_REDONE; ++redone) {
-                // Two curves met one solution: one of them has left its way. The cell is followed again by shorter steps.
-                longest_ *= 0.3;
+                // A curve was lost, as where another one crosses it: next time it goes on straight. Or two curves met one
+                // solution, and one of them has left its way: the cell is followed again by shorter steps.
+                if (straight_) longest_ *= 0.3;
+                straight_ = true;
                 parts_.resize(parts);
                 for (const long k : {cell, next(cell)}) {
                     for (Node& node : nodes_[k]) {
@@ -328,7 +331,7 @@ void Follower::follow_cells() {
                     }
                 }
             }
-            longest_ = LONGEST;
+            longest_ = LONGEST, straight_ = false;
         }
         for (long k = 0; k < given_.values; ++k) {
             for (const Node& node : nodes_[k]) {

@@ -32,7 +32,7 @@ inline constexpr double CLOSE = 4e-3;
 inline constexpr double FAR_FROM = 0.5;
 // Values to each side of where such a branch comes nearest that are starts, too.
 inline constexpr long BESIDE = 2;
-inline constexpr int MOST_SECANTS = 30, MOST_SPLITS = 5, MOST_STEPS = 4000, MOST_REDONE = 3;
+inline constexpr int MOST_SECANTS = 30, MOST_SPLITS = 5, MOST_STEPS = 4000, MOST_REDONE = 4;
 
 // A solution at a value of the grid, and the pieces that lead away from it on both sides; -1: none yet.
 struct Node {
@@ -119,8 +119,8 @@ private:
         s.rate = -s.rate, s.sense = -s.sense;
     }
     // Whether two points with tangents along one way may be on one curve. Two curves that all but meet have different senses
-    // where one would seem to go on as the other (Allgower and Georg, chapter 8).
-    static bool agree(const CurveSample& a, const CurveSample& b) { return a.sense * b.sense >= 0; }
+    // where one would seem to go on as the other (Allgower and Georg, chapter 8); where they do meet, each goes on straight.
+    bool agree(const CurveSample& a, const CurveSample& b) const { return straight_ || a.sense * b.sense >= 0; }
     // The point pinned down from a start near it; along: the sense of its tangent. Returns whether there is one.
     bool settle(const double* q, const Pinned& pin, const double* along, double before, double enough, CurveSample& out) const {
         const int rounds = enough < ON_THE_WAY ? MANY_ROUNDS : FEW_ROUNDS;
@@ -224,6 +224,7 @@ private:
     long cells_;
     bool turns_;
     double longest_ = LONGEST;
+    bool straight_ = false;
     mutable double moved_ = 0.0;
 };
 
