@@ -3,9 +3,9 @@
 
     python benchmarks/threads.py [--robot NAME ...] [--batch N ...] [--repeats R] [--alone]
 
-One thread and two alternate; of the repetitions the median counts. Other work on the machine takes the second core away,
-and then two threads are no faster than one. ``--alone`` measures at a real-time priority, before which other work waits:
-under Linux, as root, and for a second or so.
+One thread and two alternate; of the repetitions the median counts. Other work on the machine takes the second core
+away, and then two threads are no faster than one. ``--alone`` measures at a real-time priority, before which other work
+waits: under Linux, as root, and for a second or so.
 """
 
 from __future__ import annotations
@@ -30,7 +30,8 @@ def main() -> None:
     parser.add_argument("--alone", action="store_true")
     options = parser.parse_args()
     rng = np.random.default_rng(0)
-    print(f"{'arm':12} {'poses':>7} {'1 thread':>9} {'2 threads':>9}  k poses/s; x: times as fast; us: processor time a pose")
+    words = "k poses/s; x: times as fast; us: processor time a pose"
+    print(f"{'arm':12} {'poses':>7} {'1 thread':>9} {'2 threads':>9}  {words}")
     for robot in ROBOTS:
         if robot.name not in options.robot:
             continue

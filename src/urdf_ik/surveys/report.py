@@ -8,8 +8,8 @@ from typing import Any
 from urdf_ik.text import aligned, json_text, plain, printable
 
 PASSED, FAILED, REFUSED, NOT_CHECKED, NOT_AN_ARM = "passed", "FAILED", "REFUSED", "not checked", "not an arm"
-"""Results of a file: every property holds; one does not; no arm can be read from it; no check is for such an arm; no chain
-of joints is in it, as in a URDF of obstacles."""
+"""Results of a file: every property holds; one does not; no arm can be read from it; no check is for such an arm; no
+chain of joints is in it, as in a URDF of obstacles."""
 RESULTS = (PASSED, FAILED, REFUSED, NOT_CHECKED, NOT_AN_ARM)
 
 _HEADER = ("file", "joints", "family", "found", "result")
