@@ -41,7 +41,7 @@ class Bare:
 
     def __init__(self, arm: urdf_ik.Arm, options: argparse.Namespace, grid: workspace.Grid) -> None:
         self.arm, self.grid, self.chosen = arm, grid, samples(arm, options.orientations)
-        self.positions = max(1, options.block // options.orientations)
+        self.positions = max(1, min(options.block, 2**18) // options.orientations)
         self.rng, self.found = np.random.default_rng(0), list[float]()
 
     def measure(self, calls: int = 5) -> None:
