@@ -220,7 +220,8 @@ def as_pose_array(T: Any) -> Array:
         given = T
     array = inputs.real(given, "a pose", "a 4x4 array of real numbers, a pinocchio.SE3, or a list of either", PoseError)
     if array.shape[-2:] != (4, 4):
-        raise PoseError(f"an array of shape {array.shape} given; poses have the shape (..., 4, 4)")
+        shown = f"an array of shape {array.shape} given"
+        raise PoseError(f"{shown}; poses have the shape (..., 4, 4): urdf_ik.pose makes them")
     return array
 
 
