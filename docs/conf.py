@@ -14,7 +14,6 @@ sys.path.insert(0, str(HERE))
 
 import drawings  # noqa: E402  beside this file
 import names  # noqa: E402
-from jupyter_client.connect import ConnectionFileMixin  # noqa: E402
 
 import urdf_ik  # noqa: E402
 
@@ -40,7 +39,6 @@ nb_execution_timeout = 300
 nb_execution_raise_on_error = True
 nb_execution_show_tb = True
 nb_merge_streams = True
-ConnectionFileMixin.transport.default_value = "ipc"  # kernels listen to files of their own instead of open ports
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # docstrings say what they are, with shapes and units
