@@ -38,8 +38,8 @@ OF_OUR_OWN = {
     "distributed.scheduler.worker-ttl": f"{PATIENCE:g}s",
     "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,
 }
-"""Dask's settings for the cluster that :func:`connect` makes. By its default workers give freed memory back at once; the
-arrays of each few thousand poses are then new pages, which the system clears, and solving takes twice as long."""
+"""Dask's settings for the cluster that :func:`connect` makes. By its defaults workers give freed memory back at once;
+the arrays of each few thousand poses are then new pages, which the system clears, and solving takes twice as long."""
 AHEAD = 2
 """Chunks under way for each thread of the workers: the next one is there when one is finished."""
 LEAST_AHEAD = 4

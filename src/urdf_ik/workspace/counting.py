@@ -42,8 +42,8 @@ class Counting:
         self._q: Array | None = None
         turning = ~arm.chain.prismatic
         lower, upper = arm.limits.T
-        # A joint that turns all the way round has an image inside whatever its value; one with limits within half a turn
-        # of zero, or that slides, none but its value itself, which the solver gives within half a turn of zero.
+        # A joint that turns all the way round has an image inside whatever its value; one that slides, or whose limits
+        # are within half a turn of zero, none but the value itself, which the solver gives within half a turn of zero.
         limited = ~(turning & (upper - lower >= TURN))
         plain = ~turning | ((lower > _BEYOND - 0.5 * TURN) & (upper < 0.5 * TURN - _BEYOND))
         self._plain, self._imaged = np.flatnonzero(limited & plain), np.flatnonzero(limited & ~plain)
