@@ -6,7 +6,8 @@ import json
 from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any
 
-from urdf_ik.text import aligned, json_text, plain
+from urdf_ik.errors import ArgumentError
+from urdf_ik.text import aligned, json_text, plain, quoted
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -116,7 +117,7 @@ class Report:
         """The row of a property.
 
         Raises:
-            KeyError: there is no such row; the message lists the rows.
+            ArgumentError: there is no such row; the message lists the rows.
 
         Example:
             >>> import urdf_ik
@@ -128,7 +129,7 @@ class Report:
         for row in self.rows:
             if row.name == name:
                 return row
-        raise KeyError(f"no row {name!r}; rows: {', '.join(row.name for row in self.rows)}")
+        raise ArgumentError(f"no row {quoted(name)}; rows: {', '.join(row.name for row in self.rows)}")
 
     def to_dict(self) -> dict[str, Any]:
         """The report as plain lists, numbers and text; infinite numbers are the text 'inf' or '-inf'.

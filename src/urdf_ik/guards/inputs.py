@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import numbers
 import operator
 import os
+from array import array as packed
 from collections.abc import Mapping
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik.errors import ArgumentError
+from urdf_ik.errors import ArgumentError, UrdfIkError
 from urdf_ik.text import quoted
 from urdf_ik.tolerances import LARGEST
 
@@ -21,12 +24,19 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from urdf_ik.errors import UrdfIkError
-
     Array = NDArray[np.float64]
 
+MOST_THREADS = 1024
+"""Threads that share a piece of work at most."""
+MOST_LISTED = 2**24
+"""Numbers in lists, ranges and other sequences at most, which take ten times the memory of an array."""
+MOST_REPEATED = 2**27
+"""Numbers of an array at most that stands for more than it holds, as ``np.broadcast_to`` makes it: 1 GiB."""
 _DEEPEST = 8
-"""Levels of lists within lists that are looked at: stacks of stacks of poses have six."""
+"""Levels of lists within lists at most: stacks of stacks of poses have six."""
+_MASKED = "a masked array is given"
+_NUMBERS = frozenset((float, int, np.float64))
+_AS_ARRAY = ("__array__", "__array_interface__", "__array_struct__", "__buffer__")
 _NO_NUMBERS = {
     "b": "truth values",
     "c": "complex numbers",
@@ -53,7 +63,8 @@ def real(value: Any, what: str, needed: str, error: Callable[[str], UrdfIkError]
 
     Raises:
         UrdfIkError: ``error``; complex numbers, truth values, dates, text (numeric text, too), structured and masked
-            arrays, lists whose parts do not fit together, and what is no number at all.
+            arrays, lists whose parts do not fit together, more numbers than ``MOST_LISTED`` in lists or ranges, and
+            what is no number at all.
 
     Example:
         >>> real([[1, 2], [3, 4]], "q", "an array of numbers").tolist()
@@ -62,26 +73,105 @@ def real(value: Any, what: str, needed: str, error: Callable[[str], UrdfIkError]
         Traceback (most recent call last):
         urdf_ik.errors.ArgumentError: q must be an array of numbers: text is given, ['1', '2']
     """
-    if type(value) is np.ndarray and value.dtype == np.float64:
+    if type(value) is np.ndarray and value.dtype == np.float64 and value.flags.c_contiguous:
         return np.require(value, np.float64, ["C", "A", "E"])
     try:
-        problem = "a masked array is given" if is_masked(value) else ""
-        array = np.asarray(value)
+        problem, others = _looked_through(value)
+        if problem:
+            raise error(f"{what} must be {needed}: {problem}, {quoted(value)}")
+        array = np.asarray(_as_lists(value) if others else value)
+    except UrdfIkError:
+        raise
     except Exception as failure:  # whatever an object of unknown origin raises where it is asked for an array
         reason = " ".join(str(failure).split())[:200]
         raise error(f"{what} must be {needed}: {reason}, {quoted(value)}") from None
     kind = array.dtype.kind
     if kind in _NO_NUMBERS:
-        problem = problem or f"{_NO_NUMBERS[kind]} is given" if kind in "SUTV" else f"{_NO_NUMBERS[kind]} are given"
+        problem = f"{_NO_NUMBERS[kind]} is given" if kind in "SUTV" else f"{_NO_NUMBERS[kind]} are given"
     elif kind == "O" and not all(is_real(each) for each in array.flat):
-        problem = problem or "there are other things than numbers in it"
+        problem = "there are other things than numbers in it"
     if problem:
         raise error(f"{what} must be {needed}: {problem}, {quoted(value)}")
     try:
         with np.errstate(over="ignore"):
             return np.require(array, np.float64, ["C", "A", "E"])
-    except (OverflowError, TypeError, ValueError) as failure:
+    except (OverflowError, TypeError, ValueError, MemoryError) as failure:
         raise error(f"{what} must be {needed}: {failure}, {quoted(value)}") from None
+
+
+def too_long(value: Any) -> str:
+    """Why a sequence is not written out as an array: it is too long, too deep or masked; nothing where it may be.
+
+    Example:
+        >>> too_long(range(10**9))
+        'more than 16777216 numbers in lists or ranges are given; give a NumPy array'
+    """
+    return _looked_through(value)[0]
+
+
+def _looked_through(value: Any) -> tuple[str, bool]:
+    """Why something is not written out as an array, nothing where it may be; whether there are others than lists in it.
+
+    It may be too long or too deep, or masked. Only lengths are asked for: a range of any length costs nothing.
+    """
+    if isinstance(value, np.ndarray):
+        if isinstance(value, np.ma.MaskedArray):
+            return _MASKED, False
+        repeated = value.size > MOST_REPEATED and 0 in value.strides
+        return f"a view that stands for more than {MOST_REPEATED} numbers is given" if repeated else "", False
+    level, others = [value], False
+    for _ in range(_DEEPEST):
+        count = 0
+        inner: list[Any] = []
+        for each in level:
+            if isinstance(each, list | tuple):
+                count += len(each)
+                inner.append(each)
+            elif isinstance(each, np.ndarray):
+                if isinstance(each, np.ma.MaskedArray):
+                    return _MASKED, others
+                count += each.size
+            elif _is_sequence(each):
+                count += _length(each)
+                others = True
+            if count > MOST_LISTED:
+                return f"more than {MOST_LISTED} numbers in lists or ranges are given; give a NumPy array", others
+        level = [part for each in inner for part in each if type(part) not in _NUMBERS]
+        if not level:
+            return "", others
+    deeper = any(isinstance(each, list | tuple) or _is_sequence(each) for each in level)
+    return f"lists within lists are given, more than {_DEEPEST} deep" if deeper else "", others
+
+
+def _is_sequence(value: Any) -> bool:
+    """Whether NumPy would go through it element by element."""
+    kind = type(value)
+    return (
+        hasattr(kind, "__len__")
+        and hasattr(kind, "__getitem__")
+        and not isinstance(value, str | bytes | bytearray | memoryview | packed | Mapping)
+        and not any(hasattr(kind, name) for name in _AS_ARRAY)
+    )
+
+
+def _length(value: Any) -> int:
+    try:
+        return len(value)
+    except OverflowError:  # beyond what fits in a machine's word
+        return MOST_LISTED + 1
+
+
+def _as_lists(value: Any) -> Any:
+    """The same with other sequences than lists as lists: one may go on without end, whatever it says of its length."""
+    if isinstance(value, list | tuple):
+        return [_as_lists(each) for each in value]
+    if not _is_sequence(value):
+        return value
+    count = _length(value)
+    listed = list(islice(value, count + 1))
+    if len(listed) != count:
+        raise ValueError(f"a {type(value).__name__} that is not as long as it says")
+    return _as_lists(listed)
 
 
 def first_bad(array: Array, largest: float = LARGEST) -> tuple[int, ...] | None:
@@ -138,7 +228,7 @@ def number(
     good = is_real(single)
     try:
         given = float(single) if good else math.nan
-    except (OverflowError, TypeError, ValueError):  # TypeError: a time difference passes for a real number
+    except Exception:  # a number too large; a time difference, which passes for a real number; an odd object
         given = math.inf
     if good and low <= given <= high and (above is None or given > above):
         return given
@@ -169,11 +259,25 @@ def whole(
     """
     try:
         given = None if isinstance(value, bool | np.bool_) or is_masked(value) else operator.index(value)
-    except (TypeError, RecursionError):
+    except Exception:  # whatever an object of unknown origin raises where it is asked for a number
         given = None
     if given is None or not low <= given <= high:
         raise error(f"{what}={quoted(value)} given; a whole number from {low} to {high} is needed")
     return given
+
+
+def threads(value: Any, error: Callable[[str], UrdfIkError] = ArgumentError) -> int:
+    """A number of threads that share a piece of work.
+
+    Raises:
+        UrdfIkError: ``error``; it is no whole number, or out of range.
+
+    Example:
+        >>> threads(10**9)
+        Traceback (most recent call last):
+        urdf_ik.errors.ArgumentError: threads=1000000000 given; a whole number from 1 to 1024 is needed
+    """
+    return whole(value, "threads", error, low=1, high=MOST_THREADS)
 
 
 def path(value: Any, what: str, error: Callable[[str], UrdfIkError] = ArgumentError) -> Path:
@@ -223,7 +327,9 @@ def kind(
         Traceback (most recent call last):
         urdf_ik.errors.ArgumentError: a='ur5' given; an arm, as urdf_ik.load gives it, is needed
     """
-    if isinstance(value, type) or not hasattr(value, attribute):
+    missing = object()
+    # Not what an object answers to any name, as a mock does.
+    if isinstance(value, type) or inspect.getattr_static(value, attribute, missing) is missing:
         raise error(f"{what}={quoted(value)} given; {needed} is needed")
 
 

@@ -96,7 +96,7 @@ def placement(
     targets = as_pose_array(T).reshape(-1, 4, 4)
     if not len(targets):
         raise ArgumentError("no targets given; one is the least")
-    turns, threads = (inputs.whole(value, name, low=1) for value, name in ((turns, "turns"), (threads, "threads")))
+    turns, threads = inputs.whole(turns, "turns", low=1), inputs.threads(threads)
     margin, path = inputs.number(margin, "margin", low=0.0, unit="m"), inputs.flag(path, "path")
     collisions = None if collisions is None else inputs.flag(collisions, "collisions")
     if world is not None:
