@@ -32,6 +32,8 @@ MOST_LISTED = 2**24
 """Numbers in lists, ranges and other sequences at most, which take ten times the memory of an array."""
 MOST_REPEATED = 2**27
 """Numbers of an array at most that stands for more than it holds, as ``np.broadcast_to`` makes it: 1 GiB."""
+MOST_ITEMS = 100_000
+"""Names, paths or other things in a list at most."""
 _DEEPEST = 8
 """Levels of lists within lists at most: stacks of stacks of poses have six."""
 _MASKED = "a masked array is given"
@@ -280,6 +282,31 @@ def threads(value: Any, error: Callable[[str], UrdfIkError] = ArgumentError) -> 
     return whole(value, "threads", error, low=1, high=MOST_THREADS)
 
 
+def items(
+    value: Any, what: str, needed: str, error: Callable[[str], UrdfIkError] = ArgumentError, most: int = MOST_ITEMS
+) -> tuple[Any, ...]:
+    """What a list, or another iterable of bounded length, holds; a text is none.
+
+    Raises:
+        UrdfIkError: ``error``; it cannot be gone through, or does not end after ``most`` items.
+
+    Example:
+        >>> items("joint_1", "joints", "names of joints")
+        Traceback (most recent call last):
+        urdf_ik.errors.ArgumentError: joints='joint_1' given; names of joints are needed
+    """
+    if not isinstance(value, str | bytes | os.PathLike):
+        try:
+            held = tuple(islice(value, most + 1))
+        except Exception:  # whatever an object of unknown origin raises where it is asked for what it holds
+            held = None
+        if held is not None and len(held) > most:
+            raise error(f"{what} holds more than {most} items; {needed} are needed")
+        if held is not None:
+            return held
+    raise error(f"{what}={quoted(value)} given; {needed} are needed")
+
+
 def path(value: Any, what: str, error: Callable[[str], UrdfIkError] = ArgumentError) -> Path:
     """The path of a file; whether it is there is not looked at.
 
@@ -292,7 +319,10 @@ def path(value: Any, what: str, error: Callable[[str], UrdfIkError] = ArgumentEr
         urdf_ik.errors.ArgumentError: output=3 given; the path of a file is needed
     """
     if isinstance(value, str | os.PathLike):
-        written = os.fspath(value)
+        try:
+            written: object = os.fspath(value)
+        except Exception:  # the same where it is asked for a path
+            written = None
         if isinstance(written, str) and written.strip() and "\0" not in written:
             return Path(written)
     raise error(f"{what}={quoted(value)} given; the path of a file is needed")

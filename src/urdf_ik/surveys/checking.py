@@ -38,8 +38,12 @@ def urdf_files(folder: str | os.PathLike[str]) -> tuple[Path, ...]:
         >>> "planar_2r.urdf" in [path.name for path in urdf_files(folder)]
         True
     """
-    where = Path(folder)
-    found = sorted(path for path in where.rglob("*") if path.name.endswith(ENDINGS) and path.is_file())
+    where = inputs.path(folder, "folder")
+    try:
+        found = sorted(path for path in where.rglob("*") if path.name.endswith(ENDINGS) and path.is_file())
+    except OSError as error:
+        reason = f"cannot read the folder: {error.strerror}"
+        raise UrdfError(reason, source=str(folder), hint="check its rights") from None
     if not found:
         raise UrdfError(
             f"the folder holds no file that ends in {' or '.join(ENDINGS)}", source=str(folder),
@@ -92,10 +96,19 @@ def survey(
         PASSED: 1 file: 1 passed
     """
     if isinstance(files, str | os.PathLike):
-        paths: tuple[Path, ...] = urdf_files(files) if Path(files).is_dir() else (Path(files),)
-        root = Path(files) if Path(files).is_dir() else None
+        where = inputs.path(files, "files")
+        root = where if os.path.isdir(where) else None
+        paths: tuple[Path, ...] = (where,) if root is None else urdf_files(root)
     else:
-        paths, root = tuple(map(Path, files)), None
+        held = inputs.items(files, "files", "a folder, or paths of files,")
+        paths, root = tuple(inputs.path(each, "a path of files") for each in held), None
+    complete = inputs.flag(complete, "complete")
+    collision = None if collision is None else inputs.flag(collision, "collision")
+    inputs.callback(progress, "progress")
+    folders = [mesh_roots] if isinstance(mesh_roots, str | os.PathLike) else mesh_roots
+    folders = [
+        inputs.path(each, "a folder of mesh_roots") for each in inputs.items(folders, "mesh_roots", "paths of folders")
+    ]
     n = inputs.whole(n, "n", low=1)
     inputs.whole(seed, "seed", high=2**64)
     if complete and collision is not None:
@@ -107,7 +120,7 @@ def survey(
     names = tuple(str(path if root is None else path.relative_to(root)) for path in paths)
     job = Checking(
         tuple(map(os.path.abspath, paths)), names, n, seed, complete, collision, base, tip,
-        tuple(map(os.path.abspath, mesh_roots)),
+        tuple(map(os.path.abspath, folders)),
     )  # fmt: skip
     question = job.described()
     if store is None:
