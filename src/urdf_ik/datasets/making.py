@@ -133,6 +133,13 @@ def dataset(
 
 
 def _in_memory(drawing: Drawing, progress: Progress | None) -> Samples:
+    one = Drawing(**{**vars(drawing), "n": 1}).samples(0).columns
+    needed, free = 2 * drawing.n * sum(array.nbytes for array in one.values()), room.available_memory()
+    if needed > free:
+        raise ArgumentError(
+            f"{drawing.n:.4g} samples take {room.size_text(needed)} of memory, and {room.size_text(free)} are free; "
+            "take fewer, or give store='samples.zarr'"
+        )
     parts: list[dict[str, Any]] = []
     for chunk in range(drawing.chunks):
         parts.append(drawing.samples(chunk).columns)

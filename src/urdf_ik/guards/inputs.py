@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 MOST_THREADS = 1024
 """Threads that share a piece of work at most."""
+MOST_POSES = 10**6
+"""Random poses that are drawn at most: they are all in memory at a time."""
 MOST_LISTED = 2**24
 """Numbers in lists, ranges and other sequences at most, which take ten times the memory of an array."""
 MOST_REPEATED = 2**27
@@ -305,6 +307,20 @@ def items(
         if held is not None:
             return held
     raise error(f"{what}={quoted(value)} given; {needed} are needed")
+
+
+def poses(value: Any, error: Callable[[str], UrdfIkError] = ArgumentError) -> int:
+    """A number ``n`` of random poses that are held in memory at a time.
+
+    Raises:
+        UrdfIkError: ``error``; it is no whole number, or out of range.
+
+    Example:
+        >>> poses(10**9)
+        Traceback (most recent call last):
+        urdf_ik.errors.ArgumentError: n=1000000000 given; a whole number from 1 to 1000000 is needed
+    """
+    return whole(value, "n", error, low=1, high=MOST_POSES)
 
 
 def path(value: Any, what: str, error: Callable[[str], UrdfIkError] = ArgumentError) -> Path:

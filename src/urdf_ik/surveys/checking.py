@@ -13,15 +13,20 @@ from typing import Any
 from urdf_ik.arm import Arm, load
 from urdf_ik.completeness import Completeness, compare
 from urdf_ik.crosscheck import Report, check
-from urdf_ik.errors import ArgumentError, UnsupportedArm, UrdfError, UrdfIkError
+from urdf_ik.errors import ArgumentError, StoreError, UnsupportedArm, UrdfError, UrdfIkError
+from urdf_ik.guards import files as files_guard
 from urdf_ik.guards import inputs
 from urdf_ik.scale import Folder, run, versions
 from urdf_ik.surveys.report import FAILED, NOT_CHECKED, PASSED, REFUSED, Checked, Survey
-from urdf_ik.text import json_text
+from urdf_ik.text import json_text, printable
+from urdf_ik.urdf.xml import MAX_BYTES
 
 FORMAT, VERSION = "urdf-ik survey", 1
 ENDINGS = (".urdf", ".urdf.gz")
 """Endings of the files that are taken from a folder."""
+
+MAX_REPORT = 2**26
+"""Bytes of a kept report at most."""
 
 Files = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
 
@@ -109,7 +114,7 @@ def survey(
     folders = [
         inputs.path(each, "a folder of mesh_roots") for each in inputs.items(folders, "mesh_roots", "paths of folders")
     ]
-    n = inputs.whole(n, "n", low=1)
+    n = inputs.poses(n)
     inputs.whole(seed, "seed", high=2**64)
     if complete and collision is not None:
         raise ArgumentError("complete=True compares solutions and nothing else; leave collision out")
@@ -134,8 +139,7 @@ def survey(
         run(job, kept, client=client, progress=progress)
         kept.finish()
     folder = Path(store)
-    found = [json.loads((folder / _place(chunk)).read_text()) for chunk in range(len(paths))]
-    return Survey(question, tuple(Checked(**each) for each in found))
+    return Survey(question, tuple(_kept(folder / _place(chunk)) for chunk in range(len(paths))))
 
 
 @dataclass(frozen=True)
@@ -226,9 +230,17 @@ def _place(chunk: int) -> str:
     return f"arms/{chunk:06}.json"
 
 
+def _kept(file: Path) -> Checked:
+    """A report that stands in a store."""
+    try:
+        return Checked(**json.loads(files_guard.read(file, MAX_REPORT, StoreError)))
+    except (TypeError, ValueError) as error:
+        raise StoreError(f"{files_guard.name_of(file)} is damaged: {printable(error, 200)}") from None
+
+
 def _digest(path: str) -> str | None:
     """SHA-256 of a file; None where it cannot be read, which the check says then."""
     try:
-        return hashlib.sha256(Path(path).read_bytes()).hexdigest()
-    except OSError:
+        return hashlib.sha256(files_guard.read(path, MAX_BYTES)).hexdigest()
+    except ArgumentError:
         return None
