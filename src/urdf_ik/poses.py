@@ -21,6 +21,7 @@ PROJECTION_TOLERANCE = 0.1
 # What rounding leaves of a zero: below it, a half turn's w and a vertical pitch's cosine count as zero.
 _ZERO = 4.0 * np.finfo(np.float64).eps
 _LAST_ROW = np.array([0.0, 0.0, 0.0, 1.0])
+_AT_ONCE = 1024  # poses that are checked at a time: what is computed of them stays in the processor's cache
 
 
 def pose(
@@ -223,7 +224,8 @@ def as_pose_array(T: Any) -> Array:
         given = T
     array = inputs.real(given, "a pose", needed, PoseError)
     if array.shape[-2:] != (4, 4):
-        raise PoseError(f"an array of shape {array.shape} given; poses have the shape (..., 4, 4)")
+        shown = f"an array of shape {array.shape} given"
+        raise PoseError(f"{shown}; poses have the shape (..., 4, 4): urdf_ik.pose makes them")
     return array
 
 
@@ -350,21 +352,31 @@ def _numbers(value: ArrayLike, name: str, size: int) -> Array:
 
 
 def _checked(array: Array, tolerance: float) -> Array:
-    R = array[..., :3, :3]
-    with np.errstate(all="ignore"):  # infinities and overflows are what is looked for
-        gram = np.einsum("...ki,...kj->...ij", R, R)
-        off_rotation = np.abs(gram - np.eye(3)).max(axis=(-2, -1))
-        off_row = np.abs(array[..., 3, :] - _LAST_ROW).max(axis=-1)
-        direct = np.einsum("...i,...i->...", np.cross(R[..., 0], R[..., 1]), R[..., 2]) > 0.0
-        finite = (np.abs(array) <= LARGEST).all(axis=(-2, -1))
-        good = finite & (off_row <= tolerance) & (off_rotation <= tolerance) & direct
+    flat = array.reshape(-1, 16)
+    good = np.empty(len(flat), dtype=np.bool_)
+    for start in range(0, len(flat), _AT_ONCE):
+        part = slice(start, start + _AT_ONCE)
+        good[part] = _rigid(np.ascontiguousarray(flat[part].T).reshape(4, 4, -1), tolerance)
     if not good.all():
-        where = tuple(np.argwhere(~good)[0])
-        raise PoseError(_problem(array[where], gram[where], tolerance), tuple(int(k) for k in where) or None)
+        where = np.unravel_index(int(np.argmin(good)), array.shape[:-2])
+        raise PoseError(_problem(array[where], tolerance), tuple(int(k) for k in where) or None)
     return array
 
 
-def _problem(T: Array, gram: Array, tolerance: float) -> str:
+def _rigid(T: Array, tolerance: float) -> NDArray[np.bool_]:
+    """Whether matrices (4, 4, k), one beside the other, are rigid motions."""
+    R = T[:3, :3]
+    with np.errstate(all="ignore"):  # infinities and overflows are what is looked for
+        gram = (R[:, :, None] * R[:, None]).sum(axis=0)
+        off_rotation = np.abs(gram - np.eye(3)[..., None]).max(axis=(0, 1))
+        off_row = np.abs(T[3] - _LAST_ROW[:, None]).max(axis=0)
+        x, y, z = R[:, 0], R[:, 1], R[:, 2]
+        direct = ((x[[1, 2, 0]] * y[[2, 0, 1]] - x[[2, 0, 1]] * y[[1, 2, 0]]) * z).sum(axis=0) > 0.0
+        finite = (np.abs(T) <= LARGEST).all(axis=(0, 1))
+        return np.asarray(finite & (off_row <= tolerance) & (off_rotation <= tolerance) & direct)
+
+
+def _problem(T: Array, tolerance: float) -> str:
     """What is wrong with one matrix (4, 4), and what would be right."""
     bad = np.argwhere(~np.isfinite(T))
     if bad.size:
@@ -375,6 +387,8 @@ def _problem(T: Array, gram: Array, tolerance: float) -> str:
     if not np.abs(T[3] - _LAST_ROW).max() <= tolerance:
         transposed = " (is it transposed?)" if not T[:3, 3].any() and T[3, 3] == 1.0 else ""
         return f"the last row is {_row(T[3])} and must be (0, 0, 0, 1){transposed}"
+    with np.errstate(over="ignore"):
+        gram = T[:3, :3].T @ T[:3, :3]
     off = float(np.abs(gram - np.eye(3)).max())
     if off <= tolerance:
         return "the 3x3 block is a reflection, its determinant is -1; a rotation has +1: is an axis flipped?"

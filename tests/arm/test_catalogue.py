@@ -133,11 +133,13 @@ def described(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     return tmp_path / "cache"
 
 
-def test_a_described_robot_is_downloaded_once(described: Path) -> None:
+def test_a_described_robot_is_downloaded_once(described: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A model of robot_descriptions is not here, is downloaded when it is asked for, and is the same arm as by file."""
-    assert not catalogue.is_here("panda_description")
-    arm = urdf_ik.load("panda_description")
-    assert catalogue.is_here("panda_description") and described in Path(arm.model.source).parents
+    with monkeypatch.context() as patch:
+        patch.setattr(entries, "_example_robot_data_share", lambda: None)
+        assert not catalogue.is_here("panda_description")
+        arm = urdf_ik.load("panda_description")
+        assert catalogue.is_here("panda_description") and described in Path(arm.model.source).parents
     same = urdf_ik.load("panda")
     assert (arm.base, arm.tip, arm.joint_names) == (same.base, same.tip, same.joint_names)
     assert (arm.fk([0.1] * arm.dof) == same.fk([0.1] * arm.dof)).all()
@@ -146,9 +148,23 @@ def test_a_described_robot_is_downloaded_once(described: Path) -> None:
 def test_what_cannot_be_downloaded_says_so(described: Path) -> None:
     """Without the repository the message says what was tried; the short name leads to the same model."""
     for name in ("ur10e", "ur10e_description"):
-        with pytest.raises(CatalogueError, match=r"'ur10e_description' is a model of robot_descriptions.*and cannot"):
+        with pytest.raises(CatalogueError, match=r"'ur10e_description' is a model of .*and cannot.* here: ur10"):
             urdf_ik.load(name)
     assert not catalogue.is_here("ur10e")
+
+
+@pytest.mark.parametrize("name", ["panda", "tiago", "ur10"])
+def test_what_example_robot_data_has_is_not_downloaded(name: str, described: Path) -> None:
+    """The name that robot_descriptions has, or had, for an installed arm is that arm, in an empty cache."""
+    assert catalogue.is_here(f"{name}_description")
+    assert catalogue.resolve(f"{name}_description") == catalogue.resolve(name)
+    assert not described.exists()
+
+
+def test_the_ending_does_not_hide_the_nearest_name() -> None:
+    """A name that is wrong by a letter is compared without its ending, too."""
+    with pytest.raises(CatalogueError, match=r"nearest: .*puma_560"):
+        catalogue.resolve("puma560_description")
 
 
 def test_without_robot_descriptions_the_nearest_name_is_still_said(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import threading
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -34,6 +35,10 @@ def interrupted(call: Callable[[], object]) -> None:
         for _ in range(1000):
             call()
     timer.join()
+    # A thread that waits for a core ends as soon as it gets one, without having worked.
+    until = time.monotonic() + 10.0
+    while threads() != before and time.monotonic() < until:
+        time.sleep(0.01)
     assert threads() == before
 
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -67,6 +69,15 @@ def test_the_doctor_finds_versions_and_a_working_solver() -> None:
     assert found.passed and all(test.error < 1e-12 for test in found.tests)
     assert found.versions["numpy"] and found.instruction_sets[0] in found.instruction_sets[1]
     assert "all is well" in doctor.as_text(found)
+
+
+def test_the_doctor_knows_every_extra() -> None:
+    """What pyproject.toml offers to users stands there with its packages, but for what only developers need."""
+    text = (Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8")
+    offered = tomllib.loads(text)["project"]["optional-dependencies"]
+    for extra in set(offered) - {"docs", "bench", "dev"}:
+        packages = {re.split(r"[\[>=<]", need)[0] for need in offered[extra]} - {"urdf-ik", "nbmake"}
+        assert packages - {"dask"} <= set(doctor.OPTIONAL[extra]), extra
 
 
 def test_the_doctor_says_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:

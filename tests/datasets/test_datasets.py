@@ -159,6 +159,8 @@ def test_bad_input_is_refused_in_words(arm: urdf_ik.Arm, tmp_path: Path, monkeyp
     monkeypatch.setattr("urdf_ik.scale.room.free_disk", lambda _: 2**20)
     with pytest.raises(urdf_ik.StoreError, match=r"1e\+09 samples take up to .* GiB on the disk.*1 MiB free"):
         urdf_ik.dataset(arm, 10**9, store=tmp_path / "large.zarr")
+    with pytest.raises(urdf_ik.ArgumentError, match=r"1e\+12 samples take .* GiB of memory.* a store"):
+        urdf_ik.dataset(arm, 10**12)
 
 
 def test_pairs_that_may_touch_travel_with_the_drawing(arm: urdf_ik.Arm) -> None:

@@ -80,6 +80,14 @@ def test_every_page_is_reached_and_every_link_leads_to_a_file() -> None:
     assert {page for page in PAGES if page.name != "index.md" or page.parent != DOCS} <= listed
 
 
+def test_every_room_stands_in_the_layout() -> None:
+    """Each module and folder of the package is named on the page that says which does what."""
+    page = (DOCS / "layout.md").read_text()
+    package = ROOT / "src" / "urdf_ik"
+    rooms = {path.stem for path in package.glob("*.py")} | {path.parent.name for path in package.glob("*/__init__.py")}
+    assert {room for room in rooms if not re.search(rf"`{room}/?`", page)} == {"__init__"}
+
+
 def test_every_family_has_a_page_that_says_where_it_comes_from() -> None:
     """The explanation names the file of each family's solver or of its Python side."""
     pages = "\n".join(page.read_text() for page in (DOCS / "explanation").glob("*.md"))

@@ -180,10 +180,10 @@ def test_a_picture_and_what_is_refused() -> None:
             ask()
 
 
-def test_a_store_that_would_not_fit_is_refused_before_any_work(
+def test_a_map_that_would_not_fit_is_refused_before_any_work(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """With the numbers; what is there already needs no room."""
+    """On the disk and in memory, with the numbers; what is there already needs no room."""
     arm = urdf_ik.load("zyyzyz_6r")
     asked: dict[str, Any] = {"bounds": [[-0.5, -0.5, 0.0], [0.5, 0.5, 0.0]], "step": 0.5, "turns": 2}
     store = tmp_path / "bases.zarr"
@@ -193,3 +193,8 @@ def test_a_store_that_would_not_fit_is_refused_before_any_work(
     with pytest.raises(urdf_ik.StoreError, match=r"9 base positions x 2 headings take up to .* on the disk.* free"):
         urdf_ik.placement(arm, arm.fk([0.4] * 6), **asked, store=tmp_path / "others.zarr")
     assert not (tmp_path / "others.zarr").exists()
+    for place in (None, tmp_path / "large.zarr"):
+        with pytest.raises(urdf_ik.ArgumentError, match=r"1e\+09 base positions x 1000 headings take .* of memory"):
+            urdf_ik.placement(
+                arm, arm.fk([0.4] * 6), bounds=[[0, 0, 0], [9.99, 9.99, 9.99]], step=0.01, turns=1000, store=place
+            )

@@ -147,6 +147,17 @@ def test_batch_is_its_poses(case: Case) -> None:
         batch[0]
 
 
+@pytest.mark.parametrize("count", [0, 1, 300])
+def test_batches_of_every_size(count: int) -> None:
+    """The closed form takes poses part by part: no pose, one, and more than a part holds."""
+    arm = urdf_ik.load("srs_7r")
+    T = arm.fk(near_limits(arm, np.random.default_rng(12), 300))[:count]
+    found = arm.intervals(T)
+    assert found.count.shape == (count,)
+    for i in {0, count // 2, count - 1} if count else ():
+        assert [str(interval) for interval in found[i]] == [str(interval) for interval in arm.intervals(T[i])]
+
+
 def test_best_is_best_by_dense_sampling(case: Case) -> None:
     """Of 3,000 values none has a solution farther from its limits, or of greater manipulability, beyond 1e-6."""
     arm = case.arm

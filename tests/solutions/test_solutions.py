@@ -34,6 +34,7 @@ class Chain(namedtuple("Chain", "joint_types")):
         return np.array([float(kind != "prismatic") for kind in self.joint_types])
 
 
+Nearest = namedtuple("Nearest", "links distance")
 FakeArm = namedtuple(
     "FakeArm", "name joint_names limits dof chain explain collision_model redundancy redundancies", defaults=((),)
 )
@@ -49,6 +50,10 @@ class Hits:
         """(k, n) to (k,): whether the first joint's value is below the margin."""
         self.asked.append(q)
         return q[..., 0] < margin
+
+    def nearest_pair(self, q: Array) -> Nearest:
+        """The two bodies that there are, as far apart as the first joint's value."""
+        return Nearest(("arm", "wall"), max(float(q[0]), 0.0))
 
     def in_world(self, world: Hits | None) -> Hits:
         """What stands for the arm in a world."""
@@ -386,9 +391,10 @@ def test_explain_says_who_dropped_the_solutions() -> None:
     assert s.turns().explain() == s.within_limits().explain()
     assert "with a margin of 0.1 rad" in made([[0.45, 0, 0]] * 4, arm).within_limits(tol=-0.1).explain()
     colliding = made([[-0.2, 0.0, 0.0], [-0.7, 0, 0], NONE, NONE], arm)
-    assert colliding.collision_free().explain() == "2 solutions reach the pose, and every one is in collision"
+    hits = "2 solutions reach the pose, and every one is in collision; in the first, front, these are "
+    assert colliding.collision_free().explain() == f"{hits}'arm' and 'wall'"
     inside = colliding.within_limits().collision_free().explain()
-    assert inside == "1 solution reaches the pose inside the joint limits, and every one is in collision"
+    assert inside.startswith("1 solution reaches the pose inside the joint limits, and every one is in collision; ")
     assert "0.01 m" in colliding.collision_free(margin=0.01).explain()
 
 

@@ -7,10 +7,11 @@ import shutil
 from pathlib import Path
 
 import pytest
+from command import call
 
 import urdf_ik
 from urdf_ik import catalogue, completeness, crosscheck, surveys
-from urdf_ik.surveys import FAILED, NOT_CHECKED, PASSED, REFUSED
+from urdf_ik.surveys import FAILED, NOT_AN_ARM, NOT_CHECKED, PASSED, REFUSED
 
 BROKEN = "<robot name='broken'><link name='a'/>"
 
@@ -44,6 +45,24 @@ def test_each_row_is_the_check_of_that_arm_alone(lab: Path) -> None:
     assert "the text ends early" in found.arms[0].words and not found.passed
     assert str(found).endswith("FAILED: 4 files: 3 passed, 1 refused")
     assert json.loads(found.to_json())["arms"][1]["robot"] == "puma_560"
+
+
+def test_files_without_an_arm_are_listed_and_do_not_count(lab: Path) -> None:
+    """Obstacles, with status 0; but an arm whose base is called otherwise is refused."""
+    (lab / "broken.urdf").write_text(fixed("cell"))
+    found = surveys.survey(lab, n=2)
+    assert [each.result for each in found.arms] == [NOT_AN_ARM, PASSED, PASSED, PASSED] and found.passed
+    assert "there is no movable chain" in found.arms[0].words
+    assert found.verdict() == "PASSED: 4 files: 3 passed, 1 not an arm"
+    result = call("check", str(lab), "-n", "2")
+    assert result.exit_code == 0 and "not an arm" in result.stdout
+    assert surveys.survey([lab / "zyyzyz_6r.urdf"], n=2, base="nowhere").arms[0].result == REFUSED
+
+
+def fixed(name: str) -> str:
+    """A URDF of two links that are fixed to each other."""
+    joint = '<joint name="j" type="fixed"><parent link="floor"/><child link="table"/></joint>'
+    return f'<robot name="{name}"><link name="floor"/><link name="table"/>{joint}</robot>'
 
 
 def test_missed_solutions_are_looked_for_where_there_are_six_turning_joints(lab: Path) -> None:

@@ -10,10 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 from command import call, succeed
+from scipy.spatial.transform import Rotation
 
 import urdf_ik
 from urdf_ik import workspace
 from urdf_ik.scale.folder import finished
+from urdf_ik.workspace.lookup import MANY, cells
 from urdf_ik.workspace.store import filling
 
 xarray = pytest.importorskip("xarray")
@@ -131,6 +133,22 @@ def test_targets_are_looked_up_in_their_cells(
     assert stored.look_up([far]).tolist() == [0] and np.isnan(whole.look_up([far], "margin")).all()
     with pytest.raises(urdf_ik.WorkspaceError, match=r"takes poses \(m, 4, 4\)"):
         stored.look_up([[0.0, 0.0, 0.0]])
+
+
+@pytest.mark.parametrize("count", [MANY // 2, MANY + 1])
+def test_the_nearest_orientation_is_the_least_turn_away(arm: urdf_ik.Arm, count: int) -> None:
+    """Few orientations are compared with each pose, many are found by a tree: by SciPy's angles it is the same one."""
+    rng = np.random.default_rng(3)
+    T, samples = arm.fk(rng.uniform(-3.0, 3.0, (2000, 6))), Rotation.random(count, rng)
+    grid = workspace.Grid(np.full(3, -9.0), 1.0, (18, 18, 18))
+    found = cells(grid, samples.as_matrix(), "pose", T)
+    for k in range(0, 2000, 50):
+        turns = (samples.inv() * Rotation.from_matrix(T[k, :3, :3])).magnitude()
+        assert turns[found.samples[k]] == pytest.approx(turns.min(), abs=1e-9)
+    T[7, 0, 0] += 0.1
+    with pytest.raises(urdf_ik.PoseError, match="no rotation") as error:
+        cells(grid, samples.as_matrix(), "pose", T)
+    assert error.value.index == (7,)
 
 
 def test_obstacles_count_and_travel_with_the_question(arm: urdf_ik.Arm, tmp_path: Path) -> None:

@@ -2,7 +2,9 @@
 #include "sharing.hpp"
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
+#include <memory>
 #include <mutex>
 #include <system_error>
 #include <thread>
@@ -12,13 +14,12 @@ namespace urdf_ik {
 
 namespace {
 
-// A batch is shared among threads in whole multiples of this many poses, so that every pose is solved by the same
-// instructions however many threads there are.
-constexpr long SHARE = 32;
-// Poses that are solved between two questions whether to stop: whole multiples of every block's lanes, more while they take
-// less than QUICK and fewer when they take more than SLOW.
+// Poses of a part, which one thread solves at a time: whole multiples of every block's lanes, so that every pose is solved by
+// the same instructions whatever the parts; more while they take less than QUICK and fewer when they take more than SLOW.
 constexpr long FEWEST = 8, MOST = 1024;
 constexpr auto QUICK = std::chrono::milliseconds(1), SLOW = std::chrono::milliseconds(4);
+// What has to be left for each thread before it begins; beginning one costs about 30 microseconds.
+constexpr auto WORTH_A_THREAD = std::chrono::microseconds(200);
 
 Batch part_of(const Solver& solver, const Batch& batch, long from, long many) {
     Batch part = batch;
@@ -29,60 +30,107 @@ Batch part_of(const Solver& solver, const Batch& batch, long from, long many) {
     return part;
 }
 
-// Index of the first bad target of a batch, -1 where there is none or where it was stopped.
-long solve_in_parts(const Solver& solver, const Batch& batch, const Stop& stop) {
-    if (batch.m <= FEWEST) return solver.solve(batch);
-    long many = FEWEST;
-    for (long start = 0; start < batch.m;) {
-        const auto began = Signals::Clock::now();
-        const long now = many < batch.m - start ? many : batch.m - start;
-        const long bad = solver.solve(part_of(solver, batch, start, now));
-        if (bad >= 0) return start + bad;
-        start += now;
-        if (stop.asked()) break;
-        const auto took = Signals::Clock::now() - began;
-        if (took < QUICK && many < MOST) many *= 2;
-        if (took > SLOW && many > FEWEST) many /= 2;
-    }
-    return -1;
-}
-
-// The threads that help the one that was called, and how many of them still work.
-class Helpers {
+// A batch's poses: a share for each thread, part by part, and whoever is done takes parts of the others' shares. So a thread
+// whose core is busy with other work, or whose poses take longer, delays nobody, and two threads seldom write to the same
+// page of fresh memory, for which they would wait in turn.
+class Poses {
 public:
-    // Whether one more has begun: a system may refuse it.
-    template <class Work> bool begin(const Work& work) {
-        {
-            const std::lock_guard<std::mutex> lock(mutex_);
-            ++working_;
+    Poses(const Solver& solver, const Batch& batch, int threads) : solver_(solver), batch_(batch), shares_(threads) {
+        const long whole = batch.m / FEWEST;
+        for (int k = 0; k < threads; ++k) {
+            shares_[k].next = FEWEST * (k * whole / threads);
+            shares_[k].end = k + 1 == threads ? batch.m : FEWEST * ((k + 1) * whole / threads);
         }
-        try {
-            threads_.emplace_back([this, work] {
-                work();
-                const std::lock_guard<std::mutex> lock(mutex_);
-                if (!--working_) done_.notify_all();
-            });
-        } catch (const std::system_error&) {
-            const std::lock_guard<std::mutex> lock(mutex_);
-            --working_;
-            return false;
+    }
+    // Solve parts, those of one's own share first, until none is left or `stop` says so. After each one `then` is called with
+    // how many poses it had and how long they took. Index of the first bad target of these parts, -1 where there is none.
+    template <class Then> long solve(int own, const Stop& stop, const Then& then) {
+        const int threads = int(shares_.size());
+        long many = FEWEST;
+        for (int k = 0; k < threads; ++k) {
+            const int which = (own + k) % threads;
+            Share& share = shares_[which];
+            for (;;) {
+                const long start = share.next.fetch_add(many, std::memory_order_relaxed), left = share.end - start;
+                if (left <= 0) break;
+                const long now = many < left ? many : left;
+                const auto began = Signals::Clock::now();
+                const long bad = solver_.solve(part_of(solver_, batch_, start, now));
+                if (bad >= 0) {
+                    // Those before it are solved, or are being solved.
+                    for (int after = which; after < threads; ++after) shares_[after].next = shares_[after].end;
+                    return start + bad;
+                }
+                if (stop.asked()) return -1;
+                const auto took = Signals::Clock::now() - began;
+                then(now, took);
+                if (took < QUICK && many < MOST) many *= 2;
+                if (took > SLOW && many > FEWEST) many /= 2;
+                // The last parts are small, so that all threads end at about the same time.
+                while (threads > 1 && many > FEWEST && many > left / 2) many /= 2;
+            }
         }
-        return true;
+        return -1;
     }
-    // Until all are done, or some time has passed; whether all are.
-    bool wait() {
-        std::unique_lock<std::mutex> lock(mutex_);
-        return done_.wait_for(lock, Signals::PERIOD, [this] { return !working_; });
-    }
-    ~Helpers() {
-        for (std::thread& each : threads_) each.join();
+    // Poses that nobody has taken yet.
+    long left() const {
+        long sum = 0;
+        for (const Share& share : shares_) sum += share.next < share.end ? share.end - share.next : 0;
+        return sum;
     }
 
 private:
-    std::vector<std::thread> threads_;
-    std::mutex mutex_;
-    std::condition_variable done_;
-    int working_ = 0;
+    struct Share {
+        std::atomic<long> next = 0;
+        long end = 0;
+    };
+    const Solver& solver_;
+    const Batch& batch_;
+    std::vector<Share> shares_;
+};
+
+// The threads that help the one that was called. One whose core is busy may begin late: after `close` it does nothing, and
+// nobody waits for it.
+class Helpers {
+public:
+    // Whether one more is on its way: a system may refuse it.
+    template <class Work> bool begin(const Work& work) {
+        try {
+            std::thread([gate = gate_, work] {
+                {
+                    const std::lock_guard<std::mutex> lock(gate->mutex);
+                    if (gate->closed) return;
+                    ++gate->working;
+                }
+                work();
+                const std::lock_guard<std::mutex> lock(gate->mutex);
+                if (!--gate->working) gate->done.notify_all();
+            }).detach();
+        } catch (const std::system_error&) { return false; }
+        return true;
+    }
+    void close() {
+        const std::lock_guard<std::mutex> lock(gate_->mutex);
+        gate_->closed = true;
+    }
+    // Until all that have begun are done, or some time has passed; whether all are.
+    bool wait() {
+        std::unique_lock<std::mutex> lock(gate_->mutex);
+        return gate_->done.wait_for(lock, Signals::PERIOD, [this] { return !gate_->working; });
+    }
+    ~Helpers() {
+        close();
+        while (!wait()) {}
+    }
+
+private:
+    struct Gate {
+        std::mutex mutex;
+        std::condition_variable done;
+        int working = 0;
+        bool closed = false;
+    };
+    std::shared_ptr<Gate> gate_ = std::make_shared<Gate>();
 };
 
 }  // namespace
@@ -90,28 +138,33 @@ private:
 long solve_shared(const Solver& solver, const Batch& given, int threads, const Stop& stop) {
     Batch batch = given;
     batch.whole = batch.m;
-    if (threads <= 1 || batch.m < 2 * SHARE * threads) return solve_in_parts(solver, batch, stop);
+    if (batch.m <= FEWEST) return solver.solve(batch);
+    if (threads > batch.m / FEWEST) threads = int(batch.m / FEWEST);
+    Poses poses(solver, batch, threads);
     std::vector<long> bad(threads, -1);
     std::atomic<bool> ended = false;
     const Stop when_ended = {[](void* flag) { return static_cast<std::atomic<bool>*>(flag)->load(std::memory_order_relaxed); },
                              &ended};
-    const auto edge = [&](int k) { return k == threads ? batch.m : SHARE * (k * (batch.m / SHARE) / threads); };
-    const auto share = [&](int k, const Stop& until) {
-        const long from = edge(k), found = solve_in_parts(solver, part_of(solver, batch, from, edge(k + 1) - from), until);
-        bad[k] = found < 0 ? -1 : from + found;
-    };
     {
         Helpers helpers;
         int begun = 1;
-        while (begun < threads && helpers.begin([&share, &when_ended, k = begun] { share(k, when_ended); })) ++begun;
-        share(0, stop);
-        for (int k = begun; k < threads && !stop.asked(); ++k) share(k, stop);
+        const auto help = [&](long many, Signals::Clock::duration took) {
+            if (begun == threads || (many == FEWEST && took < QUICK)) return;  // the first few wait for memory
+            const auto rest = took * poses.left() / many;
+            while (begun < threads && rest > (begun + 1) * WORTH_A_THREAD &&
+                   helpers.begin([&, k = begun] { bad[k] = poses.solve(k, when_ended, [](long, auto) {}); })) {
+                ++begun;
+            }
+        };
+        bad[0] = poses.solve(0, stop, help);
+        helpers.close();
         while (!(ended = stop.asked()) && !helpers.wait()) {}
     }
+    long first = -1;
     for (const long each : bad) {
-        if (each >= 0) return each;
+        if (each >= 0 && (first < 0 || each < first)) first = each;
     }
-    return -1;
+    return first;
 }
 
 }  // namespace urdf_ik

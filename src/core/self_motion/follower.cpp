@@ -31,25 +31,28 @@ bool Follower::step(const CurveSample& from, const CurveSample* before, double& 
     }
 }
 
-// The fold between two samples, at which the parameter stands still: by the method of false position.
+// The fold between two samples, at which the parameter stands still: from where the cubic has it, by steps along the tangent
+// that the secant of the rate gives.
 bool Follower::fold_between(const CurveSample& a, const CurveSample& b, CurveSample& to) const {
-    double low = 0.0, high = 1.0, at_low = a.rate, at_high = b.rate;
-    bool found = false;
-    for (int round = 0; round < 30; ++round) {
-        double u = round ? low + (high - low) * at_low / (at_low - at_high) : stand_still(a, b);
-        if (!(u > low && u < high)) u = 0.5 * (low + high);
-        double q[7];
-        between(a, b, u, q);
+    double low = 0.0, high = b.arc, q[7];
+    const double share = stand_still(a, b);
+    between(a, b, share > 0.0 && share < 1.0 ? share : 0.5, q);
+    if (!settle(q, {Pin::nothing, 0, 0.0}, a.along, a.value, EXACT, to)) return false;
+    double at = b.arc * way_to(a, b, to), before = a.rate * to.rate > 0.0 ? high : low;
+    double rate_before = before > 0.0 ? b.rate : a.rate;
+    for (int round = 0; round < MOST_SECANTS && std::abs(to.rate) >= STANDS && high - low > 1e-12 * b.arc; ++round) {
+        (to.rate * a.rate > 0.0 ? low : high) = at;
+        double next = at - to.rate * (at - before) / (to.rate - rate_before);
+        if (!(next > low && next < high)) next = 0.5 * (low + high);
+        for (int j = 0; j < 7; ++j) q[j] = to.q[j] + unit(j) * (next - at) * to.along[j];
         CurveSample here;
-        if (!settle(q, {Pin::nothing, 0, 0.0}, a.along, a.value, EXACT, here)) return found;
-        to = here, found = true;
-        to.arc = u * b.arc;
-        if (std::abs(here.rate) < STANDS || high - low < 1e-12) break;
-        // Illinois: the side that stays counts half.
-        if (here.rate * at_low > 0.0) low = u, at_low = here.rate, at_high *= 0.5;
-        else high = u, at_high = here.rate, at_low *= 0.5;
+        if (!settle(q, {Pin::nothing, 0, 0.0}, to.along, to.value, EXACT, here)) break;
+        before = at, rate_before = to.rate;
+        for (int j = 0; j < 7; ++j) at += gap(j, here.q[j], to.q[j]) * to.along[j];
+        to = here;
     }
-    return found;
+    to.arc = at;
+    return true;
 }
 
 // The point between two samples that has this value.

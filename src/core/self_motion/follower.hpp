@@ -32,7 +32,7 @@ inline constexpr double CLOSE = 4e-3;
 inline constexpr double FAR_FROM = 0.5;
 // Values to each side of where such a branch comes nearest that are starts, too.
 inline constexpr long BESIDE = 2;
-inline constexpr int MOST_SPLITS = 5, MOST_STEPS = 4000, MOST_REDONE = 3;
+inline constexpr int MOST_SECANTS = 30, MOST_SPLITS = 5, MOST_STEPS = 4000, MOST_REDONE = 3;
 
 // A solution at a value of the grid, and the pieces that lead away from it on both sides; -1: none yet.
 struct Node {

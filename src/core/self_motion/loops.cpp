@@ -24,6 +24,7 @@ bool Follower::known(const CurveSample& at) const {
             for (std::size_t i = 1; i < part.samples.size(); ++i) {
                 const CurveSample &a = part.samples[i - 1], &b = part.samples[i];
                 if (there > b.value + NEARLY_SAME || there < a.value - NEARLY_SAME) continue;
+                if (apart(at.q, a.q) > 1.1 * b.arc + NEARLY_SAME) continue;
                 double along = 0.0;
                 for (int j = 0; j < 7; ++j) along += gap(j, at.q[j], a.q[j]) * a.along[j];
                 double u = std::clamp(along / (b.arc + 1e-300), 0.0, 1.0), q[7], t[7];
@@ -120,8 +121,10 @@ void Follower::look_for_loops() {
     const int many = count ? core_.search(arm_, given_.T, starts.data(), count, found.data()) : 0;
     for (int i = 0; i < many; ++i) {
         const double* q = &found[7 * i];
-        if (known(sample_of(core_.settle(arm_, given_.T, q, {Pin::nothing, 0, 0.0}, 0, 0.0), 0.0))) continue;
         CurveSample at;
+        std::copy_n(q, 7, at.q);
+        at.value = arm_.given >= 0 ? q[arm_.given] : core_.settle(arm_, given_.T, q, {Pin::nothing, 0, 0.0}, 0, 0.0).value;
+        if (known(at)) continue;
         const double along[7] = {};
         if (!settle(q, {Pin::nothing, 0, 0.0}, along, 0.0, EXACT, at)) continue;
         if (!given_.round && (at.value < given_.grid[0] || at.value > given_.grid[given_.values - 1])) continue;

@@ -101,47 +101,41 @@ STEP Parameter parameter_at(const FreeArm& arm, const Goal<double>& goal, const 
     return out;
 }
 
-// Rows made orthonormal one after the other: the unit rows, and what each equation has along them.
-struct Orthogonal {
-    Row unit[7];
-    double lower[7][7];
-    int many = 0;
+// Equations (row i) x = e[i], made orthogonal: what lies along a row is taken out of all that come after it, and of their right
+// sides. The squares of the rows are kept as their inverses.
+template <int N> struct Orthogonal {
+    Row row[N];
+    double e[N], inverse[N];
 
-    STEP void add(Row a) {
-        for (int i = 0; i < many; ++i) {
-            const double r = inner(unit[i], a);
-            lower[many][i] = r;
-            a = a - r * unit[i];
+    STEP Orthogonal(const Row (&J)[6], const Rows<6, double>& error, const Row& last, double pinned) {
+        for (int i = 0; i < N; ++i) row[i] = i < 6 ? J[i] : last, e[i] = i < 6 ? error[i] : pinned;
+#pragma GCC unroll 7
+        for (int i = 0; i < N; ++i) {
+            inverse[i] = 1.0 / (inner(row[i], row[i]) + TINY);
+            for (int k = i + 1; k < N; ++k) {
+                const double along = inner(row[i], row[k]) * inverse[i];
+                row[k] = row[k] - along * row[i], e[k] -= along * e[i];
+            }
         }
-        const double length = sqrt(inner(a, a)) + TINY;
-        lower[many][many] = length;
-        unit[many++] = (1.0 / length) * a;
     }
-    // The shortest x with (row i) x = e[i].
-    STEP Row least(const double* e) const {
+    // The shortest x.
+    STEP Row least() const {
         Row x = 0.0;
-        double y[7];
-        for (int i = 0; i < many; ++i) {
-            double rest = e[i];
-            for (int k = 0; k < i; ++k) rest -= lower[i][k] * y[k];
-            y[i] = rest / lower[i][i];
-            x = x + y[i] * unit[i];
-        }
+        for (int i = 0; i < N; ++i) x = x + e[i] * inverse[i] * row[i];
         return x;
     }
     // The unit direction that the first six rows leave: of the joint that they leave most of.
     STEP Row free() const {
-        Row left = 1.0;
-        for (int i = 0; i < 6; ++i) left = left - unit[i] * unit[i];
+        Row left = 1.0, out = 0.0;
+        for (int i = 0; i < 6; ++i) left = left - inverse[i] * (row[i] * row[i]);
         int most = 0;
         for (int j = 1; j < 7; ++j) most = left[j] > left[most] ? j : most;
-        Row out = 0.0;
         out.set(most, 1.0);
         for (int again = 0; again < 2; ++again) {
-            for (int i = 0; i < 6; ++i) out = out - inner(unit[i], out) * unit[i];
-            out = (1.0 / (sqrt(inner(out, out)) + TINY)) * out;
+            const Row before = out;
+            for (int i = 0; i < 6; ++i) out = out - inner(row[i], before) * inverse[i] * row[i];
         }
-        return out;
+        return (1.0 / (sqrt(inner(out, out)) + TINY)) * out;
     }
 };
 
@@ -161,32 +155,26 @@ OnCurve settle(const FreeArm& arm, const double* T, const double* from, const Pi
         rows_at(arm, at, J);
         const Error<double> error = pose_error(goal, at.tip, 1.0 / arm.written.size);
         const Parameter parameter = parameter_at(arm, goal, at, q);
-        double e[7];
-        for (int i = 0; i < 6; ++i) e[i] = error.twist[i];
         out.left = error.size;
+        double apart = 0.0;
         const bool joint = pinned.what == Pin::joint;
         const int which = joint ? pinned.joint : arm.given;
         const double scale = which < 0 ? 1.0 : arm.unit[which];
         if (pinned.what != Pin::nothing) {
-            const double apart = pinned.value - (joint ? q[which] : parameter.value);
-            e[6] = (which >= 0 && arm.slides[which] > 0.0 ? apart : wrap(apart)) / scale;
-            out.left = max(out.left, abs(e[6]));
+            apart = pinned.value - (joint ? q[which] : parameter.value);
+            apart = (which >= 0 && arm.slides[which] > 0.0 ? apart : wrap(apart)) / scale;
+            out.left = max(out.left, abs(apart));
         }
-        Orthogonal rows;
-        for (int i = 0; i < 6; ++i) rows.add(J[i]);
         if (!(out.left > enough) || round == rounds) {
-            const Row along = rows.free();
+            const Row along = Orthogonal<6>(J, error.twist, 0.0, 0.0).free();
             for (int j = 0; j < 7; ++j) out.q[j] = q[j], out.along[j] = along[j];
             out.value = parameter.value, out.rate = inner(parameter.slope, along);
             break;
         }
-        if (pinned.what == Pin::parameter) rows.add((1.0 / scale) * parameter.slope);
-        if (joint) {
-            Row one = 0.0;
-            one.set(which, 1.0);
-            rows.add(one);
-        }
-        const Row step = rows.least(e);
+        Row last = (1.0 / scale) * parameter.slope;
+        if (joint) last = 0.0, last.set(which, 1.0);
+        const Row step = pinned.what == Pin::nothing ? Orthogonal<6>(J, error.twist, 0.0, 0.0).least()
+                                                     : Orthogonal<7>(J, error.twist, last, apart).least();
         const double length = sqrt(inner(step, step));
         q = q + (length > LONGEST_STEP ? LONGEST_STEP / length : 1.0) * (unit * step);
         q = select(turning, wrap(q), q);

@@ -91,8 +91,24 @@ def is_here(name: str) -> bool:
     return folder.is_dir() and any(each.name != ".git" for each in folder.iterdir())
 
 
-def fetch(model: str) -> Model:
+def repository_of(name: str) -> str | None:
+    """The repository that a model comes from, None for no model.
+
+    Example:
+        >>> from urdf_ik.catalogue import downloads
+        >>> downloads.repository_of("zyyzyz_6r") is None
+        True
+    """
+    model = model_of(name)
+    return None if model is None else str(_descriptions()[model].repository)
+
+
+def fetch(model: str, instead: str) -> Model:
     """Where a model's files are, after a download where they have not been here.
+
+    Args:
+        model: its name.
+        instead: what the error says of a model that cannot be downloaded.
 
     Raises:
         CatalogueError: they cannot be downloaded, or hold nothing that can be read.
@@ -104,7 +120,7 @@ def fetch(model: str) -> Model:
         said = " ".join(str(getattr(error, "stderr", "") or error).split())
         raise CatalogueError(
             f"{model!r} is a model of robot_descriptions, which downloads it when it is first asked for, and cannot: "
-            f"{said[:300]}; without a network, `urdf-ik robots` lists the arms that are here"
+            f"{said[:300]}; without a network: {instead}"
         ) from None
     for attribute in ("URDF_PATH", "XACRO_PATH", "MJCF_PATH"):
         if path := getattr(module, attribute, None):

@@ -114,7 +114,7 @@ def is_here(name: str) -> bool:
     if name in EXAMPLE_ROBOT_DATA:
         share = _example_robot_data_share()
         return share is not None and _robot_file(share, name).is_file()
-    return downloads.is_here(name)
+    return _of_example_robot_data(name) is not None or downloads.is_here(name)
 
 
 def resolve(name: str) -> Entry:
@@ -122,7 +122,8 @@ def resolve(name: str) -> Entry:
 
     Args:
         name: a bundled arm, one of example-robot-data, or a model of robot_descriptions, with or without its
-            ``_description``.
+            ``_description``; ``panda_description`` and the like, which robot_descriptions takes from
+            example-robot-data, are the arms of that package where it is installed.
 
     Raises:
         CatalogueError: there is no such name (the message lists the nearest), or the name belongs to a package that
@@ -138,10 +139,20 @@ def resolve(name: str) -> Entry:
         return Entry(name, _bundled_folder() / f"{name}.urdf", "base_link", _TIPS.get(name, "tool0"), (), BUNDLED[name])
     if name in EXAMPLE_ROBOT_DATA:
         return _from_example_robot_data(name)
+    if stem := _of_example_robot_data(name):
+        return _from_example_robot_data(stem)
     if model := downloads.model_of(name):
-        found = downloads.fetch(model)
+        found = downloads.fetch(model, _near_and_here(name))
         return Entry(name, found.path, None, None, found.package_dirs, downloads.describe(model), found.xacro_args)
     raise CatalogueError(f"no arm is called {quoted(name)}; {_alternatives(name)}")
+
+
+def _of_example_robot_data(name: str) -> str | None:
+    """The installed arm that ``NAME_description`` means: what robot_descriptions would download is the same."""
+    stem = name.removesuffix("_description")
+    if stem == name or stem not in EXAMPLE_ROBOT_DATA or not is_here(stem):
+        return None
+    return stem if downloads.repository_of(name) in (None, _DISTRIBUTION) else None
 
 
 def _from_example_robot_data(name: str) -> Entry:
@@ -187,10 +198,21 @@ def _example_robot_data_share() -> Path | None:
     return None
 
 
+def _near_and_here(name: str) -> str:
+    """The arms with names like that one which need no download, in words."""
+    here = [each for each in names() if is_here(each)]
+    found = nearest(name.lower().removesuffix("_description"), here, cutoff=0.5)
+    listed = ", ".join(found)
+    return f"near to that name and here: {listed}" if found else "`urdf-ik robots` lists the arms that are here"
+
+
 def _alternatives(name: str) -> str:
     """The names nearest to one that the catalogue does not hold, or all of them where none is near."""
     known = (*names(), *downloads.names())
     more = "" if downloads.names() else f"; robot_descriptions has more: {downloads.INSTALL}"
-    if found := nearest(name.lower(), known, n=4, cutoff=0.5):
+    asked = name.lower()
+    wanted = (asked, asked.removesuffix("_description"))
+    found = dict.fromkeys(each for one in wanted for each in nearest(one, known, n=4, cutoff=0.5))
+    if found:
         return f"nearest: {', '.join(found)}{more}"
     return f"there are: {', '.join(names())}{more or ', and those that `urdf-ik robots --all` lists'}"

@@ -9,7 +9,7 @@ import typer
 
 from urdf_ik.cli import options
 from urdf_ik.cli.chosen_arm import ChosenArm, TypedPath, TypedPose, angles_of, on_an_arm
-from urdf_ik.cli.chunked import options as chunked
+from urdf_ik.cli.chunked.places import Places
 from urdf_ik.cli.errors import Status, unwritten
 from urdf_ik.cli.options import Picture, ReportFormat, Value
 from urdf_ik.cli.program import app, help_text
@@ -145,9 +145,7 @@ def check(
     seed: options.Seed = 0,
     complete: options.Complete = False,
     collision: options.Collision = None,
-    store: chunked.Store = None,
-    workers: chunked.Workers = None,
-    scheduler: chunked.Scheduler = None,
+    work: Places,
     chosen: ChosenArm,
     printed_as: options.TextFormat = ReportFormat.TABLE,
 ) -> None:
@@ -160,13 +158,11 @@ def check(
         raise console.usage("--complete compares solutions and nothing else", "--collision")
     if Path(chosen.robot).is_dir():
         from urdf_ik.cli.chunked import survey
-        from urdf_ik.cli.chunked.places import Places
 
-        places, as_json = Places(store, workers, scheduler), printed_as is ReportFormat.JSON
-        if not survey.run(chosen, n, seed, complete, collision, places, as_json):
+        if not survey.run(chosen, n, seed, complete, collision, work, printed_as is ReportFormat.JSON):
             raise typer.Exit(Status.FAILED)
         return
-    if store is not None or workers is not None or scheduler is not None:
+    if work != Places():
         raise console.usage("a store is for the arms of a folder, and this is one arm", "--store")
     arm = chosen.load()
     report: crosscheck.Report | completeness.Completeness

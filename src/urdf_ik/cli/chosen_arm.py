@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from urdf_ik.cli import options
+from urdf_ik.cli.chunked import options as chunked
+from urdf_ik.cli.chunked.places import Places
 from urdf_ik.text import escaped, quoted
 
 if TYPE_CHECKING:
@@ -221,7 +223,8 @@ _PATH = {
     "reconfigure": options.Reconfigure,
     "collisions": options.Contacts,
 }
-_GROUPS: Mapping[str, Mapping[str, Any]] = {"chosen": _CHOSEN, "typed": _TYPED, "path": _PATH}
+_WORK = {"store": chunked.Store, "workers": chunked.Workers, "scheduler": chunked.Scheduler}
+_GROUPS: Mapping[str, Mapping[str, Any]] = {"chosen": _CHOSEN, "typed": _TYPED, "path": _PATH, "work": _WORK}
 
 
 def _catalogue_names() -> tuple[str, ...]:
@@ -234,7 +237,8 @@ def on_an_arm(command: Callable[..., None]) -> Callable[..., None]:
     """``command`` with ROBOT as first argument, and options in the places of its parameters.
 
     ``chosen``, a ``ChosenArm``, stands for those that say which arm; ``typed``, a ``TypedPose``, for those of a pose;
-    ``path``, a ``TypedPath``, for those of a path.
+    ``path``, a ``TypedPath``, for those of a path; ``work``, a ``Places``, for where long work is kept and who does it.
+    An option of a group that is a parameter, too, is declared by the parameter.
     """
     signature = inspect.signature(command, eval_str=True)
 
@@ -246,13 +250,18 @@ def on_an_arm(command: Callable[..., None]) -> Callable[..., None]:
             given["typed"] = TypedPose(**{name: given.pop(name) for name in _TYPED})
         if "path" in signature.parameters:
             given["path"] = TypedPath(**{name: given.pop(name) for name in _PATH})
+        if "work" in signature.parameters:
+            work = {name: given[name] for name in _WORK}
+            given = {name: value for name, value in given.items() if name in signature.parameters}
+            given["work"] = Places(**work)
         command(**given)
 
     keyword = inspect.Parameter.KEYWORD_ONLY
     parameters = [inspect.Parameter("robot", inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=options.Robot)]
     for name, parameter in signature.parameters.items():
         if name in _GROUPS:
-            parameters += [inspect.Parameter(n, keyword, default=None, annotation=a) for n, a in _GROUPS[name].items()]
+            group = {n: kind for n, kind in _GROUPS[name].items() if n not in signature.parameters}
+            parameters += [inspect.Parameter(n, keyword, default=None, annotation=kind) for n, kind in group.items()]
         else:
             parameters.append(parameter)
     run.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]

@@ -132,6 +132,15 @@ def opened(source: str, option: str) -> str | IO[bytes]:
     return sys.stdin.buffer
 
 
+def box(text: str, option: str) -> NDArray[np.float64]:
+    """The corners (2, 3) of a box as typed, the lower one first.
+
+    Raises:
+        typer.BadParameter: these are not six numbers.
+    """
+    return numbers(text, option, ("x0", "y0", "z0", "x1", "y1", "z1")).reshape(2, 3)
+
+
 def write(text: str | bytes, output: Path | None) -> None:
     """Write to ``output``, or to standard output.
 

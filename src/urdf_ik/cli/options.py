@@ -87,6 +87,11 @@ class DHFormat(StrEnum):
     URDF = "urdf"
 
 
+POSES_IN_A_FILE = (
+    "csv with a header (x,y,z and qw,qx,qy,qz or roll,pitch,yaw), json, npy or npz of 4x4 matrices, or - for stdin."
+)
+OBSTACLES = "Obstacles: the collision shapes of a URDF of fixed links, in the"
+
 # What every command takes.
 Robot = Annotated[
     str,
@@ -309,13 +314,12 @@ Waypoints = Annotated[
         "--waypoints",
         "-w",
         metavar="FILE",
-        help="Poses of the tip: csv with a header (x,y,z and qw,qx,qy,qz or roll,pitch,yaw), json, npy or npz of 4x4 "
-        "matrices, or - for stdin.",
+        help=f"Poses of the tip: {POSES_IN_A_FILE}",
     ),
 ]
 Cell = Annotated[
     Path | None,
-    Option("--world", metavar="FILE", help="Obstacles: the collision shapes of a URDF of fixed links, in the base."),
+    Option("--world", metavar="FILE", help=f"{OBSTACLES} base."),
 ]
 StartAt = Annotated[str | None, Option("--start", metavar="Q1,Q2,...", help="Joint vector at the first waypoint.")]
 EndAt = Annotated[str | None, Option("--end", metavar="Q1,Q2,...", help="Joint vector at the last waypoint.")]

@@ -52,8 +52,10 @@ class CollisionModel(Questions):
         >>> import urdf_ik
         >>> arm = urdf_ik.load("zyyzyz_6r")
         >>> model = CollisionModel(arm.model, arm.base, arm.tip)
-        >>> len(model.checked_pairs), model.in_collision([0.0] * 6)
-        (15, False)
+        >>> model.in_collision([0.0] * 6)
+        False
+        >>> model
+        <CollisionModel of joint_1, joint_2, joint_3, joint_4, joint_5, joint_6: 15 pairs checked>
     """
 
     def __init__(
@@ -113,6 +115,10 @@ class CollisionModel(Questions):
     def __reduce__(self) -> tuple[Callable[..., CollisionModel], tuple[Any, ...]]:
         allowed = None if self._error is not None else dict(self._allowed)
         return _restored, (*self._made_from, allowed, dict(self._changes), self.world)
+
+    def __repr__(self) -> str:
+        known = "without shapes" if self._error else f"{len(self.checked_pairs)} pairs checked"
+        return f"<CollisionModel of {', '.join(self.joint_names)}: {known}>"
 
     @property
     def has_geometry(self) -> bool:

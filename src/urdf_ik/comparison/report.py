@@ -278,7 +278,7 @@ def _reach(comparison: Comparison) -> Section | None:
                     str(reach.same_number) if k == 0 else "",
                 )
             )
-    header = ("asked for", "arm", "reached", "within limits", "solutions", "a pose", "equally many in both")
+    header = ("asked for", "arm", "reached", "within limits", "solutions", "a pose", "same in both")
     return Section("reach and solutions", header, tuple(rows), left=("asked for", "arm")) if rows else None
 
 

@@ -50,6 +50,12 @@ class Samples:
     singular_values: Array
     collision: Mask | None
 
+    def __len__(self) -> int:
+        return len(self.q)
+
+    def __repr__(self) -> str:
+        return f"<Samples: {len(self)} of {self.q.shape[1]} joints, {', '.join(self.columns)}>"
+
     @property
     def columns(self) -> dict[str, NDArray[Any]]:
         """The arrays that there are, by their names."""

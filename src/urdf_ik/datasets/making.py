@@ -20,6 +20,8 @@ from urdf_ik.scale import Folder, room, run, zarrs
 from urdf_ik.scale.folder import checked_path, finished
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from urdf_ik.arm import Arm
     from urdf_ik.collision import World
 
@@ -98,7 +100,7 @@ def dataset(
         progress: called with the number of samples behind us, and of all.
 
     Raises:
-        ArgumentError: a number that makes no sense, or a client without a store.
+        ArgumentError: a number that makes no sense, a client without a store, or samples that do not fit in memory.
         UnsupportedArm: no solver takes this arm.
         UrdfError: the URDF has no collision shapes, and collisions are asked for.
         StoreError: the store is in use, is of another question, does not fit on the disk or cannot be written.
@@ -133,13 +135,9 @@ def dataset(
 
 
 def _in_memory(drawing: Drawing, progress: Progress | None) -> Samples:
-    one = Drawing(**{**vars(drawing), "n": 1}).samples(0).columns
-    needed, free = 2 * drawing.n * sum(array.nbytes for array in one.values()), room.available_memory()
-    if needed > free:
-        raise ArgumentError(
-            f"{drawing.n:.4g} samples take {room.size_text(needed)} of memory, and {room.size_text(free)} are free; "
-            "take fewer, or give store='samples.zarr'"
-        )
+    # The chunks, and all of them once more as one.
+    hint = "take fewer samples, or a store"
+    room.require_memory(2 * drawing.n * _size(_one(drawing)), f"{drawing.n:.4g} samples", hint)
     parts: list[dict[str, Any]] = []
     for chunk in range(drawing.chunks):
         parts.append(drawing.samples(chunk).columns)
@@ -152,10 +150,9 @@ def _in_memory(drawing: Drawing, progress: Progress | None) -> Samples:
 def _in_store(drawing: Drawing, path: Path, client: Any, progress: Progress | None) -> StoredSamples:
     if path.suffix not in KINDS:
         raise StoreError(f"{path}: a store of samples is called something{' or something'.join(KINDS)}")
-    one = Drawing(**{**vars(drawing), "n": 1}).samples(0).columns
-    size = sum(array.nbytes for array in one.values())
+    one = _one(drawing)
     folder = checked_path(path)
-    needed = size * max(0, drawing.n - len(finished(folder)) * drawing.chunk)
+    needed = _size(one) * max(0, drawing.n - len(finished(folder)) * drawing.chunk)
     room.require_disk(folder, needed, f"{drawing.n:.4g} samples", "take fewer samples, or another disk")
     job: Job = ZarrJob(drawing) if path.suffix == ".zarr" else ParquetJob(drawing)
     question = {**drawing.described(), "format": FORMAT, "version": VERSION, "kind": path.suffix, "columns": list(one)}
@@ -217,7 +214,6 @@ class ZarrJob(Job):
             "singular_values": ("direction",),
             "collision": (),
         }
-        one = Drawing(**{**vars(drawing), "n": 1}).samples(0).columns
         return tuple(
             zarrs.ArrayPlan(
                 name,
@@ -228,7 +224,7 @@ class ZarrJob(Job):
                 float("nan") if array.dtype.kind == "f" else 0,
                 {"units": _UNITS.get(name, "1")},
             )
-            for name, array in one.items()
+            for name, array in _one(drawing).items()
         )
 
     @cached_property
@@ -256,6 +252,15 @@ class ParquetJob(Job):
         """Nothing stands beside the chunks."""
         _arrow("pyarrow")
         return {}, {}
+
+
+def _one(drawing: Drawing) -> dict[str, NDArray[Any]]:
+    """The arrays of a single sample."""
+    return Drawing(**{**vars(drawing), "n": 1}).samples(0).columns
+
+
+def _size(columns: Mapping[str, NDArray[Any]]) -> int:
+    return sum(array.nbytes for array in columns.values())
 
 
 def _stored(array: Any) -> Any:

@@ -94,6 +94,11 @@ class PlacementMap:
     followed: NDArray[np.uint8] | None = field(repr=False, default=None)
     cost: NDArray[np.float32] | None = field(repr=False, default=None)
 
+    def __repr__(self) -> str:
+        shape = " x ".join(map(str, self.grid.shape))
+        best = f"at best {int(self.reached.max())} of {len(self.targets)} targets reached"
+        return f"<PlacementMap of {self.about['robot']}: {shape} positions x {len(self.headings)} headings, {best}>"
+
     def values(self, what: str = "reached") -> Array:
         """One score at every position and heading (X, Y, Z, H), NaN where it means nothing.
 

@@ -77,7 +77,8 @@ def placement(
         progress: called with the number of positions behind us, and of all.
 
     Raises:
-        ArgumentError: bounds, a step, a number of turns or a mount that makes no sense.
+        ArgumentError: bounds, a step, a number of turns or a mount that makes no sense; or a map that does not fit in
+            memory.
         PoseError: a target is no pose.
         UnsupportedArm: no solver takes this arm.
         UrdfError: the URDF has no collision shapes, and collisions are looked for.
@@ -113,6 +114,10 @@ def placement(
         float(margin), world is not None if collisions is None else collisions, threads,
     )  # fmt: skip
     job, blocks = Scoring(asked), asked.blocks
+    each = sum(np.dtype(SCORES[name].kind).itemsize for name in asked.holds) * turns
+    what = f"{asked.grid.count:.4g} base positions x {turns} headings"
+    hint = "take a larger step, fewer turns or narrower bounds"
+    room.require_memory(each * asked.grid.count, what, hint)  # the map of a store is read when it is made
 
     def tick(done: int, total: int) -> None:
         if progress is not None:
@@ -128,9 +133,7 @@ def placement(
         return PlacementMap(asked.described(), asked.grid, asked.headings, asked.mount, asked.targets, **arrays)
     path_of_store = checked_path(store)
     left = blocks.count - len(finished(path_of_store))
-    size = sum(np.dtype(SCORES[name].kind).itemsize for name in asked.holds) * turns * math.prod(blocks.shape) * left
-    what = f"{asked.grid.count:.4g} base positions x {turns} headings"
-    room.require_disk(path_of_store, size, what, "take a larger step, fewer turns or narrower bounds")
+    room.require_disk(path_of_store, each * math.prod(blocks.shape) * left, what, hint)
     question = {**asked.described(), "format": FORMAT, "version": VERSION, "block": list(blocks.shape)}
     about = {"format": FORMAT, "version": VERSION, "complete": False, **asked.described()}
     files = zarrs.group_files(asked.plans, _coordinates(asked), about)

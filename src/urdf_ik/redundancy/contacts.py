@@ -41,7 +41,7 @@ def without_contacts(model: Collisions, curves: Curves, T: Array, found: Found) 
         of,
         low=np.array([piece.values[0] for piece in pieces]),
         high=np.array([piece.values[-1] for piece in pieces]),
-        ends=[piece.ends for piece in pieces],
+        ends=np.array([piece.ends for piece in pieces], dtype=object).reshape(-1, 2),
         first=np.cumsum(count) - count,
         count=count,
         value=np.concatenate([*(piece.values for piece in pieces), []]),
@@ -78,7 +78,7 @@ def _cut(model: Collisions, curves: Curves, T: Array, found: Found, k: int) -> l
     out = []
     edges = np.flatnonzero(np.diff(np.concatenate([[1], hit.astype(np.int8), [1]])))
     for start, stop in zip(edges[::2], edges[1::2], strict=True):
-        values, joints, (low, high) = value[start:stop], q[start:stop], found.ends[k]
+        values, joints, (low, high) = value[start:stop], q[start:stop], tuple(found.ends[k])
         if start > 0:
             at, there, low = _contact(model, curves, T, value, q, start, start - 1)
             values, joints = np.append(at, values), np.vstack([there, joints])

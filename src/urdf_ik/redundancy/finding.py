@@ -22,7 +22,7 @@ from urdf_ik.guards import inputs
 from urdf_ik.redundancy import last_axis, swivel
 from urdf_ik.redundancy.along import Curves
 from urdf_ik.redundancy.contacts import without_contacts
-from urdf_ik.redundancy.found import End, Found
+from urdf_ik.redundancy.found import End, Found, joined
 from urdf_ik.redundancy.interval import Intervals
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def intervals(
         bounds[: arm.dof] = arm.limits
     parts, open_ = [], np.arange(len(stack))
     way = last_axis.sense(arm, plan)
-    if swivel.is_closed(plan) or way:
+    if len(stack) and (swivel.is_closed(plan) or way):
         closed, open_ = (
             last_axis.intervals(arm, way, stack, bounds[: arm.dof])
             if way
@@ -134,31 +134,25 @@ def _at_one_value(arm: SolvingArm, curves: Curves, T: Array, value: float, bound
     q, one = solutions.q[pose, column], np.full(len(pose), value)
     core = [curves.samples(T[i], each[None], values[:1]) for i, each in zip(pose, q, strict=True)]
     first, count = np.arange(len(pose)), np.ones(len(pose), dtype=np.intp)
-    ends = [(End("range"), End("range"))] * len(pose)
+    ends = np.full((len(pose), 2), End("range"))
     return Found(pose, one, one, column, ends, first, count, one, q, np.concatenate([*core, np.empty((0, 17))]))
 
 
 def _nothing(arm: SolvingArm) -> Found:
     """No interval of no pose."""
     none, empty = np.zeros(0, dtype=np.intp), np.zeros(0)
-    return Found(none, empty, empty, none, [], none, none, empty, np.empty((0, arm.dof)), np.empty((0, 17)))
-
-
-def joined(parts: list[Found]) -> Found:
-    """Several sets of intervals as one."""
-    if len(parts) == 1:
-        return parts[0]
-    samples = np.cumsum([0, *(len(part.value) for part in parts)])
-
-    def together(name: str) -> Any:
-        return np.concatenate([getattr(part, name) for part in parts])
-
-    first = np.concatenate([part.first + start for part, start in zip(parts, samples, strict=False)])
-    ends = [end for part in parts for end in part.ends]
     return Found(
-        together("pose"), together("low"), together("high"), together("column"), ends, first, together("count"),
-        together("value"), together("q"), together("core"),
-    )  # fmt: skip
+        none,
+        empty,
+        empty,
+        none,
+        np.empty((0, 2), dtype=object),
+        none,
+        none,
+        empty,
+        np.empty((0, arm.dof)),
+        np.empty((0, 17)),
+    )
 
 
 def _found(arm: SolvingArm, plan: RedundantPlan, curves: Curves, T: Array, bounds: Array, threads: int) -> Found:
@@ -196,7 +190,7 @@ def _found(arm: SolvingArm, plan: RedundantPlan, curves: Curves, T: Array, bound
         value = value.copy()
         value[samples_of] += np.repeat(turned, count)
         low, high = low + turned, high + turned
-    ends = [(_end(arm, row[4], row[6]), _end(arm, row[5], row[7])) for row in numbers.tolist()]
+    ends = _ends(arm, numbers[:, 4:6], numbers[:, 6:8])
     found = Found(pose, low, high, column, ends, first, count, value, joints, samples)
     _name(arm, T, found)
     order = np.lexsort((low, column, pose))
@@ -277,10 +271,15 @@ def _beyond(arm: SolvingArm, plan: RedundantPlan, curves: Curves, T: Array, grid
     return out
 
 
-def _end(arm: SolvingArm, why: int, joint: int) -> End:
-    """An end as the core gives it."""
-    cause = _CAUSES[why]
-    return End(cause, arm.joint_names[joint], upper=why == _UPPER) if cause == "limit" else End(cause)
+def _ends(arm: SolvingArm, why: NDArray[np.intp], joint: NDArray[np.intp]) -> NDArray[np.object_]:
+    """Ends (k, 2) as the core gives them: numbers of the cause and of the joint, -1 without one."""
+    table = np.empty((len(_CAUSES), arm.dof + 1), dtype=object)  # the last column: no joint
+    for k, cause in enumerate(_CAUSES):
+        limit = cause == "limit"
+        table[k, :-1] = [End(cause, name, upper=k == _UPPER) if limit else None for name in arm.joint_names]
+        table[k, -1] = None if limit else End(cause)
+    ends: NDArray[np.object_] = table[why, joint]
+    return ends
 
 
 def _name(arm: SolvingArm, T: Array, found: Found) -> None:

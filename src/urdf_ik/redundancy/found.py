@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     Array = NDArray[np.float64]
@@ -61,7 +62,7 @@ class Found:
         low: (k,) rad or m.
         high: (k,) rad or m.
         column: (k,) of the solver, in the middle.
-        ends: of each the two ends.
+        ends: (k, 2) both ends of each, End.
         first: (k,) its first sample.
         count: (k,) its samples, of growing value.
         value: (s,) rad or m, of samples on the curves, the ends of every interval among them.
@@ -73,7 +74,7 @@ class Found:
     low: Array
     high: Array
     column: NDArray[np.intp]
-    ends: list[tuple[End, End]]
+    ends: NDArray[np.object_]
     first: NDArray[np.intp]
     count: NDArray[np.intp]
     value: Array
@@ -83,6 +84,22 @@ class Found:
     def of(self, which: NDArray[np.intp]) -> Found:
         """Some of the intervals; the samples stay as they are."""
         return Found(
-            self.pose[which], self.low[which], self.high[which], self.column[which], [self.ends[k] for k in which],
+            self.pose[which], self.low[which], self.high[which], self.column[which], self.ends[which],
             self.first[which], self.count[which], self.value, self.q, self.core,
         )  # fmt: skip
+
+
+def joined(parts: list[Found]) -> Found:
+    """Several sets of intervals as one."""
+    if len(parts) == 1:
+        return parts[0]
+    samples = np.cumsum([0, *(len(part.value) for part in parts)])
+
+    def together(name: str) -> Any:
+        return np.concatenate([getattr(part, name) for part in parts])
+
+    first = np.concatenate([part.first + start for part, start in zip(parts, samples, strict=False)])
+    return Found(
+        together("pose"), together("low"), together("high"), together("column"), together("ends"), first,
+        together("count"), together("value"), together("q"), together("core"),
+    )  # fmt: skip

@@ -301,7 +301,7 @@ class Intervals:
     def _interval(self, k: int) -> Interval:
         found = self._found
         branch = self.arm.structure.branches[found.column[k]]
-        return Interval(branch, float(found.low[k]), float(found.high[k]), found.ends[k])
+        return Interval(branch, float(found.low[k]), float(found.high[k]), tuple(found.ends[k]))
 
     def _single(self, what: str) -> None:
         if self.shape:

@@ -65,11 +65,12 @@ def intervals(arm: SolvingArm, way: float, T: Array, limits: Array) -> tuple[Fou
         middle = way * (bounds.middle[last] - solutions.q[pose, column, last])
         low = wrapped(middle - bounds.half[last])
         high = low + 2.0 * bounds.half[last]
-        ends = [End("limit", arm.joint_names[last], upper=upper) for upper in (way < 0.0, way > 0.0)]
+        both = [End("limit", arm.joint_names[last], upper=upper) for upper in (way < 0.0, way > 0.0)]
     else:
         low, high = np.full(len(pose), -np.pi), np.full(len(pose), np.pi)
-        ends = [End("none")] * 2
+        both = [End("none")] * 2
+    ends = np.tile(np.array(both), (len(pose), 1))
     nothing = np.zeros(len(pose), dtype=np.intp)
     empty = np.zeros(0), np.zeros((0, arm.dof)), np.zeros((0, 17))
-    found = Found(pose, low, high, column, [(ends[0], ends[1])] * len(pose), nothing, nothing, *empty)
+    found = Found(pose, low, high, column, ends, nothing, nothing, *empty)
     return found, np.flatnonzero(singular)

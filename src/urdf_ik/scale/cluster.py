@@ -39,6 +39,12 @@ SLOWER = 10.0
 """A chunk is handed to a second worker when it has taken this many times as long as the slowest one before it."""
 MOST_A_CORE = 4
 """Worker processes that are started for each core of this machine at most."""
+OF_OUR_OWN = {
+    "distributed.scheduler.worker-ttl": f"{PATIENCE:g}s",
+    "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,
+}
+"""Dask's settings for the cluster that :func:`connect` makes. By its defaults workers give freed memory back at once;
+the arrays of each few thousand poses are then new pages, which the system clears, and solving takes twice as long."""
 AHEAD = 2
 """Chunks under way for each thread of the workers: the next one is there when one is finished."""
 LEAST_AHEAD = 4
@@ -69,7 +75,7 @@ def connect(scheduler: str | None = None, workers: int | None = None) -> Any:
         raise ClusterError(f"scheduler={quoted(scheduler)} given; an address such as tcp://10.0.0.5:8786 is needed")
     distributed = _package()
     if scheduler is None:
-        with import_module("dask.config").set({"distributed.scheduler.worker-ttl": f"{PATIENCE:g}s"}):
+        with import_module("dask.config").set(OF_OUR_OWN):
             return distributed.Client(
                 n_workers=workers or 1,
                 threads_per_worker=1,

@@ -8,7 +8,7 @@ import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from urdf_ik.errors import StoreError
+from urdf_ik.errors import ArgumentError, StoreError
 from urdf_ik.guards.files import name_of
 
 if TYPE_CHECKING:
@@ -41,6 +41,28 @@ def free_disk(folder: Path) -> int:
         True
     """
     return shutil.disk_usage(folder).free
+
+
+def require_memory(needed: int, what: str, hint: str, error: Callable[[str], UrdfIkError] = ArgumentError) -> None:
+    """Refuse what does not fit in memory, before any work.
+
+    Args:
+        needed: bytes that it takes.
+        what: what is to be made, in the plural, and how much of it.
+        hint: what would make it fit.
+        error: class of what is raised.
+
+    Raises:
+        UrdfIkError: ``error``, with the numbers.
+
+    Example:
+        >>> require_memory(2**70, "10 samples", "take fewer")
+        Traceback (most recent call last):
+        urdf_ik.errors.ArgumentError: 10 samples take 1.1e+12 GiB of memory, and ... are free; take fewer
+    """
+    free = available_memory()
+    if needed > free:
+        raise error(f"{what} take {size_text(needed)} of memory, and {size_text(free)} are free; {hint}")
 
 
 def require_disk(

@@ -260,10 +260,11 @@ class IKSolutions(KeptSolutions):
         margin = inputs.number(margin, "margin", low=0.0, unit="m")
         q, info = self._q.copy(), self._info.copy()
         places = np.nonzero(info & 1)
-        hits = np.asarray(self.arm.collision_model.in_world(world).in_collision(q[places], margin), dtype=np.bool_)
+        model = self.arm.collision_model.in_world(world)
+        hits = np.asarray(model.in_collision(q[places], margin), dtype=np.bool_)
         dropped = tuple(place[hits] for place in places)
         q[dropped], info[dropped] = np.nan, 0
-        return self._derived(q, info, self._branches, Step("collision", self, amount=margin))
+        return self._derived(q, info, self._branches, Step("collision", self, amount=margin, model=model))
 
     def to_frame(self) -> Any:
         """The solutions as a ``pandas.DataFrame``, one row each.

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from urdf_ik.solutions.solved_arm import SolvedArm
+    from urdf_ik.solutions.solved_arm import Collisions, SolvedArm
 
     Array = NDArray[np.float64]
     Columns = NDArray[np.intp]
@@ -97,6 +97,7 @@ class Step(NamedTuple):
         amount: tolerance [rad or m] of the limits, margin [m] of collisions.
         apart: (..., B, n) rad or m, how far each joint of the solutions before was from the reference, for 'within'.
         within: (n,) rad or m, how far it may be, for 'within'.
+        model: what was asked whether anything touches, for 'collision'.
     """
 
     how: str
@@ -105,6 +106,7 @@ class Step(NamedTuple):
     amount: float = 0.0
     apart: Array | None = None
     within: Array | None = None
+    model: Collisions | None = None
 
     def __reduce__(self) -> tuple[Callable[..., Step], tuple[Any, ...]]:
         return _step, tuple(self)

@@ -34,7 +34,7 @@ def explanation(solutions: KeptSolutions) -> str:
         return f"{found} the pose, none inside the joint limits; {_out_of_limits(step.parent, step.amount)}"
     inside = " inside the joint limits" if {"limits", "turns"} & set(step.parent.filters) else ""
     near = f" or comes within {step.amount:g} m of one" if step.amount else ""
-    return f"{found} the pose{inside}, and every one is in collision{near}"
+    return f"{found} the pose{inside}, and every one is in collision{near}{_touching(step)}"
 
 
 def table(solutions: KeptSolutions, degrees: bool = False) -> str:
@@ -61,6 +61,16 @@ def table(solutions: KeptSolutions, degrees: bool = False) -> str:
     if len(shown) > _MOST_ROWS:
         lines.append(f"... and {len(shown) - _MOST_ROWS} more")
     return "\n".join(lines)
+
+
+def _touching(step: Step) -> str:
+    """What touches what in the first of the solutions before; '' where that is over, since a world can be changed."""
+    assert step.model is not None
+    first = next(iter(step.parent))
+    nearest = step.model.nearest_pair(first.q)
+    if nearest.distance > step.amount:
+        return ""
+    return f"; in the first, {first.branch}, these are {' and '.join(map(quoted, nearest.links))}"
 
 
 def _too_far(step: Step) -> str:

@@ -179,7 +179,7 @@ class Structure:
             'up to 8 solutions'
         """
         further = sum(name.startswith("further ") for name in self.branches)
-        most = f"up to {self.max_solutions} solutions"
+        most = "one solution at most" if self.max_solutions == 1 else f"up to {self.max_solutions} solutions"
         if not further:
             return most
         ideal = self.max_solutions - further

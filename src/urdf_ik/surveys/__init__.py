@@ -13,6 +13,6 @@ The checks are those of :mod:`urdf_ik.crosscheck`, or with ``complete=True`` of 
 from __future__ import annotations
 
 from urdf_ik.surveys.checking import survey, urdf_files
-from urdf_ik.surveys.report import FAILED, NOT_CHECKED, PASSED, REFUSED, Checked, Survey
+from urdf_ik.surveys.report import FAILED, NOT_AN_ARM, NOT_CHECKED, PASSED, REFUSED, Checked, Survey
 
-__all__ = ["Checked", "FAILED", "NOT_CHECKED", "PASSED", "REFUSED", "Survey", "survey", "urdf_files"]
+__all__ = ["Checked", "FAILED", "NOT_AN_ARM", "NOT_CHECKED", "PASSED", "REFUSED", "Survey", "survey", "urdf_files"]

@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import Any
 
 from urdf_ik.arm import Arm, load
+from urdf_ik.arm.loading import read
 from urdf_ik.completeness import Completeness, compare
 from urdf_ik.crosscheck import Report, check
-from urdf_ik.errors import ArgumentError, StoreError, UnsupportedArm, UrdfError, UrdfIkError
+from urdf_ik.errors import ArgumentError, ChainError, StoreError, UnsupportedArm, UrdfError, UrdfIkError
 from urdf_ik.guards import files as files_guard
 from urdf_ik.guards import inputs
 from urdf_ik.scale import Folder, run, versions
-from urdf_ik.surveys.report import FAILED, NOT_CHECKED, PASSED, REFUSED, Checked, Survey
+from urdf_ik.surveys.report import FAILED, NOT_AN_ARM, NOT_CHECKED, PASSED, REFUSED, Checked, Survey
 from urdf_ik.text import json_text, printable
 from urdf_ik.urdf.xml import MAX_BYTES
 
@@ -73,7 +74,8 @@ def survey(
 ) -> Survey:
     """Check every arm of a folder, or of a list of files, against Pinocchio, or for solutions that its solver lacks.
 
-    A file that cannot be read, or an arm that no check is for, is a row of the table and ends nothing.
+    A file that cannot be read, one without an arm, or an arm that no check is for, is a row of the table and ends
+    nothing.
 
     Args:
         files: a folder, whose URDFs are taken with those of the folders in it; or paths.
@@ -190,7 +192,8 @@ class Checking:
         try:
             arm = load(self.paths[chunk], self.base, self.tip, mesh_roots=self.mesh_roots)
         except UrdfIkError as error:
-            return Checked(name, REFUSED, words=str(error))
+            without = isinstance(error, ChainError) and self._has_no_chain(chunk)
+            return Checked(name, NOT_AN_ARM if without else REFUSED, words=str(error))
         try:
             done = self._complete(arm) if self.complete else self._check(arm)
         except UrdfIkError as error:
@@ -198,6 +201,13 @@ class Checking:
             done = {"result": result, "words": str(error)}
         family = arm.structure.family or ""
         return Checked(name, robot=arm.name, base=arm.base, tip=arm.tip, joints=arm.dof, family=family, **done)
+
+    def _has_no_chain(self, chunk: int) -> bool:
+        """Whether no joint of a URDF moves an arm, so that there is nothing to be solved, whatever is asked."""
+        try:
+            return not read(self.paths[chunk], mesh_roots=self.mesh_roots)[0].chains()
+        except UrdfIkError:
+            return False
 
     def _check(self, arm: Arm) -> dict[str, Any]:
         found = check(arm, n=self.n, seed=self.seed, collision=self.collision)

@@ -7,8 +7,10 @@ from typing import Any
 
 from urdf_ik.text import aligned, json_text, plain, printable
 
-PASSED, FAILED, REFUSED, NOT_CHECKED = "passed", "FAILED", "REFUSED", "not checked"
-"""Results of an arm: every property holds; one does not; the file cannot be read; no check is for such an arm."""
+PASSED, FAILED, REFUSED, NOT_CHECKED, NOT_AN_ARM = "passed", "FAILED", "REFUSED", "not checked", "not an arm"
+"""Results of a file: every property holds; one does not; no arm can be read from it; no check is for such an arm; no
+chain of joints is in it, as in a URDF of obstacles."""
+RESULTS = (PASSED, FAILED, REFUSED, NOT_CHECKED, NOT_AN_ARM)
 
 _HEADER = ("file", "joints", "family", "found", "result")
 
@@ -19,7 +21,7 @@ class Checked:
 
     Attributes:
         file: its name, as given.
-        result: ``PASSED``, ``FAILED``, ``REFUSED`` or ``NOT_CHECKED``.
+        result: ``PASSED``, ``FAILED``, ``REFUSED``, ``NOT_CHECKED`` or ``NOT_AN_ARM``.
         robot: the robot's name; '' for a file that cannot be read, as are base, tip and family.
         base: base link.
         tip: tip link.
@@ -72,8 +74,8 @@ class Survey:
 
     @property
     def passed(self) -> bool:
-        """Whether no arm failed and no file was refused; arms that no check is for do not count."""
-        return all(each.result in (PASSED, NOT_CHECKED) for each in self.arms)
+        """Whether no arm failed and no file was refused; what no check is for, and what is no arm, does not count."""
+        return all(each.result in (PASSED, NOT_CHECKED, NOT_AN_ARM) for each in self.arms)
 
     def count(self, result: str) -> int:
         """Number of arms with that result.
@@ -105,13 +107,13 @@ class Survey:
         return json_text(self.to_dict())
 
     def verdict(self) -> str:
-        """The last line: how many passed, failed, were refused or not checked.
+        """The last line: how many passed, failed, were refused, not checked or no arm.
 
         Example:
             >>> Survey({}, (Checked("a.urdf", PASSED), Checked("b.urdf", REFUSED, words="empty"))).verdict()
             'FAILED: 2 files: 1 passed, 1 refused'
         """
-        counts = [(self.count(result), result.lower()) for result in (PASSED, FAILED, REFUSED, NOT_CHECKED)]
+        counts = [(self.count(result), result.lower()) for result in RESULTS]
         parts = ", ".join(f"{count} {word}" for count, word in counts if count)
         files = "1 file" if len(self.arms) == 1 else f"{len(self.arms)} files"
         return f"{'PASSED' if self.passed else 'FAILED'}: {files}: {parts}"

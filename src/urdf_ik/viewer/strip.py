@@ -33,7 +33,7 @@ def drawn(state: State) -> str:
     parts = [part for bar in every for part in _bar(bar, low, high)]
     here = _across(float(np.atleast_1d(state.redundancy)[0]), low, high)
     parts.append(
-        f'<line x1="{here:.2f}" x2="{here:.2f}" y1="0" y2="{height:g}" stroke="#d55e00" stroke-dasharray="3 2"/>'
+        f'<line x1="{here:.2f}" x2="{here:.2f}" y1="0" y2="{height:g}" stroke="{_HERE}" stroke-dasharray="3 2"/>'
     )
     causes = [cause for cause in ENDS if any(end == cause for bar in every for _, end in bar.ends)]
     entries = [f'<span style="color:{ENDS[cause][0]}">&#9608;</span> {ENDS[cause][1]}' for cause in causes]

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
     Mask = NDArray[np.bool_]
 
+_BEYOND = 1e-3  # rad, more than what a limit may be exceeded by
 _WORD = 8  # as many branches, a byte each, are one machine word
 
 
@@ -41,8 +42,11 @@ class Counting:
         self._q: Array | None = None
         turning = ~arm.chain.prismatic
         lower, upper = arm.limits.T
-        # A joint that turns all the way round has an image inside whatever its value.
-        self._limited = np.flatnonzero(~(turning & (upper - lower >= TURN)))
+        # A joint that turns all the way round has an image inside whatever its value; one that slides, or whose limits
+        # are within half a turn of zero, none but the value itself, which the solver gives within half a turn of zero.
+        limited = ~(turning & (upper - lower >= TURN))
+        plain = ~turning | ((lower > _BEYOND - 0.5 * TURN) & (upper < 0.5 * TURN - _BEYOND))
+        self._plain, self._imaged = np.flatnonzero(limited & plain), np.flatnonzero(limited & ~plain)
         self._turning = turning
 
     @property
@@ -60,14 +64,16 @@ class Counting:
 
     def keep_within_limits(self) -> None:
         """Drop solutions without an image inside the limits."""
-        some = self._limited
-        q, (lower, upper) = self.vectors[:, some], self._arm.limits[some].T
-        # Most are inside as they are; their images are looked for only where they are not.
-        inside = ((q >= lower) & (q <= upper)).all(axis=-1)
-        out = np.flatnonzero(~inside)
-        first, last = joint_limits.image_range(q[out], self._arm.limits[some], self._turning[some])
-        inside[out] = (first <= last).all(axis=-1)
-        self._keep(inside)
+        limits, tol = self._arm.limits, joint_limits.LIMIT_TOLERANCE
+        inside = self.kept.copy()
+        for joint in self._plain:
+            values, (lower, upper) = self._all[..., joint], limits[joint]
+            inside &= (values >= lower - tol) & (values <= upper + tol)
+        some = self._imaged
+        if len(some):
+            first, last = joint_limits.image_range(self._all[inside][:, some], limits[some], self._turning[some])
+            inside[inside] = (first <= last).all(axis=-1)
+        self.kept, self._q = inside, None
 
     def keep_free(self, world: World | None, margin: float = 0.0) -> None:
         """Drop solutions in which links come within ``margin`` [m] of each other, or of the obstacles of a world."""
@@ -97,4 +103,4 @@ class Counting:
     def _keep(self, good: Mask) -> None:
         kept = self.kept.copy()
         kept[self.kept] = good
-        self.kept, self._q = kept, self.vectors[good]
+        self.kept, self._q = kept, None

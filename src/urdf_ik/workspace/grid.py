@@ -243,12 +243,7 @@ def require_memory(grid: Grid, samples: int, needed: int) -> None:
     Raises:
         WorkspaceError: with the numbers.
     """
-    free = room.available_memory()
-    if needed > free:
-        raise WorkspaceError(
-            f"{_words(grid, samples)} take {room.size_text(needed)} of memory, and {room.size_text(free)} are free; "
-            f"{_HINT}"
-        )
+    room.require_memory(needed, _words(grid, samples), _HINT, WorkspaceError)
 
 
 def require_room(grid: Grid, samples: int, needed: int, output: Path) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from urdf_ik.errors import WorkspaceError
 from urdf_ik.guards import inputs
-from urdf_ik.poses import to_quat_xyzw
+from urdf_ik.poses import check_poses
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
+MANY = 512
+"""Orientations beyond which a tree finds the nearest one faster than a comparison with all of them."""
+_AT_ONCE = 2**15  # comparisons at a time: they stay in the cache, and are too few for BLAS to start threads for
 # Shape of one target of each task, and what it is.
 _TARGETS = {
     "pose": ((4, 4), "poses (m, 4, 4)"),
@@ -70,12 +73,18 @@ def cells(grid: Grid, samples: Array, task: str, targets: Any) -> Cells:
 
 
 def _nearest_rotation(samples: Array, poses: Array) -> NDArray[np.intp]:
-    """The rotation (S, 3, 3) that is the least turn away, one for each pose: nearest quaternions of either sign."""
-    stack = np.tile(np.eye(4), (len(samples), 1, 1))
-    stack[:, :3, :3] = samples
-    known = to_quat_xyzw(stack)
-    found = _tree(np.concatenate([known, -known])).query(to_quat_xyzw(poses))[1]
-    return np.asarray(found % len(samples), dtype=np.intp)
+    """The rotation (S, 3, 3) that is the least turn away, one for each pose (m, 4, 4)."""
+    rotations, known = check_poses(poses)[:, :3, :3].reshape(-1, 9), samples.reshape(-1, 9)
+    if len(known) > MANY:
+        return np.asarray(_tree(known).query(rotations)[1], dtype=np.intp)
+    found = np.empty(len(rotations), dtype=np.intp)
+    rows = _AT_ONCE // len(known)
+    for start in range(0, len(rotations), rows):
+        part = slice(start, start + rows)
+        # As rows of nine numbers the product of two is 1 + 2 cos of the angle between them, the trace of A^T B: the
+        # nearest one has the greatest product, and is also the nearest point.
+        found[part] = (rotations[part] @ known.T).argmax(axis=1)
+    return found
 
 
 def _nearest_of(samples: Array, given: Array) -> NDArray[np.intp]:

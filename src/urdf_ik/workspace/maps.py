@@ -167,6 +167,8 @@ class WorkspaceMap(Frozen):
     Example:
         >>> import urdf_ik
         >>> found = urdf_ik.workspace.compute(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
+        >>> found
+        <WorkspaceMap of planar_2r: 8 x 8 x 1 voxels of 0.05 m x 1, 24 poses reached>
         >>> found.about.robot, found.solutions.shape
         ('planar_2r', (8, 8, 1, 1))
     """
@@ -181,6 +183,11 @@ class WorkspaceMap(Frozen):
     manipulability: NDArray[np.float32] | None = field(repr=False, default=None)
     margin: NDArray[np.float32] | None = field(repr=False, default=None)
     clearance: NDArray[np.float32] | None = field(repr=False, default=None)
+
+    def __repr__(self) -> str:
+        shape = " x ".join(map(str, self.grid.shape))
+        voxels = f"{shape} voxels of {self.grid.voxel:g} m x {len(self.samples)}"
+        return f"<WorkspaceMap of {self.about.robot}: {voxels}, {int((self.counts > 0).sum())} poses reached>"
 
     @property
     def counts(self) -> Counts:

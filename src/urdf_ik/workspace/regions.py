@@ -64,6 +64,10 @@ class PlanarWorkspace(Frozen):
     boundary: Region
     overlap: Region
 
+    def __repr__(self) -> str:
+        links = " and ".join(f"{length:g} m" for length in self.lengths)
+        return f"<PlanarWorkspace of {self.name}: links of {links}, boundary of {len(self.boundary.arcs)} arcs>"
+
     def joints(self, points: ArrayLike, elbow: str) -> Array:
         """Joint vectors (..., 2) rad within the limits for points (..., 2) m, NaN where a point is not reached.
 

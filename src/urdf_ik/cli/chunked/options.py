@@ -7,6 +7,7 @@ from typing import Annotated
 
 from typer import Option
 
+from urdf_ik.cli.options import OBSTACLES, POSES_IN_A_FILE
 from urdf_ik.guards.inputs import MOST_THREADS
 
 # Where the work is kept, and who does it.
@@ -15,7 +16,7 @@ Store = Annotated[
     Option("--store", metavar="FOLDER", help="Make it on the disk, in this folder; run again, it goes on."),
 ]
 Workers = Annotated[
-    int | None, Option("--workers", min=1, help="Processes on this machine that fill the store (urdf-ik\\[scale]).")
+    int | None, Option("--workers", min=1, help="Processes on this machine that fill the store (urdf-ik[scale]).")
 ]
 Scheduler = Annotated[
     str | None,
@@ -30,8 +31,7 @@ Targets = Annotated[
         "--targets",
         "-t",
         metavar="FILE",
-        help="Poses of the tip in the cell: csv with a header (x,y,z and qw,qx,qy,qz or roll,pitch,yaw), json, npy or "
-        "npz of 4x4 matrices, or - for stdin.",
+        help=f"Poses of the tip in the cell: {POSES_IN_A_FILE}",
     ),
 ]
 BaseBounds = Annotated[
@@ -50,7 +50,7 @@ Mount = Annotated[
 AlongPath = Annotated[bool, Option("--path", help="The targets are the waypoints of a path to be followed.")]
 CellOfBase = Annotated[
     Path | None,
-    Option("--world", metavar="FILE", help="Obstacles: the collision shapes of a URDF of fixed links, in the cell."),
+    Option("--world", metavar="FILE", help=f"{OBSTACLES} cell."),
 ]
 LookForContacts = Annotated[
     bool | None,

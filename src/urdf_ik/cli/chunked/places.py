@@ -7,9 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from urdf_ik import scale
-from urdf_ik.cli import console
-
 
 @dataclass(frozen=True)
 class Places:
@@ -21,9 +18,9 @@ class Places:
         scheduler: address of the scheduler whose workers do.
     """
 
-    store: Path | None
-    workers: int | None
-    scheduler: str | None
+    store: Path | None = None
+    workers: int | None = None
+    scheduler: str | None = None
 
     def check(self) -> None:
         """Refuse what cannot be.
@@ -31,6 +28,8 @@ class Places:
         Raises:
             typer.BadParameter: two of these do not go together.
         """
+        from urdf_ik.cli import console
+
         if self.workers is not None and self.scheduler is not None:
             raise console.usage("--scheduler has workers of its own: give it or --workers", "--workers")
         if self.store is None and (self.workers is not None or self.scheduler is not None):
@@ -40,4 +39,6 @@ class Places:
         """The workers, for as long as the work takes; None for this process."""
         if self.workers is None and self.scheduler is None:
             return nullcontext()
+        from urdf_ik import scale
+
         return scale.connect(self.scheduler, self.workers)  # type: ignore[no-any-return]

@@ -7,6 +7,7 @@ from typing import Any
 from urdf_ik.cli import options
 from urdf_ik.cli.chosen_arm import ChosenArm, angles_of, on_an_arm
 from urdf_ik.cli.chunked import options as chunked
+from urdf_ik.cli.chunked.places import Places
 from urdf_ik.cli.options import ReportFormat
 from urdf_ik.cli.program import app, help_text
 
@@ -34,9 +35,7 @@ def workspace(
     clearance: options.Clearance = False,
     world: options.Cell = None,
     threads: chunked.Threads = 1,
-    store: chunked.Store = None,
-    workers: chunked.Workers = None,
-    scheduler: chunked.Scheduler = None,
+    work: Places,
     chosen: ChosenArm,
     degrees: options.Degrees = False,
     printed_as: options.TextFormat = ReportFormat.TABLE,
@@ -45,17 +44,14 @@ def workspace(
     """Print the region, or the map's sums, and save the map."""
     from urdf_ik.cli import console, paths
     from urdf_ik.cli.chunked import workspace as workspace_command
-    from urdf_ik.cli.chunked.places import Places
 
     arm = chosen.load()
-    corners = ("x0", "y0", "z0", "x1", "y1", "z1")
-    box = None if bounds is None else console.numbers(bounds, "--bounds", corners).reshape(2, 3).tolist()
+    box = None if bounds is None else console.box(bounds, "--bounds").tolist()
     given: dict[str, Any] = {"voxel": voxel, "orientations": orientations, "bounds": box}
     given |= {"collision_free": collision_free}
     given |= {"manipulability": manipulability, "margin": margin, "threads": None if threads == 1 else threads}
     given |= {"clearance": clearance, "world": paths.cell(world, chosen)}
-    places, as_json = Places(store, workers, scheduler), printed_as is ReportFormat.JSON
-    workspace_command.run(arm, angles_of(arm, degrees), output, places, as_json, given)
+    workspace_command.run(arm, angles_of(arm, degrees), output, work, printed_as is ReportFormat.JSON, given)
 
 
 @app.command(
@@ -85,9 +81,7 @@ def placement(
     picture: chunked.Drawn = None,
     show: chunked.Score = "reached",
     threads: chunked.Threads = 1,
-    store: chunked.Store = None,
-    workers: chunked.Workers = None,
-    scheduler: chunked.Scheduler = None,
+    work: Places,
     chosen: ChosenArm,
     degrees: options.Degrees = False,
     printed_as: options.TextFormat = ReportFormat.TABLE,
@@ -97,11 +91,10 @@ def placement(
 
     from urdf_ik.cli import console, paths
     from urdf_ik.cli.chunked import placement as placement_command
-    from urdf_ik.cli.chunked.places import Places
     from urdf_ik.poses import pose
 
     chosen.without_stdin(targets, "--targets")
-    box = console.numbers(bounds, "--bounds", ("x0", "y0", "z0", "x1", "y1", "z1")).reshape(2, 3)
+    box = console.box(bounds, "--bounds")
     turned = None
     if mount is not None:
         rpy = console.numbers(mount, "--mount", ("roll", "pitch", "yaw"))
@@ -114,7 +107,7 @@ def placement(
         angles_of(arm, degrees),
         targets,
         given,
-        Places(store, workers, scheduler),
+        work,
         count=places,
         picture=picture,
         score=show,
@@ -140,17 +133,14 @@ def dataset(
     world: options.Cell = None,
     collisions: chunked.SampleContacts = None,
     threads: chunked.Threads = 1,
-    workers: chunked.Workers = None,
-    scheduler: chunked.Scheduler = None,
+    work: Places,
     chosen: ChosenArm,
     printed_as: options.TextFormat = ReportFormat.TABLE,
 ) -> None:
     """Write the samples, and print what the store holds."""
     from urdf_ik.cli import paths
     from urdf_ik.cli.chunked import dataset as dataset_command
-    from urdf_ik.cli.chunked.places import Places
 
     given: dict[str, Any] = {"seed": seed, "world": paths.cell(world, chosen), "collisions": collisions}
     given["threads"] = threads
-    places = Places(store, workers, scheduler)
-    dataset_command.run(chosen.load(), n, store, given, places, printed_as is ReportFormat.JSON)
+    dataset_command.run(chosen.load(), n, store, given, work, printed_as is ReportFormat.JSON)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import platform
 import sys
+import textwrap
 import time
 from dataclasses import asdict, dataclass
-from importlib import metadata
+from importlib import import_module, metadata
 
 from urdf_ik import __version__, _core
 from urdf_ik.cli import console, tables
@@ -15,12 +16,14 @@ NEEDED = ("numpy", "pin", "coal", "yourdfpy", "lxml", "trimesh", "scipy")
 OPTIONAL = {
     "plot": ("matplotlib",),
     "viewer": ("viser",),
-    "robots": ("example-robot-data", "robot_descriptions"),
+    "robots": ("example-robot-data", "robot_descriptions", "xacro"),
     "xacro": ("xacro",),
     "mjcf": ("mujoco",),
-    "notebooks": ("ipykernel", "ipywidgets"),
-    "timing": ("toppra",),
     "tables": ("pandas", "xarray"),
+    "interop": ("pin-pink", "daqp", "rerun-sdk"),
+    "notebooks": ("ipykernel", "ipywidgets"),
+    "scale": ("dask", "distributed", "zarr", "pyarrow", "xarray"),
+    "timing": ("toppra",),
 }
 _ARMS = ("zyyzyz_6r", "scara_rrpr", "stanford_rrprrr", "srs_7r")
 _POSES = 50
@@ -61,7 +64,8 @@ class Findings:
         instruction_sets: the one that is used, and those that this build has.
         extras: versions of what each extra brings; '' for what is missing.
         tests: the solvers against Pinocchio.
-        seconds: what the tests took.
+        loading: seconds that the packages took to be imported, which the first command of all waits for.
+        seconds: what the tests took then.
     """
 
     versions: dict[str, str]
@@ -69,6 +73,7 @@ class Findings:
     instruction_sets: tuple[str, tuple[str, ...]]
     extras: dict[str, dict[str, str]]
     tests: tuple[Test, ...]
+    loading: float
     seconds: float
 
     @property
@@ -81,7 +86,10 @@ def examine() -> Findings:
     """Look at the installation, and test it."""
     versions = {"urdf-ik": __version__, "python": platform.python_version()}
     versions |= {name: _version(name) for name in NEEDED}
-    start = time.perf_counter()
+    begun = time.perf_counter()
+    for package in ("urdf_ik.reference", "urdf_ik.arm", "yourdfpy"):
+        import_module(package)
+    loaded = time.perf_counter()
     tests = tuple(_test(name) for name in _ARMS)
     return Findings(
         versions,
@@ -89,7 +97,8 @@ def examine() -> Findings:
         (_core.isa(), tuple(_core.levels())),
         {extra: {name: _version(name) for name in names} for extra, names in OPTIONAL.items()},
         tests,
-        time.perf_counter() - start,
+        loaded - begun,
+        time.perf_counter() - loaded,
     )
 
 
@@ -103,14 +112,17 @@ def as_text(found: Findings) -> str:
         missing = [name for name, version in packages.items() if not version]
         words = [here] if here else []
         words += [f"without {', '.join(missing)}: pip install 'urdf-ik[{extra}]'"] if missing else []
-        lines.append(f"{extra:<14}{'; '.join(words)}")
+        lines += textwrap.wrap(
+            f"{extra:<14}{'; '.join(words)}", 80, subsequent_indent=" " * 14, break_on_hyphens=False
+        )
     rows = [
         [test.arm, test.poses, test.solutions, test.missed, f"{test.error:.1e}", "yes" if test.passed else "FAIL"]
         for test in found.tests
     ]
     table = tables.grid(["arm", "poses", "solutions", "missed", "error [m, rad]", "passed"], rows, left=["arm"])
     verdict = "all is well" if found.passed else "something is wrong: see above"
-    return tables.render(*lines, "", table, "", f"{verdict}; the test took {found.seconds:.1f} s")
+    times = f"loading the packages took {found.loading:.1f} s, the test {found.seconds:.1f} s"
+    return tables.render(*lines, "", table, "", f"{verdict}; {times}")
 
 
 def as_json(found: Findings) -> str:

@@ -104,7 +104,7 @@ def as_text(arm: Arm, angles: Angles) -> str:
     facts = [
         ("robot", arm.name),
         ("source", arm.model.source),
-        ("chain", f"{arm.base} to {arm.tip}, {arm.dof} joints"),
+        ("chain", f"{arm.base} to {arm.tip}, {arm.dof} joint{'s' if arm.dof > 1 else ''}"),
         *[("mimics", str(follower)) for follower in arm.chain.followers],
         *[("locked", f"{name} at {_held(arm, name, value, angles)}") for name, value in arm.locked.items()],
     ]
@@ -117,7 +117,7 @@ def as_text(arm: Arm, angles: Angles) -> str:
             ("solver", structure.method),
             ("solutions", structure.solutions_in_words()),
             ("imperfection", structure.imperfection_in_words()),
-            ("cuspidal", in_words(arm.cuspidal)),
+            *([("cuspidal", in_words(arm.cuspidal))] if structure.is_6r else []),
             *([] if arm.redundancy is None else [("redundancy", str(arm.redundancy))]),
         ]
         branches = [f"{'branches' if i == 0 else '':<14}{line}" for i, line in enumerate(_columns(structure.branches))]

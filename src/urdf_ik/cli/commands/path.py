@@ -161,7 +161,7 @@ def _joints(plan: Plan, angles: Angles) -> Table:
         ]
         for k, name in enumerate(plan.arm.joint_names)
     ]
-    header = ["joint", "unit", "first", "last", "least", "most", "largest step", "lower limit", "upper limit"]
+    header = ["joint", "unit", "first", "last", "least", "most", "step", "lower", "upper"]
     return tables.grid(header, rows, left=["joint", "unit"])
 
 

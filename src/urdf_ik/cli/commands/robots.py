@@ -42,7 +42,7 @@ def listed(word: str = "", everything: bool = False) -> list[Robot]:
         >>> [robot.family for robot in listed("puma_560")]
         ['6R spherical wrist, 2||3 and 1x2']
     """
-    more = [name for name in downloads.names() if everything or catalogue.is_here(name)]
+    more = [name for name in downloads.names() if everything or downloads.is_here(name)]
     return [_robot(name) for name in (*catalogue.names(), *more) if word in name]
 
 

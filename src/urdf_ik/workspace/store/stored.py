@@ -106,7 +106,10 @@ class StoredMap:
         """
         if not isinstance(name, str) or name not in self.holds:
             raise StoreError(f"{self.path} holds no {quoted(name)}; it holds {', '.join(self.holds)}")
-        self._require(part)
+        spans = (
+            range(each.start // side, -(-each.stop // side)) for each, side in zip(part, self.blocks.shape, strict=True)
+        )
+        self._require(np.ravel_multi_index(np.meshgrid(*spans, indexing="ij"), self.blocks.along).ravel())
         return self._group.read(name, part, room.available_memory())
 
     def read(self, bounds: ArrayLike | None = None) -> WorkspaceMap:
@@ -183,28 +186,24 @@ class StoredMap:
         numbers = np.ravel_multi_index(tuple((at.voxels // self.blocks.shape).T), self.blocks.along)
         numbers = np.where(at.inside, numbers, -1)
         order = np.argsort(numbers, kind="stable")
+        asked, starts = np.unique(numbers[order], return_index=True)
         found: NDArray[Any] | None = None
-        for block, start in zip(*np.unique(numbers[order], return_index=True), strict=True):
+        for block, mine in zip(asked, np.split(order, starts[1:]), strict=True):
             if block < 0:
                 continue
             part = self.blocks.part(int(block))
             values = self.array(name, part)
             if found is None:
                 found = np.full(len(numbers), np.nan if values.dtype.kind == "f" else 0, values.dtype)
-            mine = order[start : start + np.count_nonzero(numbers == block)]
             places = at.voxels[mine] - [each.start for each in part]
             found[mine] = values[(*places.T, at.samples[mine])]
         return np.zeros(len(numbers), np.uint8) if found is None else found
 
-    def _require(self, part: Part) -> None:
-        """Refuse a box of which a block was never made: Zarr would read it as zeros."""
-        spans = (
-            range(each.start // side, -(-each.stop // side)) for each, side in zip(part, self.blocks.shape, strict=True)
-        )
+    def _require(self, wanted: NDArray[np.intp]) -> None:
+        """Refuse blocks of which one was never made: Zarr would read it as zeros."""
         done = finished(self.path)
         if len(done) == self.blocks.count:
             return
-        wanted = np.ravel_multi_index(np.meshgrid(*spans, indexing="ij"), self.blocks.along).ravel()
         missing = [int(block) for block in wanted if int(block) not in done]
         if missing:
             raise StoreError(
