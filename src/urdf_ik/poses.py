@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.errors import PoseError
-from urdf_ik.guards import inputs
+from urdf_ik.guards import inputs, sequences
 from urdf_ik.text import quoted
 from urdf_ik.tolerances import DEFAULT, LARGEST
 
@@ -216,7 +216,7 @@ def as_pose_array(T: Any) -> Array:
         (2, 4, 4)
     """
     needed = "a 4x4 array of real numbers, a pinocchio.SE3, or a list of either"
-    if type(T) is not np.ndarray and (problem := inputs.too_long(T)):
+    if type(T) is not np.ndarray and (problem := sequences.too_long(T)):
         raise PoseError(f"a pose must be {needed}: {problem}, {quoted(T)}")
     try:
         given = _unwrapped(T)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import DHError, PoseError
-from urdf_ik.guards import inputs
+from urdf_ik.guards import inputs, sequences
 from urdf_ik.poses import check_poses
 from urdf_ik.text import quoted
 
@@ -105,7 +105,7 @@ def table_array(rows: ArrayLike, columns: Sequence[str] = COLUMNS) -> Array:
         DHError: a row has more or fewer columns, or an entry is no number.
     """
     needed = f"rows of {', '.join(columns)}"
-    if problem := inputs.too_long(rows):
+    if problem := sequences.too_long(rows):
         raise DHError(f"rows={quoted(rows)}: {problem}; {needed} are needed")
     given = inputs.items(rows, "rows", needed, DHError)
     out = np.full((len(given), len(columns)), np.inf)

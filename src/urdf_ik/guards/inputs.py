@@ -7,7 +7,6 @@ import math
 import numbers
 import operator
 import os
-from array import array as packed
 from collections.abc import Mapping
 from itertools import islice
 from pathlib import Path
@@ -16,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError, UrdfIkError
+from urdf_ik.guards import sequences
 from urdf_ik.text import quoted
 from urdf_ik.tolerances import LARGEST
 
@@ -30,17 +30,8 @@ MOST_THREADS = 1024
 """Threads that share a piece of work at most."""
 MOST_POSES = 10**6
 """Random poses that are drawn at most: they are all in memory at a time."""
-MOST_LISTED = 2**24
-"""Numbers in lists, ranges and other sequences at most, which take ten times the memory of an array."""
-MOST_REPEATED = 2**27
-"""Numbers of an array at most that stands for more than it holds, as ``np.broadcast_to`` makes it: 1 GiB."""
 MOST_ITEMS = 100_000
 """Names, paths or other things in a list at most."""
-_DEEPEST = 8
-"""Levels of lists within lists at most: stacks of stacks of poses have six."""
-_MASKED = "a masked array is given"
-_NUMBERS = frozenset((float, int, np.float64))
-_AS_ARRAY = ("__array__", "__array_interface__", "__array_struct__", "__buffer__")
 _NO_NUMBERS = {
     "b": "truth values",
     "c": "complex numbers",
@@ -67,8 +58,8 @@ def real(value: Any, what: str, needed: str, error: Callable[[str], UrdfIkError]
 
     Raises:
         UrdfIkError: ``error``; complex numbers, truth values, dates, text (numeric text, too), structured and masked
-            arrays, lists whose parts do not fit together, more numbers than ``MOST_LISTED`` in lists or ranges, and
-            what is no number at all.
+            arrays, lists whose parts do not fit together, lists and ranges of more than ``sequences.MOST_LISTED``
+            numbers, and what is no number at all.
 
     Example:
         >>> real([[1, 2], [3, 4]], "q", "an array of numbers").tolist()
@@ -80,10 +71,10 @@ def real(value: Any, what: str, needed: str, error: Callable[[str], UrdfIkError]
     if type(value) is np.ndarray and value.dtype == np.float64 and value.flags.c_contiguous:
         return np.require(value, np.float64, ["C", "A", "E"])
     try:
-        problem, others = _looked_through(value)
+        problem, others = sequences.looked_through(value)
         if problem:
             raise error(f"{what} must be {needed}: {problem}, {quoted(value)}")
-        array = np.asarray(_as_lists(value) if others else value)
+        array = np.asarray(sequences.as_lists(value) if others else value)
     except UrdfIkError:
         raise
     except Exception as failure:  # whatever an object of unknown origin raises where it is asked for an array
@@ -101,81 +92,6 @@ def real(value: Any, what: str, needed: str, error: Callable[[str], UrdfIkError]
             return np.require(array, np.float64, ["C", "A", "E"])
     except (OverflowError, TypeError, ValueError, MemoryError) as failure:
         raise error(f"{what} must be {needed}: {failure}, {quoted(value)}") from None
-
-
-def too_long(value: Any) -> str:
-    """Why a sequence is not written out as an array: it is too long, too deep or masked; nothing where it may be.
-
-    Example:
-        >>> too_long(range(10**9))
-        'more than 16777216 numbers in lists or ranges are given; give a NumPy array'
-    """
-    return _looked_through(value)[0]
-
-
-def _looked_through(value: Any) -> tuple[str, bool]:
-    """Why something is not written out as an array, nothing where it may be; whether there are others than lists in it.
-
-    It may be too long or too deep, or masked. Only lengths are asked for: a range of any length costs nothing.
-    """
-    if isinstance(value, np.ndarray):
-        if isinstance(value, np.ma.MaskedArray):
-            return _MASKED, False
-        repeated = value.size > MOST_REPEATED and 0 in value.strides
-        return f"a view that stands for more than {MOST_REPEATED} numbers is given" if repeated else "", False
-    level, others = [value], False
-    for _ in range(_DEEPEST):
-        count = 0
-        inner: list[Any] = []
-        for each in level:
-            if isinstance(each, list | tuple):
-                count += len(each)
-                inner.append(each)
-            elif isinstance(each, np.ndarray):
-                if isinstance(each, np.ma.MaskedArray):
-                    return _MASKED, others
-                count += each.size
-            elif _is_sequence(each):
-                count += _length(each)
-                others = True
-            if count > MOST_LISTED:
-                return f"more than {MOST_LISTED} numbers in lists or ranges are given; give a NumPy array", others
-        level = [part for each in inner for part in each if type(part) not in _NUMBERS]
-        if not level:
-            return "", others
-    deeper = any(isinstance(each, list | tuple) or _is_sequence(each) for each in level)
-    return f"lists within lists are given, more than {_DEEPEST} deep" if deeper else "", others
-
-
-def _is_sequence(value: Any) -> bool:
-    """Whether NumPy would go through it element by element."""
-    kind = type(value)
-    return (
-        hasattr(kind, "__len__")
-        and hasattr(kind, "__getitem__")
-        and not isinstance(value, str | bytes | bytearray | memoryview | packed | Mapping)
-        and not any(hasattr(kind, name) for name in _AS_ARRAY)
-    )
-
-
-def _length(value: Any) -> int:
-    try:
-        return len(value)
-    except OverflowError:  # beyond what fits in a machine's word
-        return MOST_LISTED + 1
-
-
-def _as_lists(value: Any) -> Any:
-    """The same with other sequences than lists as lists: one may go on without end, whatever it says of its length."""
-    if isinstance(value, list | tuple):
-        return [_as_lists(each) for each in value]
-    if not _is_sequence(value):
-        return value
-    count = _length(value)
-    listed = list(islice(value, count + 1))
-    if len(listed) != count:
-        raise ValueError(f"a {type(value).__name__} that is not as long as it says")
-    return _as_lists(listed)
 
 
 def first_bad(array: Array, largest: float = LARGEST) -> tuple[int, ...] | None:
@@ -228,7 +144,8 @@ def number(
         Traceback (most recent call last):
         urdf_ik.errors.ArgumentError: margin='3' given; a finite number of m of at least 0 is needed
     """
-    single = value.item() if isinstance(value, np.ndarray) and not value.ndim and not is_masked(value) else value
+    alone = isinstance(value, np.ndarray) and not value.ndim and not sequences.is_masked(value)
+    single = value.item() if alone else value
     good = is_real(single)
     try:
         given = float(single) if good else math.nan
@@ -262,7 +179,7 @@ def whole(
         urdf_ik.errors.ArgumentError: threads=2.5 given; a whole number from 1 to 2147483648 is needed
     """
     try:
-        given = None if isinstance(value, bool | np.bool_) or is_masked(value) else operator.index(value)
+        given = None if isinstance(value, bool | np.bool_) or sequences.is_masked(value) else operator.index(value)
     except Exception:  # whatever an object of unknown origin raises where it is asked for a number
         given = None
     if given is None or not low <= given <= high:
@@ -449,21 +366,3 @@ def is_real(value: object) -> bool:
     return isinstance(value, numbers.Real | np.floating | np.integer) and not isinstance(
         value, bool | np.bool_ | np.timedelta64
     )
-
-
-def is_masked(value: object) -> bool:
-    """Whether it is a masked array, or a list that holds one, whose mask NumPy would drop in silence.
-
-    Example:
-        >>> is_masked([np.ma.masked_array([1.0], [True])]), is_masked([1.0])
-        (True, False)
-    """
-    level: list[object] = [value]
-    for _ in range(_DEEPEST):
-        if any(isinstance(each, np.ma.MaskedArray) for each in level):
-            return True
-        inner = [each for each in level if isinstance(each, list | tuple)]
-        level = [part for each in inner for part in each if isinstance(part, np.ma.MaskedArray | list | tuple)]
-        if not level:
-            break
-    return False

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import PlaceError
-from urdf_ik.guards import inputs
+from urdf_ik.guards import sequences
 from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def picked(shape: tuple[int, ...], index: Any) -> NDArray[np.intp]:
         urdf_ik.errors.PlaceError: index 7 into a batch of shape (2, 3): index 7 is out of bounds for axis 0 with size 2
     """
     try:
-        problem = next(filter(None, map(inputs.too_long, index if isinstance(index, tuple) else (index,))), "")
+        problem = next(filter(None, map(sequences.too_long, index if isinstance(index, tuple) else (index,))), "")
         if not problem:
             return np.asarray(np.arange(math.prod(shape)).reshape(shape)[index])
     except Exception as failure:  # whatever an object of unknown origin raises where it is asked for an index
