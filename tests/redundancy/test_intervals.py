@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -83,6 +84,36 @@ def test_a_scan_finds_nothing_more(case: Case) -> None:
             for end in (interval.low, interval.high):
                 edge |= np.abs(np.angle(np.exp(1j * (values - end)))) < 1e-6
         np.testing.assert_array_equal(count[~edge], covering[~edge])
+
+
+def test_round_poses_of_a_calibrated_arm() -> None:
+    """A scan agrees where wrist and shoulder are aligned on the way: curves all but meet, or close after two turns.
+
+    Origins of an S-R-S arm are off by 1e-4 m. Straight elbows are left out: the edge of reach is as near as that.
+    """
+    rng = np.random.default_rng(3)
+
+    def moved(found: re.Match[str]) -> str:
+        return f'<origin xyz="{" ".join(repr(float(x) + 1e-4 * rng.normal()) for x in found[1].split())}"'
+
+    text = Path(urdf_ik.load("srs_7r").model.source).read_text()
+    arm = urdf_ik.load(re.sub(r'<origin xyz="([^"]*)"', moved, text))
+    values = np.linspace(-np.pi, np.pi, 361)[1:]
+    turns = 0
+    for _ in range(25):
+        q = rng.choice(np.pi / 4 * np.arange(-3, 4), 7)
+        q[rng.choice([1, 5])], q[3] = 0.0, rng.choice([-1.5, -0.5, 0.5, 1.5])
+        T = arm.fk(q)
+        for within in (False, True):
+            found, s = list(arm.intervals(T, within_limits=within)), arm.ik(T, redundancy=values)
+            count = s.within_limits().count if within else s.count
+            beside = ((s.singular != 0) & s.valid).any(axis=-1)
+            for end in (end for interval in found for end in (interval.low, interval.high)):
+                beside |= np.abs(np.angle(np.exp(1j * (values - end)))) < 1e-5
+            np.testing.assert_array_equal(count[~beside], covered(found, values)[~beside])
+            assert all(interval.low <= interval.high <= interval.low + 2.0 * np.pi + 1e-9 for interval in found)
+            turns += sum(interval.width > 6.28 for interval in found)
+    assert turns > 10
 
 
 @pytest.mark.parametrize(("axis", "lower", "upper"), [("z", -1.0, 2.5), ([0.0, 0.0, -1.0], -2.5, 0.5)])
@@ -233,3 +264,15 @@ def test_the_closed_form_is_what_following_the_curves_finds(monkeypatch: pytest.
         np.testing.assert_allclose(
             [(each.low, each.high) for each in one], [(each.low, each.high) for each in other], atol=1e-7
         )
+
+
+def test_a_gap_between_curves_that_all_but_meet() -> None:
+    """Between two folds 0.007 rad apart the Panda has no solution with the elbow down; on both sides it has four."""
+    arm = urdf_ik.load("panda")
+    q = [2.255491088, -0.609099922, -2.229986609, -2.66782153, 1.876617404, 3.324392526, -1.920173338]
+    T = arm.fk(q)
+    found = [each for each in arm.intervals(T, within_limits=False) if -1.6 in each or -1.61 in each or -1.59 in each]
+    values = np.linspace(-1.65, -1.55, 1001)
+    count = arm.ik(T, redundancy=values).count
+    assert set(count.tolist()) == {0, 4}
+    np.testing.assert_array_equal(count, covered(found, values))

@@ -103,7 +103,7 @@ struct PySelfMotion {
             throw nb::value_error("arrays of poses and samples do not fit each other");
         }
         const auto sample = [](const double* from) {
-            CurveSample s;
+            CurveSample s{};
             s.value = from[0], s.rate = from[1], s.arc = from[2];
             std::memcpy(s.q, from + 3, sizeof s.q), std::memcpy(s.along, from + 10, sizeof s.along);
             return s;

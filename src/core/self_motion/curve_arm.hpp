@@ -29,6 +29,8 @@ struct OnCurve {
     double rate;      // by which it changes along the tangent
     double moved;     // how far Newton's method has moved the point
     double left;      // the error where it stopped
+    // Sign of the determinant of the Jacobian's rows and the tangent; 0 at a singularity. Along a curve it stays as it is.
+    int sense;
 };
 
 struct SelfMotionFunctions {

@@ -22,6 +22,7 @@ struct CurveSample {
     double q[7], along[7];  // the tangent points the way in which the value grows
     double value, rate;     // of the parameter, on without a jump; its derivative by the arc
     double arc;             // from the sample before [rad, shares of size]
+    int sense;              // with that tangent; see OnCurve
 };
 
 struct Interval {

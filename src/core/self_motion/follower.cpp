@@ -14,7 +14,7 @@ bool Follower::step(const CurveSample& from, const CurveSample* before, double& 
             q[j] = from.q[j] + unit(j) * (h * from.along[j] + curved);
         }
         const double share = std::min(1.0, h / WIDE_STEP), enough = std::max(ON_THE_WAY * share * share, EXACT);
-        if (settle(q, {Pin::nothing, 0, 0.0}, from.along, from.value, enough, to) && moved_ <= ASIDE * h) {
+        if (settle(q, {Pin::nothing, 0, 0.0}, from.along, from.value, enough, to) && moved_ <= ASIDE * h && agree(from, to)) {
             double same = 0.0;
             for (int j = 0; j < 7; ++j) same += to.along[j] * from.along[j];
             const double turned = std::acos(std::min(1.0, same));
@@ -37,7 +37,7 @@ bool Follower::fold_between(const CurveSample& a, const CurveSample& b, CurveSam
     double low = 0.0, high = b.arc, q[7];
     const double share = stand_still(a, b);
     between(a, b, share > 0.0 && share < 1.0 ? share : 0.5, q);
-    if (!settle(q, {Pin::nothing, 0, 0.0}, a.along, a.value, EXACT, to)) return false;
+    if (!settle(q, {Pin::nothing, 0, 0.0}, a.along, a.value, EXACT, to) || !agree(a, to)) return false;
     double at = b.arc * way_to(a, b, to), before = a.rate * to.rate > 0.0 ? high : low;
     double rate_before = before > 0.0 ? b.rate : a.rate;
     for (int round = 0; round < MOST_SECANTS && std::abs(to.rate) >= STANDS && high - low > 1e-12 * b.arc; ++round) {
@@ -46,7 +46,7 @@ bool Follower::fold_between(const CurveSample& a, const CurveSample& b, CurveSam
         if (!(next > low && next < high)) next = 0.5 * (low + high);
         for (int j = 0; j < 7; ++j) q[j] = to.q[j] + unit(j) * (next - at) * to.along[j];
         CurveSample here;
-        if (!settle(q, {Pin::nothing, 0, 0.0}, to.along, to.value, EXACT, here)) break;
+        if (!settle(q, {Pin::nothing, 0, 0.0}, to.along, to.value, EXACT, here) || !agree(to, here)) break;
         before = at, rate_before = to.rate;
         for (int j = 0; j < 7; ++j) at += gap(j, here.q[j], to.q[j]) * to.along[j];
         to = here;
@@ -69,7 +69,7 @@ CurveSample Follower::at_value(const CurveSample& a, const CurveSample& b, doubl
     const double u = 0.5 * (low + high);
     between(a, b, u, q);
     CurveSample out = a;
-    found = settle(q, {Pin::parameter, 0, value}, a.along, value, EXACT, out);
+    found = settle(q, {Pin::parameter, 0, value}, a.along, value, EXACT, out) && agree(a, out);
     out.value = value;
     out.arc = u * b.arc;
     return out;
@@ -89,7 +89,7 @@ bool Follower::closes(const CurveSample& a, const CurveSample& b, const CurveSam
         ahead += gap(j, point.q[j], a.q[j]) * a.along[j], behind += gap(j, b.q[j], point.q[j]) * b.along[j];
         same += a.along[j] * point.along[j];
     }
-    if (!(ahead > 0.0 && behind >= 0.0 && same > 0.0)) return false;
+    if (!(ahead > 0.0 && behind >= 0.0 && same > 0.0 && agree(a, point))) return false;
     between(a, b, way_to(a, b, point), q);
     return apart(q, point.q) < NEARLY_SAME;
 }
@@ -231,6 +231,7 @@ bool Follower::take(long cell, std::vector<CurveSample>& way, const std::vector<
 // How far a way between two samples is from one that turns evenly, as a share of its length; infinite where it is no step.
 double Follower::off_line(const CurveSample& a, const CurveSample& b, double& arc, double& turned) const {
     double way[7], square = 0.0, same = 0.0;
+    if (!agree(a, b)) return INFINITY;
     for (int j = 0; j < 7; ++j) {
         way[j] = gap(j, b.q[j], a.q[j]);
         if (std::abs(way[j]) > BRIDGE) return INFINITY;
@@ -287,7 +288,8 @@ void Follower::bridge_cell(long cell) {
     }
 }
 
-// Follow every solution at the ends of a cell into it. Returns whether each was met by one curve.
+// Follow every solution at the ends of a cell into it. Returns whether each was met by one curve, and none was lost that might
+// go on straight.
 bool Follower::follow_cell(long cell) {
     const double low = low_of(cell), high = high_of(cell);
     bool agrees = true;
@@ -305,7 +307,7 @@ bool Follower::follow_cell(long cell) {
             std::vector<CurveSample> way;
             std::vector<long> folds;
             const Stop stop = travel(from, low, high, way, folds);
-            if (!take(cell, way, folds, k, i, !side, stop)) agrees = false;
+            if (!take(cell, way, folds, k, i, !side, stop) || (stop == Stop::lost && !straight_)) agrees = false;
         }
     }
     return agrees;
@@ -317,8 +319,10 @@ void Follower::follow_cells() {
         for (long cell = 0; cell < cells_; ++cell) {
             const std::size_t parts = parts_.size();
             for (int redone = 0; !follow_cell(cell) && redone < MOST_REDONE; ++redone) {
-                // Two curves met one solution: one of them has left its way. The cell is followed again by shorter steps.
-                longest_ *= 0.3;
+                // A curve was lost, as where another one crosses it: next time it goes on straight. Or two curves met one
+                // solution, and one of them has left its way: the cell is followed again by shorter steps.
+                if (straight_) longest_ *= 0.3;
+                straight_ = true;
                 parts_.resize(parts);
                 for (const long k : {cell, next(cell)}) {
                     for (Node& node : nodes_[k]) {
@@ -327,7 +331,7 @@ void Follower::follow_cells() {
                     }
                 }
             }
-            longest_ = LONGEST;
+            longest_ = LONGEST, straight_ = false;
         }
         for (long k = 0; k < given_.values; ++k) {
             for (const Node& node : nodes_[k]) {

@@ -32,7 +32,7 @@ inline constexpr double CLOSE = 4e-3;
 inline constexpr double FAR_FROM = 0.5;
 // Values to each side of where such a branch comes nearest that are starts, too.
 inline constexpr long BESIDE = 2;
-inline constexpr int MOST_SECANTS = 30, MOST_SPLITS = 5, MOST_STEPS = 4000, MOST_REDONE = 3;
+inline constexpr int MOST_SECANTS = 30, MOST_SPLITS = 5, MOST_STEPS = 4000, MOST_REDONE = 4;
 
 // A solution at a value of the grid, and the pieces that lead away from it on both sides; -1: none yet.
 struct Node {
@@ -104,7 +104,7 @@ private:
     CurveSample sample_of(const OnCurve& point, double before) const {
         CurveSample out;
         std::copy_n(point.q, 7, out.q), std::copy_n(point.along, 7, out.along);
-        out.value = value_near(point.value, before), out.rate = point.rate, out.arc = 0.0;
+        out.value = value_near(point.value, before), out.rate = point.rate, out.arc = 0.0, out.sense = point.sense;
         return out;
     }
     // A solution that is given, turned so that the value grows along the tangent.
@@ -116,8 +116,11 @@ private:
     }
     static void flip(CurveSample& s) {
         for (double& each : s.along) each = -each;
-        s.rate = -s.rate;
+        s.rate = -s.rate, s.sense = -s.sense;
     }
+    // Whether two points with tangents along one way may be on one curve. Two curves that all but meet have different senses
+    // where one would seem to go on as the other (Allgower and Georg, chapter 8); where they do meet, each goes on straight.
+    bool agree(const CurveSample& a, const CurveSample& b) const { return straight_ || a.sense * b.sense >= 0; }
     // The point pinned down from a start near it; along: the sense of its tangent. Returns whether there is one.
     bool settle(const double* q, const Pinned& pin, const double* along, double before, double enough, CurveSample& out) const {
         const int rounds = enough < ON_THE_WAY ? MANY_ROUNDS : FEW_ROUNDS;
@@ -204,6 +207,14 @@ private:
     void split(const CurveSample& a, const CurveSample& b, int depth, std::vector<CurveSample>& to) const;
     void crossings(const CurveSample& a, const CurveSample& b, std::vector<Crossing>& to) const;
     bool is_inside(const CurveSample& a, const CurveSample& b, double from, double to) const;
+    // A part of a piece inside the limits.
+    struct Run {
+        std::vector<CurveSample> samples;
+        EndOf why[2];
+        int joint[2];
+    };
+    std::vector<Run> by_turns(const Run& run) const;
+    void keep(const Piece& piece, const Run& run, double turns, long pose, Intervals& to) const;
 
     const FreeArm& arm_;
     const SelfMotionFunctions& core_;
@@ -213,6 +224,7 @@ private:
     long cells_;
     bool turns_;
     double longest_ = LONGEST;
+    bool straight_ = false;
     mutable double moved_ = 0.0;
 };
 

@@ -97,11 +97,6 @@ bool Follower::is_inside(const CurveSample& a, const CurveSample& b, double from
 void Follower::cut(const Piece& piece, long pose, Intervals& to) const {
     std::vector<CurveSample> fine(1, piece.samples.front());
     for (std::size_t i = 1; i < piece.samples.size(); ++i) split(piece.samples[i - 1], piece.samples[i], 0, fine);
-    struct Run {
-        std::vector<CurveSample> samples;
-        EndOf why[2];
-        int joint[2];
-    };
     std::vector<Run> runs;
     bool open = false;
     Crossing last_crossing = {};
@@ -148,31 +143,57 @@ void Follower::cut(const Piece& piece, long pose, Intervals& to) const {
         }
     }
     if (open) runs.back().why[1] = piece.why[1], runs.back().joint[1] = -1;
+    // A curve may be closed after several turns of the value only.
+    const double turns = piece.samples.back().value - piece.samples.front().value;
     // A run that passes the place where a closed curve was opened.
     if (piece.closed && runs.size() > 1 && runs.front().why[0] == EndOf::nothing && runs.back().why[1] == EndOf::nothing) {
         Run& back = runs.back();
         for (std::size_t i = 1; i < runs.front().samples.size(); ++i) {
             back.samples.push_back(runs.front().samples[i]);
-            back.samples.back().value += TURN;
+            back.samples.back().value += turns;
         }
         back.why[1] = runs.front().why[1], back.joint[1] = runs.front().joint[1];
         runs.erase(runs.begin());
     }
     for (const Run& run : runs) {
-        if (run.samples.size() < 2) continue;
-        Interval found = {pose, long(to.samples.size()),  long(run.samples.size()),
-                          -1,   {run.why[0], run.why[1]}, {run.joint[0], run.joint[1]}};
-        const double low = run.samples.front().value, high = run.samples.back().value, middle = 0.5 * (low + high);
-        double nearest = INFINITY;
-        for (const auto& [value, column] : piece.columns) {
-            for (const double there : {value, value + TURN}) {
-                if (column < 0 || (there != value && !piece.closed) || there < low || there > high) continue;
-                if (std::abs(there - middle) < nearest) nearest = std::abs(there - middle), found.column = column;
-            }
+        for (const Run& part : by_turns(run)) {
+            if (part.samples.size() >= 2) keep(piece, part, turns, pose, to);
         }
-        to.samples.insert(to.samples.end(), run.samples.begin(), run.samples.end());
-        to.found.push_back(found);
     }
+}
+
+// A run, cut where the value passes the first one of the grid if it passes some values more than once.
+std::vector<Follower::Run> Follower::by_turns(const Run& run) const {
+    std::vector<Run> out(1, run);
+    if (!given_.round || run.samples.back().value - run.samples.front().value <= TURN + NEARLY_EXACT) return out;
+    out[0].samples.clear();
+    for (const CurveSample& each : run.samples) {
+        out.back().samples.push_back(each);
+        const bool inside = &each != &run.samples.front() && &each != &run.samples.back();
+        if (!inside || std::abs(wrapped(each.value - given_.grid[0])) > NEARLY_EXACT) continue;
+        Run next = run;
+        next.samples.assign(1, each);
+        next.samples.front().arc = 0.0;
+        out.back().why[1] = next.why[0] = EndOf::nothing, out.back().joint[1] = next.joint[0] = -1;
+        out.push_back(std::move(next));
+    }
+    return out;
+}
+
+// A run as an interval, with the column of the given solution that is nearest to its middle.
+void Follower::keep(const Piece& piece, const Run& run, double turns, long pose, Intervals& to) const {
+    Interval found = {pose, long(to.samples.size()),  long(run.samples.size()),
+                      -1,   {run.why[0], run.why[1]}, {run.joint[0], run.joint[1]}};
+    const double low = run.samples.front().value, high = run.samples.back().value, middle = 0.5 * (low + high);
+    double nearest = INFINITY;
+    for (const auto& [value, column] : piece.columns) {
+        for (const double there : {value, value + turns}) {
+            if (column < 0 || (there != value && !piece.closed) || there < low || there > high) continue;
+            if (std::abs(there - middle) < nearest) nearest = std::abs(there - middle), found.column = column;
+        }
+    }
+    to.samples.insert(to.samples.end(), run.samples.begin(), run.samples.end());
+    to.found.push_back(found);
 }
 
 }  // namespace urdf_ik::self_motion

@@ -55,7 +55,12 @@ void Follower::add_loop(const CurveSample& at) {
     if (from.rate < STANDS) return;
     std::vector<CurveSample> way;
     std::vector<long> folds;
-    const Stop stop = travel(from, low_of(cell), high_of(cell), way, folds);
+    Stop stop = travel(from, low_of(cell), high_of(cell), way, folds);
+    if (stop == Stop::lost) {
+        straight_ = true, folds.clear();
+        stop = travel(from, low_of(cell), high_of(cell), way, folds);
+        straight_ = false;
+    }
     if (stop == Stop::closed) {
         // It begins and ends at a fold.
         if (folds.size() < 2) return;

@@ -42,6 +42,8 @@ STEP Row row_of(const double (&a)[LANES]) {
 
 // Longest step of Newton's method [rad, share of size].
 constexpr double LONGEST_STEP = 0.5;
+// A row of the Jacobian of which this little is left, made orthogonal to the others, is not told from rounding.
+constexpr double SINGULAR_ROW = 1e-7;
 // A search ends after so many rounds, or below this error.
 constexpr int SEARCH_ROUNDS = 40, SEARCH_PATIENCE = 14;
 constexpr double SEARCH_ENOUGH = 1e-9, SEARCH_FOUND = 1e-6;
@@ -137,6 +139,24 @@ template <int N> struct Orthogonal {
         }
         return (1.0 / (sqrt(inner(out, out)) + TINY)) * out;
     }
+    // The sign of the determinant of the first six rows and this one, by elimination; 0 where a row is next to nothing.
+    STEP int sense(const Row& along) const {
+        Row rows[7];
+        int sign = 1;
+        unsigned lanes = 0x7f;
+        for (int i = 0; i < 7; ++i) rows[i] = i < 6 ? row[i] : along;
+        for (int i = 0; i < 7; ++i) {
+            if (i < 6 && inverse[i] > 1.0 / (SINGULAR_ROW * SINGULAR_ROW)) return 0;
+            int most = -1;
+            for (int j = 0; j < 7; ++j) most = lanes >> j & 1 && (most < 0 || abs(rows[i][j]) > abs(rows[i][most])) ? j : most;
+            const double pivot = rows[i][most];
+            // The lanes that are left and stand before it: it is moved past them.
+            if ((__builtin_popcount(lanes & ((1u << most) - 1)) & 1) != (pivot < 0.0)) sign = -sign;
+            lanes &= ~(1u << most);
+            for (int k = i + 1; k < 7; ++k) rows[k] = rows[k] - rows[k][most] / pivot * rows[i];
+        }
+        return sign;
+    }
 };
 
 OnCurve settle(const FreeArm& arm, const double* T, const double* from, const Pinned& pinned, int rounds, double enough) {
@@ -166,7 +186,9 @@ OnCurve settle(const FreeArm& arm, const double* T, const double* from, const Pi
             out.left = max(out.left, abs(apart));
         }
         if (!(out.left > enough) || round == rounds) {
-            const Row along = Orthogonal<6>(J, error.twist, 0.0, 0.0).free();
+            const Orthogonal<6> rows(J, error.twist, 0.0, 0.0);
+            const Row along = rows.free();
+            out.sense = rows.sense(along);
             for (int j = 0; j < 7; ++j) out.q[j] = q[j], out.along[j] = along[j];
             out.value = parameter.value, out.rate = inner(parameter.slope, along);
             break;
