@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from urdf_ik.dh import DHTable
     from urdf_ik.errors import (
         ArgumentError,
+        BatchError,
         CatalogueError,
         ChainError,
         ClusterError,
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
         JointVectorError,
         MissingPackage,
         PathError,
+        PlaceError,
         PlotError,
         PoseError,
         StoreError,
@@ -60,6 +62,7 @@ __version__ = "0.1.0"
 __all__ = [
     "ArgumentError",
     "Arm",
+    "BatchError",
     "Box",
     "Capsule",
     "CatalogueError",
@@ -78,6 +81,7 @@ __all__ = [
     "Mesh",
     "MissingPackage",
     "PathError",
+    "PlaceError",
     "Plan",
     "PlotError",
     "Points",
@@ -131,6 +135,7 @@ _NAMES = {
     "dh": ("DHTable",),
     "errors": (
         "ArgumentError",
+        "BatchError",
         "CatalogueError",
         "ChainError",
         "ClusterError",
@@ -138,6 +143,7 @@ _NAMES = {
         "JointVectorError",
         "MissingPackage",
         "PathError",
+        "PlaceError",
         "PlotError",
         "PoseError",
         "StoreError",

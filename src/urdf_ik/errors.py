@@ -41,6 +41,24 @@ class ArgumentError(UrdfIkError, ValueError):
     """An argument that is out of its range, such as a negative tolerance or ``threads=0``."""
 
 
+class PlaceError(UrdfIkError, IndexError):
+    """An index that leads out of a batch or a sequence, or that is none."""
+
+
+class BatchError(UrdfIkError, TypeError):
+    """What has a meaning for a single pose was asked of the answers to a batch, or the other way round.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("planar_2r")
+        >>> try:
+        ...     len(arm.ik(arm.fk([[0.1, 0.2], [0.3, 0.4]])))
+        ... except BatchError as error:
+        ...     print(str(error)[:61])
+        len() needs a single pose, and these are the solutions of a b
+    """
+
+
 class UrdfError(UrdfIkError, ValueError):
     """A URDF that is broken: where, and what to change.
 

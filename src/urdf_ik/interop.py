@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik.errors import JointVectorError, MissingPackage
+from urdf_ik.errors import ArgumentError, JointVectorError, MissingPackage
 from urdf_ik.guards import inputs
 from urdf_ik.poses import to_quat_wxyz
 from urdf_ik.text import quoted
@@ -188,6 +188,10 @@ class RerunArm:
 
     def __init__(self, rerun: Any, arm: Arm, path: str, recording: Any) -> None:
         inputs.arm(arm)
+        if not isinstance(path, str) or not path or "\0" in path:
+            raise ArgumentError(f"path={quoted(path)} given; the path of an entity, such as 'arm', is needed")
+        if recording is not None:
+            inputs.kind(recording, "set_time", "recording", "a rerun.RecordingStream")
         self.arm, self._rerun, self._path, self._recording = arm, rerun, path, recording
         shapes = link_shapes.read(arm.model)
         self.missing = shapes.missing

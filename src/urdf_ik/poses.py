@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from urdf_ik.errors import PoseError
-from urdf_ik.guards import inputs
+from urdf_ik.guards import inputs, sequences
+from urdf_ik.text import quoted
 from urdf_ik.tolerances import DEFAULT, LARGEST
 
 Array = NDArray[np.float64]
@@ -214,11 +215,14 @@ def as_pose_array(T: Any) -> Array:
         >>> as_pose_array([pose([0.5, 0.0, 0.2]), pose([0.5, 0.1, 0.2])]).shape
         (2, 4, 4)
     """
+    needed = "a 4x4 array of real numbers, a pinocchio.SE3, or a list of either"
+    if type(T) is not np.ndarray and (problem := sequences.too_long(T)):
+        raise PoseError(f"a pose must be {needed}: {problem}, {quoted(T)}")
     try:
         given = _unwrapped(T)
-    except (TypeError, ValueError, RecursionError):
+    except Exception:  # whatever an object of unknown origin raises; what is wrong with it is said next
         given = T
-    array = inputs.real(given, "a pose", "a 4x4 array of real numbers, a pinocchio.SE3, or a list of either", PoseError)
+    array = inputs.real(given, "a pose", needed, PoseError)
     if array.shape[-2:] != (4, 4):
         shown = f"an array of shape {array.shape} given"
         raise PoseError(f"{shown}; poses have the shape (..., 4, 4): urdf_ik.pose makes them")

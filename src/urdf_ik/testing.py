@@ -13,6 +13,8 @@ from typing import IO, TYPE_CHECKING, Any
 from urdf_ik.arm import Arm, load
 from urdf_ik.crosscheck import check
 from urdf_ik.crosscheck.report import Report
+from urdf_ik.errors import ArgumentError
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     import os
@@ -87,4 +89,4 @@ def verdict(report: Report, name: str) -> tuple[bool | None, str]:
     for group, reason in own_first:
         if group in _ESSENTIAL or name.startswith(group):
             return (False if group in _ESSENTIAL else None), f"not checked: {group}: {reason}"
-    raise KeyError(name)
+    raise ArgumentError(f"{quoted(name)} is no property; there are: {', '.join(row.name for row in report.rows)}")

@@ -31,7 +31,7 @@ COMMANDS = ("info", "fk", "ik", "check", "compare", "dh", "workspace", "path", "
         (("ik", ARM, "--frob"), None, 2, ("--frob",)),
         (("ik", ARM, "--format", "xml"), None, 2, ("xml", "table", "json", "csv", "npz")),
         (("ik", ARM, "--random", "0"), None, 2, ("--random", "equal to 1")),
-        (("ik", ARM, "--random", "1000000000000000000"), None, 2, ("--random", "equal to 100000000")),
+        (("ik", ARM, "--random", "1000000000000000000"), None, 2, ("--random", "equal to 1000000")),
         (("ik", ARM, "--random", "2", "--q", TYPED), None, 2, ("--q and --random",)),
         (("ik", ARM, "--xyz", "1,2,3"), None, 2, ("--quat-xyzw", "--rotvec", "none given")),
         (("ik", ARM, "--rpy", "0,0,0"), None, 2, ("--rpy", "--xyz")),

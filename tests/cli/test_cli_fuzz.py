@@ -6,6 +6,7 @@ forty seconds.
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import re
@@ -25,6 +26,7 @@ from urdf_ik.cli import app
 
 SEED, COUNT = map(int, os.environ.get("URDF_IK_CALLS", "3:480").split(":"))
 PARTS, MOST_SECONDS = 8, 120
+WRITING = ("-o", "--out", "--output", "--timed", "--picture", "--store")
 STATUS = {0, 1, 2, 3, 4}
 SEVEN = "0.3,0.5,-0.4,0.9,0.2,-0.6,0.1"
 # Calls that succeed, or nearly: names in braces are files.
@@ -239,7 +241,8 @@ class Drawn:
 
 def judge(drawn: Drawn) -> int:
     """Run it; the status, after what must hold has been looked at."""
-    before = {name: _state(drawn.folder / name) for name in os.listdir(drawn.folder) if name != "out"}
+    named = {Path(value).name for option, value in itertools.pairwise(drawn.args) if option in WRITING}
+    before = {name: _state(drawn.folder / name) for name in os.listdir(drawn.folder) if name not in {"out", *named}}
     env = {"COLUMNS": "100", "MPLBACKEND": "agg"}
     result = CliRunner().invoke(app, drawn.args, input=drawn.given, env=env)
     if result.exception is not None and not isinstance(result.exception, SystemExit):

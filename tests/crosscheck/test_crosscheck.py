@@ -400,5 +400,5 @@ def test_a_report_prints_in_a_terminal() -> None:
 
 def test_an_unknown_row_lists_the_rows() -> None:
     """Asking for a row that is not there names those that are."""
-    with pytest.raises(KeyError, match="planted"):
+    with pytest.raises(urdf_ik.ArgumentError, match="planted"):
         report_with(Row("planted", "rad", 0.0, 1e-6, passed=True, checked=1)).row("nope")

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import urdf_ik
-from urdf_ik import ChainError, catalogue
+from urdf_ik import ArgumentError, ChainError, catalogue
 from urdf_ik.crosscheck import PROPERTIES, check
 from urdf_ik.testing import assert_agrees_with_pinocchio, verdict
 
@@ -42,7 +42,7 @@ def test_properties_are_the_rows_of_a_report() -> None:
     report = check(urdf_ik.load(ARM), n=3)
     assert tuple(row.name for row in report.rows) == PROPERTIES
     assert all(verdict(report, name)[0] is True for name in PROPERTIES)
-    with pytest.raises(KeyError):
+    with pytest.raises(ArgumentError):
         verdict(report, "elegance")
 
 

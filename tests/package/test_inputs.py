@@ -61,6 +61,12 @@ NUMBERS: dict[str, tuple[Callable[[Any], Any], float]] = {
 # What takes a whole number, and one that it takes.
 WHOLE: dict[str, tuple[Callable[[Any], Any], int]] = {
     "threads": (lambda n: SIX.ik(np.stack([T6, T6]), threads=n), 2), "sweep": (lambda n: SEVEN.sweep(T7, n), 4),
+    "threads of a region": (lambda n: SIX.ik_nearest(T6, Q6, region=urdf_ik.Region(box=0.01), threads=n), 2),
+    "threads of a sweep": (lambda n: SEVEN.sweep(T7, 4, threads=n), 2),
+    "threads of intervals": (lambda n: SEVEN.intervals(T7, threads=n), 2),
+    "threads of the nearest": (lambda n: SEVEN.ik_nearest(T7, Q7, threads=n), 2),
+    "threads of a map": (lambda n: urdf_ik.workspace.compute(TWO, voxel=0.2, orientations=2, threads=n), 2),
+    "threads of samples": (lambda n: urdf_ik.dataset(TWO, 2, threads=n), 2),
     "columns": (lambda n: SOLUTIONS.nearest(Q6, n=n), 2), "line": (lambda n: urdf_ik.line(T6, T6, n), 3),
     "orientations": (lambda n: urdf_ik.workspace.compute(TWO, voxel=0.2, orientations=n), 2),
     "compare": (lambda n: urdf_ik.compare(TWO, TWO, n), 2),
@@ -150,6 +156,7 @@ def test_whole_numbers(what: str) -> None:
         0,
         -1,
         float("nan"),
+        10**9,
         10**18,
         10**400,
         [good],
@@ -179,6 +186,71 @@ def test_what_cannot_even_be_written_is_refused_in_words() -> None:
             with pytest.raises(UrdfIkError) as refused:
                 call(value)
             assert len(str(refused.value)) < 1000
+
+
+class Endless:
+    """Says that it has six parts, and goes on for ever."""
+
+    def __len__(self) -> int:
+        return 6
+
+    def __getitem__(self, k: int) -> float:
+        return 0.5
+
+
+class Six(Endless):
+    """Has the six parts that it says."""
+
+    def __getitem__(self, k: int) -> float:
+        if k > 5:
+            raise IndexError
+        return 0.5
+
+
+@pytest.mark.parametrize("what", ARRAYS)
+def test_sequences_that_are_too_long_are_refused_by_their_length(what: str) -> None:
+    """Before they are written out: ranges, lists of the same lists, views that repeat a number, endless ones."""
+    call, _ = ARRAYS[what]
+    around: list[Any] = []
+    around.append(around)
+    thousand = [[[0.0] * 1000] * 1000] * 1000
+    repeated = np.broadcast_to(np.zeros(6), (10**9, 6))
+    longest = (range(10**9), range(10**30), [[0], [range(10**9)]], thousand, repeated)
+    for value in (*longest, Endless(), [Endless()], around):
+        with pytest.raises(UrdfIkError):
+            call(value)
+
+
+def test_other_sequences_than_lists_are_read() -> None:
+    """Ranges and whatever has a length and numbered parts."""
+    for same in (Six(), [0.5] * 6, np.broadcast_to(0.5, 6)):
+        np.testing.assert_array_equal(SIX.fk(same), SIX.fk(np.full(6, 0.5)))
+    np.testing.assert_array_equal(SIX.fk([range(6)] * 2), SIX.fk(np.array([range(6)] * 2)))
+
+
+BATCHES: dict[str, Any] = {
+    "solutions": SOLUTIONS, "solutions of a batch": SIX.ik(np.stack([T6, T6])), "intervals": SEVEN.intervals(T7),
+    "intervals of a batch": SEVEN.intervals(np.stack([T7, T7])), "world": urdf_ik.World(),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", BATCHES)
+def test_keys_of_every_kind_are_refused_in_words(what: str) -> None:
+    """An index that leads nowhere, or is none, gives an error of this package, which is an IndexError or TypeError."""
+    batch = BATCHES[what]
+    for key in ("x", 1.5, 10**400, 99, None, {}, range(10**9), Endless(), object(), (0, 0, 0, 0), [[0.5]], slice("a"),
+                np.array([7, 8]), np.full(2, np.nan), (slice(None), "x"), np.zeros(5, bool)):  # fmt: skip
+        try:
+            batch[key]
+        except (urdf_ik.PlaceError, urdf_ik.BatchError, urdf_ik.WorldError) as refused:
+            assert len(str(refused)) < 500
+        else:
+            assert key is None and "batch" in what
+    for key in ("x", None, 10**400, object(), [1], float("nan")):
+        if what == "world":
+            assert key not in batch
+        elif what == "intervals":
+            assert key not in batch[0]
 
 
 def test_numbers_of_every_kind_are_read() -> None:

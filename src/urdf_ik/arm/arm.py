@@ -241,7 +241,7 @@ class Arm(Free):
                 return solutions
         if self._plan is None:
             raise unsupported(self.name, self.chain, self.structure)
-        threads = inputs.whole(threads, "threads", low=1)
+        threads = inputs.threads(threads)
         if self._targets is not None:
             if redundancy is not None:
                 raise UnsupportedArm(f"{self.name}: targets of the task {self._task!r} leave nothing free")

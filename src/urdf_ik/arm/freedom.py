@@ -18,6 +18,7 @@ from urdf_ik.families import Plan, RedundantPlan
 from urdf_ik.guards import inputs
 from urdf_ik.poses import as_pose_array, check_poses
 from urdf_ik.redundancy import finding, sweep
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -139,6 +140,9 @@ class Free(Moving):
             >>> arm.redundancy.joint, arm.redundancy.kind
             ('joint_1', 'locked joint')
         """
+        for each in joints:
+            if not isinstance(each, str):
+                raise ArgumentError(f"joint {quoted(each)} given; the names of joints are needed")
         return self._again(given=joints)
 
     def with_locked(self, values: Mapping[str, float]) -> Self:
@@ -256,7 +260,15 @@ class Free(Moving):
             >>> bool(arm.nearest_values(q, arm.fk(q))[0, 0] == arm.redundancy_of(q[0]))
             True
         """
-        return self._redundant_plan().value_of(q, T)
+        plan = self._redundant_plan()
+        Q, target = self.chain.check(q), check_poses(T)
+        many = (len(Q),) if Q.ndim == 2 else None
+        if many is None or target.shape[:-2] not in ((), many):
+            raise JointVectorError(
+                f"joint vectors of shape {Q.shape} and poses of shape {target.shape} given; (m, {self.dof}) and "
+                "(m, 4, 4) are needed"
+            )
+        return plan.value_of(Q, np.broadcast_to(target, (*many, 4, 4)))
 
     def intervals(self, T: Any, within_limits: bool = True, world: Any = None, *, threads: int = 1) -> Intervals:
         """Where along the redundancy parameter each branch has solutions, and what ends them.

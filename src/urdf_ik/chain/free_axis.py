@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik.errors import ArgumentError
+from urdf_ik.errors import ArgumentError, PoseError
 from urdf_ik.guards import inputs
 from urdf_ik.guards.frozen import Frozen
+from urdf_ik.poses import as_pose_array
 from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
@@ -113,7 +114,7 @@ class FreeAxis(Frozen):
             >>> (FreeAxis.read("z", at=[1.0, 0.0, 0.0]).rotation(np.pi)[:3, 3].round(6) + 0.0).tolist()
             [2.0, 0.0, 0.0]
         """
-        v = np.asarray(values, dtype=np.float64)
+        v = inputs.real(values, "values", "an array of angles [rad]")
         out = np.zeros((*v.shape, 4, 4))
         constant, cosine, sine = self._parts
         out[..., :3, :] = constant + np.cos(v)[..., None, None] * cosine + np.sin(v)[..., None, None] * sine
@@ -128,6 +129,7 @@ class FreeAxis(Frozen):
             >>> round(float(axis.angle(axis.rotation(0.3))), 6)
             0.3
         """
+        motion = as_pose_array(motion)
         R, d = motion[..., :3, :3], np.array(self.direction)
         off = np.stack([R[..., 2, 1] - R[..., 1, 2], R[..., 0, 2] - R[..., 2, 0], R[..., 1, 0] - R[..., 0, 1]], -1)
         along = np.einsum("i,...ij,j->...", d, R, d)
@@ -142,7 +144,11 @@ class FreeAxis(Frozen):
             >>> [float(off) for off in axis.apart(np.eye(4), axis.rotation(0.3))]
             [0.0, 0.0]
         """
-        off = (one - other)[..., :3, :] @ self.seen
+        one, other = as_pose_array(one), as_pose_array(other)
+        try:
+            off = (one - other)[..., :3, :] @ self.seen
+        except ValueError:
+            raise PoseError(f"poses of shape {one.shape} and {other.shape} given; they do not fit") from None
         far, between = np.linalg.norm(off[..., 0], axis=-1), np.linalg.norm(off[..., 1], axis=-1)
         return far, 2.0 * np.arcsin(np.minimum(0.5 * between, 1.0))
 

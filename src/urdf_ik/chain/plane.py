@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik.guards.frozen import Frozen
+from urdf_ik.poses import as_pose_array
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
@@ -49,6 +50,7 @@ class Plane(Frozen):
 
     def coordinates(self, T: Array) -> Array:
         """Planar pose (..., 3), x [m], y [m], angle [rad], of tip poses ``T`` (..., 4, 4)."""
+        T = as_pose_array(T)
         position = T[..., :3, 3] @ self.axes.T
         ahead = (T[..., :3, :3] @ self.heading) @ self.axes.T
         return np.concatenate([position, np.arctan2(ahead[..., 1:], ahead[..., :1])], axis=-1)

@@ -129,7 +129,8 @@ class Redundancy:
             >>> urdf_ik.load("srs_7r").redundancy.wrapped(np.array([0.5, np.pi + 0.5])).round(4).tolist()
             [0.5, -2.6416]
         """
-        return values if self.unit == "m" else wrapped(values)
+        given = inputs.real(values, "values", f"an array of numbers [{self.unit}]", JointVectorError)
+        return given if self.unit == "m" else wrapped(given)
 
 
 def spread(parameters: tuple[Redundancy, ...], poses: Array, value: ArrayLike) -> tuple[Array, Array]:

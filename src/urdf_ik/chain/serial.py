@@ -278,6 +278,7 @@ class Chain(Frozen):
             >>> (points.round(6) + 0.0).tolist()
             [[0.0, 0.0, 0.0], [0.066, 0.0, 0.0]]
         """
+        q = self.check(q)
         axes = self.motion.axes(q)
         return axes[3:].T.copy(), axes[:3].T.copy(), self.motion.fk(q)
 

@@ -11,6 +11,7 @@ from typer import Argument, Option
 
 from urdf_ik import __version__
 from urdf_ik.cli.completion import robots_and_files
+from urdf_ik.guards.inputs import MOST_POSES
 
 
 class Format(StrEnum):
@@ -183,7 +184,7 @@ Planted = Annotated[
 ]
 PoseFile = Annotated[str | None, Option("--poses", metavar="FILE", help="Poses from a file, or - for stdin.")]
 Random = Annotated[
-    int | None, Option("--random", metavar="N", min=1, max=10**8, help="N poses of random joint vectors.")
+    int | None, Option("--random", metavar="N", min=1, max=MOST_POSES, help="N poses of random joint vectors.")
 ]
 
 Redundancy = Annotated[
@@ -227,7 +228,7 @@ Checked = Annotated[
 ]
 
 # What check compares.
-Count = Annotated[int, Option("-n", "--poses", min=1, help="Number of random poses.")]
+Count = Annotated[int, Option("-n", "--poses", min=1, max=MOST_POSES, help="Number of random poses.")]
 Complete = Annotated[
     bool,
     Option(
@@ -258,7 +259,7 @@ TipB = Annotated[str | None, Option("--tip-b", metavar="LINK", help="Tip link of
 LockB = Annotated[list[str] | None, Option("--lock-b", metavar="NAME=VALUE", help="Hold a joint of B; repeatable.")]
 ToolXyzB = Annotated[str | None, Option("--tool-xyz-b", metavar="X,Y,Z", help="Put a tool at the tip of B [m].")]
 ToolRpyB = Annotated[str | None, Option("--tool-rpy-b", metavar="R,P,Y", help="Orientation of that tool [rad].")]
-Each = Annotated[int, Option("-n", "--poses", min=1, help="Number of random poses that each arm makes.")]
+Each = Annotated[int, Option("-n", "--poses", min=1, max=MOST_POSES, help="Random poses that each arm makes.")]
 
 
 # Tables.

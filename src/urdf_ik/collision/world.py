@@ -12,9 +12,10 @@ from lxml import etree
 from urdf_ik import poses, urdf
 from urdf_ik.collision.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from urdf_ik.errors import PoseError, UrdfError, WorldError
-from urdf_ik.guards import forks
+from urdf_ik.guards import files, forks
 from urdf_ik.guards.frozen import frozen
 from urdf_ik.text import listed, nearest, printable, quoted
+from urdf_ik.urdf import meshes
 
 if TYPE_CHECKING:
     import os
@@ -244,7 +245,7 @@ class World:
         for name, shape, pose in self:
             found.update(f"{name}\0{type(shape).__name__}\0".encode())
             if isinstance(shape, Mesh):
-                found.update(shape.file().read_bytes() + repr(shape.scale).encode())
+                found.update(files.read(shape.file(), meshes.MAX_BYTES, WorldError) + repr(shape.scale).encode())
             else:
                 for each in fields(shape):  # type: ignore[arg-type]
                     value = getattr(shape, each.name)

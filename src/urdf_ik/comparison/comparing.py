@@ -55,7 +55,7 @@ def compare(
     """
     for what, each in (("a", a), ("b", b)):
         inputs.arm(each, what)
-    n, seed = inputs.whole(n, "n", low=1), inputs.whole(seed, "seed", high=2**64)
+    n, seed = inputs.poses(n), inputs.whole(seed, "seed", high=2**64)
     notes: list[str] = []
     inputs.callback(progress, "progress")
     order, reason = asking.paired(a, b)

@@ -54,7 +54,7 @@ def compare(
         (True, [True, True, True])
     """
     inputs.arm(arm)
-    n, seed = inputs.whole(n, "n", low=1), inputs.whole(seed, "seed", high=2**64)
+    n, seed = inputs.poses(n), inputs.whole(seed, "seed", high=2**64)
     inputs.callback(progress, "progress")
     if arm.dof != 6 or not arm.structure.is_6r:
         kinds = ", ".join(arm.chain.joint_types)
@@ -114,7 +114,7 @@ def replay(arm: Arm, n: int, seed: int, index: int) -> tuple[Array, Array]:
         True
     """
     inputs.arm(arm)
-    n, seed = inputs.whole(n, "n", low=1), inputs.whole(seed, "seed", high=2**64)
+    n, seed = inputs.poses(n), inputs.whole(seed, "seed", high=2**64)
     q = plant(arm.chain, n, seed, inputs.whole(index, "index", high=3 * n - 1))
     return q, Reference(arm.model, arm.base, arm.tip).pose(q)
 

@@ -84,7 +84,7 @@ def check(
         True
     """
     inputs.arm(arm)
-    n = inputs.whole(n, "n", low=1)
+    n = inputs.poses(n)
     _require_seed(seed)
     inputs.callback(progress, "progress")
     reference = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)

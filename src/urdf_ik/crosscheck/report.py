@@ -6,7 +6,8 @@ import json
 from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any
 
-from urdf_ik.text import aligned, json_text, plain
+from urdf_ik.errors import ArgumentError
+from urdf_ik.text import aligned, json_text, plain, printable, quoted
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -116,7 +117,7 @@ class Report:
         """The row of a property.
 
         Raises:
-            KeyError: there is no such row; the message lists the rows.
+            ArgumentError: there is no such row; the message lists the rows.
 
         Example:
             >>> import urdf_ik
@@ -128,7 +129,7 @@ class Report:
         for row in self.rows:
             if row.name == name:
                 return row
-        raise KeyError(f"no row {name!r}; rows: {', '.join(row.name for row in self.rows)}")
+        raise ArgumentError(f"no row {quoted(name)}; rows: {', '.join(row.name for row in self.rows)}")
 
     def to_dict(self) -> dict[str, Any]:
         """The report as plain lists, numbers and text; infinite numbers are the text 'inf' or '-inf'.
@@ -158,6 +159,9 @@ class Report:
     def from_dict(cls, data: Mapping[str, Any]) -> Report:
         """The report that :meth:`to_dict` wrote.
 
+        Raises:
+            ArgumentError: it is none.
+
         Example:
             >>> import urdf_ik
             >>> from urdf_ik import crosscheck
@@ -165,6 +169,14 @@ class Report:
             >>> Report.from_dict(report.to_dict()) == report
             True
         """
+        try:
+            return cls._of(data)
+        except Exception as error:  # of whatever was not written by ``to_dict``
+            reason = printable(f"{type(error).__name__} {error}", 200)
+            raise ArgumentError(f"this is no report that to_dict() or to_json() wrote: {reason}") from None
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> Report:
         own = {field.name: data[field.name] for field in fields(cls)}
         own["joint_names"] = tuple(own["joint_names"])
         own["skipped"] = tuple((name, reason) for name, reason in own["skipped"])
@@ -185,6 +197,9 @@ class Report:
     def from_json(cls, text: str) -> Report:
         """The report that :meth:`to_json` wrote.
 
+        Raises:
+            ArgumentError: it is none.
+
         Example:
             >>> import urdf_ik
             >>> from urdf_ik import crosscheck
@@ -192,7 +207,11 @@ class Report:
             >>> Report.from_json(report.to_json()) == report
             True
         """
-        return cls.from_dict(json.loads(text))
+        try:
+            data = json.loads(text)
+        except Exception as error:  # the same
+            raise ArgumentError(f"this is no report that to_json() wrote: {printable(error, 200)}") from None
+        return cls.from_dict(data)
 
     def title(self) -> str:
         """What was checked against whom.

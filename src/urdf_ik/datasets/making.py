@@ -117,7 +117,7 @@ def dataset(
     if not arm.structure.branches:
         raise UnsupportedArm(f"{arm.name}: no solver for this arm yet. {arm.structure}")
     n, chunk = inputs.whole(n, "n", low=1, high=2**53), inputs.whole(chunk, "chunk", low=1, high=2**40)
-    seed, threads = inputs.whole(seed, "seed", high=SEEDS - 1), inputs.whole(threads, "threads", low=1)
+    seed, threads = inputs.whole(seed, "seed", high=SEEDS - 1), inputs.threads(threads)
     collisions = None if collisions is None else inputs.flag(collisions, "collisions")
     if world is not None:
         inputs.kind(world, "snapshot", "world", "a urdf_ik.World")

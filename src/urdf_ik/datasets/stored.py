@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from dataclasses import fields
 from importlib import import_module
 from typing import Any
 
 import numpy as np
 
 from urdf_ik.datasets.drawing import Samples
-from urdf_ik.errors import ArgumentError, StoreError
-from urdf_ik.guards import inputs
-from urdf_ik.scale import zarrs
+from urdf_ik.errors import ArgumentError, StoreError, UrdfIkError
+from urdf_ik.guards import files, inputs
+from urdf_ik.guards.files import name_of
+from urdf_ik.scale import room
 from urdf_ik.scale.folder import finished, read_question
+from urdf_ik.scale.opened import MAX_CHUNK, OpenedGroup
+from urdf_ik.text import printable, quoted
 
 FORMAT, VERSION = "urdf-ik samples", 1
+_COLUMNS = frozenset(each.name for each in fields(Samples))
 
 
 class StoredSamples:
@@ -45,8 +50,14 @@ class StoredSamples:
         if self.about.get("format") != FORMAT or self.about.get("version") != VERSION:
             found = f"{self.about.get('format')!r}, version {self.about.get('version')}"
             raise StoreError(f"{self.path} holds no samples that this package reads: it is of the format {found}")
-        self.n, self.chunk = int(self.about["n"]), int(self.about["chunk"])
-        self.columns: tuple[str, ...] = tuple(self.about["columns"])
+        self.n = inputs.whole(self.about.get("n"), "n", StoreError, low=1, high=2**53)
+        self.chunk = inputs.whole(self.about.get("chunk"), "chunk", StoreError, low=1, high=2**53)
+        columns = inputs.items(self.about.get("columns"), "columns", "names of arrays", StoreError)
+        if unknown := [name for name in columns if not isinstance(name, str) or name not in _COLUMNS]:
+            raise StoreError(f"{name_of(self.path)} is a damaged store: there is no column {quoted(unknown[0])}")
+        if not {"robot", "joints", "branches"} <= set(self.about):
+            raise StoreError(f"{name_of(self.path)} is a damaged store: it does not say what the samples are of")
+        self.columns: tuple[str, ...] = columns
 
     def __len__(self) -> int:
         return self.n
@@ -85,14 +96,17 @@ class StoredSamples:
             )
         try:
             found = self._zarr(start, end) if self.path.suffix == ".zarr" else self._parquet(wanted, start, end)
-        except (OSError, ValueError, RuntimeError) as error:
+            for name in ("within", "collision"):
+                if name in found:
+                    found[name] = found[name].astype(np.bool_)
+            return Samples(**{"collision": None, **found})
+        except UrdfIkError:
+            raise
+        except Exception as error:  # Arrow and NumPy each have their own ways to say that a file is damaged
+            reason = printable(f"{type(error).__name__} {error}", 200)
             raise StoreError(
-                f"{self.path} is damaged ({error}); the run that made it makes what is damaged again"
+                f"{name_of(self.path)} is damaged ({reason}); the run that made it makes what is damaged again"
             ) from None
-        for name in ("within", "collision"):
-            if name in found:
-                found[name] = found[name].astype(np.bool_)
-        return Samples(**{"collision": None, **found})
 
     def __iter__(self) -> Iterator[Samples]:
         """The samples chunk by chunk."""
@@ -100,8 +114,8 @@ class StoredSamples:
             yield self.read(start, min(start + self.chunk, self.n))
 
     def _zarr(self, start: int, stop: int) -> dict[str, Any]:
-        group = zarrs.package().open_group(str(self.path), mode="r")
-        return {name: np.asarray(group[name][start:stop]) for name in self.columns}
+        group, most = OpenedGroup(self.path), room.available_memory()
+        return {name: group.read(name, (slice(start, stop),), most) for name in self.columns}
 
     def _parquet(self, wanted: range, start: int, stop: int) -> dict[str, Any]:
         parquet = import_module("pyarrow.parquet")
@@ -109,7 +123,13 @@ class StoredSamples:
         shapes = {"T": (4, 4), "solutions": (branches, joints)}
         found: dict[str, list[Any]] = {name: [] for name in self.columns}
         for chunk in wanted:
-            table = parquet.read_table(self.path / f"part-{chunk:08}.parquet")
+            part = self.path / f"part-{chunk:08}.parquet"
+            files.require_regular(part, StoreError)
+            file = parquet.ParquetFile(part)
+            groups = [file.metadata.row_group(k) for k in range(file.metadata.num_row_groups)]
+            if file.metadata.num_rows > self.chunk or sum(each.total_byte_size for each in groups) > MAX_CHUNK:
+                raise StoreError(f"{name_of(self.path)}: part {chunk} holds more than {self.chunk} samples or 1 GiB")
+            table = file.read(columns=list(self.columns))
             for name in self.columns:
                 column = table.column(name).combine_chunks()
                 listed = hasattr(column, "flatten") and hasattr(column.type, "list_size")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import DHError, PoseError
-from urdf_ik.guards import inputs
+from urdf_ik.guards import inputs, sequences
 from urdf_ik.poses import check_poses
 from urdf_ik.text import quoted
 
@@ -104,15 +104,15 @@ def table_array(rows: ArrayLike, columns: Sequence[str] = COLUMNS) -> Array:
     Raises:
         DHError: a row has more or fewer columns, or an entry is no number.
     """
-    if inputs.is_masked(rows):
-        raise DHError(f"a masked array is no table; rows of {', '.join(columns)} are needed")
-    try:
-        given = list(rows)  # type: ignore[arg-type]
-    except Exception:  # whatever an object of unknown origin raises
-        raise DHError(f"{quoted(rows)} is no table; rows of {', '.join(columns)} are needed") from None
+    needed = f"rows of {', '.join(columns)}"
+    if problem := sequences.too_long(rows):
+        raise DHError(f"rows={quoted(rows)}: {problem}; {needed} are needed")
+    given = inputs.items(rows, "rows", needed, DHError)
     out = np.full((len(given), len(columns)), np.inf)
     for i, row in enumerate(given):
         try:
+            if not isinstance(row, np.ndarray):
+                row = inputs.items(row, "row", needed, DHError)
             values = np.atleast_1d(np.asarray(row, dtype=object))
         except Exception:  # the same of one row
             values = np.empty(0)

@@ -69,6 +69,22 @@ def opened(path: Path) -> IO[bytes]:
     return open(path, "rb", opener=at_once if os.name == "posix" else None)
 
 
+def require_regular(path: Path, error: Callable[[str], UrdfIkError] = ArgumentError) -> None:
+    """Refuse what other packages would wait for, or read without an end: a pipe, a device; and what is not there.
+
+    Raises:
+        UrdfIkError: ``error``; there is no regular file of this name.
+
+    Example:
+        >>> require_regular(Path("missing.parquet"))
+        Traceback (most recent call last):
+        urdf_ik.errors.ArgumentError: cannot read missing.parquet: there is no such file
+    """
+    if not os.path.isfile(path):
+        problem = "it is no regular file" if os.path.lexists(path) else "there is no such file"
+        raise error(f"cannot read {name_of(path)}: {problem}")
+
+
 def read(source: Any, most: int, error: Callable[[str], UrdfIkError] = ArgumentError) -> bytes:
     """All of a file of at most ``most`` bytes; of a larger one no more than that is read.
 

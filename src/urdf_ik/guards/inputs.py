@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import numbers
 import operator
 import os
 from collections.abc import Mapping
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik.errors import ArgumentError
+from urdf_ik.errors import ArgumentError, UrdfIkError
+from urdf_ik.guards import sequences
 from urdf_ik.text import quoted
 from urdf_ik.tolerances import LARGEST
 
@@ -21,12 +24,14 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from urdf_ik.errors import UrdfIkError
-
     Array = NDArray[np.float64]
 
-_DEEPEST = 8
-"""Levels of lists within lists that are looked at: stacks of stacks of poses have six."""
+MOST_THREADS = 1024
+"""Threads that share a piece of work at most."""
+MOST_POSES = 10**6
+"""Random poses that are drawn at most: they are all in memory at a time."""
+MOST_ITEMS = 100_000
+"""Names, paths or other things in a list at most."""
 _NO_NUMBERS = {
     "b": "truth values",
     "c": "complex numbers",
@@ -53,7 +58,8 @@ def real(value: Any, what: str, needed: str, error: Callable[[str], UrdfIkError]
 
     Raises:
         UrdfIkError: ``error``; complex numbers, truth values, dates, text (numeric text, too), structured and masked
-            arrays, lists whose parts do not fit together, and what is no number at all.
+            arrays, lists whose parts do not fit together, lists and ranges of more than ``sequences.MOST_LISTED``
+            numbers, and what is no number at all.
 
     Example:
         >>> real([[1, 2], [3, 4]], "q", "an array of numbers").tolist()
@@ -62,25 +68,29 @@ def real(value: Any, what: str, needed: str, error: Callable[[str], UrdfIkError]
         Traceback (most recent call last):
         urdf_ik.errors.ArgumentError: q must be an array of numbers: text is given, ['1', '2']
     """
-    if type(value) is np.ndarray and value.dtype == np.float64:
+    if type(value) is np.ndarray and value.dtype == np.float64 and value.flags.c_contiguous:
         return np.require(value, np.float64, ["C", "A", "E"])
     try:
-        problem = "a masked array is given" if is_masked(value) else ""
-        array = np.asarray(value)
+        problem, others = sequences.looked_through(value)
+        if problem:
+            raise error(f"{what} must be {needed}: {problem}, {quoted(value)}")
+        array = np.asarray(sequences.as_lists(value) if others else value)
+    except UrdfIkError:
+        raise
     except Exception as failure:  # whatever an object of unknown origin raises where it is asked for an array
         reason = " ".join(str(failure).split())[:200]
         raise error(f"{what} must be {needed}: {reason}, {quoted(value)}") from None
     kind = array.dtype.kind
     if kind in _NO_NUMBERS:
-        problem = problem or f"{_NO_NUMBERS[kind]} is given" if kind in "SUTV" else f"{_NO_NUMBERS[kind]} are given"
+        problem = f"{_NO_NUMBERS[kind]} is given" if kind in "SUTV" else f"{_NO_NUMBERS[kind]} are given"
     elif kind == "O" and not all(is_real(each) for each in array.flat):
-        problem = problem or "there are other things than numbers in it"
+        problem = "there are other things than numbers in it"
     if problem:
         raise error(f"{what} must be {needed}: {problem}, {quoted(value)}")
     try:
         with np.errstate(over="ignore"):
             return np.require(array, np.float64, ["C", "A", "E"])
-    except (OverflowError, TypeError, ValueError) as failure:
+    except (OverflowError, TypeError, ValueError, MemoryError) as failure:
         raise error(f"{what} must be {needed}: {failure}, {quoted(value)}") from None
 
 
@@ -134,11 +144,12 @@ def number(
         Traceback (most recent call last):
         urdf_ik.errors.ArgumentError: margin='3' given; a finite number of m of at least 0 is needed
     """
-    single = value.item() if isinstance(value, np.ndarray) and not value.ndim and not is_masked(value) else value
+    alone = isinstance(value, np.ndarray) and not value.ndim and not sequences.is_masked(value)
+    single = value.item() if alone else value
     good = is_real(single)
     try:
         given = float(single) if good else math.nan
-    except (OverflowError, TypeError, ValueError):  # TypeError: a time difference passes for a real number
+    except Exception:  # a number too large; a time difference, which passes for a real number; an odd object
         given = math.inf
     if good and low <= given <= high and (above is None or given > above):
         return given
@@ -168,12 +179,65 @@ def whole(
         urdf_ik.errors.ArgumentError: threads=2.5 given; a whole number from 1 to 2147483648 is needed
     """
     try:
-        given = None if isinstance(value, bool | np.bool_) or is_masked(value) else operator.index(value)
-    except (TypeError, RecursionError):
+        given = None if isinstance(value, bool | np.bool_) or sequences.is_masked(value) else operator.index(value)
+    except Exception:  # whatever an object of unknown origin raises where it is asked for a number
         given = None
     if given is None or not low <= given <= high:
         raise error(f"{what}={quoted(value)} given; a whole number from {low} to {high} is needed")
     return given
+
+
+def threads(value: Any, error: Callable[[str], UrdfIkError] = ArgumentError) -> int:
+    """A number of threads that share a piece of work.
+
+    Raises:
+        UrdfIkError: ``error``; it is no whole number, or out of range.
+
+    Example:
+        >>> threads(10**9)
+        Traceback (most recent call last):
+        urdf_ik.errors.ArgumentError: threads=1000000000 given; a whole number from 1 to 1024 is needed
+    """
+    return whole(value, "threads", error, low=1, high=MOST_THREADS)
+
+
+def items(
+    value: Any, what: str, needed: str, error: Callable[[str], UrdfIkError] = ArgumentError, most: int = MOST_ITEMS
+) -> tuple[Any, ...]:
+    """What a list, or another iterable of bounded length, holds; a text is none.
+
+    Raises:
+        UrdfIkError: ``error``; it cannot be gone through, or does not end after ``most`` items.
+
+    Example:
+        >>> items("joint_1", "joints", "names of joints")
+        Traceback (most recent call last):
+        urdf_ik.errors.ArgumentError: joints='joint_1' given; names of joints are needed
+    """
+    if not isinstance(value, str | bytes | os.PathLike):
+        try:
+            held = tuple(islice(value, most + 1))
+        except Exception:  # whatever an object of unknown origin raises where it is asked for what it holds
+            held = None
+        if held is not None and len(held) > most:
+            raise error(f"{what} holds more than {most} items; {needed} are needed")
+        if held is not None:
+            return held
+    raise error(f"{what}={quoted(value)} given; {needed} are needed")
+
+
+def poses(value: Any, error: Callable[[str], UrdfIkError] = ArgumentError) -> int:
+    """A number ``n`` of random poses that are held in memory at a time.
+
+    Raises:
+        UrdfIkError: ``error``; it is no whole number, or out of range.
+
+    Example:
+        >>> poses(10**9)
+        Traceback (most recent call last):
+        urdf_ik.errors.ArgumentError: n=1000000000 given; a whole number from 1 to 1000000 is needed
+    """
+    return whole(value, "n", error, low=1, high=MOST_POSES)
 
 
 def path(value: Any, what: str, error: Callable[[str], UrdfIkError] = ArgumentError) -> Path:
@@ -188,7 +252,10 @@ def path(value: Any, what: str, error: Callable[[str], UrdfIkError] = ArgumentEr
         urdf_ik.errors.ArgumentError: output=3 given; the path of a file is needed
     """
     if isinstance(value, str | os.PathLike):
-        written = os.fspath(value)
+        try:
+            written: object = os.fspath(value)
+        except Exception:  # the same where it is asked for a path
+            written = None
         if isinstance(written, str) and written.strip() and "\0" not in written:
             return Path(written)
     raise error(f"{what}={quoted(value)} given; the path of a file is needed")
@@ -223,7 +290,9 @@ def kind(
         Traceback (most recent call last):
         urdf_ik.errors.ArgumentError: a='ur5' given; an arm, as urdf_ik.load gives it, is needed
     """
-    if isinstance(value, type) or not hasattr(value, attribute):
+    missing = object()
+    # Not what an object answers to any name, as a mock does.
+    if isinstance(value, type) or inspect.getattr_static(value, attribute, missing) is missing:
         raise error(f"{what}={quoted(value)} given; {needed} is needed")
 
 
@@ -297,21 +366,3 @@ def is_real(value: object) -> bool:
     return isinstance(value, numbers.Real | np.floating | np.integer) and not isinstance(
         value, bool | np.bool_ | np.timedelta64
     )
-
-
-def is_masked(value: object) -> bool:
-    """Whether it is a masked array, or a list that holds one, whose mask NumPy would drop in silence.
-
-    Example:
-        >>> is_masked([np.ma.masked_array([1.0], [True])]), is_masked([1.0])
-        (True, False)
-    """
-    level: list[object] = [value]
-    for _ in range(_DEEPEST):
-        if any(isinstance(each, np.ma.MaskedArray) for each in level):
-            return True
-        inner = [each for each in level if isinstance(each, list | tuple)]
-        level = [part for each in inner for part in each if isinstance(part, np.ma.MaskedArray | list | tuple)]
-        if not level:
-            break
-    return False

@@ -10,11 +10,13 @@ import numpy as np
 
 from urdf_ik.errors import ArgumentError, StoreError
 from urdf_ik.guards import inputs
+from urdf_ik.guards.files import name_of
 from urdf_ik.placements.asking import SCORES
 from urdf_ik.poses import pose
-from urdf_ik.scale import zarrs
+from urdf_ik.scale import room
 from urdf_ik.scale.folder import finished, read_question
-from urdf_ik.text import quoted
+from urdf_ik.scale.opened import OpenedGroup
+from urdf_ik.text import printable, quoted
 from urdf_ik.workspace import Grid
 from urdf_ik.workspace.store.blocks import Blocks
 
@@ -216,23 +218,28 @@ def opened(path: str | os.PathLike[str]) -> PlacementMap:
         raise StoreError(f"{folder} holds no placements that this package reads, but {about.get('format')!r}")
     try:
         grid = Grid.from_described(about["grid"])
-        x, y, z = about["block"]
-        blocks = Blocks(grid.shape, (x, y, z))
+        blocks = Blocks.from_described(grid.shape, about["block"])
         if (done := len(finished(folder))) < blocks.count:
             raise StoreError(
                 f"{folder} is not complete: {done} of {blocks.count} blocks are there; run what makes it again"
             )
-        group = zarrs.package().open_group(str(folder), mode="r")
-        arrays: dict[str, Any] = {name: np.asarray(group[name][...]) for name in about["holds"]}
+        group, most = OpenedGroup(folder), room.available_memory()
+        if unknown := [name for name in about["holds"] if name not in SCORES]:
+            raise StoreError(f"{name_of(folder)} is a damaged store: there is no score {quoted(unknown[0])}")
+        arrays: dict[str, Any] = {name: group.read(name, None, most) for name in about["holds"]}
+        shape = (*grid.shape, len(about["headings"]))
+        if wrong := [name for name, array in arrays.items() if array.shape != shape]:
+            raise StoreError(f"{name_of(folder)} is a damaged store: {wrong[0]} is not of the grid's shape")
         return PlacementMap(
             {name: value for name, value in about.items() if name not in ("format", "version", "block")},
             grid,
             np.array(about["headings"], dtype=np.float64),
             np.array(about["mount"], dtype=np.float64),
-            np.asarray(group["targets"][...]),
+            group.read("targets"),
             **arrays,
         )
-    except (KeyError, TypeError, ValueError, OSError) as error:
-        if isinstance(error, StoreError):
-            raise
-        raise StoreError(f"{folder} is a damaged store: {error}") from None
+    except StoreError:
+        raise
+    except Exception as error:  # whatever a question leads to that was not written by this package
+        reason = printable(f"{type(error).__name__} {error}", 200)
+        raise StoreError(f"{name_of(folder)} is a damaged store: {reason}") from None

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
+MOST_TURNS = 3600
+"""Headings at each position."""
 MOST_POSITIONS = 10**9
 """Of the base, at one heading."""
 _ROUNDING = 1e-9  # share of a step by which the bounds may be off a whole number of steps
@@ -97,7 +99,7 @@ def placement(
     targets = as_pose_array(T).reshape(-1, 4, 4)
     if not len(targets):
         raise ArgumentError("no targets given; one is the least")
-    turns, threads = (inputs.whole(value, name, low=1) for value, name in ((turns, "turns"), (threads, "threads")))
+    turns, threads = inputs.whole(turns, "turns", low=1, high=MOST_TURNS), inputs.threads(threads)
     margin, path = inputs.number(margin, "margin", low=0.0, unit="m"), inputs.flag(path, "path")
     collisions = None if collisions is None else inputs.flag(collisions, "collisions")
     if world is not None:

@@ -72,6 +72,7 @@ def intervals(
             "that have several parameters, or whose joints do not move the tip in every way; "
             "ik(T, redundancy=values) solves at values"
         )
+    threads = inputs.threads(threads)
     curves = Curves(plan.self_motion, plan.parameter, arm.dof < 7, ~arm.chain.prismatic)
     stack = T.reshape(-1, 4, 4)
     bounds = np.tile([-np.inf, np.inf], (7, 1))

@@ -63,6 +63,7 @@ def nearest(
         what = "a region" if region is not None else "several redundancy parameters"
         raise ArgumentError(f"metric={metric!r} given; with {what} the distance is metric='l2'")
     measure = select.measure(arm, metric, weights, within)
+    within_limits, threads = inputs.flag(within_limits, "within_limits"), inputs.threads(threads)
     target = as_pose_array(T)
     shape = target.shape[:-2]
     reference = arm.chain.check(q_ref)

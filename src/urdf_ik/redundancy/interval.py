@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.angles import TURN
-from urdf_ik.errors import ArgumentError
-from urdf_ik.guards import inputs
+from urdf_ik.errors import ArgumentError, PlaceError
+from urdf_ik.guards import inputs, places
 from urdf_ik.redundancy import along
 from urdf_ik.redundancy.found import End, Found
 from urdf_ik.solutions import select
 from urdf_ik.solutions.select import QUALITIES
-from urdf_ik.text import aligned
+from urdf_ik.text import aligned, quoted
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -59,9 +59,13 @@ class Interval:
         """Rad or m between the ends."""
         return self.high - self.low
 
-    def __contains__(self, value: float) -> bool:
-        turned = self.low + (value - self.low) % TURN if self.high > np.pi else value
-        return bool(self.low <= value <= self.high or self.low <= turned <= self.high)
+    def __contains__(self, value: object) -> bool:
+        try:
+            given = inputs.number(value, "value")
+        except ArgumentError:  # what is no number is in no interval
+            return False
+        turned = self.low + (given - self.low) % TURN if self.high > np.pi else given
+        return bool(self.low <= given <= self.high or self.low <= turned <= self.high)
 
     def __str__(self) -> str:
         return f"{self.branch}: {self.low:.6f} ({self.ends[0]}) to {self.high:.6f} ({self.ends[1]})"
@@ -126,10 +130,10 @@ class Intervals:
     def __getitem__(self, index: Any) -> Any:
         """An :class:`Interval` of a single pose; of a batch the intervals of one pose."""
         if not self.shape:
-            return self._interval(range(len(self._found.low))[index])
-        place = np.arange(int(np.prod(self.shape))).reshape(self.shape)[index]
-        if np.ndim(place):
-            raise ArgumentError(f"index {index!r} leaves more than one pose of a batch of shape {self.shape}")
+            return self._interval(places.place(len(self._found.low), index, "intervals of this pose"))
+        place = places.picked(self.shape, index)
+        if place.ndim:
+            raise PlaceError(f"index {quoted(index)} leaves more than one pose of a batch of shape {self.shape}")
         found = self._found.of(np.flatnonzero(self._found.pose == place))
         found = replace(found, pose=np.zeros(len(found.low), dtype=np.intp))
         return Intervals(self.arm, self._T[index], self._curves, found, self.within_limits, self._sampled)

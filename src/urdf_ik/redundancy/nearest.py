@@ -38,7 +38,7 @@ def nearest(
     The distance is that to the +-2 pi images (with ``within_limits`` those inside the limits). Of a pose that has no
     solution inside the limits, what is least far outside them is looked at, and dropped with its reason.
     """
-    within_limits = inputs.flag(within_limits, "within_limits")
+    within_limits, threads = inputs.flag(within_limits, "within_limits"), inputs.threads(threads)
     target = as_pose_array(T)
     shape = target.shape[:-2]
     select.measure(arm, metric, weights, within)

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.chain.free_axis import FreeAxis
-from urdf_ik.errors import ArgumentError
+from urdf_ik.errors import ArgumentError, PoseError
 from urdf_ik.guards import inputs
+from urdf_ik.poses import as_pose_array
 from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
@@ -97,9 +98,16 @@ class Region:
             >>> place.tolist(), round(float(turn), 6)
             ([0.1, 0.0, 0.0], 0.5)
         """
+        T, reached = as_pose_array(T), as_pose_array(reached)
+        try:
+            batch = np.broadcast_shapes(T.shape[:-2], reached.shape[:-2])
+        except ValueError:
+            raise PoseError(
+                f"targets of shape {T.shape} and poses of shape {reached.shape} given; they do not fit"
+            ) from None
         off = (reached - T)[..., :3, :] @ self.axis.seen[:, 0]
         inverse = np.swapaxes(T[..., :3, :3], -1, -2)
-        motion = np.zeros((*np.broadcast_shapes(T.shape, reached.shape)[:-2], 4, 4))
+        motion = np.zeros((*batch, 4, 4))
         motion[..., :3, :3] = inverse @ reached[..., :3, :3]
         direction = motion[..., :3, :3] @ np.array(self.axis.direction)
         return np.einsum("...ij,...j->...i", inverse, off), direction, self.axis.angle(motion)
@@ -112,6 +120,7 @@ class Region:
             >>> bool(Region().contains(np.eye(4), np.eye(4)))
             True
         """
+        tolerance = inputs.number(tolerance, "tolerance", low=0.0)
         place, direction, turn = self.measured(T, reached)
         low, high = np.array(self.box).T
         inside = ((place >= low - tolerance) & (place <= high + tolerance)).all(axis=-1)

@@ -74,7 +74,7 @@ def sweep(arm: SolvingArm, plan: RedundantPlan, T: Any, n: int, within_limits: b
     if target.ndim != 2:
         raise PoseError(f"an array of shape {target.shape} given; sweep takes a single pose (4, 4)")
     n = inputs.whole(n, "n", low=1, high=MOST_VALUES)
-    within_limits = inputs.flag(within_limits, "within_limits")
+    within_limits, threads = inputs.flag(within_limits, "within_limits"), inputs.threads(threads)
     parameter = plan.parameter
     low, high = span(arm, parameter, target[None])
     if plan.self_motion is None and len(plan.parameters) == 1:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import os
 import pickle
 import threading
 import time
@@ -21,6 +22,8 @@ from typing import TYPE_CHECKING, Any
 
 from urdf_ik import _core
 from urdf_ik.errors import ClusterError, MissingPackage
+from urdf_ik.guards import inputs
+from urdf_ik.text import printable, quoted
 
 if TYPE_CHECKING:
     from urdf_ik.scale.jobs import Job
@@ -34,6 +37,8 @@ PATIENCE = 60.0
 """s after which a chunk may be handed to a second worker; see :data:`SLOWER`."""
 SLOWER = 10.0
 """A chunk is handed to a second worker when it has taken this many times as long as the slowest one before it."""
+MOST_A_CORE = 4
+"""Worker processes that are started for each core of this machine at most."""
 OF_OUR_OWN = {
     "distributed.scheduler.worker-ttl": f"{PATIENCE:g}s",
     "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,
@@ -60,14 +65,14 @@ def connect(scheduler: str | None = None, workers: int | None = None) -> Any:
         ClusterError: no scheduler answers there, or a number of workers that makes no sense.
 
     Example:
-        >>> try:
-        ...     connect(workers=0)
-        ... except ClusterError as error:
-        ...     print(error)
-        0 workers given; 1 or more are needed
+        >>> connect(workers=0)
+        Traceback (most recent call last):
+        urdf_ik.errors.ClusterError: workers=0 given; a whole number from 1 to ... is needed
     """
-    if workers is not None and workers < 1:
-        raise ClusterError(f"{workers} workers given; 1 or more are needed")
+    if workers is not None:
+        workers = inputs.whole(workers, "workers", ClusterError, low=1, high=MOST_A_CORE * (os.cpu_count() or 1))
+    if not isinstance(scheduler, str | None):
+        raise ClusterError(f"scheduler={quoted(scheduler)} given; an address such as tcp://10.0.0.5:8786 is needed")
     distributed = _package()
     if scheduler is None:
         with import_module("dask.config").set(OF_OUR_OWN):
@@ -81,9 +86,10 @@ def connect(scheduler: str | None = None, workers: int | None = None) -> Any:
         # The client itself would wait for ever for one that is connected and says nothing.
         _in_time(lambda: asyncio.run(_greet(scheduler)), ANSWER_WITHIN)
         return distributed.Client(scheduler, timeout=ANSWER_WITHIN)
-    except (OSError, ValueError) as error:
+    except Exception as error:  # Dask and its transports each have their own ways to refuse an address
+        reason = printable(error, 200) or type(error).__name__
         raise ClusterError(
-            f"no scheduler answers at {scheduler} within {ANSWER_WITHIN:g} s ({error}); start one with "
+            f"no scheduler answers at {printable(scheduler)} within {ANSWER_WITHIN:g} s ({reason}); start one with "
             "`dask scheduler` and give the address that it prints, such as tcp://10.0.0.5:8786"
         ) from None
 

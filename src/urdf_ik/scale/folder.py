@@ -17,14 +17,18 @@ from pathlib import Path
 from typing import Any
 
 from urdf_ik.errors import StoreError
-from urdf_ik.guards import inputs
+from urdf_ik.guards import files, inputs
 from urdf_ik.guards.files import name_of
 from urdf_ik.scale.journal import Journal, Kept, digest
 from urdf_ik.scale.lock import Lock
-from urdf_ik.text import json_text
+from urdf_ik.text import json_text, printable
 
 PRIVATE = ".urdf-ik"
 """The folder of a store in which the package keeps what is not data."""
+MAX_QUESTION = 2**24
+"""Bytes of a store's question at most."""
+MOST_CHUNKS = 100_000
+"""Chunks of a store at most, so that its journal stays small."""
 MISSING = "not set"
 """Stands for the value of what only one of two questions has."""
 
@@ -63,6 +67,8 @@ class Folder:
         last: Mapping[str, bytes] | None = None,
     ) -> None:
         self.path = checked_path(path)
+        if chunks > MOST_CHUNKS:
+            raise StoreError(f"{name_of(path)}: {chunks} chunks; at most {MOST_CHUNKS} are made, take larger ones")
         self._last = last or {}
         self.chunks = chunks
         self._own = self.path / PRIVATE
@@ -165,7 +171,7 @@ class Folder:
                 if not self._holds(name, data):
                     self._write("last", self.path / name, data)
             text = self._journal.text()
-            if text != (self._own / "journal").read_bytes():
+            if not self._holds(f"{PRIVATE}/journal", text):
                 self._write("journal", self._own / "journal", text)
         except OSError as error:
             raise self._cannot_write(error) from None
@@ -173,8 +179,8 @@ class Folder:
     def _holds(self, name: str, data: bytes | None) -> bool:
         """Whether a file has these bytes."""
         try:
-            return data is not None and (self.path / name).read_bytes() == data
-        except OSError:
+            return data is not None and files.read(self.path / name, len(data), StoreError) == data
+        except StoreError:
             return False
 
     def _write(self, name: str, target: Path, data: bytes) -> None:
@@ -195,8 +201,8 @@ class Folder:
 
     def _is_whole(self, path: str, kept: Kept) -> bool:
         try:
-            data = (self.path / path).read_bytes()
-        except OSError:
+            data = files.read(self.path / path, kept.size, StoreError)
+        except StoreError:
             return False
         return len(data) == kept.size and digest(data) == kept.digest
 
@@ -248,14 +254,16 @@ def read_question(path: Path) -> dict[str, Any]:
         {'what': 'squares'}
     """
     file = path / PRIVATE / "question"
+    if not os.path.lexists(file):
+        raise StoreError(f"{name_of(path)} is no store of this package: there is no {name_of(file)}")
     try:
-        found = json.loads(file.read_text())
-    except FileNotFoundError:
-        raise StoreError(f"{path} is no store of this package: there is no {file}") from None
-    except (OSError, ValueError) as error:
-        raise StoreError(f"{path} is a damaged store: {file}: {error}") from None
+        found = json.loads(files.read(file, MAX_QUESTION, StoreError))
+    except (ValueError, RecursionError) as error:
+        if isinstance(error, StoreError):
+            raise
+        raise StoreError(f"{name_of(path)} is a damaged store: {name_of(file)}: {printable(error, 200)}") from None
     if not isinstance(found, dict):
-        raise StoreError(f"{path} is a damaged store: {file} holds no JSON object")
+        raise StoreError(f"{name_of(path)} is a damaged store: {name_of(file)} holds no JSON object")
     return found
 
 

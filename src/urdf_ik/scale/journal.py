@@ -13,8 +13,15 @@ import os
 import zlib
 from typing import TYPE_CHECKING, NamedTuple
 
+from urdf_ik.errors import StoreError
+from urdf_ik.guards import files
+
 if TYPE_CHECKING:
     from pathlib import Path
+
+
+MAX_BYTES = 2**27
+"""Bytes of a journal at most."""
 
 
 class Kept(NamedTuple):
@@ -50,7 +57,7 @@ class Journal:
         self._path = path
         self._good = 0  # bytes of whole lines
         self.chunks: dict[int, dict[str, Kept]] = {}
-        text = path.read_bytes() if path.exists() else b""
+        text = files.read(path, MAX_BYTES, StoreError) if os.path.lexists(path) else b""
         for line in text.splitlines(keepends=True):
             entry = _parsed(line)
             if entry is None:
@@ -95,5 +102,9 @@ def _parsed(line: bytes) -> tuple[int, dict[str, Kept]] | None:
     body, tab, check = line.rstrip(b"\n").rpartition(b"\t")
     if not tab or not line.endswith(b"\n") or check != f"{zlib.crc32(body):08x}".encode():
         return None
-    chunk, _, files = body.partition(b"\t")
-    return int(chunk), {path: Kept(*kept) for path, kept in json.loads(files).items()}
+    chunk, _, listed = body.partition(b"\t")
+    try:
+        found = {path: Kept(int(size), str(check)) for path, (size, check) in json.loads(listed).items()}
+        return int(chunk), found
+    except (AttributeError, TypeError, ValueError, RecursionError):  # a checksum alone makes no journal
+        return None

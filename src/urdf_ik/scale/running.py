@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from urdf_ik.errors import ClusterError
+from urdf_ik.guards import inputs
+
 if TYPE_CHECKING:
     from urdf_ik.scale.folder import Folder
     from urdf_ik.scale.jobs import Job
@@ -39,6 +42,10 @@ def run(job: Job, store: Folder, *, client: Any = None, progress: Tick | None = 
         ...     run(lambda k: {str(k): str(k * k).encode()}, store)
         3
     """
+    if client is not None:
+        inputs.kind(client, "scheduler_info", "client", "a distributed.Client", ClusterError)
+    if client is not None:
+        inputs.kind(client, "scheduler_info", "client", "a distributed.Client", ClusterError)
     pending = store.pending()
     done = store.chunks - len(pending)
 

@@ -97,7 +97,7 @@ class IKSolutions(KeptSolutions):
         """The solutions of ``turns()`` for a single pose one by one, ``index`` being the column here.
 
         Raises:
-            TypeError: this is a batch.
+            BatchError: this is a batch.
 
         Example:
             >>> import urdf_ik

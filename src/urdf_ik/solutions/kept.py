@@ -11,6 +11,8 @@ import numpy as np
 
 from urdf_ik._core import Answer
 from urdf_ik.angles import TURN
+from urdf_ik.errors import BatchError, PlaceError
+from urdf_ik.guards import places
 from urdf_ik.guards.frozen import frozen
 from urdf_ik.solutions.turn_names import suffix
 from urdf_ik.text import quoted
@@ -263,7 +265,7 @@ class KeptSolutions(Answer):
         """The valid solutions (k, n) of a single pose.
 
         Raises:
-            TypeError: this is a batch.
+            BatchError: this is a batch.
 
         Example:
             >>> import urdf_ik
@@ -294,22 +296,24 @@ class KeptSolutions(Answer):
         """Poses of a batch: ``IKSolutions``; of a single pose the solution with this number: ``Solution``."""
         if not self.shape:
             if isinstance(index, int | np.integer):
-                column = self._columns("an index")[index]
+                columns = self._columns("an index")
+                column = columns[places.place(len(columns), index, "solutions of this pose")]
                 return self._solution(column, self.names[column])
-            raise TypeError(
+            raise BatchError(
                 f"index {quoted(index)}: the solutions of a single pose take a whole number; or use to_array()"
             )
         place: tuple[Any, ...] = index if isinstance(index, tuple) else (index,)
+        if len(place) > len(self.shape) and all(isinstance(i, int | np.integer | slice) for i in place):
+            raise PlaceError(f"{len(place)} indices for a batch of poses of shape {self.shape}; take s[...].q[...]")
+        found = places.picked(self.shape, index)
         if not all(isinstance(i, int | np.integer | slice) for i in place):
             # Whatever NumPy makes of it, applied to the places of the poses so that columns and joints stay whole.
-            place = np.unravel_index(np.arange(np.prod(self.shape)).reshape(self.shape)[index], self.shape)
-        elif len(place) > len(self.shape):
-            raise IndexError(f"{len(place)} indices for a batch of poses of shape {self.shape}; take s[...].q[...]")
+            place = np.unravel_index(found, self.shape)
         step = self.step
         if step is not None:
-            columns = None if step.columns is None else step.columns[place]
+            own = None if step.columns is None else step.columns[place]
             apart = None if step.apart is None else step.apart[place]
-            step = step._replace(parent=step.parent[place], columns=columns, apart=apart)
+            step = step._replace(parent=step.parent[place], columns=own, apart=apart)
         at = None if self._redundancy is None else np.asarray(self._redundancy[place])
         return type(self)(
             self.arm, self._poses[place], self._q[place], self._info[place], self._branches, self._origin, step, at
@@ -330,7 +334,7 @@ class KeptSolutions(Answer):
     def _columns(self, what: str) -> Columns:
         """Columns of a single pose's valid solutions."""
         if self.shape:
-            raise TypeError(
+            raise BatchError(
                 f"{what} needs a single pose, and these are the solutions of a batch of shape {self.shape}: take one, "
                 "s[i], or the arrays s.q, s.valid and s.count"
             )

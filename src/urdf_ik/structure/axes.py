@@ -142,7 +142,7 @@ class Structure:
             >>> [k for k in range(1, 6) if structure.is_parallel(k)]
             [2]
         """
-        return self.pairs[first - 1].relation in ("parallel", "coincident")
+        return self._pair(first).relation in ("parallel", "coincident")
 
     def is_intersecting(self, first: int) -> bool:
         """Whether axes ``first`` and ``first + 1`` meet under an angle.
@@ -153,7 +153,10 @@ class Structure:
             >>> [k for k in range(1, 6) if structure.is_intersecting(k)]
             [1, 4, 5]
         """
-        return self.pairs[first - 1].relation == "intersecting"
+        return self._pair(first).relation == "intersecting"
+
+    def _pair(self, first: int) -> AxisPair:
+        return self.pairs[inputs.whole(first, "first", low=1, high=len(self.pairs)) - 1]
 
     def triple(self, first: int, relation: str) -> AxisTriple | None:
         """The triple that begins with axis ``first``, if its relation is this one.
@@ -163,6 +166,8 @@ class Structure:
             >>> str(urdf_ik.load("puma_560").structure.triple(4, "meet"))
             'axes 4, 5 and 6 meet in a point'
         """
+        first = inputs.whole(first, "first", low=1)
+        relation = inputs.choice(relation, "relation", ("meet", "parallel"))
         return next((t for t in self.triples if t.first == first and t.relation == relation), None)
 
     def solutions_in_words(self) -> str:

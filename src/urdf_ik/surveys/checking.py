@@ -14,15 +14,20 @@ from urdf_ik.arm import Arm, load
 from urdf_ik.arm.loading import read
 from urdf_ik.completeness import Completeness, compare
 from urdf_ik.crosscheck import Report, check
-from urdf_ik.errors import ArgumentError, ChainError, UnsupportedArm, UrdfError, UrdfIkError
+from urdf_ik.errors import ArgumentError, ChainError, StoreError, UnsupportedArm, UrdfError, UrdfIkError
+from urdf_ik.guards import files as files_guard
 from urdf_ik.guards import inputs
 from urdf_ik.scale import Folder, run, versions
 from urdf_ik.surveys.report import FAILED, NOT_AN_ARM, NOT_CHECKED, PASSED, REFUSED, Checked, Survey
-from urdf_ik.text import json_text
+from urdf_ik.text import json_text, printable
+from urdf_ik.urdf.xml import MAX_BYTES
 
 FORMAT, VERSION = "urdf-ik survey", 1
 ENDINGS = (".urdf", ".urdf.gz")
 """Endings of the files that are taken from a folder."""
+
+MAX_REPORT = 2**26
+"""Bytes of a kept report at most."""
 
 Files = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
 
@@ -39,8 +44,12 @@ def urdf_files(folder: str | os.PathLike[str]) -> tuple[Path, ...]:
         >>> "planar_2r.urdf" in [path.name for path in urdf_files(folder)]
         True
     """
-    where = Path(folder)
-    found = sorted(path for path in where.rglob("*") if path.name.endswith(ENDINGS) and path.is_file())
+    where = inputs.path(folder, "folder")
+    try:
+        found = sorted(path for path in where.rglob("*") if path.name.endswith(ENDINGS) and path.is_file())
+    except OSError as error:
+        reason = f"cannot read the folder: {error.strerror}"
+        raise UrdfError(reason, source=str(folder), hint="check its rights") from None
     if not found:
         raise UrdfError(
             f"the folder holds no file that ends in {' or '.join(ENDINGS)}", source=str(folder),
@@ -94,11 +103,20 @@ def survey(
         PASSED: 1 file: 1 passed
     """
     if isinstance(files, str | os.PathLike):
-        paths: tuple[Path, ...] = urdf_files(files) if Path(files).is_dir() else (Path(files),)
-        root = Path(files) if Path(files).is_dir() else None
+        where = inputs.path(files, "files")
+        root = where if os.path.isdir(where) else None
+        paths: tuple[Path, ...] = (where,) if root is None else urdf_files(root)
     else:
-        paths, root = tuple(map(Path, files)), None
-    n = inputs.whole(n, "n", low=1)
+        held = inputs.items(files, "files", "a folder, or paths of files,")
+        paths, root = tuple(inputs.path(each, "a path of files") for each in held), None
+    complete = inputs.flag(complete, "complete")
+    collision = None if collision is None else inputs.flag(collision, "collision")
+    inputs.callback(progress, "progress")
+    folders = [mesh_roots] if isinstance(mesh_roots, str | os.PathLike) else mesh_roots
+    folders = [
+        inputs.path(each, "a folder of mesh_roots") for each in inputs.items(folders, "mesh_roots", "paths of folders")
+    ]
+    n = inputs.poses(n)
     inputs.whole(seed, "seed", high=2**64)
     if complete and collision is not None:
         raise ArgumentError("complete=True compares solutions and nothing else; leave collision out")
@@ -109,7 +127,7 @@ def survey(
     names = tuple(str(path if root is None else path.relative_to(root)) for path in paths)
     job = Checking(
         tuple(map(os.path.abspath, paths)), names, n, seed, complete, collision, base, tip,
-        tuple(map(os.path.abspath, mesh_roots)),
+        tuple(map(os.path.abspath, folders)),
     )  # fmt: skip
     question = job.described()
     if store is None:
@@ -123,8 +141,7 @@ def survey(
         run(job, kept, client=client, progress=progress)
         kept.finish()
     folder = Path(store)
-    found = [json.loads((folder / _place(chunk)).read_text()) for chunk in range(len(paths))]
-    return Survey(question, tuple(Checked(**each) for each in found))
+    return Survey(question, tuple(_kept(folder / _place(chunk)) for chunk in range(len(paths))))
 
 
 @dataclass(frozen=True)
@@ -223,9 +240,17 @@ def _place(chunk: int) -> str:
     return f"arms/{chunk:06}.json"
 
 
+def _kept(file: Path) -> Checked:
+    """A report that stands in a store."""
+    try:
+        return Checked(**json.loads(files_guard.read(file, MAX_REPORT, StoreError)))
+    except (TypeError, ValueError) as error:
+        raise StoreError(f"{files_guard.name_of(file)} is damaged: {printable(error, 200)}") from None
+
+
 def _digest(path: str) -> str | None:
     """SHA-256 of a file; None where it cannot be read, which the check says then."""
     try:
-        return hashlib.sha256(Path(path).read_bytes()).hexdigest()
-    except OSError:
+        return hashlib.sha256(files_guard.read(path, MAX_BYTES)).hexdigest()
+    except ArgumentError:
         return None

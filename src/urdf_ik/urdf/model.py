@@ -13,7 +13,7 @@ from typing import IO, TYPE_CHECKING, Any
 import numpy as np
 from lxml import etree
 
-from urdf_ik.errors import ArgumentError, ChainError, UrdfError
+from urdf_ik.errors import ChainError, UrdfError
 from urdf_ik.guards import inputs
 from urdf_ik.text import nearest, printable, quoted
 from urdf_ik.urdf import bodies, checks, formats, meshes, packages, tree
@@ -359,6 +359,5 @@ def _joint(raw: checks.RawJoint, theirs: Any) -> Joint:
 
 def _folders(roots: Iterable[str | os.PathLike[str]] | str | os.PathLike[str]) -> tuple[Path, ...]:
     each = [roots] if isinstance(roots, str | os.PathLike) else roots
-    if not isinstance(each, Iterable):
-        raise ArgumentError(f"mesh_roots={quoted(roots)} given; paths of folders are needed")
-    return tuple(inputs.path(root, "a folder of mesh_roots").absolute() for root in each)
+    held = inputs.items(each, "mesh_roots", "paths of folders")
+    return tuple(inputs.path(root, "a folder of mesh_roots").absolute() for root in held)

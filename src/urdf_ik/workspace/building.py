@@ -150,9 +150,7 @@ def compute(
         raise UnsupportedArm(f"{arm.name}: no solver for this arm yet. {arm.structure}")
     orientations = inputs.whole(orientations, "orientations", WorkspaceError, low=1, high=MAX_SAMPLES)
     inputs.callback(progress, "progress", WorkspaceError)
-    chunk, threads = (
-        inputs.whole(value, name, WorkspaceError, low=1) for value, name in ((chunk, "chunk"), (threads, "threads"))
-    )
+    chunk, threads = inputs.whole(chunk, "chunk", WorkspaceError, low=1), inputs.threads(threads, WorkspaceError)
     if store is None and (client is not None or block is not None):
         raise WorkspaceError("client and block are for maps in a store; give store='map.zarr', too")
     if store is not None and output is not None:

@@ -165,12 +165,22 @@ class Grid:
     def from_described(cls, found: Any) -> Grid:
         """The grid of such a description.
 
+        Raises:
+            WorkspaceError: it is none.
+
         Example:
             >>> Grid.from_described({"lower": [0.0, 0.0, 0.0], "voxel": 0.1, "shape": [2, 1, 1]}).count
             2
         """
-        x, y, z = (int(count) for count in found["shape"])
-        return cls(np.array(found["lower"], dtype=np.float64), float(found["voxel"]), (x, y, z))
+        found = inputs.mapping(found, "grid", "a mapping with lower, voxel and shape", WorkspaceError)
+        counts, lower = found.get("shape"), found.get("lower")
+        if not isinstance(counts, list | tuple) or len(counts) != len(AXES):
+            raise WorkspaceError(f"shape={quoted(counts)} given; three whole numbers are needed")
+        x, y, z = (inputs.whole(count, "shape", WorkspaceError, low=1, high=_MOST_VOXELS) for count in counts)
+        corner = inputs.real(lower, "lower", "three numbers [m]", WorkspaceError)
+        if corner.shape != (len(AXES),) or inputs.first_bad(corner) is not None:
+            raise WorkspaceError(f"lower={quoted(lower)} given; three finite numbers [m] are needed")
+        return cls(corner.copy(), inputs.number(found.get("voxel"), "voxel", WorkspaceError, above=0.0), (x, y, z))
 
 
 def grid_of(arm: Arm, voxel: float, bounds: ArrayLike | None) -> Grid:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -30,6 +31,8 @@ _ALWAYS = ("samples", "solutions", "branch_poses")
 _PERHAPS = ("within", "free", "manipulability", "margin", "clearance")
 _MEASURED = ("manipulability", "margin", "clearance")
 _TYPES = {"samples": np.float64, "branch_poses": np.uint16} | dict.fromkeys(_MEASURED, np.float32)
+_TEXTS = ("robot", "urdf_sha256", "base", "tip", "task", "sampled", "counted", "made_by")
+_COUNTED = ("solutions", "within", "free")
 VALUES = {
     "reach": "share of the orientations that are reached",
     "solutions": "mean number of solutions",
@@ -92,7 +95,7 @@ class About:
         """From the fields as JSON holds them.
 
         Raises:
-            KeyError: one is missing.
+            WorkspaceError: one is missing, or is none.
 
         Example:
             >>> from dataclasses import asdict
@@ -101,10 +104,26 @@ class About:
             >>> About.read(asdict(found.about)) == found.about
             True
         """
+        inputs.mapping(header, "header", "the fields of a map", WorkspaceError)
+        if missing := [name for name in cls.__dataclass_fields__ if name not in header]:
+            raise WorkspaceError(f"there is no {missing[0]!r} in it")
         named = {name: header[name] for name in cls.__dataclass_fields__}
         for name in ("joints", "branches"):
-            named[name] = tuple(named[name])
-        named["limits"] = tuple((lower, upper) for lower, upper in named["limits"])
+            named[name] = inputs.items(named[name], name, "names", WorkspaceError)
+        named["limits"] = tuple(
+            inputs.items(pair, "limits", "pairs of numbers", WorkspaceError)
+            for pair in inputs.items(named["limits"], "limits", "pairs of numbers", WorkspaceError)
+        )
+        texts = [*named["joints"], *named["branches"], *(named[name] for name in _TEXTS)]
+        numbers = [*itertools.chain(*named["limits"]), named["redundancy"]]
+        locked = inputs.mapping(named["locked"], "locked", "values by joint", WorkspaceError)
+        if (
+            any(len(pair) != 2 for pair in named["limits"])
+            or not all(isinstance(each, str) for each in (*texts, *locked, named["world"] or ""))
+            or not all(inputs.is_real(each) for each in (*(x for x in numbers if x is not None), *locked.values()))
+            or named["counted"] not in _COUNTED
+        ):
+            raise WorkspaceError("its fields are of other kinds than names and numbers")
         return cls(**named)
 
 

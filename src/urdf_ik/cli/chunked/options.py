@@ -8,6 +8,7 @@ from typing import Annotated
 from typer import Option
 
 from urdf_ik.cli.options import OBSTACLES, POSES_IN_A_FILE
+from urdf_ik.guards.inputs import MOST_THREADS
 
 # Where the work is kept, and who does it.
 Store = Annotated[
@@ -21,7 +22,7 @@ Scheduler = Annotated[
     str | None,
     Option("--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers fill the store, as tcp://HOST:PORT."),
 ]
-Threads = Annotated[int, Option("--threads", min=1, help="Threads that solve.")]
+Threads = Annotated[int, Option("--threads", min=1, max=MOST_THREADS, help="Threads that solve.")]
 
 # Base positions.
 Targets = Annotated[

@@ -120,6 +120,8 @@ class Tracker:
                 f"{arm.name}: {arm.free_axis} is free, and targets are tracked as whole poses; arm.fixed.tracker(...) "
                 "tracks them with the rotation that they have"
             )
+        if targets is not None:
+            inputs.kind(targets, "for_solver", "targets", "what an arm with a task gives")
         self.arm = arm
         self.dt = positive("dt", dt, "s")
         self.velocity_limits = arm.velocity_limits.copy() if velocity is None else limits_of(arm, "velocity", velocity)

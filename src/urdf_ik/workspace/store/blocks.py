@@ -5,9 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from urdf_ik.errors import WorkspaceError
+from urdf_ik.guards import inputs
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from urdf_ik.workspace.grid import Grid
@@ -48,6 +52,19 @@ class Blocks:
                     break
             else:
                 return cls(grid.shape, (shape[0], shape[1], shape[2]))
+
+    @classmethod
+    def from_described(cls, grid: Shape, shape: Any) -> Blocks:
+        """Blocks of this many voxels along each axis, as a store's question says.
+
+        Raises:
+            WorkspaceError: there are no such blocks.
+        """
+        if not isinstance(shape, list) or len(shape) != len(grid):
+            raise WorkspaceError(f"block={quoted(shape)} given; three whole numbers are needed")
+        sides = zip(shape, grid, strict=True)
+        x, y, z = (inputs.whole(each, "block", WorkspaceError, low=1, high=most) for each, most in sides)
+        return cls(grid, (x, y, z))
 
     @property
     def along(self) -> Shape:

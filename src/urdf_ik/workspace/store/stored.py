@@ -10,12 +10,15 @@ import numpy as np
 
 from urdf_ik.errors import StoreError, WorkspaceError
 from urdf_ik.guards import inputs
-from urdf_ik.scale import zarrs
+from urdf_ik.guards.files import name_of
+from urdf_ik.scale import room
 from urdf_ik.scale.folder import finished, read_question
-from urdf_ik.text import quoted
+from urdf_ik.scale.opened import OpenedGroup
+from urdf_ik.text import printable, quoted
 from urdf_ik.workspace.grid import Grid, require_memory
 from urdf_ik.workspace.lookup import cells
 from urdf_ik.workspace.maps import About, MapSlice, WorkspaceMap, read
+from urdf_ik.workspace.question import HELD
 from urdf_ik.workspace.store.blocks import Blocks
 from urdf_ik.workspace.totals import Totals, summed
 
@@ -64,15 +67,20 @@ class StoredMap:
             found = quoted(question.get("version"))
             raise StoreError(f"{self.path} is of version {found}; this package reads {VERSION}")
         try:
-            self._group = zarrs.package().open_group(str(self.path), mode="r")
             self.about = About.read(question)
             self.grid = Grid.from_described(question["grid"])
             self.holds: tuple[str, ...] = tuple(question["holds"])
-            x, y, z = question["block"]
-            self.samples: Array = self._group["samples"][...]
-        except (KeyError, TypeError, ValueError, OSError) as error:
-            raise StoreError(f"{self.path} is a damaged store: {error}") from None
-        self.blocks = Blocks(self.grid.shape, (x, y, z))
+            self.blocks = Blocks.from_described(self.grid.shape, question["block"])
+            if unknown := [name for name in self.holds if name not in HELD]:
+                raise StoreError(f"there is no array {quoted(unknown[0])}")
+        except (KeyError, TypeError, ValueError) as error:
+            raise StoreError(f"{name_of(self.path)} is a damaged store: {printable(error, 200)}") from None
+        self._group = OpenedGroup(self.path)
+        self.samples: Array = self._group.read("samples")
+        last = {"orientation": len(self.samples), "branch": len(self.about.branches)}
+        for name in self.holds:
+            if self._group.shape(name) != (*self.grid.shape, last[HELD[name].per]):
+                raise StoreError(f"{name_of(self.path)} is a damaged store: {name} is not of the grid's shape")
 
     def __repr__(self) -> str:
         shape = " x ".join(map(str, self.grid.shape))
@@ -102,12 +110,7 @@ class StoredMap:
             range(each.start // side, -(-each.stop // side)) for each, side in zip(part, self.blocks.shape, strict=True)
         )
         self._require(np.ravel_multi_index(np.meshgrid(*spans, indexing="ij"), self.blocks.along).ravel())
-        try:
-            return np.asarray(self._group[name][part])
-        except (ValueError, RuntimeError, OSError) as error:
-            raise StoreError(
-                f"{self.path}: {name} is damaged ({error}); the run that made it makes what is damaged again"
-            ) from None
+        return self._group.read(name, part, room.available_memory())
 
     def read(self, bounds: ArrayLike | None = None) -> WorkspaceMap:
         """The map, or the voxels whose centres are inside bounds (2, 3) m, in memory.
@@ -216,7 +219,7 @@ class StoredMap:
     def _box(self, part: Part) -> WorkspaceMap:
         grid = self.grid.cut(part)
         share = grid.count / self.grid.count
-        require_memory(grid, len(self.samples), int(share * sum(self._group[name].nbytes for name in self.holds)))
+        require_memory(grid, len(self.samples), int(share * sum(self._group.nbytes(name) for name in self.holds)))
         arrays: dict[str, Any] = {name: self.array(name, part) for name in self.holds}
         return WorkspaceMap(self.about, grid, self.samples, **arrays)
 

@@ -1,0 +1,125 @@
+"""Sequences that are given for arrays: how long they are is asked before they are written out."""
+
+from __future__ import annotations
+
+from array import array as packed
+from collections.abc import Mapping
+from itertools import islice
+from typing import Any
+
+import numpy as np
+
+MOST_LISTED = 2**24
+"""Numbers in lists, ranges and other sequences at most, which take ten times the memory of an array."""
+MOST_REPEATED = 2**27
+"""Numbers of an array at most that stands for more than it holds, as ``np.broadcast_to`` makes it: 1 GiB."""
+_DEEPEST = 8
+"""Levels of lists within lists at most: stacks of stacks of poses have six."""
+_MASKED = "a masked array is given"
+_NUMBERS = frozenset((float, int, np.float64))
+_AS_ARRAY = ("__array__", "__array_interface__", "__array_struct__", "__buffer__")
+
+
+def too_long(value: Any) -> str:
+    """Why a sequence is not written out as an array: it is too long, too deep or masked; nothing where it may be.
+
+    Example:
+        >>> too_long(range(10**9))
+        'more than 16777216 numbers in lists or ranges are given; give a NumPy array'
+    """
+    return looked_through(value)[0]
+
+
+def looked_through(value: Any) -> tuple[str, bool]:
+    """Why something is not written out as an array, nothing where it may be; whether there are others than lists in it.
+
+    It may be too long or too deep, or masked. Only lengths are asked for: a range of any length costs nothing.
+
+    Example:
+        >>> looked_through([0.5, range(3)])
+        ('', True)
+    """
+    if isinstance(value, np.ndarray):
+        if isinstance(value, np.ma.MaskedArray):
+            return _MASKED, False
+        repeated = value.size > MOST_REPEATED and 0 in value.strides
+        return f"a view that stands for more than {MOST_REPEATED} numbers is given" if repeated else "", False
+    level, others = [value], False
+    for _ in range(_DEEPEST):
+        count = 0
+        inner: list[Any] = []
+        for each in level:
+            if isinstance(each, list | tuple):
+                count += len(each)
+                inner.append(each)
+            elif isinstance(each, np.ndarray):
+                if isinstance(each, np.ma.MaskedArray):
+                    return _MASKED, others
+                count += each.size
+            elif _is_sequence(each):
+                count += _length(each)
+                others = True
+            if count > MOST_LISTED:
+                return f"more than {MOST_LISTED} numbers in lists or ranges are given; give a NumPy array", others
+        level = [part for each in inner for part in each if type(part) not in _NUMBERS]
+        if not level:
+            return "", others
+    deeper = any(isinstance(each, list | tuple) or _is_sequence(each) for each in level)
+    return f"lists within lists are given, more than {_DEEPEST} deep" if deeper else "", others
+
+
+def _is_sequence(value: Any) -> bool:
+    """Whether NumPy would go through it element by element."""
+    kind = type(value)
+    return (
+        hasattr(kind, "__len__")
+        and hasattr(kind, "__getitem__")
+        and not isinstance(value, str | bytes | bytearray | memoryview | packed | Mapping)
+        and not any(hasattr(kind, name) for name in _AS_ARRAY)
+    )
+
+
+def _length(value: Any) -> int:
+    try:
+        return len(value)
+    except OverflowError:  # beyond what fits in a machine's word
+        return MOST_LISTED + 1
+
+
+def as_lists(value: Any) -> Any:
+    """The same with other sequences than lists as lists: one may go on without end, whatever it says of its length.
+
+    Raises:
+        ValueError: one is not as long as it says.
+
+    Example:
+        >>> as_lists([range(3)])
+        [[0, 1, 2]]
+    """
+    if isinstance(value, list | tuple):
+        return [as_lists(each) for each in value]
+    if not _is_sequence(value):
+        return value
+    count = _length(value)
+    listed = list(islice(value, count + 1))
+    if len(listed) != count:
+        raise ValueError(f"a {type(value).__name__} that is not as long as it says")
+    return as_lists(listed)
+
+
+def is_masked(value: object) -> bool:
+    """Whether it is a masked array, or a list that holds one, whose mask NumPy would drop in silence.
+
+    Example:
+        >>> is_masked([np.ma.masked_array([1.0], [True])]), is_masked([1.0])
+        (True, False)
+    """
+    level: list[object] = [value]
+    for _ in range(_DEEPEST):
+        if any(isinstance(each, np.ma.MaskedArray) for each in level):
+            return True
+        inner = [each for each in level if isinstance(each, list | tuple)]
+        level = [part for each in inner for part in each if isinstance(part, np.ma.MaskedArray | list | tuple)]
+        if not level:
+            break
+    return False
