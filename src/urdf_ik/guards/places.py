@@ -34,9 +34,15 @@ def picked(shape: tuple[int, ...], index: Any) -> NDArray[np.intp]:
         urdf_ik.errors.PlaceError: index 7 into a batch of shape (2, 3): index 7 is out of bounds for axis 0 with size 2
     """
     try:
-        problem = next(filter(None, map(sequences.too_long, index if isinstance(index, tuple) else (index,))), "")
+        parts = index if isinstance(index, tuple) else (index,)
+        looked = [sequences.looked_through(part) for part in parts]
+        problem = next((problem for problem, _ in looked if problem), "")
         if not problem:
-            return np.asarray(np.arange(math.prod(shape)).reshape(shape)[index])
+            # What is no list may go on without end, whatever it says of its length.
+            known = (
+                sequences.as_lists(part) if others else part for part, (_, others) in zip(parts, looked, strict=True)
+            )
+            return np.asarray(np.arange(math.prod(shape)).reshape(shape)[tuple(known)])
     except Exception as failure:  # whatever an object of unknown origin raises where it is asked for an index
         problem = " ".join(str(failure).split())[:200]
     raise PlaceError(f"index {quoted(index)} into a batch of shape {shape}: {problem}")

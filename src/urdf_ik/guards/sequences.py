@@ -16,7 +16,7 @@ MOST_REPEATED = 2**27
 _DEEPEST = 8
 """Levels of lists within lists at most: stacks of stacks of poses have six."""
 _MASKED = "a masked array is given"
-_NUMBERS = frozenset((float, int, np.float64))
+_LEAVES = frozenset((float, int, bool, complex, str, bytes, type(None), np.float64, np.float32, np.int64, np.str_))
 _AS_ARRAY = ("__array__", "__array_interface__", "__array_struct__", "__buffer__")
 
 
@@ -61,7 +61,7 @@ def looked_through(value: Any) -> tuple[str, bool]:
                 others = True
             if count > MOST_LISTED:
                 return f"more than {MOST_LISTED} numbers in lists or ranges are given; give a NumPy array", others
-        level = [part for each in inner for part in each if type(part) not in _NUMBERS]
+        level = [part for each in inner for part in each if type(part) not in _LEAVES]
         if not level:
             return "", others
     deeper = any(isinstance(each, list | tuple) or _is_sequence(each) for each in level)
