@@ -42,6 +42,11 @@ class Crippled:
     def __getattr__(self, name: str) -> Any:
         return getattr(object.__getattribute__(self, "_sound"), name)
 
+    @property
+    def chain(self) -> Any:
+        """What tells an arm from an object that answers to any name."""
+        return self._sound.chain
+
     def ik(self, T: np.ndarray) -> Any:
         """Its answer, changed."""
         sound = self._sound.ik(T)
