@@ -41,11 +41,11 @@ class ArgumentError(UrdfIkError, ValueError):
     """An argument that is out of its range, such as a negative tolerance or ``threads=0``."""
 
 
-class PlaceError(UrdfIkError, IndexError):
+class PlaceError(UrdfIkError, IndexError, ValueError):
     """An index that leads out of a batch or a sequence, or that is none."""
 
 
-class BatchError(UrdfIkError, TypeError):
+class BatchError(UrdfIkError, TypeError, ValueError):
     """What has a meaning for a single pose was asked of the answers to a batch, or the other way round.
 
     Example:

@@ -174,7 +174,7 @@ def test_batch_is_its_poses(case: Case) -> None:
         assert [str(interval) for interval in batch[i, j]] == [str(interval) for interval in alone]
     with pytest.raises(urdf_ik.ArgumentError, match="single pose"):
         len(batch)
-    with pytest.raises(urdf_ik.ArgumentError, match="more than one pose"):
+    with pytest.raises(urdf_ik.PlaceError, match="more than one pose"):
         batch[0]
 
 
