@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from arms import serial_urdf
 from arms_seven import random_seven
 from cases import Array, Case, described, worst_error
 
@@ -275,4 +276,21 @@ def test_a_gap_between_curves_that_all_but_meet() -> None:
     values = np.linspace(-1.65, -1.55, 1001)
     count = arm.ik(T, redundancy=values).count
     assert set(count.tolist()) == {0, 4}
+    np.testing.assert_array_equal(count, covered(found, values))
+
+
+def test_three_folds_next_to_one_another() -> None:
+    """A curve of an arm with xArm7's frames: within 1e-5 rad of the parameter it turns back, on again, and back."""
+    quarter = 1.5708
+    turns = (0.0, -quarter, quarter, quarter, quarter, quarter, -quarter)
+    places = ((0, 0, 0.267), (0, 0, 0), (0, -0.293, 0), (0.0525, 0, 0), (0.0775, -0.3425, 0), (0, 0, 0), (0.076, 0.097, 0))
+    origins = [(place, (turn, 0.0, 0.0)) for place, turn in zip(places, turns, strict=True)]
+    arm = urdf_ik.load(serial_urdf("seven", origins, [(0, 0, 1)] * 7))
+    q = [-5.48752245, -0.69419653, -5.26039287, 2.74160097, -4.7911878, 2.86849077, -6.26434053]
+    T = arm.fk(q)
+    value = float(arm.redundancy_of(q))
+    found = list(arm.intervals(T, within_limits=False))
+    values = value + 1e-6 * np.linspace(-3.0, 30.0, 1001)
+    count = arm.ik(T, redundancy=values).count
+    assert {0, 2, 4} <= set(count.tolist())
     np.testing.assert_array_equal(count, covered(found, values))

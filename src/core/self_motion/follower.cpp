@@ -35,19 +35,24 @@ bool Follower::step(const CurveSample& from, const CurveSample* before, double& 
 // that the secant of the rate gives.
 bool Follower::fold_between(const CurveSample& a, const CurveSample& b, CurveSample& to) const {
     double low = 0.0, high = b.arc, q[7];
-    const double share = stand_still(a, b);
-    between(a, b, share > 0.0 && share < 1.0 ? share : 0.5, q);
+    const double ahead = stand_still(a, b);
+    between(a, b, ahead > 0.0 && ahead < 1.0 ? ahead : 0.5, q);
     if (!settle(q, {Pin::nothing, 0, 0.0}, a.along, a.value, EXACT, to) || !agree(a, to)) return false;
     double at = b.arc * way_to(a, b, to), before = a.rate * to.rate > 0.0 ? high : low;
     double rate_before = before > 0.0 ? b.rate : a.rate;
+    double share = 1.0;  // of the next step: less after one that led elsewhere
     for (int round = 0; round < MOST_SECANTS && std::abs(to.rate) >= STANDS && high - low > 1e-12 * b.arc; ++round) {
         (to.rate * a.rate > 0.0 ? low : high) = at;
         double next = at - to.rate * (at - before) / (to.rate - rate_before);
         if (!(next > low && next < high)) next = 0.5 * (low + high);
+        next = at + share * (next - at);
         for (int j = 0; j < 7; ++j) q[j] = to.q[j] + unit(j) * (next - at) * to.along[j];
         CurveSample here;
-        if (!settle(q, {Pin::nothing, 0, 0.0}, to.along, to.value, EXACT, here) || !agree(to, here)) break;
-        before = at, rate_before = to.rate;
+        if (!settle(q, {Pin::nothing, 0, 0.0}, to.along, to.value, EXACT, here) || !agree(to, here)) {
+            share *= 0.25;
+            continue;
+        }
+        before = at, rate_before = to.rate, share = 1.0;
         for (int j = 0; j < 7; ++j) at += gap(j, here.q[j], to.q[j]) * to.along[j];
         to = here;
     }
@@ -119,6 +124,10 @@ Follower::Stop Follower::travel(const CurveSample& from, double low, double high
         CurveSample fold;
         const bool has_fold = folds_here && fold_between(last, to, fold);
         if (folds_here && !has_fold) return Stop::lost;
+        if (has_fold && to.arc > 1e-5 && (folds_twice(last, fold, fold.arc) || folds_twice(to, fold, to.arc - fold.arc))) {
+            h = 0.4 * std::min(began, to.arc);  // three folds may lie in this step
+            continue;
+        }
         const CurveSample& end = has_fold ? fold : to;
         const bool over = end.value > high, under = end.value < low;
         if ((over && sense > 0.0) || (under && sense < 0.0)) {

@@ -154,6 +154,11 @@ private:
         const double sum = -(second + std::copysign(std::sqrt(root), second)), one = sum / third;
         return one > 0.0 && one < 1.0 ? one : s / sum;
     }
+    // Whether the cubic in the arc from a sample to a fold has another fold in between: its rate, a quadratic that is zero at
+    // the fold, is zero on the way too if and only if it gains less than a third of what the rate at the sample would give.
+    static bool folds_twice(const CurveSample& a, const CurveSample& fold, double arc) {
+        return std::abs(fold.value - a.value) < std::abs(a.rate) * arc / 3.0;
+    }
     bool step(const CurveSample& from, const CurveSample* before, double& h, CurveSample& to) const;
     bool fold_between(const CurveSample& a, const CurveSample& b, CurveSample& to) const;
     CurveSample at_value(const CurveSample& a, const CurveSample& b, double value, bool& found) const;
@@ -213,7 +218,7 @@ private:
         EndOf why[2];
         int joint[2];
     };
-    std::vector<Run> by_turns(const Run& run) const;
+    std::vector<Run> by_turns(Run&& run) const;
     void keep(const Piece& piece, const Run& run, double turns, long pose, Intervals& to) const;
 
     const FreeArm& arm_;

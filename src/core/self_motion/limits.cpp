@@ -155,17 +155,21 @@ void Follower::cut(const Piece& piece, long pose, Intervals& to) const {
         back.why[1] = runs.front().why[1], back.joint[1] = runs.front().joint[1];
         runs.erase(runs.begin());
     }
-    for (const Run& run : runs) {
-        for (const Run& part : by_turns(run)) {
+    for (Run& run : runs) {
+        for (const Run& part : by_turns(std::move(run))) {
             if (part.samples.size() >= 2) keep(piece, part, turns, pose, to);
         }
     }
 }
 
 // A run, cut where the value passes the first one of the grid if it passes some values more than once.
-std::vector<Follower::Run> Follower::by_turns(const Run& run) const {
-    std::vector<Run> out(1, run);
-    if (!given_.round || run.samples.back().value - run.samples.front().value <= TURN + NEARLY_EXACT) return out;
+std::vector<Follower::Run> Follower::by_turns(Run&& run) const {
+    std::vector<Run> out;
+    if (!given_.round || run.samples.back().value - run.samples.front().value <= TURN + NEARLY_EXACT) {
+        out.push_back(std::move(run));
+        return out;
+    }
+    out.push_back(run);
     out[0].samples.clear();
     for (const CurveSample& each : run.samples) {
         out.back().samples.push_back(each);

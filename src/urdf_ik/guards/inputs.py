@@ -144,7 +144,7 @@ def number(
         Traceback (most recent call last):
         urdf_ik.errors.ArgumentError: margin='3' given; a finite number of m of at least 0 is needed
     """
-    alone = isinstance(value, np.ndarray) and not value.ndim and not sequences.is_masked(value)
+    alone = isinstance(value, np.ndarray) and not value.ndim and not isinstance(value, np.ma.MaskedArray)
     single = value.item() if alone else value
     good = is_real(single)
     try:
@@ -179,7 +179,7 @@ def whole(
         urdf_ik.errors.ArgumentError: threads=2.5 given; a whole number from 1 to 2147483648 is needed
     """
     try:
-        given = None if isinstance(value, bool | np.bool_) or sequences.is_masked(value) else operator.index(value)
+        given = None if isinstance(value, bool | np.bool_ | np.ma.MaskedArray) else operator.index(value)
     except Exception:  # whatever an object of unknown origin raises where it is asked for a number
         given = None
     if given is None or not low <= given <= high:

@@ -105,21 +105,3 @@ def as_lists(value: Any) -> Any:
     if len(listed) != count:
         raise ValueError(f"a {type(value).__name__} that is not as long as it says")
     return as_lists(listed)
-
-
-def is_masked(value: object) -> bool:
-    """Whether it is a masked array, or a list that holds one, whose mask NumPy would drop in silence.
-
-    Example:
-        >>> is_masked([np.ma.masked_array([1.0], [True])]), is_masked([1.0])
-        (True, False)
-    """
-    level: list[object] = [value]
-    for _ in range(_DEEPEST):
-        if any(isinstance(each, np.ma.MaskedArray) for each in level):
-            return True
-        inner = [each for each in level if isinstance(each, list | tuple)]
-        level = [part for each in inner for part in each if isinstance(part, np.ma.MaskedArray | list | tuple)]
-        if not level:
-            break
-    return False

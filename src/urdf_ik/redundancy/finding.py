@@ -142,17 +142,9 @@ def _nothing(arm: SolvingArm) -> Found:
     """No interval of no pose."""
     none, empty = np.zeros(0, dtype=np.intp), np.zeros(0)
     return Found(
-        none,
-        empty,
-        empty,
-        none,
-        np.empty((0, 2), dtype=object),
-        none,
-        none,
-        empty,
-        np.empty((0, arm.dof)),
+        none, empty, empty, none, np.empty((0, 2), dtype=object), none, none, empty, np.empty((0, arm.dof)),
         np.empty((0, 17)),
-    )
+    )  # fmt: skip
 
 
 def _found(arm: SolvingArm, plan: RedundantPlan, curves: Curves, T: Array, bounds: Array, threads: int) -> Found:

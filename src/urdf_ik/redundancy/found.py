@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 CAUSES = ("none", "fold", "reach", "singularity", "limit", "contact", "range")
 """Why an interval ends: 'none': it does not, it is the whole circle, or a part of a curve that passes some values more
-than once; 'fold': two branches become one and end there; 'reach': the
-same, and beyond it no branch has a solution; 'singularity': the joints could not be followed further; 'limit': of a
-joint; 'contact': two bodies touch; 'range': the parameter's values end there."""
+than once; 'fold': two branches become one and end there; 'reach': the same, and beyond it no branch has a solution;
+'singularity': the joints could not be followed further; 'limit': of a joint; 'contact': two bodies touch; 'range': the
+parameter's values end there."""
 
 
 @dataclass(frozen=True)

@@ -44,8 +44,6 @@ def run(job: Job, store: Folder, *, client: Any = None, progress: Tick | None = 
     """
     if client is not None:
         inputs.kind(client, "scheduler_info", "client", "a distributed.Client", ClusterError)
-    if client is not None:
-        inputs.kind(client, "scheduler_info", "client", "a distributed.Client", ClusterError)
     pending = store.pending()
     done = store.chunks - len(pending)
 

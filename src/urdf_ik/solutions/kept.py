@@ -303,12 +303,17 @@ class KeptSolutions(Answer):
                 f"index {quoted(index)}: the solutions of a single pose take a whole number; or use to_array()"
             )
         place: tuple[Any, ...] = index if isinstance(index, tuple) else (index,)
-        if len(place) > len(self.shape) and all(isinstance(i, int | np.integer | slice) for i in place):
+        plain = all(isinstance(i, int | np.integer | slice) and not isinstance(i, bool) for i in place)
+        if plain and len(place) > len(self.shape):
             raise PlaceError(f"{len(place)} indices for a batch of poses of shape {self.shape}; take s[...].q[...]")
-        found = places.picked(self.shape, index)
-        if not all(isinstance(i, int | np.integer | slice) for i in place):
-            # Whatever NumPy makes of it, applied to the places of the poses so that columns and joints stay whole.
-            place = np.unravel_index(found, self.shape)
+        # Whole numbers in range, as a loop over a batch gives them, need no second look.
+        inside = plain and all(
+            not isinstance(i, slice) and -size <= i < size for i, size in zip(place, self.shape, strict=False)
+        )
+        if not inside:
+            found = places.picked(self.shape, index)
+            # Whatever NumPy makes of others, applied to the places of the poses so that columns and joints stay whole.
+            place = place if plain else np.unravel_index(found, self.shape)
         step = self.step
         if step is not None:
             own = None if step.columns is None else step.columns[place]
