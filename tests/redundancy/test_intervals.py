@@ -283,7 +283,8 @@ def test_three_folds_next_to_one_another() -> None:
     """A curve of an arm with xArm7's frames: within 1e-5 rad of the parameter it turns back, on again, and back."""
     quarter = 1.5708
     turns = (0.0, -quarter, quarter, quarter, quarter, quarter, -quarter)
-    places = ((0, 0, 0.267), (0, 0, 0), (0, -0.293, 0), (0.0525, 0, 0), (0.0775, -0.3425, 0), (0, 0, 0), (0.076, 0.097, 0))
+    wrist = ((0, 0, 0), (0.076, 0.097, 0))
+    places = ((0, 0, 0.267), (0, 0, 0), (0, -0.293, 0), (0.0525, 0, 0), (0.0775, -0.3425, 0), *wrist)
     origins = [(place, (turn, 0.0, 0.0)) for place, turn in zip(places, turns, strict=True)]
     arm = urdf_ik.load(serial_urdf("seven", origins, [(0, 0, 1)] * 7))
     q = [-5.48752245, -0.69419653, -5.26039287, 2.74160097, -4.7911878, 2.86849077, -6.26434053]
