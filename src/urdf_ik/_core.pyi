@@ -42,6 +42,26 @@ class Chain:
 
     def axes(self, arg: object, /) -> object: ...
 
+def image_range(q: object, bounds: object, turns: object) -> tuple:
+    """
+    Turns to the first and the last image inside the bounds: two arrays like q (..., n).
+    """
+
+def nearest_image(q: object, bounds: object, turns: object) -> tuple:
+    """
+    Images (..., n) inside the bounds, fewest turns away, and which (...) there are.
+    """
+
+def image_near(q: object, q_ref: object, bounds: object, turns: object) -> tuple:
+    """
+    Images (..., n) inside the bounds, nearest to q_ref (n,) or (..., n), and which (...) there are.
+    """
+
+def has_image(q: object, among: object, bounds: object, turns: object) -> object:
+    """
+    Which (...) of the joint vectors (..., n) among those that are asked about have an image inside the bounds.
+    """
+
 class Step:
     """What one cycle of a tracker answers."""
 

@@ -81,6 +81,7 @@ NB_MODULE(_core, m) {
     add_elimination(m);
     add_answer(m);
     add_chain(m);
+    add_images(m);
     add_tracker(m);
     add_path_graph(m);
     add_self_motion(m);

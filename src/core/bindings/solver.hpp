@@ -70,6 +70,7 @@ void add_closed_forms(Makers& makers);
 void add_coupled(Makers& makers);
 void add_one_given(Makers& makers);
 void add_chain(nb::module_& m);
+void add_images(nb::module_& m);
 void add_tracker(nb::module_& m);
 void add_path_graph(nb::module_& m);
 void add_self_motion(nb::module_& m);

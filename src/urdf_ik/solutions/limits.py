@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from urdf_ik import _core
 from urdf_ik.angles import TURN
 from urdf_ik.errors import ArgumentError, JointVectorError
 from urdf_ik.guards import inputs
@@ -109,24 +110,8 @@ def image_range(q: Array, limits: Array, turning: Mask | Array, tol: float = LIM
     Raises:
         ArgumentError: ``tol`` is not finite.
     """
-    tol = inputs.number(tol, "tol", unit="rad or m")
-    lower, upper = limits[:, 0] - tol, limits[:, 1] + tol
-    turning, turn = _turns(turning)
-    with np.errstate(invalid="ignore", over="ignore"):  # NaN rows, and limits like 1e308 for "none"
-        first, last = np.ceil((lower - q) / turn), np.floor((upper - q) / turn)
-        # The quotient is rounded; the sum that is returned later decides.
-        first = np.where(q + (first - 1.0) * turn >= lower, first - 1.0, first)
-        first = np.where(q + first * turn < lower, first + 1.0, first)
-        last = np.where(q + (last + 1.0) * turn <= upper, last + 1.0, last)
-        last = np.where(q + last * turn > upper, last - 1.0, last)
-        single = ~(np.isfinite(lower) & np.isfinite(upper))
-        near = np.minimum(np.maximum(0.0, first), last)
-        first, last = np.where(single & (first <= last), near, first), np.where(single & (first <= last), near, last)
-        inside = (q >= lower) & (q <= upper)
-    first = np.where(turning, first, 0.0)
-    last = np.where(turning, last, np.where(inside, 0.0, -1.0))
-    nothing = np.isnan(q)
-    return np.where(nothing, 0.0, first), np.where(nothing, -1.0, last)
+    first, last = _core.image_range(np.ascontiguousarray(q), *_bounds(limits, turning, tol))
+    return first, last
 
 
 def nearest_image(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TOLERANCE) -> tuple[Array, Mask]:
@@ -141,11 +126,24 @@ def nearest_image(q: Array, limits: Array, turning: Mask | Array, tol: float = L
     Returns:
         q (..., B, n), NaN rows where a joint has no image inside; (..., B) bool.
     """
-    first, last = image_range(q, limits, turning, tol)
-    inside = np.asarray((first <= last).all(axis=-1))
-    image = q + _fewest(first, last) * _turns(turning)[1]
-    image[~inside] = np.nan
+    image, inside = _core.nearest_image(np.ascontiguousarray(q), *_bounds(limits, turning, tol))
     return image, inside
+
+
+def has_image(q: Array, among: Mask, limits: Array, turning: Mask | Array) -> Mask:
+    """Which joint vectors have an image inside the limits, of those that are asked about.
+
+    Args:
+        q: (..., n) rad or m.
+        among: (...) which joint vectors are asked about; the answer is false for the others.
+        limits: (n, 2) rad or m.
+        turning: (n,) see :func:`image_range`.
+
+    Returns:
+        (...) bool.
+    """
+    bounds = _bounds(limits, turning, LIMIT_TOLERANCE)
+    return np.asarray(_core.has_image(np.ascontiguousarray(q), np.ascontiguousarray(among), *bounds))
 
 
 def image_near(q: Array, q_ref: Array, limits: Array, turning: Mask | Array) -> tuple[Array, Mask]:
@@ -160,13 +158,13 @@ def image_near(q: Array, q_ref: Array, limits: Array, turning: Mask | Array) -> 
     Returns:
         q (..., n), NaN rows where a joint has no image inside; (...) bool.
     """
-    first, last = image_range(q, limits, turning)
-    inside = np.asarray((first <= last).all(axis=-1))
-    on_circle, turn = _turns(turning)
-    wanted = np.where(on_circle, np.round((q_ref - q) / turn), 0.0)
-    endless = on_circle & np.isinf(limits).all(axis=1)
-    count = np.where(endless, wanted, np.clip(wanted, first, np.maximum(first, last)))
-    return np.where(inside[..., None], q + count * turn, np.nan), inside
+    reference = np.asarray(q_ref, dtype=np.float64)
+    if reference.size != q.shape[-1] and reference.shape != (*q.shape[:-2], 1, q.shape[-1]):
+        shape = np.broadcast_shapes(q.shape, reference.shape)
+        q, reference = np.broadcast_to(q, shape), np.broadcast_to(reference, shape)
+    bounds = _bounds(limits, turning, LIMIT_TOLERANCE)
+    image, inside = _core.image_near(np.ascontiguousarray(q), np.ascontiguousarray(reference), *bounds)
+    return image, inside
 
 
 def image_inmost(q: Array, limits: Array, turning: Mask | Array) -> tuple[Array, Mask]:
@@ -258,6 +256,17 @@ def excess(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TO
     image = np.where(inside, q + _fewest(first, last) * turn, np.where(upwards, high, low))
     signed = np.where(inside, 0.0, np.where(upwards, above, -below))
     return np.where(np.isnan(q), np.nan, image), np.where(np.isnan(q), np.nan, signed)
+
+
+def _bounds(limits: Array, turning: Mask | Array, tol: float) -> tuple[Array, Array]:
+    """Limits (n, 2) widened by a tolerance, and how far [rad] the images of each joint are apart, 0 where it has none.
+
+    Raises:
+        ArgumentError: the tolerance is not finite.
+    """
+    tol = inputs.number(tol, "tol", unit="rad or m")
+    on_circle, turn = _turns(turning)
+    return np.ascontiguousarray(limits + [-tol, tol]), np.where(on_circle, turn, 0.0)
 
 
 def _turns(turning: Mask | Array) -> tuple[Mask, Array]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from urdf_ik.angles import TURN
 from urdf_ik.errors import ArgumentError, JointVectorError
 from urdf_ik.guards import inputs
 from urdf_ik.solutions.limits import LIMIT_TOLERANCE
@@ -97,10 +98,9 @@ def difference(q: Array, q_ref: Array, round_joints: NDArray[np.bool_] | Array) 
     Returns:
         (..., n) rad or m.
     """
-    apart = q - q_ref
-    half = np.pi * np.where(round_joints, round_joints, 1.0)
-    on_circle = np.asarray(round_joints, dtype=np.bool_)
-    return np.where(on_circle, np.remainder(apart + half, 2.0 * half) - half, apart)
+    apart: Array = np.asarray(q - q_ref)
+    once_round = TURN * np.asarray(round_joints, dtype=np.float64)
+    return apart - once_round * np.rint(apart / np.where(once_round, once_round, 1.0))
 
 
 def least_columns(values: Array, n: int) -> NDArray[np.intp]:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from urdf_ik.collision import World
     from urdf_ik.workspace.store.stored import StoredMap
 
-CHUNK = 4096
+CHUNK = 2**14
 """Poses that are solved at a time: their answers stay in the processor's cache."""
 MAX_SAMPLES = 2**16 - 1
 """Orientations at a position: their number is kept in 16 bits."""

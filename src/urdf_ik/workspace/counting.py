@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik.angles import TURN
 from urdf_ik.solutions import limits as joint_limits
 
 if TYPE_CHECKING:
@@ -18,7 +17,6 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
     Mask = NDArray[np.bool_]
 
-_BEYOND = 1e-3  # rad, more than what a limit may be exceeded by
 _WORD = 8  # as many branches, a byte each, are one machine word
 
 
@@ -40,14 +38,7 @@ class Counting:
         self.kept = valid
         self._arm, self._all = arm, q
         self._q: Array | None = None
-        turning = ~arm.chain.prismatic
-        lower, upper = arm.limits.T
-        # A joint that turns all the way round has an image inside whatever its value; one that slides, or whose limits
-        # are within half a turn of zero, none but the value itself, which the solver gives within half a turn of zero.
-        limited = ~(turning & (upper - lower >= TURN))
-        plain = ~turning | ((lower > _BEYOND - 0.5 * TURN) & (upper < 0.5 * TURN - _BEYOND))
-        self._plain, self._imaged = np.flatnonzero(limited & plain), np.flatnonzero(limited & ~plain)
-        self._turning = turning
+        self._turning = ~arm.chain.prismatic
 
     @property
     def vectors(self) -> Array:
@@ -64,15 +55,7 @@ class Counting:
 
     def keep_within_limits(self) -> None:
         """Drop solutions without an image inside the limits."""
-        limits, tol = self._arm.limits, joint_limits.LIMIT_TOLERANCE
-        inside = self.kept.copy()
-        for joint in self._plain:
-            values, (lower, upper) = self._all[..., joint], limits[joint]
-            inside &= (values >= lower - tol) & (values <= upper + tol)
-        some = self._imaged
-        if len(some):
-            first, last = joint_limits.image_range(self._all[inside][:, some], limits[some], self._turning[some])
-            inside[inside] = (first <= last).all(axis=-1)
+        inside = joint_limits.has_image(self._all, self.kept, self._arm.limits, self._turning)
         self.kept, self._q = inside, None
 
     def keep_free(self, world: World | None, margin: float = 0.0) -> None:

@@ -1,0 +1,148 @@
+// Images of joint vectors inside the limits, as Python calls them.
+#include "../images.hpp"
+
+#include <cstdint>
+#include <vector>
+
+#include "numpy_api.hpp"
+#include "signals.hpp"
+#include "solver.hpp"
+
+namespace urdf_ik {
+
+namespace {
+
+// Joint vectors between two questions whether to stop, and so few that letting other threads run does not pay.
+constexpr long AT_ONCE = 4096, FEW = 100;
+
+// Joint vectors (..., n), and the limits of their joints.
+struct Vectors {
+    PyArrayObject* array;
+    const double* q;
+    long count;
+    std::vector<Limit> limits;
+
+    Vectors(nb::handle vectors, nb::handle bounds, nb::handle turns) : array(needed(vectors)) {
+        PyArrayObject *sides = needed(bounds), *apart = needed(turns);
+        const long n = PyArray_SIZE(apart), last = PyArray_NDIM(array) - 1;
+        if (last < 0 || PyArray_DIM(array, last) != n || PyArray_SIZE(sides) != 2 * n) {
+            throw nb::value_error("joint vectors and limits do not fit each other");
+        }
+        q = (const double*)PyArray_DATA(array);
+        const double *side = (const double*)PyArray_DATA(sides), *turn = (const double*)PyArray_DATA(apart);
+        for (long j = 0; j < n; ++j) limits.emplace_back(side[2 * j], side[2 * j + 1], turn[j]);
+        count = n ? PyArray_SIZE(array) / n : PyArray_MultiplyList(PyArray_DIMS(array), last);
+    }
+    static PyArrayObject* needed(nb::handle numbers) {
+        PyArrayObject* found = doubles(numbers);
+        if (!found) throw nb::type_error("an array of float64 in C order is needed");
+        return found;
+    }
+    int joints() const { return int(limits.size()); }
+    // A new array (..., n) of numbers, or (...) of truth values.
+    template <class T> nb::object made(T*& to) const {
+        const bool truth = sizeof(T) == 1;
+        nb::object out =
+            nb::steal(PyArray_SimpleNew(PyArray_NDIM(array) - truth, PyArray_DIMS(array), truth ? NPY_BOOL : NPY_DOUBLE));
+        if (!out.is_valid()) throw nb::python_error();
+        to = (T*)PyArray_DATA((PyArrayObject*)out.ptr());
+        return out;
+    }
+    // work(i) for every vector.
+    template <class Work> void each(const Work& work) const {
+        if (count < FEW) {
+            for (long i = 0; i < count; ++i) work(i);
+            return;
+        }
+        without_gil([&](const Stop& stop) {
+            for (long begin = 0; begin < count && !stop.asked(); begin += AT_ONCE) {
+                for (long i = begin; i < std::min(count, begin + AT_ONCE); ++i) work(i);
+            }
+        });
+    }
+    // image(value, joint, to) for every value; a vector one of whose joints has none is NaN.
+    template <class Image> nb::tuple moved(const Image& image) const {
+        double* to;
+        std::uint8_t* inside;
+        nb::object images = made(to), has = made(inside);
+        const int n = joints();
+        each([&](long i) {
+            bool all = true;
+            for (int j = 0; j < n && all; ++j) all = image(i, j, to[i * n + j]);
+            if (!all) std::fill_n(to + i * n, n, NAN);
+            inside[i] = all;
+        });
+        return nb::make_tuple(images, has);
+    }
+};
+
+nb::tuple ranges(nb::handle q, nb::handle bounds, nb::handle turns) {
+    const Vectors given(q, bounds, turns);
+    double *first, *last;
+    nb::object from = given.made(first), to = given.made(last);
+    const int n = given.joints();
+    given.each([&](long i) {
+        for (int j = 0; j < n; ++j) {
+            const ImageRange range = image_range(given.q[i * n + j], given.limits[j]);
+            first[i * n + j] = range.first, last[i * n + j] = range.last;
+        }
+    });
+    return nb::make_tuple(from, to);
+}
+
+nb::tuple nearest(nb::handle q, nb::handle bounds, nb::handle turns) {
+    const Vectors given(q, bounds, turns);
+    const int n = given.joints();
+    return given.moved([&](long i, int j, double& image) { return nearest_image(given.q[i * n + j], given.limits[j], image); });
+}
+
+// A reference for each `each` vectors: for all of them where there is but one.
+nb::tuple near(nb::handle q, nb::handle q_ref, nb::handle bounds, nb::handle turns) {
+    const Vectors given(q, bounds, turns);
+    PyArrayObject* array = Vectors::needed(q_ref);
+    const int n = given.joints();
+    const long references = n ? PyArray_SIZE(array) / n : 1;
+    if (references < 1 || references * n != PyArray_SIZE(array) || given.count % references) {
+        throw nb::value_error("joint vectors and references do not fit each other");
+    }
+    const long each = std::max(1L, given.count / references);
+    const double* reference = (const double*)PyArray_DATA(array);
+    return given.moved([&](long i, int j, double& image) {
+        return image_near(given.q[i * n + j], reference[i / each * n + j], given.limits[j], image);
+    });
+}
+
+// Which of the vectors that are asked about have an image inside.
+nb::object inside(nb::handle q, nb::handle asked, nb::handle bounds, nb::handle turns) {
+    const Vectors given(q, bounds, turns);
+    PyArrayObject* mask = (PyArrayObject*)asked.ptr();
+    if (!PyArray_CheckExact(asked.ptr()) || PyArray_TYPE(mask) != NPY_BOOL || !PyArray_ISCARRAY_RO(mask) ||
+        PyArray_SIZE(mask) != given.count) {
+        throw nb::type_error("a truth value for each joint vector is needed");
+    }
+    const std::uint8_t* among = (const std::uint8_t*)PyArray_DATA(mask);
+    std::uint8_t* out;
+    nb::object has = given.made(out);
+    const int n = given.joints();
+    given.each([&](long i) {
+        bool all = among[i];
+        for (int j = 0; j < n && all; ++j) all = has_image(given.q[i * n + j], given.limits[j]);
+        out[i] = all;
+    });
+    return has;
+}
+
+}  // namespace
+
+void add_images(nb::module_& m) {
+    m.def("image_range", &ranges, nb::arg("q"), nb::arg("bounds"), nb::arg("turns"),
+          "Turns to the first and the last image inside the bounds: two arrays like q (..., n).");
+    m.def("nearest_image", &nearest, nb::arg("q"), nb::arg("bounds"), nb::arg("turns"),
+          "Images (..., n) inside the bounds, fewest turns away, and which (...) there are.");
+    m.def("image_near", &near, nb::arg("q"), nb::arg("q_ref"), nb::arg("bounds"), nb::arg("turns"),
+          "Images (..., n) inside the bounds, nearest to q_ref (n,) or (..., n), and which (...) there are.");
+    m.def("has_image", &inside, nb::arg("q"), nb::arg("among"), nb::arg("bounds"), nb::arg("turns"),
+          "Which (...) of the joint vectors (..., n) among those that are asked about have an image inside the bounds.");
+}
+
+}  // namespace urdf_ik
