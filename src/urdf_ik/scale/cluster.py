@@ -42,9 +42,13 @@ MOST_A_CORE = 4
 OF_OUR_OWN = {
     "distributed.scheduler.worker-ttl": f"{PATIENCE:g}s",
     "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "5s",
 }
 """Dask's settings for the cluster that :func:`connect` makes. By its defaults workers give freed memory back at once;
-the arrays of each few thousand poses are then new pages, which the system clears, and solving takes twice as long."""
+the arrays of each few thousand poses are then new pages, which the system clears, and solving takes twice as long. And
+each process looks at itself up to a hundred times a second for a dashboard, a tenth of a core in all."""
 AHEAD = 2
 """Chunks under way for each thread of the workers: the next one is there when one is finished."""
 LEAST_AHEAD = 4
