@@ -33,7 +33,7 @@ from urdf_ik.viewer import Viewer  # noqa: E402
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason=INSTALL)
 
-WIDTH, HEIGHT, PANEL = 1120, 740, 420
+WIDTH, HEIGHT, PANEL = 900, 560, 420
 ARM = "zyyzyz_6r"
 
 
