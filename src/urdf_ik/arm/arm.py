@@ -79,6 +79,8 @@ class Arm(Free):
             TaskError: there is no such task, or the arm cannot control it.
             UnsupportedArm: no solver takes this arm for a task other than 'pose'.
         """
+        inputs.kind(model, "joints", "model", "a URDF, as urdf_ik.load(...).model is,")
+        inputs.kind(chain, "fk", "chain", "a chain, as urdf_ik.load(...).chain is,")
         super().__init__(model, chain, free_axis)
         check_given(self.name, chain, given)
         self.structure: Structure = analyse(chain)

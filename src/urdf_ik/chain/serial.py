@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 import numpy as np
 
 from urdf_ik import _core
-from urdf_ik.errors import ArgumentError, ChainError, JointVectorError
+from urdf_ik.errors import ChainError, JointVectorError
 from urdf_ik.guards import inputs
 from urdf_ik.guards.frozen import Frozen
 from urdf_ik.text import quoted
@@ -347,9 +347,8 @@ def standing(chain: _AnyChain, beside: Mapping[str, float]) -> _AnyChain:
 
 def held_values(chain: Chain, values: Mapping[str, float]) -> dict[str, float]:
     """Names and values of joints to hold, as :meth:`Chain.lock` takes and refuses them."""
-    if not isinstance(values, Mapping):
-        raise ArgumentError(f"locked={quoted(values)} given; names of joints with values, {{name: 0.0}}, are needed")
-    held = {name: _held_at(name, value) for name, value in values.items()}
+    given = inputs.mapping(values, "locked", "names of joints with values, {name: 0.0},")
+    held = {name: _held_at(name, value) for name, value in given.items()}
     there = dict.fromkeys([*chain.joint_names, *(joint.driver for joint in chain.tree if joint.column is None)])
     able = [name for name in there if name and name not in dict(chain.locked)]
     if unknown := [name for name in held if name not in able]:

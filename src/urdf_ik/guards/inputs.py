@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import inspect
 import math
 import numbers
@@ -310,7 +311,8 @@ def mapping(
         urdf_ik.errors.ArgumentError: values=['joint_1'] given; a value for each joint by name is needed
     """
     if isinstance(value, Mapping):
-        return value
+        with contextlib.suppress(Exception):  # whatever a mapping of unknown origin raises where it is read
+            return dict(islice(value.items(), len(value)))
     raise error(f"{what}={quoted(value)} given; {needed} is needed")
 
 

@@ -141,17 +141,11 @@ class Region:
         aside, along = self.across @ direction, direction @ np.array(self.axis.direction)
         tilt = np.minimum(np.arctan2(np.linalg.norm(aside), along), self.cone)
         heading = np.arctan2(aside[1], aside[0])
-        return self.pose(T, place.clip(low, high), tilt, heading, turn.clip(-self.rotation, self.rotation))
+        place, turn = place.clip(low, high), turn.clip(-self.rotation, self.rotation)
+        return self._pose(as_pose_array(T), place, tilt, heading, turn)
 
-    def pose(self, T: Array, place: Array, tilt: Array, heading: Array, turn: Array) -> Array:
-        """Poses (..., 4, 4) with the point at ``place`` (..., 3), the axis tilted towards ``heading``, and turned.
-
-        Example:
-            >>> import numpy as np
-            >>> tilted = Region(cone=0.3).pose(np.eye(4), np.zeros(3), np.array(0.3), np.array(0.0), np.array(0.0))
-            >>> round(float(tilted[2, 2]), 6) == round(float(np.cos(0.3)), 6)
-            True
-        """
+    def _pose(self, T: Array, place: Array, tilt: Array, heading: Array, turn: Array) -> Array:
+        """Poses (..., 4, 4) with the point at ``place`` (..., 3), the axis tilted towards ``heading``, and turned."""
         a, (e, f) = np.array(self.axis.direction), self.across
         towards = np.cos(heading)[..., None] * e + np.sin(heading)[..., None] * f
         # The tilt turns a to the direction of ``towards``: a rotation in the plane of the two.
@@ -177,6 +171,10 @@ class Region:
     def sampled(self, T: Array, shares: Array) -> Array:
         """Poses (m, 4, 4) spread over the region around a target, from shares (m, 6) of a unit cube.
 
+        Raises:
+            PoseError: the target is no pose.
+            ArgumentError: the shares are not such numbers.
+
         Example:
             >>> import numpy as np
             >>> region = Region(box=0.01, cone=0.1)
@@ -184,9 +182,11 @@ class Region:
             >>> bool(region.contains(np.eye(4), poses).all())
             True
         """
-        low, high = np.array(self.box).T
+        shares, low, high = inputs.real(shares, "shares", "(m, 6) shares of 1"), *np.array(self.box).T
+        if shares.ndim != 2 or shares.shape[1] != 6:
+            raise ArgumentError(f"shares of shape {shares.shape} given; (m, 6) is needed")
         tilt, turn = self.cone * np.sqrt(shares[:, 3]), self.rotation * (2.0 * shares[:, 5] - 1.0)
-        return self.pose(T, low + shares[:, :3] * (high - low), tilt, 2.0 * np.pi * shares[:, 4], turn)
+        return self._pose(as_pose_array(T), low + shares[:, :3] * (high - low), tilt, 2.0 * np.pi * shares[:, 4], turn)
 
     @property
     def widths(self) -> Array:

@@ -191,6 +191,7 @@ class UrdfModel:
             >>> joint.name, multiplier, offset
             ('joint_1', 1.0, 0.0)
         """
+        inputs.kind(joint, "mimic", "joint", "a joint of this URDF, one of .joints,")
         by_name = self._by_name if joint.mimic else {}
         multiplier, offset = 1.0, 0.0
         while joint.mimic is not None and joint.mimic[0] in by_name:
