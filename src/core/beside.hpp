@@ -45,4 +45,61 @@ template <class Model> PART bool search_beside_folds(const Model& arm, const Goa
     return near;
 }
 
+// A valley: where the Jacobian all but loses a rank all along a curve, whose points miss the goal by little. Steps along it
+// [rad], how many of them, damping that leaves what is weak where it is, from when on the joints are no longer weak, and by how
+// much a valley's points may miss the goal.
+inline constexpr double STRIDE = 0.06, HOLDING = 3e-3, NO_LONGER_WEAK = 3e-2, OUT_OF_VALLEY = 1e-2;
+inline constexpr int STRIDES = 128;
+
+// Solutions along the valley through q, one way: between two points whose errors point in opposite directions. Across the
+// valley there is no error left, so the error has but one direction there, and it changes sign with it.
+template <class Model>
+PART void walk_valley(const Model& arm, const Goal<double>& goal, const double* from, double way,
+                      const Columns<Model::joints>& columns) {
+    constexpr int N = Model::joints;
+    double q[N], last[N], along[N];
+    for (int j = 0; j < N; ++j) q[j] = from[j];
+    Rows<Model::rows, double> error = {}, before = {};
+    Weakest<N> weak = weakest_at(arm, goal, q);
+    for (int j = 0; j < N; ++j) along[j] = way * weak.direction[j];
+    for (int k = 0; k < STRIDES && weak.value < NO_LONGER_WEAK; ++k) {
+        Error<double, Model::rows> left = {};
+        for (int j = 0; j < N; ++j) last[j] = q[j], q[j] = advanced(arm, j, q[j], STRIDE * along[j]);
+        for (int round = 0; round < 3; ++round) {
+            Rows<Model::rows, double> J[N];
+            left = error_and_jacobian(arm, goal, q, J);
+            if (round == 2) break;
+            const Solved<N, double> step = least_squares<true, N, Model::rows>(J, left.twist, HOLDING);
+            for (int j = 0; j < N; ++j) q[j] = advanced(arm, j, q[j], step.x[j]);
+        }
+        if (!(left.size < OUT_OF_VALLEY)) return;
+        before = error, error = left.twist;
+        if (k > 0 && dot(before, error) < 0.0) {
+            const double a = sqrt(dot(before, before)), share = a / (a + sqrt(dot(error, error)));
+            double found[N];
+            for (int j = 0; j < N; ++j) found[j] = advanced(arm, j, last[j], share * gap(arm, j, q[j], last[j]));
+            if (polish_one<true>(arm, goal, found, {30, FINISHED, LONG_PATIENCE}).error <= CONVERGED &&
+                is_new(arm, goal, columns, found)) {
+                keep(columns, 0, found, singular_marks(arm, goal, found, 0));
+            }
+        }
+        weak = weakest_at(arm, goal, q);
+        double same = 0.0;
+        for (int j = 0; j < N; ++j) same += along[j] * weak.direction[j];
+        for (int j = 0; j < N; ++j) along[j] = (same < 0.0 ? -1.0 : 1.0) * weak.direction[j];
+    }
+}
+
+// Along the valleys of all solutions that lie in one, both ways.
+template <class Model>
+PART void walk_valleys(const Model& arm, const Goal<double>& goal, const Columns<Model::joints>& columns) {
+    for (int b = 0; b < columns.many; ++b) {
+        if (!columns.valid(b)) continue;
+        double q[Model::joints];
+        for (int j = 0; j < Model::joints; ++j) q[j] = columns.row(b)[j];
+        if (weakest_at(arm, goal, q).value > SECOND_NEXT_DOOR) continue;
+        walk_valley(arm, goal, q, 1.0, columns), walk_valley(arm, goal, q, -1.0, columns);
+    }
+}
+
 }  // namespace urdf_ik::URDF_IK_LEVEL

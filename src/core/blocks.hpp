@@ -28,10 +28,14 @@
 namespace urdf_ik::URDF_IK_LEVEL {
 
 // How far a branch is from its ends: the margins whose roots have the branch's signs of shoulder, elbow and wrist (bits 4,
-// 2 and 1 of its number), and the least squared arm that fixes its angles (dimensionless). Imperfect arms ask for it.
+// 2 and 1 of its number), and the least squared arm that fixes its angles (dimensionless), each by what comes before it (see
+// after). Imperfect arms ask for it.
 template <class V> struct Clearance {
     V shoulder, elbow, wrist, arms;
 };
+// The squared arm that fixes a joint, by how well those before it are fixed. What moves the target moves a joint by that over its
+// arm, or over the root of its margin, and takes along the joints that come after it: `before` is the least of these squares.
+template <class V> STEP V after(const V& arm, const V& before) { return arm * min(V(1.0), before); }
 
 // What of a branch, or of several, is settled besides the angles: the lanes in which it is no solution, and those in which that
 // is in doubt.

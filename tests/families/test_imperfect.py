@@ -161,3 +161,39 @@ def test_planted_near_singularities_of_rounded_and_calibrated_arms(name: str) ->
 def test_batch_equals_single(name: str) -> None:
     """A stack of poses gives what each pose gives, column by column, with any number of threads."""
     contract.batch_equals_single_but_for_one(made(name), 8)
+
+
+def stretched_or_over_itself(case: Case, rng: np.random.Generator, m: int) -> Array:
+    """(m, 2) rad: joints 2 and 3 for which a wrist arm is singular whatever its wrist, by halving between signs."""
+
+    def measure(second: Array, third: Array) -> Array:
+        q = np.tile([0.0, 0.0, 0.0, 0.3, 0.7, 0.0], (*third.shape, 1))
+        q[..., 1], q[..., 2] = second, third
+        return np.asarray(np.linalg.det(case.arm.jacobian(q)))
+
+    second = rng.uniform(-np.pi, np.pi, (m, 1))
+    third = np.tile(np.linspace(-np.pi, np.pi, 61), (m, 1))
+    values = measure(second, third)
+    row, column = np.nonzero(values[:, :-1] * values[:, 1:] < 0.0)
+    second, low, high, before = second[row, 0], third[row, column], third[row, column + 1], values[row, column]
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        same = measure(second, middle) * before > 0.0
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    return np.stack([second, low], axis=-1)[rng.permutation(len(low))[:m]]
+
+
+@pytest.mark.parametrize("eps", [1e-6, 1e-5, 1e-4])
+def test_planted_near_two_singularities_at_once(eps: float) -> None:
+    """Next to a straight elbow, or with the wrist over axis 1, its axes aligned: more solutions than branches."""
+    case, rng = described(tilted(industrial(), eps, 0)), np.random.default_rng(1)
+    places = stretched_or_over_itself(case, rng, 120)
+    q = rng.uniform(-np.pi, np.pi, (len(places), 6))
+    off = rng.choice([1e-4, 1e-5, 1e-6], len(q))
+    q[:, 1:3] = places + off[:, None] * rng.normal(size=(len(q), 2))
+    q[:, 4] = off * rng.choice([-1.0, 1.0], len(q))
+    found = case.arm.ik(np.stack([case.oracle.pose(each) for each in q]))
+    for k, each in enumerate(q):
+        s = found[k]
+        least = np.linalg.svd(case.arm.jacobian(each), compute_uv=False)[-1]
+        assert angle_distance(rows(s), each).min() < 1e-6 + 1e-11 / max(least, 1e-14), (k, each.tolist())

@@ -292,7 +292,10 @@ bool complete(const EliminationArm& arm, const Goal<double>& goal, const Columns
         }
     }
     // Where not all are known, others may be next to a singular solution.
-    return certain & (search.all_known || !search_beside_folds(arm.written, goal, columns));
+    certain &= search.all_known || !search_beside_folds(arm.written, goal, columns);
+    // Solutions come in pairs, as the complex ones of real equations do: an odd number lacks one, but for double roots.
+    if (!certain && columns.count() % 2) walk_valleys(arm.written, goal, columns);
+    return certain;
 }
 
 struct General6 {

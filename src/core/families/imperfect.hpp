@@ -29,6 +29,9 @@ inline constexpr double CLOSE_BY = 1e-4;
 // Imperfection from which the few values of a joint that the ideal arm leaves free stand apart, so that elimination and
 // continuation find them without looks from all around. Chosen by tests, not derived: at 1e-3 a solution was lost without.
 inline constexpr double FAR_OFF = 4e-3;
+// Pairs of places that are tried where two joints are all but free: where the second smallest singular value is below this.
+inline constexpr int PAIRS = 48;
+inline constexpr double DOUBLY_WEAK = 1e-2;
 
 // by_quartic: the family has no block path; all its poses go to its careful path and the elimination.
 template <class Family, bool by_quartic = false> struct Imperfect {
@@ -68,6 +71,7 @@ template <class Family, bool by_quartic = false> struct Imperfect {
         if (loose && !by_quartic && off < FAR_OFF) all_around(arm, goal, seen, columns);
         if (!complete(arm.elimination, goal, columns)) {
             if (by_quartic) all_around(arm, goal, seen, columns);
+            if (loose && off < FAR_OFF && is_doubly_weak(arm, goal, columns)) apart(arm, goal, seen, columns);
             columns.flags[0] |= UNCERTAIN;
         }
     }
@@ -77,6 +81,40 @@ template <class Family, bool by_quartic = false> struct Imperfect {
         for (int k = 0; k < AROUND; ++k) {
             Reference<6> at;
             for (double& each : at.q) each = PI * (2.0 * k / AROUND - 1.0);
+            at.given = 0.0;
+            Family::closely(arm.loose, goal, seen, at, columns, ~0u);
+        }
+    }
+
+    // Whether some solution's Jacobian all but loses two ranks: with u and v the directions of the weakest singular value,
+    // the next one is the least of J + u v^T.
+    static PART bool is_doubly_weak(const Arm& arm, const Goal<double>& goal, const Columns<6>& columns) {
+        for (int b = 0; b < columns.many; ++b) {
+            if (!columns.valid(b)) continue;
+            Six<double> J[6], across[6];
+            double q[6];
+            for (int j = 0; j < 6; ++j) q[j] = columns.row(b)[j];
+            error_and_jacobian(arm.family.written, goal, q, J);
+            for (int j = 0; j < 6; ++j) {
+                for (int i = 0; i < 6; ++i) across[i][j] = J[j][i];
+            }
+            Six<double> filled[6];
+            for (int j = 0; j < 6; ++j) filled[j] = J[j];
+            const Weakest<6> v = weakest(J), u = weakest(across);
+            for (int j = 0; j < 6; ++j) {
+                for (int i = 0; i < 6; ++i) filled[j][i] += u.direction[i] * v.direction[j];
+            }
+            if (weakest(filled).value < DOUBLY_WEAK) return true;
+        }
+        return false;
+    }
+
+    // Two such joints at once: from pairs of places, which an irrational share of a turn spreads evenly.
+    static PART void apart(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Columns<6>& columns) {
+        constexpr double share[6] = {0.7548776662466927, 0.6, 0.4, 0.5698402909980532, 0.3, 0.8};
+        for (int k = 0; k < PAIRS; ++k) {
+            Reference<6> at;
+            for (int j = 0; j < 6; ++j) at.q[j] = wrap(2.0 * PI * share[j] * k);
             at.given = 0.0;
             Family::closely(arm.loose, goal, seen, at, columns, ~0u);
         }

@@ -189,7 +189,9 @@ template <LastAxes kind> struct ParallelShoulder {
         const Block product = ends.first * ends.second * f.margin * (middle.arm5 * arm6 * arm1);
         const auto doubt = (min(min(ends.first, arms), min(ends.second, f.margin)) <= rough) | (product <= Block(SMALL_TOGETHER)) |
                            !(miss * miss * scale + middle.error * uu <= (tol.reach * tol.reach * 1e-2) * uu);
-        const Clearance<Block> clear = {ends.first, f.margin, ends.second, arms};
+        const Block ahead = min(abs(ends.first), abs(ends.second)), held = min(after(middle.arm5, ahead), arm6);
+        const Clearance<Block> clear = {ends.first, f.margin, ends.second,
+                                        min(held, after(arm1, min(ahead, min(middle.arm5, arm6))))};
         const Block t2 = angle(f.bend), bend = side * t2, turned = angle(psi), xx = f.wx * u.x, xy = f.wx * u.y, yx = f.wy * u.x,
                     yy = f.wy * u.y;
         const Block q4 = wrap(angle(ends.t4) - ideal.offset[3]), q5 = wrap(angle(middle.t5) - ideal.offset[4]);

@@ -141,7 +141,9 @@ template <LastPair kind> struct SphericalMiddle {
         const auto doubt = (min(min(first.margin, arms), min(last.margin, bend.margin)) <= rough) |
                            (product <= Block(SMALL_TOGETHER)) |
                            !(last.error * scale + max(turns.error, flip.error) <= Block(tol.reach * tol.reach * 1e-2));
-        const Clearance<Block> clear = {first.margin, last.margin, bend.margin, arms};
+        const Block outer = min(min(abs(first.margin), first.arm1), min(abs(last.margin), arm6));
+        const Block held = min(min(first.arm1, arm6), after(min(turns.fixed, flip.fixed), outer));
+        const Clearance<Block> clear = {first.margin, last.margin, bend.margin, held};
         const double* offset = ideal.offset;
         const Block q1 = wrap(angle(first.t1) - offset[0]), q5 = wrap(angle(last.t5) - offset[4]),
                     q6 = wrap(angle(last.t6) - offset[5]);

@@ -142,7 +142,8 @@ template <Shoulder kind> struct SphericalWrist {
         const Block &first = by_height ? place.shoulder : place.elbow, &second = by_height ? place.elbow : place.shoulder;
         const auto lost = (first < Block(-tol.edge)) | ((second < Block(-tol.edge)) & (min(first, place.arms) > Block(tol.edge))) |
                           ((margin < Block(-tol.edge)) & (min(min(first, second), place.arms) > Block(tol.edge)));
-        return {lost, doubt, {place.shoulder, place.elbow, margin, arms}};
+        const Block held = after(fixed, min(min(abs(place.shoulder), abs(place.elbow)), place.arms));
+        return {lost, doubt, {place.shoulder, place.elbow, margin, min(place.arms, held)}};
     }
 
     // Joint values from the angles, offsets taken off.

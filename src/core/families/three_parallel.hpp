@@ -152,7 +152,9 @@ template <Hand kind> struct ThreeParallel {
                           ((f.margin < Block(-edge)) & (min(before, min(up.fixed, up.arm1)) > Block(edge)));
         const auto doubt = (min(min(before, f.margin), arms) <= Block(edge)) |
                            !(miss * miss * scale + up.error * uu <= (reach * reach * 1e-2) * uu);
-        return {lost, doubt, {up.margin1, f.margin, up.margin5, arms}};
+        const Block front = min(abs(up.margin1), up.arm1), wrist = min(abs(up.margin5), up.fixed);
+        const Block held = min(after(up.fixed, front), after(uu * scale, min(front, wrist)));
+        return {lost, doubt, {up.margin1, f.margin, up.margin5, min(up.arm1, held)}};
     }
 
     // Joint values from the angles, offsets taken off.
