@@ -197,3 +197,10 @@ def test_planted_near_two_singularities_at_once(eps: float) -> None:
         s = found[k]
         least = np.linalg.svd(case.arm.jacobian(each), compute_uv=False)[-1]
         assert angle_distance(rows(s), each).min() < 1e-6 + 1e-11 / max(least, 1e-14), (k, each.tolist())
+
+
+def test_straight_elbow_with_the_wrist_over_the_base() -> None:
+    """A planted vector that the margins of elbow and shoulder, both next to zero, seemed to rule out."""
+    case = near("wrist, 2||3, 1x2", 1e-5, 2)
+    q = np.array([2.679084092252897, -0.32190228192666975, 1.184834740709881, 2.710939909407749, -1.326581593, 0.69322025])
+    assert angle_distance(rows(case.arm.ik(case.oracle.pose(q))), q).min() < 1e-5

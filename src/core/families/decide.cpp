@@ -13,6 +13,9 @@ inline constexpr double REST = 0.25;
 // leaves a quarter of the one before, CORRECTIONS rounds 1/256 of the first. Below, the ideal arm all but leaves the angle free
 // (rounds converge slowly or not at all below 1, and the arm as written may have more solutions), and the elimination decides.
 inline constexpr double FIXED_BY_DRIFT = 4.0;
+// A branch is beyond an end only where its margins' roots are above this times the drift: the joints of another root x move by
+// drift / x, and what that changes of the margin is linear to the square of it, 1/256. With 4 an arm lost what it reached.
+inline constexpr double BEYOND_BY_DRIFT = 16.0;
 // Kantorovich's share of the smallest singular value, see above.
 inline constexpr double KANTOROVICH = 0.5;
 // Below this a margin is rounding.
@@ -28,8 +31,8 @@ PART Seen<Block> corrected(const BothArms& arm, const Goal<Block>& goal, const B
 }
 
 // Whether branch b is beyond an end, after a correction that moved it by `last` [rad].
-STEP bool is_beyond(const Answers& before, const Answers& now, int b, double last, double fixed) {
-    const double least = max(fixed * fixed, ROUNDED_MARGIN);
+STEP bool is_beyond(const Answers& before, const Answers& now, int b, double last, double drift) {
+    const double least = max(BEYOND_BY_DRIFT * BEYOND_BY_DRIFT * drift * drift, ROUNDED_MARGIN);
     for (int k = 0; k < 3; ++k) {
         const double m = -now.margin[k][b], twin = -now.margin[k][b ^ (4 >> k)], past = -before.margin[k][b];
         const double others = min(abs(now.margin[(k + 1) % 3][b]), abs(now.margin[(k + 2) % 3][b]));
@@ -72,7 +75,7 @@ PART void decide(const BothArms& arm, const Goal<Block>& goal, const IdealAnswer
     unsigned inside = 0;
     for (int b = 0; b < 8; ++b) {
         if (!(known.open >> b & 1) || !(now.arms[b] >= fixed * fixed)) continue;
-        if (is_beyond(before, now, b, last[b], fixed)) known.open &= ~(1u << b);
+        if (is_beyond(before, now, b, last[b], arm.drift)) known.open &= ~(1u << b);
         else if (min(now.margin[0][b], min(now.margin[1][b], now.margin[2][b])) > 0.0) inside |= 1u << b;
     }
     for (int first = 0; first < 8; first += BLOCK) follow(arm, goal, now, inside, first, known);
