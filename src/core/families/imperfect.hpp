@@ -15,6 +15,8 @@
 //   -x2 < 0 with x1^2 = -m0 - c x1, x2^2 = -m0 + c x2: x1 and -x2 are the roots of x^2 + c x + m0 = 0, hence c = x2 - x1
 //   and -m0 = x1 x2. x^2 = m0 + c x has no real root where c^2 < -4 m0, (x2 - x1)^2 < 4 x1 x2: where the margins of the
 //   twins, -x1^2 and -x2^2, are less than a factor of 34 apart. AGREE asks for less.
+// Both take the other joints to stay about where they are: FIXED_BY_DRIFT and BEYOND_BY_DRIFT in decide.cpp, and after() in
+// blocks.hpp, say when. Next to two singularities at once they do not, and W may have more solutions than branches.
 // Solutions are counted by that: with complex ones, every pair of twins has two. A pose is decided if each of its branches is.
 #pragma once
 
