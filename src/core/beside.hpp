@@ -50,12 +50,15 @@ template <class Model> PART bool search_beside_folds(const Model& arm, const Goa
 // much a valley's points may miss the goal.
 inline constexpr double STRIDE = 0.06, HOLDING = 3e-3, NO_LONGER_WEAK = 3e-2, OUT_OF_VALLEY = 1e-2;
 inline constexpr int STRIDES = 128;
+// Below this singular value a solution lies in a valley that is worth a walk whatever the number of solutions.
+inline constexpr double IN_A_VALLEY = 1e-5;
 
 // Solutions along the valley through q, one way: between two points whose errors point in opposite directions. Across the
-// valley there is no error left, so the error has but one direction there, and it changes sign with it.
+// valley there is no error left, so the error has but one direction there, and it changes sign with it. `passed`: a bit for each
+// column whose solution lies in this valley. Returns whether the valley is closed.
 template <class Model>
-PART void walk_valley(const Model& arm, const Goal<double>& goal, const double* from, double way,
-                      const Columns<Model::joints>& columns) {
+PART bool walk_valley(const Model& arm, const Goal<double>& goal, const double* from, double way,
+                      const Columns<Model::joints>& columns, unsigned& passed) {
     constexpr int N = Model::joints;
     double q[N], last[N], along[N];
     for (int j = 0; j < N; ++j) q[j] = from[j];
@@ -72,7 +75,7 @@ PART void walk_valley(const Model& arm, const Goal<double>& goal, const double* 
             const Solved<N, double> step = least_squares<true, N, Model::rows>(J, left.twist, HOLDING);
             for (int j = 0; j < N; ++j) q[j] = advanced(arm, j, q[j], step.x[j]);
         }
-        if (!(left.size < OUT_OF_VALLEY)) return;
+        if (!(left.size < OUT_OF_VALLEY)) return false;
         before = error, error = left.twist;
         if (k > 0 && dot(before, error) < 0.0) {
             const double a = sqrt(dot(before, before)), share = a / (a + sqrt(dot(error, error)));
@@ -83,22 +86,33 @@ PART void walk_valley(const Model& arm, const Goal<double>& goal, const double* 
                 keep(columns, 0, found, singular_marks(arm, goal, found, 0));
             }
         }
+        const auto is_here = [&](const double* other) {
+            double apart = 0.0;
+            for (int j = 0; j < N; ++j) apart = max(apart, abs(gap(arm, j, q[j], other[j])));
+            return apart < STRIDE;
+        };
+        if (k > 2 && is_here(from)) return true;
+        for (int c = 0; c < columns.many; ++c) {
+            if (columns.valid(c) && is_here(columns.row(c))) passed |= 1u << c;
+        }
         weak = weakest_at(arm, goal, q);
         double same = 0.0;
         for (int j = 0; j < N; ++j) same += along[j] * weak.direction[j];
         for (int j = 0; j < N; ++j) along[j] = (same < 0.0 ? -1.0 : 1.0) * weak.direction[j];
     }
+    return false;
 }
 
-// Along the valleys of all solutions that lie in one, both ways.
+// Along the valleys of all solutions whose smallest singular value is below `weak`, both ways where they are not closed.
 template <class Model>
-PART void walk_valleys(const Model& arm, const Goal<double>& goal, const Columns<Model::joints>& columns) {
+PART void walk_valleys(const Model& arm, const Goal<double>& goal, double weak, const Columns<Model::joints>& columns) {
+    unsigned passed = 0;
     for (int b = 0; b < columns.many; ++b) {
-        if (!columns.valid(b)) continue;
+        if (!columns.valid(b) || passed >> b & 1) continue;
         double q[Model::joints];
         for (int j = 0; j < Model::joints; ++j) q[j] = columns.row(b)[j];
-        if (weakest_at(arm, goal, q).value > SECOND_NEXT_DOOR) continue;
-        walk_valley(arm, goal, q, 1.0, columns), walk_valley(arm, goal, q, -1.0, columns);
+        if (weakest_at(arm, goal, q).value > weak) continue;
+        if (!walk_valley(arm, goal, q, 1.0, columns, passed)) walk_valley(arm, goal, q, -1.0, columns, passed);
     }
 }
 

@@ -293,8 +293,9 @@ bool complete(const EliminationArm& arm, const Goal<double>& goal, const Columns
     }
     // Where not all are known, others may be next to a singular solution.
     certain &= search.all_known || !search_beside_folds(arm.written, goal, columns);
-    // Solutions come in pairs, as the complex ones of real equations do: an odd number lacks one, but for double roots.
-    if (!certain && columns.count() % 2) walk_valleys(arm.written, goal, columns);
+    // Solutions come in pairs, as the complex ones of real equations do: an odd number lacks one, but for double roots. And where a
+    // Jacobian has all but lost a rank, so have those of others on the same curve.
+    if (!certain) walk_valleys(arm.written, goal, columns.count() % 2 ? SECOND_NEXT_DOOR : IN_A_VALLEY, columns);
     return certain;
 }
 
