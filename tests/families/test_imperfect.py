@@ -199,8 +199,14 @@ def test_planted_near_two_singularities_at_once(eps: float) -> None:
         assert angle_distance(rows(s), each).min() < 1e-6 + 1e-11 / max(least, 1e-14), (k, each.tolist())
 
 
-def test_straight_elbow_with_the_wrist_over_the_base() -> None:
-    """A planted vector that the margins of elbow and shoulder, both next to zero, seemed to rule out."""
-    case = near("wrist, 2||3, 1x2", 1e-5, 2)
-    q = np.array([2.67908409225, -0.321902281927, 1.18483474071, 2.71093990941, -1.32658159307, 0.693220246419])
-    assert angle_distance(rows(case.arm.ik(case.oracle.pose(q))), q).min() < 1e-5
+@pytest.mark.parametrize(
+    ("kind", "seed", "q"),
+    [
+        ("wrist, 2||3, 1x2", 2, (2.67908409, -0.32190228193, 1.18483474, 2.71093991, -1.32658159, 0.69322025)),
+        ("wrist, 2||3", 5, (0.32867664, -2.12130531128, 0.81131019, 1.76529714, -0.41645764, -3.69337602)),
+    ],
+)
+def test_straight_elbow_with_the_wrist_over_the_base(kind: str, seed: int, q: tuple[float, ...]) -> None:
+    """Planted vectors that the margins of elbow and shoulder, both next to zero, seemed to rule out."""
+    case = near(kind, 1e-5, seed)
+    assert angle_distance(rows(case.arm.ik(case.oracle.pose(np.array(q)))), np.array(q)).min() < 1e-5
