@@ -34,6 +34,9 @@ inline constexpr double FAR_OFF = 4e-3;
 // Pairs of places that are tried where two joints are all but free: where the second smallest singular value is below this.
 inline constexpr int PAIRS = 48;
 inline constexpr double DOUBLY_WEAK = 1e-2;
+// The places of six joints follow each other by its powers, as shares of a turn: 1 / x with x^7 = x + 1 (the additive recurrence
+// of M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018).
+inline constexpr double IRRATIONAL = 0.8986537126286993;
 
 // by_quartic: the family has no block path; all its poses go to its careful path and the elimination.
 template <class Family, bool by_quartic = false> struct Imperfect {
@@ -113,10 +116,10 @@ template <class Family, bool by_quartic = false> struct Imperfect {
 
     // Two such joints at once: from pairs of places, which an irrational share of a turn spreads evenly.
     static PART void apart(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Columns<6>& columns) {
-        constexpr double share[6] = {0.7548776662466927, 0.6, 0.4, 0.5698402909980532, 0.3, 0.8};
         for (int k = 0; k < PAIRS; ++k) {
             Reference<6> at;
-            for (int j = 0; j < 6; ++j) at.q[j] = wrap(2.0 * PI * share[j] * k);
+            double share = 1.0;
+            for (double& each : at.q) each = wrap(2.0 * PI * (share *= IRRATIONAL) * k);
             at.given = 0.0;
             Family::closely(arm.loose, goal, seen, at, columns, ~0u);
         }

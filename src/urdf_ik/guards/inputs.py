@@ -312,7 +312,10 @@ def mapping(
     """
     if isinstance(value, Mapping):
         with contextlib.suppress(Exception):  # whatever a mapping of unknown origin raises where it is read
-            return dict(islice(value.items(), len(value)))
+            count = len(value)
+            found = dict(islice(value.items(), count + 1))  # it may go on without end
+            if len(found) == count:
+                return found
     raise error(f"{what}={quoted(value)} given; {needed} is needed")
 
 
