@@ -116,6 +116,20 @@ SHARED Weakest<Model::joints> weakest_at(const Model& arm, const Goal<double>& g
     return weakest(J);
 }
 
+// The second smallest singular value of the Jacobian at q: the smallest one once a row is added that holds its direction.
+template <class Model>
+SHARED double second_weakest_at(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints]) {
+    Rows<Model::rows, double> J[Model::joints];
+    Rows<Model::rows + 1, double> held[Model::joints];
+    error_and_jacobian(arm, goal, q, J);
+    for (int j = 0; j < Model::joints; ++j) {
+        for (int i = 0; i < Model::rows; ++i) held[j][i] = J[j][i];
+    }
+    const Weakest<Model::joints> weak = weakest(J);
+    for (int j = 0; j < Model::joints; ++j) held[j][Model::rows] = weak.direction[j];
+    return weakest(held).value;
+}
+
 // marks if the Jacobian at q is singular (OTHER where they name no kind), else none.
 template <class Model>
 STEP int singular_marks(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints], int marks) {
@@ -131,6 +145,58 @@ inline constexpr double DOUBTFUL = 1e-12;
 template <class Model>
 STEP bool holds(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints], int patience = LONG_PATIENCE) {
     return polish_one<true>(arm, goal, q, {60, CONVERGED, patience}).error <= DOUBTFUL;
+}
+
+// How much smaller a second singular value is where two continua cross, or all but do.
+inline constexpr double CROSSING = 0.1;
+
+// The column of a full table that q may take, or -1. Of the two singular solutions that lie nearest to each other, most likely
+// members of one continuum, that one goes which is less special: whose Jacobian has the larger second singular value. It goes
+// for a regular solution, for a singular one that is more special, and for one as special that lies farther from the others.
+template <class Model>
+PART int less_needed(const Model& arm, const Goal<double>& goal, const Columns<Model::joints>& columns,
+                     const double (&q)[Model::joints], int marks) {
+    constexpr int N = Model::joints;
+    const auto gap_of = [&](const double* a, const double* b) {
+        double apart = 0.0;
+        for (int j = 0; j < N; ++j) apart = max(apart, abs(gap(arm, j, a[j], b[j])));
+        return apart;
+    };
+    const auto second = [&](const double* row) {
+        double x[N];
+        for (int j = 0; j < N; ++j) x[j] = row[j];
+        return second_weakest_at(arm, goal, x);
+    };
+    double alone = 1e300, least = 1e300;
+    int pair[2] = {-1, -1};
+    for (int a = 0; a < columns.many; ++a) {
+        if (!(columns.flags[a] & SINGULAR)) continue;
+        alone = min(alone, gap_of(columns.row(a), q));
+        for (int b = 0; b < a; ++b) {
+            if (!(columns.flags[b] & SINGULAR)) continue;
+            const double apart = gap_of(columns.row(a), columns.row(b));
+            if (apart < least) least = apart, pair[0] = a, pair[1] = b;
+        }
+    }
+    if (pair[0] < 0) return -1;
+    const double of_first = second(columns.row(pair[0])), of_other = second(columns.row(pair[1]));
+    const int goes = of_first >= of_other ? pair[0] : pair[1];
+    if (!marks) return goes;
+    const double of_going = max(of_first, of_other), of_new = second(q);
+    if (of_new < CROSSING * of_going) return goes;
+    return alone > least && of_going >= CROSSING * of_new ? goes : -1;
+}
+
+// Store a new solution in column b, in the first free one if that is taken, or in that of one that is less needed.
+template <class Model>
+PART void add(const Model& arm, const Goal<double>& goal, const Columns<Model::joints>& columns, int b,
+              const double (&q)[Model::joints], int marks) {
+    if (columns.count() == columns.many) {
+        b = less_needed(arm, goal, columns, q, marks);
+        if (b < 0) return;
+        columns.clear(b);
+    }
+    keep(columns, b, q, marks);
 }
 
 // Fixed numbers in [-1, 1) that look random, so that the same target always has the same answer: the linear congruential
@@ -169,7 +235,7 @@ SHARED void accept(const Model& arm, const Goal<double>& goal, double (&q)[Model
         start_near_candidate(q, k, at);
         const double error = polish_one<true>(arm, goal, at, course).error;
         if (error <= (arm.exact ? arm.tolerances.reach : CONVERGED) && is_new(arm, goal, columns, at)) {
-            keep(columns, b, at, near ? singular_marks(arm, goal, at, marks) : 0);
+            add(arm, goal, columns, b, at, near ? singular_marks(arm, goal, at, marks) : 0);
         }
     }
 }

@@ -76,5 +76,6 @@ template <class Arm> using DistancesOf = void (*)(const Arm&, const double* seen
 // Bits of a solution's flags. UNCERTAIN stands in the first column of a pose, whether it is a solution or not: others may be
 // missing.
 enum Flag : std::uint8_t { VALID = 1, SHOULDER = 2, ELBOW = 4, WRIST = 8, OTHER = 16, UNCERTAIN = 32 };
+inline constexpr std::uint8_t SINGULAR = SHOULDER | ELBOW | WRIST | OTHER;
 
 }  // namespace urdf_ik

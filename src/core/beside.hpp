@@ -38,7 +38,7 @@ template <class Model> PART bool search_beside_folds(const Model& arm, const Goa
                 double found[N];
                 for (int j = 0; j < N; ++j) found[j] = start[j][l];
                 if (error[l] <= CONVERGED && is_new(arm, goal, columns, found))
-                    keep(columns, 0, found, singular_marks(arm, goal, found, 0));
+                    add(arm, goal, columns, 0, found, singular_marks(arm, goal, found, 0));
             }
         }
     }
@@ -83,7 +83,7 @@ PART bool walk_valley(const Model& arm, const Goal<double>& goal, const double* 
             for (int j = 0; j < N; ++j) found[j] = advanced(arm, j, last[j], share * gap(arm, j, q[j], last[j]));
             if (polish_one<true>(arm, goal, found, {30, FINISHED, LONG_PATIENCE}).error <= CONVERGED &&
                 is_new(arm, goal, columns, found)) {
-                keep(columns, 0, found, singular_marks(arm, goal, found, 0));
+                add(arm, goal, columns, 0, found, singular_marks(arm, goal, found, 0));
             }
         }
         const auto is_here = [&](const double* other) {

@@ -12,7 +12,14 @@ import contract
 import numpy as np
 import pytest
 from arms import KINDS, DescribedArm, industrial, random_arm, ur_like
-from arms_general import calibrated_ur, near_member, rounded_industrial, rounded_ur, tilted
+from arms_general import (
+    calibrated_ur,
+    near_member,
+    rounded_industrial,
+    rounded_straight_wrist,
+    rounded_ur,
+    tilted,
+)
 from cases import Case, described, nearest, rows
 from numpy.typing import NDArray
 from oracle import angle_distance
@@ -208,3 +215,15 @@ def test_straight_elbow_with_the_wrist_over_the_base(kind: str, seed: int, q: tu
     """Planted vectors that the margins of elbow and shoulder, both next to zero, seemed to rule out."""
     case = near(kind, 1e-5, seed)
     assert angle_distance(rows(case.arm.ik(case.oracle.pose(np.array(q)))), np.array(q)).min() < 1e-5
+
+
+def test_a_continuum_leaves_room_for_what_crosses_it() -> None:
+    """Wrist aligned and elbow straight: a continuum fills all columns, and another branch crosses it."""
+    case, rng = described(rounded_straight_wrist()), np.random.default_rng(0)
+    q = np.tile([0.0, -2.88681243699, 1.32895199023, 0.0, 0.0, 0.0], (100, 1))
+    q[:, [0, 5]] = rng.uniform(-np.pi, np.pi, (100, 2))
+    q[:, 3] = rng.uniform(-1.0, 1.0, 100) * 10.0 ** rng.uniform(-6.0, -2.0, 100)
+    q[:, 4] = rng.uniform(-1.0, 1.0, 100) * 10.0 ** rng.uniform(-8.0, -3.0, 100)
+    found = case.arm.ik(np.stack([case.oracle.pose(each) for each in q]))
+    for k, each in enumerate(q):
+        assert nearest(rows(found[k]), each) <= case.oracle.tolerance(each), (k, each.tolist())

@@ -132,6 +132,21 @@ def rounded_industrial(decimals: int = 4) -> DescribedArm:
     return _along_z("rounded_industrial", "wrist, 2||3", origins)
 
 
+def rounded_straight_wrist() -> DescribedArm:
+    """A small arm with a spherical wrist on axis 4 and quarter turns as 1.5708: the lengths are the PAROL6's."""
+    quarter, half = 1.5708, 3.1416
+    origins = [
+        ((0, 0, 0), (0, 0, 0)),
+        ((0.0234207, 0, 0.1105), (-math.pi / 2, 0, 0)),
+        ((0, -0.18, 0), (half, 0, -quarter)),
+        ((0.0435, 0, 0), (math.pi / 2, 0, math.pi)),
+        ((0, 0, -0.17635), (-quarter, 0, 0)),
+        ((0, 0, 0), (quarter, 0, 0)),
+        ((0, 0, 0), (0, 0, 0)),
+    ]
+    return _along_z("rounded_straight_wrist", "wrist, 2||3", origins)
+
+
 def rounded_ur(decimals: int = 4) -> DescribedArm:
     """A UR5 with quarter and half turns as rounded decimals."""
     quarter, half = round(math.pi / 2, decimals), round(math.pi, decimals)

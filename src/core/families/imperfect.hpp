@@ -91,25 +91,13 @@ template <class Family, bool by_quartic = false> struct Imperfect {
         }
     }
 
-    // Whether some solution's Jacobian all but loses two ranks: with u and v the directions of the weakest singular value,
-    // the next one is the least of J + u v^T.
+    // Whether some solution's Jacobian all but loses two ranks.
     static PART bool is_doubly_weak(const Arm& arm, const Goal<double>& goal, const Columns<6>& columns) {
         for (int b = 0; b < columns.many; ++b) {
             if (!columns.valid(b)) continue;
-            Six<double> J[6], across[6];
             double q[6];
             for (int j = 0; j < 6; ++j) q[j] = columns.row(b)[j];
-            error_and_jacobian(arm.family.written, goal, q, J);
-            for (int j = 0; j < 6; ++j) {
-                for (int i = 0; i < 6; ++i) across[i][j] = J[j][i];
-            }
-            Six<double> filled[6];
-            for (int j = 0; j < 6; ++j) filled[j] = J[j];
-            const Weakest<6> v = weakest(J), u = weakest(across);
-            for (int j = 0; j < 6; ++j) {
-                for (int i = 0; i < 6; ++i) filled[j][i] += u.direction[i] * v.direction[j];
-            }
-            if (weakest(filled).value < DOUBLY_WEAK) return true;
+            if (second_weakest_at(arm.family.written, goal, q) < DOUBLY_WEAK) return true;
         }
         return false;
     }
