@@ -210,6 +210,8 @@ def test_empty_batch(name: str) -> None:
         solutions = arm.ik(np.empty((*shape, 4, 4)))
         assert solutions.q.shape == (*shape, branches, 6)
         assert solutions.valid.shape == solutions.singular.shape == (*shape, branches)
+        for reference in (np.zeros(6), np.empty((*shape, 6))):
+            assert arm.ik_nearest(np.empty((*shape, 4, 4)), reference).q.shape == (*shape, 1, 6)
     assert arm.fk(np.empty((0, 6))).shape == (0, 4, 4)
     assert arm.jacobian(np.empty((0, 6))).shape == (0, 6, 6)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import enum
 from collections.abc import Callable
 from typing import Any
 
@@ -88,6 +89,8 @@ LOOSE: dict[str, Callable[[Any], Any]] = {
     "objects": lambda a: np.full(np.shape(a), object()),
     "a set": lambda a: {1.0, 2.0},
     "a mapping": lambda a: {"a": a},
+    "a member of an enumeration": lambda a: enum.Enum("Kind", "a b")["a"],
+    "a module": lambda a: enum,
     "ragged": lambda a: [[1.0, 2.0], [3.0]],
 }
 HUGE = (1e155, -1e155, 1e200, 1e308, float("nan"), float("inf"), -float("inf"), 10**400)

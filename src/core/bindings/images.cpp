@@ -102,10 +102,10 @@ nb::tuple near(nb::handle q, nb::handle q_ref, nb::handle bounds, nb::handle tur
     PyArrayObject* array = Vectors::needed(q_ref);
     const int n = given.joints();
     const long references = n ? PyArray_SIZE(array) / n : 1;
-    if (references < 1 || references * n != PyArray_SIZE(array) || given.count % references) {
+    if (references * n != PyArray_SIZE(array) || given.count % std::max(1L, references) || (references < 1 && given.count)) {
         throw nb::value_error("joint vectors and references do not fit each other");
     }
-    const long each = std::max(1L, given.count / references);
+    const long each = std::max(1L, given.count / std::max(1L, references));
     const double* reference = (const double*)PyArray_DATA(array);
     return given.moved([&](long i, int j, double& image) {
         return image_near(given.q[i * n + j], reference[i / each * n + j], given.limits[j], image);

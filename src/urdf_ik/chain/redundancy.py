@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik.angles import wrapped
-from urdf_ik.errors import JointVectorError
+from urdf_ik.errors import JointVectorError, PoseError
 from urdf_ik.guards import inputs
 from urdf_ik.text import quoted
 
@@ -98,6 +98,7 @@ class Redundancy:
         """Poses (..., 4, 4) and values (...) broadcast against each other, in arrays of their own.
 
         Raises:
+            PoseError: ``poses`` is no array of poses.
             JointVectorError: the values are no finite numbers, or the shapes do not fit.
 
         Example:
@@ -107,8 +108,9 @@ class Redundancy:
             >>> poses.shape, values.shape
             ((3, 4, 4), (3,))
         """
-        values = self.check(value)
-        batch = poses.shape[:-2]
+        if not isinstance(poses, np.ndarray) or poses.shape[-2:] != (4, 4):
+            raise PoseError("poses must be an array (..., 4, 4)")
+        values, batch = self.check(value), poses.shape[:-2]
         try:
             shape = values.shape if not batch else np.broadcast_shapes(batch, values.shape)
         except ValueError:

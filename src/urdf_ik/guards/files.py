@@ -109,7 +109,7 @@ def read(source: Any, most: int, error: Callable[[str], UrdfIkError] = ArgumentE
         else:
             with opened(where) as file:
                 data = file.read(most + 1)
-    except (OSError, ValueError) as failure:  # ValueError: a name with a null byte, a closed file, no UTF-8
+    except (OSError, ValueError, TypeError) as failure:  # null bytes, a closed file, no UTF-8, no file
         raise error(f"cannot read {name}: {getattr(failure, 'strerror', None) or failure}") from None
     if not isinstance(data, str | bytes):
         raise error(f"cannot read {name}: its read() gave {type(data).__name__}; it must give bytes or text")

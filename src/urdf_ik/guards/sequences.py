@@ -69,11 +69,11 @@ def looked_through(value: Any) -> tuple[str, bool]:
 
 
 def _is_sequence(value: Any) -> bool:
-    """Whether NumPy would go through it element by element."""
+    """Whether NumPy would go through it element by element; an enumeration has a length, its members have none."""
     kind = type(value)
+    own = {name for base in kind.__mro__ for name in ("__len__", "__getitem__") if name in vars(base)}
     return (
-        hasattr(kind, "__len__")
-        and hasattr(kind, "__getitem__")
+        len(own) == 2
         and not isinstance(value, str | bytes | bytearray | memoryview | packed | Mapping)
         and not any(hasattr(kind, name) for name in _AS_ARRAY)
     )
