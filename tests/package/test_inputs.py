@@ -184,7 +184,7 @@ def test_what_cannot_even_be_written_is_refused_in_words() -> None:
     deep: list[Any] = []
     for _ in range(3000):
         deep = [deep]
-    for value in (Odd(), around, deep, "x" * 10**6, ["x"] * 10**6):
+    for value in (Odd(), around, deep, "x" * 10**6, ["x"] * 10**5):
         for call, _ in (*ARRAYS.values(), *NUMBERS.values()):
             with pytest.raises(UrdfIkError) as refused:
                 call(value)

@@ -50,11 +50,8 @@ def test_a_map_that_unpacks_to_too_much_is_refused(file: Path, tmp_path: Path) -
     with zipfile.ZipFile(file) as old, zipfile.ZipFile(bomb, "w", zipfile.ZIP_DEFLATED) as new:
         for name in old.namelist():
             new.writestr(name, old.read(name))
-        with new.open("zeros.npy", "w", force_zip64=True) as part:
-            np.lib.format.write_array_header_1_0(part, {"descr": "|u1", "fortran_order": False, "shape": (2**31,)})
-            for _ in range(2**11):
-                part.write(bytes(2**20))
-    assert bomb.stat().st_size < 2**22
+        new.writestr("zeros.npy", bytes(2**20))
+        new.getinfo("zeros.npy").file_size = 2**31
     with pytest.raises(WorkspaceError, match="at most 1024 MiB are read; most="):
         workspace.read(bomb)
     with pytest.raises(WorkspaceError, match="at most 0.0009766 MiB"):
