@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -91,7 +92,21 @@ class Guide(NamedTuple):
 
 
 def plan(settings: Settings, path: Array) -> Plan:
-    """The plan of an arm with a redundancy parameter."""
+    """The plan of an arm with a redundancy parameter.
+
+    Obstacles make no way cheaper: where the best way without them is clear, it is the best with them.
+    """
+    obstacles = settings.obstacles
+    if obstacles is not None and not settings.reconfigure:
+        alone = _searched(replace(settings, obstacles=None), path)
+        q = alone.motion
+        if alone.found and obstacles.free(q).all() and obstacles.motions_free(q[:-1], q[1:]).all():
+            return replace(alone, obstacles=obstacles, others=lambda: _searched(settings, path).alternatives)
+    return _searched(settings, path)
+
+
+def _searched(settings: Settings, path: Array) -> Plan:
+    """The plan that a search from coarse to fine finds."""
     whole = cut_coarse(settings, path, COARSE_TURN, COARSE_MOVE)
     if not settings.reconfigure:
         some = _some(settings, whole)
