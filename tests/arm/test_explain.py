@@ -136,6 +136,20 @@ def test_explain_every_family(kind: str) -> None:
     far[:3, 3] = [40.0, 30.0, 20.0]
     assert max(numbers_in(case.arm.ik(far).explain())) > 10.0
     assert case.arm.ik(case.oracle.pose(Q)).explain() == ""
+    assert case.arm.explain(case.oracle.pose(Q)) == ""
+
+
+@pytest.mark.parametrize("name", ["zyyzyz_6r", "srs_7r", "stanford_rrprrr", "scara_rrpr"])
+def test_a_pose_within_reach_is_explained_by_the_limits_alone(name: str) -> None:
+    """Nothing where a solution is inside them; else the limits, not the reach."""
+    arm = from_catalogue(name).arm
+    low, high = np.clip(arm.limits.T, -3.0, 3.0)
+    assert arm.explain(arm.fk(0.5 * (low + high))) == ""
+    target = arm.fk(high + 0.2 * (high - low))
+    solutions = arm.ik(target)
+    assert solutions.count
+    expected = "" if arm.redundancy and arm.intervals(target) else solutions.within_limits().explain()
+    assert arm.explain(target) == expected
 
 
 @pytest.mark.parametrize(

@@ -296,13 +296,15 @@ def test_the_command_writes_every_picture(arguments: tuple[str, ...], tmp_path: 
 
 
 def test_the_command_cuts_a_saved_map(tmp_path: Path) -> None:
-    """`workspace -o` and `plot --map` go together; a layer outside the map is an error."""
+    """`workspace -o` and `plot --map` go together; a layer outside the map, or a map of another arm, is an error."""
     path, picture = str(tmp_path / "map.npz"), str(tmp_path / "picture.svg")
     succeed("workspace", "zyyzyz_6r", "--voxel", "0.6", "--orientations", "5", "-o", path)
     succeed("plot", "zyyzyz_6r", "workspace", "--map", path, "--at", "1", "-o", picture)
     assert is_svg(Path(picture).read_bytes())
     result = call("plot", "zyyzyz_6r", "workspace", "--map", path, "--at", "50", "-o", picture)
     assert result.exit_code == 2 and "outside the map" in result.stderr
+    result = call("plot", "puma_560", "workspace", "--map", path, "-o", picture)
+    assert result.exit_code == 2 and "zyyzyz_6r" in result.stderr
 
 
 def test_nothing_else_brings_matplotlib() -> None:

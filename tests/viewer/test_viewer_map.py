@@ -145,7 +145,7 @@ def test_a_map_of_another_arm_is_refused(arm: Arm, found: workspace.WorkspaceMap
     """Another URDF, another tip, a value that the map does not hold, an axis that is none."""
     with pytest.raises(ArgumentError, match="another URDF of 'zyyzyz_6r'"):
         Voxels(found, urdf_ik.load(io.BytesIO(arm.model.xml.replace(b'lower="-3', b'lower="-2', 1))))
-    with pytest.raises(ArgumentError, match="from base_link to tool0, and the arm is shown from base_link to"):
+    with pytest.raises(ArgumentError, match="from base_link to tool0, and the arm is one from base_link to"):
         Voxels(found, urdf_ik.load("zyyzyz_6r", tip="link_6"))
     with Viewer(arm, port=0) as viewer:
         with pytest.raises(ArgumentError, match="the map holds no 'clearance'; it holds reach, solutions"):

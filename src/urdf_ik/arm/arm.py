@@ -372,7 +372,10 @@ class Arm(Free):
         return solutions.nearest(reference, **options)
 
     def explain(self, T: Any, redundancy: ArrayLike | None = None) -> str:
-        """Why the single pose ``T`` (4, 4) has no solution, with the number that is out of range.
+        """Why the single pose ``T`` (4, 4) has no solution inside the joint limits, with what is out of range.
+
+        '' where it has one, with seven joints at any value of the parameter. Limits are named only where there are
+        solutions outside them.
 
         Args:
             T: the pose.
@@ -387,7 +390,13 @@ class Arm(Free):
             >>> arm = urdf_ik.load("zyyzyz_6r")
             >>> arm.explain(urdf_ik.pose([0.0, 0.0, 4.0]))
             'wrist centre 2.8 m from the shoulder (axis 2), reach 2.1 m'
+            >>> arm.explain(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))
+            ''
         """
+        found = self.ik(T, redundancy=redundancy)
+        if not found.shape and found.count:
+            elsewhere = redundancy is None and len(self.redundancies) == 1 and len(self.intervals(T)) > 0
+            return "" if elsewhere else found.within_limits().explain()
         if self._targets is not None:
             target = self._targets.read(T)
             if target.ndim != 1:

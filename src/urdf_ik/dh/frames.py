@@ -77,7 +77,12 @@ def slide_z(d: float) -> Array:
 
 
 def denavit_hartenberg(
-    directions: Array, points: Array, home: Array, parallel: Sequence[bool], meet: Sequence[bool]
+    directions: Array,
+    points: Array,
+    home: Array,
+    parallel: Sequence[bool],
+    meet: Sequence[bool],
+    little: float = 0.0,
 ) -> DHFrames:
     """Frames of axes through ``points`` (n, 3) m along unit ``directions`` (n, 3) at q = 0.
 
@@ -89,6 +94,8 @@ def denavit_hartenberg(
         home: (4, 4) pose of the tip at q = 0.
         parallel: (n - 1,) neighbours that are exactly parallel; their frame has d = 0.
         meet: (n - 1,) neighbours that meet; their frame has a = 0.
+        little: m; of neighbours that all but meet, x points as if they met, and ``a`` may be below zero by so much.
+            What a calibration adds to an arm then turns no frame round.
     """
     n = len(directions)
     feet, origins, xs = [points[0]], [], []
@@ -107,10 +114,10 @@ def denavit_hartenberg(
             origin, other = closest_points(points[i], u, points[i + 1], v)
             gap = other - origin
             x = cross(u, v)
-            if not meet[i] and gap @ x < 0.0:
+            if not meet[i] and gap @ x < -little * np.linalg.norm(x):
                 x = -x
             alpha[i] = np.arctan2(cross(u, v) @ x / np.linalg.norm(x), u @ v)
-            a[i] = 0.0 if meet[i] else np.linalg.norm(gap)
+            a[i] = 0.0 if meet[i] else np.copysign(np.linalg.norm(gap), gap @ x)
         origins.append(origin)
         feet.append(other)
         xs.append(x / np.linalg.norm(x))

@@ -10,6 +10,7 @@ import numpy as np
 from urdf_ik._core import Solver
 from urdf_ik.families.parts.family import Family, Plan, in_words
 from urdf_ik.families.parts.values import (
+    LITTLE,
     NAMES,
     SIGNS,
     compared,
@@ -145,13 +146,13 @@ def _front(chain: Chain, frames: DHFrames, centre: Array) -> float:
     """1 where frame 1's x points to the arm's front, else -1.
 
     The front is where the shoulder's offset puts axis 2; without one, where the wrist is at q = 0; if that is on
-    axis 1, where a positive turn of joint 2 leans the arm.
+    axis 1, where a positive turn of joint 2 leans the arm. What a calibration may have put there is no offset.
     """
-    if frames.a[0] > 1e-6 * chain.size:
+    if frames.a[0] > LITTLE * chain.size:
         return 1.0
     x = frames.base[:3, 0]
     ahead = float((centre - frames.base[:3, 3]) @ x)
-    if abs(ahead) < 1e-6 * chain.size:
+    if abs(ahead) < LITTLE * chain.size:
         ahead = float(np.cross(chain.H[1], chain.H[0]) @ x)
     return 1.0 if ahead > 0.0 else -1.0
 

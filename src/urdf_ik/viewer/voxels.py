@@ -9,10 +9,10 @@ import numpy as np
 
 from urdf_ik import palette
 from urdf_ik.errors import ArgumentError
-from urdf_ik.scale.asked import urdf_digest
 from urdf_ik.text import quoted
 from urdf_ik.workspace import VALUES, boundary
 from urdf_ik.workspace.grid import AXES
+from urdf_ik.workspace.question import require_map_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -62,7 +62,7 @@ class Voxels:
     """
 
     def __init__(self, found: WorkspaceMap | StoredMap, arm: Arm) -> None:
-        _require_same(found, arm)
+        require_map_of(found.about, arm)
         self.found, self.arm = found, arm
         held = getattr(found, "holds", None)
         self.holds = tuple(
@@ -126,18 +126,3 @@ class Voxels:
 
     def _in_base(self, points: Array) -> Array:
         return np.asarray(self._origin + points @ self._axes)
-
-
-def _require_same(found: WorkspaceMap | StoredMap, arm: Arm) -> None:
-    """Refuse a map of another arm: its voxels would stand where this one's tip cannot be."""
-    about = found.about
-    if (about.base, about.tip) != (arm.base, arm.tip):
-        raise ArgumentError(
-            f"the map is one of {quoted(about.robot)} from {about.base} to {about.tip}, and the arm is shown from "
-            f"{arm.base} to {arm.tip}; give the same base and tip"
-        )
-    if about.urdf_sha256 != urdf_digest(arm) or about.locked != arm.locked:
-        raise ArgumentError(
-            f"the map is one of another URDF of {quoted(about.robot)}, or with other joints held, than the arm "
-            f"{quoted(arm.name)}; make it anew: urdf-ik workspace"
-        )

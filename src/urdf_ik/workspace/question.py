@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from urdf_ik.errors import ArgumentError
 from urdf_ik.scale import versions
 from urdf_ik.scale.asked import AskedOfAnArm, urdf_digest
+from urdf_ik.text import quoted
 from urdf_ik.workspace.counting import Counting, sum_over_samples
 from urdf_ik.workspace.maps import About
 from urdf_ik.workspace.sampling import Targets, sampled
@@ -188,3 +190,26 @@ class Solver:
             columns["clearance"] = counting.greatest(counting.clearance(asked.world))
         shaped = {name: values.reshape(-1, count) for name, values in columns.items()}
         return {**shaped, "branch_poses": sum_over_samples(counting.kept, count)}
+
+
+def require_map_of(about: About, arm: Arm) -> None:
+    """Refuse a map of another arm: its voxels would stand where this one's tip cannot be.
+
+    Raises:
+        ArgumentError: it was made for another URDF, other frames, or with other joints held.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("planar_2r")
+        >>> require_map_of(urdf_ik.workspace.compute(arm, voxel=0.05, orientations=4).about, arm)
+    """
+    if (about.base, about.tip) != (arm.base, arm.tip):
+        raise ArgumentError(
+            f"the map is one of {quoted(about.robot)} from {about.base} to {about.tip}, and the arm is one from "
+            f"{arm.base} to {arm.tip}; give the same base and tip"
+        )
+    if about.urdf_sha256 != urdf_digest(arm) or about.locked != arm.locked:
+        raise ArgumentError(
+            f"the map is one of another URDF of {quoted(about.robot)}, or with other joints held, than the arm "
+            f"{quoted(arm.name)}; make it anew: urdf-ik workspace"
+        )

@@ -18,6 +18,7 @@ from urdf_ik.cli.progress import Progress
 from urdf_ik.errors import PlotError
 from urdf_ik.plot.slider_panel import is_two_links, require_display
 from urdf_ik.workspace.grid import AXES, grid_of
+from urdf_ik.workspace.question import require_map_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -91,7 +92,9 @@ def _solutions(arm: Arm, angles: Angles, asked: Asked) -> IKSolutions:
 
 def _workspace(arm: Arm, q: NDArray[np.float64] | None, asked: Asked) -> Figure:
     if asked.map is not None:
-        return plot.workspace_slice(rooms.opened(asked.map), asked.axis, asked.at, asked.value)
+        found = rooms.opened(asked.map)
+        require_map_of(found.about, arm)
+        return plot.workspace_slice(found, asked.axis, asked.at, asked.value)
     if is_two_links(arm):
         return plot.planar_workspace(rooms.planar(arm), q)
     if asked.axis not in tuple(AXES):

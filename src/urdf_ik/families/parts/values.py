@@ -33,6 +33,9 @@ NAMES = tuple(
     for flip in ("noflip", "flip")
 )
 
+LITTLE = 3e-3
+"""Share of the arm's size: a distance up to here may be what a calibration has added, and names no branch."""
+
 # Below this a cosine or sine of a twist is rounding of zero: eight units in the last place of 1.
 _ROUNDING = 2e-15
 
@@ -50,7 +53,7 @@ def ideal_frames(
     local = replace(chain, P=np.vstack([np.zeros(3), chain.P[1:]]))
     home = np.eye(4)
     home[:3, :3], home[:3, 3] = local.R_tip, local.P.sum(axis=0)
-    frames = denavit_hartenberg(directions, points - mount, home, parallel, meet)
+    frames = denavit_hartenberg(directions, points - mount, home, parallel, meet, LITTLE * chain.size)
     Q = np.random.default_rng(0).uniform(-np.pi, np.pi, (12, chain.n))
     apart = frames.fk(Q) - local.fk(Q)
     apart[:, :3, 3] /= chain.size
