@@ -45,6 +45,23 @@ def test_the_reference_itself_is_nearest_to_itself(case: Case) -> None:
     np.testing.assert_allclose(np.exp(1j * found.redundancy), np.exp(1j * case.arm.redundancy_of(q)), atol=1e-7)
 
 
+@pytest.mark.parametrize("name", ["srs_7r", "panda"])
+def test_round_joint_vectors_are_their_own_nearest(name: str) -> None:
+    """Straight and right-angled arms, whose poses leave surfaces of solutions: found again, and soon."""
+    arm, rng = urdf_ik.load(name), np.random.default_rng(0)
+    round_ones = rng.integers(-1, 2, (12, 7)) * (0.5 * np.pi)
+    straight = np.zeros((4, 7))
+    straight[1:, 3] = 1e-3, 1e-5, 1e-8
+    for q in np.vstack([straight, round_ones]):
+        (found,) = arm.ik_nearest(arm.fk(q), q, within_limits=False)
+        assert np.abs(np.angle(np.exp(1j * (found.q - q)))).max() < 1e-5, q.tolist()
+        np.testing.assert_allclose(arm.fk(found.q), arm.fk(q), atol=1e-9)
+        curves = arm.intervals(arm.fk(q), within_limits=False)
+        for k in range(min(len(curves), 20)):
+            values, samples = curves.samples(k)
+            assert len(values) == len(samples) and np.abs(arm.fk(samples) - arm.fk(q)).max() < 1e-5
+
+
 def test_nothing_nearer_is_found_by_dense_sampling(case: Case) -> None:
     """Of 1000 values of the parameter none has a nearer solution inside the limits; the answer is exact and inside."""
     rng = np.random.default_rng(1)

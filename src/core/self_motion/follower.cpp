@@ -323,9 +323,9 @@ bool Follower::follow_cell(long cell) {
 }
 
 void Follower::follow_cells() {
-    for (int pass = 0; pass < 3; ++pass) {
+    for (int pass = 0; pass < 3 && !has_enough(); ++pass) {
         bool open = false;
-        for (long cell = 0; cell < cells_; ++cell) {
+        for (long cell = 0; cell < cells_ && !has_enough(); ++cell) {
             const std::size_t parts = parts_.size();
             for (int redone = 0; !follow_cell(cell) && redone < MOST_REDONE; ++redone) {
                 // A curve was lost, as where another one crosses it: next time it goes on straight. Or two curves met one

@@ -33,6 +33,9 @@ inline constexpr double FAR_FROM = 0.5;
 // Values to each side of where such a branch comes nearest that are starts, too.
 inline constexpr long BESIDE = 2;
 inline constexpr int MOST_SECANTS = 30, MOST_SPLITS = 5, MOST_STEPS = 4000, MOST_REDONE = 4;
+// Points settled for one pose, at most: hundreds are usual. A pose whose solutions are surfaces, as a straight S-R-S arm's are,
+// has no end of curves.
+inline constexpr long MOST_SETTLED = 15000;
 
 // A solution at a value of the grid, and the pieces that lead away from it on both sides; -1: none yet.
 struct Node {
@@ -123,6 +126,7 @@ private:
     bool agree(const CurveSample& a, const CurveSample& b) const { return straight_ || a.sense * b.sense >= 0; }
     // The point pinned down from a start near it; along: the sense of its tangent. Returns whether there is one.
     bool settle(const double* q, const Pinned& pin, const double* along, double before, double enough, CurveSample& out) const {
+        if (++settled_ > MOST_SETTLED) return false;
         const int rounds = enough < ON_THE_WAY ? MANY_ROUNDS : FEW_ROUNDS;
         const OnCurve point = core_.settle(arm_, given_.T, q, pin, rounds, enough);
         if (!(point.left <= std::max(enough, SETTLED))) return false;
@@ -178,6 +182,7 @@ private:
     double high_of(long cell) const { return cell + 1 < given_.values ? given_.grid[cell + 1] : given_.grid[0] + TURN; }
     long next(long cell) const { return cell + 1 < given_.values ? cell + 1 : 0; }
 
+    bool has_enough() const { return settled_ > MOST_SETTLED; }
     void follow_cells();
     bool follow_cell(long cell);
     bool take(long cell, std::vector<CurveSample>& way, const std::vector<long>& folds, long from_k, long from_node, bool up,
@@ -231,6 +236,7 @@ private:
     double longest_ = LONGEST;
     bool straight_ = false;
     mutable double moved_ = 0.0;
+    mutable long settled_ = 0;
 };
 
 }  // namespace urdf_ik::self_motion

@@ -124,7 +124,7 @@ void Follower::look_for_loops() {
     const int count = int(starts.size() / 7);
     std::vector<double> found(starts.size());
     const int many = count ? core_.search(arm_, given_.T, starts.data(), count, found.data()) : 0;
-    for (int i = 0; i < many; ++i) {
+    for (int i = 0; i < many && !has_enough(); ++i) {
         const double* q = &found[7 * i];
         CurveSample at;
         std::copy_n(q, 7, at.q);

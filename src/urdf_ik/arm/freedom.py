@@ -277,7 +277,8 @@ class Free(Moving):
         from both; ends are computed to 1e-9. Of S-R-S arms with axes at right angles they are roots of the limits,
         in closed form, as they are where the tip turns about the axis of the last of six joints. An interval that lies
         between two values of the grid is found where a branch of the closed form, taken beyond its ends, comes near, or
-        by Newton's method from starts all over the joints: that is no proof that none is missed.
+        by Newton's method from starts all over the joints: that is no proof that none is missed. Where a pose's
+        solutions are surfaces, as those of a straight S-R-S arm, some of the curves on them are followed, not all.
 
         Args:
             T: (..., 4, 4) poses of the tip in the base [m], or a ``pinocchio.SE3``.

@@ -11,14 +11,17 @@ from urdf_ik.guards import inputs
 from urdf_ik.poses import as_pose_array
 from urdf_ik.redundancy.finding import intervals
 from urdf_ik.solutions import select
+from urdf_ik.solutions.representatives import near_each
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
+    from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik.families.parts.family import RedundantPlan
     from urdf_ik.solutions import IKSolutions
     from urdf_ik.solutions.select import Metric
     from urdf_ik.solutions.solved_arm import SolvingArm
+
+    Array = NDArray[np.float64]
 
 
 def nearest(
@@ -41,7 +44,7 @@ def nearest(
     within_limits, threads = inputs.flag(within_limits, "within_limits"), inputs.threads(threads)
     target = as_pose_array(T)
     shape = target.shape[:-2]
-    select.measure(arm, metric, weights, within)
+    measure = select.measure(arm, metric, weights, within)
     reference = arm.chain.check(q_ref)
     try:
         each = np.broadcast_to(reference, (*shape, arm.dof)).reshape(-1, arm.dof)
@@ -57,7 +60,20 @@ def nearest(
         values[open_] = found.nearest_values(
             each[open_], metric=metric, weights=weights, within=within, within_limits=within_limits
         )
-    known = np.where(np.isnan(values), plan.parameter.default, plan.parameter.wrapped(values)).reshape(shape)
-    solutions: IKSolutions = arm.ik(target, redundancy=known, threads=threads)
     near = each.reshape(*shape, arm.dof)
-    return solutions.nearest(near, weights, metric=metric, within=within, within_limits=within_limits)
+
+    def nearest_at(values: Array) -> IKSolutions:
+        at = plan.parameter.wrapped(values).reshape(shape)
+        found: IKSolutions = near_each(arm.ik(target, redundancy=at, threads=threads), near)
+        return found.nearest(near, weights, metric=metric, within=within, within_limits=within_limits)
+
+    def distance(found: IKSolutions) -> Array:
+        apart = measure.distance(found._apart(near[..., None, :], on_circle=not within_limits))[..., 0]
+        return np.where(np.isnan(apart), np.inf, apart).reshape(-1)
+
+    values = np.where(np.isnan(values), plan.parameter.default, values)
+    best = nearest_at(values)
+    # Where solutions are a surface, or lie at one value, no interval may pass the reference: its value is tried, too.
+    own = arm.nearest_values(each, stack)[:, 0]
+    better = distance(nearest_at(own)) < distance(best)
+    return nearest_at(np.where(better, own, values)) if better.any() else best

@@ -157,13 +157,9 @@ class IKSolutions(KeptSolutions):
         self._require_columns(n, "nearest")
         within_limits = inputs.flag(within_limits, "within_limits")
         kept: IKSolutions = self
-        on_circle: Array = np.zeros(len(self.rotary))
         if within_limits:
             kept = self._moved_inside(limits.image_near(self._q, reference, self.arm.limits, self._turning))
-        else:
-            round_for_ever = np.isinf(self.arm.limits).any(axis=1)
-            on_circle = np.where(round_for_ever, self.arm.chain.image_turns, self._turning)
-        apart = select.difference(kept._q, reference, on_circle)
+        apart = kept._apart(reference, on_circle=not within_limits)
         distances = measure.distance(apart)
         if measure.within is not None:
             near = measure.beyond(apart) <= 0.0  # false for NaN rows
@@ -349,6 +345,14 @@ class IKSolutions(KeptSolutions):
 
     def _require_columns(self, n: int, what: str) -> None:
         inputs.whole(n, f"the n {what} of {self._q.shape[-2]} columns: n", low=1, high=self._q.shape[-2])
+
+    def _apart(self, reference: Array, *, on_circle: bool) -> Array:
+        """Differences (..., B, n) from references (..., 1, n); ``on_circle``: joints that turn by the shorter way."""
+        turns: Array = np.zeros(len(self.rotary))
+        if on_circle:
+            round_for_ever = np.isinf(self.arm.limits).any(axis=1)
+            turns = np.where(round_for_ever, self.arm.chain.image_turns, self._turning)
+        return select.difference(self._q, reference, turns)
 
     def _moved_inside(
         self, images: tuple[Array, NDArray[np.bool_]], tol: float = limits.LIMIT_TOLERANCE

@@ -25,7 +25,9 @@ def near_each(solutions: IKSolutions, q_ref: Array) -> IKSolutions:
     reference = select.reference(q_ref, arm.joint_names, solutions.shape)
     reference = np.broadcast_to(reference, (*solutions.shape, reference.shape[-1]))
     q, info = solutions._q.copy(), solutions._info.copy()
+    values: Any = solutions._redundancy
     for place in map(tuple, np.argwhere(solutions.singular.any(axis=-1))):
-        one = arm.ik(solutions._poses[place], np.array(reference[place]))
+        at = {} if values is None else {"redundancy": values[place]}
+        one = arm.ik(solutions._poses[place], np.array(reference[place]), **at)
         q[place], info[place] = one._q, one._info
-    return IKSolutions(arm, solutions._poses, q, info, solutions._branches)
+    return IKSolutions(arm, solutions._poses, q, info, solutions._branches, redundancy=values)
