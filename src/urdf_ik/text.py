@@ -65,8 +65,8 @@ def printable(text: object, most: int = MOST_OF_A_NAME) -> str:
         >>> printable("tool\x9b31m\u202e")
         'tool\\x9b31m\\u202e'
     """
-    try:
-        written = str(text)
+    try:  # of lists in lists there may be more than memory holds
+        written = _SHORT.repr(text) if isinstance(text, list | tuple | dict | set | frozenset) else str(text)
     except Exception:  # an object of unknown origin
         written = f"<{type(text).__name__}>"
     cut = escaped(written[:most]).replace("\n", "\\n")

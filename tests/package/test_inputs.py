@@ -5,6 +5,7 @@ from __future__ import annotations
 import datetime
 import enum
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -264,3 +265,22 @@ def test_numbers_of_every_kind_are_read() -> None:
         np.testing.assert_allclose(SIX.fk(same), T6, atol=1e-15)
     assert inputs.real([Fraction(1, 2), 2**70], "x", "numbers").tolist() == [0.5, 2.0**70]
     assert inputs.number(np.float16(0.5), "x") == 0.5 and inputs.whole(np.uint8(3), "n") == 3
+
+
+def test_lists_in_lists_are_named_without_being_written(tmp_path: Path) -> None:
+    """A thousand million numbers that share one list, where a name or a path is wanted."""
+    many: list[Any] = [[[0.0] * 1000] * 1000] * 1000
+    calls: tuple[Callable[[Any], Any], ...] = (
+        urdf_ik.DHTable.read, urdf_ik.load, SIX.write_urdf, urdf_ik.World().__getitem__, SIX.for_task,
+        lambda name: SIX.with_tool(np.eye(4), name=name),
+    )  # fmt: skip
+    for call in calls:
+        with pytest.raises(UrdfIkError) as refused:
+            call(many)
+        assert len(str(refused.value)) < 1000
+
+
+def test_a_name_that_no_disk_holds_is_refused(tmp_path: Path) -> None:
+    """Half of a surrogate pair, as half-read names have."""
+    with pytest.raises(UrdfIkError, match="cannot write"):
+        SIX.write_urdf(tmp_path / "\ud800.urdf")

@@ -210,8 +210,8 @@ def write(
         finally:
             with contextlib.suppress(OSError):
                 unfinished.unlink(missing_ok=True)
-    except OSError as failure:
-        reason = failure.strerror or failure
+    except (OSError, ValueError) as failure:  # ValueError: a name that no file system can hold
+        reason = getattr(failure, "strerror", None) or failure
         raise error(f"cannot write {name_of(file)}: {reason} (folder {name_of(file.parent.absolute())})") from None
 
 

@@ -76,7 +76,7 @@ def branches(solutions: IKSolutions, *, overlaid: bool = False, shapes: bool = F
         >>> len(figure.axes)
         2
     """
-    inputs.kind(solutions, "explain", "solutions", "what arm.ik gives", PlotError)
+    inputs.kind(solutions, "to_array", "solutions", "what arm.ik gives", PlotError)
     overlaid, shapes = (inputs.flag(*each, PlotError) for each in ((overlaid, "overlaid"), (shapes, "shapes")))
     found = list(solutions)
     if not found:
@@ -126,7 +126,7 @@ def limits(solutions: IKSolutions, *, degrees: bool = True) -> Figure:
         >>> len(figure.axes)
         2
     """
-    inputs.kind(solutions, "explain", "solutions", "what arm.ik gives", PlotError)
+    inputs.kind(solutions, "to_array", "solutions", "what arm.ik gives", PlotError)
     degrees = inputs.flag(degrees, "degrees", PlotError)
     owner, found = _owner(solutions), list(solutions)
     if not found:

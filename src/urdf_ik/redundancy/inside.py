@@ -59,7 +59,7 @@ def nearest(
         ArgumentError: another metric than 'l2'.
         JointVectorError: ``q_ref`` does not fit.
     """
-    if metric != "l2":
+    if inputs.choice(metric, "metric", select.METRICS) != "l2":
         what = "a region" if region is not None else "several redundancy parameters"
         raise ArgumentError(f"metric={metric!r} given; with {what} the distance is metric='l2'")
     measure = select.measure(arm, metric, weights, within)

@@ -81,7 +81,7 @@ class Region:
         for name, value in (
             ("box", (x, y, z)),
             ("cone", float(cone)),
-            ("rotation", min(float(rotation), np.pi)),
+            ("rotation", float(min(rotation, np.pi))),
             ("axis", axis if isinstance(axis, FreeAxis) else FreeAxis.read(axis, at)),
         ):
             object.__setattr__(self, name, value)
