@@ -278,7 +278,8 @@ class Free(Moving):
         in closed form, as they are where the tip turns about the axis of the last of six joints. An interval that lies
         between two values of the grid is found where a branch of the closed form, taken beyond its ends, comes near, or
         by Newton's method from starts all over the joints: that is no proof that none is missed. Where a pose's
-        solutions are surfaces, as those of a straight S-R-S arm, some of the curves on them are followed, not all.
+        solutions are surfaces, as those of a straight S-R-S arm, some of the curves on them are followed, not all; and
+        solutions along which the parameter keeps its value are in no interval.
 
         Args:
             T: (..., 4, 4) poses of the tip in the base [m], or a ``pinocchio.SE3``.

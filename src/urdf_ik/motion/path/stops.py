@@ -14,6 +14,7 @@ from urdf_ik.motion.plan import EVERY_BRANCH, Stop
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from urdf_ik.arm import Arm
     from urdf_ik.motion.path.search import Search
     from urdf_ik.motion.path.settings import Settings
 
@@ -110,10 +111,16 @@ def _out_of_all_reach(settings: Settings, search: Search, T: Array, place: Array
     waypoint = int(np.ceil(place[at]))
     everything = _solutions(settings, T, at, None)
     if not len(everything.q):
-        return (Stop(EVERY_BRANCH, waypoint, "reach", f"out of reach: {settings.arm.explain(T[at])}"),)
+        return (Stop(EVERY_BRANCH, waypoint, "reach", _reach(settings.arm, T[at])),)
     best = int(np.argmax(room(settings, everything.q)))
     limits = _limits(settings, central(settings, everything.q[best]), everything.counts[best] == 0)
     return (Stop(EVERY_BRANCH, waypoint, "limit", f"no solution is inside the limits; of the nearest, {limits}"),)
+
+
+def _reach(arm: Arm, T: Array) -> str:
+    """Why no value that was looked at has a solution of a pose."""
+    why = arm.explain(T)
+    return f"out of reach: {why}" if why else f"reached only between the values of the {arm.redundancy} looked at"
 
 
 def _at_first(settings: Settings, search: Search, T: Array) -> tuple[Stop, ...]:
@@ -121,7 +128,7 @@ def _at_first(settings: Settings, search: Search, T: Array) -> tuple[Stop, ...]:
     arm, graph = settings.arm, search.graph
     everything = _solutions(settings, T, 0, None)
     if not len(everything.q):
-        return (Stop(EVERY_BRANCH, 0, "reach", f"out of reach: {arm.explain(T[0])}"),)
+        return (Stop(EVERY_BRANCH, 0, "reach", _reach(arm, T[0])),)
     names = arm.structure.branches
     stops = []
     here = np.arange(graph.layers.first[1])
@@ -146,7 +153,7 @@ def _stop(settings: Settings, search: Search, T: Array, last: int, nodes: Ints, 
     if not len(candidates.q):
         if arm.redundancy is not None and len(_solutions(settings, T, last + 1, _all_values(settings)).q):
             return "jump", f"its solutions end here: the next waypoint has none at this {arm.redundancy.label}"
-        return "reach", f"out of reach: {arm.explain(T[last + 1])}"
+        return "reach", _reach(arm, T[last + 1])
     found = {}
     nearest_jump = np.inf
     for node, state in zip(nodes, states, strict=True):
