@@ -1,7 +1,8 @@
 # Every target makes .venv when it is missing, and brings it up to date when pyproject.toml has changed.
 # PYTHON=... names the interpreter that .venv is made from, 3.11 or later; VENV=... puts it elsewhere.
 # The compiled core is built by the machine's C++20 compiler, or by one from PyPI (tools/with_compiler.py); later changes
-# of its sources are built when it is imported. CMAKE_ARGS=-DURDF_IK_LEVELS=v3 builds one instruction set of three.
+# of its sources are built when it is imported. `make run` and `make docs` build it for this machine's processor, `make test`
+# for each instruction set; CMAKE_ARGS=-DURDF_IK_LEVELS=v3 names one.
 
 VENV ?= .venv
 BIN := $(VENV)/bin
@@ -12,7 +13,7 @@ PYTHON ?= $(shell $(FIND_PYTHON))
 PIP = $(BIN)/python -m pip --quiet --disable-pip-version-check
 WITH_COMPILER = $(BIN)/python tools/with_compiler.py
 # What builds the core stays in .venv, so that changes can be built at any time.
-INSTALL = $(WITH_COMPILER) --here $(PIP) install --no-build-isolation --editable
+INSTALL = $(PIP) install --no-build-isolation --editable
 BUILD_NEEDS = import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], "cmake", "ninja")
 
 # A process a core, and a file's tests in one of them: they share a browser, or the folder that a wheel is built in.
@@ -103,17 +104,17 @@ $(VENV)/.build-installed: pyproject.toml | $(BIN)/python
 
 # editable.py.in is what an import of the core runs.
 $(VENV)/.run-installed: pyproject.toml src/core/editable.py.in $(VENV)/.build-installed
-	$(INSTALL) .
+	$(WITH_COMPILER) --here $(INSTALL) .
 	@touch $@
 
 $(VENV)/.dev-installed: pyproject.toml src/core/editable.py.in $(VENV)/.build-installed
-	$(INSTALL) '.[dev]'
+	$(WITH_COMPILER) --each $(INSTALL) '.[dev]'
 	@touch $@ $(VENV)/.run-installed
 
 $(VENV)/.docs-installed: pyproject.toml src/core/editable.py.in $(VENV)/.build-installed
-	$(INSTALL) '.[docs]'
+	$(WITH_COMPILER) --here $(INSTALL) '.[docs]'
 	@touch $@ $(VENV)/.run-installed
 
 $(VENV)/.bench-installed: pyproject.toml src/core/editable.py.in $(VENV)/.build-installed
-	$(INSTALL) '.[bench]'
+	$(WITH_COMPILER) --here $(INSTALL) '.[bench]'
 	@touch $@ $(VENV)/.run-installed

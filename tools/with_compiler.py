@@ -1,13 +1,14 @@
 """Runs a command with a C++20 compiler: the machine's, or Zig's from PyPI where the machine has none.
 
-    python tools/with_compiler.py [--here] python -m pip install --no-build-isolation --editable .
+    python tools/with_compiler.py [--here | --each] python -m pip install --no-build-isolation --editable .
 
 The compiler is $CXX, c++, g++ or clang++, the first that compiles what the core needs. Where none does, `ziglang` is
 installed into this Python's environment, with small scripts that call it as c++, ar and ranlib; CXX, AR and RANLIB name
 them to the command. Programs of this Python's environment (cmake, ninja) are on the command's path.
 
-Zig takes minutes for a solver. With --here it builds the core for this machine's processor only, unless CMAKE_ARGS
-names instruction sets.
+With --here a core that was not built before is built for this machine's processor only, which takes a third of the time;
+with --each it is built for every instruction set, but by Zig, which takes minutes for a solver, for this one. CMAKE_ARGS
+that name instruction sets come first.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ from pathlib import Path
 
 WANTED = "a C++20 compiler is needed (GCC 12, Clang 15 or later): apt install g++, or CXX=... names one"
 ZIG = "ziglang>=0.14"
+LEVELS = ("v2", "v3", "v4")
+ROOT = Path(__file__).resolve().parents[1]
 # What old compilers lack: C++20, shuffles of vectors, the standard library's headers.
 PROBE = """
 #include <concepts>
@@ -84,32 +87,36 @@ def this_level() -> str:
     return "v4" if {f"avx512{part}" for part in ("f", "bw", "cd", "dq", "vl")} <= flags else "v3"
 
 
-def zig_environment(here: bool) -> dict[str, str]:
-    """What Zig needs in the environment, and with ``here`` the instruction set of this machine."""
-    found, given = zig_scripts(), os.environ.get("CMAKE_ARGS", "")
-    if here and platform.machine() in ("x86_64", "AMD64") and "URDF_IK_LEVELS" not in given:
-        found["CMAKE_ARGS"] = f"{given} -DURDF_IK_LEVELS={this_level()}".strip()
-    return found
+def with_levels(env: dict[str, str], levels: str) -> dict[str, str]:
+    """The environment with the instruction sets that are to be built, unless it names some."""
+    given = env.get("CMAKE_ARGS", "")
+    if platform.machine() not in ("x86_64", "AMD64") or "URDF_IK_LEVELS" in given:
+        return env
+    return env | {"CMAKE_ARGS": f"{given} -DURDF_IK_LEVELS={levels}".strip()}
 
 
-def environment(here: bool) -> dict[str, str]:
-    """The environment of a command that compiles."""
+def environment(mode: str) -> dict[str, str]:
+    """The environment of a command that compiles; ``mode``: '--here', '--each' or ''."""
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", os.defpath)])
     env = os.environ | {"PATH": path}
-    named = os.environ.get("CXX")
+    named, is_zig = os.environ.get("CXX"), False
     if named:
         if not compiles(named):
             sys.exit(f"{WANTED}; CXX={named} does not compile what the core needs")
-        return env
-    for name in ("c++", "g++", "clang++"):
-        if (compiler := shutil.which(name)) and compiles(compiler):
-            return env | {"CXX": compiler}
-    return env | zig_environment(here)
+    else:
+        candidates = filter(None, map(shutil.which, ("c++", "g++", "clang++")))
+        found = next(filter(compiles, candidates), None)
+        is_zig = found is None
+        env |= zig_scripts() if found is None else {"CXX": found}
+    if mode == "--each":
+        return with_levels(env, this_level() if is_zig else ";".join(LEVELS))
+    built = any(ROOT.glob("build/cp*/CMakeCache.txt"))
+    return with_levels(env, this_level()) if mode == "--here" and not built else env
 
 
 if __name__ == "__main__":
-    only_here = sys.argv[1:2] == ["--here"]
-    wanted = sys.argv[2:] if only_here else sys.argv[1:]
+    mode = sys.argv[1] if sys.argv[1:2] in (["--here"], ["--each"]) else ""
+    wanted = sys.argv[2:] if mode else sys.argv[1:]
     if not wanted:
         sys.exit(__doc__)
-    sys.exit(subprocess.run(wanted, env=environment(only_here), check=False).returncode)
+    sys.exit(subprocess.run(wanted, env=environment(mode), check=False).returncode)

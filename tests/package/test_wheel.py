@@ -57,7 +57,7 @@ def built(kind: str, source: Path, place: Path, *settings: str) -> Path:
     """The sdist or wheel of a folder, built by what this environment holds, with the compiler that built it."""
     options = [option for setting in settings for option in ("--config-setting", setting)]
     succeed(
-        sys.executable, str(ROOT / "tools" / "with_compiler.py"), "--here", sys.executable, "-m", "build", f"--{kind}",
+        sys.executable, str(ROOT / "tools" / "with_compiler.py"), "--each", sys.executable, "-m", "build", f"--{kind}",
         "--no-isolation", *options, "--outdir", str(place / kind), str(source), cwd=place,
     )  # fmt: skip
     (file,) = (place / kind).iterdir()
