@@ -6,8 +6,8 @@ The compiler is $CXX, c++, g++ or clang++, the first that compiles what the core
 installed into this Python's environment, with small scripts that call it as c++, ar and ranlib; CXX, AR and RANLIB name
 them to the command. Programs of this Python's environment (cmake, ninja) are on the command's path.
 
-With --here a core that was not built before is built for this machine's processor only, which takes a third of the
-time; with --each it is built for every instruction set, but by Zig, which takes minutes for a solver, for this one.
+With --here a core that was not built before is built for this machine's processor only, one instruction set of three;
+with --each it is built for every instruction set, but by Zig, which takes minutes for a solver, for this one.
 CMAKE_ARGS that name instruction sets come first.
 """
 

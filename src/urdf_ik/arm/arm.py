@@ -395,8 +395,9 @@ class Arm(Free):
         """
         found = self.ik(T, redundancy=redundancy)
         if not found.shape and found.count:
-            elsewhere = redundancy is None and len(self.redundancies) == 1 and len(self.intervals(T)) > 0
-            return "" if elsewhere else found.within_limits().explain()
+            why = found.within_limits().explain()
+            elsewhere = why and redundancy is None and len(self.redundancies) == 1
+            return "" if elsewhere and len(self.intervals(T)) else why
         if self._targets is not None:
             target = self._targets.read(T)
             if target.ndim != 1:
