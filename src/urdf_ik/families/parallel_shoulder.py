@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik._core import Solver
+from urdf_ik.families.parts.branches import SIGNS
 from urdf_ik.families.parts.family import Family, Plan, in_words
 from urdf_ik.families.parts.values import (
-    SIGNS,
     compared,
     distances_of,
     ideal_frames,

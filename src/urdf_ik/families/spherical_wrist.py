@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik._core import Solver
+from urdf_ik.families.parts.branches import NAMES, SIGNS
 from urdf_ik.families.parts.family import Family, Plan, in_words
 from urdf_ik.families.parts.values import (
     LITTLE,
-    NAMES,
-    SIGNS,
     compared,
     ideal_frames,
     ideal_values,

@@ -24,15 +24,6 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-# The eight branches of shoulder, elbow and wrist: the signs of their roots, and their names in the same order.
-SIGNS = np.array([[front, up, flip] for front in (1, -1) for up in (1, -1) for flip in (1, -1)], dtype=np.float64)
-NAMES = tuple(
-    f"shoulder {front}, elbow {up}, wrist {flip}"
-    for front in ("front", "back")
-    for up in ("up", "down")
-    for flip in ("noflip", "flip")
-)
-
 LITTLE = 3e-3
 """Share of the arm's size: a distance up to here may be what a calibration has added, and names no branch."""
 
