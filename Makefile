@@ -19,10 +19,10 @@ BUILD_NEEDS = import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))[
 # A process a core, and a file's tests in one of them: they share a browser, or the folder that a wheel is built in.
 IN_PARALLEL = -n logical --dist loadfile --no-loadscope-reorder
 
-CORE = $(wildcard src/core/*.[ch]pp src/core/*/*.[ch]pp)
+CORE = $(wildcard src/core/*.[ch]pp src/core/*/*.[ch]pp src/core/*/*/*.[ch]pp)
 SANITIZED_LEVEL = $(if $(filter x86_64,$(shell uname -m)),v2,arm64)
-SANITIZED_TESTS = tests/families/test_families.py tests/families/test_closed_forms.py tests/families/test_singular.py \
-	tests/families/test_round_poses.py tests/families/test_corners.py tests/families/test_degenerate.py tests/core/test_core_fuzz.py \
+SANITIZED_TESTS = tests/families/test_families.py tests/families/test_closed_forms.py tests/families/poses/test_singular.py \
+	tests/families/poses/test_round_poses.py tests/families/poses/test_corners.py tests/families/poses/test_degenerate.py tests/core/test_core_fuzz.py \
 	tests/motion/test_tracker.py tests/motion/test_follow.py \
 	tests/arm/test_arm.py
 

@@ -1,8 +1,8 @@
 // Forward kinematics and Jacobian of chains of any number of joints, in blocks of joint vectors.
 #include "chain_arm.hpp"
 
-#include "blocks.hpp"
-#include "kinematics.hpp"
+#include "answers/blocks.hpp"
+#include "kinematics/kinematics.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

@@ -1,7 +1,7 @@
 // What forward kinematics knows of a chain of any number of joints; see Written in arm.hpp for what its numbers mean.
 #pragma once
 
-#include "arm.hpp"
+#include "kinematics/arm.hpp"
 
 namespace urdf_ik {
 

@@ -1,7 +1,7 @@
 // The table of one instruction set; see level_table.hpp.
 #include "level_table.hpp"
 
-#include "level.hpp"
+#include "arithmetic/level.hpp"
 
 #define URDF_IK_TEXT_OF(x) #x
 #define URDF_IK_TEXT(x) URDF_IK_TEXT_OF(x)

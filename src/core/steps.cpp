@@ -1,10 +1,10 @@
 // The steps of the solvers for tests, compiled once for every instruction set; see steps.hpp.
 #include "steps.hpp"
 
-#include "answer.hpp"
-#include "families/linked_angles.hpp"
-#include "subproblems.hpp"
-#include "target.hpp"
+#include "answers/answer.hpp"
+#include "kinematics/linked_angles.hpp"
+#include "kinematics/subproblems.hpp"
+#include "kinematics/target.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

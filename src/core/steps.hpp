@@ -2,7 +2,7 @@
 // and results. Plain data.
 #pragma once
 
-#include "arm.hpp"
+#include "kinematics/arm.hpp"
 
 namespace urdf_ik {
 

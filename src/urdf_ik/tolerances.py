@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 
 LARGEST = 1e15
 """Greatest length [m], angle [rad] or factor that is taken: beyond it a double holds no digit of a millimetre or of an
-angle, and squares of what solvers multiply begin to overflow. ``src/core/arm.hpp`` has the same."""
+angle, and squares of what solvers multiply begin to overflow. ``src/core/kinematics/arm.hpp`` has the same."""
 
 _OF_SOLVERS = (
     "reach", "edge", "fold", "continuum", "singular", "duplicate", "rotation", "exact_rotation", "exact_structure"

@@ -1,8 +1,9 @@
-"""Imports of the package: down the floors only, without a circle, those for type checking and in functions included."""
+"""Imports of the package, and includes of its core: down the floors only, without a circle; files and folders are short."""
 
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -26,6 +27,8 @@ FLOORS = (
     {"cli", "interop", "plot", "viewer"},
 )
 FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
+# The same of the compiled core: what computes knows nothing of Python, whose side the bindings are.
+CORE_FLOORS = ("arithmetic", "kinematics", "answers", "families", "self_motion", "motion", "", "bindings")
 # An arm reaches these through functions that import them when they are called.
 REACHED_BY_ARM = {"collision", "cuspidality", "motion", "reference"}
 MOST_LINES, MOST_FILES = 450, 15
@@ -128,6 +131,31 @@ def test_a_circle_is_found() -> None:
     assert find_circle({("a", "b"), ("a", "c"), ("b", "c")}) == []
 
 
+CORE = SOURCE / "core"
+UNITS = sorted(path.relative_to(CORE) for path in CORE.rglob("*.[ch]pp"))
+
+
+def core_floor(path: Path) -> int:
+    """The floor of a file of the core, by its uppermost folder."""
+    return CORE_FLOORS.index(path.parts[0] if len(path.parts) > 1 else "")
+
+
+def test_includes_of_the_core_point_down() -> None:
+    """No file of the core includes one of a floor above its own, and none includes itself through others."""
+    included = {
+        (unit, Path(found)) for unit in UNITS for found in re.findall(r'#include "(.+?)"', (CORE / unit).read_text())
+    }
+    assert {found for _, found in included} <= set(UNITS)
+    assert not [f"{a} includes {b}" for a, b in sorted(included) if core_floor(b) > core_floor(a)]
+    assert not find_circle({(str(a), str(b)) for a, b in included})
+
+
+@pytest.mark.parametrize("unit", UNITS, ids=str)
+def test_files_of_the_core_are_short(unit: Path) -> None:
+    """No file of the core is longer than one can read in a sitting."""
+    assert len((CORE / unit).read_text().splitlines()) <= MOST_LINES
+
+
 @pytest.mark.parametrize("name", sorted(KNOWN))
 def test_modules_are_short(name: str) -> None:
     """No module is longer than one can read in a sitting; the stub of the core is generated."""
@@ -137,6 +165,6 @@ def test_modules_are_short(name: str) -> None:
 
 def test_folders_hold_few_files() -> None:
     """A folder's list of files can be taken in at a glance."""
-    folders = {path.parent for path in KNOWN.values()}
-    crowded = {folder: count for folder in folders if (count := len(list(folder.glob("*.py*")))) > MOST_FILES}
+    folders = {path.parent for path in [*KNOWN.values(), *(CORE / unit for unit in UNITS)]}
+    crowded = {folder: count for folder in folders if (count := len(list(folder.glob("*.[pch][yp]*")))) > MOST_FILES}
     assert not crowded

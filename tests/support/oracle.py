@@ -34,6 +34,11 @@ class Oracle:
         self.names = tuple(self.model.names[i] for i in self.joints)
         self.columns = [self.model.joints[i].idx_v for i in self.joints]
         self.dof = len(self.joints)
+        self._neutral = pin.neutral(self.model)
+        entries = [(self.model.joints[i].idx_q, self.model.joints[i].nq == 2) for i in self.joints]
+        # Where in Pinocchio's configuration each joint's value stands, or its cosine with its sine behind.
+        self._places = np.array([place for place, _ in entries], dtype=int)
+        self._round = np.array([two for _, two in entries], dtype=bool)
 
     def _body(self, name: str) -> int:
         """Index of a link's frame; Pinocchio itself answers an unknown name with a number."""
@@ -44,13 +49,12 @@ class Oracle:
 
     def _full(self, q: Array) -> Array:
         """Pinocchio's configuration, where a continuous joint is a cosine and a sine."""
-        full = pin.neutral(self.model)
-        for joint, value in zip(self.joints, q, strict=True):
-            entry = self.model.joints[joint]
-            if entry.nq == 2:
-                full[entry.idx_q : entry.idx_q + 2] = math.cos(value), math.sin(value)
-            else:
-                full[entry.idx_q] = value
+        full = self._neutral.copy()
+        if self._round.any():
+            full[self._places + self._round] = np.sin(q)
+            full[self._places] = np.where(self._round, np.cos(q), q)
+        else:
+            full[self._places] = q
         return full
 
     def pose(self, q: Array) -> Array:
@@ -64,13 +68,18 @@ class Oracle:
 
     def jacobian(self, q: Array) -> Array:
         """Jacobian (6, n), rows linear then angular, at the tip, in the base's axes."""
+        return self._placed(q)[1]
+
+    def _placed(self, q: Array) -> tuple[Array, Array]:
+        """Pose (4, 4) of the tip in the base, and the Jacobian (6, n)."""
         pin.computeJointJacobians(self.model, self.data, self._full(q))
         pin.updateFramePlacements(self.model, self.data)
         world = pin.getFrameJacobian(self.model, self.data, self.tip, pin.LOCAL_WORLD_ALIGNED)
         # Of a single joint Pinocchio gives a vector.
         world = world.reshape(6, -1)[:, self.columns]
-        to_base = self.data.oMf[self.base].rotation.T
-        return np.concatenate([to_base @ world[:3], to_base @ world[3:]])
+        base = self.data.oMf[self.base]
+        to_base = base.rotation.T
+        return base.actInv(self.data.oMf[self.tip]).homogeneous, np.concatenate([to_base @ world[:3], to_base @ world[3:]])
 
     def sigma_min(self, q: Array) -> float:
         """Smallest singular value of the Jacobian."""
@@ -158,13 +167,12 @@ class Oracle:
     def _newton(self, q: Array, target: Array) -> Array | None:
         """Damped Newton from one start, or None where it does not arrive."""
         for _ in range(40):
-            pose = self.pose(q)
+            pose, jacobian = self._placed(q)
             turn = target[:3, :3] @ pose[:3, :3].T
             error = np.concatenate([target[:3, 3] - pose[:3, 3], pin.log3(turn)])
             size = float(error @ error)
             if size < 1e-24:
                 return q
-            jacobian = self.jacobian(q)
             damping = (1e-3 * min(size, 1.0) + 1e-14) * np.eye(self.dof)
             step = np.linalg.solve(jacobian.T @ jacobian + damping, jacobian.T @ error)
             q = q + step * min(1.0, 1.0 / max(float(np.abs(step).max()), 1e-9))

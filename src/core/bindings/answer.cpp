@@ -1,13 +1,13 @@
 // See answer.hpp. Written against the C-APIs of Python and NumPy: through nanobind's typed arrays a call takes several
 // times as long as a solve.
-#include "answer.hpp"
+#include "bindings/answer.hpp"
 
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
 
 #define URDF_IK_IMPORTS_NUMPY
-#include "numpy_api.hpp"
+#include "bindings/numpy_api.hpp"
 
 #include <structmember.h>
 

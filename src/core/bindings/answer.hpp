@@ -2,7 +2,7 @@
 // Making three NumPy arrays takes longer than most solvers; few callers ask for all of them.
 #pragma once
 
-#include "solver.hpp"
+#include "bindings/solver.hpp"
 
 namespace urdf_ik {
 

@@ -4,9 +4,9 @@
 #include <cstring>
 #include <vector>
 
-#include "numpy_api.hpp"
-#include "signals.hpp"
-#include "solver.hpp"
+#include "bindings/numpy_api.hpp"
+#include "bindings/signals.hpp"
+#include "bindings/solver.hpp"
 
 namespace urdf_ik {
 

@@ -1,12 +1,12 @@
 // Images of joint vectors inside the limits, as Python calls them.
-#include "../images.hpp"
+#include "answers/images.hpp"
 
 #include <cstdint>
 #include <vector>
 
-#include "numpy_api.hpp"
-#include "signals.hpp"
-#include "solver.hpp"
+#include "bindings/numpy_api.hpp"
+#include "bindings/signals.hpp"
+#include "bindings/solver.hpp"
 
 namespace urdf_ik {
 

@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "answer.hpp"
-#include "elimination.hpp"
-#include "sharing.hpp"
+#include "bindings/answer.hpp"
+#include "bindings/families/elimination.hpp"
+#include "bindings/sharing.hpp"
 
 namespace urdf_ik {
 

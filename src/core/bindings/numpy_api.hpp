@@ -12,7 +12,7 @@
 #endif
 #include <numpy/arrayobject.h>
 
-#include "../arm.hpp"
+#include "kinematics/arm.hpp"
 
 namespace urdf_ik {
 

@@ -1,5 +1,5 @@
 // A batch's poses, part by part, on as many threads as are asked for.
-#include "sharing.hpp"
+#include "bindings/sharing.hpp"
 
 #include <atomic>
 #include <chrono>

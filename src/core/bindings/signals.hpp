@@ -6,7 +6,7 @@
 #include <chrono>
 #include <type_traits>
 
-#include "../stop.hpp"
+#include "motion/stop.hpp"
 
 namespace urdf_ik {
 

@@ -6,8 +6,8 @@
 #include <memory>
 #include <type_traits>
 
-#include "levels.hpp"
-#include "values.hpp"
+#include "bindings/levels.hpp"
+#include "bindings/values.hpp"
 
 namespace urdf_ik {
 

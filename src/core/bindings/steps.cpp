@@ -1,10 +1,10 @@
 // The steps of the solvers one by one, for tests; see steps.hpp.
-#include "../steps.hpp"
+#include "steps.hpp"
 
 #include <cstring>
 
-#include "levels.hpp"
-#include "values.hpp"
+#include "bindings/levels.hpp"
+#include "bindings/values.hpp"
 
 namespace urdf_ik {
 

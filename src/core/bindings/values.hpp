@@ -8,7 +8,7 @@
 #include <string>
 #include <type_traits>
 
-#include "../arm.hpp"
+#include "kinematics/arm.hpp"
 
 namespace urdf_ik {
 

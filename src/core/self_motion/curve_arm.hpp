@@ -1,7 +1,7 @@
 // What is needed to follow the joint vectors that hold one pose: seven joints leave a curve of them, the arm's self-motion.
 #pragma once
 
-#include "../arm.hpp"
+#include "kinematics/arm.hpp"
 
 namespace urdf_ik {
 

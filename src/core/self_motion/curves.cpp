@@ -1,5 +1,5 @@
 // See curves.hpp.
-#include "follower.hpp"
+#include "self_motion/follower.hpp"
 
 namespace urdf_ik {
 

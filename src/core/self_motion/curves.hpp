@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "curve_arm.hpp"
+#include "self_motion/curve_arm.hpp"
 
 namespace urdf_ik {
 

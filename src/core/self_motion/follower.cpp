@@ -1,5 +1,5 @@
 // Following curves from one value of the grid to the next; see follower.hpp.
-#include "follower.hpp"
+#include "self_motion/follower.hpp"
 
 namespace urdf_ik::self_motion {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "curves.hpp"
+#include "self_motion/curves.hpp"
 
 namespace urdf_ik::self_motion {
 

@@ -1,5 +1,5 @@
 // The parts of a curve inside the joint limits; see follower.hpp.
-#include "follower.hpp"
+#include "self_motion/follower.hpp"
 
 namespace urdf_ik::self_motion {
 

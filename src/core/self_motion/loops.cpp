@@ -1,5 +1,5 @@
 // Curves that hold no value of the grid; see follower.hpp.
-#include "follower.hpp"
+#include "self_motion/follower.hpp"
 
 namespace urdf_ik::self_motion {
 

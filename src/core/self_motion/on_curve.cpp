@@ -3,10 +3,10 @@
 // The curve is where six equations hold (the pose's error is zero) in seven unknowns. Its tangent is what the Jacobian's rows
 // leave; the least step of Newton's method is at right angles to it (Allgower and Georg, Numerical Continuation Methods,
 // chapter 3).
-#include "curve_arm.hpp"
+#include "self_motion/curve_arm.hpp"
 
-#include "../answer.hpp"
-#include "../families/swivel.hpp"
+#include "answers/answer.hpp"
+#include "families/seven_joints/swivel.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 

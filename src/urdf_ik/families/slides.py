@@ -1,6 +1,6 @@
 """Six joints with slides, in closed form: a spherical wrist behind any three joints, or three slides in any order.
 
-The Stanford arm (RRPRRR), gantries with a wrist (PPPRRR), and so on. See src/core/families/slides.hpp.
+The Stanford arm (RRPRRR), gantries with a wrist (PPPRRR), and so on. See src/core/families/few_joints/slides.hpp.
 """
 
 from __future__ import annotations

@@ -32,7 +32,7 @@ NAMES = tuple(
 _CLEAR = 1e-3
 # How far below zero a squared sine may fall for an arm that is off by 1 [share of size]: its solutions may still exist.
 _CLAMP = 50.0
-# Sine of the angle below which the wrist counts as lying on axis 1, as in src/core/families/swivel.hpp.
+# Sine of the angle below which the wrist counts as lying on axis 1, as in src/core/families/seven_joints/swivel.hpp.
 _ON_AXIS = 1e-7
 
 
@@ -117,7 +117,7 @@ def _meeting(twists: Array) -> dict[str, Any]:
 
 
 def _swivels(chain: Chain, ends: dict[str, Array], Q: Array) -> Array:
-    """Swivel angles (m,) of joint vectors (m, 7), as the solver measures them: see src/core/families/swivel.hpp."""
+    """Swivel angles (m,) of joint vectors (m, 7), as the solver measures them: see src/core/families/seven_joints/swivel.hpp."""
     T = chain.fk(Q)
     W = (T[:, :3, :3] @ ends["tool_point"] + T[:, :3, 3] - ends["base_origin"]) @ ends["base_rotation"].T
     axis = chain.jacobian(Q)[:, 3:, 3] @ ends["base_rotation"].T

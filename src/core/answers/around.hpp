@@ -1,0 +1,100 @@
+// Where rounding hides from a closed form which branches a pose has, the form is asked at targets around it.
+//
+// Next to one singularity an angle is known to half of its digits. A second singularity that depends on this angle may then lie
+// on either side of what is computed, and a joint that the pose leaves free may look fixed. Targets a little way off have no
+// such trouble: their solutions lie near those of the pose, and Newton's method leads from the ones to the others.
+#pragma once
+
+#include "answers/answer.hpp"
+#include "kinematics/target.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// How far off [rad, share of size]; at how many targets at most, in pairs on opposite sides; and how many of them in a row may
+// tell nothing new about a pose that has a solution.
+inline constexpr double DISPLACED = 1e-6;
+inline constexpr int DISPLACEMENTS = 16, IN_VAIN = 4;
+
+// The k-th of them.
+STEP Seen<double> displaced(const Seen<double>& seen, int k, double size) {
+    double by[6];
+    Scatter scatter = Scatter::number(k / 2);
+    for (double& each : by) each = (k % 2 ? DISPLACED : -DISPLACED) * scatter.next();
+    // A rotation to first order, and to rounding: unit vectors across each other.
+    const Vec<double> turn = {by[0], by[1], by[2]};
+    Vec<double> x = seen.R.x + cross(turn, seen.R.x), y = seen.R.y + cross(turn, seen.R.y);
+    x = (1.0 / sqrt(dot(x, x))) * x;
+    y = y - dot(x, y) * x;
+    y = (1.0 / sqrt(dot(y, y))) * y;
+    return {{x, y, cross(x, y)}, seen.p + Vec<double>{size * by[3], size * by[4], size * by[5]}};
+}
+
+// The flags that say where a solution is singular.
+inline constexpr unsigned KINDS = SHOULDER | ELBOW | WRIST | OTHER;
+
+// Whether two solutions lie on one continuum: Newton's method from half way between them then stays about there.
+template <class Model> PART bool is_joined(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints],
+                                           const double* other) {
+    constexpr int N = Model::joints;
+    double middle[N], apart = 0.0, left = 0.0, right = 0.0;
+    for (int j = 0; j < N; ++j) {
+        const double step = gap(arm, j, q[j], other[j]);
+        middle[j] = advanced(arm, j, other[j], 0.5 * step), apart = max(apart, abs(step));
+    }
+    if (polish_one<true>(arm, goal, middle, {30, CONVERGED, LONG_PATIENCE}).error > DOUBTFUL) return false;
+    for (int j = 0; j < N; ++j) {
+        left = max(left, abs(gap(arm, j, middle[j], q[j]))), right = max(right, abs(gap(arm, j, middle[j], other[j])));
+    }
+    return min(left, right) > 0.25 * apart;
+}
+
+// Whether q, a singular solution of branch b, belongs to a continuum that the columns hold a member of: that of a branch
+// whose other signs mean nothing there.
+template <class Model> PART bool is_represented(const Model& arm, const Goal<double>& goal, const Columns<Model::joints>& columns,
+                                                int b, unsigned marks, const double (&q)[Model::joints]) {
+    for (int c = 0; c < columns.many; ++c) {
+        const unsigned known = columns.flags[c] & KINDS, kinds = marks | known;
+        if (!columns.valid(c) || !known) continue;
+        const unsigned free = (kinds & SHOULDER ? 4u : 0u) | (kinds & ELBOW ? 2u : 0u) | (kinds & WRIST ? 1u : 0u);
+        if ((kinds & OTHER || !(unsigned(b ^ c) & ~free)) && is_joined(arm, goal, q, columns.row(c))) return true;
+    }
+    return false;
+}
+
+// Keep what Newton's method makes of the candidate q of branch b, if it is no other member of a known continuum.
+template <class Model> PART void take_unless_represented(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints],
+                                                         int b, int marks, const Columns<Model::joints>& columns) {
+    if (!holds(arm, goal, q) || !is_new(arm, goal, columns, q)) return;
+    const int kinds = singular_marks(arm, goal, q, marks);
+    if (!kinds || !is_represented(arm, goal, columns, b, unsigned(kinds), q)) keep(columns, b, q, kinds);
+}
+
+// The branches of one pose whose bit is set in `wanted`, and those of which Family::closely is not sure from all around.
+template <class Family, int N>
+PART void closely_and_around(const typename Family::Arm& arm, const Goal<double>& goal, const Seen<double>& seen,
+                             const Reference<N>& reference, const Columns<N>& columns, unsigned wanted) {
+    const unsigned unsure = Family::closely(arm, goal, seen, reference, columns, wanted);
+    int vain = 0;
+    for (int k = 0; unsure && k < DISPLACEMENTS && (vain < IN_VAIN || !columns.count()); ++k) {
+        ++vain;
+        double room[N * Family::branches];
+        std::uint8_t flags[Family::branches];
+        const Columns<N> there = {room, flags, Family::branches};
+        there.clear();
+        Reference<N> from = reference;
+        from.displaced = DISPLACED;
+        Family::closely(arm, goal, displaced(seen, k, arm.ideal.size), from, there, unsure);
+        for (int b = 0; b < there.many; ++b) {
+            if (!there.valid(b)) continue;
+            double q[N];
+            for (int j = 0; j < N; ++j) q[j] = there.row(b)[j];
+            const unsigned marks = flags[b] & KINDS;
+            if (!is_new(arm.written, goal, columns, q)) continue;
+            if (marks && is_represented(arm.written, goal, columns, b, marks, q)) continue;
+            keep(columns, b, q, int(marks));
+            vain = 0;
+        }
+    }
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

@@ -1,0 +1,119 @@
+// A search beside folds, for arms of which two solutions may have been taken for one.
+#pragma once
+
+#include "answers/answer.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// A solution whose Jacobian has a smaller singular value may have a second one next door (rad, shares of the size).
+inline constexpr double SECOND_NEXT_DOOR = 5e-3;
+// Distances [rad] at which Newton's method starts beside it, half a decade apart.
+inline constexpr double BESIDE_FOLD[16] = {0.3,  0.094868,  0.03, 0.0094868, 3e-3, 9.4868e-4, 3e-4, 9.4868e-5,
+                                           3e-5, 9.4868e-6, 3e-6, 9.4868e-7, 3e-7, 9.4868e-8, 3e-8, 9.4868e-9};
+
+// Newton's method starts on both sides of every solution near a fold, along what the Jacobian all but loses; what it finds
+// is kept if it is new. Solutions that are singular are flagged. Returns whether there was one near a fold.
+template <class Model> PART bool search_beside_folds(const Model& arm, const Goal<double>& goal,
+                                                     const Columns<Model::joints>& columns) {
+    constexpr int N = Model::joints;
+    const Goal<Block> goals = spread<Block>(goal);
+    bool near = false;
+    for (int b = 0; b < columns.many; ++b) {
+        if (!columns.valid(b)) continue;
+        double q[N];
+        for (int j = 0; j < N; ++j) q[j] = columns.row(b)[j];
+        const Weakest<N> fold = weakest_at(arm, goal, q);
+        if (fold.value <= arm.tolerances.singular) columns.flags[b] |= OTHER;
+        if (fold.value > SECOND_NEXT_DOOR) continue;
+        near = true;
+        for (int k = 0; k < 32; k += BLOCK) {
+            Block start[N];
+            for (int l = 0; l < BLOCK; ++l) {
+                const double away = k + l < 16 ? -BESIDE_FOLD[k + l] : BESIDE_FOLD[k + l - 16];
+                for (int j = 0; j < N; ++j) start[j].set(l, advanced(arm, j, q[j], away * fold.direction[j]));
+            }
+            const Block zero = 0.0;
+            const Block error = polish<true, Model, Block>(arm, goals, start, {20, FINISHED, PATIENCE}, zero <= zero).error;
+            for (int l = 0; l < BLOCK; ++l) {
+                double found[N];
+                for (int j = 0; j < N; ++j) found[j] = start[j][l];
+                if (error[l] <= CONVERGED && is_new(arm, goal, columns, found))
+                    add(arm, goal, columns, 0, found, singular_marks(arm, goal, found, 0));
+            }
+        }
+    }
+    return near;
+}
+
+// A valley: where the Jacobian all but loses a rank all along a curve, whose points miss the goal by little. Steps along it
+// [rad], how many of them, damping that leaves what is weak where it is, from when on the joints are no longer weak, and by how
+// much a valley's points may miss the goal.
+inline constexpr double STRIDE = 0.06, HOLDING = 3e-3, NO_LONGER_WEAK = 3e-2, OUT_OF_VALLEY = 1e-2;
+inline constexpr int STRIDES = 128;
+// Below this singular value a solution lies in a valley that is worth a walk whatever the number of solutions.
+inline constexpr double IN_A_VALLEY = 1e-5;
+
+// Solutions along the valley through q, one way: between two points whose errors point in opposite directions. Across the
+// valley there is no error left, so the error has but one direction there, and it changes sign with it. `passed`: a bit for each
+// column whose solution lies in this valley. Returns whether the valley is closed.
+template <class Model>
+PART bool walk_valley(const Model& arm, const Goal<double>& goal, const double* from, double way,
+                      const Columns<Model::joints>& columns, unsigned& passed) {
+    constexpr int N = Model::joints;
+    double q[N], last[N], along[N];
+    for (int j = 0; j < N; ++j) q[j] = from[j];
+    Rows<Model::rows, double> error = {}, before = {};
+    Weakest<N> weak = weakest_at(arm, goal, q);
+    for (int j = 0; j < N; ++j) along[j] = way * weak.direction[j];
+    for (int k = 0; k < STRIDES && weak.value < NO_LONGER_WEAK; ++k) {
+        Error<double, Model::rows> left = {};
+        for (int j = 0; j < N; ++j) last[j] = q[j], q[j] = advanced(arm, j, q[j], STRIDE * along[j]);
+        for (int round = 0; round < 3; ++round) {
+            Rows<Model::rows, double> J[N];
+            left = error_and_jacobian(arm, goal, q, J);
+            if (round == 2) break;
+            const Solved<N, double> step = least_squares<true, N, Model::rows>(J, left.twist, HOLDING);
+            for (int j = 0; j < N; ++j) q[j] = advanced(arm, j, q[j], step.x[j]);
+        }
+        if (!(left.size < OUT_OF_VALLEY)) return false;
+        before = error, error = left.twist;
+        if (k > 0 && dot(before, error) < 0.0) {
+            const double a = sqrt(dot(before, before)), share = a / (a + sqrt(dot(error, error)));
+            double found[N];
+            for (int j = 0; j < N; ++j) found[j] = advanced(arm, j, last[j], share * gap(arm, j, q[j], last[j]));
+            if (polish_one<true>(arm, goal, found, {30, FINISHED, LONG_PATIENCE}).error <= CONVERGED &&
+                is_new(arm, goal, columns, found)) {
+                add(arm, goal, columns, 0, found, singular_marks(arm, goal, found, 0));
+            }
+        }
+        const auto is_here = [&](const double* other) {
+            double apart = 0.0;
+            for (int j = 0; j < N; ++j) apart = max(apart, abs(gap(arm, j, q[j], other[j])));
+            return apart < STRIDE;
+        };
+        if (k > 2 && is_here(from)) return true;
+        for (int c = 0; c < columns.many; ++c) {
+            if (columns.valid(c) && is_here(columns.row(c))) passed |= 1u << c;
+        }
+        weak = weakest_at(arm, goal, q);
+        double same = 0.0;
+        for (int j = 0; j < N; ++j) same += along[j] * weak.direction[j];
+        for (int j = 0; j < N; ++j) along[j] = (same < 0.0 ? -1.0 : 1.0) * weak.direction[j];
+    }
+    return false;
+}
+
+// Along the valleys of all solutions whose smallest singular value is below `weak`, both ways where they are not closed.
+template <class Model>
+PART void walk_valleys(const Model& arm, const Goal<double>& goal, double weak, const Columns<Model::joints>& columns) {
+    unsigned passed = 0;
+    for (int b = 0; b < columns.many; ++b) {
+        if (!columns.valid(b) || passed >> b & 1) continue;
+        double q[Model::joints];
+        for (int j = 0; j < Model::joints; ++j) q[j] = columns.row(b)[j];
+        if (weakest_at(arm, goal, q).value > weak) continue;
+        if (!walk_valley(arm, goal, q, 1.0, columns, passed)) walk_valley(arm, goal, q, -1.0, columns, passed);
+    }
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

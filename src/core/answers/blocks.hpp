@@ -1,0 +1,371 @@
+// The one driver of the closed forms: a block of poses is checked, transformed, solved and stored; poses in doubt (near
+// a singularity, at the edge of reach, with a rotation that is off by rounding) are then looked at one by one.
+//
+// A Family is a struct with
+//   Arm        what it knows of an arm; Arm::ideal is IdealFrames, or Ends at least, Arm::written is Written<N>
+//   branches   how many columns it has
+//   fast       fast(arm, seen, found): all branches of a block of poses; found is Found<branches>, or what imperfect
+//              arms want to know of them (families/imperfect/imperfect.hpp), which asks for finite angles beyond a branch's end
+//              too (see margin_root)
+//   closely    closely(arm, goal, seen, reference, columns, wanted): the branches of one pose whose bit is set in
+//              `wanted`, added to the columns. Where it returns a number, that has the bit set of each branch that
+//              it is not sure of (see around.hpp)
+// and, where its targets are not poses of sixteen numbers,
+//   numbers    how many numbers a target has
+//   load       load(arm, from, t): a block of targets as poses
+// and, where a pose leaves one number free,
+//   redundant  true; Arm::value is the number where none is given; fast, closely and solve take it behind what they see
+// A family without a fast path goes through solve_singly; it has closely, or instead of it
+//   solve      solve(arm, goal, reference, columns): all solutions of one pose
+#pragma once
+
+#include <type_traits>
+
+#include "answers/answer.hpp"
+#include "answers/around.hpp"
+#include "kinematics/target.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// How far a branch is from its ends: the margins whose roots have the branch's signs of shoulder, elbow and wrist (bits 4,
+// 2 and 1 of its number), and the least squared arm that fixes its angles (dimensionless), each by what comes before it (see
+// after). Imperfect arms ask for it.
+template <class V> struct Clearance {
+    V shoulder, elbow, wrist, arms;
+};
+// The squared arm that fixes a joint, by how well those before it are fixed. What moves the target moves a joint by that over its
+// arm, or over the root of its margin, and takes along the joints that come after it: `before` is the least of these squares.
+template <class V> STEP V after(const V& arm, const V& before) { return arm * min(V(1.0), before); }
+
+// What of a branch, or of several, is settled besides the angles: the lanes in which it is no solution, and those in which that
+// is in doubt.
+struct State {
+    MaskOf<Block> lost, doubt;
+    Clearance<Block> clear;
+};
+
+// A block's answers: angles of each branch; the lanes in which it is a solution, and those in which that is in doubt.
+template <int B, int N = 6> struct Found {
+    Block q[B][N];
+    unsigned valid[B], doubt[B];
+
+    // Angles where the branch is neither lost nor in doubt, NaN elsewhere.
+    STEP void set(int b, const Block (&angles)[N], const MaskOf<Block>& lost, const MaskOf<Block>& in_doubt,
+                  const Clearance<Block>& = {}) {
+        const auto good = !(lost | in_doubt);
+        for (int j = 0; j < N; ++j) q[b][j] = select(good, angles[j], __builtin_nan(""));
+        valid[b] = bits(good), doubt[b] = bits(in_doubt & !lost);
+    }
+    // Every branch of every pose is in doubt.
+    STEP void leave_open() {
+        for (int b = 0; b < B; ++b) {
+            for (int j = 0; j < N; ++j) q[b][j] = __builtin_nan("");
+            valid[b] = 0, doubt[b] = (1u << BLOCK) - 1;
+        }
+    }
+};
+
+// So many angles of a block, given by (cos, sin), that are to be taken together.
+template <int N> struct AnglesOf {
+    Block y[N], x[N];
+    STEP void set(int i, const Turn<Block>& t) { y[i] = t.s, x[i] = t.c; }
+};
+// Angles of y[FROM..TO) and x, to y: four at a time, so that the processor finds independent work.
+template <int FROM, int TO> PART void angles(Block* __restrict y, const Block* __restrict x) {
+    static_assert((TO - FROM) % 4 == 0);
+#pragma GCC unroll 1
+    for (int i = FROM; i < TO; i += 4) {
+        Block a[4];
+#pragma GCC unroll 4
+        for (int k = 0; k < 4; ++k) a[k] = atan2(y[i + k], x[i + k]);
+#pragma GCC unroll 4
+        for (int k = 0; k < 4; ++k) y[i + k] = a[k];
+    }
+}
+
+// Poses as many as the block has lanes to their sixteen numbers.
+template <int L, int K> STEP void load_poses(const double* T, Pack<L, K> (&t)[16]) {
+    for (int k = 0; k < K; ++k) {
+        for (int c = 0; c < 16; c += L) {
+            typename Register<L>::type r[L];
+            for (int l = 0; l < L; ++l) r[l] = *(const typename Register<L>::unaligned*)(T + 16 * (L * k + l) + c);
+            transpose<L>(r);
+            for (int l = 0; l < L; ++l) t[c + l].r[k] = r[l];
+        }
+    }
+}
+
+// Streaming stores pass the cache by: they gain where the answer is larger than it, and lose where it is read at once.
+enum class Write { plain, streaming };
+inline constexpr long STREAMED_FROM = 10000;  // poses
+
+template <Write how, int L> STEP void put(double* to, const typename Register<L>::type& x) {
+#if defined(__x86_64__)
+    if constexpr (how == Write::streaming) {
+#if defined(__AVX512F__)
+        if constexpr (L == 8) return _mm512_stream_pd(to, (__m512d)x);
+#endif
+#if defined(__AVX__)
+        if constexpr (L == 4) return _mm256_stream_pd(to, (__m256d)x);
+#endif
+        if constexpr (L == 2) return _mm_stream_pd(to, (__m128d)x);
+    }
+#endif
+    *(typename Register<L>::unaligned*)to = x;
+}
+
+// Rows of numbers, one a lane, to COUNT numbers a pose.
+template <Write how, int COUNT, int L, int K>
+    requires(COUNT % L == 0)
+STEP void store_rows(const Pack<L, K>* rows, double* to) {
+    for (int k = 0; k < K; ++k) {
+#pragma GCC unroll 8
+        for (int c = 0; c < COUNT; c += L) {
+            typename Register<L>::type r[L];
+            for (int l = 0; l < L; ++l) r[l] = rows[c + l].r[k];
+            transpose<L>(r);
+            for (int l = 0; l < L; ++l) put<how, L>(to + COUNT * (L * k + l) + c, r[l]);
+        }
+    }
+}
+
+// The same where a pose's numbers do not fill registers: by way of a buffer. A register's surplus falls on numbers that are
+// written later, because the last part of every pose comes first.
+template <Write how, int COUNT, int L, int K>
+    requires(COUNT % L != 0)
+STEP void store_rows(const Pack<L, K>* rows, double* to) {
+    double buffer[COUNT * L + L];
+    for (int k = 0; k < K; ++k) {
+        for (int c = COUNT / L * L; c >= 0; c -= L) {
+            typename Register<L>::type r[L];
+            for (int l = 0; l < L; ++l) r[l] = rows[c + l < COUNT ? c + l : c].r[k];
+            transpose<L>(r);
+            for (int l = 0; l < L; ++l) put<Write::plain, L>(buffer + COUNT * l + c, r[l]);
+        }
+        for (int i = 0; i < COUNT * L; i += L) {
+            put<how, L>(to + COUNT * L * k + i, *(const typename Register<L>::unaligned*)(buffer + i));
+        }
+    }
+}
+
+// Eight bits to eight bytes of 0 or 1.
+STEP std::uint64_t bytes_of(unsigned eight) {
+    const std::uint64_t each = (eight * 0x0101010101010101ULL) & 0x8040201008040201ULL;
+    return ((each + 0x7f7f7f7f7f7f7f7fULL) >> 7) & 0x0101010101010101ULL;
+}
+
+// Bit `lane` of each of the branches' masks, branch 0 lowest.
+template <int B> STEP unsigned of_lane(const unsigned (&masks)[B], int lane) {
+    unsigned r = 0;
+    for (int b = 0; b < B; ++b) r |= (masks[b] >> lane & 1u) << b;
+    return r;
+}
+
+template <int B> STEP void store_flags(const unsigned (&valid)[B], int many, std::uint8_t* flags) {
+    for (int i = 0; i < many; ++i) {
+        const unsigned all = of_lane(valid, i);
+        for (int b = 0; b < B; b += 8) {
+            const std::uint64_t bytes = bytes_of(all >> b & 255u);
+            __builtin_memcpy(flags + B * i + b, &bytes, B - b < 8 ? B - b : 8);
+        }
+    }
+}
+
+template <class Family> inline constexpr int joints_of = decltype(Family::Arm::written)::joints;
+template <class Family> constexpr int numbers_of() {
+    if constexpr (requires { Family::numbers; }) return Family::numbers;
+    else return 16;
+}
+template <class Family> STEP void load_targets(const typename Family::Arm& arm, const double* from, Block (&t)[16]) {
+    if constexpr (requires { Family::numbers; }) Family::load(arm, from, t);
+    else load_poses(from, t);
+}
+
+template <class Family> constexpr bool redundant_of() {
+    return requires { Family::redundant; };
+}
+
+// Whether the family's careful path returns what it is not sure of.
+template <class Family> constexpr bool knows_doubt() {
+    constexpr int N = joints_of<Family>;
+    if constexpr (redundant_of<Family>()) return false;
+    else
+        return std::is_same_v<decltype(Family::closely(std::declval<const typename Family::Arm&>(),
+                                                       std::declval<const Goal<double>&>(), std::declval<const Seen<double>&>(),
+                                                       std::declval<const Reference<N>&>(), std::declval<const Columns<N>&>(), 0u)),
+                              unsigned>;
+}
+
+// The redundancy parameter of a block of poses.
+template <class Arm> STEP Block load_values(const Arm& arm, const double* values) {
+    Block v = arm.value;
+    for (int i = 0; values && i < BLOCK; ++i) v.set(i, values[i]);
+    return v;
+}
+
+// The careful path of one pose, and what is around it where the family says so.
+template <class Family, int N>
+STEP void look(const typename Family::Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<N>& reference,
+               const Columns<N>& columns, unsigned wanted) {
+    if constexpr (knows_doubt<Family>()) closely_and_around<Family>(arm, goal, seen, reference, columns, wanted);
+    else Family::closely(arm, goal, seen, reference, columns, wanted);
+}
+
+// Look closely at one pose's branches in doubt. value: of the redundancy parameter, where there is one.
+template <class Family>
+PART void solve_in_doubt(const typename Family::Arm& arm, const double (&T)[16], double defect, const double* q_ref, double value,
+                         unsigned wanted, const Columns<joints_of<Family>>& columns) {
+    double proper[16];
+    for (int i = 0; i < 16; ++i) proper[i] = T[i];
+    if (defect > arm.written.tolerances.exact_rotation) {
+        project_rotation(T, proper);
+        columns.clear();
+        wanted = ~0u;
+    }
+    const auto seen = to_frame_1<double>(proper, arm.ideal);
+    const auto reference = reference_of<joints_of<Family>>(q_ref);
+    if constexpr (redundant_of<Family>()) Family::closely(arm, goal_of(proper), seen, value, reference, columns, wanted);
+    else look<Family>(arm, goal_of(proper), seen, reference, columns, wanted);
+}
+
+// One block of targets, `part.m` of which count. Returns the index of the first that is no pose, -1 where all are.
+template <class Family> STEP int solve_block(const typename Family::Arm& arm, const Batch& part, Write how) {
+    constexpr int B = Family::branches, N = joints_of<Family>;
+    const int many = int(part.m);
+    Block t[16];
+    load_targets<Family>(arm, part.T, t);
+    const Block defect = pose_defect(t);
+    const unsigned improper = bits(!(defect <= Block(arm.written.tolerances.rotation)));
+    if (improper) {
+        for (int i = 0; i < many; ++i) {
+            if (improper >> i & 1) return i;
+        }
+    }
+    Found<B, N> found;
+    Block value = 0.0;
+    if constexpr (redundant_of<Family>()) {
+        value = load_values(arm, part.values);
+        Family::fast(arm, to_frame_1(t, arm.ideal), value, found);
+    } else {
+        Family::fast(arm, to_frame_1(t, arm.ideal), found);
+    }
+    if (how == Write::streaming) store_rows<Write::streaming, N * B>(&found.q[0][0], part.q);
+    else store_rows<Write::plain, N * B>(&found.q[0][0], part.q);
+    store_flags(found.valid, many, part.flags);
+    unsigned care = bits(defect > Block(arm.written.tolerances.exact_rotation));
+    for (int b = 0; b < B; ++b) care |= found.doubt[b];
+    if (care) [[unlikely]] {
+        load_targets<Family>(arm, part.T, t);
+        for (int i = 0; i < many; ++i) {
+            if (!(care >> i & 1)) continue;
+            double T[16];
+            for (int k = 0; k < 16; ++k) T[k] = t[k][i];
+            const Columns<N> columns = {part.q + N * B * i, part.flags + B * i, B};
+            solve_in_doubt<Family>(arm, T, defect[i], part.q_ref, value[i], of_lane(found.doubt, i), columns);
+        }
+    }
+    return -1;
+}
+
+// All branches of a block of targets, beyond their ends too.
+struct AllBranches {
+    Block q[8][6];
+    Clearance<Block> clear[8];
+    STEP void set(int b, const Block (&angles)[6], const MaskOf<Block>&, const MaskOf<Block>&, const Clearance<Block>& at = {}) {
+        for (int j = 0; j < 6; ++j) q[b][j] = angles[j];
+        clear[b] = at;
+    }
+    STEP void leave_open() {
+        for (int b = 0; b < 8; ++b) {
+            for (int j = 0; j < 6; ++j) q[b][j] = __builtin_nan("");
+            clear[b] = {0.0, 0.0, 0.0, 0.0};
+        }
+    }
+};
+
+// The joint vectors of all branches of a batch, beyond their ends too: see Batch::beyond. columns: of an answer, eight or more.
+template <class Family> PART void branches_beyond(const typename Family::Arm& arm, const Batch& batch, int columns) {
+    for (long start = 0; start < batch.m; start += BLOCK) {
+        double T[16 * BLOCK];
+        const int many = batch.m - start < BLOCK ? int(batch.m - start) : BLOCK;
+        for (int i = 0; i < BLOCK; ++i) {
+            __builtin_memcpy(T + 16 * i, batch.T + 16 * (start + (i < many ? i : many - 1)), 16 * sizeof(double));
+        }
+        Block t[16];
+        load_poses(T, t);
+        AllBranches all;
+        Family::fast(arm, to_frame_1(t, arm.ideal), all);
+        for (int i = 0; i < many; ++i) {
+            for (int b = 0; b < columns; ++b) {
+                for (int j = 0; j < 6; ++j)
+                    batch.q[6 * (columns * (start + i) + b) + j] = b < 8 ? all.q[b][j][i] : __builtin_nan("");
+            }
+        }
+    }
+}
+// Whether the family is one of those that it is for.
+template <class Family> constexpr bool has_ends() {
+    return joints_of<Family> == 6 && Family::branches == 8 && numbers_of<Family>() == 16 && !redundant_of<Family>();
+}
+
+// All solutions of a batch. Returns the index of the first that is no pose, -1 where all are.
+template <class Family> long solve_closed_form(const typename Family::Arm& arm, const Batch& batch) {
+    constexpr int B = Family::branches, answers = joints_of<Family> * B, numbers = numbers_of<Family>();
+    if constexpr (has_ends<Family>()) {
+        if (batch.beyond) return branches_beyond<Family>(arm, batch, B), -1;
+    }
+    const bool aligned = reinterpret_cast<std::uintptr_t>(batch.q) % sizeof(typename Register<8>::type) == 0;
+    const Write how = (batch.m >= STREAMED_FROM || batch.whole >= STREAMED_FROM) && aligned ? Write::streaming : Write::plain;
+    double T[numbers * BLOCK], values[BLOCK];
+    alignas(64) double q[answers * BLOCK];
+    for (long start = 0; start < batch.m; start += BLOCK) {
+        const int many = batch.m - start < BLOCK ? int(batch.m - start) : BLOCK;
+        Batch part = {
+            batch.T + numbers * start, many, batch.q_ref, batch.values ? batch.values + start : nullptr, batch.q + answers * start,
+            batch.flags + B * start};
+        if (many < BLOCK) {
+            // Filled up with its last target: the same instructions handle every pose, whatever its place in a batch.
+            for (int i = 0; i < BLOCK; ++i) {
+                const long from = start + (i < many ? i : many - 1);
+                __builtin_memcpy(T + numbers * i, batch.T + numbers * from, numbers * sizeof(double));
+                values[i] = batch.values ? batch.values[from] : 0.0;
+            }
+            part.T = T, part.values = batch.values ? values : nullptr, part.q = q;
+        }
+        const int bad = solve_block<Family>(arm, part, how);
+        if (bad >= 0) return start + bad;
+        if (many < BLOCK) __builtin_memcpy(batch.q + answers * start, q, sizeof(double) * answers * many);
+    }
+#if defined(__x86_64__)
+    if (how == Write::streaming) _mm_sfence();
+#endif
+    return -1;
+}
+
+// The same, one pose after the other.
+template <class Family> long solve_singly(const typename Family::Arm& arm, const Batch& batch) {
+    constexpr int B = Family::branches, N = joints_of<Family>;
+    if constexpr (requires { &Family::beyond_ends; }) {
+        if (batch.beyond) return Family::beyond_ends(arm, batch), -1;
+    }
+    const Reference<N> reference = reference_of<N>(batch.q_ref);
+    for (long i = 0; i < batch.m; ++i) {
+        double T[16], proper[16];
+        for (int k = 0; k < 16; ++k) T[k] = batch.T[16 * i + k];
+        if (!(pose_defect<double>(T) <= arm.written.tolerances.rotation)) return i;
+        project_rotation(T, proper);
+        const Columns<N> columns = {batch.q + N * B * i, batch.flags + B * i, B};
+        columns.clear();
+        if constexpr (redundant_of<Family>()) {
+            Family::solve(arm, goal_of(proper), batch.values ? batch.values[i] : arm.value, reference, columns);
+        } else if constexpr (requires { &Family::solve; }) {
+            Family::solve(arm, goal_of(proper), reference, columns);
+        } else {
+            const Goal<double> goal = goal_of(proper);
+            look<Family>(arm, goal, to_frame_1(goal, arm.ideal), reference, columns, ~0u);
+        }
+    }
+    return -1;
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

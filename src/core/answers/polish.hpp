@@ -1,0 +1,161 @@
+// Newton's method on the arm as written: the one way by which candidates become solutions, for one to seven joints that
+// turn or slide, one candidate or a block of them side by side.
+//
+// A Model is the arm as written (Written<N>), or anything else with `joints`, `rows`, `tolerances` and the functions below
+// for it: an arm whose joints drive several axes each brings its own; so does one of which more is asked than a pose.
+#pragma once
+
+#include "arithmetic/least_squares.hpp"
+#include "arithmetic/thresholds.hpp"
+#include "kinematics/kinematics.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// Where the tip is to be: a frame in the base.
+template <class V> using Goal = Frame<V>;
+
+STEP Goal<double> goal_of(const double* T) {
+    return {{{T[0], T[4], T[8]}, {T[1], T[5], T[9]}, {T[2], T[6], T[10]}}, {T[3], T[7], T[11]}};
+}
+template <class V> STEP Goal<V> spread(const Goal<double>& g) {
+    const auto wide = [](const Vec<double>& a) { return Vec<V>{V(a.x), V(a.y), V(a.z)}; };
+    return {{wide(g.R.x), wide(g.R.y), wide(g.R.z)}, wide(g.p)};
+}
+
+// Twist that leads from a posture to the goal, lengths as shares of the size, and its greatest entry.
+template <class V, int rows = 6> struct Error {
+    Rows<rows, V> twist;
+    V size;
+};
+
+// The rotation's part is the vector of the skew part of goal R^T, exact to second order; it vanishes at half a turn too,
+// which the trace tells apart.
+template <class V> STEP Error<V> pose_error(const Goal<V>& goal, const Frame<V>& tip, double inverse_size) {
+    const Vec<V> p = V(inverse_size) * (goal.p - tip.p);
+    const Rot<V>&G = goal.R, &R = tip.R;
+    const Vec<V> w = V(0.5) * (cross(R.x, G.x) + cross(R.y, G.y) + cross(R.z, G.z));
+    Error<V> e = {{{p.x, p.y, p.z, w.x, w.y, w.z}}, V(0.0)};
+    const V trace = dot(R.x, G.x) + dot(R.y, G.y) + dot(R.z, G.z);
+    e.size = select(trace > V(1.0), largest(e.twist), 2.0);
+    return e;
+}
+
+template <class V> STEP Vec<V> without(const Vec<V>& a, const Vec<V>& n) { return a - dot(n, a) * n; }
+
+// The same for what the arm's task asks for only.
+template <int N, class V> STEP Error<V> task_error(const Written<N>& arm, const Goal<V>& goal, const Frame<V>& tip) {
+    const double inverse_size = 1.0 / arm.size;
+    if (N >= 6 || arm.task == Task::pose) return pose_error(goal, tip, inverse_size);
+    Vec<V> p = V(inverse_size) * (goal.p - tip.p), w = {V(0.0), V(0.0), V(0.0)};
+    const Vec<V> normal = vec<V>(arm.normal);
+    V ahead = 1.0;
+    if (arm.task == Task::planar_position || arm.task == Task::planar_pose) p = without(p, normal);
+    if (arm.task == Task::position_and_axis || arm.task == Task::planar_pose) {
+        Vec<V> now = tip.R * vec<V>(arm.aimed), wanted = goal.R * vec<V>(arm.aimed);
+        if (arm.task == Task::planar_pose) now = without(now, normal), wanted = without(wanted, normal);
+        w = cross(now, wanted);
+        ahead = dot(now, wanted);
+    }
+    Error<V> e = {{{p.x, p.y, p.z, w.x, w.y, w.z}}, V(0.0)};
+    e.size = select(ahead > V(0.0), largest(e.twist), 2.0);
+    return e;
+}
+
+// What of a column of the geometric Jacobian the arm's task sees.
+template <int N, class V> STEP Six<V> task_column(const Written<N>& arm, const Frame<V>& tip, const Six<V>& column) {
+    if (N >= 6 || arm.task == Task::pose) return column;
+    Vec<V> v = {column[0], column[1], column[2]}, w = {column[3], column[4], column[5]};
+    const Vec<V> normal = vec<V>(arm.normal);
+    if (arm.task == Task::position || arm.task == Task::planar_position) w = {V(0.0), V(0.0), V(0.0)};
+    if (arm.task == Task::position_and_axis) w = without(w, tip.R * vec<V>(arm.aimed));
+    if (arm.task == Task::planar_pose) w = dot(normal, w) * normal;
+    if (arm.task == Task::planar_position || arm.task == Task::planar_pose) v = without(v, normal);
+    return {{v.x, v.y, v.z, w.x, w.y, w.z}};
+}
+
+// The error at q, without derivatives.
+template <int N, class V> STEP Error<V> error_at(const Written<N>& arm, const Goal<V>& goal, const V (&q)[N]) {
+    return task_error(arm, goal, place(arm, q).tip);
+}
+
+// The Jacobian's columns at a posture, of what the task sees.
+template <int N, class V> STEP void jacobian_at(const Written<N>& arm, const Posture<N, V>& at, Six<V> (&J)[N]) {
+#pragma GCC unroll 8
+    for (int k = 0; k < N; ++k) {
+        J[k] = task_column(arm, at.tip, jacobian_column(at.joint[k], arm.slides[k], at.tip.p, 1.0 / arm.size));
+    }
+}
+
+// The error at q, and the Jacobian's columns: by rad, or by shares of the size for joints that slide.
+template <int N, class V>
+STEP Error<V> error_and_jacobian(const Written<N>& arm, const Goal<V>& goal, const V (&q)[N], Six<V> (&J)[N]) {
+    const Posture<N, V> at = place(arm, q);
+    jacobian_at(arm, at, J);
+    return task_error(arm, goal, at.tip);
+}
+
+// q_k moved by x (rad, or shares of the size).
+template <int N, class V> STEP V advanced(const Written<N>& arm, int k, const V& q, const V& x) {
+    return arm.slides[k] ? q + arm.size * x : wrap(q + x);
+}
+// The difference of two values of joint k (rad, or shares of the size), by the shorter way round.
+template <int N> STEP double gap(const Written<N>& arm, int k, double a, double b) {
+    return arm.slides[k] ? (a - b) / arm.size : wrap(a - b);
+}
+
+// How a candidate is followed.
+struct Course {
+    int rounds;             // at most
+    double enough;          // it rests below this error
+    int patience;           // rounds without the gain of a third after which it rests
+    double least_damping = LEAST_DAMPING;
+};
+
+// What became of it. The joint vector that was passed in is replaced by the best one met.
+template <class V> struct Polished {
+    V error;  // there
+    V least;  // bound from below on the Jacobian's smallest singular value, where the last step began
+};
+
+// Newton's method from q, which is replaced by the best vector met. Steps are clamped to half a radian.
+// Damped: the damping falls with the error, so that convergence is quadratic at regular solutions, and steps stay
+// bounded at singular ones. Undamped: for starts near regular solutions, about a third faster.
+// Lanes where `moves` does not hold stay as they are.
+template <bool damped, class Model, class V>
+STEP Polished<V> polish(const Model& arm, const Goal<V>& goal, V (&q)[Model::joints], const Course& course, MaskOf<V> moves) {
+    constexpr int N = Model::joints;
+    Polished<V> out = {V(__builtin_inf()), V(0.0)};
+    V best[N], mark = __builtin_inf(), since = 0.0;
+    for (int j = 0; j < N; ++j) best[j] = q[j];
+    for (int round = 0;; ++round) {
+        Rows<Model::rows, V> J[N];
+        const Error<V, Model::rows> e = error_and_jacobian(arm, goal, q, J);
+        const auto better = moves & (e.size < out.error);
+        // At rounding, a step that gains nothing ends it.
+        const auto settled = (min(out.error, e.size) < V(CONVERGED)) & !(e.size < 0.5 * out.error);
+        for (int j = 0; j < N; ++j) best[j] = select(better, q[j], best[j]);
+        out.error = select(better, e.size, out.error);
+        const auto gained = e.size < 0.7 * mark;
+        mark = select(gained, e.size, mark);
+        since = select(gained, V(0.0), since + 1.0);
+        moves = moves & (e.size >= V(course.enough)) & !settled & (since <= V(double(course.patience)));
+        const V damping = min(1e-2 * e.size, V(1e-2)) + course.least_damping;
+        const Solved<N, V> step = least_squares<damped>(J, e.twist, damping);
+        out.least = select(better, step.least, out.least);
+        if (round == course.rounds || !any(moves)) break;
+        V longest = TINY;
+        for (int j = 0; j < N; ++j) longest = max(longest, abs(step.x[j]));
+        const V shrink = min(0.5 / longest, V(1.0));
+        for (int j = 0; j < N; ++j) q[j] = select(moves, advanced(arm, j, q[j], shrink * step.x[j]), q[j]);
+    }
+    for (int j = 0; j < N; ++j) q[j] = best[j];
+    return out;
+}
+
+// The same for one candidate.
+template <bool damped, class Model>
+SHARED Polished<double> polish_one(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints], const Course& course) {
+    return polish<damped, Model, double>(arm, goal, q, course, true);
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

@@ -1,0 +1,65 @@
+// All complex roots of a polynomial that reads the same from both ends, as the harmonics of a real function have it.
+#pragma once
+
+#include "arithmetic/complex.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+using Complex = Complexes<double>;
+
+// A polynomial's value below this share of the sum of its terms' sizes is rounding.
+inline constexpr double LOST = 4e-16;
+
+// A root that moves by less than this, relative to its size, has come to rest: convergence is cubic, and roots that stay
+// linear are multiple, where half the digits are lost anyway. Squared.
+inline constexpr double AT_REST = 1e-22;
+
+// The logarithmic derivative p'(z) / p(z) of a self-inversive polynomial, a root a lane; outside the unit circle it is
+// n / z - conj(p'(u) / p(u)) / z^2 at the mirror image u = 1 / conj(z), so that no power overflows. Roots whose value is
+// lost in rounding come to rest.
+template <int N, class V>
+STEP void slope_over_value(const Complex (&c)[N + 1], const V& x, const V& y, MaskOf<V>& moves, V& a, V& b) {
+    const V square = x * x + y * y, inverse = 1.0 / square;
+    const auto outside = square > V(1.0);
+    const V f = select(outside, inverse, 1.0), zx = x * f, zy = y * f, size = sqrt(square) * f;
+    V p = c[N].re, q = c[N].im, u = 0.0, v = 0.0, bound = abs(c[N].re) + abs(c[N].im);
+#pragma GCC unroll 16
+    for (int j = N - 1; j >= 0; --j) {
+        const V un = u * zx - v * zy + p, vn = u * zy + v * zx + q;
+        const V pn = p * zx - q * zy + c[j].re, qn = p * zy + q * zx + c[j].im;
+        u = un, v = vn, p = pn, q = qn, bound = bound * size + (abs(c[j].re) + abs(c[j].im));
+    }
+    const V value = p * p + q * q, lost = LOST * bound, w = 1.0 / (value + TINY);
+    moves = moves & (value > lost * lost);
+    const V re = (u * p + v * q) * w, im = (v * p - u * q) * w;
+    const V ix = x * inverse, iy = -(y * inverse), i2 = ix * ix - iy * iy, j2 = 2.0 * ix * iy;
+    a = select(outside, double(N) * ix - (i2 * re + j2 * im), re);
+    b = select(outside, double(N) * iy - (j2 * re - i2 * im), im);
+}
+
+// c: from the constant up, c[N - k] the conjugate of c[k]. Aberth's iteration on all roots side by side (Aberth 1973).
+template <int N> PART void self_inversive_roots(const Complex (&c)[N + 1], Complex (&z)[N]) {
+    using V = Row<N>;
+    alignas(64) double xs[N], ys[N];
+    for (int k = 0; k < N; ++k) xs[k] = 2.0 * PI * (k - N / 2) / N + 0.3, ys[k] = 1.0 + 0.2 * ((k % 3) - 1);
+    const Turn<V> start = cos_sin(load<V>(xs));
+    V x = load<V>(ys) * start.c, y = load<V>(ys) * start.s, a, b;
+    auto moves = x < V(__builtin_inf());
+    for (int round = 0; round < 60; ++round) {
+        slope_over_value<N>(c, x, y, moves, a, b);
+        store(x, xs), store(y, ys);
+        for (int j = 0; j < N; ++j) {
+            // The roots' repulsion steers convergence, and need not be exact.
+            const V dx = x - xs[j], dy = y - ys[j], w = rough_inverse(dx * dx + dy * dy + TINY);
+            a -= dx * w, b += dy * w;
+        }
+        const V w = 1.0 / (a * a + b * b + TINY), dx = a * w, dy = -(b * w);
+        x = select(moves, x - dx, x), y = select(moves, y - dy, y);
+        moves = moves & (dx * dx + dy * dy >= AT_REST * max(x * x + y * y, V(1e-6)));
+        if (!any(moves)) break;
+    }
+    store(x, xs), store(y, ys);
+    for (int k = 0; k < N; ++k) z[k] = {xs[k], ys[k]};
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

@@ -1,0 +1,177 @@
+// The curves of joint vectors that hold a pose, as Python calls them: arrays in, arrays out.
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <vector>
+
+#include <nanobind/stl/optional.h>
+
+#include "bindings/numpy_api.hpp"
+#include "bindings/signals.hpp"
+#include "bindings/solver.hpp"
+#include "self_motion/curves.hpp"
+
+namespace urdf_ik {
+
+namespace {
+
+using Doubles = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
+using Bytes = nb::ndarray<const std::uint8_t, nb::c_contig, nb::device::cpu>;
+
+constexpr std::size_t SAMPLE = 17;  // numbers: value, rate, arc, seven joints, seven of the tangent
+
+nb::object array_of(const std::vector<double>& from, npy_intp columns) {
+    npy_intp shape[2] = {npy_intp(from.size()) / columns, columns};
+    nb::object made = nb::steal(PyArray_SimpleNew(2, shape, NPY_DOUBLE));
+    if (!made.is_valid()) throw nb::python_error();
+    if (!from.empty()) std::memcpy(PyArray_DATA((PyArrayObject*)made.ptr()), from.data(), from.size() * sizeof(double));
+    return made;
+}
+
+struct PySelfMotion {
+    FreeArm arm{};
+
+    explicit PySelfMotion(nb::dict values) {
+        const Values v(std::move(values), "self-motion");
+        read(v.group("written"), arm.written);
+        v.read("given", arm.given);
+        if (arm.given >= 7) throw nb::value_error("one of seven joints is given");
+        if (arm.given < 0) read(v.group("ends"), arm.ends);
+        for (int j = 0; j < 8; ++j) {
+            const bool slides = j < 7 && arm.written.slides[j];
+            arm.slides[j] = slides ? 1.0 : 0.0, arm.unit[j] = slides ? arm.written.size : 1.0;
+        }
+    }
+
+    // T (m, 4, 4), grid (v) ascending, q (m, v, branches, 7), flags (m, v, branches), limits (7, 2), beyond (m, fine, branches, 7)
+    // with the error below which these are solutions, starts (k, 7).
+    nb::tuple intervals(const Doubles& T, const Doubles& grid, bool round, const Doubles& q, const Bytes& flags,
+                        const Doubles& limits, const std::optional<Doubles>& beyond, double off, const Doubles& starts) const {
+        const long m = long(T.size() / 16), values = long(grid.size());
+        const int branches = int(flags.ndim() ? flags.shape(flags.ndim() - 1) : 0);
+        if (values < 3 || long(flags.size()) != m * values * branches || q.size() != 7 * flags.size() || limits.size() != 14 ||
+            starts.size() % 7 != 0 || (beyond && beyond->size() && (!m || !branches || beyond->size() % (7 * m * branches)))) {
+            throw nb::value_error("arrays of poses and solutions do not fit each other");
+        }
+        const long fine = beyond && beyond->size() ? long(beyond->size()) / (7 * m * branches) : 0;
+        double lower[7], upper[7];
+        for (int j = 0; j < 7; ++j) lower[j] = limits.data()[2 * j], upper[j] = limits.data()[2 * j + 1];
+        Intervals all;
+        without_gil([&](const Stop& stop) {
+            for (long i = 0; i < m && !stop.asked(); ++i) {
+                const long solutions = i * values * branches;
+                const GridOfSolutions given = {T.data() + 16 * i,
+                                               grid.data(),
+                                               values,
+                                               round,
+                                               q.data() + 7 * solutions,
+                                               flags.data() + solutions,
+                                               branches,
+                                               lower,
+                                               upper,
+                                               beyond ? beyond->data() + 7 * fine * branches * i : nullptr,
+                                               fine,
+                                               off,
+                                               starts.data(),
+                                               int(starts.size() / 7)};
+                follow_curves(arm, *level().self_motion, given, i, all);
+            }
+        });
+        std::vector<double> samples, found;
+        samples.reserve(SAMPLE * all.samples.size());
+        for (const CurveSample& s : all.samples) {
+            samples.push_back(s.value), samples.push_back(s.rate), samples.push_back(s.arc);
+            samples.insert(samples.end(), s.q, s.q + 7);
+            samples.insert(samples.end(), s.along, s.along + 7);
+        }
+        for (const Interval& f : all.found) {
+            for (const long each :
+                 {f.pose, f.first, f.count, long(f.column), long(f.why[0]), long(f.why[1]), long(f.joint[0]), long(f.joint[1])}) {
+                found.push_back(double(each));
+            }
+        }
+        std::vector<double> unseen;
+        for (const auto& [pose, value] : all.unseen) unseen.push_back(double(pose)), unseen.push_back(value);
+        return nb::make_tuple(array_of(samples, SAMPLE), array_of(found, 8), array_of(unseen, 2));
+    }
+
+    // Points on curves between neighbouring samples (m, 17), at shares (m) of the way: (m, 8) value and joint vector, NaN where
+    // there is none.
+    nb::object between(const Doubles& T, const Doubles& before, const Doubles& after, const Doubles& shares) const {
+        const std::size_t m = shares.size();
+        if (T.size() != 16 * m || before.size() != SAMPLE * m || after.size() != SAMPLE * m) {
+            throw nb::value_error("arrays of poses and samples do not fit each other");
+        }
+        const auto sample = [](const double* from) {
+            CurveSample s{};
+            s.value = from[0], s.rate = from[1], s.arc = from[2];
+            std::memcpy(s.q, from + 3, sizeof s.q), std::memcpy(s.along, from + 10, sizeof s.along);
+            return s;
+        };
+        std::vector<double> out(8 * m);
+        {
+            nb::gil_scoped_release release;
+            for (std::size_t i = 0; i < m; ++i) {
+                double q[7];
+                interpolate(arm, sample(before.data() + SAMPLE * i), sample(after.data() + SAMPLE * i), shares.data()[i], q);
+                const OnCurve point = level().self_motion->settle(arm, T.data() + 16 * i, q, {Pin::nothing, 0, 0.0}, 20, 1e-14);
+                const bool found = point.left <= 1e-10;
+                out[8 * i] = found ? point.value : __builtin_nan("");
+                for (int j = 0; j < 7; ++j) out[8 * i + 1 + j] = found ? point.q[j] : __builtin_nan("");
+            }
+        }
+        return array_of(out, 8);
+    }
+
+    // Samples of one pose's curve at joint vectors (m, 7) on it, of growing values (m): (m, 17).
+    nb::object samples(const Doubles& T, const Doubles& q, const Doubles& values) const {
+        const std::size_t m = values.size();
+        if (T.size() != 16 || q.size() != 7 * m) throw nb::value_error("arrays of a pose and joint vectors do not fit each other");
+        std::vector<double> out;
+        for (std::size_t i = 0; i < m; ++i) {
+            const double* here = q.data() + 7 * i;
+            const OnCurve point = level().self_motion->settle(arm, T.data(), here, {Pin::nothing, 0, 0.0}, 0, 0.0);
+            const double sense = point.rate < 0.0 ? -1.0 : 1.0;
+            double square = 0.0;
+            for (int j = 0; i && j < 7; ++j) {
+                const double step = gap_of(arm, j, here[j], here[j - 7]);
+                square += step * step;
+            }
+            out.push_back(values.data()[i]), out.push_back(sense * point.rate), out.push_back(std::sqrt(square));
+            out.insert(out.end(), here, here + 7);
+            for (const double each : point.along) out.push_back(sense * each);
+        }
+        return array_of(out, SAMPLE);
+    }
+
+    // Joint vectors at given values, from starts near them: T (m, 4, 4), q (m, 7), values (m) -> (m, 7), NaN where there is none.
+    nb::object at(const Doubles& T, const Doubles& q, const Doubles& values) const {
+        const std::size_t m = values.size();
+        if (T.size() != 16 * m || q.size() != 7 * m)
+            throw nb::value_error("arrays of poses and joint vectors do not fit each other");
+        std::vector<double> out(7 * m);
+        {
+            nb::gil_scoped_release release;
+            for (std::size_t i = 0; i < m; ++i) {
+                const OnCurve point = level().self_motion->settle(arm, T.data() + 16 * i, q.data() + 7 * i,
+                                                                  {Pin::parameter, 0, values.data()[i]}, 20, 1e-14);
+                for (int j = 0; j < 7; ++j) out[7 * i + j] = point.left <= 1e-10 ? point.q[j] : __builtin_nan("");
+            }
+        }
+        return array_of(out, 7);
+    }
+};
+
+}  // namespace
+
+void add_self_motion(nb::module_& m) {
+    nb::class_<PySelfMotion>(m, "SelfMotion", "The curves of joint vectors that hold a pose, of an arm with seven joints.")
+        .def(nb::init<nb::dict>(), nb::arg("values"))
+        .def("intervals", &PySelfMotion::intervals, nb::arg("T"), nb::arg("grid"), nb::arg("round"), nb::arg("q"), nb::arg("flags"),
+             nb::arg("limits"), nb::arg("beyond").none(), nb::arg("off"), nb::arg("starts"))
+        .def("between", &PySelfMotion::between, nb::arg("T"), nb::arg("before"), nb::arg("after"), nb::arg("shares"))
+        .def("samples", &PySelfMotion::samples, nb::arg("T"), nb::arg("q"), nb::arg("values"))
+        .def("at", &PySelfMotion::at, nb::arg("T"), nb::arg("q"), nb::arg("values"));
+}
+
+}  // namespace urdf_ik

@@ -1,0 +1,375 @@
+// All solutions of six revolute joints whose axes 1, 2 and 3 are parallel.
+//
+// Joints 1 to 3 move the wrist across the parallel direction h and turn it about h by psi; they change neither its height
+// along h nor the angle under which it sees h. Seen from the last axis, h is known: its angle to axis 5 and the height of
+// the last axis are two equations in joints 4 and 6. Joint 5 and psi follow by plain turns, and a planar two-link arm is
+// left. Where a pair of the wrist's axes meets or is parallel the two equations fall apart into two steps; else they end
+// in a quartic in joint 6. Source: Elias and Wen 2022 (three parallel axes, subproblem 6).
+// Columns: 4 front/back + 2 up/down + noflip/flip.
+#pragma once
+
+#include "answers/beside.hpp"
+#include "answers/blocks.hpp"
+#include "families/closed_forms/parallel_shoulder_arm.hpp"
+#include "kinematics/linked_angles.hpp"
+#include "kinematics/subproblems.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// A row vector times Rz(t) Rx(alpha): a vector of one frame, seen from the next.
+template <class V> STEP Vec<V> through_joint(Vec<V> v, const Turn<V>& t, double ca, double sa) {
+    unturn(v.x, v.y, t), unturn(v.y, v.z, Turn<double>{ca, sa});
+    return v;
+}
+// A vector of frame 6, in frame 5 after its joint has turned.
+template <class V> STEP Vec<V> seen_from_5(const IdealFrames& arm, Vec<V> v, const Turn<V>& t6) {
+    unturn(v.x, v.y, Turn<V>{t6.c, -t6.s}), unturn(v.y, v.z, Turn<double>{arm.cos_alpha[4], -arm.sin_alpha[4]});
+    return v;
+}
+
+// The parallel direction in frame 6, and the height of the last axis above axis 4's foot along axis 3 [m].
+template <class V> struct Height {
+    Vec<V> h;
+    V level;
+};
+STEP double same_sense(const IdealFrames& arm) { return arm.cos_alpha[0] * arm.cos_alpha[1]; }  // of axes 1 and 3: 1 or -1
+template <class V> STEP Height<V> height_of(const IdealFrames& arm, const Seen<V>& at) {
+    const double sense = same_sense(arm);
+    return {{sense * at.R.x.z, sense * at.R.y.z, sense * at.R.z.z}, sense * at.p.z - arm.d[1] - arm.cos_alpha[2] * arm.d[2]};
+}
+
+// Joints 4 and 6, and the margins of their two roots.
+template <class V> struct WristEnds {
+    Turn<V> t4, t6;
+    V first, second;
+};
+
+// With u the angle between axis 5 and h: cos u = ca3 ca4 - sa3 sa4 cos t4 = ca5 h_z + sa5 (h_x sin t6 + h_y cos t6) and
+// level = a4 sa3 sin t4 + d5 cos u + a5 (h_x cos t6 - h_y sin t6). root: the quartic's, which only a general wrist uses.
+template <LastAxes kind, class V>
+STEP WristEnds<V> wrist_ends(const IdealFrames& arm, const Height<V>& at, const V& front, const V& flip, const Turn<V>& root) {
+    const double a4 = arm.a[3], a5 = arm.a[4], d5 = arm.d[3], ca3 = arm.cos_alpha[2], sa3 = arm.sin_alpha[2];
+    const double ca4 = arm.cos_alpha[3], sa4 = arm.sin_alpha[3], ca5 = arm.cos_alpha[4], sa5 = arm.sin_alpha[4];
+    const Vec<V>& h = at.h;
+    const Twists back = {ca4, sa4, ca3, sa3};
+    if constexpr (kind == LastAxes::intersecting_56) {
+        const Swing<V> s = swing_to_offset<V>(-a4, -d5 * sa4, (at.level - d5 * ca3 * ca4) * (1.0 / sa3), front);
+        const Vec<V> w = through_joint<V>({V(0.0), V(sa3), V(ca3)}, s.turn, ca4, sa4);
+        const Bend<V> b = swing_to_tilt<V>(h, ca5, sa5, w.z, w.x * w.x + w.y * w.y, flip);
+        return {s.turn, b.turn, s.margin * (1.0 / (a4 * a4 + d5 * d5 * sa4 * sa4)), b.margin};
+    } else if constexpr (kind == LastAxes::parallel_56) {
+        const Bend<V> b = wrist_bend<V>({h.x, h.y, ca5 * h.z}, back, front);
+        const Swing<V> s = swing_to_offset<V>(h.y, h.x, (at.level - a4 * sa3 * b.turn.s) * (1.0 / a5), flip);
+        return {b.turn, s.turn, b.margin, s.margin};
+    } else if constexpr (kind == LastAxes::intersecting_45) {
+        const V x = a5 * h.y - d5 * sa5 * h.x, y = d5 * sa5 * h.y + a5 * h.x;
+        const Swing<V> s = swing_to_offset<V>(x, y, at.level - d5 * ca5 * h.z, front);
+        const Bend<V> b = wrist_bend<V>(seen_from_5(arm, h, s.turn), back, flip);
+        return {b.turn, s.turn, s.margin * (1.0 / (a5 * a5 + d5 * d5 * sa5 * sa5)), b.margin};
+    } else if constexpr (kind == LastAxes::parallel_45) {
+        const Bend<V> b = swing_to_tilt<V>(h, ca5, sa5, ca3 * ca4, sa3 * sa3, front);
+        const Vec<V> v = seen_from_5(arm, h, b.turn);
+        const V s4 = (at.level - d5 * v.z - a5 * v.x) * (1.0 / (a4 * sa3)), margin = (1.0 - s4) * (1.0 + s4);
+        return {unit<V>(flip * margin_root(margin), s4), b.turn, b.margin, margin};
+    } else {
+        const Vec<V> v = seen_from_5(arm, h, root);
+        const V c4 = (ca3 * ca4 - v.z) * (1.0 / (sa3 * sa4)), s4 = (at.level - d5 * v.z - a5 * v.x) * (1.0 / (a4 * sa3));
+        return {unit<V>(c4, s4), root, V(1.0), V(1.0)};
+    }
+}
+
+// Angles of joint 6 of a general wrist; exact where axis 5 is almost parallel to axes 1 to 3.
+PART Quartic last_angles(const IdealFrames& arm, const Height<double>& at) {
+    const double a4 = arm.a[3], a5 = arm.a[4], d5 = arm.d[3], ca3 = arm.cos_alpha[2], sa3 = arm.sin_alpha[2];
+    const double ca4 = arm.cos_alpha[3], sa4 = arm.sin_alpha[3], ca5 = arm.cos_alpha[4], sa5 = arm.sin_alpha[4];
+    const double w = -1.0 / (sa3 * sa4), v = 1.0 / (a4 * sa3);
+    const Vec<double>& h = at.h;
+    const Affine<double> cosine = {(ca5 * h.z - ca3 * ca4) * w, sa5 * h.y * w, sa5 * h.x * w};
+    const Affine<double> sine = {(at.level - d5 * ca5 * h.z) * v, -(d5 * sa5 * h.y + a5 * h.x) * v,
+                                 -(d5 * sa5 * h.x - a5 * h.y) * v};
+    Quartic roots = linked_roots(cosine, sine);
+    for (int k = 0; k < 2; ++k) {
+        const double side = k ? -1.0 : 1.0;
+        const Turn<double> e = unit(side * h.y, side * h.x);
+        const Bend<double> b = wrist_bend<double>(seen_from_5(arm, h, e), {ca4, sa4, ca3, sa3}, 1.0);
+        sharpen_roots({e, b.turn.c, b.margin, -(cosine.cosine * e.c + cosine.sine * e.s)}, sine, roots);
+    }
+    return roots;
+}
+
+// Joint 5 from where h is seen from joints 4 and 6.
+template <class V> struct MiddleTurn {
+    Turn<V> t5;
+    V arm5, sense;  // squared sine between axis 5 and h; its cosine
+    V error;        // squared, of the equations of wrist_ends
+};
+template <class V> STEP MiddleTurn<V> middle_turn(const IdealFrames& arm, const Height<V>& at, const Turn<V>& t4,
+                                                  const Turn<V>& t6) {
+    const double sa3 = arm.sin_alpha[2], ca3 = arm.cos_alpha[2];
+    const Vec<V> w = through_joint<V>({V(0.0), V(sa3), V(ca3)}, t4, arm.cos_alpha[3], arm.sin_alpha[3]),
+                 v = seen_from_5(arm, at.h, t6);
+    const V arm5 = w.x * w.x + w.y * w.y, tilt = w.z - v.z;
+    const V high = (at.level - arm.a[3] * sa3 * t4.s - arm.d[3] * v.z - arm.a[4] * v.x) * (1.0 / arm.size);
+    return {unit(w.x * v.x + w.y * v.y, w.y * v.x - w.x * v.y), arm5, v.z, tilt * tilt / (arm5 + TINY) + high * high};
+}
+
+// Axes x and y of frame 3 seen from frame 5 before and after joint 5 turns.
+template <class V> struct Hand {
+    Vec<V> x, y;
+};
+template <class V> STEP Hand<V> hand_at(const IdealFrames& arm, const Turn<V>& t4) {
+    const double ca4 = arm.cos_alpha[3], sa4 = arm.sin_alpha[3], sense = same_sense(arm);
+    return {through_joint<V>({V(1.0), V(0.0), V(0.0)}, t4, ca4, sa4),
+            through_joint<V>({V(0.0), V(sense * arm.cos_alpha[2]), V(-sense * arm.sin_alpha[2])}, t4, ca4, sa4)};
+}
+
+// The turn psi about the parallel axes that joints 1 to 3 make together, from all of the rotation.
+template <class V> STEP Turn<V> turn_of_hand(const IdealFrames& arm, const Rot<V>& R, const Hand<V>& hand, const Turn<V>& t5,
+                                             const Turn<V>& t6) {
+    Vec<V> x = through_joint(hand.x, t5, arm.cos_alpha[4], arm.sin_alpha[4]),
+           y = through_joint(hand.y, t5, arm.cos_alpha[4], arm.sin_alpha[4]);
+    unturn(x.x, x.y, t6), unturn(y.x, y.y, t6);
+    const Vec<V> row0 = {R.x.x, R.y.x, R.z.x}, row1 = {R.x.y, R.y.y, R.z.y};
+    return unit(dot(row0, x) + dot(row1, y), dot(row1, x) - dot(row0, y));
+}
+
+template <class V> struct Plane {
+    V x, y;
+};
+// From axis 3 to the origin of frame 5, across the parallel axes, before the turn psi [m].
+template <class V> STEP Plane<V> hand_across(const IdealFrames& arm, const Turn<V>& t4) {
+    const double ca4 = arm.cos_alpha[3], sa4 = arm.sin_alpha[3], a4 = arm.a[3], d5 = arm.d[3];
+    const V x = a4 * t4.c + d5 * sa4 * t4.s, y = a4 * t4.s - d5 * sa4 * t4.c;
+    return {arm.a[2] + x, same_sense(arm) * (arm.cos_alpha[2] * y - arm.sin_alpha[2] * (arm.d[2] + d5 * ca4))};
+}
+// The same to the origin of frame 6.
+template <class V> STEP Plane<V> last_across(const IdealFrames& arm, const Turn<V>& t4, const Hand<V>& hand, const Turn<V>& t5) {
+    const Plane<V> f = hand_across(arm, t4);
+    return {f.x + arm.a[4] * (t5.c * hand.x.x + t5.s * hand.x.y), f.y + arm.a[4] * (t5.c * hand.y.x + t5.s * hand.y.y)};
+}
+// o less f turned by psi.
+template <class V> STEP Plane<V> rest_across(const Plane<V>& o, const Plane<V>& f, const Turn<V>& psi) {
+    return {o.x - (psi.c * f.x - psi.s * f.y), o.y - (psi.s * f.x + psi.c * f.y)};
+}
+// An angle up to a few turns off in (-pi, pi].
+template <class V> STEP V wrap_far(const V& a) { return wrap(wrap(wrap(a))); }
+
+template <LastAxes kind> struct ParallelShoulder {
+    using Arm = ParallelShoulderArm;
+    static constexpr int branches = 8;
+
+    template <class Out> static STEP void fast(const Arm& arm, const Seen<Block>& seen, Out& found) {
+        const auto& ideal = arm.ideal;
+        const Height<Block> at = height_of(ideal, seen);
+        for (int k = 0; k < 4; ++k) {
+            const int b = 4 * (k / 2) + k % 2;
+            const WristEnds<Block> ends = wrist_ends<kind, Block>(ideal, at, ideal.signs[b][0], ideal.signs[b][2], {});
+            const MiddleTurn<Block> middle = middle_turn(ideal, at, ends.t4, ends.t6);
+            const Hand<Block> hand = hand_at(ideal, ends.t4);
+            const Turn<Block> psi = turn_of_hand(ideal, seen.R, hand, middle.t5, ends.t6);
+            const Plane<Block> u = rest_across<Block>({seen.p.x, seen.p.y}, last_across(ideal, ends.t4, hand, middle.t5), psi);
+            const Block arm6 = at.h.x * at.h.x + at.h.y * at.h.y;
+            both_elbows(arm, ends, middle, arm6, psi, u, b, found);
+        }
+    }
+
+    template <class Out>
+    static STEP void both_elbows(const Arm& arm, const WristEnds<Block>& ends, const MiddleTurn<Block>& middle, const Block& arm6,
+                                 const Turn<Block>& psi, const Plane<Block>& u, int b, Out& found) {
+        const auto& ideal = arm.ideal;
+        const Tolerances& tol = arm.written.tolerances;
+        const double scale = 1.0 / (ideal.size * ideal.size), side = ideal.cos_alpha[0], sense = same_sense(ideal);
+        const Block uu = u.x * u.x + u.y * u.y, arm1 = uu * scale, arms = min(min(middle.arm5, arm6), arm1);
+        const Fold<Block> f = fold<Block>(uu, ideal.a[0], ideal.a[1], side, 1.0);
+        const Block miss = f.wx * f.wx + f.wy * f.wy - uu, wrist = min(ends.first, ends.second);
+        // What a later step says where an earlier one is at its end is rough.
+        const Block rough = ROUGH_BY_MARGIN / tol.edge, edge = tol.edge;
+        const auto lost = (ends.first < -edge) | ((ends.second < -rough) & (ends.first > edge)) |
+                          ((f.margin < -rough) & (min(wrist, min(middle.arm5, arm6)) > edge));
+        const Block product = ends.first * ends.second * f.margin * (middle.arm5 * arm6 * arm1);
+        const auto doubt = (min(min(ends.first, arms), min(ends.second, f.margin)) <= rough) | (product <= Block(SMALL_TOGETHER)) |
+                           !(miss * miss * scale + middle.error * uu <= (tol.reach * tol.reach * 1e-2) * uu);
+        const Block ahead = min(abs(ends.first), abs(ends.second)), held = min(after(middle.arm5, ahead), arm6);
+        const Clearance<Block> clear = {ends.first, f.margin, ends.second,
+                                        min(held, after(arm1, min(ahead, min(middle.arm5, arm6))))};
+        const Block t2 = angle(f.bend), bend = side * t2, turned = angle(psi), xx = f.wx * u.x, xy = f.wx * u.y, yx = f.wy * u.x,
+                    yy = f.wy * u.y;
+        const Block q4 = wrap(angle(ends.t4) - ideal.offset[3]), q5 = wrap(angle(middle.t5) - ideal.offset[4]);
+        const Block q6 = wrap(angle(ends.t6) - ideal.offset[5]), t1 = atan2(xy - yx, xx + yy), t1_down = atan2(xy + yx, xx - yy);
+        const auto q3 = [&](const Block& t) { return wrap(wrap(sense * (turned - t) - ideal.offset[2])); };
+        found.set(b, {wrap(t1 - ideal.offset[0]), wrap(t2 - ideal.offset[1]), q3(t1 + bend), q4, q5, q6}, lost, doubt, clear);
+        found.set(b + 2, {wrap(t1_down - ideal.offset[0]), wrap(-t2 - ideal.offset[1]), q3(t1_down - bend), q4, q5, q6}, lost,
+                  doubt, clear);
+    }
+
+    // What a pose is to all branches.
+    struct Sight {
+        Seen<double> seen;
+        Height<double> at;
+        double arm6;
+        bool free6;
+        Turn<double> held6;
+        Quartic roots;
+    };
+    static STEP Sight look(const Arm& arm, const Seen<double>& seen, const Reference<6>& reference) {
+        Sight s = {};
+        s.seen = seen, s.at = height_of(arm.ideal, seen);
+        s.arm6 = s.at.h.x * s.at.h.x + s.at.h.y * s.at.h.y;
+        s.free6 = s.arm6 <= arm.written.tolerances.continuum;
+        s.held6 = exact_turn(reference.q[5] + arm.ideal.offset[5]);
+        s.roots.count = 4;
+        if constexpr (kind == LastAxes::general) {
+            if (!s.free6) s.roots = last_angles(arm.ideal, s.at);
+            else s.roots.count = 1, s.roots.root[0] = s.held6;
+        }
+        return s;
+    }
+
+    // Joints 4 to 6 of one pair of roots.
+    struct Settled {
+        WristEnds<double> ends;
+        MiddleTurn<double> middle;
+        bool free5, kept;
+        int marks;
+    };
+
+    // A joint that the target leaves free (squared arm below `continuum`) takes the reference's value.
+    static PART Settled settle(const Arm& arm, const Sight& sight, const Reference<6>& reference, int b, int root) {
+        const auto& ideal = arm.ideal;
+        const Tolerances& tol = arm.written.tolerances;
+        const double front = ideal.signs[b][0], flip = ideal.signs[b][2];
+        Settled out = {};
+        out.ends = wrist_ends<kind, double>(ideal, sight.at, front, flip, sight.roots.root[root]);
+        if constexpr (kind == LastAxes::general) out.ends.first = sight.roots.gap(root);
+        const double m1 = out.ends.first, m3 = out.ends.second;
+        if (m1 < -ideal.clamp || m3 < -max(max(ideal.clamp, ROUGH), ROUGH_BY_MARGIN / (max(m1, 0.0) + 1e-12))) return out;
+        if (kind == LastAxes::intersecting_56 && is_double(m1, 1.0, ROUNDING)) {
+            // Of two signs that stand for the same root the positive one is kept, as zero.
+            if (front < 0.0) return out;
+            out.ends = wrist_ends<kind, double>(ideal, sight.at, 0.0, flip, {});
+        }
+        if (sight.free6) out.ends.t6 = sight.held6;
+        out.middle = middle_turn(ideal, sight.at, out.ends.t4, out.ends.t6);
+        out.free5 = out.middle.arm5 <= tol.continuum;
+        if (out.free5 || sight.free6 || min(out.ends.first, out.ends.second) <= tol.fold) out.marks = WRIST;
+        if (out.free5) out.middle.t5 = exact_turn(reference.q[4] + ideal.offset[4]);
+        out.kept = true;
+        return out;
+    }
+
+    // How often another joint 6 is tried where two joints are free and the elbow asks for a part of their range only.
+    static constexpr int PLACES = 24;
+
+    // Joints 5 and 6 [rad], the turn psi, and what is left to the elbow.
+    struct Left {
+        double t5, t6;
+        Turn<double> psi;
+        Plane<double> u;
+        bool reached;
+    };
+
+    // Where a joint is free, or all but free, psi is the turn nearest to the given one that brings the elbow within reach.
+    static STEP Left reach_across(const Arm& arm, const Sight& sight, const Settled& at, const Turn<double>& t6) {
+        const auto& ideal = arm.ideal;
+        const auto& [R, p] = sight.seen;
+        const Hand<double> hand = hand_at(ideal, at.ends.t4);
+        const bool aligned = at.middle.arm5 < ALMOST_ALIGNED;
+        Left out = {angle(at.middle.t5), angle(t6), turn_of_hand(ideal, R, hand, at.middle.t5, t6), {}, true};
+        // From axis 1 to axis 3, by way of the last point that no free joint moves.
+        Plane<double> o = {p.x, p.y}, f;
+        if (sight.free6 && !aligned) {
+            f = last_across(ideal, at.ends.t4, hand, at.middle.t5);
+        } else {
+            o.x -= ideal.a[4] * (R.x.x * t6.c - R.y.x * t6.s), o.y -= ideal.a[4] * (R.x.y * t6.c - R.y.y * t6.s);
+            f = hand_across(ideal, at.ends.t4);
+        }
+        if (sight.free6 || aligned) {
+            const double given = angle(out.psi), upper = ideal.a[0], lower = ideal.a[1],
+                         slack = 0.5 * ideal.clamp * ideal.size * ideal.size;
+            const double psi = free_turn(given, o.x, o.y, f.x, f.y, upper + lower, upper - lower, slack);
+            if (psi != psi) return out.reached = false, out;
+            // The free joint turns with or against psi.
+            const double moved = same_sense(ideal) * (psi - given);
+            if (aligned) out.t5 -= copysign(1.0, at.middle.sense) * moved;
+            else out.t6 -= copysign(1.0, sight.at.h.z) * moved;
+            out.psi = exact_turn(psi);
+        }
+        out.u = rest_across(o, f, out.psi);
+        return out;
+    }
+
+    // Returns whether a joint is all but free.
+    static PART bool elbow_closely(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Sight& sight,
+                                   const Settled& at, int b, const Columns<6>& columns) {
+        const auto& ideal = arm.ideal;
+        const Tolerances& tol = arm.written.tolerances;
+        const double up = ideal.signs[b][1], side = ideal.cos_alpha[0], scale = 1.0 / (ideal.size * ideal.size);
+        const double m1 = at.ends.first, m3 = at.ends.second, arm5 = at.middle.arm5, arm6 = sight.arm6;
+        bool free = false;
+        Turn<double> t6 = at.ends.t6;
+        for (int place = 0; place < (at.free5 && sight.free6 ? PLACES : 1); ++place) {
+            if (place > 0) unturn(t6.c, t6.s, exact_turn(2.0 * PI / PLACES));
+            const Left left = reach_across(arm, sight, at, t6);
+            if (!left.reached) continue;
+            Elbow<double> e = elbow(left.u.x, left.u.y, ideal.a[0], ideal.a[1], side, up);
+            const double m2 = e.margin, arm1 = (left.u.x * left.u.x + left.u.y * left.u.y) * scale;
+            const bool near = min(abs(m1), min(abs(m2), abs(m3))) < NEAR || min(arm1, min(arm5, arm6)) < NEAR;
+            free = free || min(arm1, min(arm5, arm6)) < ALMOST_ALIGNED;
+            // Next to a fold or an aligned wrist the angles are rough: let Newton's method decide.
+            const double least = max(min(m1, min(m3, arm5)), 0.0);
+            const double rough = (kind == LastAxes::general ? ROUGH_BY_ROOT : ROUGH_BY_MARGIN) / (least + 1e-12);
+            if (m2 < -max(max(ideal.clamp, ROUGH), rough)) continue;
+            const int marks = at.marks | (m2 <= tol.fold || arm1 <= tol.fold ? ELBOW : 0);
+            if (arm1 <= tol.continuum) e.second = exact_turn(reference.q[0] + ideal.offset[0]);
+            const double t1 = angle(e.second), t2 = angle(e.bend), t3 = same_sense(ideal) * (angle(left.psi) - t1 - side * t2);
+            double q[6] = {wrap(t1 - ideal.offset[0]),          wrap(t2 - ideal.offset[1]),
+                           wrap_far(t3 - ideal.offset[2]),      wrap(angle(at.ends.t4) - ideal.offset[3]),
+                           wrap_far(left.t5 - ideal.offset[4]), wrap_far(left.t6 - ideal.offset[5])};
+            const bool sure = min(m1, min(m2, m3)) >= -ideal.clamp && (at.free5 || sight.free6 || arm5 >= ALMOST_ALIGNED);
+            if (sure || holds(arm.written, goal, q)) accept(arm.written, goal, q, b, marks, near, columns);
+            break;
+        }
+        return free;
+    }
+
+    static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
+                                 const Columns<6>& columns, unsigned wanted) {
+        const Sight sight = look(arm, seen, reference);
+        Settled settled[4];
+        bool crowded = false, free = false;
+        for (int k = 0; k < 4; ++k) {
+            const int b = 4 * (k / 2) + k % 2;
+            settled[k].kept = false;
+            if (k < sight.roots.count && wanted >> b & 5u) {
+                settled[k] = settle(arm, sight, reference, b, k);
+                crowded = crowded || (kind == LastAxes::general && settled[k].ends.first < ROOTS_CROWDED);
+            }
+        }
+        for (int b = 0; b < 8; ++b) {
+            const Settled& at = settled[2 * (b / 4) + b % 2];
+            if (at.kept && wanted >> b & 1u) free = elbow_closely(arm, goal, reference, sight, at, b, columns) || free;
+        }
+        // Two roots of the quartic are so close that both may have led to the same solution.
+        if (crowded && !free) search_beside_folds(arm.written, goal, columns);
+        // A pose that looks out of reach next to a singularity may be within it.
+        return (kind != LastAxes::general || crowded || free || sight.free6) && !columns.count() ? wanted : 0u;
+    }
+
+    // See ParallelShoulderSolvers.
+    static void distances(const Arm& arm, const double* numbers, double (&out)[4]) {
+        const Goal<double> target = goal_of(numbers);
+        const Reference<6> zeros = reference_of<6>(nullptr);
+        const Sight sight = look(arm, {target.R, target.p}, zeros);
+        for (int k = 0; k < 4; ++k) {
+            out[k] = __builtin_nan("");
+            if (k >= sight.roots.count) continue;
+            const Settled at = settle(arm, sight, zeros, 4 * (k / 2) + k % 2, k);
+            const Left left = at.kept ? reach_across(arm, sight, at, at.ends.t6) : Left{};
+            if (left.reached && min(at.ends.first, at.ends.second) >= -arm.ideal.clamp) {
+                out[k] = sqrt(left.u.x * left.u.x + left.u.y * left.u.y);
+            }
+        }
+    }
+};
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

@@ -1,0 +1,21 @@
+// What the solver of arms with axes 1, 2 and 3 parallel knows of an arm.
+#pragma once
+
+#include "kinematics/arm.hpp"
+
+namespace urdf_ik {
+
+// What a pair of the last three axes has in common; it decides how joints 4 and 6 are solved for.
+enum class LastAxes { intersecting_56, parallel_56, intersecting_45, parallel_45, general };
+
+struct ParallelShoulderArm {
+    IdealFrames ideal;
+    Written<6> written;
+};
+
+struct ParallelShoulderSolvers {
+    SolveArm<ParallelShoulderArm> solve[5];  // by LastAxes
+    DistancesOf<ParallelShoulderArm> distances[5];  // of axes 1 and 3, one for each wrist
+};
+
+}  // namespace urdf_ik

@@ -1,0 +1,273 @@
+// All solutions of six revolute joints whose axes 2, 3 and 4 meet in a point C.
+//
+// Only joint 1 moves C as seen from the base, only joints 5 and 6 as seen from the tip: C runs on a circle about axis 1 and
+// on a torus about axes 5 and 6. Its height along axis 6 and its distance from it are two equations, each affine in (cos,
+// sin) of joint 1 and of joint 5. Where axes 5 and 6 meet (the torus is a sphere) or are parallel (a plane) one of them
+// holds joint 1 alone; else they end in a quartic in joint 1. Joint 6 follows by a plain turn, and joints 2 to 4 give the
+// rotation that is left like a wrist. Source: Pieper 1968, whose decoupling does not ask where in the arm the axes are.
+// Columns: 4 front/back + 2 up/down + noflip/flip; of the quartic 2 root + noflip/flip.
+#pragma once
+
+#include "answers/beside.hpp"
+#include "answers/blocks.hpp"
+#include "families/closed_forms/spherical_middle_arm.hpp"
+#include "kinematics/linked_angles.hpp"
+#include "kinematics/subproblems.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// By joint 1: height of C along axis 6 above the origin of frame 6 [m], and its squared distance from there [m^2].
+template <class V> STEP Affine<V> height_of_centre(const SphericalMiddleArm& arm, const Seen<V>& at) {
+    const double x = arm.centre[0], y = arm.centre[1], z = arm.centre[2];
+    const Vec<V>& a = at.R.z;
+    return {a.z * (z - at.p.z) - a.x * at.p.x - a.y * at.p.y, a.x * x + a.y * y, a.y * x - a.x * y};
+}
+template <class V> STEP Affine<V> square_of_centre(const SphericalMiddleArm& arm, const Vec<V>& p) {
+    const double x = arm.centre[0], y = arm.centre[1];
+    const V up = arm.centre[2] - p.z;
+    return {x * x + y * y + p.x * p.x + p.y * p.y + up * up, -2.0 * (p.x * x + p.y * y), -2.0 * (p.y * x - p.x * y)};
+}
+STEP double reach_of_5(const SphericalMiddleArm& arm) {
+    return sqrt(arm.centre_5[0] * arm.centre_5[0] + arm.centre_5[1] * arm.centre_5[1]);
+}
+
+// Joint 1 where one equation holds it alone; margin and squared arm are dimensionless.
+template <class V> struct FirstTurn {
+    Turn<V> t1;
+    V margin, arm1;
+};
+template <LastPair kind, class V> STEP FirstTurn<V> first_turn(const SphericalMiddleArm& arm, const Seen<V>& at, const V& front) {
+    const double *g = arm.centre_5, radius = arm.centre[0] * arm.centre[0] + arm.centre[1] * arm.centre[1];
+    if constexpr (kind == LastPair::intersecting) {
+        const Affine<V> a = square_of_centre(arm, at.p);
+        const V c = 0.5 * a.cosine, s = 0.5 * a.sine, k = 0.5 * (g[0] * g[0] + g[1] * g[1] + g[2] * g[2] - a.constant);
+        const Swing<V> swing = swing_to_offset<V>(-s, c, k, front);
+        const double w = 1.0 / (radius * arm.ideal.size * arm.ideal.size);
+        return {swing.turn, swing.margin * w, (c * c + s * s) * w};
+    } else {
+        const Affine<V> a = height_of_centre(arm, at);
+        const Swing<V> swing = swing_to_offset<V>(-a.sine, a.cosine, arm.ideal.cos_alpha[4] * g[2] - a.constant, front);
+        return {swing.turn, swing.margin * (1.0 / radius), (a.cosine * a.cosine + a.sine * a.sine) * (1.0 / radius)};
+    }
+}
+
+// C in frame 6 for a given joint 1 [m].
+template <class V> STEP Vec<V> centre_seen_from_6(const SphericalMiddleArm& arm, const Seen<V>& at, const Turn<V>& t1) {
+    const double x = arm.centre[0], y = arm.centre[1];
+    const Vec<V> d = Vec<V>{t1.c * x - t1.s * y, t1.c * y + t1.s * x, V(arm.centre[2])} - at.p;
+    return {dot(at.R.x, d), dot(at.R.y, d), dot(at.R.z, d)};
+}
+
+// Joints 5 and 6 that have C at u of frame 6; margin [share of the squared radius]; squared error [m^2].
+template <class V> struct LastTurns {
+    Turn<V> t5, t6;
+    V margin, error;
+};
+// C is f = Rz(-t5) g in frame 5, and e = Rx(-alpha5) (f - a5 x) in frame 6 before joint 6 turns.
+template <LastPair kind, class V> STEP LastTurns<V> last_turns(const SphericalMiddleArm& arm, const Vec<V>& u, const V& up) {
+    const double gx = arm.centre_5[0], gy = arm.centre_5[1], gz = arm.centre_5[2];
+    const double a5 = arm.ideal.a[4], ca5 = arm.ideal.cos_alpha[4], sa5 = arm.ideal.sin_alpha[4], square = gx * gx + gy * gy;
+    const V rr = u.x * u.x + u.y * u.y;
+    V fx, fy, ex, ey, margin = 1.0;
+    if constexpr (kind == LastPair::parallel) {
+        const double r = reach_of_5(arm), w = 0.5 / (a5 * r), inner = a5 - r, outer = a5 + r;
+        const V near = (rr - inner * inner) * w, far = (outer * outer - rr) * w;
+        margin = near * far;
+        fx = 0.5 * r * (far - near), fy = up * (r * margin_root(margin));
+        ex = ((r - a5) * (r + a5) - rr) * (0.5 / a5), ey = ca5 * fy;
+    } else {
+        fy = (ca5 * gz - u.z) * (1.0 / sa5), ey = ca5 * fy + sa5 * gz;
+        if constexpr (kind == LastPair::intersecting) {
+            margin = (rr - ey * ey) * (1.0 / square);
+            fx = ex = up * margin_root(margin * square);
+        } else {
+            ex = (square + gz * gz - a5 * a5 - rr - u.z * u.z) * (0.5 / a5), fx = ex + a5;
+        }
+    }
+    const Turn<V> t5 = unit<V>(gx * fx + gy * fy, gy * fx - gx * fy), t6 = unit<V>(ex * u.x + ey * u.y, ey * u.x - ex * u.y);
+    Vec<V> e = {t5.c * gx + t5.s * gy - a5, t5.c * gy - t5.s * gx, V(gz)};
+    unturn(e.y, e.z, Turn<double>{ca5, sa5}), unturn(e.x, e.y, t6);
+    const Vec<V> off = e - u;
+    return {t5, t6, margin, dot(off, off)};
+}
+
+// A rotation of the last frames, turned back by a joint and the twist before it.
+template <class V> STEP Rot<V> turned_back(const Rot<V>& R, const Turn<V>& t, double ca, double sa) {
+    const Vec<V> x = t.c * R.x - t.s * R.y, y = t.c * R.y + t.s * R.x;
+    return {x, V(ca) * y - V(sa) * R.z, V(ca) * R.z + V(sa) * y};
+}
+// The rotation that joints 2 to 4 are to make, from before joint 2 turns.
+template <class V>
+STEP Rot<V> middle_rotation(const IdealFrames& arm, const Rot<V>& R, const Turn<V>& t1, const Turn<V>& t5, const Turn<V>& t6) {
+    const Rot<V> M = turned_back(turned_back(R, t6, arm.cos_alpha[4], arm.sin_alpha[4]), t5, arm.cos_alpha[3], arm.sin_alpha[3]);
+    return each(M, [&](Vec<V> v) {
+        unturn(v.x, v.y, t1), unturn(v.y, v.z, Turn<double>{arm.cos_alpha[0], arm.sin_alpha[0]});
+        return v;
+    });
+}
+
+template <LastPair kind> struct SphericalMiddle {
+    using Arm = SphericalMiddleArm;
+    static constexpr int branches = 8;
+
+    static STEP Twists twists(const Arm& arm) {
+        return {arm.ideal.cos_alpha[1], arm.ideal.sin_alpha[1], arm.ideal.cos_alpha[2], arm.ideal.sin_alpha[2]};
+    }
+
+    template <class Out> static STEP void fast(const Arm& arm, const Seen<Block>& seen, Out& found) {
+        for (int k = 0; k < 4; ++k) {
+            const FirstTurn<Block> first = first_turn<kind, Block>(arm, seen, arm.ideal.signs[2 * k][0]);
+            const Vec<Block> u = centre_seen_from_6(arm, seen, first.t1);
+            both_middles(arm, seen.R, first, u, last_turns<kind, Block>(arm, u, arm.ideal.signs[2 * k][1]), 2 * k, found);
+        }
+    }
+
+    template <class Out>
+    static STEP void both_middles(const Arm& arm, const Rot<Block>& R, const FirstTurn<Block>& first, const Vec<Block>& u,
+                                  const LastTurns<Block>& last, int b, Out& found) {
+        const auto& ideal = arm.ideal;
+        const Tolerances& tol = arm.written.tolerances;
+        const Twists t = twists(arm);
+        const double scale = 1.0 / (ideal.size * ideal.size);
+        const Rot<Block> M = middle_rotation(ideal, R, first.t1, last.t5, last.t6);
+        const Bend<Block> bend = wrist_bend<Block>(M.z, t, 1.0);
+        const WristTurns<Block> turns = wrist_turns(M, bend.turn, t), flip = wrist_turns(M, {bend.turn.c, -bend.turn.s}, t);
+        const Block arm6 = (u.x * u.x + u.y * u.y) * scale, arms = min(min(first.arm1, arm6), min(turns.fixed, flip.fixed));
+        // What a later step says where an earlier one is at its end is rough.
+        const Block rough = ROUGH_BY_MARGIN / tol.edge, edge = tol.edge, before = min(first.margin, first.arm1);
+        const auto lost = (first.margin < -edge) | ((last.margin < -rough) & (before > edge)) |
+                          ((bend.margin < -rough) & (min(before, min(last.margin, arm6)) > edge));
+        const Block product = first.margin * last.margin * bend.margin * (first.arm1 * arm6 * turns.fixed);
+        const auto doubt = (min(min(first.margin, arms), min(last.margin, bend.margin)) <= rough) |
+                           (product <= Block(SMALL_TOGETHER)) |
+                           !(last.error * scale + max(turns.error, flip.error) <= Block(tol.reach * tol.reach * 1e-2));
+        const Block outer = min(min(abs(first.margin), first.arm1), min(abs(last.margin), arm6));
+        const Block held = min(min(first.arm1, arm6), after(min(turns.fixed, flip.fixed), outer));
+        const Clearance<Block> clear = {first.margin, last.margin, bend.margin, held};
+        const double* offset = ideal.offset;
+        const Block q1 = wrap(angle(first.t1) - offset[0]), q5 = wrap(angle(last.t5) - offset[4]),
+                    q6 = wrap(angle(last.t6) - offset[5]);
+        const Block t3 = angle(bend.turn);
+        found.set(b, {q1, wrap(angle(turns.first) - offset[1]), wrap(t3 - offset[2]), wrap(angle(turns.last) - offset[3]), q5, q6},
+                  lost, doubt, clear);
+        found.set(b + 1,
+                  {q1, wrap(angle(flip.first) - offset[1]), wrap(-t3 - offset[2]), wrap(angle(flip.last) - offset[3]), q5, q6},
+                  lost, doubt, clear);
+    }
+
+    // Joints 1, 5 and 6 of one pair of roots.
+    struct Settled {
+        FirstTurn<double> first;
+        LastTurns<double> last;
+        double arm6;
+        bool kept;
+        int marks;
+    };
+
+    // A joint that the target leaves free (squared arm below `continuum`) takes the reference's value, or what is nearest to
+    // it within reach.
+    static PART Settled settle(const Arm& arm, const Seen<double>& seen, const Reference<6>& reference, int k,
+                               const Quartic& roots) {
+        const auto& ideal = arm.ideal;
+        const Tolerances& tol = arm.written.tolerances;
+        const double scale = 1.0 / (ideal.size * ideal.size);
+        Settled out = {};
+        if constexpr (kind == LastPair::general) {
+            out.first = {roots.root[k], roots.gap(k), 1.0};
+        } else {
+            out.first = first_turn<kind, double>(arm, seen, ideal.signs[2 * k][0]);
+            if (out.first.margin < tol.fold || out.first.arm1 < tol.fold) out.marks |= SHOULDER;
+        }
+        const double m1 = out.first.margin, arm1 = out.first.arm1;
+        if (m1 < -ideal.clamp) return out;
+        if (arm1 <= tol.continuum) {
+            const double t1 = free_first(arm, seen, reference.q[0] + ideal.offset[0]);
+            if (t1 != t1) return out;
+            out.first.t1 = exact_turn(t1);
+        }
+        const Vec<double> u = centre_seen_from_6(arm, seen, out.first.t1);
+        out.last = last_turns<kind, double>(arm, u, ideal.signs[2 * k][1]);
+        out.arm6 = (u.x * u.x + u.y * u.y) * scale;
+        const double m2 = out.last.margin;
+        // Next to a fold, or to an axis that nothing turns about, angles are rough: let Newton's method decide.
+        if (m2 < -max(max(ideal.clamp, ROUGH), ROUGH_BY_MARGIN / (max(min(m1, arm1), 0.0) + 1e-12))) return out;
+        if (out.arm6 <= tol.continuum) out.last.t6 = exact_turn(reference.q[5] + ideal.offset[5]);
+        if (m2 <= tol.fold || out.arm6 <= tol.fold) out.marks |= WRIST;
+        out.kept = true;
+        return out;
+    }
+
+    // The angle of a free joint 1 nearest to `wanted` that leaves joint 5 a solution; NaN: there is none.
+    static STEP double free_first(const Arm& arm, const Seen<double>& seen, double wanted) {
+        const auto& ideal = arm.ideal;
+        const double gz = arm.centre_5[2], a5 = ideal.a[4], r = reach_of_5(arm), slack = ideal.clamp * ideal.size * ideal.size;
+        if constexpr (kind == LastPair::intersecting) {
+            const Affine<double> h = height_of_centre(arm, seen);
+            const double middle = ideal.cos_alpha[4] * gz - h.constant, half = abs(ideal.sin_alpha[4]) * r;
+            return nearest_between(wanted, h.cosine, h.sine, middle - half, middle + half, slack / ideal.size);
+        } else {
+            const Affine<double> k = square_of_centre(arm, seen.p);
+            const double rest = k.constant - gz * gz;
+            return nearest_between(wanted, k.cosine, k.sine, (a5 - r) * (a5 - r) - rest, (a5 + r) * (a5 + r) - rest, slack);
+        }
+    }
+
+    // Angles of joint 1 of the general kind.
+    static STEP Quartic first_roots(const Arm& arm, const Seen<double>& seen) {
+        const double gz = arm.centre_5[2], a5 = arm.ideal.a[4], r = reach_of_5(arm);
+        Affine<double> square = square_of_centre(arm, seen.p), height = height_of_centre(arm, seen);
+        square.constant -= r * r + gz * gz + a5 * a5, height.constant -= arm.ideal.cos_alpha[4] * gz;
+        return linked_roots(scaled(square, -0.5 / (a5 * r)), scaled(height, -1.0 / (arm.ideal.sin_alpha[4] * r)));
+    }
+
+    // Both ways to turn joints 2 to 4. Returns whether a joint is all but free.
+    static PART bool middle_closely(const Arm& arm, const Goal<double>& goal, const Rot<double>& R, const Reference<6>& reference,
+                                    const Settled& at, int b, const Columns<6>& columns) {
+        const auto& ideal = arm.ideal;
+        const Tolerances& tol = arm.written.tolerances;
+        const Twists t = twists(arm);
+        const double m1 = at.first.margin, m2 = at.last.margin, arm1 = at.first.arm1;
+        const Rot<double> M = middle_rotation(ideal, R, at.first.t1, at.last.t5, at.last.t6);
+        const Bend<double> bend = wrist_bend(M.z, t, ideal.signs[b][2]);
+        const double least = max(min(min(m1, m2), min(arm1, at.arm6)), 0.0);
+        const double rough = (kind == LastPair::general ? ROUGH_BY_ROOT : ROUGH_BY_MARGIN) / (least + 1e-12);
+        if (bend.margin < -max(max(ideal.clamp, ROUGH), rough)) return false;
+        WristTurns<double> turns = wrist_turns(M, bend.turn, t);
+        const double fixed = turns.fixed;
+        const int marks = at.marks | (fixed <= tol.fold || bend.margin <= tol.fold ? ELBOW : 0);
+        const bool near = min(min(abs(m1), abs(m2)), abs(bend.margin)) < NEAR || min(min(arm1, at.arm6), fixed) < NEAR;
+        if (fixed <= tol.continuum) {
+            turns =
+                shared_turns(M, bend.turn, t, reference.q[1] + ideal.offset[1], reference.q[3] + ideal.offset[3], reference.given);
+        }
+        double q[6] = {wrap(angle(at.first.t1) - ideal.offset[0]), wrap(angle(turns.first) - ideal.offset[1]),
+                       wrap(angle(bend.turn) - ideal.offset[2]),   wrap(angle(turns.last) - ideal.offset[3]),
+                       wrap(angle(at.last.t5) - ideal.offset[4]),  wrap(angle(at.last.t6) - ideal.offset[5])};
+        if (min(m1, min(m2, bend.margin)) >= -ideal.clamp || holds(arm.written, goal, q)) {
+            accept(arm.written, goal, q, b, marks, near, columns);
+        }
+        return min(fixed, min(arm1, at.arm6)) < ALMOST_ALIGNED;
+    }
+
+    static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
+                                 const Columns<6>& columns, unsigned wanted) {
+        Quartic roots = {};
+        roots.count = 4;
+        if constexpr (kind == LastPair::general) roots = first_roots(arm, seen);
+        bool crowded = false, free = false;
+        for (int k = 0; k < roots.count; ++k) {
+            if (!(wanted >> 2 * k & 3u)) continue;
+            const Settled at = settle(arm, seen, reference, k, roots);
+            crowded = crowded || (kind == LastPair::general && at.first.margin < ROOTS_CROWDED);
+            for (int b = 2 * k; at.kept && b < 2 * k + 2; ++b) {
+                if (wanted >> b & 1u) free = middle_closely(arm, goal, seen.R, reference, at, b, columns) || free;
+            }
+        }
+        // Two roots of the quartic are so close that both may have led to the same solution.
+        if (crowded && !free) search_beside_folds(arm.written, goal, columns);
+        // A pose that looks out of reach next to a singularity may be within it.
+        return (kind != LastPair::general || crowded || free) && !columns.count() ? wanted : 0u;
+    }
+};
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

@@ -1,0 +1,22 @@
+// What the solver of arms whose axes 2, 3 and 4 meet knows of an arm.
+#pragma once
+
+#include "kinematics/arm.hpp"
+
+namespace urdf_ik {
+
+// What axes 5 and 6 have in common; it decides how joint 1 is solved for.
+enum class LastPair { intersecting, parallel, general };
+
+struct SphericalMiddleArm {
+    IdealFrames ideal;
+    Written<6> written;
+    // Where axes 2 to 4 meet: in frame 1 before joint 1 turns, and in frame 5 before joint 5 turns [m].
+    double centre[3], centre_5[3];
+};
+
+struct SphericalMiddleSolvers {
+    SolveArm<SphericalMiddleArm> solve[3];  // by LastPair
+};
+
+}  // namespace urdf_ik

@@ -1,0 +1,343 @@
+// All solutions of six revolute joints whose last three axes meet (Pieper 1968): up to four places of the first three
+// joints, two wrists each. Columns: 4 front/back + 2 up/down + noflip/flip.
+#pragma once
+
+#include "answers/blocks.hpp"
+#include "arithmetic/quartic.hpp"
+#include "families/closed_forms/wrist_position.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// The target's rotation seen from frame 3.
+template <class V> STEP Rot<V> wrist_rotation(const Rot<V>& R, const IdealFrames& arm, const Place<V>& at) {
+    const Turn<double> a1 = {arm.cos_alpha[0], arm.sin_alpha[0]}, a2 = {arm.cos_alpha[1], arm.sin_alpha[1]};
+    const Turn<double> a3 = {arm.cos_alpha[2], arm.sin_alpha[2]};
+    return each(R, [&](Vec<V> v) {
+        unturn(v.x, v.y, at.t1), unturn(v.y, v.z, a1);
+        unturn(v.x, v.y, at.t2), unturn(v.y, v.z, a2);
+        unturn(v.x, v.y, at.t3), unturn(v.y, v.z, a3);
+        return v;
+    });
+}
+
+template <Shoulder kind> struct SphericalWrist {
+    using Arm = SphericalWristArm;
+    static constexpr int branches = 8;
+    static constexpr bool by_height = kind == Shoulder::parallel_23;  // the shoulder's margin comes before the elbow's
+
+    // Angles of a block that are taken together, so that the processor finds independent work: t1 of both fronts and the
+    // bend of their elbows (parallel_23), or t3 of both elbows and t1 of each pair; t2, and the wrist's turns, of each pair.
+    using Angles = AnglesOf<32>;
+    // Margins and squared arms of a place of the first three joints, and the squared error of its position.
+    struct Margins {
+        Block shoulder, elbow, arms, error;
+    };
+    static constexpr int OUTER = 0, BEND = 2, SECOND = 4, FIFTH = 8, FOURTH = 12, SIXTH = 16, FOURTH_FLIPPED = 20,
+                         SIXTH_FLIPPED = 24;
+    static constexpr int FIRST = 28;
+
+    template <class Out> static STEP void fast(const Arm& arm, const Seen<Block>& seen, Out& found) {
+        if (arm.square_wrist) solve<true>(arm, seen, found);
+        else solve<false>(arm, seen, found);
+    }
+
+    template <bool square, class Out> static STEP void solve(const Arm& arm, const Seen<Block>& seen, Out& found) {
+        Angles at;
+        State state[4];
+        if constexpr (kind == Shoulder::parallel_23) {
+            for (int outer = 0; outer < 2; ++outer) one_front<square>(arm, seen, outer, at, state);
+        } else {
+            for (int outer = 0; outer < 2; ++outer) one_elbow<square>(arm, seen, outer, at, state);
+        }
+        angles<0, 20>(at.y, at.x);
+        if constexpr (!square) angles<20, 28>(at.y, at.x);
+        if constexpr (kind != Shoulder::parallel_23) angles<28, 32>(at.y, at.x);
+        combine<square>(arm, at, state, found);
+    }
+
+    // Both elbows of one front of the arm. Axes 2 and 3 are parallel, so joints 2 and 3 turn the wrist by one angle.
+    template <bool square>
+    static STEP void one_front(const Arm& arm, const Seen<Block>& seen, int outer, Angles& at, State (&state)[4]) {
+        const auto& ideal = arm.ideal;
+        const double side = ideal.cos_alpha[1], size2 = 1.0 / (ideal.size * ideal.size);
+        const Front<Block> front = face<Block>(arm, seen.p, ideal.signs[4 * outer][0]);
+        at.set(OUTER + outer, front.t1);
+        const Rot<Block> R = each(seen.R, [&](const Vec<Block>& v) { return before_second(ideal, v, front.t1); });
+        // Where the angle of joint 1 brings the wrist's plane, against where it should be.
+        const Vec<Block> p = before_second(ideal, seen.p, front.t1) - Vec<Block>{Block(ideal.a[0]), Block(0.0), Block(0.0)};
+        const Block off_plane = p.z - arm.height, off_x = p.x - front.ux, off_y = p.y - front.uy;
+        const Block off1 = off_plane * off_plane + off_x * off_x + off_y * off_y;
+        const Block uu = front.ux * front.ux + front.uy * front.uy, arm2 = uu * size2;
+        const Fold<Block> f = fold<Block>(uu, ideal.a[1], arm.rho, side, 1.0);
+        const auto& [c, s] = f.bend;
+        at.set(BEND + outer, f.bend);
+        const Block along = ideal.a[1] + arm.rho * c;
+        const Block c_even = f.wx * front.ux, c_odd = f.wy * front.uy, s_even = f.wx * front.uy, s_odd = f.wy * front.ux;
+        const Block arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * size2;
+        Margins margins = {front.margin, f.margin, min(arm1, arm2), 0.0};
+        for (int e = 0; e < 2; ++e) {
+            const int pair = 2 * outer + e;
+            const double up = ideal.signs[2 * pair][1];
+            const Turn<Block> t2 = unit(c_even + up * c_odd, s_even - up * s_odd);
+            const Block us = up * s, across = up * f.wy;
+            const Turn<Block> t3 = {c * arm.cos_phi + us * arm.sin_phi, us * arm.cos_phi - c * arm.sin_phi};
+            const Turn<Block> t23 = {t2.c * t3.c - side * (t2.s * t3.s), t2.s * t3.c + side * (t2.c * t3.s)};
+            const Block ex = t2.c * along - t2.s * across - front.ux, ey = t2.s * along + t2.c * across - front.uy;
+            at.set(SECOND + pair, t2);
+            margins.error = (off1 + ex * ex + ey * ey) * (2.0 * size2);
+            state[pair] = wrists<square>(arm, after_third(ideal, R, t23), margins, pair, at);
+        }
+    }
+
+    // A vector of frame 1 seen after joint 1 has turned and alpha 1.
+    static STEP Vec<Block> before_second(const IdealFrames& arm, Vec<Block> v, const Turn<Block>& t1) {
+        unturn(v.x, v.y, t1), unturn(v.y, v.z, Turn<double>{arm.cos_alpha[0], arm.sin_alpha[0]});
+        return v;
+    }
+    // A rotation of that frame seen after joints 2 and 3, whose axes are parallel, have turned it by t23, and alpha 3.
+    static STEP Rot<Block> after_third(const IdealFrames& arm, const Rot<Block>& R, const Turn<Block>& t23) {
+        const double side = arm.cos_alpha[1];
+        const Turn<double> a3 = {side * arm.cos_alpha[2], side * arm.sin_alpha[2]};
+        return each(R, [&](Vec<Block> v) {
+            unturn(v.x, v.y, t23), unturn(v.y, v.z, a3);
+            return v;
+        });
+    }
+
+    // Both fronts of one elbow.
+    template <bool square>
+    static STEP void one_elbow(const Arm& arm, const Seen<Block>& seen, int outer, Angles& at, State (&state)[4]) {
+        const Third<kind, Block> elbow = third<kind, Block>(arm, seen.p, arm.ideal.signs[2 * outer][1]);
+        at.set(OUTER + outer, elbow.t3);
+        for (int inner = 0; inner < 2; ++inner) {
+            const int pair = 2 * inner + outer;
+            const Place<Block> place = first_two<kind, Block>(arm, seen.p, elbow, arm.ideal.signs[2 * pair][0], {});
+            at.set(FIRST + pair, place.t1), at.set(SECOND + pair, place.t2);
+            const Margins margins = {place.margin1, place.margin2, min(place.arm1, place.arm2), place.error};
+            state[pair] = wrists<square>(arm, wrist_rotation(seen.R, arm.ideal, place), margins, pair, at);
+        }
+    }
+
+    // Both wrists of one place of the first three joints; M: the target's rotation seen from frame 3.
+    template <bool square>
+    static STEP State wrists(const Arm& arm, const Rot<Block>& M, const Margins& place, int pair, Angles& at) {
+        const auto& ideal = arm.ideal;
+        const Twists t = {ideal.cos_alpha[3], ideal.sin_alpha[3], ideal.cos_alpha[4], ideal.sin_alpha[4]};
+        Block margin, fixed, off;
+        if constexpr (square) {
+            const SquareWrist<Block> wrist = square_wrist(M, t);
+            margin = fixed = wrist.fixed, off = wrist.error;
+            at.set(FIFTH + pair, wrist.bend), at.set(FOURTH + pair, wrist.first), at.set(SIXTH + pair, wrist.last);
+        } else {
+            const Bend<Block> bend = wrist_bend<Block>(M.z, t, 1.0);
+            const WristTurns<Block> turns = wrist_turns(M, bend.turn, t), flipped = wrist_turns(M, {bend.turn.c, -bend.turn.s}, t);
+            margin = bend.margin, fixed = turns.fixed, off = max(turns.error, flipped.error);
+            at.set(FIFTH + pair, bend.turn), at.set(FOURTH + pair, turns.first), at.set(SIXTH + pair, turns.last);
+            at.set(FOURTH_FLIPPED + pair, flipped.first), at.set(SIXTH_FLIPPED + pair, flipped.last);
+        }
+        const Tolerances& tol = arm.written.tolerances;
+        const Block least = min(min(place.shoulder, place.elbow), margin), arms = min(place.arms, fixed);
+        const auto doubt = (min(least, arms) <= Block(tol.edge)) | !(place.error + off <= Block(tol.reach * tol.reach * 1e-2));
+        // What a later step says where an earlier one is at its end is rough.
+        const Block &first = by_height ? place.shoulder : place.elbow, &second = by_height ? place.elbow : place.shoulder;
+        const auto lost = (first < Block(-tol.edge)) | ((second < Block(-tol.edge)) & (min(first, place.arms) > Block(tol.edge))) |
+                          ((margin < Block(-tol.edge)) & (min(min(first, second), place.arms) > Block(tol.edge)));
+        const Block held = after(fixed, min(min(abs(place.shoulder), abs(place.elbow)), place.arms));
+        return {lost, doubt, {place.shoulder, place.elbow, margin, min(place.arms, held)}};
+    }
+
+    // Joint values from the angles, offsets taken off.
+    template <bool square, class Out>
+    static STEP void combine(const Arm& arm, const Angles& at, const State (&state)[4], Out& found) {
+        const double* offset = arm.ideal.offset;
+        const Block* angle = at.y;
+        for (int pair = 0; pair < 4; ++pair) {
+            Block q[6], flipped[6];
+            if constexpr (kind == Shoulder::parallel_23) {
+                q[0] = wrap(angle[OUTER + pair / 2] - offset[0]);
+                q[2] = wrap(arm.ideal.signs[2 * pair][1] * angle[BEND + pair / 2] - arm.bend_offset);
+            } else {
+                q[0] = wrap(angle[FIRST + pair] - offset[0]), q[2] = wrap(angle[OUTER + pair % 2] - offset[2]);
+            }
+            q[1] = wrap(angle[SECOND + pair] - offset[1]);
+            q[3] = wrap(angle[FOURTH + pair] - offset[3]);
+            q[4] = wrap(angle[FIFTH + pair] - offset[4]);
+            q[5] = wrap(angle[SIXTH + pair] - offset[5]);
+            for (int j = 0; j < 3; ++j) flipped[j] = q[j];
+            flipped[4] = wrap(-angle[FIFTH + pair] - offset[4]);
+            if constexpr (square) {
+                flipped[3] = half_turn_from(q[3]), flipped[5] = half_turn_from(q[5]);
+            } else {
+                flipped[3] = wrap(angle[FOURTH_FLIPPED + pair] - offset[3]),
+                flipped[5] = wrap(angle[SIXTH_FLIPPED + pair] - offset[5]);
+            }
+            found.set(2 * pair, q, state[pair].lost, state[pair].doubt, state[pair].clear);
+            found.set(2 * pair + 1, flipped, state[pair].lost, state[pair].doubt, state[pair].clear);
+        }
+    }
+
+    // A margin within `fold` of zero is a double root, of which one branch is kept; a joint that the target leaves free
+    // (squared arm below `continuum`) takes the reference's value.
+    static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
+                                 const Columns<6>& columns, unsigned wanted) {
+        Quartic roots = {};
+        roots.count = 4;
+        if constexpr (kind == Shoulder::general) roots = shoulder_roots(arm, seen.p);
+        unsigned unsure = 0;
+        for (int pair = 0; pair < roots.count && pair < 4; ++pair) {
+            if (!(wanted >> 2 * pair & 3u)) continue;
+            const Settled place = settle(arm, seen.p, reference, pair, roots);
+            if (place.unsure) unsure |= 3u << 2 * pair;
+            if (!place.kept) continue;
+            const Rot<double> M = wrist_rotation(seen.R, arm.ideal, place.at);
+            for (int b = 2 * pair; b < 2 * pair + 2; ++b) {
+                if (wanted >> b & 1u) unsure |= unsigned(wrist_closely(arm, goal, M, place, reference, b, columns)) << b;
+            }
+        }
+        return unsure;
+    }
+
+    // What is known of a place of the first three joints, its root settled.
+    struct Settled {
+        Place<double> at;
+        Drift drift;
+        int marks;
+        bool near, kept, unsure;
+    };
+
+    // The margins of a place one after the other, each by what the ones before leave of its digits. False where one is beyond
+    // its end.
+    static STEP bool is_inside(const Arm& arm, double m1, double m2, Settled& to) {
+        const Tolerances& tol = arm.written.tolerances;
+        const double clamp = arm.ideal.clamp, arm1 = to.at.arm1, arm2 = to.at.arm2;
+        const auto beyond = [&](double margin) {
+            to.unsure = to.unsure || to.drift.hides(margin);
+            return margin < -max(clamp, to.drift.of_margin());
+        };
+        if constexpr (by_height) {
+            if (m1 < -clamp) return false;
+            if (arm1 > tol.continuum) to.drift.through_swing(m1, arm1);
+            if (beyond(m2)) return false;
+            to.drift.through_root(m2);
+            if (arm2 > tol.continuum) to.drift.through_arm(arm2);
+        } else {
+            if (kind != Shoulder::general && m2 < -clamp) return false;
+            to.drift.through_root(kind == Shoulder::general ? m1 : m2);
+            if (kind != Shoulder::general && beyond(m1)) return false;
+            if (kind == Shoulder::parallel_12) to.drift.through_root(m1);
+            else if (arm2 > tol.continuum) to.drift.through_swing(m1, arm2);
+            if (arm1 > tol.continuum) to.drift.through_arm(arm1);
+        }
+        to.drift.open = min(arm1, arm2) <= tol.continuum;
+        return true;
+    }
+
+    static STEP Settled settle(const Arm& arm, const Vec<double>& p, const Reference<6>& reference, int pair,
+                               const Quartic& roots) {
+        const auto& ideal = arm.ideal;
+        const Tolerances& tol = arm.written.tolerances;
+        constexpr bool quartic = kind == Shoulder::general;
+        double front = ideal.signs[2 * pair][0], up = ideal.signs[2 * pair][1];
+        Settled out = {position<kind>(arm, p, front, up, roots.root[pair]), {}, 0, false, false, false};
+        out.drift.own = max(out.drift.own, reference.displaced);
+        const double m1 = quartic ? roots.gap(pair) : out.at.margin1, m2 = out.at.margin2, arm1 = out.at.arm1, arm2 = out.at.arm2;
+        out.near = min(abs(m1), abs(m2)) < NEAR || min(arm1, arm2) < NEAR;
+        if (!is_inside(arm, m1, m2, out)) return out;
+        const bool free1 = arm1 <= tol.continuum, free2 = arm2 <= tol.continuum;
+        const double fold = marked(tol, reference), loose = max(tol.continuum, fold * fold);
+        if ((m1 <= fold && !quartic) || arm1 <= loose || (arm2 <= loose && !by_height)) out.marks |= SHOULDER;
+        if (m2 <= fold || (arm2 <= loose && by_height)) out.marks |= ELBOW;
+        if (!quartic) {
+            // Of two signs that stand for the same root, or the same continuum, the positive one is kept, as zero.
+            const double swung = by_height ? arm1 : kind == Shoulder::intersecting_12 ? min(arm1, arm2) : 1.0;
+            const double links = by_height ? 2.0 * ideal.a[1] * arm.rho / (ideal.size * ideal.size) : 1.0;
+            const bool double1 = is_double(m1, swung, ROUNDING), double2 = is_double(m2, by_height ? arm2 : 1.0, ROUNDING / links);
+            if (front < 0.0 && (double1 || free1 || (free2 && !by_height))) return out;
+            if (up < 0.0 && (double2 || (free2 && by_height))) return out;
+            front = double1 ? 0.0 : front, up = double2 ? 0.0 : up;
+        }
+        if (free1 || free2 || front == 0.0 || up == 0.0) {
+            Held hold = {free1, free2};
+            hold.turn1 = exact_turn(reference.q[0] + ideal.offset[0]), hold.turn2 = exact_turn(reference.q[1] + ideal.offset[1]);
+            out.at = position<kind>(arm, p, front, up, roots.root[pair], hold);
+        }
+        out.kept = true;
+        return out;
+    }
+
+    // One wrist. Returns whether rounding leaves the branch in doubt.
+    static PART bool wrist_closely(const Arm& arm, const Goal<double>& goal, const Rot<double>& M, const Settled& place,
+                                   const Reference<6>& reference, int b, const Columns<6>& columns) {
+        const auto& ideal = arm.ideal;
+        const Tolerances& tol = arm.written.tolerances;
+        const Twists t = {ideal.cos_alpha[3], ideal.sin_alpha[3], ideal.cos_alpha[4], ideal.sin_alpha[4]};
+        const double flip = ideal.signs[b][2];
+        Bend<double> bend = wrist_bend(M.z, t, flip);
+        // The quartic's roots are rough where it is ill-conditioned: let Newton's method decide.
+        const double rough = kind == Shoulder::general ? ROUGH : 0.0;
+        if (bend.margin < -max(max(ideal.clamp, rough), place.drift.of_margin())) return place.drift.hides(bend.margin);
+        WristTurns<double> turns = wrist_turns(M, bend.turn, t);
+        Drift drift = place.drift;
+        drift.through_arm(turns.fixed);
+        const bool free = turns.fixed <= tol.continuum, loose = !free && place.drift.frees(turns.fixed);
+        const bool unsure = loose || place.drift.hides(bend.margin) || (!free && place.drift.by > 0.0 && drift.is_lost());
+        const int marks = place.marks | (min(turns.fixed, bend.margin) <= marked(tol, reference) ? WRIST : 0);
+        const bool double3 = is_double(bend.margin, turns.fixed, ROUNDING / (t.sb * t.sb));
+        if (flip < 0.0 && (double3 || free)) return unsure;
+        if (double3) {
+            bend.turn = wrist_bend(M.z, t, 0.0).turn;
+            turns = wrist_turns(M, bend.turn, t);
+        }
+        const bool near = place.near || abs(bend.margin) < NEAR || turns.fixed < NEAR;
+        const bool sure = reference.displaced == 0.0 && !place.unsure && !unsure && bend.margin >= -ideal.clamp;
+        const auto candidate = [&](const WristTurns<double>& ends, double (&q)[6]) {
+            const Turn<double> found[6] = {place.at.t1, place.at.t2, place.at.t3, ends.first, bend.turn, ends.last};
+            for (int j = 0; j < 6; ++j) q[j] = wrap(angle(found[j]) - ideal.offset[j]);
+        };
+        const auto shared = [&] {
+            return shared_turns(M, bend.turn, t, reference.q[3] + ideal.offset[3], reference.q[5] + ideal.offset[5],
+                                reference.given);
+        };
+        double q[6];
+        candidate(free ? shared() : turns, q);
+        if (kind == Shoulder::general || sure || !arm.written.exact ||
+            holds(arm.written, goal, q, reference.displaced > 0.0 ? PATIENCE : LONG_PATIENCE)) {
+            accept(arm.written, goal, q, b, marks, near, columns);
+        }
+        if (loose && !columns.valid(b) && !columns.valid(b & ~1)) {
+            candidate(shared(), q);
+            take_unless_represented(arm.written, goal, q, b, marks, columns);
+        }
+        return unsure;
+    }
+
+    // Third angles of a general shoulder: the length of p and its height fix u_x and u_y as affine functions of (cos,
+    // sin); u_x^2 + u_y^2 + u_z^2 = f^2 is then a trigonometric polynomial of degree two (Pieper 1968).
+    static PART Quartic shoulder_roots(const Arm& arm, const Vec<double>& p) {
+        const double a1 = arm.ideal.a[0], ca1 = arm.ideal.cos_alpha[0], sa1 = arm.ideal.sin_alpha[0];
+        // f is affine in (cos, sin), and |f|^2 too, since the squares of (cos, sin) add up to one.
+        const Vec<double> zero = second_link<double>(arm, {0.0, 0.0}), c = second_link<double>(arm, {1.0, 0.0}),
+                          s = second_link<double>(arm, {0.0, 1.0});
+        const Vec<double> minus_c = second_link<double>(arm, {-1.0, 0.0}), minus_s = second_link<double>(arm, {0.0, -1.0});
+        const double f0 = 0.5 * (dot(c, c) + dot(minus_c, minus_c)), fc = 0.5 * (dot(c, c) - dot(minus_c, minus_c));
+        const double fs = 0.5 * (dot(s, s) - dot(minus_s, minus_s));
+        const double k = (dot(p, p) - a1 * a1 - f0) / (2.0 * a1), kc = -fc / (2.0 * a1), ks = -fs / (2.0 * a1);
+        const double h = zero.z, hc = c.z - h, hs = s.z - h;
+        const double v = (p.z - ca1 * h) / sa1, vc = -ca1 * hc / sa1, vs = -ca1 * hs / sa1;
+        const double scale = 1.0 / (arm.ideal.size * arm.ideal.size);
+        const double constant = (k * k + v * v + h * h - f0) * scale;
+        const double cc = (kc * kc + vc * vc + hc * hc) * scale, ss = (ks * ks + vs * vs + hs * hs) * scale;
+        return trigonometric_roots({constant + 0.5 * (cc + ss), (2.0 * (k * kc + v * vc + h * hc) - fc) * scale,
+                                    (2.0 * (k * ks + v * vs + h * hs) - fs) * scale, 0.5 * (cc - ss),
+                                    (kc * ks + vc * vs + hc * hs) * scale});
+    }
+};
+
+// A general shoulder has no signs to take side by side: every pose is looked at closely.
+template <>
+template <class Out>
+STEP void SphericalWrist<Shoulder::general>::fast(const Arm&, const Seen<Block>&, Out& found) {
+    found.leave_open();
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

@@ -1,0 +1,28 @@
+// What the solver of arms with a spherical wrist knows of an arm.
+#pragma once
+
+#include "kinematics/arm.hpp"
+
+namespace urdf_ik {
+
+// What the first three axes have in common; it decides how they are solved for.
+enum class Shoulder { parallel_23, intersecting_12, parallel_12, general };
+
+struct SphericalWristArm {
+    IdealFrames ideal;
+    Written<6> written;
+    // The wrist centre in frame 3; its distance from axis 3 and its direction there; its height along axis 2's frame.
+    double centre[3], rho, cos_phi, sin_phi, height;
+    // parallel_23: what is taken off the bend of the elbow to make joint 3's value [rad].
+    double bend_offset;
+    // intersecting_12: cos(t3 + shift) = swing[0] |p|^2 + swing[1]; parallel_12: sin(t3 + phi) = swing[0] cos(alpha1) p_z
+    // + swing[1].
+    double swing[2];
+    bool square_wrist;  // alpha 4 and alpha 5 are exactly +-90 degrees, so the two wrists differ by half turns
+};
+
+struct SphericalWristSolvers {
+    SolveArm<SphericalWristArm> solve[4];  // by Shoulder
+};
+
+}  // namespace urdf_ik

@@ -1,0 +1,352 @@
+// All solutions of six revolute joints whose axes 2, 3 and 4 are parallel.
+//
+// Seen along the parallel axes, joints 2 to 4 only shift the wrist across them and turn it by one angle phi. The
+// component along them fixes joints 1 and 5, phi and joint 6 follow like a wrist's two turns, and a planar two-link arm
+// is left. Sources: Hawkins 2013 (Universal Robots); Elias and Wen 2022 (three parallel axes).
+// Columns: 4 front/back + 2 up/down + noflip/flip.
+#pragma once
+
+#include "answers/blocks.hpp"
+#include "families/closed_forms/three_parallel_arm.hpp"
+#include "kinematics/linked_angles.hpp"
+#include "kinematics/subproblems.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+STEP Twists twists(const ThreeParallelArm& arm) {
+    return {arm.cos_first, arm.sin_first, arm.ideal.cos_alpha[4], arm.ideal.sin_alpha[4]};
+}
+
+// A vector of frame 1 in the frame that joint 1 has turned, with z along the parallel axes.
+template <class V> STEP Vec<V> seen_along(const ThreeParallelArm& arm, Vec<V> v, const Turn<V>& t1) {
+    unturn(v.x, v.y, t1), unturn(v.y, v.z, Turn<double>{arm.ideal.cos_alpha[0], arm.ideal.sin_alpha[0]});
+    return v;
+}
+template <class V> STEP Seen<V> seen_along(const ThreeParallelArm& arm, const Seen<V>& at, const Turn<V>& t1) {
+    Vec<V> p = seen_along(arm, at.p, t1);
+    p.x = p.x - arm.ideal.a[0];
+    return {each(at.R, [&](const Vec<V>& v) { return seen_along(arm, v, t1); }), p};
+}
+
+// Joint 1 of an arm whose axes 5 and 6 meet, in a point at a known height along the parallel axes.
+template <class V> STEP Swing<V> face(const ThreeParallelArm& arm, const Vec<V>& p, const V& front) {
+    const V k = (arm.ideal.cos_alpha[0] * p.z - arm.along) * (1.0 / arm.ideal.sin_alpha[0]);
+    return swing_to_offset(p.x, p.y, k, front);
+}
+
+// Step from axis 4 to the origin of frame 6, across the parallel axes, before the turn phi [m].
+template <class V> struct Across {
+    V x, y;
+};
+template <class V> STEP Across<V> forearm(const ThreeParallelArm& arm, const Turn<V>& t5) {
+    const double a5 = arm.ideal.a[4];
+    return {arm.ideal.a[3] + a5 * t5.c, arm.cos_first * a5 * t5.s - arm.sin_first * arm.ideal.d[3]};
+}
+// Where that puts axis 4, seen from axis 2.
+template <class V> STEP Across<V> to_axis_4(const Vec<V>& p, const Turn<V>& phi, const Across<V>& f) {
+    return {p.x - (phi.c * f.x - phi.s * f.y), p.y - (phi.s * f.x + phi.c * f.y)};
+}
+
+// Joint 5 of a general hand, from its height along the parallel axes; `tilt`: cosine of the angle from them to axis 6.
+STEP Turn<double> skew_bend(const ThreeParallelArm& arm, double tilt, double height) {
+    const Twists t = twists(arm);
+    return unit((t.ca * t.cb - tilt) / (t.sa * t.sb), (height - arm.along) / (t.sa * arm.ideal.a[4]));
+}
+
+// The component of a vector along the parallel axes, by the angle of joint 1.
+STEP Affine<double> along(const ThreeParallelArm& arm, const Vec<double>& v) {
+    return {arm.ideal.cos_alpha[0] * v.z, -arm.ideal.sin_alpha[0] * v.y, arm.ideal.sin_alpha[0] * v.x};
+}
+
+// First angles of an arm whose axes 5 and 6 are skew: direction and height of axis 6 along the parallel axes give cos t5
+// and sin t5. Where axis 6 is almost parallel to axes 2 to 4 they are made exact.
+PART Quartic first_angles(const ThreeParallelArm& arm, const Seen<double>& seen) {
+    const Twists t = twists(arm);
+    const double w = -1.0 / (t.sa * t.sb);
+    Affine<double> cosine = scaled(along(arm, seen.R.z), w), sine = scaled(along(arm, seen.p), 1.0 / (t.sa * arm.ideal.a[4]));
+    cosine.constant -= t.ca * t.cb * w, sine.constant -= arm.along / (t.sa * arm.ideal.a[4]);
+    Quartic roots = linked_roots(cosine, sine);
+    const Affine<double> tilt = along(arm, seen.R.z);
+    for (int k = 0; k < 2; ++k) {
+        const double side = k ? -1.0 : 1.0;
+        const Turn<double> at = unit(side * tilt.cosine, side * tilt.sine);
+        const Bend<double> bend = wrist_bend(seen_along(arm, seen.R.z, at), t, 1.0);
+        sharpen_roots({at, bend.turn.c, bend.margin, -w * (tilt.cosine * at.c + tilt.sine * at.s)}, sine, roots);
+    }
+    return roots;
+}
+
+template <Hand kind> struct ThreeParallel {
+    using Arm = ThreeParallelArm;
+    static constexpr int branches = 8;
+
+    // Angles of a block that are taken together, so that the processor finds independent work: joints 1 and 5 of both
+    // shoulders, phi and joint 6 of both, or of all four wrists, the elbow's bend of these, joint 2 of all branches.
+    using Angles = AnglesOf<28>;
+    static constexpr int FIRST = 0, FIFTH = 2, PHI = 4, SIXTH = 6, BEND = 8, SECOND = 12, PHI_FLIPPED = 20, SIXTH_FLIPPED = 22;
+    // What shoulder and wrist leave to the elbow.
+    struct Upstream {
+        Block margin1, margin5, arm1, fixed, error;
+    };
+
+    template <class Out> static STEP void fast(const Arm& arm, const Seen<Block>& seen, Out& found) {
+        if (arm.square_wrist) solve_block<true>(arm, seen, found);
+        else solve_block<false>(arm, seen, found);
+    }
+
+    // Shoulder by shoulder; wrists and elbows share what they have in common.
+    template <bool square, class Out> static STEP void solve_block(const Arm& arm, const Seen<Block>& seen, Out& found) {
+        Angles at;
+        State state[4];
+        for (int shoulder = 0; shoulder < 2; ++shoulder) one_shoulder<square>(arm, seen, shoulder, at, state);
+        angles<0, 20>(at.y, at.x);
+        if constexpr (!square) angles<20, 24>(at.y, at.x);
+        for (int k = 0; k < 4; ++k) combine<square>(arm, at, k, state[k], found);
+    }
+
+    template <bool square>
+    static STEP void one_shoulder(const Arm& arm, const Seen<Block>& seen, int shoulder, Angles& at, State (&state)[4]) {
+        const auto& ideal = arm.ideal;
+        const Twists t = twists(arm);
+        const double scale = 1.0 / (ideal.size * ideal.size);
+        const Swing<Block> first = face<Block>(arm, seen.p, ideal.signs[4 * shoulder][0]);
+        const Seen<Block> from = seen_along(arm, seen, first.turn);
+        const Block high = (from.p.z - arm.along) * (1.0 / ideal.size), arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * scale;
+        at.set(FIRST + shoulder, first.turn);
+        const auto elbows = [&](const Turn<Block>& bend, const Block& margin, const WristTurns<Block>& turns, int flip) {
+            const Upstream up = {first.margin * scale, margin, arm1, turns.fixed, turns.error + high * high};
+            state[2 * shoulder + flip] =
+                both_elbows(arm, up, to_axis_4(from.p, turns.first, forearm(arm, bend)), 2 * shoulder + flip, at);
+        };
+        if constexpr (square) {
+            const SquareWrist<Block> wrist = square_wrist(from.R, t);
+            at.set(FIFTH + shoulder, wrist.bend), at.set(PHI + shoulder, wrist.first), at.set(SIXTH + shoulder, wrist.last);
+            elbows(wrist.bend, wrist.fixed, {wrist.first, wrist.last, wrist.fixed, wrist.error}, 0);
+            const Turn<Block> back = {wrist.bend.c, -wrist.bend.s}, opposite = {-wrist.first.c, -wrist.first.s};
+            elbows(back, wrist.fixed, {opposite, wrist.last, wrist.fixed, wrist.error}, 1);
+        } else {
+            const Bend<Block> bend = wrist_bend<Block>(from.R.z, t, 1.0);
+            const Turn<Block> back = {bend.turn.c, -bend.turn.s};
+            const WristTurns<Block> turns = wrist_turns(from.R, bend.turn, t), flip = wrist_turns(from.R, back, t);
+            at.set(FIFTH + shoulder, bend.turn), at.set(PHI + shoulder, turns.first), at.set(SIXTH + shoulder, turns.last);
+            at.set(PHI_FLIPPED + shoulder, flip.first), at.set(SIXTH_FLIPPED + shoulder, flip.last);
+            elbows(bend.turn, bend.margin, turns, 0), elbows(back, bend.margin, flip, 1);
+        }
+    }
+
+    // k: 2 front/back + noflip/flip.
+    static STEP State both_elbows(const Arm& arm, const Upstream& up, const Across<Block>& u, int k, Angles& at) {
+        const auto& ideal = arm.ideal;
+        const double edge = arm.written.tolerances.edge, reach = arm.written.tolerances.reach,
+                     scale = 1.0 / (ideal.size * ideal.size);
+        const Block uu = u.x * u.x + u.y * u.y;
+        const Fold<Block> f = fold<Block>(uu, ideal.a[1], ideal.a[2], arm.turn_3, 1.0);
+        // The links turned towards axis 4 miss it by what the lengths differ, at most miss / |u|.
+        const Block miss = f.wx * f.wx + f.wy * f.wy - uu;
+        const Block arms = min(min(up.arm1, uu * scale), up.fixed), before = min(up.margin1, up.margin5);
+        const Block xx = f.wx * u.x, xy = f.wx * u.y, yx = f.wy * u.x, yy = f.wy * u.y;
+        at.set(BEND + k, f.bend), at.set(SECOND + 2 * k, {xx + yy, xy - yx}), at.set(SECOND + 2 * k + 1, {xx - yy, xy + yx});
+        // Where the wrist leaves phi free, another phi may bring the elbow within reach;
+        // and what a later step says where an earlier one is at its end is rough.
+        const auto lost = (up.margin1 < Block(-edge)) | ((up.margin5 < Block(-edge)) & (up.margin1 > Block(edge))) |
+                          ((f.margin < Block(-edge)) & (min(before, min(up.fixed, up.arm1)) > Block(edge)));
+        const auto doubt = (min(min(before, f.margin), arms) <= Block(edge)) |
+                           !(miss * miss * scale + up.error * uu <= (reach * reach * 1e-2) * uu);
+        const Block front = min(abs(up.margin1), up.arm1), wrist = min(abs(up.margin5), up.fixed);
+        const Block held = min(after(up.fixed, front), after(uu * scale, min(front, wrist)));
+        return {lost, doubt, {up.margin1, f.margin, up.margin5, min(up.arm1, held)}};
+    }
+
+    // Joint values from the angles, offsets taken off.
+    template <bool square, class Out> static STEP void combine(const Arm& arm, const Angles& at, int k, const State& state,
+                                                               Out& found) {
+        const double* offset = arm.ideal.offset;
+        const Block* angle = at.y;
+        const int shoulder = k / 2, flip = k % 2;
+        const Block q1 = wrap(angle[FIRST + shoulder] - offset[0]),
+                    q5 = wrap((flip ? -angle[FIFTH + shoulder] : angle[FIFTH + shoulder]) - offset[4]);
+        Block phi = angle[(flip && !square ? PHI_FLIPPED : PHI) + shoulder];
+        Block q6 = wrap(angle[(flip && !square ? SIXTH_FLIPPED : SIXTH) + shoulder] - offset[5]);
+        if (flip && square) phi = half_turn_from(phi), q6 = half_turn_from(q6);
+        for (int down = 0; down < 2; ++down) {
+            const Block t2 = angle[SECOND + 2 * k + down], t3 = down ? -angle[BEND + k] : angle[BEND + k];
+            const Block t4 = arm.turn_4 * (phi - (t2 + arm.turn_3 * t3));
+            found.set(4 * shoulder + 2 * down + flip,
+                      {q1, wrap(t2 - offset[1]), wrap(t3 - offset[2]), wrap(wrap(t4 - offset[3])), q5, q6}, state.lost, state.doubt,
+                      state.clear);
+        }
+    }
+
+    static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
+                                 const Columns<6>& columns, unsigned wanted) {
+        Quartic roots = {};
+        roots.count = 4;
+        if constexpr (kind == Hand::general) roots = first_angles(arm, seen);
+        // Shoulders and wrists: 2 front/back + noflip/flip.
+        Settled settled[4];
+        for (int k = 0; k < 4; ++k) {
+            const int b = 4 * (k / 2) + k % 2;
+            settled[k] = {};
+            if (k < roots.count && wanted >> b & 5u) settled[k] = settle(arm, seen, reference, b, k, roots);
+        }
+        unsigned unsure = 0;
+        for (int b = 0; b < 8; ++b) {
+            const Settled& at = settled[2 * (b / 4) + b % 2];
+            if (!(wanted >> b & 1u)) continue;
+            unsure |= unsigned(at.unsure) << b;
+            if (at.kept) unsure |= unsigned(elbow_closely(arm, goal, reference, at, b, columns)) << b;
+        }
+        for (int k = 0; k < 4; ++k) {
+            if (!settled[k].loose) continue;
+            for (int b = 4 * (k / 2) + k % 2, last = b + 2; b <= last; b += 2) {
+                if (!(wanted >> b & 1u) || columns.valid(b) || columns.valid(b & ~1)) continue;
+                const Settled at = settle(arm, seen, reference, b, k, roots, true);
+                if (at.kept) elbow_closely(arm, goal, reference, at, b, columns);
+            }
+        }
+        // Roots that nearly meet are known to half of their digits.
+        for (int k = 0; kind == Hand::general && k < roots.count; ++k) {
+            if (roots.gap(k) < ROOTS_CROWDED && !columns.count()) unsure = wanted;
+        }
+        return unsure;
+    }
+
+    // A shoulder and a wrist.
+    struct Settled {
+        Turn<double> t1, t5, phi, t6;
+        Across<double> axis_4;
+        double margin1, margin5, arm1, fixed;
+        Drift drift;
+        int marks;
+        bool kept, unsure;
+        bool loose;  // phi may be free
+    };
+
+    // Joint 1 of branch b. A margin within `fold` of zero is a double root, of which one branch is kept; a joint that the
+    // target leaves free (squared arm below `continuum`) takes the reference's value.
+    static STEP bool settle_first(const Arm& arm, const Seen<double>& seen, const Reference<6>& reference, int b, Settled& to) {
+        const auto& ideal = arm.ideal;
+        const Tolerances& tol = arm.written.tolerances;
+        const double front = ideal.signs[b][0], scale = 1.0 / (ideal.size * ideal.size);
+        const Swing<double> s = face(arm, seen.p, front);
+        to.t1 = s.turn, to.margin1 = s.margin * scale;
+        if (to.margin1 < -ideal.clamp) return false;
+        if (min(to.margin1, to.arm1) <= marked(tol, reference)) to.marks |= SHOULDER;
+        const bool twice = is_double(to.margin1, to.arm1, ROUNDING);
+        if (front < 0.0 && (twice || to.arm1 <= tol.continuum)) return false;
+        if (twice) to.t1 = face(arm, seen.p, 0.0).turn;
+        if (to.arm1 > tol.continuum) to.drift.through_swing(to.margin1, to.arm1);
+        else to.t1 = exact_turn(reference.q[0] + ideal.offset[0]), to.drift.open = true;
+        return true;
+    }
+
+    // freely: phi takes a representative's value where rounding may have made up what the pose says.
+    static PART Settled settle(const Arm& arm, const Seen<double>& seen, const Reference<6>& reference, int b, int root,
+                               const Quartic& roots, bool freely = false) {
+        const auto& ideal = arm.ideal;
+        const Tolerances& tol = arm.written.tolerances;
+        const Twists t = twists(arm);
+        const double flip = ideal.signs[b][2], scale = 1.0 / (ideal.size * ideal.size);
+        Settled out = {};
+        out.arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * scale;
+        out.drift.own = max(out.drift.own, reference.displaced);
+        if constexpr (kind == Hand::general) out.t1 = roots.root[root], out.margin1 = roots.gap(root);
+        else if (!settle_first(arm, seen, reference, b, out)) return out;
+        const Seen<double> at = seen_along(arm, seen, out.t1);
+        out.margin5 = 1.0;
+        if constexpr (kind == Hand::general) {
+            out.t5 = skew_bend(arm, at.R.z.z, at.p.z);
+        } else {
+            const Bend<double> bend = wrist_bend(at.R.z, t, flip);
+            out.t5 = bend.turn, out.margin5 = bend.margin;
+        }
+        WristTurns<double> turns = wrist_turns(at.R, out.t5, t);
+        out.fixed = turns.fixed;
+        out.unsure = out.drift.hides(out.margin5);
+        if (out.margin5 < -max(ideal.clamp, out.drift.of_margin())) return out;
+        if (min(out.fixed, out.margin5) <= marked(tol, reference)) out.marks |= WRIST;
+        const bool free = out.fixed <= tol.continuum || (freely && out.drift.frees(out.fixed));
+        out.loose = out.fixed > tol.continuum && out.drift.frees(out.fixed), out.unsure = out.unsure || out.loose;
+        if constexpr (kind != Hand::general) {
+            const bool twice = is_double(out.margin5, out.fixed, ROUNDING / (t.sb * t.sb));
+            if (flip < 0.0 && (twice || free)) return out;
+            if (twice) {
+                out.t5 = wrist_bend(at.R.z, t, 0.0).turn;
+                turns = wrist_turns(at.R, out.t5, t);
+                out.fixed = turns.fixed;
+            }
+        }
+        const Across<double> f = forearm(arm, out.t5);
+        out.kept = !free || free_wrist(arm, at, reference, out.t5, f, turns);
+        out.drift.through_root(out.margin5, out.fixed);
+        if (!free) out.drift.through_arm(out.fixed);
+        out.phi = turns.first, out.t6 = turns.last;
+        out.axis_4 = to_axis_4(at.p, out.phi, f);
+        return out;
+    }
+
+    // Only the sum (or the difference) of phi and joint 6 counts: joint 6 takes the reference's value, or what is nearest
+    // to it within the elbow's reach. False where nothing is.
+    static STEP bool free_wrist(const Arm& arm, const Seen<double>& at, const Reference<6>& reference, const Turn<double>& t5,
+                                const Across<double>& f, WristTurns<double>& turns) {
+        const auto& ideal = arm.ideal;
+        const Twists t = twists(arm);
+        const WristTurns<double> zero = wrist_turns(at.R, t5, t, true);
+        const double aligned = t.ca * t.cb - t.sa * t.sb * t5.c > 0.0 ? 1.0 : -1.0;
+        const double wanted = aligned * (angle(zero.last) - ideal.offset[5] - reference.q[5]);
+        const double slack = 0.5 * ideal.clamp * ideal.size * ideal.size;
+        const double phi = free_turn(wanted, at.p.x, at.p.y, f.x, f.y, ideal.a[1] + ideal.a[2], ideal.a[1] - ideal.a[2], slack);
+        if (phi != phi) return false;
+        turns = wrist_turns(at.R, t5, t, true, exact_turn(phi));
+        return true;
+    }
+
+    // Returns whether rounding leaves the branch in doubt.
+    static PART bool elbow_closely(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Settled& at,
+                                   int b, const Columns<6>& columns) {
+        const auto& ideal = arm.ideal;
+        const Tolerances& tol = arm.written.tolerances;
+        const double up = ideal.signs[b][1], upper = ideal.a[1], lower = ideal.a[2], scale = 1.0 / (ideal.size * ideal.size);
+        const double ux = at.axis_4.x, uy = at.axis_4.y, arm2 = (ux * ux + uy * uy) * scale;
+        Elbow<double> e = elbow(ux, uy, upper, lower, arm.turn_3, up);
+        const double margin = e.margin;
+        const bool near =
+            min(abs(at.margin1), min(abs(margin), abs(at.margin5))) < NEAR || min(at.fixed, min(at.arm1, arm2)) < NEAR;
+        // A root next to an aligned wrist is rough, and phi with it: let Newton's method decide.
+        const double rough = kind == Hand::general ? ROUGH_BY_ROOT / (at.fixed + 1e-8) : at.drift.of_margin();
+        const bool unsure = at.drift.hides(margin) || at.drift.is_lost();
+        if (margin < -max(ideal.clamp, rough)) return unsure;
+        const int marks = at.marks | (min(margin, arm2) <= marked(tol, reference) ? ELBOW : 0);
+        const bool twice = is_double(margin, arm2, ROUNDING / (2.0 * upper * lower * scale));
+        if (up < 0.0 && (twice || arm2 <= tol.continuum)) return unsure;
+        if (twice) e = elbow(ux, uy, upper, lower, arm.turn_3, 0.0);
+        if (arm2 <= tol.continuum) e.second = exact_turn(reference.q[1] + ideal.offset[1]);
+        const double t2 = angle(e.second), t3 = angle(e.bend), t4 = arm.turn_4 * (angle(at.phi) - t2 - arm.turn_3 * t3);
+        double q[6] = {wrap(angle(at.t1) - ideal.offset[0]), wrap(t2 - ideal.offset[1]),
+                       wrap(t3 - ideal.offset[2]),           wrap(wrap(t4 - ideal.offset[3])),
+                       wrap(angle(at.t5) - ideal.offset[4]), wrap(angle(at.t6) - ideal.offset[5])};
+        const bool sure = reference.displaced == 0.0 && !unsure && min(at.margin5, margin) >= -ideal.clamp;
+        if (kind == Hand::general || sure || !arm.written.exact ||
+            holds(arm.written, goal, q, reference.displaced > 0.0 ? PATIENCE : LONG_PATIENCE)) {
+            accept(arm.written, goal, q, b, marks, near, columns);
+        }
+        return unsure;
+    }
+
+    // See ThreeParallelSolvers.
+    static void distances(const Arm& arm, const double* seen, double (&out)[4]) {
+        const Goal<double> target = goal_of(seen);
+        const Seen<double> at = {target.R, target.p};
+        Quartic roots = {};
+        roots.count = 4;
+        if constexpr (kind == Hand::general) roots = first_angles(arm, at);
+        for (int k = 0; k < 4; ++k) {
+            out[k] = __builtin_nan("");
+            if (k >= roots.count) continue;
+            const Settled each = settle(arm, at, reference_of<6>(nullptr), 4 * (k / 2) + k % 2, k, roots);
+            if (each.kept) out[k] = sqrt(each.axis_4.x * each.axis_4.x + each.axis_4.y * each.axis_4.y);
+        }
+    }
+};
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

@@ -1,0 +1,130 @@
+// Arms of six joints that are singular everywhere: a pose that they reach leaves a continuum, of which samples are given.
+//
+// Newton's method runs from starts all over the joints. Its steps are of least squares, so it comes to rest on the continuum near
+// where it began, and the samples are spread about as the starts are. The same for seven joints of which one in the middle is
+// held at a value: what the six others are depends on it, so nothing can be prepared for them.
+#pragma once
+
+#include "answers/blocks.hpp"
+#include "families/few_joints/few_joints_arm.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// Samples of a continuum are at least this far apart in some joint [rad, share of size].
+inline constexpr double SPREAD = 0.3;
+// Starts at most; a pose that has solutions is done after so many that told nothing new: where all are samples of a continuum,
+// and where one stands alone, beside which others may be hard to meet.
+inline constexpr int MOST_STARTS = 512, ENOUGH_STARTS = 64, ENOUGH_BESIDE_SINGLE = 192;
+// Where several continua meet, steps gain little each: rounds for what came this near, where no start did better.
+inline constexpr double WITHIN_REACH = 1e-5;
+inline constexpr int SLOW_ROUNDS = 2000;
+
+struct Sampled {
+    using Arm = SampledArm;
+    static constexpr int branches = 16;
+
+    static STEP bool is_apart(const Written<6>& arm, const Columns<6>& columns, const double (&q)[6]) {
+        for (int b = 0; b < columns.many; ++b) {
+            double apart = 0.0;
+            for (int j = 0; j < 6; ++j) apart = max(apart, abs(gap(arm, j, q[j], columns.row(b)[j])));
+            if (columns.valid(b) && apart < SPREAD) return false;
+        }
+        return true;
+    }
+
+    // Keep q, which keeps the pose: every solution that stands alone, and samples of a continuum. Whether it was kept.
+    static PART bool take(const Written<6>& arm, const Goal<double>& goal, const double (&q)[6], const Columns<6>& columns) {
+        const int marks = singular_marks(arm, goal, q, OTHER);
+        if (columns.count() == columns.many || !(marks ? is_apart(arm, columns, q) : is_new(arm, goal, columns, q))) return false;
+        keep(columns, 0, q, marks);
+        return true;
+    }
+
+    static PART void search(const Written<6>& arm, const Goal<double>& goal, const Reference<6>& reference,
+                            const Columns<6>& columns) {
+        const Goal<Block> goals = spread<Block>(goal);
+        const Block zero = 0.0;
+        Scatter scatter = Scatter::number(0);
+        double nearest[BLOCK][6], least[BLOCK];
+        for (double& each : least) each = WITHIN_REACH;
+        int enough = ENOUGH_STARTS;
+        for (int k = 0, since = 0; k < MOST_STARTS && since < enough && columns.count() < columns.many; k += BLOCK) {
+            Block start[6];
+            for (int l = 0; l < BLOCK; ++l) {
+                for (int j = 0; j < 6; ++j) {
+                    const double value = scatter.next();
+                    start[j].set(l, k + l ? (arm.slides[j] ? arm.size : PI) * value : reference.q[j]);
+                }
+            }
+            const Block error = polish<true, Written<6>, Block>(arm, goals, start, {60, FINISHED, PATIENCE}, zero <= zero).error;
+            since += columns.count() ? BLOCK : 0;
+            for (int l = 0; l < BLOCK; ++l) {
+                double q[6];
+                for (int j = 0; j < 6; ++j) q[j] = start[j][l];
+                if (error[l] <= CONVERGED) {
+                    if (!take(arm, goal, q, columns)) continue;
+                    since = 0;
+                } else if (error[l] < least[l]) {
+                    least[l] = error[l];
+                    for (int j = 0; j < 6; ++j) nearest[l][j] = q[j];
+                }
+            }
+            for (int b = 0; b < columns.many; ++b) {
+                if (columns.flags[b] == VALID) enough = ENOUGH_BESIDE_SINGLE;
+            }
+        }
+        for (int l = 0; l < BLOCK && !columns.count(); ++l) {
+            if (least[l] < WITHIN_REACH &&
+                polish_one<true>(arm, goal, nearest[l], {SLOW_ROUNDS, CONVERGED, SLOW_ROUNDS}).error <= arm.tolerances.reach)
+                take(arm, goal, nearest[l], columns);
+        }
+        sort(columns);
+        // What a search has found.
+        columns.flags[0] |= UNCERTAIN;
+    }
+
+    static PART void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
+        search(arm.written, goal, reference, columns);
+    }
+};
+
+// first, then by the joint, then next.
+STEP Motion joined(const Motion& first, bool slides, double value, const Motion& next) {
+    const Frame<double> at = beyond(moved(constant_frame<double>(first), slides, value), next);
+    return {{{at.R.x.x, at.R.y.x, at.R.z.x}, {at.R.x.y, at.R.y.y, at.R.z.y}, {at.R.x.z, at.R.y.z, at.R.z.z}},
+            {at.p.x, at.p.y, at.p.z}};
+}
+
+struct SampledHeld {
+    using Arm = SampledHeldArm;
+    static constexpr int branches = Sampled::branches;
+    static constexpr bool redundant = true;
+
+    static PART void solve(const Arm& arm, const Goal<double>& goal, double value, const Reference<7>& reference,
+                           const Columns<7>& columns) {
+        const int held = arm.held;
+        const double at = arm.written.slides[held] ? value : on_circle(value);
+        Written<6> others = {};
+        others.size = arm.written.size, others.tolerances = arm.written.tolerances;
+        Reference<6> near = reference_of<6>(nullptr);
+        near.given = reference.given;
+        for (int j = 0; j < 6; ++j) {
+            others.slides[j] = arm.written.slides[j + (j >= held)], near.q[j] = reference.q[j + (j >= held)];
+        }
+        for (int j = 0; j < 7; ++j) {
+            others.step[j] = j == held ? joined(arm.written.step[j], arm.written.slides[j], at, arm.written.step[j + 1])
+                                       : arm.written.step[j + (j > held)];
+        }
+        double room[6 * branches];
+        const Columns<6> found = {room, columns.flags, columns.many};
+        found.clear();
+        Sampled::search(others, goal, near, found);
+        for (int b = 0; b < columns.many; ++b) {
+            double* row = columns.row(b);
+            for (int j = 0; j < 7; ++j)
+                row[j] = j == held ? (found.valid(b) ? at : __builtin_nan("")) : found.row(b)[j - (j > held)];
+        }
+    }
+};
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

@@ -1,0 +1,131 @@
+// Six joints of which some slide: three turns that make the orientation, three joints the position.
+//
+// A spherical wrist: the first three joints, of any kind, place the point where the last three axes meet (slide_position.hpp),
+// and the wrist does the rest. Three slides: they turn nothing, so the three turning joints follow from the orientation,
+// wherever they stand, and the slides from a linear system. Verified and polished as few joints are.
+#pragma once
+
+#include "families/few_joints/few_joints.hpp"
+#include "kinematics/subproblems.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+inline constexpr double FLIPS[2] = {1.0, -1.0};
+
+// a' b
+STEP Rot<double> seen_from(const Rot<double>& a, const Rot<double>& b) {
+    return each(b, [&](const Vec<double>& v) { return Vec<double>{dot(a.x, v), dot(a.y, v), dot(a.z, v)}; });
+}
+STEP Rot<double> rotation(const double (&R)[3][3]) {
+    return {{R[0][0], R[1][0], R[2][0]}, {R[0][1], R[1][1], R[2][1]}, {R[0][2], R[1][2], R[2][2]}};
+}
+
+// The three turns that make the rotation E, measured from home, into their places of q. sign chooses the flip. Whether there
+// is one: not beyond the reach of a wrist with oblique axes, nor twice where the target leaves the first turn free; that is
+// then shared with the last one as the reference would have it.
+PART bool turn_wrist(const SlidesArm& arm, const Rot<double>& E, double sign, const Reference<6>& reference, double (&q)[6]) {
+    const Twists t = {arm.ca, arm.sa, arm.cb, arm.sb};
+    const Rot<double> M = seen_from(rotation(arm.first), E * arm.last);
+    const Bend<double> bend = wrist_bend(M.z, t, sign);
+    if (!(bend.margin >= -max(ROUGH, arm.clamp))) return false;
+    WristTurns<double> turns = wrist_turns(M, bend.turn, t);
+    if (turns.fixed <= arm.written.tolerances.continuum) {
+        if (sign < 0.0) return false;
+        turns = shared_turns(M, bend.turn, t, reference.q[arm.turn[0]], reference.q[arm.turn[2]], reference.given);
+    }
+    q[arm.turn[0]] = angle(turns.first), q[arm.turn[1]] = wrap(angle(bend.turn) - arm.bend), q[arm.turn[2]] = angle(turns.last);
+    return true;
+}
+
+// The joint vector of a place of the first three joints and one flip of the wrist; whether there is one.
+STEP bool wrist_behind(const SlidesArm& arm, const Goal<double>& goal, const double (&placed)[3], double sign,
+                       const Reference<6>& reference, double (&q)[6]) {
+    for (int k = 0; k < 3; ++k) q[k] = arm.step.slides[k] ? placed[k] * arm.written.size : wrap(placed[k]);
+    return turn_wrist(arm, behind(arm.step, placed, from_home(goal.R, arm.home)), sign, reference, q);
+}
+
+// A joint that a place leaves all but free, tried all round.
+PART void try_around(const SlidesArm& arm, const Goal<double>& goal, const Placed& place, double sign,
+                     const Reference<6>& reference, const Columns<6>& columns) {
+    double q[6];
+    for (int k = 0; k < 2; ++k) {
+        for (int a = 0; a < (place.free >> k & 1 ? 2 * AROUND : 0); ++a) {
+            double around[3] = {place.q[0], place.q[1], place.q[2]};
+            around[k] = wrap(PI * a / AROUND);
+            if (wrist_behind(arm, goal, around, sign, reference, q)) {
+                take(arm.written, goal, q, Origin::searched, CONVERGED, columns);
+            }
+        }
+    }
+}
+
+// Solutions by the place of the wrist, then both its flips; whether a joint was all but free in it.
+PART bool by_wrist(const SlidesArm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
+    const double size = arm.written.size;
+    double ref[3], q[6];
+    for (int k = 0; k < 3; ++k) ref[k] = arm.step.slides[k] ? reference.q[k] / size : reference.q[k];
+    PositionSolver solver(arm.step, place_of(goal, arm.in_tip, size), ref);
+    const Places& places = solver.solve();
+    bool doubt = false;
+    for (int c = 0; c < places.count; ++c) {
+        const Placed& place = places.at[c];
+        for (const double sign : FLIPS) {
+            if (!wrist_behind(arm, goal, place.q, sign, reference, q)) continue;
+            const Origin origin = place.free || arm.imperfection > 0.0 ? Origin::doubtful : Origin::computed;
+            const double sigma = take(arm.written, goal, q, origin, arm.written.tolerances.reach, columns);
+            if (!place.free || sigma <= arm.written.tolerances.singular) continue;
+            doubt = true;
+            try_around(arm, goal, place, sign, reference, columns);
+        }
+    }
+    return doubt;
+}
+
+// Solutions of an arm with three slides: the turns by the orientation, the slides by a linear system.
+PART void by_slides(const SlidesArm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
+    for (const double sign : FLIPS) {
+        double q[6] = {};
+        if (!turn_wrist(arm, from_home(goal.R, arm.home), sign, reference, q)) continue;
+        const Posture<6, double> at = place(arm.written, q);
+        const Vec<double> rest = goal.p - at.tip.p;
+        Six<double> along[3];
+        int k = 0;
+        for (int j = 0; j < 6; ++j) {
+            const Vec<double>& z = at.joint[j].R.z;
+            if (arm.written.slides[j] && k < 3) along[k++] = {{z.x, z.y, z.z, 0.0, 0.0, 0.0}};
+        }
+        // At a singularity, where the slides come into a plane, the shortest.
+        const Solved<3, double> slid = least_squares<true>(along, {{rest.x, rest.y, rest.z, 0.0, 0.0, 0.0}}, CONVERGED);
+        k = 0;
+        for (int j = 0; j < 6; ++j) {
+            if (arm.written.slides[j] && k < 3) q[j] = slid.x[k++];
+        }
+        take(arm.written, goal, q, Origin::doubtful, arm.written.tolerances.reach, columns);
+    }
+}
+
+// Mark those singular solutions as the wrist's whose three turns have axes in a plane.
+STEP void name_singular(const SlidesArm& arm, const Columns<6>& columns) {
+    for (int b = 0; b < columns.many; ++b) {
+        if (!(columns.flags[b] & OTHER)) continue;
+        double q[6];
+        for (int j = 0; j < 6; ++j) q[j] = columns.row(b)[j];
+        const Posture<6, double> at = place(arm.written, q);
+        const auto z = [&](int k) { return at.joint[arm.turn[k]].R.z; };
+        if (abs(dot(z(0), cross(z(1), z(2)))) <= arm.written.tolerances.singular) columns.flags[b] = VALID | WRIST;
+    }
+}
+
+template <int B> struct Slides {
+    using Arm = SlidesArm;
+    static constexpr int branches = B;
+
+    static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
+        if (arm.by_wrist) by_wrist(arm, goal, reference, columns);
+        else by_slides(arm, goal, reference, columns);
+        name_singular(arm, columns);
+        sort(columns);
+    }
+};
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

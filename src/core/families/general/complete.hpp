@@ -1,0 +1,12 @@
+// The general elimination as other families ask for it; see elimination.hpp.
+#pragma once
+
+#include "answers/answer.hpp"
+#include "families/general/elimination_arm.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// Adds to the columns (16) the solutions of one pose that they lack. Returns whether they are certain to be all.
+bool complete(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns);
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

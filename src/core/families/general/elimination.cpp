@@ -1,0 +1,9 @@
+// Six joints without a structure to use, compiled once for every instruction set.
+#include "families/general/elimination.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+extern const EliminationSolvers elimination_solvers;
+const EliminationSolvers elimination_solvers = {solve_singly<General6>, try_variants, find_known_poses};
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

@@ -1,0 +1,329 @@
+// All solutions of six joints without a structure to use. Joints turn or slide.
+//
+// First the elimination to one joint's angle (hidden_joint.hpp): each of its real roots is followed by Newton's method on the
+// arm as written. It is quick, and almost always complete where its roots stand apart; round poses are where they do not.
+// What it finds is believed where every root that may be real led to a solution of its own whose hidden joint stands at that
+// root. Everywhere else continuation follows all complex solutions of a known pose to this one (continuation.hpp), and counts
+// them: none can be missing where as many regular ones arrive as there are.
+#pragma once
+
+#include "answers/beside.hpp"
+#include "answers/blocks.hpp"
+#include "families/general/complete.hpp"
+#include "families/general/continuation.hpp"
+#include "families/general/hidden_joint.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// All dimensionless, or in rad; lengths count as shares of the arm's size.
+// A root this close to the unit circle (in its logarithm) may be real: a moved axis, and rounding, push double roots off
+// it by half their digits. One that is farther off is not.
+inline constexpr double NEAR_CIRCLE = 0.1;
+// Of a hidden slide, the cosine below which a root stands for a length beyond all reach: 20 times the mean distance of the
+// axes.
+inline constexpr double FARTHEST = -0.995;
+// Noise of a determinant's harmonics above which it is not trusted.
+inline constexpr double LARGEST_NOISE = 1e-7;
+// A solution belongs to a root if its hidden joint stands this close to it. Rounding and a moved axis push the roots of a
+// cluster off by about as much each, so where this holds none of them is as far as NEAR_CIRCLE off.
+inline constexpr double OWN_ROOT = 1e-3;
+// The same of arms near special ones, whose roots come in clusters.
+inline constexpr double OWN_ROOT_NEAR_SPECIAL = 1e-6;
+// The imaginary part of an angle above which the end of a path is not real, for ends that are regular and others.
+inline constexpr double IMAGINARY = 1e-4, IMAGINARY_SINGULAR = 0.05;
+// A path that ends before this s ends because it was lost, one that ends behind it at a singular solution.
+inline constexpr double AT_SINGULAR = 1e-6;
+// Where no candidate converges, the best is a double root if its error falls below NEARLY; the damping HELD then holds the
+// direction in which it is singular, along which rounding would carry the arm about.
+inline constexpr double NEARLY = 1e-7, HELD = 1e-6;
+// How often continuation is tried, each time on other paths; starts all over the joints where that did not decide.
+inline constexpr int ATTEMPTS = 4, ALL_OVER = 160;
+
+// What is known of one pose while it is solved.
+struct Search {
+    Columns<6> columns;
+    double enough;  // error at which a candidate is a solution
+    double error = __builtin_inf(), best[6] = {};  // the best of the candidates that came to rest above that
+    bool all_known = false;  // whether all complex solutions were accounted for, the distant ones too
+};
+
+// A block of joint vectors, and which of its lanes count.
+struct Candidates {
+    Block q[6];
+    unsigned lanes;
+};
+
+STEP MaskOf<Block> mask_of(unsigned lanes) {
+    double x[BLOCK];
+    for (int l = 0; l < BLOCK; ++l) x[l] = lanes >> l & 1;
+    return load<Block>(x) > Block(0.0);
+}
+STEP void lane_of(const Block (&q)[6], int l, double (&out)[6]) {
+    for (int j = 0; j < 6; ++j) out[j] = q[j][l];
+}
+
+// Whether the known poses have all the solutions that six joints which turn can have. Arms that are near a special one have
+// fewer: others are so far from real that their paths cannot be followed, and come near where the special arm is singular.
+STEP bool all_known(const EliminationArm& arm) { return arm.paths.solutions == KnownPose::most; }
+
+// ---- collecting ------------------------------------------------------------------------------------------------------
+
+// The column of q, which is kept if it is new; -1 if the table is full. least: a bound on the smallest singular value of its
+// Jacobian.
+PART int take(const EliminationArm& arm, const Goal<double>& goal, Search& search, const double (&q)[6], double least) {
+    const Columns<6>& columns = search.columns;
+    if (is_new(arm.written, goal, columns, q)) {
+        for (int b = 0; b < columns.many; ++b) {
+            if (columns.valid(b)) continue;
+            keep(columns, b, q, least < NEAR_FOLD ? singular_marks(arm.written, goal, q, 0) : 0);
+            return b;
+        }
+        return -1;
+    }
+    int nearest = -1;
+    double least_gap = __builtin_inf();
+    for (int b = 0; b < columns.many; ++b) {
+        if (!columns.valid(b)) continue;
+        double most = 0.0;
+        for (int j = 0; j < 6; ++j) most = max(most, abs(gap(arm.written, j, q[j], columns.row(b)[j])));
+        if (most < least_gap) least_gap = most, nearest = b;
+    }
+    return nearest;
+}
+
+// The columns of the starts that Newton's method leads to a solution, -1 for the others.
+template <bool damped>
+PART void take_from(const EliminationArm& arm, const Goal<double>& goal, Search& search, Candidates& starts, int rounds,
+                    int (&column)[BLOCK]) {
+    const Course course = {rounds, FINISHED, damped ? PATIENCE : rounds};
+    const Polished<Block> out =
+        polish<damped, Written<6>, Block>(arm.written, spread<Block>(goal), starts.q, course, mask_of(starts.lanes));
+    const unsigned good = bits(out.error <= Block(search.enough)) & starts.lanes;
+    for (int l = 0; l < BLOCK; ++l) {
+        double q[6];
+        lane_of(starts.q, l, q);
+        column[l] = good >> l & 1 ? take(arm, goal, search, q, out.least[l]) : -1;
+        if (!(starts.lanes >> l & 1) || !(out.error[l] < search.error)) continue;
+        search.error = out.error[l];
+        for (int j = 0; j < 6; ++j) search.best[j] = q[j];
+    }
+}
+
+// ---- one variant of the elimination ------------------------------------------------------------------------------------
+
+// The motion that the six joints must make together, in the scaled frame of the axes.
+STEP Frame<double> loop_motion(const EliminationArm& arm, const Goal<double>& goal, bool reversed) {
+    const Frame<double> to = beyond(goal, arm.home_inverse);
+    const Vec<double> p = arm.scale * (to.p - vec<double>(arm.centre));
+    if (!reversed) return {to.R, p};
+    const Rot<double>& R = to.R;
+    return {{{R.x.x, R.y.x, R.z.x}, {R.x.y, R.y.y, R.z.y}, {R.x.z, R.y.z, R.z.z}}, {-dot(R.x, p), -dot(R.y, p), -dot(R.z, p)}};
+}
+
+// The roots that may be real, as (cos, sin).
+struct RealRoots {
+    double c[2 * DEGREE], s[2 * DEGREE];
+    int many;
+};
+
+STEP RealRoots real_roots(const Complex (&coefficients)[2 * DEGREE + 1], bool hides_slide) {
+    Complex z[2 * DEGREE];
+    self_inversive_roots<2 * DEGREE>(coefficients, z);
+    RealRoots out = {};
+    // |log |z|| < d, by the squares.
+    const double near = __builtin_exp(2.0 * NEAR_CIRCLE);
+    for (const Complex& each : z) {
+        const double square = each.re * each.re + each.im * each.im;
+        if (!(square < near && square * near > 1.0)) continue;
+        const double w = 1.0 / sqrt(square);
+        if (hides_slide && each.re * w < FARTHEST) continue;
+        out.c[out.many] = each.re * w, out.s[out.many++] = each.im * w;
+    }
+    return out;
+}
+
+// The hidden joint of a variant at q, as (cos, sin) of its angle, or of t where it slides by tan(t / 2).
+STEP Turn<double> hidden_at(const EliminationArm& arm, const EliminationVariant& variant, const double (&q)[6]) {
+    const int hidden = (variant.first + 5) % 6, j = variant.reversed ? 5 - hidden : hidden;
+    if (!arm.written.slides[j]) return cos_sin(q[j]);
+    const double d = arm.scale * q[j], w = 1.0 / (1.0 + d * d);
+    return {(1.0 - d * d) * w, 2.0 * d * w};
+}
+
+// Add what damped steps make of starts that have no column yet.
+PART void follow_slowly(const EliminationArm& arm, const Goal<double>& goal, Search& search, Candidates& starts,
+                        const int (&column)[BLOCK]) {
+    for (int l = 0; l < BLOCK; ++l) {
+        if (column[l] >= 0) starts.lanes &= ~(1u << l);
+    }
+    int unused[BLOCK];
+    if (starts.lanes) take_from<true>(arm, goal, search, starts, 40, unused);
+}
+
+// Add the solutions that one variant finds. Returns whether they are certain to be all: each root that may be real led to a
+// solution of its own, and no other is known. A determinant that no solution confirms is not believed.
+PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, const Goal<double>& goal, Search& search) {
+    Equations A;
+    double D[SAMPLES];
+    Complex coefficients[2 * DEGREE + 1];
+    const Frame<double> G = loop_motion(arm, goal, variant.reversed);
+    equations(variant, G, A);
+    determinants(A, D);
+    const bool noisy = !(harmonics(D, coefficients) < LARGEST_NOISE);
+    if (noisy && all_known(arm)) return false;
+    RealRoots roots = real_roots(coefficients, variant.slides[(variant.first + 5) % 6]);
+    for (int k = roots.many; k < 2 * DEGREE; ++k) roots.c[k] = roots.c[0], roots.s[k] = roots.s[0];
+    const double own = all_known(arm) ? OWN_ROOT : OWN_ROOT_NEAR_SPECIAL;
+    unsigned owned = 0;
+    int settled = 0;
+    for (int from = 0; from < roots.many; from += BLOCK) {
+        const Block c = load<Block>(roots.c + from), s = load<Block>(roots.s + from);
+        const int rest = roots.many - from;
+        Candidates candidates;
+        candidates.lanes = rest >= BLOCK ? (1u << BLOCK) - 1 : (1u << rest) - 1;
+        Block x[SIZE];
+        null_vectors(A, c, s, x);
+        remaining_values(variant, G, x, c, s, candidates.q);
+        for (int j = 0; j < 6; ++j) {
+            if (arm.written.slides[j]) candidates.q[j] = candidates.q[j] * (1.0 / arm.scale);
+        }
+        Candidates slow = candidates;
+        int column[BLOCK];
+        take_from<false>(arm, goal, search, candidates, 12, column);
+        if (!all_known(arm)) follow_slowly(arm, goal, search, slow, column);
+        for (int l = 0; l < BLOCK; ++l) {
+            if (column[l] < 0 || owned >> column[l] & 1) continue;
+            double q[6];
+            lane_of(candidates.q, l, q);
+            const Turn<double> at = hidden_at(arm, variant, q);
+            const double dc = at.c - roots.c[from + l], ds = at.s - roots.s[from + l];
+            if (dc * dc + ds * ds > own * own) continue;
+            owned |= 1u << column[l], ++settled;
+        }
+    }
+    return !noisy && settled > 0 && settled == roots.many && settled == search.columns.count();
+}
+
+// ---- continuation --------------------------------------------------------------------------------------------------------
+
+// Whether each path ended at a regular solution of its own or was lost far from real, or some of them ended at singular ones,
+// which are known or not real.
+enum class Arrived { lost, settled, regular };
+
+// Add the real ends of all paths that lead to the goal.
+PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, Search& search, int attempt) {
+    PathEnds ends;
+    const int regular = continue_from_nearest(arm.written, arm.paths, goal, attempt, ends);
+    int settled = 0, distant = 0;
+    for (int from = 0; from < ends.many; from += BLOCK) {
+        Candidates smooth = {{}, 0}, rough = {{}, 0};
+        unsigned certain = 0;
+        for (int l = 0; l < BLOCK; ++l) {
+            const int i = from + l;
+            for (int j = 0; j < 6; ++j) {
+                const double (&z)[2] = ends.q[i < ends.many ? i : from].z[j];
+                smooth.q[j].set(l, arm.written.slides[j] ? arm.written.size * z[0] : wrap(atan2(z[1], z[0])));
+            }
+            if (i >= ends.many) continue;
+            const double off = imaginary_part(arm.written, ends.q[i]);
+            const bool real = off < (ends.regular[i] ? IMAGINARY : IMAGINARY_SINGULAR);
+            if (ends.regular[i] && real) smooth.lanes |= 1u << l;
+            // A continuum has its ends anywhere; its real members are looked for from their real parts.
+            else if (ends.regular[i] ? ends.weak[i] : ends.left[i] < AT_SINGULAR) rough.lanes |= 1u << l;
+            const bool lost = !ends.regular[i] && off > DISTANT;
+            distant += lost;
+            certain |= unsigned(ends.regular[i] || lost || (ends.left[i] < AT_SINGULAR && !real)) << l;
+        }
+        for (int j = 0; j < 6; ++j) rough.q[j] = smooth.q[j];
+        int column[BLOCK];
+        if (smooth.lanes) take_from<false>(arm, goal, search, smooth, 12, column);
+        if (rough.lanes) take_from<true>(arm, goal, search, rough, 60, column);
+        for (int l = 0; l < BLOCK; ++l) settled += (certain >> l & 1) || ((rough.lanes >> l & 1) && column[l] >= 0);
+    }
+    search.all_known &= distant == 0;
+    if (regular + distant == arm.paths.solutions) return Arrived::regular;
+    return settled == arm.paths.solutions ? Arrived::settled : Arrived::lost;
+}
+
+// ---- starts where nothing else helps ---------------------------------------------------------------------------------------
+
+// Newton's method from all over the joints' values.
+PART void search_all_over(const EliminationArm& arm, const Goal<double>& goal, Search& search) {
+    Scatter scatter = Scatter::number(0);
+    for (int from = 0; from < ALL_OVER; from += BLOCK) {
+        Candidates starts;
+        starts.lanes = (1u << BLOCK) - 1;
+        for (int l = 0; l < BLOCK; ++l) {
+            for (int j = 0; j < 6; ++j) { starts.q[j].set(l, scatter.next() * (arm.written.slides[j] ? arm.written.size : PI)); }
+        }
+        int column[BLOCK];
+        take_from<true>(arm, goal, search, starts, 30, column);
+    }
+}
+
+// ---- the whole ---------------------------------------------------------------------------------------------------------------
+
+// By elimination, continuation and, where both leave doubts, from all over. Returns whether the solutions are certain to be all.
+PART bool find_all(const EliminationArm& arm, const Goal<double>& goal, Search& search) {
+    // An arm without known poses is singular everywhere, and its determinant means nothing.
+    if (gather(arm, arm.variant, goal, search) && arm.paths.poses > 0) return true;
+    bool settled = false;
+    for (int attempt = 0; attempt < ATTEMPTS && attempt < arm.paths.poses; ++attempt) {
+        const Arrived all = gather_ends(arm, goal, search, attempt);
+        // Singular ends are believed when a second attempt has them too.
+        if (all == Arrived::regular || (all == Arrived::settled && settled)) return true;
+        settled |= all == Arrived::settled;
+    }
+    search_all_over(arm, goal, search);
+    return false;
+}
+
+bool complete(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns) {
+    // A slide far out carries its rounding to the tip; what is so far out that this shows is no solution.
+    const double far = arm.any_slide ? 1.0 + sqrt(dot(goal.p, goal.p)) / arm.written.size : 1.0;
+    Search search = {columns, min(CONVERGED * far, arm.written.tolerances.reach)};
+    search.all_known = all_known(arm);
+    bool certain = find_all(arm, goal, search);
+    if (columns.count() == 0 && search.error < NEARLY) {
+        const Course held = {8, FINISHED, LONG_PATIENCE, HELD};
+        if (polish_one<true>(arm.written, goal, search.best, held).error <= arm.written.tolerances.reach) {
+            keep(columns, 0, search.best, OTHER);
+            certain = false;
+        }
+    }
+    // Where not all are known, others may be next to a singular solution.
+    certain &= search.all_known || !search_beside_folds(arm.written, goal, columns);
+    // Solutions come in pairs, as the complex ones of real equations do: an odd number lacks one, but for double roots. And where a
+    // Jacobian has all but lost a rank, so have those of others on the same curve.
+    if (!certain) walk_valleys(arm.written, goal, columns.count() % 2 ? SECOND_NEXT_DOOR : IN_A_VALLEY, columns);
+    return certain;
+}
+
+struct General6 {
+    using Arm = EliminationArm;
+    static constexpr int branches = 16;
+    static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>&, const Columns<6>& columns) {
+        const bool certain = complete(arm, goal, columns);
+        sort(columns);
+        if (!certain) columns.flags[0] |= UNCERTAIN;
+    }
+};
+
+// See EliminationSolvers.
+PART void try_variants(const EliminationArm& arm, const EliminationVariant* variants, int many, const double* T, long m,
+                       const EliminationTrial& out) {
+    for (long i = 0; i < m; ++i) {
+        const Goal<double> goal = goal_of(T + 16 * i);
+        for (int v = 0; v < many; ++v) {
+            double q[6 * 16];
+            std::uint8_t flags[16];
+            const Columns<6> columns = {q, flags, 16};
+            columns.clear();
+            Search search = {columns, CONVERGED};
+            out.certain[m * v + i] = gather(arm, variants[v], goal, search);
+            out.counts[m * v + i] = std::uint8_t(columns.count());
+        }
+    }
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

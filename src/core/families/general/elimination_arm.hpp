@@ -1,0 +1,49 @@
+// What the elimination knows of an arm of six joints.
+#pragma once
+
+#include "families/general/continuation_arm.hpp"
+#include "kinematics/arm.hpp"
+
+namespace urdf_ik {
+
+// One way to set the elimination up: the loop is cut so that joints a and a + 1 stand on one side and a + 3, a + 4, a + 5
+// on the other (cyclically), and applied to the axis of joint a + 2. See hidden_joint.hpp for the equations, and
+// families/general_6r.py for how the matrices are made. Axes and points are those of the chain, or of the reversed chain,
+// in the scaled frame: origin in the midst of the axes, mean distance one.
+struct EliminationVariant {
+    int first;      // a, 0 to 3
+    bool reversed;  // whether this is the chain from tip to base
+    // The 162 coefficients of the equations, (equation, hidden, a + 4, a + 3) in this order, are the product of left
+    // (transposed here, with zeros behind it), the loop's motion of lines, and right. The loop's motion stands behind 3 - a
+    // of the joints a + 3 to a + 5, which are in right: it has 1, 3, 9 or 27 columns, and zeros behind them.
+    double left[15][168], right[15][32];
+    double left_inverse[9][15];       // from a line to the products of (1, cos, sin) of joints a and a + 1
+    double axes[6][3], points[6][3];  // directions, and points on them
+    double across[3];                 // a unit vector across axis a + 2
+    bool slides[6];
+};
+
+struct EliminationArm {
+    Written<6> written;
+    Motion home_inverse;      // of the tip at zero, then moved to the midst of the axes
+    double centre[3], scale;  // of the axes [m], and one over their mean distance from it
+    bool any_slide;
+    EliminationVariant variant;
+    Continuation paths;
+};
+
+// How many solutions each variant alone finds of poses, and whether it is certain of them: (variants, poses) each.
+struct EliminationTrial {
+    std::uint8_t *counts, *certain;
+};
+
+struct EliminationSolvers {
+    long (*solve)(const EliminationArm&, const Batch&);
+    // So many variants on m poses T.
+    void (*trial)(const EliminationArm&, const EliminationVariant*, int variants, const double* T, long m, const EliminationTrial&);
+    // Poses of which all solutions are known, from m joint vectors (m, 6), two at least. near: without those far from real, for
+    // an arm near a special one.
+    void (*find_known_poses)(const Written<6>&, const double (*q)[6], int m, bool near, Continuation&);
+};
+
+}  // namespace urdf_ik

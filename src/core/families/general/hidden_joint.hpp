@@ -1,0 +1,310 @@
+// Elimination to the angle of one hidden joint, whose determinant is a trigonometric polynomial.
+//
+// A line with point p and direction l is w = (1, p, h, l, p x l, d, k) with h = p.p / 2, d = p.l, k = h l - d p: fifteen
+// numbers on which rigid motions act linearly. In them the loop equation, applied to the axis of joint a + 2, is the
+// fourteen equations of Raghavan and Roth (1990), without coordinates. Joints a and a + 1 are removed by the six left null
+// vectors of their constant matrix (15 x 9). Multiplying the six equations left by cos and sin of half of joint a + 4's
+// angle makes them square (Manocha and Canny 1994 have half-angle tangents instead, and their poles): 12 x 12 in the
+// products of (1, cos, sin) of joint a + 3 and (cos, sin) of once and three times the half angle. The determinant is a
+// trigonometric polynomial of degree eight in the hidden joint a + 5; it is sampled, and its 16 roots are found in the
+// complex plane.
+//
+// A joint that slides by d takes part as an angle t with d = tan(t / 2): what it does to lines is of degree two in d, so
+// it is of the form 1, cos t, sin t but for the factor cos^2(t / 2), which homogeneous equations do not see.
+#pragma once
+
+#include "answers/polish.hpp"
+#include "arithmetic/polynomials.hpp"
+#include "families/general/elimination_arm.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+inline constexpr int LINE = 15, SIZE = 12, DEGREE = 8, SAMPLES = 24, GROUPS = SAMPLES / BLOCK;
+
+// Coefficients of the six equations: (1, cos, sin) of the hidden joint, then (1, cos, sin) of joint a + 4, slowest, times
+// (1, cos, sin) of joint a + 3.
+struct Equations {
+    double a[6][3][9];
+};
+
+// ---- lines ---------------------------------------------------------------------------------------------------------
+
+// The line w after the motion G.
+template <class V> STEP void move_line(const Frame<double>& G, const V (&w)[LINE], V (&out)[LINE]) {
+    const Frame<V> wide = spread<V>(G);
+    const auto& t = wide.p;
+    const V half = 0.5 * dot(t, t);
+    const Vec<V> p = wide.R * Vec<V>{w[1], w[2], w[3]}, l = wide.R * Vec<V>{w[5], w[6], w[7]};
+    const Vec<V> m = wide.R * Vec<V>{w[8], w[9], w[10]}, k = wide.R * Vec<V>{w[12], w[13], w[14]};
+    const V along = w[11] + dot(t, l);
+    const Vec<V> point = p + w[0] * t, moment = m + cross(t, l), last = k - cross(t, m) + half * l - along * t;
+    out[0] = w[0], out[4] = w[4] + dot(t, p) + half * w[0], out[11] = along;
+    out[1] = point.x, out[2] = point.y, out[3] = point.z, out[5] = l.x, out[6] = l.y, out[7] = l.z;
+    out[8] = moment.x, out[9] = moment.y, out[10] = moment.z, out[12] = last.x, out[13] = last.y, out[14] = last.z;
+}
+
+// COLUMNS: how many products of joints stand behind the loop's motion.
+template <int COLUMNS> PART void equations_with(const EliminationVariant& v, const Frame<double>& G, Equations& A) {
+    constexpr int rows = 162 / COLUMNS, blocks = (rows + BLOCK - 1) / BLOCK;
+    constexpr int width = COLUMNS < 8 ? COLUMNS : 9, height = blocks < 8 ? blocks : 3;  // what stays in registers
+    double moved[LINE][32];
+    for (int c = 0; c < COLUMNS; c += BLOCK) {
+        Block w[LINE], out[LINE];
+        for (int i = 0; i < LINE; ++i) w[i] = load<Block>(v.right[i] + c);
+        move_line(G, w, out);
+        for (int i = 0; i < LINE; ++i) store(out[i], moved[i] + c);
+    }
+    double* a = &A.a[0][0][0];
+    for (int c = 0; c < COLUMNS; c += width) {
+        for (int b = 0; b < blocks; b += height) {
+            Block sum[width][height];
+            for (auto& each : sum)
+                for (auto& x : each) x = 0.0;
+            for (int i = 0; i < LINE; ++i) {
+                for (int x = 0; x < width; ++x) {
+                    for (int y = 0; y < height; ++y) {
+                        if (b + y < blocks) sum[x][y] += moved[i][c + x] * load<Block>(v.left[i] + BLOCK * (b + y));
+                    }
+                }
+            }
+            for (int x = 0; x < width; ++x) {
+                for (int r = BLOCK * b; r < rows && r < BLOCK * (b + height); ++r) {
+                    a[r * COLUMNS + c + x] = sum[x][r / BLOCK - b][r % BLOCK];
+                }
+            }
+        }
+    }
+}
+
+PART void equations(const EliminationVariant& v, const Frame<double>& G, Equations& A) {
+    switch (v.first) {
+        case 3:
+            return equations_with<1>(v, G, A);
+        case 2:
+            return equations_with<3>(v, G, A);
+        case 1:
+            return equations_with<9>(v, G, A);
+        default:
+            return equations_with<27>(v, G, A);
+    }
+}
+
+// ---- the matrix ----------------------------------------------------------------------------------------------------
+
+// The matrix at the hidden angles (c, s), column by column: joint a + 3's product, slowest, then the halves.
+template <class V> STEP void matrix_at(const Equations& A, const V& c, const V& s, V (&M)[SIZE][SIZE]) {
+    for (int e = 0; e < 6; ++e) {
+        const auto& a = A.a[e];
+        for (int j = 0; j < 3; ++j) {
+            const V f = a[0][j] + c * a[1][j] + s * a[2][j];
+            const V g = 0.5 * (a[0][3 + j] + c * a[1][3 + j] + s * a[2][3 + j]);
+            const V h = 0.5 * (a[0][6 + j] + c * a[1][6 + j] + s * a[2][6 + j]);
+            M[4 * j][e] = f + g, M[4 * j][6 + e] = h;
+            M[4 * j + 1][e] = h, M[4 * j + 1][6 + e] = f - g;
+            M[4 * j + 2][e] = g, M[4 * j + 2][6 + e] = -h;
+            M[4 * j + 3][e] = h, M[4 * j + 3][6 + e] = g;
+        }
+    }
+}
+
+// One of Householder's reflections: column I becomes zero below its diagonal. Scaled so that it is 1 - v v^T.
+template <int I, class V> STEP void reflect(V (&M)[SIZE][SIZE]) {
+    constexpr int N = SIZE - I;
+    V v[N], square = 0.0;
+#pragma GCC unroll 12
+    for (int r = 0; r < N; ++r) v[r] = M[I][I + r], square += v[r] * v[r];
+    const V head = v[0], alpha = -copysign(sqrt(square), head), w = 1.0 / sqrt(square - alpha * head + TINY);
+    M[I][I] = alpha;
+    v[0] = head - alpha;
+#pragma GCC unroll 12
+    for (int r = 0; r < N; ++r) v[r] = v[r] * w;
+#pragma GCC unroll 1
+    for (int j = I + 1; j < SIZE; ++j) {
+        V f = 0.0, g = 0.0;
+#pragma GCC unroll 12
+        for (int r = 0; r < N; r += 2) {
+            f += v[r] * M[j][I + r];
+            if (r + 1 < N) g += v[r + 1] * M[j][I + r + 1];
+        }
+        f += g;
+#pragma GCC unroll 12
+        for (int r = 0; r < N; ++r) M[j][I + r] -= f * v[r];
+    }
+}
+
+// Upper triangular, several blocks of matrices in step: the roots of one wait while another is reflected.
+template <int K, class V, int I = 0> STEP void make_triangular(V (&M)[K][SIZE][SIZE]) {
+    if constexpr (I < SIZE - 1) {
+#pragma GCC unroll 1
+        for (int k = 0; k < K; ++k) reflect<I>(M[k]);
+        make_triangular<K, V, I + 1>(M);
+    }
+}
+
+// ---- samples -------------------------------------------------------------------------------------------------------
+
+// Cosine of k turns over SAMPLES.
+constexpr double sample_cosine(int k) {
+    constexpr double quarter[7] = {1.0, 0.9659258262890683, 0.8660254037844387, 0.7071067811865476, 0.5, 0.25881904510252074, 0.0};
+    k = (k % SAMPLES + SAMPLES) % SAMPLES;
+    k = k > SAMPLES / 2 ? SAMPLES - k : k;
+    return k > SAMPLES / 4 ? -quarter[SAMPLES / 2 - k] : quarter[k];
+}
+constexpr double sample_sine(int k) { return sample_cosine(k - SAMPLES / 4); }
+
+// Cosines and sines of (sample times harmonic), harmonics side by side.
+inline constexpr int HARMONICS = 16;
+struct Waves {
+    double c[SAMPLES][HARMONICS], s[SAMPLES][HARMONICS];
+    constexpr Waves() : c(), s() {
+        for (int k = 0; k < SAMPLES; ++k) {
+            for (int h = 0; h < HARMONICS; ++h) c[k][h] = sample_cosine(k * h), s[k][h] = sample_sine(k * h);
+        }
+    }
+};
+inline constexpr Waves WAVES;
+
+// The determinants at the samples.
+PART void determinants(const Equations& A, double (&D)[SAMPLES]) {
+    Block M[GROUPS][SIZE][SIZE];
+    for (int g = 0; g < GROUPS; ++g) {
+        double c[BLOCK], s[BLOCK];
+        for (int l = 0; l < BLOCK; ++l) c[l] = WAVES.c[BLOCK * g + l][1], s[l] = WAVES.s[BLOCK * g + l][1];
+        matrix_at(A, load<Block>(c), load<Block>(s), M[g]);
+    }
+    make_triangular(M);
+    for (int g = 0; g < GROUPS; ++g) {
+        // Each of the eleven reflections turns the determinant's sign.
+        Block product = -M[g][0][0];
+        for (int i = 1; i < SIZE; ++i) product *= M[g][i][i];
+        store(product, D + BLOCK * g);
+    }
+}
+
+// Fourier coefficients -8 to 8 of the samples. Returns the largest of the harmonics 9 to 11, which must vanish, relative
+// to the largest of the others: what rounding has left of the determinant.
+STEP double harmonics(const double (&D)[SAMPLES], Complex (&c)[2 * DEGREE + 1]) {
+    double re[HARMONICS], im[HARMONICS];
+    for (int b = 0; b < HARMONICS; b += BLOCK) {
+        Block x = 0.0, y = 0.0;
+        for (int k = 0; k < SAMPLES; ++k) x += D[k] * load<Block>(WAVES.c[k] + b), y -= D[k] * load<Block>(WAVES.s[k] + b);
+        store(x, re + b), store(y, im + b);
+    }
+    double largest = 0.0, noise = 0.0;
+    for (int h = 0; h < SAMPLES / 2; ++h) {
+        const double square = re[h] * re[h] + im[h] * im[h];
+        if (h <= DEGREE) {
+            c[DEGREE + h] = {re[h], im[h]}, c[DEGREE - h] = {re[h], -im[h]};
+            largest = max(square, largest);
+        } else {
+            noise = max(square, noise);
+        }
+    }
+    return largest > 0.0 ? sqrt(noise / largest) : __builtin_inf();
+}
+
+// Unit vectors that the matrices at the hidden angles (c, s) take to almost zero: inverse iteration on R^T R.
+PART void null_vectors(const Equations& A, const Block& c, const Block& s, Block (&x)[SIZE]) {
+    Block M[1][SIZE][SIZE], longest = 0.0, w[SIZE];
+    matrix_at(A, c, s, M[0]);
+    make_triangular(M);
+    const auto& R = M[0];
+    for (int i = 0; i < SIZE; ++i) longest = max(longest, abs(R[i][i]));
+    const Block least = 1e-15 * longest + TINY;
+    for (int i = 0; i < SIZE; ++i) {
+        w[i] = 1.0 / select(abs(R[i][i]) > least, R[i][i], least);
+        x[i] = 1.0 + 0.1 * i * ((i % 3) - 1);
+    }
+    for (int round = 0; round < 2; ++round) {
+        for (int i = 0; i < SIZE; ++i) {
+            for (int j = 0; j < i; ++j) x[i] -= R[i][j] * x[j];
+            x[i] *= w[i];
+        }
+        Block square = 0.0;
+        for (int i = SIZE - 1; i >= 0; --i) {
+            for (int j = i + 1; j < SIZE; ++j) x[i] -= R[j][i] * x[j];
+            x[i] *= w[i];
+            square += x[i] * x[i];
+        }
+        const Block inverse = 1.0 / sqrt(square);
+        for (auto& each : x) each *= inverse;
+    }
+}
+
+// ---- the other joints ------------------------------------------------------------------------------------------------
+
+// A joint's value: an angle, or a length in the scaled frame.
+template <class V> struct Value {
+    Turn<V> turn;
+    V length;
+};
+
+// The point v, moved backwards by joint j of the loop.
+template <class V> STEP Vec<V> undone(const EliminationVariant& at, int j, const Value<V>& value, const Vec<V>& v) {
+    const Vec<V> h = vec<V>(at.axes[j]);
+    if (at.slides[j]) return v - value.length * h;
+    const Vec<V> p = vec<V>(at.points[j]), x = v - p;
+    return value.turn.c * x - value.turn.s * cross(h, x) + ((1.0 - value.turn.c) * dot(h, x)) * h + p;
+}
+
+// The point v, moved backwards through joints a + 3, a + 4, a + 5, and by G where that stands among them.
+template <class V> STEP Vec<V> other_side(const EliminationVariant& at, const Frame<V>& G, const Value<V> (&values)[6], Vec<V> v) {
+    for (int k = 0; k < 4; ++k) {
+        if (k + at.first == 3) v = G.R * v + G.p;
+        const int j = (at.first + 3 + k) % 6;
+        if (k < 3) v = undone(at, j, values[j], v);
+    }
+    return v;
+}
+
+// The values of all joints of the loop for hidden angles (c, s), from the null vectors of their matrices.
+PART void remaining_values(const EliminationVariant& at, const Frame<double>& motion, const Block (&x)[SIZE], const Block& c,
+                           const Block& s, Block (&q)[6]) {
+    const Frame<Block> G = spread<Block>(motion);
+    const int first = at.first, kept = (first + 3) % 6, kept_too = (first + 4) % 6, hidden = (first + 5) % 6;
+    Value<Block> values[6];
+    // The null vector is (1, cos, sin) of joint a + 3 times a vector of the halves: of the three copies the longest.
+    Block longest = x[0] * x[0] + x[1] * x[1], halves[4] = {x[0], x[1], x[2], x[3]};
+    for (int j = 1; j < 3; ++j) {
+        const Block square = x[4 * j] * x[4 * j] + x[4 * j + 1] * x[4 * j + 1];
+        const auto longer = square > longest;
+        longest = select(longer, square, longest);
+        for (int i = 0; i < 4; ++i) halves[i] = select(longer, x[4 * j + i], halves[i]);
+    }
+    Block d[3] = {0.0, 0.0, 0.0};
+    for (int i = 0; i < 4; ++i) {
+        for (int j = 0; j < 3; ++j) d[j] += x[4 * j + i] * halves[i];
+    }
+    const Block sign = select(d[0] > Block(0.0), Block(1.0), -1.0);
+    values[kept].turn = unit<Block>(sign * d[1], sign * d[2]);
+    values[kept].length = values[kept].turn.s / (1.0 + values[kept].turn.c);
+    const Turn<Block> half = unit(halves[0], halves[1]);
+    values[kept_too] = {{half.c * half.c - half.s * half.s, 2.0 * half.c * half.s}, half.s / half.c};
+    values[hidden] = {{c, s}, s / (1.0 + c)};
+    // The line of joint a + 2, as the other side has it, gives the products of joints a and a + 1.
+    const int k = first + 2;
+    const Vec<Block> axis = vec<Block>(at.axes[k]), start = vec<Block>(at.points[k]), across = vec<Block>(at.across);
+    const Vec<Block> p = other_side(at, G, values, start), l = other_side(at, G, values, start + axis) - p, m = cross(p, l);
+    const Block h = 0.5 * dot(p, p), along = dot(p, l);
+    const Vec<Block> rest = h * l - along * p;
+    const Block w[LINE] = {Block(1.0), p.x, p.y, p.z, h, l.x, l.y, l.z, m.x, m.y, m.z, along, rest.x, rest.y, rest.z};
+    const auto product = [&](int i) {
+        Block sum = 0.0;
+        for (int j = 0; j < LINE; ++j) sum += at.left_inverse[i][j] * w[j];
+        return sum;
+    };
+    const Block cos_first = product(3), cos_second = product(1);
+    values[first] = {unit(cos_first, product(6)), cos_first};
+    values[first + 1] = {unit(cos_second, product(2)), cos_second};
+    // The last one turns a vector across axis a + 2 to where the other side has it.
+    Vec<Block> v = other_side(at, G, values, start + across);
+    v = undone(at, first, values[first], v);
+    v = undone(at, first + 1, values[first + 1], v) - start;
+    values[k].turn = {dot(across, v), dot(axis, cross(across, v))};
+    for (int j = 0; j < 6; ++j) {
+        const int from = at.reversed ? 5 - j : j;
+        q[j] = at.slides[from] ? values[from].length : wrap(angle(values[from].turn));
+    }
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

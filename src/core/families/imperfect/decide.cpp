@@ -1,0 +1,96 @@
+// What decides the branches of an arm near a family, compiled once for every instruction set; derived in imperfect.hpp.
+#include "families/imperfect/decide.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// Twins whose negative margins are less than this factor apart are both beyond their end (34 would do if m were linear in x);
+// the same of a margin before and after a correction.
+inline constexpr double AGREE = 2.0;
+// The rounds have come to rest where the last move is less than half of x: the square of it, over the margin.
+inline constexpr double REST = 0.25;
+// An angle is fixed where its arm is above this times the drift, both as shares of the size. Joints that change by x change
+// the correction by drift x at most, and that turns an angle of arm a by drift x / a: by less than x / 4, so that every round
+// leaves a quarter of the one before, CORRECTIONS rounds 1/256 of the first. Below, the ideal arm all but leaves the angle free
+// (rounds converge slowly or not at all below 1, and the arm as written may have more solutions), and the elimination decides.
+inline constexpr double FIXED_BY_DRIFT = 4.0;
+// A branch is beyond an end only where its margins' roots are above this times the drift: the joints of another root x move by
+// drift / x, and with them, by that share of itself, what tells the twins apart. By tests, 16 was too little for two of 20,000
+// vectors planted next to two singularities; 64 costs nothing, as few poses are so near to an end.
+inline constexpr double BEYOND_BY_DRIFT = 64.0;
+// Kantorovich's share of the smallest singular value, see above.
+inline constexpr double KANTOROVICH = 0.5;
+// Below this a margin is rounding.
+inline constexpr double ROUNDED_MARGIN = 1e-12;
+// How often a target is corrected before the pose is given to the elimination.
+inline constexpr int CORRECTIONS = 4;
+
+// I(q) W(q)^-1 goal.
+PART Seen<Block> corrected(const BothArms& arm, const Goal<Block>& goal, const Block (&q)[6]) {
+    const Frame<Block> W = place(arm.written, q).tip, I = place(arm.ideal, q).tip;
+    const auto through = [&](const Vec<Block>& a) { return I.R * Vec<Block>{dot(W.R.x, a), dot(W.R.y, a), dot(W.R.z, a)}; };
+    return {each(goal.R, through), I.p + through(goal.p - W.p)};
+}
+
+// Whether branch b is beyond an end, after a correction that moved it by `last` [rad].
+STEP bool is_beyond(const Answers& before, const Answers& now, int b, double last, double drift) {
+    const double least = max(BEYOND_BY_DRIFT * BEYOND_BY_DRIFT * drift * drift, ROUNDED_MARGIN);
+    for (int k = 0; k < 3; ++k) {
+        const double m = -now.margin[k][b], twin = -now.margin[k][b ^ (4 >> k)], past = -before.margin[k][b];
+        const double others = min(abs(now.margin[(k + 1) % 3][b]), abs(now.margin[(k + 2) % 3][b]));
+        if (min(m, others) >= least && min(twin, past) * AGREE > m && max(twin, past) < AGREE * m && last * last < REST * m)
+            return true;
+    }
+    return false;
+}
+
+// Newton's method on a group of branches whose bits are in `inside`.
+PART void follow(const BothArms& arm, const Goal<Block>& goal, const Answers& now, unsigned inside, int first, Known& known) {
+    constexpr unsigned all = (1u << BLOCK) - 1;
+    inside = inside >> first & all;
+    if (!inside) return;
+    Block q[6], start[6], chosen, moved = 0.0;
+    for (int j = 0; j < 6; ++j) q[j] = start[j] = load<Block>(now.q[j] + first);
+    for (int l = 0; l < BLOCK; ++l) chosen.set(l, inside >> l & 1);
+    const Polished<Block> end = polish<false>(arm.written, goal, q, {5, CONVERGED, 2}, chosen > Block(0.5));
+    for (int j = 0; j < 6; ++j) moved = max(moved, abs(wrap(q[j] - start[j])));
+    const unsigned found = inside & bits((end.error <= Block(CONVERGED)) & (moved <= KANTOROVICH * end.least) &
+                                         (end.least >= Block(arm.written.tolerances.singular)));
+    known.found |= found << first, known.open &= ~(found << first);
+    for (int l = 0; l < BLOCK; ++l) {
+        for (int j = 0; j < 6 && found >> l & 1; ++j) known.q[j][first + l] = q[j][l];
+    }
+}
+
+// One more correction of all branches, then what it decides of those that are open.
+PART void decide(const BothArms& arm, const Goal<Block>& goal, const IdealAnswer& family, Answers& now, Known& known) {
+    const Answers before = now;
+    double last[8];
+    for (int first = 0; first < 8; first += BLOCK) {
+        Block q[6], moved = 0.0;
+        for (int j = 0; j < 6; ++j) q[j] = load<Block>(before.q[j] + first);
+        family.answer(family.arm, corrected(arm, goal, q), first, now);
+        for (int j = 0; j < 6; ++j) moved = max(moved, abs(wrap(load<Block>(now.q[j] + first) - q[j])));
+        store(moved, last + first);
+    }
+    const double fixed = FIXED_BY_DRIFT * arm.drift;
+    unsigned inside = 0;
+    for (int b = 0; b < 8; ++b) {
+        if (!(known.open >> b & 1) || !(now.arms[b] >= fixed * fixed)) continue;
+        if (is_beyond(before, now, b, last[b], arm.drift)) known.open &= ~(1u << b);
+        else if (min(now.margin[0][b], min(now.margin[1][b], now.margin[2][b])) > 0.0) inside |= 1u << b;
+    }
+    for (int first = 0; first < 8; first += BLOCK) follow(arm, goal, now, inside, first, known);
+}
+
+// The branches that are decided, a bit each in `found` and `open` for what is not.
+Known decide_all(const BothArms& arm, const Seen<double>& seen, const IdealAnswer& family) {
+    const Goal<Block> target = spread<Block>({seen.R, seen.p});
+    Answers now;
+    Known known;
+    for (int first = 0; first < 8; first += BLOCK) family.answer(family.arm, {target.R, target.p}, first, now);
+    for (int round = 0; round < CORRECTIONS && known.open; ++round) decide(arm, target, family, now, known);
+    for (const double each : now.arms) known.least_arm = min(known.least_arm, each);
+    return known;
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

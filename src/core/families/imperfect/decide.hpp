@@ -1,0 +1,28 @@
+// Which branches of an arm near a family are solutions of the arm as written, and which are not; see imperfect.hpp.
+#pragma once
+
+#include "answers/blocks.hpp"
+#include "families/imperfect/imperfect_arm.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// The eight branches of one pose, each for a target of its own: joint values, margins of shoulder, elbow and wrist.
+struct Answers {
+    double q[6][8], margin[3][8], arms[8];
+};
+// What is known of them, a bit a branch.
+struct Known {
+    unsigned open = 255, found = 0;
+    double least_arm = 1.0;  // squared, of all branches [share of size^2]
+    double q[6][8];
+};
+// An ideal arm's closed form for a block of branches from `first` on.
+struct IdealAnswer {
+    const void* arm;
+    void (*answer)(const void* arm, const Seen<Block>& seen, int first, Answers& to);
+};
+
+// Solutions have their bit in `found`, branches that are not decided theirs in `open`.
+Known decide_all(const BothArms& arm, const Seen<double>& seen, const IdealAnswer& family);
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

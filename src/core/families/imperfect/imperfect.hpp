@@ -1,0 +1,117 @@
+// Arms near a family: the ideal arm's closed form, corrected for the arm as written, and the elimination where that does
+// not decide.
+//
+// Where the arm as written, W, is in the target T at q, the ideal arm is at q in I(q) W(q)^-1 T: near T, and changing slowly
+// with q. So the solutions of W are the fixed points of: take a branch's answer q, correct the target by what the two arms
+// differ at q, answer again with the same branch. A few rounds come close; Newton's method on W then ends it.
+//
+// What decides a branch b:
+// - A solution: Newton's method, started with all margins above zero, moved by less than half of the Jacobian's smallest
+//   singular value and converged. The Jacobian's Lipschitz constant is about 1 (per rad, lengths as shares of the size), so
+//   by Kantorovich's theorem there is one solution about the start, and no second one.
+// - None: a margin m is below zero. Let x be the signed root that tells the branch from its twin, the branch with the
+//   other sign of that root: solutions have x^2 = m(x), where m depends on x only through the correction, m(x) = m0 + c x
+//   to first order. Beyond the end the closed form takes x = +-sqrt(-m) (see margin_root), so the rounds end at x1 > 0 and
+//   -x2 < 0 with x1^2 = -m0 - c x1, x2^2 = -m0 + c x2: x1 and -x2 are the roots of x^2 + c x + m0 = 0, hence c = x2 - x1
+//   and -m0 = x1 x2. x^2 = m0 + c x has no real root where c^2 < -4 m0, (x2 - x1)^2 < 4 x1 x2: where the margins of the
+//   twins, -x1^2 and -x2^2, are less than a factor of 34 apart. AGREE asks for less.
+// Both take the other joints to stay about where they are: FIXED_BY_DRIFT and BEYOND_BY_DRIFT in decide.cpp, and after() in
+// blocks.hpp, say when. Next to two singularities at once they do not, and W may have more solutions than branches.
+// Solutions are counted by that: with complex ones, every pair of twins has two. A pose is decided if each of its branches is.
+#pragma once
+
+#include "families/general/complete.hpp"
+#include "families/imperfect/decide.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// Imperfection up to which the elimination finds too little by itself, its equations being those of the ideal arm to many
+// digits: there the closed form's careful path, one branch at a time, helps it.
+inline constexpr double CLOSE_BY = 1e-4;
+// Imperfection from which the few values of a joint that the ideal arm leaves free stand apart, so that elimination and
+// continuation find them without looks from all around. Chosen by tests, not derived: at 1e-3 a solution was lost without.
+inline constexpr double FAR_OFF = 4e-3;
+// Pairs of places that are tried where two joints are all but free: where the second smallest singular value is below this.
+inline constexpr int PAIRS = 48;
+inline constexpr double DOUBLY_WEAK = 1e-2;
+// The places of six joints follow each other by its powers, as shares of a turn: 1 / x with x^7 = x + 1 (the additive recurrence
+// of M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018).
+inline constexpr double IRRATIONAL = 0.8986537126286993;
+
+// by_quartic: the family has no block path; all its poses go to its careful path and the elimination.
+template <class Family, bool by_quartic = false> struct Imperfect {
+    using Arm = ImperfectArm<typename Family::Arm>;
+    static constexpr int branches = 16;
+
+    static PART void answer(const void* arm, const Seen<Block>& seen, int first, Answers& to) {
+        AllBranches all;
+        Family::fast(*static_cast<const typename Family::Arm*>(arm), seen, all);
+        for (int l = 0; l < BLOCK; ++l) {
+            const int b = first + l;
+            for (int j = 0; j < 6; ++j) to.q[j][b] = all.q[b][j][l];
+            to.margin[0][b] = all.clear[b].shoulder[l], to.margin[1][b] = all.clear[b].elbow[l];
+            to.margin[2][b] = all.clear[b].wrist[l], to.arms[b] = all.clear[b].arms[l];
+        }
+    }
+
+    static void beyond_ends(const Arm& arm, const Batch& batch) { branches_beyond<Family>(arm.family, batch, branches); }
+
+    static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
+        const Seen<double> seen = to_frame_1(goal, arm.family.ideal);
+        unsigned open = 255;
+        bool loose = by_quartic;
+        if constexpr (!by_quartic) {
+            const Known known = decide_all(arm.both, seen, {&arm.family, answer});
+            open = known.open;
+            loose = !(known.least_arm > arm.loose.written.tolerances.continuum);
+            for (int b = 0; b < 8; ++b) {
+                double q[6];
+                for (int j = 0; j < 6; ++j) q[j] = known.q[j][b];
+                if (known.found >> b & 1) keep(columns, b, q, 0);
+            }
+            if (!open && columns.count() % 2 == 0) return;
+        }
+        const double off = arm.family.ideal.imperfection;
+        if (by_quartic || off < CLOSE_BY) Family::closely(arm.family, goal, seen, reference, columns, open);
+        if (loose && !by_quartic && off < FAR_OFF) all_around(arm, goal, seen, columns);
+        if (!complete(arm.elimination, goal, columns)) {
+            if (by_quartic) all_around(arm, goal, seen, columns);
+            if (loose && off < FAR_OFF && is_doubly_weak(arm, goal, columns)) apart(arm, goal, seen, columns);
+            columns.flags[0] |= UNCERTAIN;
+        }
+    }
+
+    // A joint that the ideal arm leaves free has a few values on the arm as written: from places all around the circle.
+    static PART void all_around(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Columns<6>& columns) {
+        for (int k = 0; k < AROUND; ++k) {
+            Reference<6> at;
+            for (double& each : at.q) each = PI * (2.0 * k / AROUND - 1.0);
+            at.given = 0.0;
+            Family::closely(arm.loose, goal, seen, at, columns, ~0u);
+        }
+    }
+
+    // Whether some solution's Jacobian all but loses two ranks.
+    static PART bool is_doubly_weak(const Arm& arm, const Goal<double>& goal, const Columns<6>& columns) {
+        for (int b = 0; b < columns.many; ++b) {
+            if (!columns.valid(b)) continue;
+            double q[6];
+            for (int j = 0; j < 6; ++j) q[j] = columns.row(b)[j];
+            if (second_weakest_at(arm.family.written, goal, q) < DOUBLY_WEAK) return true;
+        }
+        return false;
+    }
+
+    // Two such joints at once: from pairs of places, which an irrational share of a turn spreads evenly.
+    static PART void apart(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Columns<6>& columns) {
+        for (int k = 0; k < PAIRS; ++k) {
+            Reference<6> at;
+            double share = 1.0;
+            for (double& each : at.q) each = wrap(2.0 * PI * (share *= IRRATIONAL) * k);
+            at.given = 0.0;
+            Family::closely(arm.loose, goal, seen, at, columns, ~0u);
+        }
+    }
+};
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

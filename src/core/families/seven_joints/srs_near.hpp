@@ -1,0 +1,171 @@
+// All solutions, at a swivel angle, of an arm whose axes 1 to 3 and 5 to 7 nearly meet: the eight of the nearest S-R-S arm
+// lead to those of the arm as written by Newton's method at the same swivel angle. Near a singularity of the ideal arm the
+// solutions of the two differ in number, and starts all around it are followed, too.
+#pragma once
+
+#include "families/seven_joints/srs.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// A bend is the root x of a margin, x^2 = m on the ideal arm and m + e on the arm as written. Newton's method from sqrt(m) finds
+// it, and none but it, where |e| < m (Kantorovich: |x^2 - m - e| times the second derivative, 2, over the square of the first,
+// 4 m, is below one half). An error of the ideal arm changes the bend's cosine by that error over the product of the twists'
+// sines, a stretched elbow's by size^2 / (2 upper fore) times it, and the margin by twice that: 16 times the error where each
+// link is a quarter of the size, and the other triple adds its own. So a start is sure where m is UNSURE times the error. Below,
+// starts are taken from all around, too, at a margin BESIDE_UNSURE times the error beyond the ideal one: from outside Newton's
+// method comes down on the root, however small it is.
+// Measured on the four nearly S-R-S arms of a corpus (errors 2e-6 to 2e-3), 1500 poses each at 16 columns, half of them 1e-1 to
+// 1e-7 rad from a singularity: with UNSURE 10 two solutions of 46,459 more are lost, with 160 none less at two to four times the
+// time; with BESIDE_UNSURE 1 47 more are lost, 16 finds as many as 4.
+inline constexpr double UNSURE = 40.0, BESIDE_UNSURE = 4.0;
+// Where the wrist is nearer to the shoulder than this share of the size, the same error turns the line between them more.
+inline constexpr double SHORT_LINE = 0.3;
+// Directions in which a bend is tried where axes nearly align.
+inline constexpr int TRIED_AROUND = 8;
+
+struct SrsNear {
+    using Arm = SrsArm;
+    static constexpr int branches = 16;
+    static constexpr bool redundant = true;
+    static constexpr int MOST = 4 + 2 * TRIED_AROUND;  // ways of a triple
+
+    // Ways in which a triple of meeting axes nearly brings a rotation about.
+    struct Ways {
+        double q[MOST][3];
+        int count;
+        bool doubtful;
+    };
+
+    // Starts that wait for a block of them to be full.
+    struct Search {
+        const Arm& arm;
+        const Goal<double>& goal;
+        AtSwivel model;
+        const Columns<7>& columns;
+        Block q[7];
+        int column[BLOCK], filled;
+        double error;  // of the ideal arm, as it counts at this pose
+        bool wide, failed;
+    };
+
+    static PART void solve(const Arm& arm, const Goal<double>& goal, double value, const Reference<7>&, const Columns<7>& columns) {
+        const auto& R = goal.R;
+        const Vec<double>& p = goal.p;
+        const double t[16] = {R.x.x, R.y.x, R.z.x, p.x, R.x.y, R.y.y, R.z.y, p.y, R.x.z, R.y.z, R.z.z, p.z, 0.0, 0.0, 0.0, 1.0};
+        const Seen<double> seen = to_frame_1<double>(t, arm.ideal);
+        const Line<double> line = line_to_wrist(seen.p);
+        const Swivelled<double> at = swivelled(line, cos_sin_of_any(value));
+        Search search = {arm, goal, at_swivel(arm, at), columns, {}, {}, 0, 0.0, false, false};
+        search.error = arm.imperfection * max(1.0, SHORT_LINE * arm.written.size / (line.length + TINY));
+        const bool doubtful = follow(search, seen, line, at);
+        if (!doubtful && !search.failed) return;
+        search.wide = true;
+        follow(search, seen, line, at);
+    }
+
+    // The ideal arm's solutions as starts; where `search.wide`, those around its singularities. Returns whether it is near one.
+    static PART bool follow(Search& search, const Seen<double>& seen, const Line<double>& line, const Swivelled<double>& at) {
+        const Arm& arm = search.arm;
+        bool doubtful = false;
+        for (int way = 0; way < (search.wide ? 4 : 2); ++way) {
+            const double up = way & 1 ? -1.0 : 1.0;
+            UpperArm<double> elbow = upper_arm(arm, line, at, up);
+            if (elbow.margin < -arm.clamp) continue;
+            const bool flat = elbow.margin < UNSURE * search.error;
+            if (way >= 2) {
+                if (!flat) continue;
+                // A little nearer to the middle of its range the elbow is bent.
+                const double far = elbow.bend.c > 0.0 ? -1.0 : 1.0;
+                elbow = upper_arm(arm, line, at, up, 1.0 + far * BESIDE_UNSURE * search.error);
+            }
+            const Turn<double> t4 = fourth_turn(arm, elbow);
+            const double q4 = wrap(angle(t4));
+            const Ways shoulder = ways(search, arm.shoulder, shoulder_rotation(arm, elbow));
+            const Ways wrist = ways(search, arm.wrist, wrist_rotation(arm, elbow, t4, seen.R));
+            doubtful |= flat || (shoulder.count && wrist.count && (shoulder.doubtful || wrist.doubtful));
+            for (int i = 0; i < shoulder.count; ++i) {
+                for (int k = 0; k < wrist.count; ++k) {
+                    const auto &s = shoulder.q[i], &w = wrist.q[k];
+                    add(search, {s[0], s[1], s[2], q4, w[0], w[1], w[2]}, search.wide ? 0 : 4 * i + 2 * (way & 1) + k);
+                }
+            }
+        }
+        flush(search);
+        return doubtful;
+    }
+
+    static PART Ways ways(const Search& search, const MeetingAxes& axes, const Rot<double>& M) {
+        const double error = search.error;
+        const Twists t = twists_of(axes);
+        Ways out = {};
+        const Bend<double> bend = wrist_bend(M.z, t, 1.0);
+        if (bend.margin < -search.arm.clamp * (error / search.arm.imperfection)) return out;
+        const WristTurns<double> turns = wrist_turns(M, bend.turn, t);
+        const auto take = [&](const Turn<double>& b, bool held, double first) {
+            const WristTurns<double> w = wrist_turns(M, b, t, held, cos_sin(first));
+            double (&q)[3] = out.q[out.count++];
+            q[0] = wrap(angle(w.first)), q[1] = wrap(angle(b) - axes.shift), q[2] = wrap(angle(w.last));
+        };
+        take(bend.turn, false, 0.0), take({bend.turn.c, -bend.turn.s}, false, 0.0);
+        out.doubtful = min(bend.margin, turns.fixed) < UNSURE * error;
+        if (!search.wide || !out.doubtful) return out;
+        const double s = sqrt(max(bend.margin, 0.0) + BESIDE_UNSURE * error);
+        const Turn<double> more = unit(bend.turn.c, s);
+        take(more, false, 0.0), take({more.c, -more.s}, false, 0.0);
+        if (turns.fixed >= UNSURE * error) return out;
+        for (int k = 0; k < TRIED_AROUND; ++k) {
+            const double first = (2.0 * PI / TRIED_AROUND) * k - PI;
+            take(more, true, first), take({more.c, -more.s}, true, first);
+        }
+        return out;
+    }
+
+    static STEP void add(Search& search, const double (&q)[7], int column) {
+        for (int j = 0; j < 7; ++j) search.q[j].set(search.filled, q[j]);
+        search.column[search.filled] = column;
+        if (++search.filled == BLOCK) flush(search);
+    }
+
+    static PART void flush(Search& search) {
+        const int many = search.filled;
+        search.filled = 0;
+        if (!many) return;
+        // The rest of the block repeats its first start.
+        for (int i = many; i < BLOCK; ++i) {
+            for (int j = 0; j < 7; ++j) search.q[j].set(i, search.q[j][0]);
+        }
+        const Course course = {search.wide ? 20 : 12, CONVERGED, PATIENCE};
+        const auto out = polish<true>(search.model, spread<Block>(search.goal), search.q, course, search.q[0] <= Block(4.0));
+        for (int i = 0; i < many; ++i) {
+            double q[7];
+            for (int j = 0; j < 7; ++j) q[j] = search.q[j][i];
+            take(search, q, out.error[i], out.least[i], search.column[i]);
+        }
+    }
+
+    // least: a bound from below on the Jacobian's smallest singular value near q.
+    static PART void take(Search& search, const double (&q)[7], double error, double least, int column) {
+        const Tolerances& tol = search.model.tolerances;
+        // What a wide search finds has to converge: beside a fold that the target misses, errors fall below the tolerance.
+        if (!(error <= (search.wide ? CONVERGED : tol.reach)) || !is_new(search.model, search.goal, search.columns, q)) {
+            search.failed = true;
+            return;
+        }
+        const bool singular = !(least > 100.0 * tol.singular) && weakest_at(search.model, search.goal, q).value <= tol.singular;
+        if (singular && continues(search, q)) return;
+        keep(search.columns, column, q, singular ? OTHER : 0);
+    }
+
+    // Whether q lies on the continuum of a solution that is kept: half way between them the arm is in the pose, too.
+    static PART bool continues(const Search& search, const double (&q)[7]) {
+        for (int b = 0; b < search.columns.many; ++b) {
+            if (!(search.columns.flags[b] & OTHER)) continue;
+            double middle[7];
+            for (int j = 0; j < 7; ++j) middle[j] = wrap(q[j] - 0.5 * wrap(q[j] - search.columns.row(b)[j]));
+            if (error_at(search.model, search.goal, middle).size <= search.model.tolerances.fold) return true;
+        }
+        return false;
+    }
+};
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

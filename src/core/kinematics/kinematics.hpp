@@ -1,0 +1,52 @@
+// Forward kinematics and Jacobian of the arm as written. Source: Lynch and Park, Modern Robotics, chapters 4 and 5.
+#pragma once
+
+#include "arithmetic/vectors.hpp"
+#include "kinematics/arm.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// Where everything is at one joint vector: the frame of each joint before it moves, and the tip.
+template <int N, class V> struct Posture {
+    Frame<V> joint[N], tip;
+};
+
+template <class V> STEP Frame<V> constant_frame(const Motion& m) {
+    return {{{m.R[0][0], m.R[1][0], m.R[2][0]}, {m.R[0][1], m.R[1][1], m.R[2][1]}, {m.R[0][2], m.R[1][2], m.R[2][2]}},
+            {m.t[0], m.t[1], m.t[2]}};
+}
+
+// The frame moved by a constant step, seen from the frame itself.
+template <class V> STEP Frame<V> beyond(const Frame<V>& at, const Motion& step) {
+    return {at.R * step.R, at.p + combine(at.R, step.t[0], step.t[1], step.t[2])};
+}
+
+// The frame after its joint has moved by q.
+template <class V> STEP Frame<V> moved(const Frame<V>& at, bool slides, const V& q) {
+    if (slides) return {at.R, at.p + q * at.R.z};
+    return turned(at, cos_sin(q));
+}
+
+// q: angles in [-1.1 pi, 1.1 pi], lengths in m.
+template <int N, class V> STEP Posture<N, V> place(const Written<N>& arm, const V (&q)[N]) {
+    Posture<N, V> at;
+    at.joint[0] = constant_frame<V>(arm.step[0]);
+#pragma GCC unroll 8
+    for (int k = 0; k < N; ++k) {
+        const Frame<V> next = beyond(moved(at.joint[k], arm.slides[k], q[k]), arm.step[k + 1]);
+        if (k + 1 < N) at.joint[k + 1] = next;
+        else at.tip = next;
+    }
+    return at;
+}
+
+// A joint's column of the geometric Jacobian at the tip, lengths as shares of the size (1 / inverse_size): of a joint
+// that slides by one size, the direction itself.
+template <class V> STEP Six<V> jacobian_column(const Frame<V>& joint, bool slides, const Vec<V>& tip, double inverse_size) {
+    const Vec<V>& z = joint.R.z;
+    if (slides) return {{z.x, z.y, z.z, V(0.0), V(0.0), V(0.0)}};
+    const Vec<V> arm = V(inverse_size) * (tip - joint.p), v = cross(z, arm);
+    return {{v.x, v.y, v.z, z.x, z.y, z.z}};
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

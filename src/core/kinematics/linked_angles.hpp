@@ -1,0 +1,80 @@
+// Two angles u and v tied by two equations: cos u and sin u are both affine in (cos v, sin v). The squares of cos u and
+// sin u add up to one, which is a trigonometric polynomial of degree two in v: up to four pairs of angles. The quartic
+// families end in this: three parallel axes, wherever they stand, and a spherical triple in the middle of the arm.
+#pragma once
+
+#include "arithmetic/quartic.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// constant + cosine cos v + sine sin v
+template <class V> struct Affine {
+    V constant, cosine, sine;
+};
+STEP Affine<double> scaled(const Affine<double>& a, double by) { return {a.constant * by, a.cosine * by, a.sine * by}; }
+
+// Angles v at which cos u = c(v) and sin u = s(v) have a common u.
+STEP Quartic linked_roots(const Affine<double>& c, const Affine<double>& s) {
+    const double cosines = c.cosine * c.cosine + s.cosine * s.cosine, sines = c.sine * c.sine + s.sine * s.sine;
+    return trigonometric_roots({c.constant * c.constant + s.constant * s.constant - 1.0 + 0.5 * (cosines + sines),
+                                2.0 * (c.constant * c.cosine + s.constant * s.cosine),
+                                2.0 * (c.constant * c.sine + s.constant * s.sine), 0.5 * (cosines - sines),
+                                c.cosine * c.sine + s.cosine * s.sine});
+}
+
+// Roots within this of an extreme of cos u [rad] are made exact; beyond, the quartic's own digits are enough.
+inline constexpr double BESIDE_EXTREME = 1e-4;
+// Below this (dimensionless) a quadratic's leading coefficient, or a derivative per rad, is not divided by.
+inline constexpr double FLAT = 1e-9;
+
+// An extreme of cos u: the angle v there, cos u and sin^2 u there, and how cos u changes with 1 - cos(v - extreme).
+struct Extreme {
+    Turn<double> at;
+    double cosine, square, slope;
+};
+
+// With x the distance from the extreme and w = 1 - cos x, sin u = b + g sin x + k w and cos u = cosine + slope w, so that
+// sin^2 u = square - 2 cosine slope w - slope^2 w^2 without cancellation. Two steps of Newton's method on the difference.
+STEP double sharpened(double x, double b, double g, double k, const Extreme& e) {
+    for (int round = 0; round < 2; ++round) {
+        const double half = __builtin_sin(0.5 * x), w = 2.0 * half * half, s = __builtin_sin(x), c = __builtin_cos(x);
+        const double bend = b + g * s + k * w, value = bend * bend - e.square + (2.0 * e.cosine + e.slope * w) * e.slope * w;
+        const double change = 2.0 * bend * (g * c + k * s) + 2.0 * (e.cosine + e.slope * w) * e.slope * s;
+        if (abs(change) > FLAT * abs(x)) x -= value / change;
+    }
+    return x;
+}
+
+STEP Turn<double> beside(const Turn<double>& at, double x) {
+    const double c = __builtin_cos(x), s = __builtin_sin(x);
+    return {at.c * c - at.s * s, at.s * c + at.c * s};
+}
+
+// Make the roots exact at which cos u is almost +-1 and at its extreme. There the quartic has two roots that nearly meet,
+// known to half the digits only: they are found anew, from the quadratic equation that is left to second order in x.
+PART void sharpen_roots(const Extreme& e, const Affine<double>& sine, Quartic& roots) {
+    const auto away = [&](int i) { return e.at.c * roots.root[i].s - e.at.s * roots.root[i].c; };
+    int first = -1, second = -1;
+    for (int i = 0; i < roots.count; ++i) {
+        if (e.at.c * roots.root[i].c + e.at.s * roots.root[i].s > 0.0 && abs(away(i)) < BESIDE_EXTREME)
+            (first < 0 ? first : second) = i;
+    }
+    if (first < 0) return;
+    const double k = -(sine.cosine * e.at.c + sine.sine * e.at.s), b = sine.constant - k,
+                 g = sine.sine * e.at.c - sine.cosine * e.at.s;
+    const double square = g * g + b * k + e.cosine * e.slope, half = b * g;
+    if (abs(square) < FLAT) return;
+    const double spread = sqrt(max(half * half - square * (b * b - e.square), 0.0)) / abs(square);
+    const double low = sharpened(-half / square - spread, b, g, k, e), high = sharpened(-half / square + spread, b, g, k, e);
+    double x = away(first);
+    if (second >= 0) {
+        const bool ordered = x <= away(second);
+        x = ordered ? low : high;
+        roots.root[second] = beside(e.at, ordered ? high : low);
+    } else {
+        x = abs(low - x) < abs(high - x) ? low : high;
+    }
+    roots.root[first] = beside(e.at, x);
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

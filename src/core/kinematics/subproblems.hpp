@@ -1,0 +1,187 @@
+// The steps that the families are made of, without branches: each takes and gives angles as (cos, sin).
+//
+// A step that has two solutions takes a sign. Where they meet, or cease to exist, it continues with the double root, and
+// the margin that it returns beside the angles (zero where they meet, negative beyond) tells. Frames are
+// Denavit-Hartenberg's in Craig's order, so every rotation is about z or x.
+// Sources: Pieper 1968; Paden 1986 (subproblems 1 to 4); Elias and Wen 2022.
+#pragma once
+
+#include "arithmetic/vectors.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// The root of a margin. Beyond the branch's end a number continues with the double root. A block continues with the root
+// of what is missing, so that two branches stand apart on either side of their end: exact arms ask their blocks for nothing
+// there, imperfect ones ask what the margin is at either place (families/imperfect/imperfect.hpp).
+STEP double margin_root(double margin) { return root(max(margin, 0.0)); }
+template <int L, int K> STEP Pack<L, K> margin_root(const Pack<L, K>& margin) { return root(abs(margin)); }
+
+// Turn about z so that (X, k) becomes (x, y), X free: subproblem 4.
+template <class V> struct Swing {
+    Turn<V> turn;
+    V X, margin;  // margin r^2 - k^2 [m^2]
+};
+template <class V> STEP Swing<V> swing_to_offset(const V& x, const V& y, const V& k, const V& sign) {
+    const V margin = x * x + y * y - k * k, X = sign * margin_root(margin);
+    return {unit(X * x + k * y, X * y - k * x), X, margin};
+}
+
+// Planar two-link arm whose end is sqrt(uu) away: law of cosines. 1 + cos gamma and 1 - cos gamma are taken apart, so that
+// a folded arm of equal links keeps its digits.
+template <class V> struct Fold {
+    V wx, wy;      // the end, seen along the first link
+    Turn<V> bend;  // gamma
+    V margin;      // sin^2 gamma
+};
+template <class V, class W> STEP Fold<V> fold(const V& uu, const W& a, const W& b, double side, const V& sign) {
+    const W w = 0.5 / (a * b), inner = a - b, outer = a + b;
+    const V folded = (uu - inner * inner) * w, stretched = (outer * outer - uu) * w, margin = folded * stretched;
+    const V c = min(max(0.5 * (folded - stretched), -1.0), V(1.0)), s = sign * margin_root(margin);
+    return {inner + b * max(folded, 0.0), side * b * s, {c, s}, margin};
+}
+
+// a e(q2) + b e(q2 + side gamma) = (ux, uy): the same, then subproblem 1.
+template <class V> struct Elbow {
+    Turn<V> second, bend;  // q2, gamma
+    V margin;              // sin^2 gamma
+};
+template <class V, class W> STEP Elbow<V> elbow(const V& ux, const V& uy, const W& a, const W& b, double side, const V& sign) {
+    const Fold<V> f = fold<V, W>(ux * ux + uy * uy, a, b, side, sign);
+    return {unit(f.wx * ux + f.wy * uy, f.wx * uy - f.wy * ux), f.bend, f.margin};
+}
+
+// Two twists: cosines and sines of the angles from one axis to the next.
+struct Twists {
+    double ca, sa, cb, sb;
+};
+
+// Middle angle of a wrist whose last axis points along z in the frame of the first: subproblem 4. The axes enclose alpha
+// and beta. The sine comes from the part of the last axis across the first one, which keeps its digits where the three
+// axes fall into a plane.
+template <class V> struct Bend {
+    Turn<V> turn;
+    V margin;  // sin^2
+};
+template <class V> STEP Bend<V> wrist_bend(const Vec<V>& z, const Twists& t, const V& sign) {
+    const V c = (t.ca * t.cb - z.z) * (1.0 / (t.sa * t.sb)), across = t.ca * t.sb * c + t.sa * t.cb;
+    const V margin = (z.x * z.x + z.y * z.y - across * across) * (1.0 / (t.sb * t.sb));
+    return {unit(c, sign * margin_root(margin)), margin};
+}
+
+// Turn about z so that an axis tilted by alpha (ca, sa) from it, Rz(-t) (0, sa, ca), encloses with a unit vector an angle
+// of cosine c and squared sine `across`: subproblem 4. The margin is a product of two factors, each free of cancellation, so
+// the turn keeps its digits where the vectors align.
+template <class V> STEP Bend<V> swing_to_tilt(const Vec<V>& z, double ca, double sa, const V& c, const V& across, const V& sign) {
+    const V r = copysign(root(z.x * z.x + z.y * z.y), V(sa));
+    const V c_low = ca * z.z + sa * r, s_low = sa * z.z - ca * r, c_high = ca * z.z - sa * r, s_high = sa * z.z + ca * r;
+    const V above = select(c_low + c > V(0.5), (across - s_low * s_low) / (c_low + c), c_low - c);
+    const V below = select(c_high + c < V(-0.5), (s_high * s_high - across) / (c_high + c), c - c_high);
+    const V margin = above * below * (1.0 / (sa * sa)), k = (c - ca * z.z) * (1.0 / sa), X = sign * margin_root(margin);
+    return {unit(X * z.x + k * z.y, k * z.x - X * z.y), margin};
+}
+
+// First and last angle of a wrist with a known bend: M = Rz(first) Rx(alpha) Rz(bend) Rx(beta) Rz(last). The last angle
+// is measured after the first one is undone, so their sum stays exact where the axes align.
+template <class V> struct WristTurns {
+    Turn<V> first, last;
+    V fixed;  // the squared length that fixes the first turn; 0: only their sum matters
+    V error;  // squared, of the rotation reached
+};
+// hold: the first turn is given, for a target that leaves it free.
+template <class V>
+STEP WristTurns<V> wrist_turns(const Rot<V>& M, const Turn<V>& bend, const Twists& t, bool hold = false,
+                               Turn<V> held = {1.0, 0.0}) {
+    const V X = t.sb * bend.s, Y = -(t.ca * t.sb * bend.c + t.sa * t.cb);
+    const Turn<V> f = hold ? held : unit(X * M.z.x + Y * M.z.y, X * M.z.y - Y * M.z.x);
+    const Vec<V> v = {f.c * bend.c - f.s * t.ca * bend.s, f.s * bend.c + f.c * t.ca * bend.s, t.sa * bend.s};
+    const V ex = f.c * X - f.s * Y - M.z.x, ey = f.s * X + f.c * Y - M.z.y, ez = t.ca * t.cb - t.sa * t.sb * bend.c - M.z.z;
+    const V ev = dot(v, M.z);
+    return {f, {dot(v, M.x), -dot(v, M.y)}, X * X + Y * Y, ex * ex + ey * ey + ez * ez + ev * ev};
+}
+
+// wrist_bend and wrist_turns of a wrist whose twists are right angles, with one root; the margin is `fixed`.
+template <class V> struct SquareWrist {
+    Turn<V> first, bend, last;
+    V fixed, error;
+};
+template <class V> STEP SquareWrist<V> square_wrist(const Rot<V>& M, const Twists& t) {
+    const V fixed = M.z.x * M.z.x + M.z.y * M.z.y, over = inverse_sqrt(fixed + TINY), c = (-1.0 / (t.sa * t.sb)) * M.z.z,
+            s = fixed * over;
+    const Turn<V> first = {t.sb * M.z.x * over, t.sb * M.z.y * over};
+    const Vec<V> v = {first.c * c, first.s * c, t.sa * s};
+    const V along = dot(v, M.z), length = fixed + M.z.z * M.z.z - 1.0;
+    return {first, {c, s}, {dot(v, M.x), -dot(v, M.y)}, fixed, along * along + length * length};
+}
+
+// The two turns of a wrist where only their sum (or their difference) counts: their distance from the wanted ones is
+// shared among them; share 0 leaves the first one as wanted.
+PART WristTurns<double> shared_turns(const Rot<double>& M, const Turn<double>& bend, const Twists& t, double first, double last,
+                                     double share) {
+    const double aligned = t.ca * t.cb - t.sa * t.sb * bend.c > 0.0 ? 1.0 : -1.0;
+    WristTurns<double> turns = {};
+    for (int round = 0; round < 2; ++round) {
+        turns = wrist_turns(M, bend, t, true, exact_turn(first));
+        first += 0.5 * share * aligned * wrap(wrap(angle(turns.last) - last));
+    }
+    return turns;
+}
+
+// The angle nearest to `wanted` at which x cos + y sin lies between low and high; NaN: there is none. `slack`, in their
+// unit, is allowed to rounding.
+PART double nearest_between(double wanted, double x, double y, double low, double high, double slack) {
+    const double size = sqrt(x * x + y * y), phase = atan2(y, x);
+    if (low > size + slack || high < -size - slack) return __builtin_nan("");
+    double beta = wrap(wrap(wanted - phase));
+    const double now = size * __builtin_cos(beta);
+    if (now < low) beta = copysign(__builtin_acos(min(low / size, 1.0)), beta);
+    else if (now > high) beta = copysign(__builtin_acos(max(high / size, -1.0)), beta);
+    return beta + phase;
+}
+
+// The turn phi nearest to `wanted` that brings o - Rz(phi) f within a two-link arm's reach [m]; NaN: there is none.
+// `slack` [m^2] is allowed to rounding.
+STEP double free_turn(double wanted, double ox, double oy, double fx, double fy, double longest, double shortest, double slack) {
+    const double total = ox * ox + oy * oy + fx * fx + fy * fy;
+    const double low = 0.5 * (total - longest * longest), high = 0.5 * (total - shortest * shortest);
+    return nearest_between(wanted, ox * fx + oy * fy, oy * fx - ox * fy, low, high, slack);
+}
+
+// How far rounding may have moved the angles that the steps so far have found [rad, or share of size]. Each step passes it on,
+// enlarged by the root or the lever that fixes its own angle: next to one singularity that is no more than half of the digits,
+// but a second one then lies within their reach.
+struct Drift {
+    double own = ROUNDING;  // what each step adds at least
+    double by = 0.0;
+    bool open = false;      // an angle that the pose leaves free stands at one of many places
+
+    // An angle whose sine is the root of `margin`; earlier angles change the margin by twice the root of `arm` a rad.
+    STEP void through_root(double margin, double arm = 1.0) { grow(of_root(own + by * (2.0 * sqrt(arm) + by), margin)); }
+    // An angle that a squared length fixes.
+    STEP void through_arm(double arm) { grow((own + by) / sqrt(max(arm, TINY))); }
+    // An angle between a vector of squared length `arm` and the root of a margin across a fixed offset: subproblem 4.
+    STEP void through_swing(double margin, double arm) {
+        const double length = sqrt(max(arm, TINY)), offset = sqrt(max(arm - margin, 0.0));
+        grow((own + by) / length + of_root((own + by) * length, margin) * offset / max(arm, TINY));
+    }
+
+    // By how much it may have moved a margin: links of unequal lengths enlarge it.
+    STEP double of_margin() const { return LEVERS * by; }
+    // Whether a margin may have either sign by what went before it. Rounding of its own is for its own step to handle.
+    STEP bool hides(double margin) const { return (open && margin < 0.0) || (by > DIGITS_LEFT && abs(margin) <= of_margin()); }
+    // Whether a squared arm cannot be distinguished from zero, so that its angle may be free.
+    STEP bool frees(double arm) const { return arm <= by * by; }
+    STEP bool is_lost() const { return by > NO_DIGITS; }
+
+    static constexpr double LEVERS = 100.0, DIGITS_LEFT = 1e-11, NO_DIGITS = 1e-2;
+
+private:
+    STEP static double of_root(double error, double margin) { return error / sqrt(max(margin, error)); }
+    STEP void grow(double more) { by = min(by + more, 1.0); }
+};
+
+// Whether a margin cannot be distinguished from zero: the two solutions are one double root. The margin is a difference of
+// squares; where the squared length `arm` that it belongs to is small, so is its rounding error, and the solutions part
+// by half a turn instead of meeting.
+STEP bool is_double(double margin, double arm, double rounding) { return margin <= rounding * sqrt(arm); }
+
+}  // namespace urdf_ik::URDF_IK_LEVEL

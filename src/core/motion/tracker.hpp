@@ -1,0 +1,414 @@
+// One cycle of following a pose: the joints move to where the last joint vector's own branch has the new pose, or as near
+// to it as they come in one cycle.
+//
+// Candidates come from where the joints are, never from elsewhere: Newton's steps of least squares inside the box that the
+// cycle allows, each kept only if it makes the error smaller (a trust region; Nocedal and Wright, Numerical Optimization,
+// chapters 4 and 10). The motion of a cycle is cut into pieces until each is either proven to meet no singularity, or so
+// short that crossing one is seen and undone where it is a fold.
+#pragma once
+
+#include "motion/stand.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// A motion that is not proven regular is done in pieces of at most this [rad, share of size], at most so many of them.
+inline constexpr double PIECE = 0.05;
+inline constexpr int PIECES = 64;
+// Steps of Newton's method on a piece, refused ones counted; one that gains less than this share of what it promised is
+// refused, and the next may go a quarter as far. Below LEAST_TRUST [rad, share of size] nothing more is to be gained.
+inline constexpr int TRIALS = 14;
+inline constexpr double ENOUGH_GAIN = 0.1, LEAST_TRUST = 1e-9;
+// An arm that moves less than this [rad, share of size], and is not at its target, is held.
+inline constexpr double STILL = 1e-6;
+// How fast the smallest singular value changes along the motion that it belongs to [1/rad]. Above: a fold, beyond which lies
+// another branch. Below (the wrist, the shoulder): the motion changes nothing, and the arm may pass to the other side.
+inline constexpr double PASSABLE = 5e-3;
+// A fold is approached to this share of the distance in one piece, and to a smallest singular value of LAST_GAIN: about
+// 1e-10 of the arm's size before the end of its reach. Only what is at its target may be nearer.
+inline constexpr double APPROACH = 0.25, LAST_GAIN = 1e-5;
+// Smallest singular value below which the arm counts as exactly singular, and is pushed out where it would not move.
+inline constexpr double EXACTLY_SINGULAR = 1e-8;
+// Damping of the estimate how fast the joints would have to be: singular directions slow nothing down.
+inline constexpr double SINGULAR_ASIDE = 0.1;
+// Of a joint's range, and at most of a radian or a size: how far from a limit seven joints begin to move away from it.
+inline constexpr double NEAR_LIMIT = 0.1, NEAR_LIMIT_AT_MOST = 0.2;
+// Share of what the speeds allow with singular directions aside that they have to allow with them for these to count.
+inline constexpr double REGULAR = 0.5;
+// Share of the missing twist that joints at their limits would have to make good for the limits to count as the reason.
+inline constexpr double FELT = 1e-2;
+
+// Which joints a bound kept from going further; whether a fold did; the bound on the Jacobian's gain at the start.
+struct Went {
+    unsigned below, above;
+    bool folded;
+    double least;
+};
+
+// Newton's method towards a goal from where `s` stands, inside the box, as far as the error falls; drift is what the joints
+// would do of their own, as far as the tip leaves them free.
+template <int N>
+PART Went approach(const Written<N>& arm, const Goal<double>& goal, const Box<N>& box, const double (&drift)[N], Stand<N>& s) {
+    face(arm, goal, s);
+    Went went = {0, 0, false, 0.0};
+    if constexpr (N > 6) went.least = least_gain(s.J);
+    double trust = __builtin_inf();
+    bool first = N > 6;
+    for (int trial = 0; trial < TRIALS && s.size > CONVERGED && trust > LEAST_TRUST; ++trial) {
+        double low[N], high[N], own[N] = {};
+        Six<double> e = s.twist;
+        for (int k = 0; k < N; ++k) {
+            const double unit = unit_of(arm, k);
+            if (first) own[k] = drift[k], e = less(e, own[k], s.J[k]);
+            low[k] = max((box.low[k] - s.q[k]) / unit, -trust) - own[k],
+            high[k] = min((box.high[k] - s.q[k]) / unit, trust) - own[k];
+        }
+        BoundedStep<N> step = bounded_step(s.J, e, FAINT, low, high);
+        if (N <= 6 && trial == 0) went.least = step.least;
+        for (int k = 0; k < N; ++k) step.x[k] += own[k];
+        Stand<N> next = moved(arm, s, step.x);
+        for (int k = 0; k < N; ++k) next.q[k] = min(max(next.q[k], box.low[k]), box.high[k]);
+        face(arm, goal, next);
+        if (!(s.square - next.square > ENOUGH_GAIN * (s.square - step.left))) {
+            if (s.size < arm.tolerances.reach) break;  // rounding
+            trust = 0.25 * longest(step.x), first = false;
+            continue;
+        }
+        went.below = went.above = 0;
+        for (int k = 0; k < N; ++k) {
+            if (next.q[k] <= box.low[k]) went.below |= (step.below & 1u << k);
+            if (next.q[k] >= box.high[k]) went.above |= (step.above & 1u << k);
+        }
+        first = false, trust *= 2.0;
+        s = next;
+        jacobian_at(arm, s.at, s.J);
+    }
+    return went;
+}
+
+// Whether the straight motion of the joints from a to b meets no singularity: the Jacobian nowhere differs from that at a
+// by as much as its smallest singular value (Weyl). Between a and b it differs by what it does at b, and by an eighth of
+// what its second derivative along the motion may be: each column's is at most twice its length times |x|_1^2.
+template <int N> STEP bool regular_between(const Written<N>& arm, const Stand<N>& a, const Stand<N>& b, double least) {
+    double square = 0.0, along = 0.0, lengths = 0.0;
+    for (int k = 0; k < N; ++k) {
+        const Six<double> change = less(b.J[k], 1.0, a.J[k]);
+        square += dot(change, change), lengths += 1.0 + dot(b.J[k], b.J[k]), along += abs(b.q[k] - a.q[k]) / unit_of(arm, k);
+    }
+    return sqrt(square) + 0.25 * sqrt(lengths) * along * along < least;
+}
+
+// The direction in which the joints move the tip least: their motion, the twist that it gives (of length 1), and its gain.
+template <int N> struct Weak {
+    double gain, motion[N];
+    Six<double> twist;
+};
+template <int N> PART Weak<N> weak_at(const Stand<N>& s) {
+    Weak<N> out = {0.0, {}, {}};
+    if constexpr (N <= 6) {
+        Six<double> A[N];
+        for (int k = 0; k < N; ++k) A[k] = s.J[k];
+        const Weakest<N> w = weakest(A);
+        out.gain = w.value;
+        for (int k = 0; k < N; ++k) out.motion[k] = w.direction[k], out.twist = less(out.twist, -w.direction[k], s.J[k]);
+        out.twist = times(out.twist, 1.0 / sqrt(dot(out.twist, out.twist) + TINY));
+    } else {
+        Rows<N, double> A[6];
+        for (int i = 0; i < 6; ++i) {
+            for (int k = 0; k < N; ++k) A[i][k] = s.J[k][i];
+        }
+        const Weakest<6> w = weakest(A);
+        out.gain = w.value;
+        for (int i = 0; i < 6; ++i) out.twist[i] = w.direction[i];
+        double square = TINY;
+        for (int k = 0; k < N; ++k) out.motion[k] = dot(s.J[k], out.twist), square += out.motion[k] * out.motion[k];
+        for (double& each : out.motion) each /= sqrt(square);
+    }
+    return out;
+}
+// The gain of a weak direction at another joint vector.
+template <int N> STEP double gain_at(const Weak<N>& weak, const Stand<N>& s) {
+    double sum = 0.0;
+    for (int k = 0; k < N; ++k) sum += weak.motion[k] * dot(weak.twist, s.J[k]);
+    return sum;
+}
+// The same of the weak direction that is there in its place: below zero where the motion there gives the opposite twist.
+template <int N> STEP double signed_gain(const Weak<N>& weak, const Stand<N>& s) {
+    const Weak<N> there = weak_at(s);
+    double along = 0.0;
+    for (int k = 0; k < N; ++k) along += weak.motion[k] * there.motion[k];
+    return copysign(there.gain, along * dot(weak.twist, there.twist));
+}
+// How fast the gain changes as the joints move in that direction.
+template <int N> PART double gain_rate(const Written<N>& arm, const Weak<N>& weak, const Stand<N>& s) {
+    constexpr double step = 1e-4;
+    double x[N];
+    for (int k = 0; k < N; ++k) x[k] = step * weak.motion[k];
+    Stand<N> beside = moved(arm, s, x);
+    jacobian_at(arm, beside.at, beside.J);
+    return (gain_at(weak, beside) - weak.gain) / step;
+}
+
+// Where the short motion from a to b has crossed a fold, b is moved back along the weak direction, which moves the tip
+// hardly at all. With joints at their limits nothing is crossed: what is left then is no way to the target. Whether it was.
+template <int N> PART bool keep_side(const Written<N>& arm, const Goal<double>& goal, const Box<N>& box, const Stand<N>& a,
+                                     bool at_limit, Stand<N>& b) {
+    const Weak<N> weak = weak_at(a);
+    if (weak.gain < EXACTLY_SINGULAR) return false;
+    const double gain = signed_gain(weak, b);
+    if (gain > (b.size <= arm.tolerances.reach ? 0.0 : LAST_GAIN)) return false;
+    const double rate = gain_rate(arm, weak, a);
+    const bool passable = abs(rate) < PASSABLE;
+    if (passable && !(at_limit && gain <= 0.0)) return false;
+    const double wanted = max(APPROACH * weak.gain, LAST_GAIN), back = (wanted - gain) / rate;
+    const Stand<N> crossed = b;
+    b = a;
+    if (!passable && abs(back) < 2.0 * PIECE) {
+        for (int k = 0; k < N; ++k) {
+            b.q[k] = min(max(crossed.q[k] + unit_of(arm, k) * back * weak.motion[k], box.low[k]), box.high[k]);
+        }
+        place_at(arm, b);
+        jacobian_at(arm, b.at, b.J);
+    }
+    // Where the box leaves no room for that, the motion ends before the fold.
+    if (passable || !(signed_gain(weak, b) > 0.0)) {
+        const double share = max(weak.gain - wanted, 0.0) / (weak.gain - gain);
+        for (int k = 0; k < N; ++k) b.q[k] = a.q[k] + share * (crossed.q[k] - a.q[k]);
+        place_at(arm, b);
+        jacobian_at(arm, b.at, b.J);
+    }
+    face(arm, goal, b);
+    return true;
+}
+
+// Along the straight way of the tip from where `s` stands, by a share of the twist to the goal.
+template <int N>
+PART Went march(const Written<N>& arm, const Goal<double>& goal, const Six<double>& twist, double share, const Box<N>& box,
+                const double (&drift)[N], Stand<N>& s) {
+    const Frame<double> from = s.at.tip;
+    Went went = {};
+    bool folded = false;
+    double done = 0.0, piece = 1.0;
+    for (int k = 0; k < PIECES && done < 1.0; ++k) {
+        const double to = share * (done + piece);
+        const Goal<double> next_goal = to < 1.0 ? between(arm, from, twist, to) : goal;
+        Stand<N> next = s;
+        const Went now = approach(arm, next_goal, box, drift, next);
+        if (!regular_between(arm, s, next, now.least)) {
+            if (apart(arm, s, next) > PIECE) {
+                piece *= 0.5;
+                continue;
+            }
+            const bool at_limit = (now.below & box.limit_below) | (now.above & box.limit_above);
+            if (keep_side(arm, next_goal, box, s, at_limit, next)) {
+                folded = true;
+                // From there the goal's solution on this side may be in reach.
+                Stand<N> again = next;
+                approach(arm, next_goal, box, drift, again);
+                if (!keep_side(arm, next_goal, box, s, at_limit, again)) next = again;
+            }
+        }
+        s = next, went = now, done += piece, piece = min(2.0 * piece, 1.0 - done);
+    }
+    went.folded = folded;
+    face(arm, goal, s);
+    return went;
+}
+
+// Whether the goal is no further than all joints at their greatest speeds would move the tip, did they move it alike.
+template <int N> STEP bool within_a_cycle(const Written<N>& arm, const Stand<N>& s, const Box<N>& box) {
+    double furthest = 0.0;
+    for (int k = 0; k < N; ++k) {
+        const double room = max(box.high[k] - s.q[k], s.q[k] - box.low[k]) / unit_of(arm, k);
+        if (room > 0.0) furthest += room * sqrt(dot(s.J[k], s.J[k]));
+    }
+    return s.square <= furthest * furthest;
+}
+
+// Share of the twist to the goal that the joints' speeds allow, those aside that stand at their limits.
+template <int N> PART double affordable(const TrackedArm<N>& arm, const Stand<N>& s, const Box<N>& box, double damping) {
+    double low[N], high[N];
+    for (int k = 0; k < N; ++k) {
+        const double unit = unit_of(arm.written, k);
+        low[k] = (arm.lower[k] - s.q[k]) / unit, high[k] = (arm.upper[k] - s.q[k]) / unit;
+    }
+    const BoundedStep<N> step = bounded_step(s.J, s.twist, damping, low, high);
+    double share = 1.0;
+    for (int k = 0; k < N; ++k) {
+        if ((step.below | step.above) >> k & 1) continue;
+        const double x = unit_of(arm.written, k) * step.x[k], room = x > 0.0 ? box.high[k] - s.q[k] : s.q[k] - box.low[k];
+        const bool is_limit = (x > 0.0 ? box.limit_above : box.limit_below) >> k & 1;
+        if (!is_limit && room < share * abs(x)) share = room / abs(x);
+    }
+    return share;
+}
+
+// A push out of an exactly singular joint vector, at which no direction gains anything: along the motion that does nothing,
+// to the side from which the goal comes nearer. Whether there is one.
+template <int N>
+PART bool push(const Written<N>& arm, const Goal<double>& goal, const Box<N>& box, const double (&drift)[N], Stand<N>& s) {
+    Six<double> A[N];
+    for (int k = 0; k < N; ++k) A[k] = s.J[k];
+    const Weakest<N> idle = weakest(A);
+    if (least_gain(s.J) > 2.0 * EXACTLY_SINGULAR) return false;
+    const Stand<N> before = s;
+    for (int try_both = 0; try_both < 2; ++try_both) {
+        const double side = try_both ? -PIECE : PIECE;
+        Stand<N> next = before;
+        double share = 1.0;
+        for (int k = 0; k < N; ++k) {
+            const double x = unit_of(arm, k) * side * idle.direction[k],
+                         room = x > 0.0 ? box.high[k] - s.q[k] : s.q[k] - box.low[k];
+            if (room < share * abs(x)) share = room / abs(x);
+        }
+        for (int k = 0; k < N; ++k) next.q[k] += share * unit_of(arm, k) * side * idle.direction[k];
+        place_at(arm, next);
+        jacobian_at(arm, next.at, next.J);
+        approach(arm, goal, box, drift, next);
+        if (next.square < s.square * (1.0 - STILL)) s = next;
+    }
+    return s.square < before.square;
+}
+
+// The greatest speed from which a joint stops within a distance [rad, m], its speed falling by the same amount each cycle,
+// the one that begins included: so many whole decrements, and a share.
+STEP double stopping_speed(double distance, double acceleration, double dt) {
+    const double decrement = acceleration * dt, D = max(distance, 0.0) / (decrement * dt);
+    const double whole = __builtin_floor(0.5 * (sqrt(1.0 + 8.0 * D) - 1.0));
+    return decrement * (whole * 0.5 + D / (whole + 1.0));
+}
+
+// Where the joints may go in this cycle; with limits on the acceleration, as far as they need to stop from full speed.
+template <int N> STEP Box<N> box_of(const TrackedArm<N>& arm, const TrackedState<N>& state) {
+    Box<N> box = {{}, {}, 0, 0};
+    for (int k = 0; k < N; ++k) {
+        const double v = arm.velocity[k], a = arm.acceleration[k];
+        const double far = v * arm.dt + (a < __builtin_inf() && v < __builtin_inf() ? 0.5 * v * v / a : 0.0);
+        box.low[k] = max(state.q[k] - far, arm.lower[k]), box.high[k] = min(state.q[k] + far, arm.upper[k]);
+        if (box.low[k] == arm.lower[k]) box.limit_below |= 1u << k;
+        if (box.high[k] == arm.upper[k]) box.limit_above |= 1u << k;
+    }
+    return box;
+}
+
+// What seven joints would do of their own: move away from limits that they are near to.
+template <int N> STEP void own_motion(const TrackedArm<N>& arm, const Stand<N>& s, double (&drift)[N]) {
+    for (int k = 0; k < N; ++k) {
+        const double unit = unit_of(arm.written, k), range = arm.upper[k] - arm.lower[k];
+        const double margin = min(NEAR_LIMIT * range, NEAR_LIMIT_AT_MOST * unit), share = min(arm.recentring * arm.dt, 0.5);
+        const double over = max(s.q[k] - (arm.upper[k] - margin), 0.0) + min(s.q[k] - (arm.lower[k] + margin), 0.0);
+        const double most = 0.5 * arm.velocity[k] * arm.dt;
+        drift[k] = margin > 0.0 ? -min(max(share * over, -most), most) / unit : 0.0;
+    }
+}
+
+// The joints go after a goal within their limits of speed and acceleration: with the goal's own speed, where two targets in a
+// row have shown it, and relative to it no faster than they can brake; all of them by the same share of what is missing, as far as
+// their accelerations allow.
+template <int N>
+PART void go_after(const TrackedArm<N>& arm, TrackedState<N>& state, const double (&goal)[N], bool exact, double (&q)[N]) {
+    double speed[N], share = 1.0;
+    const bool known = exact && state.exact;
+    state.exact = exact;
+    for (int k = 0; k < N; ++k) {
+        speed[k] = !known ? 0.0 : min(max((goal[k] - state.goal[k]) / arm.dt, -arm.velocity[k]), arm.velocity[k]);
+        const double missing = abs(goal[k] - state.q[k] - speed[k] * arm.dt);
+        const double most =
+            min(arm.acceleration[k] < __builtin_inf() ? stopping_speed(missing, arm.acceleration[k], arm.dt) : __builtin_inf(),
+                arm.velocity[k]);
+        if (missing > most * arm.dt) share = min(share, most * arm.dt / missing);
+    }
+    for (int k = 0; k < N; ++k) {
+        const double a = arm.acceleration[k], missing = goal[k] - state.q[k] - speed[k] * arm.dt;
+        double v = speed[k] + share * missing / arm.dt;
+        v = min(max(v, state.v[k] - a * arm.dt), state.v[k] + a * arm.dt);
+        v = min(max(v, -arm.velocity[k]), arm.velocity[k]);
+        if (a < __builtin_inf()) {
+            v = min(v, stopping_speed(arm.upper[k] - state.q[k], a, arm.dt));
+            v = max(v, -stopping_speed(state.q[k] - arm.lower[k], a, arm.dt));
+        }
+        q[k] = state.q[k] + v * arm.dt;
+        if (abs(q[k] - goal[k]) < 1e-15 * (1.0 + abs(goal[k]))) q[k] = goal[k];
+        q[k] = min(max(q[k], arm.lower[k]), arm.upper[k]);
+        state.goal[k] = goal[k];
+    }
+}
+
+// Why an arm that no bound stops is not at its target: beside a fold or with too few joints it does not reach it; beside any
+// other singularity it might from elsewhere.
+template <int N> PART Because because_of(const Written<N>& arm, const Stand<N>& s, const Went& went) {
+    if (went.folded) return Because::reach;
+    const Weak<N> weak = weak_at(s);
+    const double along = dot(weak.twist, s.twist);
+    if (weak.gain > PIECE || 2.0 * along * along < s.square) return Because::reach;
+    return abs(gain_rate(arm, weak, s)) > PASSABLE ? Because::reach : Because::singularity;
+}
+
+// Whether the way to the target leads on beyond limits at which joints stand.
+template <int N> STEP bool against_limits(const TrackedArm<N>& arm, const Stand<N>& s) {
+    double square = 0.0;
+    for (int k = 0; k < N; ++k) {
+        const double gain = dot(s.J[k], s.twist);
+        if ((gain > 0.0 && s.q[k] >= arm.upper[k]) || (gain < 0.0 && s.q[k] <= arm.lower[k])) square += gain * gain;
+    }
+    return square > FELT * FELT * s.square;
+}
+
+template <int N> Tracked track(const TrackedArm<N>& arm, TrackedState<N>& state, const double* T) {
+    const Tolerances& t = arm.written.tolerances;
+    double target[16], proper[16];
+    for (int i = 0; i < 16; ++i) target[i] = T[i];
+    const double defect = pose_defect(target);
+    if (!(defect <= t.rotation)) return {};
+    if (defect > t.exact_rotation) project_rotation(target, proper);
+    const Goal<double> goal = goal_of(defect > t.exact_rotation ? proper : target);
+
+    Stand<N> start;
+    for (int k = 0; k < N; ++k) start.q[k] = state.q[k];
+    place_at(arm.written, start);
+    jacobian_at(arm.written, start.at, start.J);
+    face(arm.written, goal, start);
+    const Box<N> box = box_of(arm, state);
+    double drift[N];
+    if constexpr (N > 6) own_motion(arm, start, drift);
+
+    const auto too_fast = [&](const Went& w) { return bool((w.below & ~box.limit_below) | (w.above & ~box.limit_above)); };
+    Stand<N> s = start;
+    Went went = {};
+    const bool far = !within_a_cycle(arm.written, start, box);
+    if (!far) went = march(arm.written, goal, start.twist, 1.0, box, drift, s);
+    bool hurried = far || (s.size > t.reach && too_fast(went));
+    if (hurried) {
+        const double aside = affordable(arm, start, box, SINGULAR_ASIDE), strict = affordable(arm, start, box, FAINT);
+        const double share = strict > REGULAR * aside ? strict : aside;
+        if (far || share < 1.0) s = start, went = march(arm.written, goal, start.twist, share, box, drift, s);
+        hurried = share < 1.0 || too_fast(went);
+    }
+    if (s.size > t.reach && !hurried && apart(arm.written, start, s) < STILL) push(arm.written, goal, box, drift, s);
+    Because why = Because::nothing;
+    if (s.size > t.reach) {
+        why = against_limits(arm, s) ? Because::limit : hurried ? Because::velocity : because_of(arm.written, s, went);
+    }
+    bool accelerates = false;
+    for (const double each : arm.acceleration) accelerates |= each < __builtin_inf();
+    if (accelerates) {
+        double goal_q[N];
+        for (int k = 0; k < N; ++k) goal_q[k] = s.q[k];
+        go_after(arm, state, goal_q, s.size <= t.reach, s.q);
+        place_at(arm.written, s);
+        face(arm.written, goal, s);
+        if (why == Because::nothing && s.size > t.reach) why = Because::acceleration;
+    }
+    Tracked out = {true, Tracking::ok, why, 0.0, 0.0, 0.0, 0.0};
+    if (s.size > t.reach) {
+        bool still = why != Because::velocity && why != Because::acceleration && apart(arm.written, start, s) < STILL;
+        for (int k = 0; k < N; ++k) still &= abs(state.v[k]) <= arm.acceleration[k] * arm.dt;
+        if (still) s = start;
+        out.status = still ? Tracking::held : Tracking::limited;
+    }
+    for (int k = 0; k < N; ++k) state.v[k] = (s.q[k] - state.q[k]) / arm.dt, state.q[k] = s.q[k];
+    out.distance = arm.written.size * length(s.twist, 0), out.angle = length(s.twist, 3);
+    out.distance_before = arm.written.size * length(start.twist, 0), out.angle_before = length(start.twist, 3);
+    return out;
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL
