@@ -1,4 +1,4 @@
-"""Imports of the package, and includes of its core: down the floors only, without a circle; files and folders are short."""
+"""Imports of the package and includes of its core: down the floors, without a circle; files and folders are short."""
 
 from __future__ import annotations
 

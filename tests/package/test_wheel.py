@@ -138,7 +138,8 @@ def test_sdist_holds_what_work_on_it_needs(installed: Installed) -> None:
     with tarfile.open(installed.sdist) as archive:
         names = {name.partition("/")[2] for name in archive.getnames()}
     documents = ("README.md", "LICENSE", "CHANGELOG.md")
-    for needed in ("pyproject.toml", "CMakeLists.txt", "src/core/arithmetic/simd.hpp", "Makefile", *documents, "urdf/dh_6r.urdf"):
+    build = ("pyproject.toml", "CMakeLists.txt", "Makefile", "src/core/arithmetic/simd.hpp")
+    for needed in (*build, *documents, "urdf/dh_6r.urdf"):
         assert needed in names
     assert {"src", "tests", "notebooks", "urdf"} <= {name.split("/")[0] for name in names}
     assert not [name for name in names if ".venv" in name or "__pycache__" in name or name.endswith(".so")]

@@ -78,8 +78,8 @@ class Oracle:
         # Of a single joint Pinocchio gives a vector.
         world = world.reshape(6, -1)[:, self.columns]
         base = self.data.oMf[self.base]
-        to_base = base.rotation.T
-        return base.actInv(self.data.oMf[self.tip]).homogeneous, np.concatenate([to_base @ world[:3], to_base @ world[3:]])
+        turned = [base.rotation.T @ rows for rows in (world[:3], world[3:])]
+        return base.actInv(self.data.oMf[self.tip]).homogeneous, np.concatenate(turned)
 
     def sigma_min(self, q: Array) -> float:
         """Smallest singular value of the Jacobian."""

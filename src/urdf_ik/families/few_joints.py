@@ -1,7 +1,7 @@
 """Arms with one to five joints, turning or sliding, by the position of a point that the last turns leave in place.
 
 Of a pose the place of every point of the tip is known. A point on the last axis (where axes 4 and 5 of five joints
-meet) is placed by three joints, see src/core/families/few_joints/slide_position.hpp; the turns behind follow from the rotation.
+meet) is placed by three joints (slide_position.hpp of the core); the turns behind follow from the rotation.
 Arms with fewer joints get slides before the base, or a turn behind the tip, that have to stay at zero. Of the ways to
 do so, from base to tip and from tip to base, the one with the best conditioned position step is taken.
 """

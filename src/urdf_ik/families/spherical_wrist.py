@@ -157,7 +157,7 @@ def _front(chain: Chain, frames: DHFrames, centre: Array) -> float:
 
 
 def _values(ideal: dict[str, Any], shoulder: str, ahead: float) -> dict[str, Any] | None:
-    """The family's numbers, see src/core/families/closed_forms/spherical_wrist_arm.hpp. ``ahead``: side of x that is the front.
+    """The family's numbers, see spherical_wrist_arm.hpp of the core. ``ahead``: side of x that is the front.
 
     None where joint 3 does not move the number that it follows from: of a wrist that lies on axis 3, or an axis 2 that
     meets both its neighbours where axis 1 does.

@@ -117,7 +117,7 @@ def _meeting(twists: Array) -> dict[str, Any]:
 
 
 def _swivels(chain: Chain, ends: dict[str, Array], Q: Array) -> Array:
-    """Swivel angles (m,) of joint vectors (m, 7), as the solver measures them: see src/core/families/seven_joints/swivel.hpp."""
+    """Swivel angles (m,) of joint vectors (m, 7), as the solver measures them (swivel.hpp of the core)."""
     T = chain.fk(Q)
     W = (T[:, :3, :3] @ ends["tool_point"] + T[:, :3, 3] - ends["base_origin"]) @ ends["base_rotation"].T
     axis = chain.jacobian(Q)[:, 3:, 3] @ ends["base_rotation"].T

@@ -47,6 +47,13 @@ def solve(arm: urdf_ik.Arm, T: Array, free: Array, **how: int) -> tuple[Array, N
     return s.q, s.valid.astype(np.uint8) | s.singular.astype(np.uint8) << 1
 
 
+def weakest(arm: urdf_ik.Arm, q: Array) -> Array:
+    """Smallest singular values (...) of the Jacobian at joint vectors (..., n), lengths as shares of the arm's size."""
+    size = arm.chain.size
+    J = arm.jacobian(np.nan_to_num(q)) / np.array([size] * 3 + [1.0] * 3)[:, None]
+    return np.linalg.svd(J * np.where(arm.chain.prismatic, size, 1.0), compute_uv=False)[..., min(6, arm.dof) - 1]
+
+
 def solve_all(answers: str, targets: str, m: str) -> None:
     """Solve targets of every arm, made unless the file has them, and write what came out."""
     made = dict(np.load(targets)) if Path(targets).is_file() else {}
@@ -57,6 +64,7 @@ def solve_all(answers: str, targets: str, m: str) -> None:
         T, free = made[f"{name}/T"], made[f"{name}/free"]
         q, flags = solve(arm, T, free)
         found[f"{name}/q"], found[f"{name}/flags"], found[f"{name}/again"] = q, flags, ""
+        found[f"{name}/weakest"] = weakest(arm, q)
         single = [solve(arm, *each) for each in zip(T, free, strict=True)]
         others = {
             "three threads": solve(arm, T, free, threads=3),

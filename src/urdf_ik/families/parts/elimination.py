@@ -4,8 +4,8 @@ It can be set up in eight ways that need nothing of the pose: four places to cut
 reversed chain. Which of them keeps its digits depends on the arm, and on arms with parallel or meeting neighbours every
 one may be singular at all angles; moving the axes by a millionth cures that, since solutions are polished on the arm as
 written. The one that is certain of most poses is chosen when the arm is loaded, by trying. The equations are those of
-src/core/families/general/hidden_joint.hpp. Where it is not certain, continuation from a pose of which all solutions are known
-takes over (continuation.hpp there).
+src/core/families/general/hidden_joint.hpp. Where it is not certain, continuation from a pose of which all solutions are
+known takes over (continuation.hpp there).
 """
 
 from __future__ import annotations
