@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
+from arms_general import unstructured
+from cases import described
 from tracking import DT, EXACT, Q0, Array, arm_of, run, statuses, vectors
 
 import urdf_ik
@@ -106,3 +108,16 @@ def test_an_elbow_that_would_have_to_turn_over_does_not() -> None:
     assert (vectors(steps)[:, 2] > -1e-6).all()
     assert max(step.distance for step in steps) < 1e-4
     assert steps[-1].status == "ok"
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3, 10, 19])
+def test_far_targets_lead_across_no_fold(seed: int) -> None:
+    """On the way to targets anywhere a general arm, all of whose singularities are folds, stays on its side of them."""
+    arm = described(unstructured(seed)).arm
+    rng = np.random.default_rng(seed)
+    tracker = arm.tracker(rng.uniform(-2.0, 2.0, 6), DT, velocity=3.0)
+    side = np.sign(np.linalg.det(arm.jacobian(tracker.q)))
+    for _ in range(6):
+        target = arm.fk(rng.uniform(-3.0, 3.0, 6))
+        reached = vectors(run(tracker, np.repeat(target[None], 200, axis=0)))
+        assert (np.sign(np.linalg.det(arm.jacobian(reached))) == side).all()
