@@ -6,7 +6,6 @@ import csv
 import io
 import json
 import zipfile
-import zlib
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
@@ -22,11 +21,6 @@ Refused = Callable[[str], UrdfIkError]
 
 MAX_BYTES = 2**28
 """Of a file, and of what a compressed one unpacks to: more than a million poses as text."""
-# What NumPy raises on a .npy or .npz file that is cut short or scrambled, or whose header asks for the impossible.
-_DAMAGED = (
-    ValueError, EOFError, OSError, KeyError, NotImplementedError, MemoryError, OverflowError, zipfile.BadZipFile,
-    zlib.error,
-)  # fmt: skip
 
 
 class Wanted(NamedTuple):
@@ -130,7 +124,7 @@ def _from_numpy(name: str, data: bytes, wanted: Wanted) -> Array:
         arrays = {"": loaded} if isinstance(loaded, np.ndarray) else dict(loaded)
     except UrdfIkError:
         raise
-    except _DAMAGED:
+    except Exception:  # NumPy, zip, zlib and Python's tokenizer each have their own ways to say that bytes are damaged
         raise wanted.error(
             f"{name} is damaged, or holds Python objects instead of numbers; {wanted.accepted}"
         ) from None

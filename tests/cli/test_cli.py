@@ -56,6 +56,7 @@ COMMANDS = ("info", "fk", "ik", "check", "compare", "dh", "workspace", "path", "
         (("ik", ARM, "--poses", "-"), "[[1, 2", 2, ("line 1", "Expecting")),
         (("ik", ARM, "--poses", "-"), b"\x93NUMPY\x01", 2, ("damaged",)),
         (("ik", ARM, "--poses", "-"), b"PK\x03\x04nothing", 2, ("damaged",)),
+        (("ik", ARM, "--poses", "-"), b"\x93NUMPY\x01\x00\x10\x00{'descr': '<f8'\x1b", 2, ("damaged",)),
         (("ik", ARM, "--poses", "-"), b"\xff\xfe\x00", 2, ("neither text nor",)),
         (("ik", ARM, "--poses", "-"), json.dumps([np.eye(4).tolist(), np.diag([1, 1, -1, 1]).tolist()]), 2, ("[1]",)),
         (("ik", ARM, "--poses", "-"), "x" * 140000 + ",1\n", 2, ("line 1", "field limit")),
