@@ -14,6 +14,7 @@ import numpy as np
 
 from urdf_ik.errors import VelocityError
 from urdf_ik.guards import inputs
+from urdf_ik.text import quoted
 from urdf_ik.tolerances import DEFAULT, LARGEST
 
 if TYPE_CHECKING:
@@ -280,7 +281,11 @@ def _each_joint(chain: Chain, name: str, values: ArrayLike) -> Array:
     array = inputs.real(values, name, f"{chain.n} numbers", VelocityError)
     if array.shape != (chain.n,):
         raise VelocityError(f"{name} of shape {array.shape} given; one number a joint ({chain.n},) is needed")
-    if not ((array > 0.0) & (array <= LARGEST)).all():
-        bad = int(np.flatnonzero(~((array > 0.0) & (array <= LARGEST)))[0])
-        raise VelocityError(f"{name}: {array[bad]} for joint {chain.joint_names[bad]!r}; a number above 0 is needed")
+    good = (array >= 1.0 / LARGEST) & (array <= LARGEST)
+    if not good.all():
+        bad = int(np.flatnonzero(~good)[0])
+        raise VelocityError(
+            f"{name}: {array[bad]} for joint {quoted(chain.joint_names[bad])}; a number between {1.0 / LARGEST:g} and "
+            f"{LARGEST:g} is needed"
+        )
     return array

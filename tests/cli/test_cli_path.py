@@ -200,7 +200,7 @@ def test_the_branch_is_changed_where_that_is_allowed(tmp_path: Path) -> None:
         (("-w", "{file}", "--margin", "-1"), ("margin=-1.0", "at least 0")),
         (("-w", "{file}", "--cost", "l3"), ("l3", "time")),
         (("-w", "{file}", "--max-step", "0.1,0.2"), ("--max-step", "joint_6")),
-        (("-w", "{file}", "--max-step", "0"), ("max_step", "positive")),
+        (("-w", "{file}", "--max-step", "0"), ("max_step", "between 1e-15 and")),
         (("-w", "{file}", "--tolerance", "0.1"), ("--tolerance", "2 are needed")),
         (("-w", "{file}", "--world", "no/cell.urdf"), ("no/cell.urdf",)),
     ],

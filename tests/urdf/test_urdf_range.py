@@ -10,11 +10,11 @@ from urdf_ik import JointVectorError, PoseError, UrdfError
 
 ARM = """<robot name="r"><link name="a"/><link name="b"/><link name="c"/><link name="d"/>
 <joint name="i" type="revolute"><parent link="a"/><child link="b"/><axis xyz="{axis}"/>
-<limit lower="{lower}" upper="{upper}" effort="1" velocity="1"/></joint>
+<limit lower="{lower}" upper="{upper}" effort="1" velocity="{velocity}"/></joint>
 <joint name="j" type="continuous"><parent link="b"/><child link="c"/><origin xyz="{xyz}" rpy="{rpy}"/>
 <axis xyz="0 0 1"/>
 </joint><joint name="k" type="fixed"><parent link="c"/><child link="d"/><origin xyz="0.5 0 0"/></joint></robot>"""
-SANE = {"axis": "0 0 1", "lower": "-1", "upper": "1", "xyz": "1 0 0", "rpy": "0 0 0"}
+SANE = {"axis": "0 0 1", "lower": "-1", "upper": "1", "xyz": "1 0 0", "rpy": "0 0 0", "velocity": "1"}
 
 
 def text(**changed: str) -> str:
@@ -43,6 +43,17 @@ def test_lengths_that_are_lost_beside_the_others_are_refused(value: str) -> None
     assert urdf_ik.load(text(xyz=f"1 {value} 0")).dof == 2  # a component may be what rounding left
     assert urdf_ik.load(text(xyz="1e-9 0 0").replace("0.5 0 0", "1e-9 0 0")).dof == 2
     assert urdf_ik.load(text(xyz="0 0 0")).dof == 2
+
+
+def test_speeds_out_of_range() -> None:
+    """Too slow to move is refused with the joint named; what programs write for no limit is none."""
+    for value in ("1e-16", "5e-324"):
+        with pytest.raises(UrdfError, match=f"velocity='{value}' is below 1e-15") as refused:
+            urdf_ik.load(text(velocity=value))
+        assert refused.value.element == '<limit> of <joint name="i">'
+    for value in ("0", "1e16", "1e308"):
+        assert urdf_ik.load(text(velocity=value)).velocity_limits[0] == np.inf
+    assert urdf_ik.load(text(velocity="1e15")).velocity_limits[0] == 1e15
 
 
 @pytest.mark.parametrize("value", ["1e16", "-1e300", "1e-16", "5e-324", "-1e-200"])

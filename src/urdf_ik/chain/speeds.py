@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.tolerances import LARGEST
 from urdf_ik.urdf import MOVABLE
 
 if TYPE_CHECKING:
@@ -18,8 +19,9 @@ if TYPE_CHECKING:
 def velocity_limits(model: UrdfModel, chain: Chain) -> NDArray[np.float64]:
     """(n,) rad/s or m/s, greatest speed of each joint of a chain of the URDF; infinite where the URDF gives no speed.
 
-    A speed of zero counts as not given: files have it where nobody filled it in, and the joint could not move. A joint
-    of the chain that mimics another narrows its speed as it does its limits.
+    A speed of zero counts as not given: files have it where nobody filled it in, and the joint could not move. So does
+    one beyond 1e15, which programs write for none. A joint of the chain that mimics another narrows its speed as it
+    does its limits.
 
     Example:
         >>> import urdf_ik
@@ -31,9 +33,9 @@ def velocity_limits(model: UrdfModel, chain: Chain) -> NDArray[np.float64]:
     followers = {follower.name for follower in chain.followers}
     for joint in model.joints:
         driver, multiplier, _ = model.driver(joint)
-        counts = joint.name == driver.name or joint.name in followers
-        if joint.velocity and multiplier and joint.type in MOVABLE and driver.name in speeds and counts:
-            speeds[driver.name] = min(speeds[driver.name], joint.velocity / abs(multiplier))
+        speed = joint.velocity if joint.name == driver.name or joint.name in followers else None
+        if speed and speed <= LARGEST and multiplier and joint.type in MOVABLE and driver.name in speeds:
+            speeds[driver.name] = min(speeds[driver.name], speed / abs(multiplier))
     limits = np.array([speeds[name] for name in chain.joint_names], dtype=np.float64)
     limits.setflags(write=False)
     return limits

@@ -176,6 +176,6 @@ def _scaled(q: Array, place: Array, v: Array, a: Array, dt: float) -> Timed:
 
 
 def _times(duration: float, dt: float) -> Array:
-    if not duration / dt <= MOST_SAMPLES:
+    if not duration <= MOST_SAMPLES * dt:
         raise PathError(f"{duration:.3g} s at dt={dt:g} s are more than {MOST_SAMPLES} samples; take a larger dt")
     return np.append(np.arange(0.0, duration - 1e-9 * dt, dt), duration)

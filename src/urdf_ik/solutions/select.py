@@ -147,14 +147,15 @@ def bounds(within: ArrayLike, names: Sequence[str]) -> Array:
 
 
 def factors(weights: ArrayLike, names: Sequence[str]) -> Array:
-    """``weights`` as (n,) finite float64.
+    """``weights`` as (n,) finite float64: zero, or within a factor of LARGEST of one.
 
     Raises:
         JointVectorError: they do not fit the joints ``names``, or one is negative or not finite.
     """
     array = _joint_vector(weights, "weights", names)
-    if array.ndim != 1 or (array < 0.0).any():
-        raise JointVectorError(f"weights are {quoted(weights)}; one number a joint is needed, zero or positive")
+    if array.ndim != 1 or not ((array == 0.0) | ((array >= 1.0 / LARGEST) & (array <= LARGEST))).all():
+        between = f"between {1.0 / LARGEST:g} and {LARGEST:g}"
+        raise JointVectorError(f"weights are {quoted(weights)}; one number a joint is needed, zero or {between}")
     return array
 
 

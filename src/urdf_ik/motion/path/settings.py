@@ -122,7 +122,9 @@ def velocities(arm: Arm) -> Array:
 
 
 def each_joint(name: str, value: Any, names: tuple[str, ...], *, zero: bool = False) -> Array:
-    """A positive number for each joint, from one number or from n.
+    """A positive number for each joint, from one number or from n: within a factor of LARGEST of one.
+
+    zero: whether none of them may be infinite, but zero.
 
     Raises:
         PathError: ``value`` is neither.
@@ -131,17 +133,20 @@ def each_joint(name: str, value: Any, names: tuple[str, ...], *, zero: bool = Fa
     given = inputs.real(value, name, needed, PathError)
     fits = given.shape in ((), (1,), (len(names),))
     numbers = np.broadcast_to(given if fits else np.nan, (len(names),)).copy()
-    if np.isnan(numbers).any() or (numbers < 0.0).any() or (not zero and (numbers == 0.0).any()):
-        kind = "zero or positive" if zero else "positive"
-        raise PathError(f"{name} is {quoted(value)}; a {kind} number is needed, or one for each of {', '.join(names)}")
+    in_range = (numbers >= 1.0 / LARGEST) & (numbers <= LARGEST)
+    if not (in_range | (numbers == (0.0 if zero else np.inf))).all():
+        valid = f"{'zero, or ' if zero else ''}a number between {1.0 / LARGEST:g} and {LARGEST:g}"
+        each = ", ".join(map(printable, names))
+        raise PathError(f"{name} is {quoted(value)}; {valid} is needed, or one for each of {each}")
     return numbers
 
 
 def _tolerance(value: Any) -> Tolerance:
     given = (POSITION, ROTATION) if value is None else value
     numbers = inputs.real(given, "tolerance", "two positive numbers (m, rad)", PathError)
-    if numbers.shape != (2,) or not ((numbers > 0.0) & (numbers <= LARGEST)).all():
-        raise PathError(f"tolerance is {quoted(value)}; two positive numbers are needed: (m, rad)")
+    if numbers.shape != (2,) or not ((numbers >= 1.0 / LARGEST) & (numbers <= LARGEST)).all():
+        between = f"between {1.0 / LARGEST:g} and {LARGEST:g}"
+        raise PathError(f"tolerance is {quoted(value)}; two numbers {between} are needed: (m, rad)")
     return Tolerance(float(numbers[0]), min(float(numbers[1]), 1.0))
 
 
