@@ -54,8 +54,17 @@ template <int N> STEP double marked(const Tolerances& tolerances, const Referenc
     return max(tolerances.fold, 10.0 * reference.displaced);
 }
 
+// The smallest singular value of the Jacobian at q, and its direction.
+template <class Model>
+SHARED Weakest<Model::joints> weakest_at(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints]) {
+    Rows<Model::rows, double> J[Model::joints];
+    error_and_jacobian(arm, goal, q, J);
+    return weakest(J);
+}
+
 // Whether q differs from every solution that the columns hold. Two vectors half way between which the arm is still in
-// the pose, to rounding, are one double root.
+// the pose, to rounding, are one double root; two that are no farther apart than their errors over the Jacobian's smallest
+// singular value are one root, which neither has come quite to.
 template <class Model>
 SHARED bool is_new(const Model& arm, const Goal<double>& goal, const Columns<Model::joints>& columns,
                    const double (&q)[Model::joints]) {
@@ -73,7 +82,12 @@ SHARED bool is_new(const Model& arm, const Goal<double>& goal, const Columns<Mod
             apart = max(apart, abs(step));
         }
         if (apart <= arm.tolerances.duplicate * far) return false;
-        if (apart < BESIDE && error_at(arm, goal, middle).size <= arm.tolerances.fold * far) return false;
+        if (apart >= BESIDE) continue;
+        if (error_at(arm, goal, middle).size <= arm.tolerances.fold * far) return false;
+        double known[N];
+        for (int j = 0; j < N; ++j) known[j] = other[j];
+        const double left = error_at(arm, goal, q).size + error_at(arm, goal, known).size;
+        if (left > FINISHED && apart * weakest_at(arm, goal, q).value <= left) return false;
     }
     return true;
 }
@@ -106,14 +120,6 @@ template <int N> PART void sort(const Columns<N>& columns) {
     for (int i = 1; i < columns.many; ++i) {
         for (int k = i; k > 0 && before(k, k - 1); --k) columns.swap(k, k - 1);
     }
-}
-
-// The smallest singular value of the Jacobian at q, and its direction.
-template <class Model>
-SHARED Weakest<Model::joints> weakest_at(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints]) {
-    Rows<Model::rows, double> J[Model::joints];
-    error_and_jacobian(arm, goal, q, J);
-    return weakest(J);
 }
 
 // The second smallest singular value of the Jacobian at q: the smallest one once a row is added that holds its direction.

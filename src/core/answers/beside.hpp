@@ -53,14 +53,24 @@ inline constexpr int STRIDES = 128;
 // Below this singular value a solution lies in a valley that is worth a walk whatever the number of solutions.
 inline constexpr double IN_A_VALLEY = 1e-5;
 
-// Solutions along the valley through q, one way: between two points whose errors point in opposite directions. Across the
-// valley there is no error left, so the error has but one direction there, and it changes sign with it. `passed`: a bit for each
-// column whose solution lies in this valley. Returns whether the valley is closed.
+// Newton's method from a point of a valley; its solution is kept if it is new.
+template <class Model>
+PART void take_from_valley(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints],
+                           const Columns<Model::joints>& columns) {
+    if (polish_one<true>(arm, goal, q, {60, FINISHED, LONG_PATIENCE}).error <= CONVERGED && is_new(arm, goal, columns, q)) {
+        add(arm, goal, columns, 0, q, singular_marks(arm, goal, q, 0));
+    }
+}
+
+// Solutions along the valley through q, one way: between two points whose errors point in opposite directions, and where an
+// error is smaller than those before and behind it, which may be a double root. Across the valley there is no error left, so the
+// error has but one direction there, and it changes sign with it. `passed`: a bit for each column whose solution lies in this
+// valley. Returns whether the valley is closed.
 template <class Model>
 PART bool walk_valley(const Model& arm, const Goal<double>& goal, const double* from, double way,
                       const Columns<Model::joints>& columns, unsigned& passed) {
     constexpr int N = Model::joints;
-    double q[N], last[N], along[N];
+    double q[N], last[N], along[N], sizes[2] = {};  // of the errors at `last` and before
     for (int j = 0; j < N; ++j) q[j] = from[j];
     Rows<Model::rows, double> error = {}, before = {};
     Weakest<N> weak = weakest_at(arm, goal, q);
@@ -77,15 +87,15 @@ PART bool walk_valley(const Model& arm, const Goal<double>& goal, const double* 
         }
         if (!(left.size < OUT_OF_VALLEY)) return false;
         before = error, error = left.twist;
-        if (k > 0 && dot(before, error) < 0.0) {
-            const double a = sqrt(dot(before, before)), share = a / (a + sqrt(dot(error, error)));
+        const double size = sqrt(dot(error, error));
+        const bool crossed = k > 0 && dot(before, error) < 0.0, touched = k > 1 && sizes[0] < min(sizes[1], size);
+        if (crossed || touched) {
+            const double share = crossed ? sizes[0] / (sizes[0] + size) : 0.0;
             double found[N];
             for (int j = 0; j < N; ++j) found[j] = advanced(arm, j, last[j], share * gap(arm, j, q[j], last[j]));
-            if (polish_one<true>(arm, goal, found, {30, FINISHED, LONG_PATIENCE}).error <= CONVERGED &&
-                is_new(arm, goal, columns, found)) {
-                add(arm, goal, columns, 0, found, singular_marks(arm, goal, found, 0));
-            }
+            take_from_valley(arm, goal, found, columns);
         }
+        sizes[1] = sizes[0], sizes[0] = size;
         const auto is_here = [&](const double* other) {
             double apart = 0.0;
             for (int j = 0; j < N; ++j) apart = max(apart, abs(gap(arm, j, q[j], other[j])));

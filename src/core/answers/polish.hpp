@@ -139,7 +139,8 @@ STEP Polished<V> polish(const Model& arm, const Goal<V>& goal, V (&q)[Model::joi
         mark = select(gained, e.size, mark);
         since = select(gained, V(0.0), since + 1.0);
         moves = moves & (e.size >= V(course.enough)) & !settled & (since <= V(double(course.patience)));
-        const V damping = min(1e-2 * e.size, V(1e-2)) + course.least_damping;
+        V damping = min(1e-2 * e.size, V(1e-2)) + course.least_damping;
+        if constexpr (damped) damping = select(better, damping, select(e.size < V(NEARLY), max(damping, V(HELD)), damping));
         const Solved<N, V> step = least_squares<damped>(J, e.twist, damping);
         out.least = select(better, step.least, out.least);
         if (round == course.rounds || !any(moves)) break;

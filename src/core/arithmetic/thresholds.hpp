@@ -15,6 +15,9 @@ inline constexpr int PATIENCE = 7, LONG_PATIENCE = 60;
 // Least damping of a step: below it the damping changes nothing at a regular solution, without it the step at an
 // exactly singular one is a division by zero.
 inline constexpr double LEAST_DAMPING = 1e-12;
+// A valley of joint vectors that all but reach a target bends: a step along it leaves an error across it. Where a step has made
+// an error below NEARLY no smaller, the next one is damped by HELD, which holds the direction along the valley.
+inline constexpr double NEARLY = 1e-7, HELD = 1e-6;
 // The squared margins of a closed form (of order one) carry this much rounding: 32 units in the last place.
 inline constexpr double ROUNDING = 7e-15;
 // The same after a step that takes the root of a quartic.

@@ -32,10 +32,7 @@ inline constexpr double OWN_ROOT_NEAR_SPECIAL = 1e-6;
 // The imaginary part of an angle above which the end of a path is not real, for ends that are regular and others.
 inline constexpr double IMAGINARY = 1e-4, IMAGINARY_SINGULAR = 0.05;
 // A path that ends before this s ends because it was lost, one that ends behind it at a singular solution.
-inline constexpr double AT_SINGULAR = 1e-6;
-// Where no candidate converges, the best is a double root if its error falls below NEARLY; the damping HELD then holds the
-// direction in which it is singular, along which rounding would carry the arm about.
-inline constexpr double NEARLY = 1e-7, HELD = 1e-6;
+inline constexpr double AT_SINGULAR = 1e-10;
 // How often continuation is tried, each time on other paths; starts all over the joints where that did not decide.
 inline constexpr int ATTEMPTS = 4, ALL_OVER = 160;
 
@@ -87,6 +84,13 @@ PART int take(const EliminationArm& arm, const Goal<double>& goal, Search& searc
         double most = 0.0;
         for (int j = 0; j < 6; ++j) most = max(most, abs(gap(arm.written, j, q[j], columns.row(b)[j])));
         if (most < least_gap) least_gap = most, nearest = b;
+    }
+    // Next to a singularity the nearer one to the root stays.
+    double known[6];
+    for (int j = 0; j < 6; ++j) known[j] = columns.row(nearest)[j];
+    if (least_gap > arm.written.tolerances.duplicate &&
+        error_at(arm.written, goal, q).size < 0.1 * error_at(arm.written, goal, known).size) {
+        for (int j = 0; j < 6; ++j) columns.row(nearest)[j] = q[j];
     }
     return nearest;
 }
@@ -207,40 +211,63 @@ PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, c
 // ---- continuation --------------------------------------------------------------------------------------------------------
 
 // Whether each path ended at a regular solution of its own or was lost far from real, or some of them ended at singular ones,
-// which are known or not real.
+// which are known or not real. Ends that lead to one solution were one path's, so that another's is missing.
 enum class Arrived { lost, settled, regular };
 
-// Add the real ends of all paths that lead to the goal.
+// What the end of a path is taken for.
+struct PathEnd {
+    bool smooth;    // regular and real
+    bool rough;     // a member of a continuum, or a double root: looked for from its real part
+    bool distant;   // lost far from real; of a continuum that leads there, real members are above its real part
+    bool accounts;  // whether nothing else is needed to account for the path
+};
+
+STEP PathEnd path_end(const Written<6>& arm, const PathEnds& ends, int i) {
+    const bool regular = ends.regular[i], singular = !regular && ends.left[i] < AT_SINGULAR;
+    const double off = imaginary_part(arm, ends.q[i]);
+    const bool real = off < (regular ? IMAGINARY : IMAGINARY_SINGULAR), distant = !regular && off > DISTANT;
+    const bool rough = !(regular && real) && (regular ? ends.weak[i] : singular);
+    return {regular && real, rough, distant, regular || distant || (singular && !real)};
+}
+
+// Add the real ends of all paths that lead to the goal, regular ones first: a continuum may take all columns that are left.
 PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, Search& search, int attempt) {
     PathEnds ends;
     const int regular = continue_from_nearest(arm.written, arm.paths, goal, attempt, ends);
     int settled = 0, distant = 0;
-    for (int from = 0; from < ends.many; from += BLOCK) {
-        Candidates smooth = {{}, 0}, rough = {{}, 0};
-        unsigned certain = 0;
-        for (int l = 0; l < BLOCK; ++l) {
-            const int i = from + l;
-            for (int j = 0; j < 6; ++j) {
-                const double (&z)[2] = ends.q[i < ends.many ? i : from].z[j];
-                smooth.q[j].set(l, arm.written.slides[j] ? arm.written.size * z[0] : wrap(atan2(z[1], z[0])));
+    unsigned owned = 0;
+    bool shared = false;
+    for (int pass = 0; pass < 2; ++pass) {
+        for (int from = 0; from < ends.many; from += BLOCK) {
+            Candidates starts = {{}, 0};
+            unsigned needed = 0;
+            for (int l = 0; l < BLOCK; ++l) {
+                const int i = from + l;
+                for (int j = 0; j < 6; ++j) {
+                    const double (&z)[2] = ends.q[i < ends.many ? i : from].z[j];
+                    starts.q[j].set(l, arm.written.slides[j] ? arm.written.size * z[0] : wrap(atan2(z[1], z[0])));
+                }
+                if (i >= ends.many) continue;
+                const PathEnd end = path_end(arm.written, ends, i);
+                starts.lanes |= unsigned(pass == 0 ? end.smooth : end.rough || end.distant) << l;
+                if (pass == 0) continue;
+                distant += end.distant, settled += end.accounts;
+                needed |= unsigned(end.rough && !end.accounts) << l;
             }
-            if (i >= ends.many) continue;
-            const double off = imaginary_part(arm.written, ends.q[i]);
-            const bool real = off < (ends.regular[i] ? IMAGINARY : IMAGINARY_SINGULAR);
-            if (ends.regular[i] && real) smooth.lanes |= 1u << l;
-            // A continuum has its ends anywhere; its real members are looked for from their real parts.
-            else if (ends.regular[i] ? ends.weak[i] : ends.left[i] < AT_SINGULAR) rough.lanes |= 1u << l;
-            const bool lost = !ends.regular[i] && off > DISTANT;
-            distant += lost;
-            certain |= unsigned(ends.regular[i] || lost || (ends.left[i] < AT_SINGULAR && !real)) << l;
+            if (!starts.lanes) continue;
+            int column[BLOCK];
+            if (pass == 0) take_from<false>(arm, goal, search, starts, 12, column);
+            else take_from<true>(arm, goal, search, starts, 60, column);
+            for (int l = 0; l < BLOCK; ++l) {
+                if (!(starts.lanes >> l & 1) || column[l] < 0) continue;
+                settled += needed >> l & 1;
+                shared |= (owned >> column[l] & 1) && !(search.columns.flags[column[l]] & SINGULAR);
+                owned |= 1u << column[l];
+            }
         }
-        for (int j = 0; j < 6; ++j) rough.q[j] = smooth.q[j];
-        int column[BLOCK];
-        if (smooth.lanes) take_from<false>(arm, goal, search, smooth, 12, column);
-        if (rough.lanes) take_from<true>(arm, goal, search, rough, 60, column);
-        for (int l = 0; l < BLOCK; ++l) settled += (certain >> l & 1) || ((rough.lanes >> l & 1) && column[l] >= 0);
     }
     search.all_known &= distant == 0;
+    if (shared) return Arrived::lost;
     if (regular + distant == arm.paths.solutions) return Arrived::regular;
     return settled == arm.paths.solutions ? Arrived::settled : Arrived::lost;
 }
@@ -284,6 +311,8 @@ bool complete(const EliminationArm& arm, const Goal<double>& goal, const Columns
     Search search = {columns, min(CONVERGED * far, arm.written.tolerances.reach)};
     search.all_known = all_known(arm);
     bool certain = find_all(arm, goal, search);
+    // Where no candidate converges, the best is a double root if its error is so small already: rounding would carry the arm about
+    // in the direction in which it is singular, but for the damping HELD.
     if (columns.count() == 0 && search.error < NEARLY) {
         const Course held = {8, FINISHED, LONG_PATIENCE, HELD};
         if (polish_one<true>(arm.written, goal, search.best, held).error <= arm.written.tolerances.reach) {
@@ -292,7 +321,7 @@ bool complete(const EliminationArm& arm, const Goal<double>& goal, const Columns
         }
     }
     // Where not all are known, others may be next to a singular solution.
-    certain &= search.all_known || !search_beside_folds(arm.written, goal, columns);
+    if (!(certain && search.all_known)) certain &= !search_beside_folds(arm.written, goal, columns);
     // Solutions come in pairs, as the complex ones of real equations do: an odd number lacks one, but for double roots. And where a
     // Jacobian has all but lost a rank, so have those of others on the same curve.
     if (!certain) walk_valleys(arm.written, goal, columns.count() % 2 ? SECOND_NEXT_DOOR : IN_A_VALLEY, columns);
