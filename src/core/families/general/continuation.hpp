@@ -212,9 +212,11 @@ STEP void leave_out_distant(const Written<6>& arm, KnownPose& pose, int& many) {
 // All solutions of the first of the poses of m joint vectors, by monodromy: paths that lead to other poses and back another
 // way end at other solutions than they began (Duff et al., Solving polynomial systems via homotopy continuation and
 // monodromy, 2019). It ends when all 16 are found, or when IDLE_ROUNDS rounds have found no new one. Then those of the other poses.
+// Loops do not lead from one part to another where the solutions of all poses are several separate surfaces, as those of many arms
+// with slides are: a pose's own joint vector then brings in its part, sooner or later.
 // near: whether the arm is near a special one. A pose whose joint vector is singular is not among them: where all are, the arm is
 // singular everywhere.
-inline constexpr int IDLE_ROUNDS = 8, MOST_TRIED = 64;
+inline constexpr int IDLE_ROUNDS = 8, IDLE_ROUNDS_WITH_SLIDES = 100, MOST_ROUNDS = 120, MOST_TRIED = 128;
 inline constexpr double REGULAR = 1e-3;
 PART void find_known_poses(const Written<6>& arm, const double (*all)[6], int m, bool near, Continuation& out) {
     double q[MOST_TRIED][6];
@@ -226,7 +228,10 @@ PART void find_known_poses(const Written<6>& arm, const double (*all)[6], int m,
     out.solutions = out.poses = 0, m = regular;
     if (m < 2) return;
     KnownPose base = known_pose(arm, q[0], many);
-    for (int round = 0, idle = 0; many < KnownPose::most && idle < IDLE_ROUNDS && round < 60; ++round) {
+    bool slides = false;
+    for (const bool each : arm.slides) slides |= each;
+    const int patience = slides ? IDLE_ROUNDS_WITH_SLIDES : IDLE_ROUNDS;
+    for (int round = 0, idle = 0; many < KnownPose::most && idle < patience && round < MOST_ROUNDS; ++round) {
         int many_there, before = many;
         KnownPose other = known_pose(arm, q[1 + round % (m - 1)], many_there);
         carry(arm, base, many, other, many_there, 0.5 + 0.37 * (round % 5));

@@ -230,11 +230,19 @@ STEP PathEnd path_end(const Written<6>& arm, const PathEnds& ends, int i) {
     return {regular && real, rough, distant, regular || distant || (singular && !real)};
 }
 
+// Whether a regular solution is known that no path ended at: then the known poses lack a path, and others may be missing.
+STEP bool is_stranger(const Columns<6>& columns, unsigned owned) {
+    for (int b = 0; b < columns.many; ++b) {
+        if (columns.valid(b) && !(owned >> b & 1) && !(columns.flags[b] & SINGULAR)) return true;
+    }
+    return false;
+}
+
 // Add the real ends of all paths that lead to the goal, regular ones first: a continuum may take all columns that are left.
 PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, Search& search, int attempt) {
     PathEnds ends;
     const int regular = continue_from_nearest(arm.written, arm.paths, goal, attempt, ends);
-    int settled = 0, distant = 0;
+    int settled = 0, distant = 0, real = 0;
     unsigned owned = 0;
     bool shared = false;
     for (int pass = 0; pass < 2; ++pass) {
@@ -250,6 +258,7 @@ PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, Se
                 if (i >= ends.many) continue;
                 const PathEnd end = path_end(arm.written, ends, i);
                 starts.lanes |= unsigned(pass == 0 ? end.smooth : end.rough || end.distant) << l;
+                real += pass == 0 && end.smooth;
                 if (pass == 0) continue;
                 distant += end.distant, settled += end.accounts;
                 needed |= unsigned(end.rough && !end.accounts) << l;
@@ -267,7 +276,9 @@ PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, Se
         }
     }
     search.all_known &= distant == 0;
-    if (shared) return Arrived::lost;
+    if (shared || is_stranger(search.columns, owned)) return Arrived::lost;
+    // Those that are not real come in pairs.
+    if (regular == arm.paths.solutions && (regular - real) % 2) return Arrived::lost;
     if (regular + distant == arm.paths.solutions) return Arrived::regular;
     return settled == arm.paths.solutions ? Arrived::settled : Arrived::lost;
 }

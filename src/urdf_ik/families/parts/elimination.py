@@ -29,6 +29,8 @@ _LINE = 15
 _SHIFTS = (0.0, 1e-6, 1e-5)
 # Poses by which variants are chosen, and from which those are taken whose solutions are all known.
 _KNOWN = 32
+# With slides the solutions of all poses may be several separate surfaces, and a pose is needed on each of them.
+_KNOWN_WITH_SLIDES = 128
 # So many of these poses decide which few variants are tried on all.
 _FIRST, _FEW = 8, 6
 # How many numbers the core leaves room for: rows of the left factor, columns of the right one.
@@ -52,8 +54,8 @@ def elimination_values(chain: Chain, *, near: bool = False) -> dict[str, Any]:
     to_centre = np.eye(4)
     to_centre[:3, 3] = centre
     rng = np.random.default_rng(0)
-    Q = rng.uniform(-math.pi, math.pi, (_KNOWN, 6))
-    Q[:, chain.prismatic] *= chain.size / (2.0 * math.pi)
+    Q = rng.uniform(-math.pi, math.pi, (_KNOWN_WITH_SLIDES if chain.prismatic.any() else _KNOWN, 6))
+    Q[:, chain.prismatic] *= chain.size / math.pi
     written = written_values(chain)
     common: dict[str, Any] = {
         "written": written,
@@ -62,7 +64,7 @@ def elimination_values(chain: Chain, *, near: bool = False) -> dict[str, Any]:
         "scale": scale,
         "known": known_poses(written, Q, near),
     }
-    targets = chain.fk(Q)
+    targets = chain.fk(Q[:_KNOWN])
     few = _best(common, _all_variants(H, points, chain.prismatic, rng), targets[:_FIRST], _FEW)
     return common | _best(common, few, targets, 1)
 
