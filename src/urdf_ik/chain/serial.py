@@ -20,6 +20,11 @@ if TYPE_CHECKING:
 
 _AnyChain = TypeVar("_AnyChain", bound="Chain")
 
+# Steps between the axes that are what rounding left: beside the way to the first axis, a share; of an arm whose slides
+# travel a metre or so, in m for each: poses of a smaller arm are rounded to more than its tolerances.
+_NO_STEP = 1e-9
+_NO_STEP_OF_SLIDES = 1e-5
+
 
 @dataclass(frozen=True)
 class TreeJoint(Frozen):
@@ -162,8 +167,15 @@ class Chain(Frozen):
 
     @property
     def size(self) -> float:
-        """Length that tolerances are relative to [m]: the sum of the steps between the axes and to the tip."""
-        return float(np.linalg.norm(self.P[1:], axis=1).sum()) or 1.0
+        """Length that tolerances are relative to [m]: the sum of the steps between the axes and to the tip.
+
+        Where these are what rounding left, it is how far away the first axis stands, and 1 m for each slide.
+        """
+        between, base = float(np.linalg.norm(self.P[1:], axis=1).sum()), float(np.linalg.norm(self.P[0]))
+        slides = int(self.prismatic.sum())
+        if between > max(_NO_STEP * base, _NO_STEP_OF_SLIDES * slides):
+            return between
+        return base + slides or 1.0
 
     def reversed(self) -> Chain:
         """The same joints from tip to base: its poses are the inverses, its joint vectors run backwards.

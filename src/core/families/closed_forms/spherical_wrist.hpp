@@ -211,8 +211,8 @@ template <Shoulder kind> struct SphericalWrist {
         const Tolerances& tol = arm.written.tolerances;
         const double clamp = arm.ideal.clamp, arm1 = to.at.arm1, arm2 = to.at.arm2;
         const auto beyond = [&](double margin) {
-            to.unsure = to.unsure || to.drift.hides(margin);
-            return margin < -max(clamp, to.drift.of_margin());
+            to.unsure = to.unsure || to.drift.hides(margin) || to.drift.is_lost();
+            return margin < -max(clamp, to.drift.of_margin()) && !to.drift.is_lost();
         };
         if constexpr (by_height) {
             if (m1 < -clamp) return false;
@@ -223,6 +223,8 @@ template <Shoulder kind> struct SphericalWrist {
         } else {
             if (kind != Shoulder::general && m2 < -clamp) return false;
             to.drift.through_root(kind == Shoulder::general ? m1 : m2);
+            // A margin of the triangle in the plane of joints 1 and 2 is a difference over the length of its second side.
+            if (kind == Shoulder::parallel_12) to.drift.through_arm(arm2);
             if (kind != Shoulder::general && beyond(m1)) return false;
             if (kind == Shoulder::parallel_12) to.drift.through_root(m1);
             else if (arm2 > tol.continuum) to.drift.through_swing(m1, arm2);

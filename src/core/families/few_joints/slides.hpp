@@ -104,6 +104,16 @@ PART void by_slides(const SlidesArm& arm, const Goal<double>& goal, const Refere
     }
 }
 
+// The same from turns all around, where the wrist leaves two of its joints free and the slides suit few of their values.
+PART void by_slides_around(const SlidesArm& arm, const Goal<double>& goal, const Columns<6>& columns) {
+    for (int k = 0; k < AROUND && !columns.count(); ++k) {
+        Reference<6> at;
+        for (double& each : at.q) each = PI * (2.0 * k / AROUND - 1.0);
+        at.given = 1.0;
+        by_slides(arm, goal, at, columns);
+    }
+}
+
 // Mark those singular solutions as the wrist's whose three turns have axes in a plane.
 STEP void name_singular(const SlidesArm& arm, const Columns<6>& columns) {
     for (int b = 0; b < columns.many; ++b) {
@@ -123,6 +133,7 @@ template <int B> struct Slides {
     static STEP void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
         if (arm.by_wrist) by_wrist(arm, goal, reference, columns);
         else by_slides(arm, goal, reference, columns);
+        if (!arm.by_wrist && !columns.count()) by_slides_around(arm, goal, columns);
         name_singular(arm, columns);
         sort(columns);
     }
