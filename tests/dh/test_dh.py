@@ -269,6 +269,7 @@ HEAD = "# convention: standard\nalpha,a,d,theta"
         ("# tool: 1 2 3\n" + HEAD + "\n0,1,0,0\n", ["tool transform", "3 numbers", "roll"]),
         ("# base: 1 2 3 a b c\n" + HEAD + "\n0,1,0,0\n", ["base transform", "no numbers"]),
         ("alpha,a,d,theta\n0,1,0,0\n", ["convention"]),
+        pytest.param("9" * 200_000 + ",1\n1,2\n", ["line 1", "field limit"], id="a wide field"),
         ("{", ["no JSON"]),
         ('{"convention": "standard"}', ["'joints'"]),
         ('{"convention": "standard", "joint": 1, "joints": []}', ["'joint'"]),

@@ -163,7 +163,11 @@ def _from_csv(text: str) -> tuple[dict[str, Any], list[dict[str, Any]]]:
             key, _, value = line.lstrip("# ").partition(":")
             if key.strip() in KEYS:  # any other line is a remark
                 whole[key.strip()] = value.strip()
-    rows = list(csv.reader([line for line in lines if not line.startswith("#")], skipinitialspace=True))
+    reader = csv.reader([line for line in lines if not line.startswith("#")], skipinitialspace=True)
+    try:
+        rows = list(reader)
+    except csv.Error as error:
+        raise DHError(f"line {reader.line_num} of the table: {error}; {_ALL}") from None
     if not rows:
         raise DHError(f"the table is empty; {_ALL}")
     header = [cell.strip() for cell in rows[0]]
