@@ -91,7 +91,8 @@ class InCell(Kinematics):
             the others. Of a single motion, the result itself is true or false.
 
         Raises:
-            JointVectorError: the arrays do not fit the arm or each other, or a value is not finite.
+            JointVectorError: the arrays do not fit the arm or each other, a value is not finite, or a joint goes
+                farther than 10000 rad or m (``urdf_ik.collision.swept.LONGEST``).
             ArgumentError: ``margin`` is negative or not finite.
             UrdfError: the URDF has no collision shapes, or not all of them were found.
             WorldError: an obstacle's mesh cannot be read, or it has the name of a link.

@@ -96,6 +96,8 @@ class IKSolutions(KeptSolutions):
     def iter_turns(self, tol: float = limits.LIMIT_TOLERANCE) -> Iterator[Solution]:
         """The solutions of ``turns()`` for a single pose one by one, ``index`` being the column here.
 
+        Each is made when it is asked for, however many there are: of a tolerance of 1e6 rad no list is wanted.
+
         Raises:
             BatchError: this is a batch.
 
