@@ -150,6 +150,11 @@ def test_what_it_cannot_be() -> None:
         free.with_tool(urdf_ik.pose([0.0, 0.0, 0.1]))
     with pytest.raises(TaskError, match="'position'"):
         urdf_ik.load("positioning_3r").with_free_axis("z")
+    for few in (urdf_ik.load("scara_rrpr"), arm.with_locked({"joint_5": 0.3, "joint_6": 0.0})):
+        with pytest.raises(TaskError, match="its 4 joints do not reach every pose, .* six joints or more"):
+            few.with_free_axis("z")
+    with pytest.raises(ArgumentError, match=r"free_axis='z' given; an axis, as Arm.with_free_axis makes it, is needed"):
+        urdf_ik.Arm(arm.model, arm.chain, free_axis="z")  # type: ignore[arg-type]
     with pytest.raises(TaskError, match="without a free axis"):
         free.for_task("position")
     with pytest.raises(JointVectorError, match="does not reach"):

@@ -7,18 +7,16 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from urdf_ik._core import Solver
 from urdf_ik.arm.joining import joined
 from urdf_ik.arm.moving import Moving
 from urdf_ik.arm.refusals import unsupported
 from urdf_ik.chain import from_urdf
 from urdf_ik.chain.free_axis import FreeAxis
-from urdf_ik.errors import ArgumentError, JointVectorError, TaskError, UnsupportedArm
+from urdf_ik.errors import ArgumentError, JointVectorError, UnsupportedArm
 from urdf_ik.families import Plan, RedundantPlan
 from urdf_ik.guards import inputs
 from urdf_ik.poses import as_pose_array, check_poses
 from urdf_ik.redundancy import finding, sweep
-from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -85,7 +83,7 @@ class Free(Moving):
 
         Raises:
             ArgumentError: no axis, the arm has a free axis already, or a joint in its middle is given.
-            TaskError: the arm controls less than a pose, which leaves more free.
+            TaskError: the arm has less than six joints, or controls less than a pose, which leaves more free.
             UnsupportedArm: no solver takes this arm.
 
         Example:
@@ -99,20 +97,9 @@ class Free(Moving):
         free: Any = FreeAxis.read(axis, at)
         if self._free_axis is not None:
             raise ArgumentError(f"{self.name} may already turn about {self._free_axis}; only one axis can be free")
-        if self._task != "pose" or self.task != "pose":
-            raise TaskError(
-                f"{self.name}: its {self.dof} joints control the task {self.task!r}, which leaves rotations free as it "
-                f"is: arm.ik(target, task={self.task!r}); only an arm that controls whole poses takes a free axis"
-            )
+        made = self._again(free_axis=free)
         if self._plan is None:
             raise unsupported(self.name, self.chain, self.structure)
-        if not isinstance(self._plan.solver, Solver):
-            joint = self.redundancies[0].joint
-            raise ArgumentError(
-                f"{self.name}: {joint} is given, a joint in the middle, and such an arm takes no free axis; name an "
-                "end joint, or none: arm.with_redundancy(...)"
-            )
-        made = self._again(free_axis=free)
         made.__dict__["fixed"] = self
         return made
 
@@ -140,9 +127,6 @@ class Free(Moving):
             >>> arm.redundancy.joint, arm.redundancy.kind
             ('joint_1', 'locked joint')
         """
-        for each in joints:
-            if not isinstance(each, str):
-                raise ArgumentError(f"joint {quoted(each)} given; the names of joints are needed")
         return self._again(given=joints)
 
     def with_locked(self, values: Mapping[str, float]) -> Self:

@@ -75,10 +75,8 @@ def load(
         base, tip = model.resolve_chain(base, tip, chain)
     elif chain is not None:
         raise ArgumentError(f"chain={quoted(chain)} and tip={quoted(tip)} say the same; give one of them")
-    given = (redundancy,) if isinstance(redundancy, str) else redundancy
-    if not isinstance(given, list | tuple) or not all(isinstance(each, str) for each in given):
-        raise ArgumentError(f"redundancy={quoted(redundancy)} given; names of joints are needed")
-    return Arm(model, from_urdf(model, base, tip).lock({} if locked is None else locked), given=tuple(given))
+    given: Any = (redundancy,) if isinstance(redundancy, str) else redundancy
+    return Arm(model, from_urdf(model, base, tip).lock({} if locked is None else locked), given=given)
 
 
 def read(
