@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -112,8 +113,8 @@ class InCell(Kinematics):
             raise JointVectorError(
                 f"motions from {start.shape} to {end.shape} given; the shapes do not broadcast"
             ) from None
-        batch = start.shape[:-1]
+        batch, count = start.shape[:-1], math.prod(start.shape[:-1])
         flat = self.collision_model.in_world(world).motions_free(
-            start.reshape(-1, self.dof), end.reshape(-1, self.dof), margin
+            start.reshape(count, self.dof), end.reshape(count, self.dof), margin
         )
         return replace(flat, free=flat.free.reshape(batch), share=flat.share.reshape(batch))

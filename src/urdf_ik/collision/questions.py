@@ -274,7 +274,8 @@ class Questions:
         self._require_geometry()
         Q = self._reference.vectors(q)
         places = np.asarray((np.abs(Q) <= LARGEST).all(axis=-1))
-        return np.ascontiguousarray(Q[places]).reshape(-1, Q.shape[-1]), places, self._now().scene
+        rows = np.ascontiguousarray(Q[places]).reshape(int(places.sum()), Q.shape[-1])  # there may be no joints
+        return rows, places, self._now().scene
 
     def _one(self, q: ArrayLike) -> tuple[Array, Scene, tuple[Pair, ...]]:
         """A joint vector as (1, n), the scene and its pairs."""
