@@ -419,6 +419,11 @@ class Arm(Free):
         if len(plan.parameters) == 1:
             return sweep.explanation(self, plan, target, redundancy)
         _, values = spread(plan.parameters, target, plan.defaults if redundancy is None else redundancy)
+        if values.ndim != 1:
+            raise JointVectorError(
+                f"redundancy of shape {np.shape(redundancy)} given; explain takes one value of each of the "
+                f"{len(plan.parameters)} parameters"
+            )
         return plan.explain_at(target, values)
 
     def _reference(self, q_ref: ArrayLike) -> Array:

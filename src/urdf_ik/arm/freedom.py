@@ -324,6 +324,8 @@ class Free(Moving):
     def _require_reached(self, reached: Array, target: Array) -> None:
         assert self._free_axis is not None  # else the pose is none of the joint vector's business
         far, turned = self._free_axis.apart(reached, target)
+        if not far.size:
+            return
         worst = np.unravel_index(np.argmax(np.maximum(far, turned)), far.shape)
         if max(far[worst], turned[worst]) > REACHED:
             raise JointVectorError(
