@@ -421,7 +421,7 @@ class Arm(Free):
         _, values = spread(plan.parameters, target, plan.defaults if redundancy is None else redundancy)
         if values.ndim != 1:
             raise JointVectorError(
-                f"redundancy of shape {np.shape(redundancy)} given; explain takes one value of each of the "
+                f"redundancy of shape {values.shape} given; explain takes one value of each of the "
                 f"{len(plan.parameters)} parameters"
             )
         return plan.explain_at(target, values)

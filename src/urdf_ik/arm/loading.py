@@ -120,10 +120,12 @@ def _of_group(
     groups = dict(chain_groups(srdf, model.links))
     if name is None and len(groups) == 1:
         name = next(iter(groups))
+    if name is not None and not isinstance(name, str):
+        raise ChainError(f"chain={quoted(name)} given; the name of a group of the SRDF is needed", groups)
     if name is None or name not in groups:
-        what = "the SRDF has several chains, or none; name one" if name is None else f"the SRDF has no chain {name!r}"
-        raise ChainError(f"{model.source}: {what}", groups)
-    return base or groups[name][0], groups[name][1]
+        what = "several chains, or none; name one" if name is None else f"no chain {quoted(name)}"
+        raise ChainError(f"{model.source}: the SRDF has {what}", groups)
+    return groups[name][0] if base is None else base, groups[name][1]
 
 
 def _is_name(source: str) -> bool:
