@@ -264,6 +264,10 @@ def test_bad_changes_of_a_world() -> None:
     with pytest.raises(PoseError, match="single pose"):
         world.add("x", Box(1.0), np.stack([np.eye(4)] * 2))
     assert world.names == ("table",)
+    world.add("x y " * 50000, Box(1.0))
+    with pytest.raises(WorldError, match="'x y .*\\.\\.\\. already") as refused:
+        world.add("x y " * 50000, Box(1.0))
+    assert len(str(refused.value)) < 200
 
 
 def test_an_obstacle_with_a_links_name_is_refused(ball: CollisionModel) -> None:

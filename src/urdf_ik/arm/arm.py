@@ -154,7 +154,7 @@ class Arm(Free):
             if self._free_axis is not None:
                 raise TaskError(
                     f"{self.name}: with {self._free_axis} free, targets are poses, of which the rotation about it does "
-                    f"not matter; {task!r} is a task of the arm without a free axis"
+                    f"not matter; {quoted(task)} is a task of the arm without a free axis"
                 )
             self._by_task[task] = arm = Arm(self.model, self.chain, task)
             arm._by_task = self._by_task

@@ -96,7 +96,7 @@ def unsupported(name: str, chain: Chain, structure: Structure) -> UnsupportedArm
         return UnsupportedArm(
             f"{name}: the joints are redundant, and a pose has a continuum of solutions or none: at every joint vector "
             f"each of {', '.join(same)} moves the tip as the others of these do together. Hold one of them at a value "
-            f"[rad or m], as in urdf_ik.load(..., locked={{{same[-1]!r}: 0.0}}). {structure}"
+            f"[rad or m], as in urdf_ik.load(..., locked={{{quoted(same[-1])}: 0.0}}). {structure}"
         )
     if chain.n == 6:
         return UnsupportedArm(

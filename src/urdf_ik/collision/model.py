@@ -288,7 +288,8 @@ class CollisionModel(Questions):
         rank = self._rank(obstacles)
         pair = table.named(first, second, rank, [*dict.fromkeys(self._arm.links), *obstacles])
         if pair[0] in obstacles:
-            raise WorldError(f"{first!r} and {second!r} are both obstacles, which stand still; a pair has a link")
+            both = f"{quoted(first)} and {quoted(second)}"
+            raise WorldError(f"{both} are both obstacles, which stand still; a pair has a link")
         out = self._copy()
         out._changes = {**self._changes, pair: must_not}
         return out
