@@ -11,9 +11,10 @@ from __future__ import annotations
 from typing import IO, TYPE_CHECKING, Any
 
 from urdf_ik.arm import Arm, load
-from urdf_ik.crosscheck import check
+from urdf_ik.crosscheck import PROPERTIES, check
 from urdf_ik.crosscheck.report import Report
 from urdf_ik.errors import ArgumentError
+from urdf_ik.guards import inputs
 from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
@@ -81,6 +82,9 @@ def verdict(report: Report, name: str) -> tuple[bool | None, str]:
         >>> verdict(assert_agrees_with_pinocchio("planar_2r", n=20), "forward kinematics, position")[0]
         True
     """
+    inputs.kind(report, "rows", "report", "a report, as urdf_ik.crosscheck.check gives it,")
+    if not isinstance(name, str):
+        raise ArgumentError(f"name={quoted(name)} given; one of {', '.join(PROPERTIES)} is needed")
     for row in report.rows:
         if row.name == name:
             worst = f"{row.name}: worst {row.worst:.2g} {row.unit}, {row.tolerance:.2g} allowed, {row.checked} checked"

@@ -137,6 +137,17 @@ def test_seven_joints_have_two_parameters() -> None:
         arm.ik(T, redundancy=v)
 
 
+def test_batches_of_nothing() -> None:
+    """Of no joint vectors there are no values; a reason is asked of one value of each parameter."""
+    arm = urdf_ik.load("srs_7r").with_free_axis("z")
+    T = arm.fk([0.3] * 7)
+    assert arm.redundancy_of(np.zeros((0, 7)), T).shape == (0, 2)
+    assert arm.redundancy_of(np.zeros((2, 0, 7)), np.zeros((2, 0, 4, 4))).shape == (2, 0, 2)
+    for values in (np.zeros((0, 2)), np.zeros((3, 2))):
+        with pytest.raises(JointVectorError, match="one value of each of the 2 parameters"):
+            arm.explain(T, redundancy=values)
+
+
 def test_what_it_cannot_be() -> None:
     """Axes that are none, arms that control less, a second axis, a tool behind it, joint vectors of another target."""
     arm = urdf_ik.load("puma_560")
@@ -150,6 +161,11 @@ def test_what_it_cannot_be() -> None:
         free.with_tool(urdf_ik.pose([0.0, 0.0, 0.1]))
     with pytest.raises(TaskError, match="'position'"):
         urdf_ik.load("positioning_3r").with_free_axis("z")
+    for few in (urdf_ik.load("scara_rrpr"), arm.with_locked({"joint_5": 0.3, "joint_6": 0.0})):
+        with pytest.raises(TaskError, match="its 4 joints do not reach every pose, .* six joints or more"):
+            few.with_free_axis("z")
+    with pytest.raises(ArgumentError, match=r"free_axis='z' given; an axis, as Arm.with_free_axis makes it, is needed"):
+        urdf_ik.Arm(arm.model, arm.chain, free_axis="z")  # type: ignore[arg-type]
     with pytest.raises(TaskError, match="without a free axis"):
         free.for_task("position")
     with pytest.raises(JointVectorError, match="does not reach"):

@@ -12,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+import urdf_ik
 from urdf_ik import catalogue, urdf
 from urdf_ik.collision import CollisionModel, Nearest
 from urdf_ik.errors import JointVectorError, PoseError, UrdfError
@@ -112,6 +113,18 @@ def test_batches_and_rows_that_are_not_finite() -> None:
             with pytest.raises(JointVectorError, match="finite|other things than numbers"):
                 question(bad)
     assert np.shape(body.in_collision(np.empty((0, 2)))) == (0,)
+
+
+def test_an_arm_without_joints_is_asked_like_any_other() -> None:
+    """Joint vectors of no numbers, single and in batch: the whole arm with the same joints held says the same."""
+    arm = urdf_ik.load("zyyzyz_6r")
+    values = dict.fromkeys(arm.joint_names, 0.1)
+    still, expected = arm.with_locked(values), arm.clearance([0.1] * 6)
+    assert still.clearance([]) == pytest.approx(expected, abs=1e-6)
+    np.testing.assert_array_equal(still.clearance(np.zeros((2, 3, 0))), np.full((2, 3), still.clearance([])))
+    assert still.collision_model.in_collision(np.zeros((2, 0))).tolist() == [False, False]
+    assert still.motion_is_free([], [])
+    assert still.motion_is_free(np.zeros((3, 0)), []).free.tolist() == [True] * 3
 
 
 def test_wrong_joint_vectors_are_refused() -> None:

@@ -8,7 +8,7 @@ import pytest
 import urdf_ik
 from urdf_ik import ArgumentError, Box, Capsule, Cylinder, HalfSpace, JointVectorError, Points, Sphere, World, pose
 from urdf_ik.collision import CollisionModel
-from urdf_ik.collision.swept import TOUCH
+from urdf_ik.collision.swept import LONGEST, TOUCH
 
 Array = np.ndarray
 
@@ -211,3 +211,14 @@ def test_bad_motions() -> None:
         arm.collision_model.motions_free(q, q)
     with pytest.raises(ArgumentError, match=r"margin=-0\.1"):
         arm.motion_is_free(q, q, margin=-0.1)
+    with pytest.raises(JointVectorError, match=r"q0\[0, 2\] is 1e\+155; numbers of at most 1e\+15 are taken"):
+        arm.collision_model.motions_free([[0.0, 0.0, 1e155, 0.0, 0.0, 0.0]], q[None])
+
+
+def test_a_motion_of_a_million_turns_is_refused() -> None:
+    """The pieces to be proven grow with the way: a motion is as long as says its limit, and none needs longer."""
+    arm = urdf_ik.load(BAR)
+    assert arm.motion_is_free([0.0], [LONGEST])
+    for ask in (arm.motion_is_free, arm.collision_model.motions_free):
+        with pytest.raises(JointVectorError, match=r"motion 1: joint turn goes from -0.5 to 1e\+09; .* at most 10000"):
+            ask([[0.0], [-0.5]], [[1.0], [1e9]])

@@ -223,7 +223,8 @@ def test_cells_that_are_refused(tmp_path: Path) -> None:
         (lambda: Box((1.0, 0.0, 2.0)), r"Box: size is \(1, 0, 2\); 3 lengths above zero"),
         (lambda: Box((1.0, 2.0)), r"Box: size is \(1, 2\)"),
         (lambda: Sphere(-1.0), "Sphere: radius is -1; a length above zero"),
-        (lambda: Sphere(math.nan), "radius is nan; one finite number"),
+        (lambda: Sphere(math.nan), "radius is nan; one finite number is"),
+        (lambda: Sphere(1e155), r"radius is 1e\+155; one finite number of at most 1e\+15 is"),
         (lambda: Cylinder(1.0, 0.0), "Cylinder: length is 0"),
         (lambda: Capsule("a", 1.0), "Capsule: radius must be one finite number: text is given"),  # type: ignore[arg-type]
         (lambda: HalfSpace((0.0, 0.0, 0.0)), "normal is .*a direction"),
@@ -263,6 +264,10 @@ def test_bad_changes_of_a_world() -> None:
     with pytest.raises(PoseError, match="single pose"):
         world.add("x", Box(1.0), np.stack([np.eye(4)] * 2))
     assert world.names == ("table",)
+    world.add("x y " * 50000, Box(1.0))
+    with pytest.raises(WorldError, match="'x y .*\\.\\.\\. already") as refused:
+        world.add("x y " * 50000, Box(1.0))
+    assert len(str(refused.value)) < 200
 
 
 def test_an_obstacle_with_a_links_name_is_refused(ball: CollisionModel) -> None:

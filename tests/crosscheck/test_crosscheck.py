@@ -99,6 +99,16 @@ def test_random_members_of_every_family_pass(kind: str) -> None:
     assert "no link has a collision shape" in report.skipped[0][1]
 
 
+def test_arms_with_two_redundancy_parameters_pass() -> None:
+    """A free axis on seven joints, and a positioner of two on six: poses are solved at the values of both."""
+    table = loaded("zyyzyz_6r").with_positioner(loaded("planar_2r"), np.eye(4))
+    for arm in (urdf_ik.load("srs_7r").with_free_axis("z"), table):
+        assert len(arm.redundancies) == 2
+        report = check(arm, 20, seed=2)
+        assert report.passed, str(report)
+        assert tuple(row.name for row in report.rows) == ROWS
+
+
 def test_the_same_seed_gives_the_same_report() -> None:
     """Reports are equal for equal seeds, differ for others, and a pose depends on seed and index alone."""
     arm = loaded("zyyzyz_6r")
@@ -153,6 +163,16 @@ def test_senseless_requests_are_refused(wrong: dict[str, int]) -> None:
         check(loaded("zyyzyz_6r"), **wrong)
     with pytest.raises(UrdfIkError, match="index"):
         replay(loaded("zyyzyz_6r"), 0, -1)
+
+
+def test_an_arm_without_joints() -> None:
+    """From a link to itself, or with every joint held: kinematics and collision agree, and nothing is solved."""
+    arm = loaded("zyyzyz_6r")
+    for still in (urdf_ik.load("zyyzyz_6r", tip="base_link"), arm.with_locked(dict.fromkeys(arm.joint_names, 0.1))):
+        report = check(still, 3)
+        assert report.passed, str(report)
+        assert [name for name, _ in report.skipped] == ["inverse kinematics"]
+        assert report.row("collision, distance").checked == 3
 
 
 def test_an_arm_without_a_solver() -> None:

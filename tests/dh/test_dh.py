@@ -353,6 +353,10 @@ def test_chain_that_has_no_table() -> None:
         table = DHTable.from_chain(nearly, snap=2 * angle)
         np.testing.assert_array_equal(table.alpha[:1], [0.0])
         assert 0.1 * angle < table.deviation(nearly) < 10 * angle
+    arm = urdf_ik.load("zyyzyz_6r")
+    for snap in (0.6, 1.0, 1e15, -1e-9):
+        with pytest.raises(DHError, match="a finite number of at least 0 and at most 0.5 is needed"):
+            DHTable.from_chain(arm.chain, snap=snap)
 
 
 # ---------------------------------------------------------------- links

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from oracle import Oracle
 
 import urdf_ik
-from urdf_ik import ArgumentError, ChainError, UnsupportedArm
+from urdf_ik import ArgumentError, ChainError, TaskError, UnsupportedArm
 
 Array = NDArray[np.float64]
 KINDS = ("S-R-S", "one before wrist, 1x2", "one behind 2||3||4, 5x6")
@@ -98,6 +98,11 @@ def test_names_that_cannot_be_given() -> None:
         urdf_ik.load(skew(8), "base", "tool", redundancy=("joint_1", "joint_1"))
     with pytest.raises(ArgumentError, match="free axis"):
         seven.with_redundancy("joint_3").with_free_axis("z")
+    for given in (range(10**15), 5, np.zeros(3), ["joint_1", 2], "joint_1"):
+        with pytest.raises(ArgumentError, match="names of joints are needed"):
+            urdf_ik.Arm(seven.model, seven.chain, given=given)  # type: ignore[arg-type]
+    with pytest.raises(TaskError, match=r"task=\['pose'\] given; one of 'pose', "):
+        urdf_ik.Arm(seven.model, seven.chain, task=["pose"])  # type: ignore[arg-type]
 
 
 def test_the_reason_says_why_that_end() -> None:
@@ -105,3 +110,12 @@ def test_the_reason_says_why_that_end() -> None:
     reason = urdf_ik.load(random_seven("one behind 2||3||4, 5x6", 0).urdf, "base", "tool").structure.reason
     assert "with joint 7 given, whose others are solved in closed form" in reason
     assert "those of joint 1" in reason
+
+
+def test_long_names_are_cut_in_what_refuses_them() -> None:
+    """A message quotes what was given, and not all of it where it is as long as a file."""
+    seven, long = urdf_ik.load("srs_7r"), "x y " * 50000
+    for refused in (seven.with_redundancy, seven.with_free_axis):
+        with pytest.raises((ChainError, ArgumentError)) as caught:
+            refused(long)
+        assert len(str(caught.value)) < 500

@@ -21,6 +21,7 @@ T6, T7 = SIX.fk(Q6), SEVEN.fk(Q7)
 SOLUTIONS = SIX.ik(T6)
 TRACKER = SIX.tracker(Q6, dt=0.01)
 REGION = urdf_ik.workspace.planar(TWO)
+REPORT = urdf_ik.crosscheck.check(TWO, 2)
 CORNERS = np.stack([urdf_ik.pose([0, 0, 0]), urdf_ik.pose([0.1, 0, 0])])
 
 # What takes an array, and an array that it takes.
@@ -284,3 +285,32 @@ def test_a_name_that_no_disk_holds_is_refused(tmp_path: Path) -> None:
     """Half of a surrogate pair, as half-read names have."""
     with pytest.raises(UrdfIkError, match="cannot write"):
         SIX.write_urdf(tmp_path / "\ud800.urdf")
+
+
+GROUP = '<robot name="r"><group name="g"><chain base_link="base_link" tip_link="tool0"/></group></robot>'
+URDF = SIX.model.xml.decode()
+# What takes a name, a word or an object of this package, and none of those below.
+NAMES: dict[str, Callable[[Any], Any]] = {
+    "positioner": lambda x: SIX.with_positioner(TWO, np.eye(4), name=x), "tool": lambda x: SIX.with_tool(T6, name=x),
+    "group": lambda x: urdf_ik.load(URDF, srdf=GROUP, chain=x),
+    "base": lambda x: urdf_ik.load(URDF, srdf=GROUP, base=x),
+    "xacro argument": lambda x: urdf_ik.load(URDF, xacro_args={"a": 1, 2.5 if isinstance(x, float) else 3: x}),
+    "report": lambda x: urdf_ik.testing.verdict(x, "Jacobian"),
+    "property": lambda x: urdf_ik.testing.verdict(REPORT, x),
+    "redundancy": lambda x: SEVEN.with_redundancy(x), "given": lambda x: urdf_ik.Arm(SEVEN.model, SEVEN.chain, given=x),
+    "task": lambda x: urdf_ik.Arm(SIX.model, SIX.chain, task=x), "axis": SIX.with_free_axis,
+    "free_axis": lambda x: urdf_ik.Arm(SIX.model, SIX.chain, free_axis=x), "pairs": SIX.collision_model.checking,
+    "self_collision": lambda x: SIX.tracker(Q6, 0.01, self_collision=x), "cuspidality": urdf_ik.cuspidality.is_cuspidal,
+    "client": lambda x: urdf_ik.scale.run(lambda k: {}, None, client=x),  # type: ignore[arg-type,return-value]
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", NAMES)
+def test_names_and_objects_of_every_kind_are_refused_in_words(what: str) -> None:
+    """Numbers, arrays, lists and bytes where there should be a name, and names that no URDF can hold."""
+    table = urdf_ik.DHTable.from_chain(SIX.chain)
+    for value in (3, 2.5, np.zeros(3), ["g"], b"x", "\x1b", "\ud800", memoryview(np.eye(4)), table):
+        with pytest.raises(ValueError) as refused:  # noqa: PT011
+            NAMES[what](value)
+        assert isinstance(refused.value, UrdfIkError)
+        assert len(str(refused.value)) < 1500

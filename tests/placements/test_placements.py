@@ -170,7 +170,8 @@ def test_a_picture_and_what_is_refused() -> None:
     figure = plot.placements(found, "margin")
     assert figure.axes[0].get_ylabel() == "y [m]"
     for wrong in (
-        {"bounds": [[1, 0, 0], [0, 0, 0]]}, {"step": 0.0}, {"turns": 0}, {"mount": 2.0 * np.eye(3)}, {"margin": -1.0},
+        {"bounds": [[1, 0, 0], [0, 0, 0]]}, {"step": 0.0}, {"step": 5e-324}, {"turns": 0},
+        {"mount": 2.0 * np.eye(3)}, {"margin": -1.0},
         {"client": object()}, {"world": urdf_ik.World(), "collisions": False},
     ):  # fmt: skip
         with pytest.raises(urdf_ik.ArgumentError):
@@ -180,9 +181,7 @@ def test_a_picture_and_what_is_refused() -> None:
             ask()
 
 
-def test_a_map_that_would_not_fit_is_refused_before_any_work(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_map_that_would_not_fit_is_refused_before_any_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """On the disk and in memory, with the numbers; what is there already needs no room."""
     arm = urdf_ik.load("zyyzyz_6r")
     asked: dict[str, Any] = {"bounds": [[-0.5, -0.5, 0.0], [0.5, 0.5, 0.0]], "step": 0.5, "turns": 2}

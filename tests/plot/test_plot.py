@@ -269,6 +269,9 @@ def test_pictures_are_written_as_their_names_say(tmp_path: Path, arm: urdf_ik.Ar
         plot.save(figure, tmp_path / "picture.bmp")
     with pytest.raises(urdf_ik.PlotError, match="cannot write"):
         plot.save(figure, tmp_path / "nowhere" / "picture.png")
+    for dpi in (0.5, 9.0, 1e4):
+        with pytest.raises(urdf_ik.PlotError, match="of at least 10 and at most 1200 is needed"):
+            plot.save(figure, tmp_path / "picture.png", dpi=dpi)
 
 
 def is_svg(data: bytes) -> bool:

@@ -144,11 +144,11 @@ def test_a_scheduler_that_does_not_answer(monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_what_is_no_client_is_refused(tmp_path: Path) -> None:
     """An address in place of a client, no workers, workers without a store."""
-    with pytest.raises(urdf_ik.ClusterError, match=r"distributed\.Client"):
+    with pytest.raises(urdf_ik.ArgumentError, match=r"distributed\.Client"):
         made(tmp_path / "map.zarr", client="tcp://127.0.0.1:8786")
     with pytest.raises(urdf_ik.WorkspaceError, match="store"):
         urdf_ik.workspace.compute(urdf_ik.load("planar_2r"), client=object())
-    with pytest.raises(urdf_ik.ClusterError, match="from 1 to"):
+    with pytest.raises(urdf_ik.ArgumentError, match="from 1 to"):
         scale.connect(workers=0)
 
 

@@ -34,6 +34,20 @@ def test_lengths_and_angles_that_are_too_large_are_refused(value: str, where: st
         assert refused.value.element == '<origin> of <joint name="j">' and refused.value.line == 4
 
 
+@pytest.mark.parametrize(
+    "shape", ['box size="1e160 1 1"', 'sphere radius="1e155"', 'cylinder radius="1e155" length="1"',
+              'capsule radius="1" length="1e16"', 'mesh filename="a.stl" scale="1 1 1e200"']
+)  # fmt: skip
+def test_shapes_that_are_too_large_are_left_out_by_name(shape: str) -> None:
+    """They have no part in the arm's motion; who asks what it touches is told which shape is missing, and why."""
+    body = '<link name="{}"><collision><geometry><{}/></geometry></collision></link>'
+    xml = text().replace('<link name="a"/>', body.format("a", 'box size="1 1 1"'))
+    arm = urdf_ik.load(xml.replace('<link name="d"/>', body.format("d", shape)))
+    with pytest.raises(UrdfError, match=r"is beyond 1e\+15") as refused:
+        arm.clearance([0.0, 0.0])
+    assert refused.value.element == f'<{shape.split()[0]}> of <collision> of <link name="d">'
+
+
 @pytest.mark.parametrize("value", ["1e-30", "5e-324", "-1e-200"])
 def test_lengths_that_are_lost_beside_the_others_are_refused(value: str) -> None:
     """Neither zero nor anything that a double keeps beside the arm's size; a small arm is no matter."""

@@ -68,6 +68,9 @@ BROKEN = {
     ),
     "mimic without joint": (19, 'joint="turn"', "", 19, '<mimic> of <joint name="slide">', "missing", "to follow"),
     "mimic of itself": (19, "turn", "slide", 19, '<mimic> of <joint name="slide">', "mimics itself", "by itself"),
+    "mimic of a fixed joint": (
+        7, "revolute", "fixed", 19, '<mimic> of <joint name="slide">', "a fixed joint, which does not move", "revolute"
+    ),
     "NaN in mimic": (19, '"0.5"', '"nan"', 19, '<mimic> of <joint name="slide">', "'nan'", "finite"),
     "circle of mimics": (
         12, "/>", '/><mimic joint="slide"/>', 12, f"<mimic> of {JOINT}", "turn -> slide -> turn", "by itself"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import tracemalloc
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 
 import urdf_ik
 from urdf_ik import workspace
-from urdf_ik.workspace import grid
+from urdf_ik.workspace import arcs, grid
 from urdf_ik.workspace.sampling import directions, rotations
 
 Array = NDArray[np.float64]
@@ -130,6 +131,15 @@ def test_arcs_separate_inside_from_outside(seed: int) -> None:
             assert not reaches(points - step * inward).any()
         for loop in part.loops(3):
             assert np.linalg.norm(loop[0] - loop[-1]) < 1e-6 * region.lengths.sum()
+
+
+@pytest.mark.parametrize("n", [2.5, 1, -1, 10**8, 10**400, None])
+def test_outlines_have_a_number_of_points(n: Any) -> None:
+    """Of arcs and of whole outlines, even of a region that has none."""
+    boundary = workspace.planar(urdf_ik.load("planar_2r")).boundary
+    for ask in (boundary.arcs[0].points, boundary.loops, arcs.Region(()).loops):
+        with pytest.raises(urdf_ik.WorkspaceError, match="a whole number from 2 to 100000 is needed"):
+            ask(n)
 
 
 def test_the_bundled_two_link_arm_has_the_published_region() -> None:

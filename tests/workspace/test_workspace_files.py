@@ -67,3 +67,11 @@ def test_a_map_is_never_a_pickle(tmp_path: Path) -> None:
     file.write_bytes(buffer.getvalue())
     with pytest.raises(WorkspaceError, match="pickle"):
         workspace.read(file)
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="there is no such device")
+def test_a_device_is_not_read_as_a_map() -> None:
+    """Where there is no regular file, nothing is read: what a device gives has no end."""
+    for ask in (workspace.read, workspace.opened):
+        with pytest.raises(WorkspaceError, match=r"/dev/zero: it is no regular file"):
+            ask("/dev/zero")

@@ -11,7 +11,7 @@ import numpy as np
 from urdf_ik import families
 from urdf_ik.angles import shortest
 from urdf_ik.arm.freedom import Free
-from urdf_ik.arm.refusals import check_given, unsupported
+from urdf_ik.arm.refusals import check_free_axis, check_given, unsupported
 from urdf_ik.arm.shown import html
 from urdf_ik.chain.redundancy import spread
 from urdf_ik.errors import ArgumentError, JointVectorError, PoseError, TaskError, UnsupportedArm
@@ -75,14 +75,16 @@ class Arm(Free):
 
         Raises:
             ChainError: one of ``given`` is no joint of the chain.
-            ArgumentError: more joints are given than a pose leaves free.
-            TaskError: there is no such task, or the arm cannot control it.
+            ArgumentError: more joints are given than a pose leaves free, or ``free_axis`` is no axis.
+            TaskError: there is no such task, or the arm cannot control it, or its tip cannot turn about an axis.
             UnsupportedArm: no solver takes this arm for a task other than 'pose'.
         """
         inputs.kind(model, "joints", "model", "a URDF, as urdf_ik.load(...).model is,")
         inputs.kind(chain, "fk", "chain", "a chain, as urdf_ik.load(...).chain is,")
         super().__init__(model, chain, free_axis)
-        check_given(self.name, chain, given)
+        given = check_given(self.name, chain, given)
+        if not isinstance(task, str):
+            raise TaskError(f"task={quoted(task)} given; one of {', '.join(map(repr, TASKS))} is needed")
         self.structure: Structure = analyse(chain)
         self._by_task: dict[str, Arm] = {task: self}
         self._core: Solver | None = None
@@ -92,6 +94,8 @@ class Arm(Free):
         plan = self._targets.plan(self.structure) if self._targets else families.choose(self.structure, chain, given)
         if plan is None and given:
             raise UnsupportedArm(f"{self.name}: no solver for the other joints with {', '.join(given)} given")
+        if free_axis is not None:
+            check_free_axis(self.name, chain, free_axis, plan, self.task if task == "pose" else task)
         if plan is not None and free_axis is not None:
             plan = axis_free.prepare(chain, plan, free_axis)
         self._plan: Plan | None = plan
@@ -150,7 +154,7 @@ class Arm(Free):
             if self._free_axis is not None:
                 raise TaskError(
                     f"{self.name}: with {self._free_axis} free, targets are poses, of which the rotation about it does "
-                    f"not matter; {task!r} is a task of the arm without a free axis"
+                    f"not matter; {quoted(task)} is a task of the arm without a free axis"
                 )
             self._by_task[task] = arm = Arm(self.model, self.chain, task)
             arm._by_task = self._by_task
@@ -415,6 +419,11 @@ class Arm(Free):
         if len(plan.parameters) == 1:
             return sweep.explanation(self, plan, target, redundancy)
         _, values = spread(plan.parameters, target, plan.defaults if redundancy is None else redundancy)
+        if values.ndim != 1:
+            raise JointVectorError(
+                f"redundancy of shape {values.shape} given; explain takes one value of each of the "
+                f"{len(plan.parameters)} parameters"
+            )
         return plan.explain_at(target, values)
 
     def _reference(self, q_ref: ArrayLike) -> Array:

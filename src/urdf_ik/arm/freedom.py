@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from urdf_ik._core import Solver
 from urdf_ik.arm.joining import joined
 from urdf_ik.arm.moving import Moving
 from urdf_ik.arm.refusals import unsupported
 from urdf_ik.chain import from_urdf
 from urdf_ik.chain.free_axis import FreeAxis
-from urdf_ik.errors import ArgumentError, JointVectorError, TaskError, UnsupportedArm
+from urdf_ik.errors import ArgumentError, JointVectorError, UnsupportedArm
 from urdf_ik.families import Plan, RedundantPlan
 from urdf_ik.guards import inputs
 from urdf_ik.poses import as_pose_array, check_poses
@@ -85,7 +84,7 @@ class Free(Moving):
 
         Raises:
             ArgumentError: no axis, the arm has a free axis already, or a joint in its middle is given.
-            TaskError: the arm controls less than a pose, which leaves more free.
+            TaskError: the arm has less than six joints, or controls less than a pose, which leaves more free.
             UnsupportedArm: no solver takes this arm.
 
         Example:
@@ -99,20 +98,9 @@ class Free(Moving):
         free: Any = FreeAxis.read(axis, at)
         if self._free_axis is not None:
             raise ArgumentError(f"{self.name} may already turn about {self._free_axis}; only one axis can be free")
-        if self._task != "pose" or self.task != "pose":
-            raise TaskError(
-                f"{self.name}: its {self.dof} joints control the task {self.task!r}, which leaves rotations free as it "
-                f"is: arm.ik(target, task={self.task!r}); only an arm that controls whole poses takes a free axis"
-            )
+        made = self._again(free_axis=free)
         if self._plan is None:
             raise unsupported(self.name, self.chain, self.structure)
-        if not isinstance(self._plan.solver, Solver):
-            joint = self.redundancies[0].joint
-            raise ArgumentError(
-                f"{self.name}: {joint} is given, a joint in the middle, and such an arm takes no free axis; name an "
-                "end joint, or none: arm.with_redundancy(...)"
-            )
-        made = self._again(free_axis=free)
         made.__dict__["fixed"] = self
         return made
 
@@ -140,9 +128,6 @@ class Free(Moving):
             >>> arm.redundancy.joint, arm.redundancy.kind
             ('joint_1', 'locked joint')
         """
-        for each in joints:
-            if not isinstance(each, str):
-                raise ArgumentError(f"joint {quoted(each)} given; the names of joints are needed")
         return self._again(given=joints)
 
     def with_locked(self, values: Mapping[str, float]) -> Self:
@@ -181,7 +166,7 @@ class Free(Moving):
 
         Raises:
             PoseError: an invalid pose.
-            ArgumentError: a name is taken.
+            ArgumentError: a name is taken, or ``name`` cannot stand in a URDF.
             UnsupportedArm: no solver takes the joints.
 
         Example:
@@ -195,6 +180,8 @@ class Free(Moving):
         at = check_poses(pose)
         if at.ndim != 2:
             raise ArgumentError(f"a pose of shape {at.shape} given; one pose (4, 4) is needed")
+        if not isinstance(name, str) or not name:
+            raise ArgumentError(f"name={quoted(name)} given; the positioner needs one, a text that is not empty")
         model = joined(self.model, positioner.model, self.base, at, f"{name}_")
         held = {**self.locked, **{f"{name}_{joint}": value for joint, value in positioner.locked.items()}}
         chain = from_urdf(model, f"{name}_{positioner.tip}", self.tip).lock(held)
@@ -340,6 +327,8 @@ class Free(Moving):
     def _require_reached(self, reached: Array, target: Array) -> None:
         assert self._free_axis is not None  # else the pose is none of the joint vector's business
         far, turned = self._free_axis.apart(reached, target)
+        if not far.size:
+            return
         worst = np.unravel_index(np.argmax(np.maximum(far, turned)), far.shape)
         if max(far[worst], turned[worst]) > REACHED:
             raise JointVectorError(

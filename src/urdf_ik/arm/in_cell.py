@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -91,7 +92,8 @@ class InCell(Kinematics):
             the others. Of a single motion, the result itself is true or false.
 
         Raises:
-            JointVectorError: the arrays do not fit the arm or each other, or a value is not finite.
+            JointVectorError: the arrays do not fit the arm or each other, a value is not finite, or a joint goes
+                farther than 10000 rad or m (``urdf_ik.collision.swept.LONGEST``).
             ArgumentError: ``margin`` is negative or not finite.
             UrdfError: the URDF has no collision shapes, or not all of them were found.
             WorldError: an obstacle's mesh cannot be read, or it has the name of a link.
@@ -111,8 +113,8 @@ class InCell(Kinematics):
             raise JointVectorError(
                 f"motions from {start.shape} to {end.shape} given; the shapes do not broadcast"
             ) from None
-        batch = start.shape[:-1]
+        batch, count = start.shape[:-1], math.prod(start.shape[:-1])
         flat = self.collision_model.in_world(world).motions_free(
-            start.reshape(-1, self.dof), end.reshape(-1, self.dof), margin
+            start.reshape(count, self.dof), end.reshape(count, self.dof), margin
         )
         return replace(flat, free=flat.free.reshape(batch), share=flat.share.reshape(batch))

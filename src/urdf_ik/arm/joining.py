@@ -10,6 +10,7 @@ from lxml import etree
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.poses import to_rpy
+from urdf_ik.text import quoted
 from urdf_ik.urdf import read
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ def joined(model: UrdfModel, other: UrdfModel, link: str, pose: NDArray[np.float
     """A model with the tree of another: its root fixed to ``link`` at ``pose`` (4, 4) m, its names behind ``prefix``.
 
     Raises:
-        ArgumentError: a name of the other one with the prefix is taken.
+        ArgumentError: a name of the other one with the prefix is taken, or no name in XML.
 
     Example:
         >>> import numpy as np
@@ -35,6 +36,10 @@ def joined(model: UrdfModel, other: UrdfModel, link: str, pose: NDArray[np.float
     """
     robot, added = etree.fromstring(model.xml), etree.fromstring(other.xml)
     taken = {(each.tag, each.get("name")) for each in robot if each.tag in _NAMING}
+    try:
+        etree.Element("joint", name=prefix)
+    except ValueError as error:
+        raise ArgumentError(f"name={quoted(prefix[:-1])} cannot be written into a URDF: {error}") from None
     for element in added.iter():
         if element.tag in _NAMING and element.get("name") is not None:
             element.set("name", prefix + element.get("name"))
@@ -43,7 +48,7 @@ def joined(model: UrdfModel, other: UrdfModel, link: str, pose: NDArray[np.float
                 element.set(attribute, prefix + element.get(attribute))
     for element in added:
         if (element.tag, element.get("name")) in taken:
-            raise ArgumentError(f"{element.tag} {element.get('name')!r} is there twice; give another name=...")
+            raise ArgumentError(f"{element.tag} {quoted(element.get('name'))} is there twice; give another name=...")
         robot.append(element)
     joint = etree.SubElement(robot, "joint", name=f"{prefix}mount", type="fixed")
     etree.SubElement(joint, "origin", xyz=_numbers(pose[:3, 3]), rpy=_numbers(to_rpy(pose)))

@@ -75,10 +75,8 @@ def load(
         base, tip = model.resolve_chain(base, tip, chain)
     elif chain is not None:
         raise ArgumentError(f"chain={quoted(chain)} and tip={quoted(tip)} say the same; give one of them")
-    given = (redundancy,) if isinstance(redundancy, str) else redundancy
-    if not isinstance(given, list | tuple) or not all(isinstance(each, str) for each in given):
-        raise ArgumentError(f"redundancy={quoted(redundancy)} given; names of joints are needed")
-    return Arm(model, from_urdf(model, base, tip).lock({} if locked is None else locked), given=tuple(given))
+    given: Any = (redundancy,) if isinstance(redundancy, str) else redundancy
+    return Arm(model, from_urdf(model, base, tip).lock({} if locked is None else locked), given=given)
 
 
 def read(
@@ -122,10 +120,12 @@ def _of_group(
     groups = dict(chain_groups(srdf, model.links))
     if name is None and len(groups) == 1:
         name = next(iter(groups))
+    if name is not None and not isinstance(name, str):
+        raise ChainError(f"chain={quoted(name)} given; the name of a group of the SRDF is needed", groups)
     if name is None or name not in groups:
-        what = "the SRDF has several chains, or none; name one" if name is None else f"the SRDF has no chain {name!r}"
-        raise ChainError(f"{model.source}: {what}", groups)
-    return base or groups[name][0], groups[name][1]
+        what = "several chains, or none; name one" if name is None else f"no chain {quoted(name)}"
+        raise ChainError(f"{model.source}: the SRDF has {what}", groups)
+    return groups[name][0] if base is None else base, groups[name][1]
 
 
 def _is_name(source: str) -> bool:

@@ -119,8 +119,8 @@ def fetch(model: str, instead: str) -> Model:
     except Exception as error:  # git's own errors, and those of an installation without git
         said = " ".join(str(getattr(error, "stderr", "") or error).split())
         raise CatalogueError(
-            f"{model!r} is a model of robot_descriptions, which downloads it when it is first asked for, and cannot: "
-            f"{said[:300]}; without a network: {instead}"
+            f"{quoted(model)} is a model of robot_descriptions, which downloads it when it is first asked for, and "
+            f"cannot: {said[:300]}; without a network: {instead}"
         ) from None
     for attribute in ("URDF_PATH", "XACRO_PATH", "MJCF_PATH"):
         if path := getattr(module, attribute, None):

@@ -53,12 +53,13 @@ class FreeAxis(Frozen):
             >>> FreeAxis.read([0.0, 0.0, 2.0], at=[0.1, 0.0, 0.0])
             FreeAxis(direction=(0.0, 0.0, 1.0), at=(0.1, 0.0, 0.0))
         """
+        wanted = "'x', 'y', 'z' or a direction of three numbers"
         if isinstance(axis, str):
             if axis not in _NAMED:
-                raise ArgumentError(f"axis={axis!r} given; 'x', 'y', 'z' or a direction of three numbers is needed")
+                raise ArgumentError(f"axis={quoted(axis)} given; {wanted} is needed")
             direction = np.array(_NAMED[axis])
         else:
-            direction = _three("axis", axis, "'x', 'y', 'z' or a direction of three numbers")
+            direction = _three("axis", axis, wanted)
         length = float(np.linalg.norm(direction))
         if length == 0.0:
             raise ArgumentError(f"axis={quoted(axis)} given; a direction needs a length, such as (0, 0, 1)")

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
     Pair = tuple[str, str]
 
-SAMPLES = 200
-"""Random joint vectors by which pairs that always collide are found."""
+SAMPLES, MOST_SAMPLES = 200, 10**6
+"""Random joint vectors by which pairs that always collide are found, and the most of them."""
 
 ALWAYS = 0.95
 """Share of the sampled joint vectors from which on a pair counts as always colliding."""
@@ -83,9 +83,12 @@ class CollisionModel(Questions):
         Raises:
             UrdfError: the SRDF is broken, or names a link that the URDF does not have.
             ChainError: base or tip is unknown, or the tip is ambiguous.
+            ArgumentError: ``samples`` or ``seed`` is no whole number, or out of range.
             UnsupportedArm: the chain has a joint that one number does not describe.
         """
         held = inputs.mapping({} if locked is None else locked, "locked", "a value for each joint by name")
+        samples = inputs.whole(samples, "samples", high=MOST_SAMPLES)
+        seed = inputs.whole(seed, "seed", high=2**64)
         self._made_from = (model, base, tip, dict(held), samples, seed)
         self._reference = Reference(model, base, tip, locked=locked)
         self.joint_names = self._reference.joint_names
@@ -237,11 +240,12 @@ class CollisionModel(Questions):
             >>> model.checking(model.checked_pairs[:3]).checked_pairs == model.checked_pairs[:3]
             True
         """
-        try:
-            given = {(first, second) for first, second in pairs}
-        except (TypeError, ValueError):
-            raise WorldError(f"pairs={quoted(pairs)} given; pairs of links' names are needed") from None
-        own, wanted, model = set(self.checked_pairs), given, self
+        needed = "pairs of links' names"
+        every = inputs.items(pairs, "pairs", needed, WorldError)
+        given = [inputs.items(each, "a pair", needed, WorldError) for each in every]
+        if any(len(each) != 2 or not all(isinstance(name, str) for name in each) for each in given):
+            raise WorldError(f"pairs={quoted(pairs)} given; {needed} are needed")
+        own, wanted, model = set(self.checked_pairs), {(first, second) for first, second in given}, self
         for pair in sorted(own - wanted):
             model = model.allow(*pair)
         for pair in sorted(wanted - own):
@@ -284,7 +288,8 @@ class CollisionModel(Questions):
         rank = self._rank(obstacles)
         pair = table.named(first, second, rank, [*dict.fromkeys(self._arm.links), *obstacles])
         if pair[0] in obstacles:
-            raise WorldError(f"{first!r} and {second!r} are both obstacles, which stand still; a pair has a link")
+            both = f"{quoted(first)} and {quoted(second)}"
+            raise WorldError(f"{both} are both obstacles, which stand still; a pair has a link")
         out = self._copy()
         out._changes = {**self._changes, pair: must_not}
         return out

@@ -196,7 +196,8 @@ class Questions:
 
         Raises:
             UrdfError: there are no collision shapes, or not all of them were found.
-            JointVectorError: the arrays do not fit the arm or each other, or are not finite.
+            JointVectorError: the arrays do not fit the arm or each other, are not finite or beyond 1e15, or a joint
+                goes farther than ``swept.LONGEST``.
             ArgumentError: ``margin`` is negative or not finite.
 
         Example:
@@ -213,8 +214,9 @@ class Questions:
                 f"motions from {start.shape} to {end.shape} given; both must be (k, {len(self.joint_names)})"
             )
         for name, array in (("q0", start), ("q1", end)):
-            if len(bad := np.argwhere(~np.isfinite(array))):
-                raise JointVectorError(f"{name}{bad[0].tolist()} is {array[tuple(bad[0])]}; a motion's ends are finite")
+            if (bad := inputs.first_bad(array)) is not None:
+                raise JointVectorError(f"{name}{list(bad)} is {array[bad]:g}; {inputs.why_bad(array[bad])}")
+        swept.check_length(start, end, self.joint_names)
         return swept.motions(self._now().scene, start, end, margin)
 
     def in_collision_with(self, link_poses: Mapping[str, ArrayLike]) -> bool | NDArray[np.bool_]:
@@ -272,7 +274,8 @@ class Questions:
         self._require_geometry()
         Q = self._reference.vectors(q)
         places = np.asarray((np.abs(Q) <= LARGEST).all(axis=-1))
-        return np.ascontiguousarray(Q[places]).reshape(-1, Q.shape[-1]), places, self._now().scene
+        rows = np.ascontiguousarray(Q[places]).reshape(int(places.sum()), Q.shape[-1])  # there may be no joints
+        return rows, places, self._now().scene
 
     def _one(self, q: ArrayLike) -> tuple[Array, Scene, tuple[Pair, ...]]:
         """A joint vector as (1, n), the scene and its pairs."""

@@ -5,6 +5,7 @@ Each is centred at the origin of its own frame, cylinders and capsules along z, 
 
 from __future__ import annotations
 
+import math
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +17,7 @@ from urdf_ik.errors import UrdfError, WorldError
 from urdf_ik.guards import inputs
 from urdf_ik.guards.frozen import Frozen
 from urdf_ik.text import printable, quoted
+from urdf_ik.tolerances import LARGEST
 from urdf_ik.urdf import meshes
 
 if TYPE_CHECKING:
@@ -358,7 +360,8 @@ def _numbers(shape: str, name: str, value: ArrayLike, count: int | None = None) 
     needed = {None: "finite numbers", 1: "one finite number"}.get(count, f"{count} finite numbers")
     array = inputs.real(value, f"{shape}: {name}", needed, WorldError).reshape(-1)
     if not len(array) or inputs.first_bad(array) is not None or len(array) != (count or len(array)):
-        raise WorldError(f"{shape}: {name} is {quoted(value)}; {needed} {'is' if count == 1 else 'are'} needed")
+        most = f" of at most {LARGEST:g}" if inputs.first_bad(array, math.inf) is None else ""
+        raise WorldError(f"{shape}: {name} is {quoted(value)}; {needed}{most} {'is' if count == 1 else 'are'} needed")
     return tuple(float(x) for x in array)
 
 

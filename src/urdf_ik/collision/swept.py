@@ -14,10 +14,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from urdf_ik.collision.scene import QUERY_ERROR
-from urdf_ik.errors import ArgumentError
+from urdf_ik.errors import ArgumentError, JointVectorError
 from urdf_ik.guards import inputs
+from urdf_ik.text import printable
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from urdf_ik.collision.scene import Scene
@@ -28,6 +31,9 @@ if TYPE_CHECKING:
 TOUCH = 1e-4
 """Clearance beyond the margin [m] below which two shapes count as in contact: no finite number of distances proves a
 motion free along which they slide on each other. A motion along which everything stays farther apart is found free."""
+
+LONGEST = 1e4
+"""How far a joint may go in one motion [rad or m], some 1600 turns: the pieces to be proven grow with the way."""
 
 STRIDE = 0.02
 """Pieces on which a pair may come closer by more than this [m] are cut without asking coal: bounds are cheap, and a
@@ -100,6 +106,20 @@ def check_margin(margin: float) -> float:
         ArgumentError: it is negative or not finite.
     """
     return inputs.number(margin, "margin", ArgumentError, low=0.0, unit="m")
+
+
+def check_length(q0: Array, q1: Array, names: Sequence[str]) -> None:
+    """Refuse motions from q0 (k, n) to q1 (k, n) on which a joint goes farther than ``LONGEST``.
+
+    Raises:
+        JointVectorError: one does.
+    """
+    if (bad := inputs.first_bad(q1 - q0, LONGEST)) is not None:
+        motion, joint = bad
+        raise JointVectorError(
+            f"motion {motion}: joint {printable(names[joint])} goes from {q0[bad]:g} to {q1[bad]:g}; a motion of at "
+            f"most {LONGEST:g} rad or m is needed, a longer one in several"
+        )
 
 
 def motions(scene: Scene, q0: Array, q1: Array, margin: float) -> Motions:

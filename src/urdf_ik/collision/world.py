@@ -175,7 +175,8 @@ class World:
             shape.file()
         with self._lock:
             if name in self._obstacles:
-                raise WorldError(f"there is an obstacle {name!r} already; World.move moves it, World.remove removes it")
+                there = f"there is an obstacle {quoted(name)} already"
+                raise WorldError(f"{there}; World.move moves it, World.remove removes it")
             self._obstacles[name] = Obstacle(name, shape, placed)
             self._version += 1
 

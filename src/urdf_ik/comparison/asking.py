@@ -10,6 +10,7 @@ import numpy as np
 
 from urdf_ik.angles import shortest
 from urdf_ik.comparison.report import BranchChange, Reach, ToolError
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -127,7 +128,8 @@ def paired(a: Arm, b: Arm) -> tuple[list[int] | None, str]:
     for i, k in enumerate(order):
         if a.chain.prismatic[i] != b.chain.prismatic[k]:
             kinds = ["slides" if arm.chain.prismatic[j] else "turns" for arm, j in ((a, i), (b, k))]
-            return None, f"joint {a.joint_names[i]!r} of A {kinds[0]}, joint {b.joint_names[k]!r} of B {kinds[1]}"
+            ours, theirs = quoted(a.joint_names[i]), quoted(b.joint_names[k])
+            return None, f"joint {ours} of A {kinds[0]}, joint {theirs} of B {kinds[1]}"
     return order, ""
 
 

@@ -118,6 +118,8 @@ def limits(arm: Arm, reference: Reference) -> Tally:
     for name, ours, theirs in zip(reference.joint_names, np.asarray(arm.limits), reference.limits, strict=True):
         same = ours == theirs  # inf - inf would be no number
         tally.add(float(np.abs(np.where(same, 0.0, ours) - np.where(same, 0.0, theirs)).max()), None, None, name)
+    if not reference.joint_names:  # both say that nothing moves
+        tally.add(0.0, None, None)
     return tally
 
 
@@ -233,7 +235,7 @@ class Inverse:
             self._single.add(apart, index, q, detail, tolerance)
 
     def _solve(self, T: Array, at: Array | None) -> IKSolutions:
-        """Solutions of T (..., 4, 4), at values (...) of the redundancy parameter where the arm has one."""
+        """Solutions of T (..., 4, 4), at values (...) or (..., p) of what redundancy parameters the arm has."""
         return self._arm.ik(T) if at is None else self._arm.ik(T, redundancy=at)
 
     def _apart(self, a: Array, b: Array) -> Array:
@@ -245,24 +247,24 @@ class Inverse:
     def _sigma_min(self, Q: Array) -> Array:
         """Smallest singular value (...) of the Jacobian at Q (..., n), its linear rows over the arm's size.
 
-        Of an arm with a redundancy parameter, the parameter's gradient is a row, too.
+        Of an arm with redundancy parameters, the gradient of each is a row, too.
         """
         J = self._reference.jacobian(Q)
         J[..., :3, :] /= max(self._reference.size, 1e-300)
         out = np.full(Q.shape[:-1], np.nan)
         known = np.isfinite(Q).all(axis=-1)
         if self._arm.redundancy is not None:
-            gradient = np.full((*Q.shape[:-1], 1, Q.shape[-1]), np.nan)
-            gradient[known, 0] = self._gradient(Q[known])
+            gradient = np.full((*Q.shape[:-1], len(self._arm.redundancies), Q.shape[-1]), np.nan)
+            gradient[known] = self._gradient(Q[known])
             J = np.concatenate([J, gradient], axis=-2)
         out[known] = np.linalg.svd(J[known], compute_uv=False)[..., -1]
         return out
 
     def _gradient(self, Q: Array) -> Array:
-        """Central differences (k, n) of the redundancy parameter at Q (k, n)."""
+        """Central differences (k, p, n) of the redundancy parameters at Q (k, n)."""
         step = 1e-6 * np.eye(Q.shape[-1])
         ahead, behind = (self._arm.redundancy_of(Q[:, None] + side * step) for side in (1.0, -1.0))
-        return shortest(ahead - behind) / 2e-6
+        return (shortest(ahead - behind) / 2e-6).reshape(len(Q), Q.shape[-1], -1).swapaxes(1, 2)
 
 
 class Collision:

@@ -48,7 +48,7 @@ class StoredSamples:
         self.path = inputs.path(path, "path", StoreError)
         self.about = read_question(self.path)
         if self.about.get("format") != FORMAT or self.about.get("version") != VERSION:
-            found = f"{self.about.get('format')!r}, version {self.about.get('version')}"
+            found = f"{quoted(self.about.get('format'))}, version {self.about.get('version')}"
             raise StoreError(f"{self.path} holds no samples that this package reads: it is of the format {found}")
         self.n = inputs.whole(self.about.get("n"), "n", StoreError, low=1, high=2**53)
         self.chunk = inputs.whole(self.about.get("chunk"), "chunk", StoreError, low=1, high=2**53)

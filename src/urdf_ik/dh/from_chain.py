@@ -25,6 +25,10 @@ if TYPE_CHECKING:
 _ROUNDING, _ROUNDING_OF_STEP = 2e-15, 1e-14
 
 
+MOST_SNAP = 0.5
+"""Greatest ``snap`` [rad, share of the arm's size]: axes farther apart are neither parallel nor meet."""
+
+
 def _as_written(snap: float | None) -> tuple[float, float]:
     """Angle [rad] and distance [share of size] below which axes are parallel or meet.
 
@@ -36,7 +40,7 @@ def _as_written(snap: float | None) -> tuple[float, float]:
 
 def frames_of(chain: Chain, snap: float | None) -> DHFrames:
     """Craig's frames on the axes of the chain."""
-    snap = None if snap is None else inputs.number(snap, "snap", DHError, low=0.0)
+    snap = None if snap is None else inputs.number(snap, "snap", DHError, low=0.0, high=MOST_SNAP)
     near_angle, near_distance = _as_written(snap)
     # Measured from the first axis: how far from its base the arm is mounted has no part in its table.
     mount = chain.P[0]

@@ -16,6 +16,7 @@ from urdf_ik.errors import DHError
 from urdf_ik.guards import inputs
 from urdf_ik.guards.files import name_of
 from urdf_ik.guards.frozen import Frozen
+from urdf_ik.text import quoted
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
@@ -175,12 +176,12 @@ class DHTable(Frozen):
             chain: any chain of at least one movable joint.
             convention: 'standard' or 'modified'.
             snap: angle [rad] and distance [share of the chain's size] below which neighbouring axes are taken for
-                parallel or meeting, as in a URDF with rounded decimals. Left out: the chain as written.
+                parallel or meeting, as in a URDF with rounded decimals; at most 0.5. Left out: the chain as written.
             name: of the robot.
 
         Raises:
-            DHError: the chain has no joints, or, without ``snap``, two axes are so nearly parallel that no table
-                in double precision holds them to 1e-9.
+            DHError: the chain has no joints, ``snap`` is out of range, or, without it, two axes are so nearly parallel
+                that no table in double precision holds them to 1e-9.
 
         Example:
             >>> import urdf_ik
@@ -190,10 +191,11 @@ class DHTable(Frozen):
         """
         check_convention(convention)
         inputs.kind(chain, "joint_types", "chain", "the chain of an arm, arm.chain,", DHError)
+        between = f"between {quoted(chain.base)} and {quoted(chain.tip)}"
         if chain.n == 0:
-            raise DHError(f"no movable joint between {chain.base!r} and {chain.tip!r}, so there is no table")
+            raise DHError(f"no movable joint {between}, so there is no table")
         if chain.axes is not chain:
-            raise DHError(f"joints between {chain.base!r} and {chain.tip!r} mimic others, which a table cannot say")
+            raise DHError(f"joints {between} mimic others, which a table cannot say")
         table = cls(
             convention=convention,
             joint_types=chain.joint_types,

@@ -16,6 +16,7 @@ from urdf_ik.chain.mimic import MOST_TURNS, CoupledChain
 from urdf_ik.families import hollow_wrist
 from urdf_ik.families.parts.family import Family, Plan, columns
 from urdf_ik.families.parts.values import driven_values
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -80,8 +81,8 @@ def why_not(chain: CoupledChain) -> str:
         if not chain.image_turns[j] and not upper - lower <= _TOO_WIDE * _unit(chain, j):
             factors = ", ".join(f"{factor:g}" for factor in chain.gain[:, j] if factor)
             return (
-                f"joint {name!r}, with the multipliers {factors}, does not repeat within {MOST_TURNS} turns and has "
-                f"the limits {lower:g} to {upper:g}, between which no search ends: give it limits"
+                f"joint {quoted(name)}, with the multipliers {factors}, does not repeat within {MOST_TURNS} turns and "
+                f"has the limits {lower:g} to {upper:g}, between which no search ends: give it limits"
             )
     if is_redundant(chain):
         return "the joints are redundant: the Jacobian loses rank everywhere"

@@ -17,6 +17,7 @@ from urdf_ik.families.parts.aim import Aim
 from urdf_ik.families.parts.family import Family, Plan, RedundantPlan
 from urdf_ik.families.parts.nearest import off_by
 from urdf_ik.families.parts.values import written_values
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -60,7 +61,8 @@ def prepare_held(chain: Chain, k: int) -> RedundantPlan:
 
     def explain_at(T: Array, at: Array) -> str:
         rest = chain.lock({parameter.joint: float(at[0])})
-        return f"with {parameter.joint!r} at {at[0]:.6g} {parameter.unit}: {off_by(rest, Aim(), T[:3, :3], T[:3, 3])}"
+        why = off_by(rest, Aim(), T[:3, :3], T[:3, 3])
+        return f"with {quoted(parameter.joint)} at {at[0]:.6g} {parameter.unit}: {why}"
 
     return RedundantPlan(
         family=FAMILY,

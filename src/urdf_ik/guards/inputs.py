@@ -342,7 +342,10 @@ def arm(value: Any, what: str = "arm", error: Callable[[str], UrdfIkError] = Arg
         Traceback (most recent call last):
         urdf_ik.errors.ArgumentError: arm=None given; an arm, as urdf_ik.load gives it, is needed
     """
-    kind(value, "chain", what, "an arm, as urdf_ik.load gives it,", error)
+    needed = "an arm, as urdf_ik.load gives it,"
+    kind(value, "chain", what, needed, error)
+    if callable(inspect.getattr_static(value, "chain", None)):  # a DH table, which makes one
+        raise error(f"{what}={quoted(value)} given; {needed} is needed")
 
 
 def choice(value: Any, what: str, choices: Sequence[str], error: Callable[[str], UrdfIkError] = ArgumentError) -> str:

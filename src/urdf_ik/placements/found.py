@@ -215,7 +215,7 @@ def opened(path: str | os.PathLike[str]) -> PlacementMap:
     folder = inputs.path(path, "path", StoreError)
     about = read_question(folder)
     if about.get("format") != FORMAT or about.get("version") != VERSION:
-        raise StoreError(f"{folder} holds no placements that this package reads, but {about.get('format')!r}")
+        raise StoreError(f"{folder} holds no placements that this package reads, but {quoted(about.get('format'))}")
     try:
         grid = Grid.from_described(about["grid"])
         blocks = Blocks.from_described(grid.shape, about["block"])

@@ -17,7 +17,7 @@ from urdf_ik.poses import as_pose_array
 from urdf_ik.scale import Folder, room, run, zarrs
 from urdf_ik.scale.folder import checked_path, finished
 from urdf_ik.text import quoted
-from urdf_ik.tolerances import DEFAULT
+from urdf_ik.tolerances import DEFAULT, LARGEST
 from urdf_ik.workspace import Grid
 
 if TYPE_CHECKING:
@@ -158,7 +158,7 @@ def _positions(bounds: ArrayLike, step: float) -> Grid:
     if box.shape != (2, 3) or inputs.first_bad(box) is not None or (box[0] > box[1]).any():
         needed = "[[x, y, z], [x, y, z]] m are needed, lower ones first"
         raise ArgumentError(f"bounds {quoted(box.tolist())} given; {needed}")
-    step = inputs.number(step, "step", above=0.0, unit="m")
+    step = inputs.number(step, "step", low=1.0 / LARGEST, unit="m")
     counts = np.floor((box[1] - box[0]) / step + _ROUNDING) + 1.0
     if not counts.prod() <= MOST_POSITIONS:
         raise ArgumentError(

@@ -264,7 +264,7 @@ def save(figure: Figure, path: str | os.PathLike[str], dpi: float = _DPI) -> Non
     """Write a PNG, SVG or PDF file, by the path's ending.
 
     Raises:
-        PlotError: the ending is another one, or the file cannot be written.
+        PlotError: the ending is another one, ``dpi`` is not from 10 to 1200, or the file cannot be written.
 
     Example:
         >>> from pathlib import Path
@@ -275,7 +275,7 @@ def save(figure: Figure, path: str | os.PathLike[str], dpi: float = _DPI) -> Non
     """
     target = inputs.path(path, "path", PlotError)
     inputs.kind(figure, "savefig", "figure", "a picture of this module", PlotError)
-    dpi = inputs.number(dpi, "dpi", PlotError, above=0.0, high=10_000.0)
+    dpi = inputs.number(dpi, "dpi", PlotError, low=10.0, high=1200.0)  # less holds no letter, more no memory
     if target.suffix.lower() not in SUFFIXES:
         raise PlotError(f"{files.name_of(target)}: pictures are written as {', '.join(SUFFIXES)}; name the file so")
     files.write(target, lambda file: figure.savefig(file, format=target.suffix.lower()[1:], dpi=dpi), PlotError)

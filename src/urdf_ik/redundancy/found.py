@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdf_ik.text import quoted
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -41,9 +43,9 @@ class End:
 
     def __str__(self) -> str:
         if self.cause == "limit":
-            return f"{'upper' if self.upper else 'lower'} limit of joint {self.joint!r}"
+            return f"{'upper' if self.upper else 'lower'} limit of joint {quoted(self.joint)}"
         if self.cause == "contact" and self.pair is not None:
-            return f"contact of {self.pair[0]!r} and {self.pair[1]!r}"
+            return f"contact of {quoted(self.pair[0])} and {quoted(self.pair[1])}"
         return {
             "none": "no end",
             "fold": "fold",

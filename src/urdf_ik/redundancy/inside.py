@@ -19,6 +19,7 @@ from urdf_ik.poses import as_pose_array
 from urdf_ik.redundancy.finding import span
 from urdf_ik.redundancy.region import Region
 from urdf_ik.solutions import limits, select
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -61,7 +62,7 @@ def nearest(
     """
     if inputs.choice(metric, "metric", select.METRICS) != "l2":
         what = "a region" if region is not None else "several redundancy parameters"
-        raise ArgumentError(f"metric={metric!r} given; with {what} the distance is metric='l2'")
+        raise ArgumentError(f"metric={quoted(metric)} given; with {what} the distance is metric='l2'")
     measure = select.measure(arm, metric, weights, within)
     within_limits, threads = inputs.flag(within_limits, "within_limits"), inputs.threads(threads)
     target = as_pose_array(T)

@@ -21,7 +21,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from urdf_ik import _core
-from urdf_ik.errors import ClusterError, MissingPackage
+from urdf_ik.errors import ArgumentError, ClusterError, MissingPackage
 from urdf_ik.guards import inputs
 from urdf_ik.text import printable, quoted
 
@@ -66,17 +66,18 @@ def connect(scheduler: str | None = None, workers: int | None = None) -> Any:
 
     Raises:
         MissingPackage: Dask is not installed.
-        ClusterError: no scheduler answers there, or a number of workers that makes no sense.
+        ArgumentError: no address, or a number of workers that makes no sense.
+        ClusterError: no scheduler answers there.
 
     Example:
         >>> connect(workers=0)
         Traceback (most recent call last):
-        urdf_ik.errors.ClusterError: workers=0 given; a whole number from 1 to ... is needed
+        urdf_ik.errors.ArgumentError: workers=0 given; a whole number from 1 to ... is needed
     """
     if workers is not None:
-        workers = inputs.whole(workers, "workers", ClusterError, low=1, high=MOST_A_CORE * (os.cpu_count() or 1))
+        workers = inputs.whole(workers, "workers", low=1, high=MOST_A_CORE * (os.cpu_count() or 1))
     if not isinstance(scheduler, str | None):
-        raise ClusterError(f"scheduler={quoted(scheduler)} given; an address such as tcp://10.0.0.5:8786 is needed")
+        raise ArgumentError(f"scheduler={quoted(scheduler)} given; an address such as tcp://10.0.0.5:8786 is needed")
     distributed = _package()
     if scheduler is None:
         with import_module("dask.config").set(OF_OUR_OWN):
@@ -126,12 +127,13 @@ def on_workers(
     """Make chunks on the workers of a ``distributed.Client``, and hand each to ``keep`` when it is made.
 
     Raises:
-        ClusterError: the client is closed or of another kind, a worker has another version of this package, chunks end
+        ArgumentError: the client is of another kind.
+        ClusterError: the client is closed, a worker has another version of this package, chunks end
             workers, or the scheduler is gone.
     """
     distributed = _package()
     if not isinstance(client, distributed.Client) or client.asynchronous:
-        raise ClusterError(f"client={client!r} given; a distributed.Client that is not asynchronous is needed")
+        raise ArgumentError(f"client={quoted(client)} given; a distributed.Client that is not asynchronous is needed")
     if client.status != "running":
         raise ClusterError(f"the client of {_address(client)} is {client.status}; connect a new one")
     run = _Run(job, list(pending), keep, client)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from urdf_ik.errors import ClusterError
 from urdf_ik.guards import inputs
 
 if TYPE_CHECKING:
@@ -33,6 +32,7 @@ def run(job: Job, store: Folder, *, client: Any = None, progress: Tick | None = 
 
     Raises:
         StoreError: the disk is full, or cannot be written. What is finished is kept.
+        ArgumentError: ``client`` is none.
         ClusterError: the scheduler or the workers cannot go on. What is finished is kept.
         Interrupted: Ctrl-C. What is finished is kept.
 
@@ -43,7 +43,7 @@ def run(job: Job, store: Folder, *, client: Any = None, progress: Tick | None = 
         3
     """
     if client is not None:
-        inputs.kind(client, "scheduler_info", "client", "a distributed.Client", ClusterError)
+        inputs.kind(client, "scheduler_info", "client", "a distributed.Client")
     pending = store.pending()
     done = store.chunks - len(pending)
 

@@ -13,6 +13,7 @@ from urdf_ik.guards.frozen import frozen
 from urdf_ik.solutions import limits, select, sentences, tables
 from urdf_ik.solutions.kept import KeptSolutions, Singular, Solution, Step
 from urdf_ik.solutions.turn_names import suffix, turned_branches
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -95,6 +96,8 @@ class IKSolutions(KeptSolutions):
 
     def iter_turns(self, tol: float = limits.LIMIT_TOLERANCE) -> Iterator[Solution]:
         """The solutions of ``turns()`` for a single pose one by one, ``index`` being the column here.
+
+        Each is made when it is asked for, however many there are: of a tolerance of 1e6 rad no list is wanted.
 
         Raises:
             BatchError: this is a batch.
@@ -221,7 +224,7 @@ class IKSolutions(KeptSolutions):
         """
         inputs.choice(by, "by", select.QUALITIES)
         if world is not None and by != "clearance":
-            raise ArgumentError(f"by={by!r} looks at no world; leave it out, or take by='clearance'")
+            raise ArgumentError(f"by={quoted(by)} looks at no world; leave it out, or take by='clearance'")
         if by == "limits":
             return limits.margin(self._q, self.arm.limits)
         places = np.nonzero(self._info & 1)

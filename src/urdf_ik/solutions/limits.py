@@ -16,6 +16,7 @@ from urdf_ik import _core
 from urdf_ik.angles import TURN
 from urdf_ik.errors import ArgumentError, JointVectorError
 from urdf_ik.guards import inputs
+from urdf_ik.text import quoted
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -75,7 +76,7 @@ def check_inside(q: Array, limits: Array, names: Sequence[str], what: str) -> No
     if outside.any():
         k = int(np.argmax(outside))
         raise JointVectorError(
-            f"joint {names[k]!r} is at {q[k]:.9g}, outside its limits [{low[k]:.9g}, {high[k]:.9g}]: {what}"
+            f"joint {quoted(names[k])} is at {q[k]:.9g}, outside its limits [{low[k]:.9g}, {high[k]:.9g}]: {what}"
         )
 
 

@@ -109,12 +109,14 @@ def _shape(place: Place, out: Any) -> None:
 def _mesh(place: Place, shape: Any) -> dict[str, str]:
     if not shape.get("filename"):
         place.fail("a mesh without a filename", hint='write <mesh filename="..."/>', at=shape)
-    scale = {} if shape.get("scale") is None else {"scale": " ".join(place.numbers(shape, "scale", 3))}
-    return {"filename": shape.get("filename"), **scale}
+    if shape.get("scale") is None:
+        return {"filename": shape.get("filename")}
+    scale = place.in_range(shape, "scale", place.numbers(shape, "scale", 3))
+    return {"filename": shape.get("filename"), "scale": " ".join(scale)}
 
 
 def _lengths(place: Place, shape: Any, attribute: str, count: int) -> str:
-    values = place.numbers(shape, attribute, count)
+    values = place.in_range(shape, attribute, place.numbers(shape, attribute, count))
     if any(float(value) < 0 for value in values):
         place.fail(f"{attribute}={quoted(shape.get(attribute))} is negative", hint="write lengths in metres", at=shape)
     return " ".join(values)

@@ -6,8 +6,9 @@ import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from urdf_ik.errors import UrdfError
+from urdf_ik.errors import ArgumentError, UrdfError
 from urdf_ik.guards import inputs
+from urdf_ik.text import quoted
 from urdf_ik.urdf import mjcf, xacros
 from urdf_ik.urdf.xml import Source, prolog_end
 
@@ -35,6 +36,8 @@ def as_urdf(
     if xacro_args is not None or _XACRO_NAME.search(source.name):
         needed = "a value for each argument by name"
         given = inputs.mapping({} if xacro_args is None else xacro_args, "xacro_args", needed)
+        if odd := [name for name in given if not isinstance(name, str)]:
+            raise ArgumentError(f"xacro_args: {quoted(odd[0])} given; the names of arguments are texts")
         return xacros.expanded(source, roots, given), ()
     if _MUJOCO.match(source.text, prolog_end(source.text)):
         return mjcf.as_urdf(source)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -49,13 +50,22 @@ def as_urdf(source: Source) -> tuple[Source, tuple[UrdfError, ...]]:
         packed = path.suffix == ".gz"
         spec = mujoco.MjSpec.from_string(source.text) if packed else mujoco.MjSpec.from_file(str(path))
         lost = _without_missing_files(spec, source, path.parent / spec.meshdir)
-        model = spec.compile()
+        with warnings.catch_warnings():  # of masses and inertia, which a URDF's kinematics have no use for
+            warnings.simplefilter("ignore")
+            model = spec.compile()
     except (ValueError, mujoco.FatalError) as error:
         text = " ".join(str(error).split())
         raise UrdfError(
             f"MuJoCo refuses the model: {text}", source=source.name, hint="correct it until MuJoCo loads it"
         ) from None
-    writer = _Writer(mujoco, model, spec, source)
+    try:
+        writer = _Writer(mujoco, model, spec, source)
+    except ValueError as error:  # of the XML library, and of poses
+        raise UrdfError(
+            f"it cannot be written as a URDF: {error}",
+            source=source.name,
+            hint="correct the name, or the number, that is no part of a URDF",
+        ) from None
     text = etree.tostring(writer.robot, pretty_print=True).decode()
     return Source(text, f"{source.name} (as URDF)", source.path), (*lost, *writer.lost)
 

@@ -178,7 +178,7 @@ class UrdfModel:
             )
         meant = [each for each in candidates if (each.chosen if chain is None else each.name == chain)]
         if len(meant) == 1:
-            return base or meant[0].base, meant[0].tip
+            return meant[0].base if base is None else base, meant[0].tip
         raise doubt(self.source, candidates, chain)
 
     def driver(self, joint: Joint) -> tuple[Joint, float, float]:

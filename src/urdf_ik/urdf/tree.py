@@ -148,8 +148,9 @@ def _check_mimics(joints: dict[str, RawJoint]) -> None:
             close = nearest(driver, joints)
             hint = "name a joint of this URDF" + (f"; did you mean {listed(close)}?" if close else "")
             joint.place.fail(f"it mimics {quoted(driver)}, and there is no such joint", hint=hint, at=element)
-        if joints[driver].type in ("floating", "planar"):
-            problem = f"it mimics {quoted(driver)}, a {joints[driver].type} joint, which has no single value"
+        if (kind := joints[driver].type) not in MOVABLE:
+            why = "does not move" if kind == "fixed" else "has no single value"
+            problem = f"it mimics {quoted(driver)}, a {kind} joint, which {why}"
             joint.place.fail(problem, hint=f"mimic a {', '.join(MOVABLE)} joint", at=element)
         followed = {joint.name: None}
         while driver in joints and driver not in sound:

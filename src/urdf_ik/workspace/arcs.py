@@ -9,12 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from urdf_ik.angles import TURN
+from urdf_ik.errors import WorkspaceError
+from urdf_ik.guards import inputs
 
 Array = NDArray[np.float64]
 Inside = Callable[[Array], NDArray[np.bool_]]
 
 NUDGE = 1e-6
 """How far [share of the size] to either side of an arc it is asked whether a point is inside."""
+MOST_POINTS = 100_000
+"""Points of an arc that are drawn at most."""
 SAME = 1e-7
 """Two angles [rad], or radii and centres [share of the size], closer than this are one: tangent circles meet in a
 point that rounding makes two, the square root of double precision apart."""
@@ -46,11 +50,15 @@ class Arc:
     def points(self, n: int = 64) -> Array:
         """(n, 2) m, points from its start to its end, evenly spaced.
 
+        Raises:
+            WorkspaceError: ``n`` is no whole number from 2 to ``MOST_POINTS``.
+
         Example:
             >>> (Arc(np.zeros(2), radius=1.0, start=0.0, sweep=np.pi).points(3).round(6) + 0.0).tolist()
             [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]]
         """
-        angles = self.start + np.linspace(0.0, self.sweep, n)
+        count = inputs.whole(n, "n", WorkspaceError, low=2, high=MOST_POINTS)
+        angles = self.start + np.linspace(0.0, self.sweep, count)
         return self.centre + self.radius * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
 
 
@@ -72,12 +80,19 @@ class Region:
     def loops(self, n: int = 64) -> list[Array]:
         """Closed outlines (k, 2) m, the arcs joined end to start; outer ones counter-clockwise, holes clockwise.
 
+        Args:
+            n: points of each arc.
+
+        Raises:
+            WorkspaceError: ``n`` is no whole number from 2 to ``MOST_POINTS``.
+
         Example:
             >>> import urdf_ik
             >>> region = urdf_ik.workspace.planar(urdf_ik.load("planar_2r")).boundary
             >>> [loop.shape[1] for loop in region.loops()]
             [2]
         """
+        inputs.whole(n, "n", WorkspaceError, low=2, high=MOST_POINTS)
         left = [arc.points(n) for arc in self.arcs]
         found: list[Array] = []
         while left:

@@ -54,6 +54,7 @@ def read(
     """
     where = inputs.path(path, "path", WorkspaceError)
     name = files.name_of(where)
+    files.require_regular(where, WorkspaceError)
     try:
         with files.opened(where) as raw, np.lib.npyio.NpzFile(raw, allow_pickle=False) as file:
             _require_room(where, file, most)

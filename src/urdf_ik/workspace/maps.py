@@ -106,7 +106,7 @@ class About:
         """
         inputs.mapping(header, "header", "the fields of a map", WorkspaceError)
         if missing := [name for name in cls.__dataclass_fields__ if name not in header]:
-            raise WorkspaceError(f"there is no {missing[0]!r} in it")
+            raise WorkspaceError(f"there is no {quoted(missing[0])} in it")
         named = {name: header[name] for name in cls.__dataclass_fields__}
         for name in ("joints", "branches"):
             named[name] = inputs.items(named[name], name, "names", WorkspaceError)
@@ -404,9 +404,9 @@ def _built(header: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Workspace
     about, voxels = About.read(header), Grid.from_described(header["grid"])
     for name in _ALWAYS:
         if name not in arrays:
-            raise ValueError(f"the array {name!r} is missing")
+            raise ValueError(f"the array {quoted(name)} is missing")
     if about.counted != "solutions" and about.counted not in arrays:
-        raise ValueError(f"the array {about.counted!r} is missing")
+        raise ValueError(f"the array {quoted(about.counted)} is missing")
     arrays = {name: array for name, array in arrays.items() if name in _ALWAYS + _PERHAPS}
     for name, array in arrays.items():
         last = len(about.branches) if name == "branch_poses" else len(arrays["samples"])

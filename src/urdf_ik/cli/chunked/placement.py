@@ -12,6 +12,7 @@ from urdf_ik.cli import console, tables
 from urdf_ik.cli.progress import Progress
 from urdf_ik.errors import PlotError
 from urdf_ik.poses import to_rpy
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from urdf_ik.arm import Arm
@@ -43,7 +44,7 @@ def run(
     """
     places.check()
     if score not in placements.SHOWN:
-        raise console.usage(f"no score is called {score!r}; there are {', '.join(placements.SHOWN)}", "--show")
+        raise console.usage(f"no score is called {quoted(score)}; there are {', '.join(placements.SHOWN)}", "--show")
     if picture is not None and picture.suffix.lower() not in plot.SUFFIXES:
         raise PlotError(f"{picture}: pictures are written as {', '.join(plot.SUFFIXES)}; name the file so")
     poses = console.read_poses(targets, "--targets")

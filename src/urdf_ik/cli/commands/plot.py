@@ -17,6 +17,7 @@ from urdf_ik.cli.paths import followed
 from urdf_ik.cli.progress import Progress
 from urdf_ik.errors import PlotError
 from urdf_ik.plot.slider_panel import is_two_links, require_display
+from urdf_ik.text import quoted
 from urdf_ik.workspace.grid import AXES, grid_of
 from urdf_ik.workspace.question import require_map_of
 
@@ -98,7 +99,7 @@ def _workspace(arm: Arm, q: NDArray[np.float64] | None, asked: Asked) -> Figure:
     if is_two_links(arm):
         return plot.planar_workspace(rooms.planar(arm), q)
     if asked.axis not in tuple(AXES):
-        raise console.usage(f"no axis is called {asked.axis!r}; there are x, y and z", "--axis")
+        raise console.usage(f"no axis is called {quoted(asked.axis)}; there are x, y and z", "--axis")
     grid = grid_of(arm, arm.chain.size / 30.0, None)
     k = AXES.index(asked.axis)
     if not grid.lower[k] <= asked.at <= grid.upper[k]:

@@ -19,6 +19,7 @@ from urdf_ik.families import sampled
 from urdf_ik.families.parts.family import Plan, RedundantPlan
 from urdf_ik.families.parts.values import written_values
 from urdf_ik.structure import analyse
+from urdf_ik.text import quoted
 from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
@@ -92,7 +93,7 @@ def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
     values |= {"opposite": bool(chain.H[k] @ chain.H[k + 1] < 0.0), "value": parameter.default, "solver": plan.solver}
 
     def explain_at(T: Array, at: Array) -> str:
-        return f"with {parameter.joint!r} at {at[0]:.6g} {parameter.unit}, or at any other: {plan.explain(T)}"
+        return f"with {quoted(parameter.joint)} at {at[0]:.6g} {parameter.unit}, or at any other: {plan.explain(T)}"
 
     return RedundantPlan(
         family=plan.family,

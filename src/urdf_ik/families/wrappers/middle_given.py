@@ -16,6 +16,7 @@ from urdf_ik._core import SelfMotion
 from urdf_ik.chain.redundancy import locked_joint
 from urdf_ik.families.parts.family import Plan, RedundantPlan, columns
 from urdf_ik.families.parts.values import written_values
+from urdf_ik.text import quoted
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -64,7 +65,7 @@ def prepare(chain: Chain, k: int, number: int, plan_of: Callable[[Chain], Plan |
             why = "the other joints have no solver"
         else:
             why = plan.explain_at(T, at[1:]) if isinstance(plan, RedundantPlan) else plan.explain(T)
-        return f"with {name!r} at {at[0]:.6g} {parameter.unit}: {why}"
+        return f"with {quoted(name)} at {at[0]:.6g} {parameter.unit}: {why}"
 
     def value_of(Q: Array, T: Array) -> Array:
         own = parameter.wrapped(Q[:, k : k + 1])

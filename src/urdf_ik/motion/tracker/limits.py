@@ -32,6 +32,7 @@ def limits_of(arm: Arm, name: str, value: ArrayLike) -> Array:
     bad = np.flatnonzero(~(array > 0.0))
     if len(bad):
         raise VelocityError(
-            f"{name}: {array[bad[0]]} for joint {arm.joint_names[bad[0]]!r}; a number above 0 is needed (inf: no limit)"
+            f"{name}: {array[bad[0]]} for joint {quoted(arm.joint_names[bad[0]])}; a number above 0 is needed (inf: no "
+            "limit)"
         )
     return array

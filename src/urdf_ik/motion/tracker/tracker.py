@@ -153,7 +153,7 @@ class Tracker:
         )
         self._margin = positive("margin", margin, "m", zero=True)
         self._collision: Any = None
-        if world is not None or self_collision:
+        if inputs.flag(self_collision, "self_collision") or world is not None:
             model: Any = arm.collision_model
             self._collision = model.in_world(world)
         self._options = {
