@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -73,6 +73,7 @@ def test_turns_are_all_images_once(case: list[tuple[float, tuple[float, float], 
 
 
 @given(joints, tolerances)
+@example([(-0.03125, (0.0, 0.0), True)], -0.05)
 def test_excess_is_the_least_over_all_images(case: list[tuple[float, tuple[float, float], bool]], tol: float) -> None:
     """The distance from the limits is that of the image that is least far out, with its side as the sign."""
     q = np.array([value for value, _, _ in case])

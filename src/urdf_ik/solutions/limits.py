@@ -252,10 +252,13 @@ def excess(q: Array, limits: Array, turning: Mask | Array, tol: float = LIMIT_TO
     turning, turn = _turns(turning)
     low = q + np.where(turning, last, 0.0) * turn
     high = low + np.where(turning, turn, 0.0)
-    below, above = limits[:, 0] - tol - low, high - limits[:, 1] - tol
-    upwards = np.where(turning, above < below, above > 0.0)
-    image = np.where(inside, q + _fewest(first, last) * turn, np.where(upwards, high, low))
-    signed = np.where(inside, 0.0, np.where(upwards, above, -below))
+    lower, upper = limits[:, 0] - tol, limits[:, 1] + tol
+    upwards = turning & (np.maximum(lower - high, high - upper) < np.maximum(lower - low, low - upper))
+    nearest = np.where(upwards, high, low)
+    image = np.where(inside, q + _fewest(first, last) * turn, nearest)
+    # Of limits that a negative tolerance has turned round, an image may be beyond both.
+    signed = np.where(nearest - upper >= lower - nearest, nearest - upper, nearest - lower)
+    signed = np.where(inside, 0.0, signed)
     return np.where(np.isnan(q), np.nan, image), np.where(np.isnan(q), np.nan, signed)
 
 
