@@ -285,6 +285,20 @@ def test_a_name_that_no_disk_holds_is_refused(tmp_path: Path) -> None:
     """Half of a surrogate pair, as half-read names have."""
     with pytest.raises(UrdfIkError, match="cannot write"):
         SIX.write_urdf(tmp_path / "\ud800.urdf")
+    with pytest.raises(UrdfIkError, match="name too long"):
+        urdf_ik.workspace.compute(TWO, 0.2, 2, store=tmp_path / ("x" * 300))
+
+
+def test_an_arm_is_no_chain() -> None:
+    """Both have forward kinematics; only the one can be what the other is made of."""
+    with pytest.raises(urdf_ik.ArgumentError, match="a chain, as"):
+        urdf_ik.Arm(SIX.model, SIX)  # type: ignore[arg-type]
+
+
+def test_a_seed_may_be_a_number_of_numpy() -> None:
+    """As one has it from an array of seeds."""
+    q, _ = urdf_ik.crosscheck.replay(SIX, seed=np.array(3, dtype=np.uint8), index=2)  # type: ignore[arg-type]
+    np.testing.assert_array_equal(q, urdf_ik.crosscheck.replay(SIX, seed=3, index=2)[0])
 
 
 GROUP = '<robot name="r"><group name="g"><chain base_link="base_link" tip_link="tool0"/></group></robot>'

@@ -80,7 +80,7 @@ class Arm(Free):
             UnsupportedArm: no solver takes this arm for a task other than 'pose'.
         """
         inputs.kind(model, "joints", "model", "a URDF, as urdf_ik.load(...).model is,")
-        inputs.kind(chain, "fk", "chain", "a chain, as urdf_ik.load(...).chain is,")
+        inputs.kind(chain, "image_turns", "chain", "a chain, as urdf_ik.load(...).chain is,")
         super().__init__(model, chain, free_axis)
         given = check_given(self.name, chain, given)
         if not isinstance(task, str):

@@ -153,7 +153,7 @@ def replay(arm: Arm, seed: int, index: int) -> tuple[Array, Array]:
 def _draw(reference: Reference, seed: int, index: int) -> Array:
     """Joint vector (n,) of pose ``index``, within the limits or one turn."""
     lower, upper = reference.ranges.T
-    q: Array = np.random.default_rng([seed, index]).uniform(lower, upper)
+    q: Array = np.random.default_rng([int(seed), index]).uniform(lower, upper)
     return q
 
 

@@ -75,9 +75,9 @@ class Folder:
         self._temporary = self._own / "unfinished"
         self._lock = Lock(self._own / "lock")
         asked = json.loads(json_text(dict(question)))
-        if (self._own / "question").exists():
-            require_same(self.path, read_question(self.path), asked)
         try:
+            if (self._own / "question").exists():
+                require_same(self.path, read_question(self.path), asked)
             self._own.mkdir(parents=True, exist_ok=True)
             self._lock.take(str(self.path))
         except OSError as error:
