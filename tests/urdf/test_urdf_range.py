@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from lxml import etree
 
 import urdf_ik
 from urdf_ik import JointVectorError, PoseError, UrdfError
@@ -109,3 +110,19 @@ def test_targets_out_of_range_are_refused(name: str, value: float) -> None:
     for call in (arm.fk, arm.jacobian, arm.link_poses, lambda x: arm.ik(T, x), lambda x: arm.ik_nearest(T, x)):
         with pytest.raises(JointVectorError, match="are taken"):
             call(q)
+
+
+def test_limits_that_stand_for_none_leave_the_redundancy_parameter_where_postures_are() -> None:
+    """Of a first joint up to 1e15 rad the middle would be 5e14, an angle without a digit: solutions missed by 15 mm."""
+    arm = urdf_ik.load("panda")
+    model = etree.fromstring(arm.model.xml)
+    name = arm.redundancy.joint  # type: ignore[union-attr]
+    (limit,) = model.xpath(f"joint[@name='{name}']/limit")
+    limit.set("upper", "1e15")
+    wide = urdf_ik.load(etree.tostring(model).decode(), arm.base, arm.tip)
+    assert wide.redundancy is not None and wide.redundancy.default == 0.0
+    T = wide.fk([0.3, 0.2, -0.4, -1.9, 0.5, 1.6, 0.0])
+    reached = wide.fk(wide.ik(T).to_array())
+    assert len(reached) and np.abs(reached - T).max() < 1e-9
+    with pytest.raises(JointVectorError, match="up to 1e"):
+        wide.ik(T, redundancy=5e14)

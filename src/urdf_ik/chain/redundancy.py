@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik.angles import wrapped
+from urdf_ik.angles import TURN, wrapped
 from urdf_ik.errors import JointVectorError, PoseError
 from urdf_ik.guards import inputs
 from urdf_ik.text import quoted
@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 SWIVEL, LOCKED_JOINT, FREE_AXIS = "swivel", "locked joint", "free axis"
+
+FARTHEST = 1e6
+"""rad: an angle beyond has lost the digits that a pose of 1e-9 m and rad needs. A range wider than that is no limit."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +83,7 @@ class Redundancy:
         """``value`` as an array (...) of finite numbers.
 
         Raises:
-            JointVectorError: a value is not a finite number.
+            JointVectorError: a value is not a finite number, or an angle beyond 1e6 rad, which has lost its digits.
 
         Example:
             >>> import urdf_ik
@@ -92,6 +95,8 @@ class Redundancy:
         if (bad := inputs.first_bad(values)) is not None:
             problem = f"redundancy is {quoted(value)}; {inputs.why_bad(values[bad])}"
             raise JointVectorError(f"{problem}, finite numbers [{self.unit}]: {self}")
+        if self.unit == "rad" and (np.abs(values) > FARTHEST).any():
+            raise JointVectorError(f"redundancy is {quoted(value)}; angles up to {FARTHEST:g} rad are taken: {self}")
         return values
 
     def spread(self, poses: Array, value: ArrayLike) -> tuple[Array, Array]:
@@ -178,5 +183,8 @@ def locked_joint(chain: Chain, k: int) -> Redundancy:
     endless = not math.isfinite(high - low)
     if endless and not slides:
         low, high = -math.pi, math.pi
-    middle = 0.0 if endless else 0.5 * (low + high)
+    # Some write 1e15 for no limit: the middle of that is far from every posture that anyone means.
+    middle = 0.0 if endless else min(max(0.0, low), high) if high - low > FARTHEST else 0.5 * (low + high)
+    if not slides and abs(middle) > FARTHEST:
+        middle = math.remainder(middle, TURN)
     return Redundancy(LOCKED_JOINT, chain.joint_names[k], (low, high), middle, "m" if slides else "rad")
