@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -72,7 +73,9 @@ def run(
     roots = chosen.mesh_root or ()
     with Viewer(arm, host=host, port=port, mesh_roots=roots, plan=plan, world=world, dark=dark) as viewer:
         layer.show(viewer)
-        typer.echo(escaped(f"{arm.name}: {viewer.url} (Ctrl-C ends it)"))
-        if viewer.message:
-            typer.echo(escaped(viewer.message), err=True)
-        viewer.wait()
+        # It ends the page as soon as its address stands there, not only once it is waited for.
+        with contextlib.suppress(KeyboardInterrupt):
+            typer.echo(escaped(f"{arm.name}: {viewer.url} (Ctrl-C ends it)"))
+            if viewer.message:
+                typer.echo(escaped(viewer.message), err=True)
+            viewer.wait()
