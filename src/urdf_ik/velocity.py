@@ -15,7 +15,7 @@ import numpy as np
 from urdf_ik.errors import VelocityError
 from urdf_ik.guards import inputs
 from urdf_ik.text import quoted
-from urdf_ik.tolerances import DEFAULT, LARGEST
+from urdf_ik.tolerances import DEFAULT
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -281,11 +281,9 @@ def _each_joint(chain: Chain, name: str, values: ArrayLike) -> Array:
     array = inputs.real(values, name, f"{chain.n} numbers", VelocityError)
     if array.shape != (chain.n,):
         raise VelocityError(f"{name} of shape {array.shape} given; one number a joint ({chain.n},) is needed")
-    good = (array >= 1.0 / LARGEST) & (array <= LARGEST)
+    good = inputs.usable(array)
     if not good.all():
         bad = int(np.flatnonzero(~good)[0])
-        raise VelocityError(
-            f"{name}: {array[bad]} for joint {quoted(chain.joint_names[bad])}; a number between {1.0 / LARGEST:g} and "
-            f"{LARGEST:g} is needed"
-        )
+        joint = quoted(chain.joint_names[bad])
+        raise VelocityError(f"{name}: {array[bad]} for joint {joint}; a number {inputs.USABLE} is needed")
     return array

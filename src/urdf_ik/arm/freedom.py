@@ -17,7 +17,7 @@ from urdf_ik.families import Plan, RedundantPlan
 from urdf_ik.guards import inputs
 from urdf_ik.poses import as_pose_array, check_poses
 from urdf_ik.redundancy import finding, sweep
-from urdf_ik.text import quoted
+from urdf_ik.urdf.xml import require_name
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -180,8 +180,7 @@ class Free(Moving):
         at = check_poses(pose)
         if at.ndim != 2:
             raise ArgumentError(f"a pose of shape {at.shape} given; one pose (4, 4) is needed")
-        if not isinstance(name, str) or not name:
-            raise ArgumentError(f"name={quoted(name)} given; the positioner needs one, a text that is not empty")
+        require_name(name, "the positioner")
         model = joined(self.model, positioner.model, self.base, at, f"{name}_")
         held = {**self.locked, **{f"{name}_{joint}": value for joint, value in positioner.locked.items()}}
         chain = from_urdf(model, f"{name}_{positioner.tip}", self.tip).lock(held)

@@ -25,7 +25,7 @@ def joined(model: UrdfModel, other: UrdfModel, link: str, pose: NDArray[np.float
     """A model with the tree of another: its root fixed to ``link`` at ``pose`` (4, 4) m, its names behind ``prefix``.
 
     Raises:
-        ArgumentError: a name of the other one with the prefix is taken, or no name in XML.
+        ArgumentError: a name of the other one with the prefix is taken.
 
     Example:
         >>> import numpy as np
@@ -36,10 +36,6 @@ def joined(model: UrdfModel, other: UrdfModel, link: str, pose: NDArray[np.float
     """
     robot, added = etree.fromstring(model.xml), etree.fromstring(other.xml)
     taken = {(each.tag, each.get("name")) for each in robot if each.tag in _NAMING}
-    try:
-        etree.Element("joint", name=prefix)
-    except ValueError as error:
-        raise ArgumentError(f"name={quoted(prefix[:-1])} cannot be written into a URDF: {error}") from None
     for element in added.iter():
         if element.tag in _NAMING and element.get("name") is not None:
             element.set("name", prefix + element.get("name"))

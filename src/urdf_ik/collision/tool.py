@@ -14,6 +14,7 @@ from urdf_ik.chain import from_urdf
 from urdf_ik.collision.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from urdf_ik.errors import ArgumentError, PoseError, WorldError
 from urdf_ik.text import quoted
+from urdf_ik.urdf.xml import require_name
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -58,8 +59,7 @@ def with_tool(arm: AnyArm, pose: Any, shapes: Shapes, name: str) -> AnyArm:
 
 def _written(model: UrdfModel, mount: str, name: str, centre: Array, bodies: list[tuple[Shape, Array]]) -> UrdfModel:
     """The URDF with a link ``name`` fixed to the link ``mount``, and shapes placed in the frame of ``mount``."""
-    if not isinstance(name, str) or not name:
-        raise ArgumentError(f"name={quoted(name)} given; the tool's link needs a name, a text that is not empty")
+    require_name(name, "the tool's link")
     if name in model.links:
         raise ArgumentError(f"the URDF has a link {quoted(name)} already; give the tool another name=...")
     joints = {joint.name for joint in model.joints}
@@ -67,11 +67,8 @@ def _written(model: UrdfModel, mount: str, name: str, centre: Array, bodies: lis
     while fixed in joints:
         fixed += "_"
     robot = etree.fromstring(model.xml)
-    try:
-        link = etree.SubElement(robot, "link", name=name)
-        joint = etree.SubElement(robot, "joint", name=fixed, type="fixed")
-    except ValueError as error:
-        raise ArgumentError(f"name={quoted(name)} cannot be written into a URDF: {error}") from None
+    link = etree.SubElement(robot, "link", name=name)
+    joint = etree.SubElement(robot, "joint", name=fixed, type="fixed")
     etree.SubElement(joint, "parent", link=mount)
     etree.SubElement(joint, "child", link=name)
     etree.SubElement(joint, "origin", _origin(centre))

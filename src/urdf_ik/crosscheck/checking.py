@@ -85,7 +85,7 @@ def check(
     """
     inputs.arm(arm)
     n = inputs.poses(n)
-    _require_seed(seed)
+    seed = _seed(seed)
     inputs.callback(progress, "progress")
     reference = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
     names = limits(arm, reference)
@@ -143,7 +143,7 @@ def replay(arm: Arm, seed: int, index: int) -> tuple[Array, Array]:
         True
     """
     inputs.arm(arm)
-    _require_seed(seed)
+    seed = _seed(seed)
     index = inputs.whole(index, "index")
     reference = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
     q = _draw(reference, seed, index)
@@ -153,12 +153,12 @@ def replay(arm: Arm, seed: int, index: int) -> tuple[Array, Array]:
 def _draw(reference: Reference, seed: int, index: int) -> Array:
     """Joint vector (n,) of pose ``index``, within the limits or one turn."""
     lower, upper = reference.ranges.T
-    q: Array = np.random.default_rng([int(seed), index]).uniform(lower, upper)
+    q: Array = np.random.default_rng([seed, index]).uniform(lower, upper)
     return q
 
 
-def _require_seed(seed: int) -> None:
-    inputs.whole(seed, "seed", high=2**64)
+def _seed(seed: int) -> int:
+    return inputs.whole(seed, "seed", high=2**64)
 
 
 def _collision(arm: Arm, wanted: bool | None, most: int | None) -> tuple[Collision | None, str]:

@@ -166,6 +166,20 @@ def number(
     raise error(f"{what}={quoted(value)} given; {kind} is needed")
 
 
+def usable(values: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Which numbers are within a factor of LARGEST of one: their squares and inverses neither overflow nor vanish.
+
+    Example:
+        >>> usable(np.array([1.0, 0.0, 5e-324, 1e15, np.inf, np.nan])).tolist()
+        [True, False, False, True, False, False]
+    """
+    return np.asarray((values >= 1.0 / LARGEST) & (values <= LARGEST))
+
+
+USABLE = f"between {1.0 / LARGEST:g} and {LARGEST:g}"
+"""The same in words."""
+
+
 def whole(
     value: Any, what: str, error: Callable[[str], UrdfIkError] = ArgumentError, *, low: int = 0, high: int = 2**31
 ) -> int:

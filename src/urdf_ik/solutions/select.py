@@ -153,9 +153,8 @@ def factors(weights: ArrayLike, names: Sequence[str]) -> Array:
         JointVectorError: they do not fit the joints ``names``, or one is negative or not finite.
     """
     array = _joint_vector(weights, "weights", names)
-    if array.ndim != 1 or not ((array == 0.0) | ((array >= 1.0 / LARGEST) & (array <= LARGEST))).all():
-        between = f"between {1.0 / LARGEST:g} and {LARGEST:g}"
-        raise JointVectorError(f"weights are {quoted(weights)}; one number a joint is needed, zero or {between}")
+    if array.ndim != 1 or not ((array == 0.0) | inputs.usable(array)).all():
+        raise JointVectorError(f"weights are {quoted(weights)}; one number a joint is needed, zero or {inputs.USABLE}")
     return array
 
 

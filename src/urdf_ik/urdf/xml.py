@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lxml import etree
 
-from urdf_ik.errors import UrdfError
+from urdf_ik.errors import ArgumentError, UrdfError
 from urdf_ik.guards import files
 from urdf_ik.text import quoted
 
@@ -307,3 +307,22 @@ def _first_fatal(log: Any) -> Any:
     return next(
         (entry for entry in log if entry.level_name == "FATAL" and entry.type_name != "ERR_HYPHEN_IN_COMMENT"), None
     )
+
+
+def require_name(name: Any, owner: str) -> None:
+    """That ``name`` can stand in a URDF, as that of what is added to one.
+
+    Raises:
+        ArgumentError: it is no text, or empty, or holds what XML does not.
+
+    Example:
+        >>> require_name("", "the tool's link")
+        Traceback (most recent call last):
+        urdf_ik.errors.ArgumentError: name='' given; the tool's link needs a name, a text that is not empty
+    """
+    if not isinstance(name, str) or not name:
+        raise ArgumentError(f"name={quoted(name)} given; {owner} needs a name, a text that is not empty")
+    try:
+        etree.Element("link", name=name)
+    except ValueError as error:
+        raise ArgumentError(f"name={quoted(name)} cannot be written into a URDF: {error}") from None

@@ -24,8 +24,7 @@ if TYPE_CHECKING:
 SAME = 1e-6
 """rad or m: joint vectors that differ by less in every joint are one node."""
 TANGENTS = 8
-"""How often the nearest solution of a singular pose is asked for at most, each time with a better reference: four
-times are enough where the solutions bend as much as the joints turn."""
+"""How often the nearest solution of a singular pose is asked for at most, each time with a better reference."""
 FREE = 1e-4
 """Singular values of the Jacobian below this share of the largest one are taken as zero, where tangents are drawn."""
 _NUMBERS = 1 << 22

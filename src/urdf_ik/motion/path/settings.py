@@ -14,7 +14,6 @@ from urdf_ik.motion.path.graph import COSTS
 from urdf_ik.motion.path.joints import Joints
 from urdf_ik.motion.path.straight import Tolerance
 from urdf_ik.text import printable, quoted
-from urdf_ik.tolerances import LARGEST
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -133,9 +132,8 @@ def each_joint(name: str, value: Any, names: tuple[str, ...], *, zero: bool = Fa
     given = inputs.real(value, name, needed, PathError)
     fits = given.shape in ((), (1,), (len(names),))
     numbers = np.broadcast_to(given if fits else np.nan, (len(names),)).copy()
-    in_range = (numbers >= 1.0 / LARGEST) & (numbers <= LARGEST)
-    if not (in_range | (numbers == (0.0 if zero else np.inf))).all():
-        valid = f"{'zero, or ' if zero else ''}a number between {1.0 / LARGEST:g} and {LARGEST:g}"
+    if not (inputs.usable(numbers) | (numbers == (0.0 if zero else np.inf))).all():
+        valid = f"{'zero, or ' if zero else ''}a number {inputs.USABLE}"
         each = ", ".join(map(printable, names))
         raise PathError(f"{name} is {quoted(value)}; {valid} is needed, or one for each of {each}")
     return numbers
@@ -144,9 +142,8 @@ def each_joint(name: str, value: Any, names: tuple[str, ...], *, zero: bool = Fa
 def _tolerance(value: Any) -> Tolerance:
     given = (POSITION, ROTATION) if value is None else value
     numbers = inputs.real(given, "tolerance", "two positive numbers (m, rad)", PathError)
-    if numbers.shape != (2,) or not ((numbers >= 1.0 / LARGEST) & (numbers <= LARGEST)).all():
-        between = f"between {1.0 / LARGEST:g} and {LARGEST:g}"
-        raise PathError(f"tolerance is {quoted(value)}; two numbers {between} are needed: (m, rad)")
+    if numbers.shape != (2,) or not inputs.usable(numbers).all():
+        raise PathError(f"tolerance is {quoted(value)}; two numbers {inputs.USABLE} are needed: (m, rad)")
     return Tolerance(float(numbers[0]), min(float(numbers[1]), 1.0))
 
 
