@@ -234,9 +234,9 @@ def _limits(place: Place, kind: str) -> tuple[float, float, float | None, float 
     for name, value in (("velocity", velocity), ("effort", effort)):
         if value < 0:
             place.fail(f"{name}={quoted(element.get(name))} is negative", hint="write zero or more", at=element)
-        if 0.0 < value < LEAST:
-            problem = f"{name}={quoted(element.get(name))} is below {LEAST:g}, where the joint does not move"
-            place.fail(problem, hint="write what it can do, or 0 for no limit", at=element)
+    if 0.0 < velocity < LEAST:
+        problem = f"velocity={quoted(element.get('velocity'))} is below {LEAST:g}, where the joint does not move"
+        place.fail(problem, hint="write what it can do, or 0 for no limit", at=element)
     if kind == "continuous":
         return -math.inf, math.inf, velocity, effort
     lower, upper = bounds
