@@ -69,16 +69,13 @@ template <class Model> PART void take_unless_represented(const Model& arm, const
     if (!kinds || !is_represented(arm, goal, columns, b, unsigned(kinds), q)) keep(columns, b, q, kinds);
 }
 
-// The branches of one pose whose bit is set in `wanted`, and those of which Family::closely is not sure from all around; all of
-// them where nothing was found: of a multiple root a form may keep no digit.
+// The branches of one pose whose bit is set in `wanted`, and those of which Family::closely is not sure from all around.
 template <class Family, int N>
 PART void closely_and_around(const typename Family::Arm& arm, const Goal<double>& goal, const Seen<double>& seen,
                              const Reference<N>& reference, const Columns<N>& columns, unsigned wanted) {
-    unsigned unsure = Family::closely(arm, goal, seen, reference, columns, wanted);
-    const int most = unsure ? DISPLACEMENTS : IN_VAIN;
-    if (!columns.count()) unsure = ~0u;
+    const unsigned unsure = Family::closely(arm, goal, seen, reference, columns, wanted);
     int vain = 0;
-    for (int k = 0; unsure && k < most && (vain < IN_VAIN || !columns.count()); ++k) {
+    for (int k = 0; unsure && k < DISPLACEMENTS && (vain < IN_VAIN || !columns.count()); ++k) {
         ++vain;
         double room[N * Family::branches];
         std::uint8_t flags[Family::branches];

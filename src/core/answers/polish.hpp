@@ -140,7 +140,7 @@ STEP Polished<V> polish(const Model& arm, const Goal<V>& goal, V (&q)[Model::joi
         since = select(gained, V(0.0), since + 1.0);
         moves = moves & (e.size >= V(course.enough)) & !settled & (since <= V(double(course.patience)));
         V damping = min(1e-2 * e.size, V(1e-2)) + course.least_damping;
-        if constexpr (damped) damping = select(better, damping, select(e.size < V(NEARLY), max(damping, V(HELD)), damping));
+        if constexpr (damped) damping = select(better | (e.size >= V(NEARLY)), damping, max(damping, V(HELD)));
         const Solved<N, V> step = least_squares<damped>(J, e.twist, damping);
         out.least = select(better, step.least, out.least);
         if (round == course.rounds || !any(moves)) break;

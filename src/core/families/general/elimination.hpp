@@ -331,7 +331,7 @@ bool complete(const EliminationArm& arm, const Goal<double>& goal, const Columns
             certain = false;
         }
     }
-    // Where not all are known, others may be next to a singular solution.
+    // Where not all are known, or in doubt, others may be next to a singular solution.
     if (!(certain && search.all_known)) certain &= !search_beside_folds(arm.written, goal, columns);
     // Solutions come in pairs, as the complex ones of real equations do: an odd number lacks one, but for double roots. And where a
     // Jacobian has all but lost a rank, so have those of others on the same curve.

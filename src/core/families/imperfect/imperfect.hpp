@@ -77,7 +77,6 @@ template <class Family, bool by_quartic = false> struct Imperfect {
         if (!complete(arm.elimination, goal, columns)) {
             if (by_quartic) all_around(arm, goal, seen, columns);
             if (loose && off < FAR_OFF && is_doubly_weak(arm, goal, columns)) apart(arm, goal, seen, columns);
-            beside_found(arm, goal, columns);
             columns.flags[0] |= UNCERTAIN;
         }
     }
@@ -89,19 +88,6 @@ template <class Family, bool by_quartic = false> struct Imperfect {
             for (double& each : at.q) each = PI * (2.0 * k / AROUND - 1.0);
             at.given = 0.0;
             Family::closely(arm.loose, goal, seen, at, columns, ~0u);
-        }
-    }
-
-    // From each solution q of W the ideal arm's branches at I(q), the target that q itself corrects to: next to two singularities
-    // at once a branch's own correction does not come to rest, and its twins' solutions are near to those of the twins at I(q).
-    static PART void beside_found(const Arm& arm, const Goal<double>& goal, const Columns<6>& columns) {
-        for (int b = 0; b < columns.many; ++b) {
-            if (!columns.valid(b)) continue;
-            Reference<6> at;
-            for (int j = 0; j < 6; ++j) at.q[j] = columns.row(b)[j];
-            at.given = 0.0;
-            const Frame<double> ideal = place(arm.both.ideal, at.q).tip;
-            Family::closely(arm.loose, goal, {ideal.R, ideal.p}, at, columns, ~0u);
         }
     }
 
