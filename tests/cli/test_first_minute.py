@@ -35,6 +35,21 @@ def test_the_command_alone_says_what_to_do_next(tmp_path: Path, monkeypatch: pyt
         succeed(command, "--help")
 
 
+def test_a_library_that_the_system_lacks_is_named(tmp_path: Path) -> None:
+    """Where pin's libraries cannot be loaded the message says what to install, without a traceback."""
+    lacking = "libgomp.so.1: cannot open shared object file: No such file or directory"
+    (tmp_path / "pinocchio.py").write_text(f"raise ImportError({lacking!r})")
+    done = subprocess.run(
+        [sys.executable, "-m", "urdf_ik", "ik", "zyyzyz_6r", "--xyz", "0.5", "0", "0.5"],
+        env=os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert lacking in done.stderr and "apt install libgomp1" in done.stderr and "Traceback" not in done.stderr
+
+
 def test_robots_lists_every_name() -> None:
     """Each catalogue name stands there with the family and joints of its arm; those of other packages on demand."""
     robots = {robot["name"]: robot for robot in strict_json(succeed("robots", "-f", "json"))["robots"]}

@@ -72,16 +72,17 @@ SHARED bool is_new(const Model& arm, const Goal<double>& goal, const Columns<Mod
     // The pose of a slide many sizes out is rounded as coarsely as it is far.
     double far = 1.0;
     for (int j = 0; j < N; ++j) far = max(far, abs(gap(arm, j, q[j], 0.0)) / PI);
+    const double same = arm.tolerances.duplicate * far;
     for (int b = 0; b < columns.many; ++b) {
         if (!columns.valid(b)) continue;
         const double* other = columns.row(b);
         double apart = 0.0, middle[N];
-        for (int j = 0; j < N; ++j) {
+        for (int j = 0; j < N && (apart < BESIDE || apart <= same); ++j) {
             const double step = gap(arm, j, q[j], other[j]);
             middle[j] = advanced(arm, j, other[j], 0.5 * step);
             apart = max(apart, abs(step));
         }
-        if (apart <= arm.tolerances.duplicate * far) return false;
+        if (apart <= same) return false;
         if (apart >= BESIDE) continue;
         if (error_at(arm, goal, middle).size <= arm.tolerances.fold * far) return false;
         double known[N];
@@ -217,40 +218,17 @@ struct Scatter {
     static STEP Scatter number(int k) { return {12345u + 7919u * std::uint32_t(k)}; }
 };
 
-// The k-th of STARTS_AROUND_CANDIDATE fixed starts around q: itself, then 1e-2 to 1e-6 rad away.
-inline constexpr int STARTS_AROUND_CANDIDATE = 13;
-template <int N> STEP void start_near_candidate(const double (&q)[N], int k, double (&start)[N]) {
-    constexpr double widths[3] = {1e-2, 1e-4, 1e-6};
-    const double width = k == 0 ? 0.0 : widths[k % 3] * (k < 7 ? 1.0 : 0.3);
-    Scatter scatter = Scatter::number(k);
-    for (int j = 0; j < N; ++j) start[j] = q[j] + width * scatter.next();
-}
-
 // Polish the closed form's candidate q of column b on the arm as written, and keep it if it is verified and new.
 // near: whether it is near a singularity, so that it is asked for its marks. On an arm that is only near the ideal one a
 // candidate there may stand for two solutions, or for none: starts beside it find both, and only what has converged to
 // rounding is one, since near a double root an error falls with the square of the distance.
-template <class Model>
-SHARED void accept(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints], int b, int marks, bool near,
-                   const Columns<Model::joints>& columns) {
-    // A closed form is not improved by a step along a singular direction that only rounding asks for.
-    const Course course = arm.exact ? Course{15, CONVERGED, LONG_PATIENCE} : Course{60, FINISHED, LONG_PATIENCE};
-    const int starts = !arm.exact && arm.beside && near ? STARTS_AROUND_CANDIDATE : 1;
-    for (int k = 0; k < starts; ++k) {
-        double at[Model::joints];
-        start_near_candidate(q, k, at);
-        const double error = polish_one<true>(arm, goal, at, course).error;
-        if (error <= (arm.exact ? arm.tolerances.reach : CONVERGED) && is_new(arm, goal, columns, at)) {
-            add(arm, goal, columns, b, at, near ? singular_marks(arm, goal, at, marks) : 0);
-        }
-    }
-}
+void accept(const Written<6>& arm, const Goal<double>& goal, const double (&q)[6], int b, int marks, bool near,
+            const Columns<6>& columns);
 
 // For arms of six joints compiled once, in answer.cpp.
 extern template Polished<double> polish_one<true>(const Written<6>&, const Goal<double>&, double (&)[6], const Course&);
 extern template Polished<double> polish_one<false>(const Written<6>&, const Goal<double>&, double (&)[6], const Course&);
 extern template bool is_new(const Written<6>&, const Goal<double>&, const Columns<6>&, const double (&)[6]);
 extern template Weakest<6> weakest_at(const Written<6>&, const Goal<double>&, const double (&)[6]);
-extern template void accept(const Written<6>&, const Goal<double>&, double (&)[6], int, int, bool, const Columns<6>&);
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

@@ -11,35 +11,62 @@ inline constexpr double SECOND_NEXT_DOOR = 5e-3;
 inline constexpr double BESIDE_FOLD[16] = {0.3,  0.094868,  0.03, 0.0094868, 3e-3, 9.4868e-4, 3e-4, 9.4868e-5,
                                            3e-5, 9.4868e-6, 3e-6, 9.4868e-7, 3e-7, 9.4868e-8, 3e-8, 9.4868e-9};
 
-// Newton's method starts on both sides of every solution near a fold, along what the Jacobian all but loses; what it finds
-// is kept if it is new. Solutions that are singular are flagged. Returns whether there was one near a fold.
+// Bounds from below on the smallest singular values of the Jacobians at the solutions in a block of columns, 0 where there is none.
+template <class Model>
+PART Block least_bounds(const Model& arm, const Goal<Block>& goals, const Columns<Model::joints>& columns, int from) {
+    constexpr int N = Model::joints;
+    Block q[N], there = 0.0;
+    for (Block& each : q) each = 0.0;
+    for (int l = 0; l < BLOCK && from + l < columns.many; ++l) {
+        if (!columns.valid(from + l)) continue;
+        there.set(l, 1.0);
+        for (int j = 0; j < N; ++j) q[j].set(l, columns.row(from + l)[j]);
+    }
+    Rows<Model::rows, Block> J[N];
+    const Error<Block, Model::rows> e = error_and_jacobian(arm, goals, q, J);
+    return there * least_squares<false>(J, e.twist, Block(0.0)).least;
+}
+
+// Newton's method starts on both sides of a solution near a fold, along what the Jacobian all but loses; what it finds is kept if
+// it is new.
+template <class Model>
+PART void search_beside_fold(const Model& arm, const Goal<double>& goal, const Goal<Block>& goals, const double (&q)[Model::joints],
+                             const Weakest<Model::joints>& fold, const Columns<Model::joints>& columns) {
+    constexpr int N = Model::joints;
+    for (int k = 0; k < 32; k += BLOCK) {
+        Block start[N];
+        for (int l = 0; l < BLOCK; ++l) {
+            const double away = k + l < 16 ? -BESIDE_FOLD[k + l] : BESIDE_FOLD[k + l - 16];
+            for (int j = 0; j < N; ++j) start[j].set(l, advanced(arm, j, q[j], away * fold.direction[j]));
+        }
+        const Block zero = 0.0;
+        const Block error = polish<true, Model, Block>(arm, goals, start, {20, FINISHED, PATIENCE}, zero <= zero).error;
+        for (int l = 0; l < BLOCK; ++l) {
+            double found[N];
+            for (int j = 0; j < N; ++j) found[j] = start[j][l];
+            if (error[l] <= CONVERGED && is_new(arm, goal, columns, found))
+                add(arm, goal, columns, 0, found, singular_marks(arm, goal, found, 0));
+        }
+    }
+}
+
+// The same of every solution near a fold. Solutions that are singular are flagged. Returns whether there was one near a fold.
 template <class Model> PART bool search_beside_folds(const Model& arm, const Goal<double>& goal,
                                                      const Columns<Model::joints>& columns) {
     constexpr int N = Model::joints;
     const Goal<Block> goals = spread<Block>(goal);
     bool near = false;
-    for (int b = 0; b < columns.many; ++b) {
-        if (!columns.valid(b)) continue;
-        double q[N];
-        for (int j = 0; j < N; ++j) q[j] = columns.row(b)[j];
-        const Weakest<N> fold = weakest_at(arm, goal, q);
-        if (fold.value <= arm.tolerances.singular) columns.flags[b] |= OTHER;
-        if (fold.value > SECOND_NEXT_DOOR) continue;
-        near = true;
-        for (int k = 0; k < 32; k += BLOCK) {
-            Block start[N];
-            for (int l = 0; l < BLOCK; ++l) {
-                const double away = k + l < 16 ? -BESIDE_FOLD[k + l] : BESIDE_FOLD[k + l - 16];
-                for (int j = 0; j < N; ++j) start[j].set(l, advanced(arm, j, q[j], away * fold.direction[j]));
-            }
-            const Block zero = 0.0;
-            const Block error = polish<true, Model, Block>(arm, goals, start, {20, FINISHED, PATIENCE}, zero <= zero).error;
-            for (int l = 0; l < BLOCK; ++l) {
-                double found[N];
-                for (int j = 0; j < N; ++j) found[j] = start[j][l];
-                if (error[l] <= CONVERGED && is_new(arm, goal, columns, found))
-                    add(arm, goal, columns, 0, found, singular_marks(arm, goal, found, 0));
-            }
+    for (int from = 0; from < columns.many; from += BLOCK) {
+        const Block least = least_bounds(arm, goals, columns, from);
+        for (int b = from; b < from + BLOCK && b < columns.many; ++b) {
+            if (!columns.valid(b) || least[b - from] > SECOND_NEXT_DOOR) continue;
+            double q[N];
+            for (int j = 0; j < N; ++j) q[j] = columns.row(b)[j];
+            const Weakest<N> fold = weakest_at(arm, goal, q);
+            if (fold.value <= arm.tolerances.singular) columns.flags[b] |= OTHER;
+            if (fold.value > SECOND_NEXT_DOOR) continue;
+            near = true;
+            search_beside_fold(arm, goal, goals, q, fold, columns);
         }
     }
     return near;
@@ -77,9 +104,9 @@ PART bool walk_valley(const Model& arm, const Goal<double>& goal, const double* 
     for (int j = 0; j < N; ++j) along[j] = way * weak.direction[j];
     for (int k = 0; k < STRIDES && weak.value < NO_LONGER_WEAK; ++k) {
         Error<double, Model::rows> left = {};
+        Rows<Model::rows, double> J[N];
         for (int j = 0; j < N; ++j) last[j] = q[j], q[j] = advanced(arm, j, q[j], STRIDE * along[j]);
         for (int round = 0; round < 3; ++round) {
-            Rows<Model::rows, double> J[N];
             left = error_and_jacobian(arm, goal, q, J);
             if (round == 2) break;
             const Solved<N, double> step = least_squares<true, N, Model::rows>(J, left.twist, HOLDING);
@@ -105,7 +132,7 @@ PART bool walk_valley(const Model& arm, const Goal<double>& goal, const double* 
         for (int c = 0; c < columns.many; ++c) {
             if (columns.valid(c) && is_here(columns.row(c))) passed |= 1u << c;
         }
-        weak = weakest_at(arm, goal, q);
+        weak = weakest(J);
         double same = 0.0;
         for (int j = 0; j < N; ++j) same += along[j] * weak.direction[j];
         for (int j = 0; j < N; ++j) along[j] = (same < 0.0 ? -1.0 : 1.0) * weak.direction[j];

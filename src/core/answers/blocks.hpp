@@ -4,9 +4,10 @@
 // A Family is a struct with
 //   Arm        what it knows of an arm; Arm::ideal is IdealFrames, or Ends at least, Arm::written is Written<N>
 //   branches   how many columns it has
-//   fast       fast(arm, seen, found): all branches of a block of poses; found is Found<branches>, or what imperfect
-//              arms want to know of them (families/imperfect/imperfect.hpp), which asks for finite angles beyond a branch's end
-//              too (see margin_root)
+//   fast       fast(arm, seen, found): all branches of a block of poses; found is Found<branches>
+//   by_signs   whether three signs tell its branches apart; if so
+//   branch     branch(arm, seen, signs): one branch a lane, each of its own pose, beyond their ends too (see margin_root);
+//              imperfect arms ask for it (families/imperfect/imperfect.hpp)
 //   closely    closely(arm, goal, seen, reference, columns, wanted): the branches of one pose whose bit is set in
 //              `wanted`, added to the columns. Where it returns a number, that has the bit set of each branch that
 //              it is not sure of (see around.hpp)
@@ -27,11 +28,15 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// How far a branch is from its ends: the margins whose roots have the branch's signs of shoulder, elbow and wrist (bits 4,
-// 2 and 1 of its number), and the least squared arm that fixes its angles (dimensionless), each by what comes before it (see
-// after). Imperfect arms ask for it.
-template <class V> struct Clearance {
-    V shoulder, elbow, wrist, arms;
+// A branch: joint values; how far it is from its ends, the margins whose roots have its signs of shoulder, elbow and wrist (bits
+// 4, 2 and 1 of its number), and the least squared arm that fixes its angles (dimensionless), each by what comes before it (see
+// after).
+struct Branch {
+    Block q[6], shoulder, elbow, wrist, arms;
+};
+// The signs of a block of branches.
+struct Signs {
+    Block shoulder, elbow, wrist;
 };
 // The squared arm that fixes a joint, by how well those before it are fixed. What moves the target moves a joint by that over its
 // arm, or over the root of its margin, and takes along the joints that come after it: `before` is the least of these squares.
@@ -41,7 +46,6 @@ template <class V> STEP V after(const V& arm, const V& before) { return arm * mi
 // is in doubt.
 struct State {
     MaskOf<Block> lost, doubt;
-    Clearance<Block> clear;
 };
 
 // A block's answers: angles of each branch; the lanes in which it is a solution, and those in which that is in doubt.
@@ -50,8 +54,7 @@ template <int B, int N = 6> struct Found {
     unsigned valid[B], doubt[B];
 
     // Angles where the branch is neither lost nor in doubt, NaN elsewhere.
-    STEP void set(int b, const Block (&angles)[N], const MaskOf<Block>& lost, const MaskOf<Block>& in_doubt,
-                  const Clearance<Block>& = {}) {
+    STEP void set(int b, const Block (&angles)[N], const MaskOf<Block>& lost, const MaskOf<Block>& in_doubt) {
         const auto good = !(lost | in_doubt);
         for (int j = 0; j < N; ++j) q[b][j] = select(good, angles[j], __builtin_nan(""));
         valid[b] = bits(good), doubt[b] = bits(in_doubt & !lost);
@@ -161,6 +164,22 @@ template <int B> STEP unsigned of_lane(const unsigned (&masks)[B], int lane) {
     return r;
 }
 
+// Eight rows of eight bits to columns: blocks of 1, 2 and 4 change places (Warren, Hacker's Delight, section 7-3).
+STEP std::uint64_t transposed_bits(const unsigned (&rows)[8]) {
+    std::uint64_t x = 0, t;
+    for (int b = 0; b < 8; ++b) x |= std::uint64_t(rows[b]) << 8 * b;
+    t = (x ^ x >> 7) & 0x00aa00aa00aa00aaULL, x ^= t ^ t << 7;
+    t = (x ^ x >> 14) & 0x0000cccc0000ccccULL, x ^= t ^ t << 14;
+    t = (x ^ x >> 28) & 0x00000000f0f0f0f0ULL, x ^= t ^ t << 28;
+    return x;
+}
+STEP void store_flags(const unsigned (&valid)[8], int many, std::uint8_t* flags) {
+    const std::uint64_t lanes = transposed_bits(valid);
+    for (int i = 0; i < many; ++i) {
+        const std::uint64_t bytes = bytes_of(unsigned(lanes >> 8 * i) & 255u);
+        __builtin_memcpy(flags + 8 * i, &bytes, 8);
+    }
+}
 template <int B> STEP void store_flags(const unsigned (&valid)[B], int many, std::uint8_t* flags) {
     for (int i = 0; i < many; ++i) {
         const unsigned all = of_lane(valid, i);
@@ -267,45 +286,31 @@ template <class Family> STEP int solve_block(const typename Family::Arm& arm, co
     return -1;
 }
 
-// All branches of a block of targets, beyond their ends too.
-struct AllBranches {
-    Block q[8][6];
-    Clearance<Block> clear[8];
-    STEP void set(int b, const Block (&angles)[6], const MaskOf<Block>&, const MaskOf<Block>&, const Clearance<Block>& at = {}) {
-        for (int j = 0; j < 6; ++j) q[b][j] = angles[j];
-        clear[b] = at;
-    }
-    STEP void leave_open() {
-        for (int b = 0; b < 8; ++b) {
-            for (int j = 0; j < 6; ++j) q[b][j] = __builtin_nan("");
-            clear[b] = {0.0, 0.0, 0.0, 0.0};
-        }
-    }
-};
+// Branches `first` and on of a family, a lane each, of targets of their own.
+template <class Family> STEP Branch branches_from(const typename Family::Arm& arm, const Seen<Block>& seen, int first) {
+    const auto& of = arm.ideal.signs;
+    return Family::branch(arm, seen, {load<Block>(of[0] + first), load<Block>(of[1] + first), load<Block>(of[2] + first)});
+}
 
 // The joint vectors of all branches of a batch, beyond their ends too: see Batch::beyond. columns: of an answer, eight or more.
 template <class Family> PART void branches_beyond(const typename Family::Arm& arm, const Batch& batch, int columns) {
-    for (long start = 0; start < batch.m; start += BLOCK) {
-        double T[16 * BLOCK];
-        const int many = batch.m - start < BLOCK ? int(batch.m - start) : BLOCK;
-        for (int i = 0; i < BLOCK; ++i) {
-            __builtin_memcpy(T + 16 * i, batch.T + 16 * (start + (i < many ? i : many - 1)), 16 * sizeof(double));
-        }
-        Block t[16];
-        load_poses(T, t);
-        AllBranches all;
-        Family::fast(arm, to_frame_1(t, arm.ideal), all);
-        for (int i = 0; i < many; ++i) {
-            for (int b = 0; b < columns; ++b) {
-                for (int j = 0; j < 6; ++j)
-                    batch.q[6 * (columns * (start + i) + b) + j] = b < 8 ? all.q[b][j][i] : __builtin_nan("");
+    for (long i = 0; i < batch.m; ++i) {
+        double* to = batch.q + 6 * columns * i;
+        for (int k = 0; k < 6 * columns; ++k) to[k] = __builtin_nan("");
+        if constexpr (Family::by_signs) {
+            const Seen<Block> seen = to_frame_1(spread<Block>(goal_of(batch.T + 16 * i)), arm.ideal);
+            for (int first = 0; first < 8; first += BLOCK) {
+                const Branch at = branches_from<Family>(arm, seen, first);
+                for (int l = 0; l < BLOCK; ++l) {
+                    for (int j = 0; j < 6; ++j) to[6 * (first + l) + j] = at.q[j][l];
+                }
             }
         }
     }
 }
 // Whether the family is one of those that it is for.
 template <class Family> constexpr bool has_ends() {
-    return joints_of<Family> == 6 && Family::branches == 8 && numbers_of<Family>() == 16 && !redundant_of<Family>();
+    return requires { Family::by_signs; };
 }
 
 // All solutions of a batch. Returns the index of the first that is no pose, -1 where all are.

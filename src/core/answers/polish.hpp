@@ -139,11 +139,13 @@ STEP Polished<V> polish(const Model& arm, const Goal<V>& goal, V (&q)[Model::joi
         mark = select(gained, e.size, mark);
         since = select(gained, V(0.0), since + 1.0);
         moves = moves & (e.size >= V(course.enough)) & !settled & (since <= V(double(course.patience)));
+        const bool rests = round == course.rounds || !any(moves);
+        if (rests && round > 0) break;
         V damping = min(1e-2 * e.size, V(1e-2)) + course.least_damping;
         if constexpr (damped) damping = select(better | (e.size >= V(NEARLY)), damping, max(damping, V(HELD)));
         const Solved<N, V> step = least_squares<damped>(J, e.twist, damping);
-        out.least = select(better, step.least, out.least);
-        if (round == course.rounds || !any(moves)) break;
+        out.least = select(better & (moves | (V(double(round)) < V(0.5))), step.least, out.least);
+        if (rests) break;
         V longest = TINY;
         for (int j = 0; j < N; ++j) longest = max(longest, abs(step.x[j]));
         const V shrink = min(0.5 / longest, V(1.0));

@@ -32,7 +32,7 @@ template <int N, class V> STEP V least_stretch(const Triangle<N, V>& f) {
             square += inverse[k][l] * inverse[k][l];
         }
     }
-    return 1.0 / sqrt(square);
+    return inverse_sqrt(square);
 }
 
 // Solve J x = e in the least-squares sense; damped: minimise |J x - e|^2 + |damping x|^2. J is overwritten.
@@ -52,7 +52,7 @@ STEP Solved<N, V> least_squares(Rows<rows, V> (&J)[N], Rows<rows, V> e, const V&
         if constexpr (damped) {
             for (int i = 0; i <= k; ++i) square += low[k][i] * low[k][i];
         }
-        f.w[k] = 1.0 / sqrt(square);
+        f.w[k] = inverse_sqrt(square);
         J[k] = times(J[k], f.w[k]);
         if constexpr (damped) {
             for (int i = 0; i <= k; ++i) low[k][i] = low[k][i] * f.w[k];

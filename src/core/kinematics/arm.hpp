@@ -51,7 +51,7 @@ struct IdealFrames : Ends {
     double cos_alpha[5], sin_alpha[5], a[5], d[4], offset[6], size;
     double clamp;         // how far below zero a margin may fall before its branch is given up
     double imperfection;  // how far its poses are from those of the arm as written [rad, share of size]; 0: exact
-    double signs[8][3];   // of the branches: shoulder, elbow, wrist
+    double signs[3][8];   // of shoulder, elbow and wrist, by branch
 };
 
 // One call's poses and answers. q: (m, columns, joints), flags: (m, columns).

@@ -63,8 +63,17 @@ class Commands(TyperGroup):
         except MemoryError:
             typer.echo("Error: not enough memory for that many poses; give fewer at a time", err=True)
             raise typer.Exit(Status.USAGE) from None
+        except ImportError as error:
+            typer.echo(f"Error: {_unloaded(error)}", err=True)
+            raise typer.Exit(Status.USAGE) from None
         except OSError as error:
             raise typer.Exit(unwritten(error)) from None
+
+
+def _unloaded(error: ImportError) -> str:
+    """What to do about a package that is there and cannot be loaded: pin's wheels need a library of the system."""
+    mend = "; on Debian and Ubuntu: apt install libgomp1" if "libgomp" in str(error) else ""
+    return f"a package that urdf-ik needs cannot be loaded: {printable(str(error))}{mend}"
 
 
 @contextmanager

@@ -171,9 +171,9 @@ def _values(ideal: dict[str, Any], shoulder: str, ahead: float) -> dict[str, Any
     if shoulder == "2||3":
         height = d[0] + ca[1] * level
         bend_offset = math.remainder(phi + ideal["offset"][2], 2.0 * math.pi)
-        signs[:, 0] *= ahead
+        signs[0] *= ahead
         # The elbow is up where it lies above the line from shoulder to wrist, seen along axis 1.
-        signs[:, 1] *= -ca[1] * np.sign(sa[0]) * signs[:, 0]
+        signs[1] *= -ca[1] * np.sign(sa[0]) * signs[0]
     elif shoulder == "1x2":
         # |p|^2 = constant + 2 rho |(a2, d2 sin alpha2)| cos(t3 + phi - delta)
         x, y = a[1], d[0] * sa[1]

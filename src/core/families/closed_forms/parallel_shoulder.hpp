@@ -157,13 +157,14 @@ template <class V> STEP V wrap_far(const V& a) { return wrap(wrap(wrap(a))); }
 template <LastAxes kind> struct ParallelShoulder {
     using Arm = ParallelShoulderArm;
     static constexpr int branches = 8;
+    static constexpr bool by_signs = kind != LastAxes::general;
 
     template <class Out> static STEP void fast(const Arm& arm, const Seen<Block>& seen, Out& found) {
         const auto& ideal = arm.ideal;
         const Height<Block> at = height_of(ideal, seen);
         for (int k = 0; k < 4; ++k) {
             const int b = 4 * (k / 2) + k % 2;
-            const WristEnds<Block> ends = wrist_ends<kind, Block>(ideal, at, ideal.signs[b][0], ideal.signs[b][2], {});
+            const WristEnds<Block> ends = wrist_ends<kind, Block>(ideal, at, ideal.signs[0][b], ideal.signs[2][b], {});
             const MiddleTurn<Block> middle = middle_turn(ideal, at, ends.t4, ends.t6);
             const Hand<Block> hand = hand_at(ideal, ends.t4);
             const Turn<Block> psi = turn_of_hand(ideal, seen.R, hand, middle.t5, ends.t6);
@@ -189,17 +190,33 @@ template <LastAxes kind> struct ParallelShoulder {
         const Block product = ends.first * ends.second * f.margin * (middle.arm5 * arm6 * arm1);
         const auto doubt = (min(min(ends.first, arms), min(ends.second, f.margin)) <= rough) | (product <= Block(SMALL_TOGETHER)) |
                            !(miss * miss * scale + middle.error * uu <= (tol.reach * tol.reach * 1e-2) * uu);
-        const Block ahead = min(abs(ends.first), abs(ends.second)), held = min(after(middle.arm5, ahead), arm6);
-        const Clearance<Block> clear = {ends.first, f.margin, ends.second,
-                                        min(held, after(arm1, min(ahead, min(middle.arm5, arm6))))};
         const Block t2 = angle(f.bend), bend = side * t2, turned = angle(psi), xx = f.wx * u.x, xy = f.wx * u.y, yx = f.wy * u.x,
                     yy = f.wy * u.y;
         const Block q4 = wrap(angle(ends.t4) - ideal.offset[3]), q5 = wrap(angle(middle.t5) - ideal.offset[4]);
         const Block q6 = wrap(angle(ends.t6) - ideal.offset[5]), t1 = atan2(xy - yx, xx + yy), t1_down = atan2(xy + yx, xx - yy);
         const auto q3 = [&](const Block& t) { return wrap(wrap(sense * (turned - t) - ideal.offset[2])); };
-        found.set(b, {wrap(t1 - ideal.offset[0]), wrap(t2 - ideal.offset[1]), q3(t1 + bend), q4, q5, q6}, lost, doubt, clear);
+        found.set(b, {wrap(t1 - ideal.offset[0]), wrap(t2 - ideal.offset[1]), q3(t1 + bend), q4, q5, q6}, lost, doubt);
         found.set(b + 2, {wrap(t1_down - ideal.offset[0]), wrap(-t2 - ideal.offset[1]), q3(t1_down - bend), q4, q5, q6}, lost,
-                  doubt, clear);
+                  doubt);
+    }
+
+    static STEP Branch branch(const Arm& arm, const Seen<Block>& seen, const Signs& signs) {
+        const auto& ideal = arm.ideal;
+        const double scale = 1.0 / (ideal.size * ideal.size), side = ideal.cos_alpha[0];
+        const Height<Block> at = height_of(ideal, seen);
+        const WristEnds<Block> ends = wrist_ends<kind, Block>(ideal, at, signs.shoulder, signs.wrist, {});
+        const MiddleTurn<Block> middle = middle_turn(ideal, at, ends.t4, ends.t6);
+        const Hand<Block> hand = hand_at(ideal, ends.t4);
+        const Turn<Block> psi = turn_of_hand(ideal, seen.R, hand, middle.t5, ends.t6);
+        const Plane<Block> u = rest_across<Block>({seen.p.x, seen.p.y}, last_across(ideal, ends.t4, hand, middle.t5), psi);
+        const Elbow<Block> e = elbow(u.x, u.y, ideal.a[0], ideal.a[1], side, signs.elbow);
+        const Block arm6 = at.h.x * at.h.x + at.h.y * at.h.y, arm1 = (u.x * u.x + u.y * u.y) * scale;
+        const Block ahead = min(abs(ends.first), abs(ends.second)), held = min(after(middle.arm5, ahead), arm6);
+        const Block t1 = angle(e.second), t2 = angle(e.bend), t3 = same_sense(ideal) * (angle(psi) - (t1 + side * t2));
+        const Block found[6] = {t1, t2, wrap(t3), angle(ends.t4), angle(middle.t5), angle(ends.t6)};
+        Branch out = {{}, ends.first, e.margin, ends.second, min(held, after(arm1, min(ahead, min(middle.arm5, arm6))))};
+        for (int j = 0; j < 6; ++j) out.q[j] = wrap(found[j] - ideal.offset[j]);
+        return out;
     }
 
     // What a pose is to all branches.
@@ -237,7 +254,7 @@ template <LastAxes kind> struct ParallelShoulder {
     static PART Settled settle(const Arm& arm, const Sight& sight, const Reference<6>& reference, int b, int root) {
         const auto& ideal = arm.ideal;
         const Tolerances& tol = arm.written.tolerances;
-        const double front = ideal.signs[b][0], flip = ideal.signs[b][2];
+        const double front = ideal.signs[0][b], flip = ideal.signs[2][b];
         Settled out = {};
         out.ends = wrist_ends<kind, double>(ideal, sight.at, front, flip, sight.roots.root[root]);
         if constexpr (kind == LastAxes::general) out.ends.first = sight.roots.gap(root);
@@ -303,7 +320,7 @@ template <LastAxes kind> struct ParallelShoulder {
                                    const Settled& at, int b, const Columns<6>& columns) {
         const auto& ideal = arm.ideal;
         const Tolerances& tol = arm.written.tolerances;
-        const double up = ideal.signs[b][1], side = ideal.cos_alpha[0], scale = 1.0 / (ideal.size * ideal.size);
+        const double up = ideal.signs[1][b], side = ideal.cos_alpha[0], scale = 1.0 / (ideal.size * ideal.size);
         const double m1 = at.ends.first, m3 = at.ends.second, arm5 = at.middle.arm5, arm6 = sight.arm6;
         bool free = false;
         Turn<double> t6 = at.ends.t6;

@@ -109,6 +109,7 @@ STEP Rot<V> middle_rotation(const IdealFrames& arm, const Rot<V>& R, const Turn<
 template <LastPair kind> struct SphericalMiddle {
     using Arm = SphericalMiddleArm;
     static constexpr int branches = 8;
+    static constexpr bool by_signs = kind != LastPair::general;
 
     static STEP Twists twists(const Arm& arm) {
         return {arm.ideal.cos_alpha[1], arm.ideal.sin_alpha[1], arm.ideal.cos_alpha[2], arm.ideal.sin_alpha[2]};
@@ -116,9 +117,9 @@ template <LastPair kind> struct SphericalMiddle {
 
     template <class Out> static STEP void fast(const Arm& arm, const Seen<Block>& seen, Out& found) {
         for (int k = 0; k < 4; ++k) {
-            const FirstTurn<Block> first = first_turn<kind, Block>(arm, seen, arm.ideal.signs[2 * k][0]);
+            const FirstTurn<Block> first = first_turn<kind, Block>(arm, seen, arm.ideal.signs[0][2 * k]);
             const Vec<Block> u = centre_seen_from_6(arm, seen, first.t1);
-            both_middles(arm, seen.R, first, u, last_turns<kind, Block>(arm, u, arm.ideal.signs[2 * k][1]), 2 * k, found);
+            both_middles(arm, seen.R, first, u, last_turns<kind, Block>(arm, u, arm.ideal.signs[1][2 * k]), 2 * k, found);
         }
     }
 
@@ -141,18 +142,32 @@ template <LastPair kind> struct SphericalMiddle {
         const auto doubt = (min(min(first.margin, arms), min(last.margin, bend.margin)) <= rough) |
                            (product <= Block(SMALL_TOGETHER)) |
                            !(last.error * scale + max(turns.error, flip.error) <= Block(tol.reach * tol.reach * 1e-2));
-        const Block outer = min(min(abs(first.margin), first.arm1), min(abs(last.margin), arm6));
-        const Block held = min(min(first.arm1, arm6), after(min(turns.fixed, flip.fixed), outer));
-        const Clearance<Block> clear = {first.margin, last.margin, bend.margin, held};
         const double* offset = ideal.offset;
         const Block q1 = wrap(angle(first.t1) - offset[0]), q5 = wrap(angle(last.t5) - offset[4]),
                     q6 = wrap(angle(last.t6) - offset[5]);
         const Block t3 = angle(bend.turn);
         found.set(b, {q1, wrap(angle(turns.first) - offset[1]), wrap(t3 - offset[2]), wrap(angle(turns.last) - offset[3]), q5, q6},
-                  lost, doubt, clear);
+                  lost, doubt);
         found.set(b + 1,
                   {q1, wrap(angle(flip.first) - offset[1]), wrap(-t3 - offset[2]), wrap(angle(flip.last) - offset[3]), q5, q6},
-                  lost, doubt, clear);
+                  lost, doubt);
+    }
+
+    static STEP Branch branch(const Arm& arm, const Seen<Block>& seen, const Signs& signs) {
+        const auto& ideal = arm.ideal;
+        const Twists t = twists(arm);
+        const FirstTurn<Block> first = first_turn<kind, Block>(arm, seen, signs.shoulder);
+        const Vec<Block> u = centre_seen_from_6(arm, seen, first.t1);
+        const LastTurns<Block> last = last_turns<kind, Block>(arm, u, signs.elbow);
+        const Rot<Block> M = middle_rotation(ideal, seen.R, first.t1, last.t5, last.t6);
+        const Bend<Block> bend = wrist_bend(M.z, t, signs.wrist);
+        const WristTurns<Block> turns = wrist_turns(M, bend.turn, t);
+        const Block arm6 = (u.x * u.x + u.y * u.y) * (1.0 / (ideal.size * ideal.size));
+        const Block outer = min(min(abs(first.margin), first.arm1), min(abs(last.margin), arm6));
+        Branch out = {{}, first.margin, last.margin, bend.margin, min(min(first.arm1, arm6), after(turns.fixed, outer))};
+        const Turn<Block> found[6] = {first.t1, turns.first, bend.turn, turns.last, last.t5, last.t6};
+        for (int j = 0; j < 6; ++j) out.q[j] = wrap(angle(found[j]) - ideal.offset[j]);
+        return out;
     }
 
     // Joints 1, 5 and 6 of one pair of roots.
@@ -175,7 +190,7 @@ template <LastPair kind> struct SphericalMiddle {
         if constexpr (kind == LastPair::general) {
             out.first = {roots.root[k], roots.gap(k), 1.0};
         } else {
-            out.first = first_turn<kind, double>(arm, seen, ideal.signs[2 * k][0]);
+            out.first = first_turn<kind, double>(arm, seen, ideal.signs[0][2 * k]);
             if (out.first.margin < tol.fold || out.first.arm1 < tol.fold) out.marks |= SHOULDER;
         }
         const double m1 = out.first.margin, arm1 = out.first.arm1;
@@ -186,7 +201,7 @@ template <LastPair kind> struct SphericalMiddle {
             out.first.t1 = exact_turn(t1);
         }
         const Vec<double> u = centre_seen_from_6(arm, seen, out.first.t1);
-        out.last = last_turns<kind, double>(arm, u, ideal.signs[2 * k][1]);
+        out.last = last_turns<kind, double>(arm, u, ideal.signs[1][2 * k]);
         out.arm6 = (u.x * u.x + u.y * u.y) * scale;
         const double m2 = out.last.margin;
         // Next to a fold, or to an axis that nothing turns about, angles are rough: let Newton's method decide.
@@ -228,7 +243,7 @@ template <LastPair kind> struct SphericalMiddle {
         const Twists t = twists(arm);
         const double m1 = at.first.margin, m2 = at.last.margin, arm1 = at.first.arm1;
         const Rot<double> M = middle_rotation(ideal, R, at.first.t1, at.last.t5, at.last.t6);
-        const Bend<double> bend = wrist_bend(M.z, t, ideal.signs[b][2]);
+        const Bend<double> bend = wrist_bend(M.z, t, ideal.signs[2][b]);
         const double least = max(min(min(m1, m2), min(arm1, at.arm6)), 0.0);
         const double rough = (kind == LastPair::general ? ROUGH_BY_ROOT : ROUGH_BY_MARGIN) / (least + 1e-12);
         if (bend.margin < -max(max(ideal.clamp, ROUGH), rough)) return false;

@@ -23,6 +23,7 @@ template <class V> STEP Rot<V> wrist_rotation(const Rot<V>& R, const IdealFrames
 template <Shoulder kind> struct SphericalWrist {
     using Arm = SphericalWristArm;
     static constexpr int branches = 8;
+    static constexpr bool by_signs = kind != Shoulder::general;
     static constexpr bool by_height = kind == Shoulder::parallel_23;  // the shoulder's margin comes before the elbow's
 
     // Angles of a block that are taken together, so that the processor finds independent work: t1 of both fronts and the
@@ -60,7 +61,7 @@ template <Shoulder kind> struct SphericalWrist {
     static STEP void one_front(const Arm& arm, const Seen<Block>& seen, int outer, Angles& at, State (&state)[4]) {
         const auto& ideal = arm.ideal;
         const double side = ideal.cos_alpha[1], size2 = 1.0 / (ideal.size * ideal.size);
-        const Front<Block> front = face<Block>(arm, seen.p, ideal.signs[4 * outer][0]);
+        const Front<Block> front = face<Block>(arm, seen.p, ideal.signs[0][4 * outer]);
         at.set(OUTER + outer, front.t1);
         const Rot<Block> R = each(seen.R, [&](const Vec<Block>& v) { return before_second(ideal, v, front.t1); });
         // Where the angle of joint 1 brings the wrist's plane, against where it should be.
@@ -77,7 +78,7 @@ template <Shoulder kind> struct SphericalWrist {
         Margins margins = {front.margin, f.margin, min(arm1, arm2), 0.0};
         for (int e = 0; e < 2; ++e) {
             const int pair = 2 * outer + e;
-            const double up = ideal.signs[2 * pair][1];
+            const double up = ideal.signs[1][2 * pair];
             const Turn<Block> t2 = unit(c_even + up * c_odd, s_even - up * s_odd);
             const Block us = up * s, across = up * f.wy;
             const Turn<Block> t3 = {c * arm.cos_phi + us * arm.sin_phi, us * arm.cos_phi - c * arm.sin_phi};
@@ -107,11 +108,11 @@ template <Shoulder kind> struct SphericalWrist {
     // Both fronts of one elbow.
     template <bool square>
     static STEP void one_elbow(const Arm& arm, const Seen<Block>& seen, int outer, Angles& at, State (&state)[4]) {
-        const Third<kind, Block> elbow = third<kind, Block>(arm, seen.p, arm.ideal.signs[2 * outer][1]);
+        const Third<kind, Block> elbow = third<kind, Block>(arm, seen.p, arm.ideal.signs[1][2 * outer]);
         at.set(OUTER + outer, elbow.t3);
         for (int inner = 0; inner < 2; ++inner) {
             const int pair = 2 * inner + outer;
-            const Place<Block> place = first_two<kind, Block>(arm, seen.p, elbow, arm.ideal.signs[2 * pair][0], {});
+            const Place<Block> place = first_two<kind, Block>(arm, seen.p, elbow, arm.ideal.signs[0][2 * pair], {});
             at.set(FIRST + pair, place.t1), at.set(SECOND + pair, place.t2);
             const Margins margins = {place.margin1, place.margin2, min(place.arm1, place.arm2), place.error};
             state[pair] = wrists<square>(arm, wrist_rotation(seen.R, arm.ideal, place), margins, pair, at);
@@ -142,8 +143,7 @@ template <Shoulder kind> struct SphericalWrist {
         const Block &first = by_height ? place.shoulder : place.elbow, &second = by_height ? place.elbow : place.shoulder;
         const auto lost = (first < Block(-tol.edge)) | ((second < Block(-tol.edge)) & (min(first, place.arms) > Block(tol.edge))) |
                           ((margin < Block(-tol.edge)) & (min(min(first, second), place.arms) > Block(tol.edge)));
-        const Block held = after(fixed, min(min(abs(place.shoulder), abs(place.elbow)), place.arms));
-        return {lost, doubt, {place.shoulder, place.elbow, margin, min(place.arms, held)}};
+        return {lost, doubt};
     }
 
     // Joint values from the angles, offsets taken off.
@@ -155,7 +155,7 @@ template <Shoulder kind> struct SphericalWrist {
             Block q[6], flipped[6];
             if constexpr (kind == Shoulder::parallel_23) {
                 q[0] = wrap(angle[OUTER + pair / 2] - offset[0]);
-                q[2] = wrap(arm.ideal.signs[2 * pair][1] * angle[BEND + pair / 2] - arm.bend_offset);
+                q[2] = wrap(arm.ideal.signs[1][2 * pair] * angle[BEND + pair / 2] - arm.bend_offset);
             } else {
                 q[0] = wrap(angle[FIRST + pair] - offset[0]), q[2] = wrap(angle[OUTER + pair % 2] - offset[2]);
             }
@@ -171,9 +171,23 @@ template <Shoulder kind> struct SphericalWrist {
                 flipped[3] = wrap(angle[FOURTH_FLIPPED + pair] - offset[3]),
                 flipped[5] = wrap(angle[SIXTH_FLIPPED + pair] - offset[5]);
             }
-            found.set(2 * pair, q, state[pair].lost, state[pair].doubt, state[pair].clear);
-            found.set(2 * pair + 1, flipped, state[pair].lost, state[pair].doubt, state[pair].clear);
+            found.set(2 * pair, q, state[pair].lost, state[pair].doubt);
+            found.set(2 * pair + 1, flipped, state[pair].lost, state[pair].doubt);
         }
+    }
+
+    static STEP Branch branch(const Arm& arm, const Seen<Block>& seen, const Signs& signs) {
+        const auto& ideal = arm.ideal;
+        const Twists t = {ideal.cos_alpha[3], ideal.sin_alpha[3], ideal.cos_alpha[4], ideal.sin_alpha[4]};
+        const Place<Block> at = position<kind, Block>(arm, seen.p, signs.shoulder, signs.elbow, {});
+        const Rot<Block> M = wrist_rotation(seen.R, ideal, at);
+        const Bend<Block> bend = wrist_bend(M.z, t, signs.wrist);
+        const WristTurns<Block> turns = wrist_turns(M, bend.turn, t);
+        const Block arms = min(at.arm1, at.arm2), before = min(min(abs(at.margin1), abs(at.margin2)), arms);
+        Branch out = {{}, at.margin1, at.margin2, bend.margin, min(arms, after(turns.fixed, before))};
+        const Turn<Block> found[6] = {at.t1, at.t2, at.t3, turns.first, bend.turn, turns.last};
+        for (int j = 0; j < 6; ++j) out.q[j] = wrap(angle(found[j]) - ideal.offset[j]);
+        return out;
     }
 
     // A margin within `fold` of zero is a double root, of which one branch is kept; a joint that the target leaves free
@@ -239,7 +253,7 @@ template <Shoulder kind> struct SphericalWrist {
         const auto& ideal = arm.ideal;
         const Tolerances& tol = arm.written.tolerances;
         constexpr bool quartic = kind == Shoulder::general;
-        double front = ideal.signs[2 * pair][0], up = ideal.signs[2 * pair][1];
+        double front = ideal.signs[0][2 * pair], up = ideal.signs[1][2 * pair];
         Settled out = {position<kind>(arm, p, front, up, roots.root[pair]), {}, 0, false, false, false};
         out.drift.own = max(out.drift.own, reference.displaced);
         const double m1 = quartic ? roots.gap(pair) : out.at.margin1, m2 = out.at.margin2, arm1 = out.at.arm1, arm2 = out.at.arm2;
@@ -273,7 +287,7 @@ template <Shoulder kind> struct SphericalWrist {
         const auto& ideal = arm.ideal;
         const Tolerances& tol = arm.written.tolerances;
         const Twists t = {ideal.cos_alpha[3], ideal.sin_alpha[3], ideal.cos_alpha[4], ideal.sin_alpha[4]};
-        const double flip = ideal.signs[b][2];
+        const double flip = ideal.signs[2][b];
         Bend<double> bend = wrist_bend(M.z, t, flip);
         // The quartic's roots are rough where it is ill-conditioned: let Newton's method decide.
         const double rough = kind == Shoulder::general ? ROUGH : 0.0;

@@ -79,6 +79,7 @@ PART Quartic first_angles(const ThreeParallelArm& arm, const Seen<double>& seen)
 template <Hand kind> struct ThreeParallel {
     using Arm = ThreeParallelArm;
     static constexpr int branches = 8;
+    static constexpr bool by_signs = kind != Hand::general;
 
     // Angles of a block that are taken together, so that the processor finds independent work: joints 1 and 5 of both
     // shoulders, phi and joint 6 of both, or of all four wrists, the elbow's bend of these, joint 2 of all branches.
@@ -109,7 +110,7 @@ template <Hand kind> struct ThreeParallel {
         const auto& ideal = arm.ideal;
         const Twists t = twists(arm);
         const double scale = 1.0 / (ideal.size * ideal.size);
-        const Swing<Block> first = face<Block>(arm, seen.p, ideal.signs[4 * shoulder][0]);
+        const Swing<Block> first = face<Block>(arm, seen.p, ideal.signs[0][4 * shoulder]);
         const Seen<Block> from = seen_along(arm, seen, first.turn);
         const Block high = (from.p.z - arm.along) * (1.0 / ideal.size), arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * scale;
         at.set(FIRST + shoulder, first.turn);
@@ -152,9 +153,7 @@ template <Hand kind> struct ThreeParallel {
                           ((f.margin < Block(-edge)) & (min(before, min(up.fixed, up.arm1)) > Block(edge)));
         const auto doubt = (min(min(before, f.margin), arms) <= Block(edge)) |
                            !(miss * miss * scale + up.error * uu <= (reach * reach * 1e-2) * uu);
-        const Block front = min(abs(up.margin1), up.arm1), wrist = min(abs(up.margin5), up.fixed);
-        const Block held = min(after(up.fixed, front), after(uu * scale, min(front, wrist)));
-        return {lost, doubt, {up.margin1, f.margin, up.margin5, min(up.arm1, held)}};
+        return {lost, doubt};
     }
 
     // Joint values from the angles, offsets taken off.
@@ -172,9 +171,29 @@ template <Hand kind> struct ThreeParallel {
             const Block t2 = angle[SECOND + 2 * k + down], t3 = down ? -angle[BEND + k] : angle[BEND + k];
             const Block t4 = arm.turn_4 * (phi - (t2 + arm.turn_3 * t3));
             found.set(4 * shoulder + 2 * down + flip,
-                      {q1, wrap(t2 - offset[1]), wrap(t3 - offset[2]), wrap(wrap(t4 - offset[3])), q5, q6}, state.lost, state.doubt,
-                      state.clear);
+                      {q1, wrap(t2 - offset[1]), wrap(t3 - offset[2]), wrap(wrap(t4 - offset[3])), q5, q6}, state.lost,
+                      state.doubt);
         }
+    }
+
+    static STEP Branch branch(const Arm& arm, const Seen<Block>& seen, const Signs& signs) {
+        const auto& ideal = arm.ideal;
+        const Twists t = twists(arm);
+        const double scale = 1.0 / (ideal.size * ideal.size);
+        const Swing<Block> first = face(arm, seen.p, signs.shoulder);
+        const Seen<Block> from = seen_along(arm, seen, first.turn);
+        const Bend<Block> bend = wrist_bend(from.R.z, t, signs.wrist);
+        const WristTurns<Block> turns = wrist_turns(from.R, bend.turn, t);
+        const Across<Block> u = to_axis_4(from.p, turns.first, forearm(arm, bend.turn));
+        const Elbow<Block> e = elbow(u.x, u.y, ideal.a[1], ideal.a[2], arm.turn_3, signs.elbow);
+        const Block arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * scale, arm2 = (u.x * u.x + u.y * u.y) * scale;
+        const Block margin1 = first.margin * scale, front = min(abs(margin1), arm1), wrist = min(abs(bend.margin), turns.fixed);
+        const Block arms = min(arm1, min(after(turns.fixed, front), after(arm2, min(front, wrist))));
+        const Block t2 = angle(e.second), t3 = angle(e.bend), t4 = arm.turn_4 * (angle(turns.first) - (t2 + arm.turn_3 * t3));
+        const Block found[6] = {angle(first.turn), t2, t3, wrap(t4), angle(bend.turn), angle(turns.last)};
+        Branch out = {{}, margin1, e.margin, bend.margin, arms};
+        for (int j = 0; j < 6; ++j) out.q[j] = wrap(found[j] - ideal.offset[j]);
+        return out;
     }
 
     static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
@@ -227,7 +246,7 @@ template <Hand kind> struct ThreeParallel {
     static STEP bool settle_first(const Arm& arm, const Seen<double>& seen, const Reference<6>& reference, int b, Settled& to) {
         const auto& ideal = arm.ideal;
         const Tolerances& tol = arm.written.tolerances;
-        const double front = ideal.signs[b][0], scale = 1.0 / (ideal.size * ideal.size);
+        const double front = ideal.signs[0][b], scale = 1.0 / (ideal.size * ideal.size);
         const Swing<double> s = face(arm, seen.p, front);
         to.t1 = s.turn, to.margin1 = s.margin * scale;
         if (to.margin1 < -ideal.clamp) return false;
@@ -246,7 +265,7 @@ template <Hand kind> struct ThreeParallel {
         const auto& ideal = arm.ideal;
         const Tolerances& tol = arm.written.tolerances;
         const Twists t = twists(arm);
-        const double flip = ideal.signs[b][2], scale = 1.0 / (ideal.size * ideal.size);
+        const double flip = ideal.signs[2][b], scale = 1.0 / (ideal.size * ideal.size);
         Settled out = {};
         out.arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * scale;
         out.drift.own = max(out.drift.own, reference.displaced);
@@ -306,7 +325,7 @@ template <Hand kind> struct ThreeParallel {
                                    int b, const Columns<6>& columns) {
         const auto& ideal = arm.ideal;
         const Tolerances& tol = arm.written.tolerances;
-        const double up = ideal.signs[b][1], upper = ideal.a[1], lower = ideal.a[2], scale = 1.0 / (ideal.size * ideal.size);
+        const double up = ideal.signs[1][b], upper = ideal.a[1], lower = ideal.a[2], scale = 1.0 / (ideal.size * ideal.size);
         const double ux = at.axis_4.x, uy = at.axis_4.y, arm2 = (ux * ux + uy * uy) * scale;
         Elbow<double> e = elbow(ux, uy, upper, lower, arm.turn_3, up);
         const double margin = e.margin;

@@ -124,11 +124,12 @@ STEP Place<V> first_two(const SphericalWristArm& arm, const Vec<V>& p, const Thi
 }
 
 // One of the solutions, by the signs of shoulder and elbow; of a general shoulder by its root.
-template <Shoulder kind>
-STEP Place<double> position(const SphericalWristArm& arm, const Vec<double>& p, double front, double up, const Turn<double>& root,
-                            const Held& hold = {}) {
+template <Shoulder kind, class V>
+STEP Place<V> position(const SphericalWristArm& arm, const Vec<V>& p, const V& front, const V& up, const Turn<V>& root,
+                       const Held& hold = {}) {
     if constexpr (kind == Shoulder::parallel_23) return bend_elbow(arm, p, face(arm, p, front), up, hold);
-    else if constexpr (kind == Shoulder::general) return first_two<kind>(arm, p, {root, second_link(arm, root), 1.0}, front, hold);
+    else if constexpr (kind == Shoulder::general)
+        return first_two<kind, V>(arm, p, {root, second_link(arm, root), 1.0}, front, hold);
     else return first_two<kind>(arm, p, third<kind>(arm, p, up), front, hold);
 }
 

@@ -5,9 +5,8 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-template <Shoulder kind> inline constexpr auto near_wrist =
-    solve_singly<Imperfect<SphericalWrist<kind>, kind == Shoulder::general>>;
-template <Hand kind> inline constexpr auto near_parallel = solve_singly<Imperfect<ThreeParallel<kind>, kind == Hand::general>>;
+template <Shoulder kind> inline constexpr auto near_wrist = solve_singly<Imperfect<SphericalWrist<kind>>>;
+template <Hand kind> inline constexpr auto near_parallel = solve_singly<Imperfect<ThreeParallel<kind>>>;
 
 extern const ImperfectSolvers imperfect_solvers;
 const ImperfectSolvers imperfect_solvers = {

@@ -38,20 +38,17 @@ inline constexpr double DOUBLY_WEAK = 1e-2;
 // of M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018).
 inline constexpr double IRRATIONAL = 0.8986537126286993;
 
-// by_quartic: the family has no block path; all its poses go to its careful path and the elimination.
-template <class Family, bool by_quartic = false> struct Imperfect {
+template <class Family> struct Imperfect {
     using Arm = ImperfectArm<typename Family::Arm>;
     static constexpr int branches = 16;
+    // No signs tell its branches apart; all its poses go to its careful path and the elimination.
+    static constexpr bool by_quartic = !Family::by_signs;
 
     static PART void answer(const void* arm, const Seen<Block>& seen, int first, Answers& to) {
-        AllBranches all;
-        Family::fast(*static_cast<const typename Family::Arm*>(arm), seen, all);
-        for (int l = 0; l < BLOCK; ++l) {
-            const int b = first + l;
-            for (int j = 0; j < 6; ++j) to.q[j][b] = all.q[b][j][l];
-            to.margin[0][b] = all.clear[b].shoulder[l], to.margin[1][b] = all.clear[b].elbow[l];
-            to.margin[2][b] = all.clear[b].wrist[l], to.arms[b] = all.clear[b].arms[l];
-        }
+        const Branch at = branches_from<Family>(*static_cast<const typename Family::Arm*>(arm), seen, first);
+        for (int j = 0; j < 6; ++j) store(at.q[j], to.q[j] + first);
+        store(at.shoulder, to.margin[0] + first), store(at.elbow, to.margin[1] + first), store(at.wrist, to.margin[2] + first);
+        store(at.arms, to.arms + first);
     }
 
     static void beyond_ends(const Arm& arm, const Batch& batch) { branches_beyond<Family>(arm.family, batch, branches); }

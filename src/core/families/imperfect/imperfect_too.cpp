@@ -5,10 +5,8 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-template <LastAxes kind> inline constexpr auto near_shoulder =
-    solve_singly<Imperfect<ParallelShoulder<kind>, kind == LastAxes::general>>;
-template <LastPair kind> inline constexpr auto near_middle =
-    solve_singly<Imperfect<SphericalMiddle<kind>, kind == LastPair::general>>;
+template <LastAxes kind> inline constexpr auto near_shoulder = solve_singly<Imperfect<ParallelShoulder<kind>>>;
+template <LastPair kind> inline constexpr auto near_middle = solve_singly<Imperfect<SphericalMiddle<kind>>>;
 
 extern const ImperfectSolversToo imperfect_solvers_too;
 const ImperfectSolversToo imperfect_solvers_too = {

@@ -55,7 +55,7 @@ struct HollowWrist {
                          0.0,
                          0.0};
         for (int pair = 0; pair < 4; ++pair) {
-            search.front = ideal.signs[2 * pair][0], search.up = ideal.signs[2 * pair][1];
+            search.front = ideal.signs[0][2 * pair], search.up = ideal.signs[1][2 * pair];
             scan(search);
         }
         finish(arm.written, columns);

@@ -134,7 +134,7 @@ struct SrsNear {
         for (int i = many; i < BLOCK; ++i) {
             for (int j = 0; j < 7; ++j) search.q[j].set(i, search.q[j][0]);
         }
-        const Course course = {search.wide ? 20 : 12, CONVERGED, PATIENCE};
+        const Course course = search.wide ? Course{20, CONVERGED, PATIENCE} : Course{12, CONVERGED, 2};
         const auto out = polish<true>(search.model, spread<Block>(search.goal), search.q, course, search.q[0] <= Block(4.0));
         for (int i = 0; i < many; ++i) {
             double q[7];
@@ -151,7 +151,7 @@ struct SrsNear {
             search.failed = true;
             return;
         }
-        const bool singular = !(least > 100.0 * tol.singular) && weakest_at(search.model, search.goal, q).value <= tol.singular;
+        const bool singular = least < NEAR_FOLD && weakest_at(search.model, search.goal, q).value <= tol.singular;
         if (singular && continues(search, q)) return;
         keep(search.columns, column, q, singular ? OTHER : 0);
     }

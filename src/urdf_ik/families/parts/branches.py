@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
-# The eight branches of shoulder, elbow and wrist: the signs of their roots, and their names in the same order.
-SIGNS = np.array([[front, up, flip] for front in (1, -1) for up in (1, -1) for flip in (1, -1)], dtype=np.float64)
+# The eight branches of shoulder, elbow and wrist: the signs of their roots (3, 8), and their names in the same order.
+SIGNS = np.array(list(itertools.product((1.0, -1.0), repeat=3))).T.copy()
 NAMES = tuple(
     f"shoulder {front}, elbow {up}, wrist {flip}"
     for front in ("front", "back")
