@@ -27,7 +27,7 @@ SANITIZED_TESTS = tests/families/test_families.py tests/families/test_closed_for
 	tests/arm/test_arm.py
 
 .DELETE_ON_ERROR:
-.PHONY: help run test lint docs format stub wheel sanitize nightly bench million clean
+.PHONY: help run test lint docs format stub wheel sanitize arm64 nightly bench million clean
 
 help:
 	@echo "make run      all solutions of the bundled arm, each with its branch, limits, collisions and Pinocchio's error"
@@ -38,6 +38,7 @@ help:
 	@echo "make stub     writes src/urdf_ik/_core.pyi, the types of the compiled core"
 	@echo "make wheel    a wheel in dist/, which needs no compiler where it is installed"
 	@echo "make sanitize tests of the solvers on a core built with address and undefined-behaviour sanitizers"
+	@echo "make arm64    tests of the core on an emulated arm64; needs Debian and root; ARGS='tests/families -k slides' names others"
 	@echo "make nightly  make test, make sanitize and make million"
 	@echo "make bench    the benchmarks against other solvers; ARGS='--help' says more"
 	@echo "make million  a million random poses an arm: what is lost, doubled or off; ARGS='--help' says more"
@@ -78,6 +79,9 @@ sanitize: $(VENV)/.dev-installed
 	$(WITH_COMPILER) cmake --build build/sanitize
 	URDF_IK_BUILD=$(abspath build/sanitize) LD_PRELOAD="$$(sed -n 's/^URDF_IK_PRELOAD:.*=//p' build/sanitize/CMakeCache.txt)" \
 		ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1 $(BIN)/python -m pytest --capture=sys $(IN_PARALLEL) $(SANITIZED_TESTS) $(ARGS)
+
+arm64:
+	bash tools/arm64.sh $(ARGS)
 
 nightly: test sanitize million
 
