@@ -40,7 +40,7 @@ def test_a_library_that_the_system_lacks_is_named(tmp_path: Path) -> None:
     lacking = "libgomp.so.1: cannot open shared object file: No such file or directory"
     (tmp_path / "pinocchio.py").write_text(f"raise ImportError({lacking!r})")
     done = subprocess.run(
-        [sys.executable, "-m", "urdf_ik", "ik", "zyyzyz_6r", "--xyz", "0.5", "0", "0.5"],
+        [sys.executable, "-c", "from urdf_ik.cli import app; app()", "ik", "zyyzyz_6r"],
         env=os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])},
         capture_output=True,
         text=True,

@@ -20,6 +20,7 @@ static STEP void start_near_candidate(const double (&q)[6], int k, int lane, Blo
 
 void accept(const Written<6>& arm, const Goal<double>& goal, const double (&q)[6], int b, int marks, bool near,
             const Columns<6>& columns) {
+    if (arm.raw) return keep(columns, b, q, marks);
     const double enough = arm.exact ? arm.tolerances.reach : CONVERGED;
     // least: a bound from below on the smallest singular value of the Jacobian.
     const auto take = [&](double (&at)[6], double error, double least) {
@@ -27,10 +28,8 @@ void accept(const Written<6>& arm, const Goal<double>& goal, const double (&q)[6
         add(arm, goal, columns, b, at, near && least < NEAR_FOLD ? singular_marks(arm, goal, at, marks) : 0);
     };
     double at[6];
-    // A closed form is not improved by a step along a singular direction that only rounding asks for. Candidates from all around
-    // a joint that is all but free (not `beside`) may belong to no solution.
-    const Course course =
-        arm.exact ? Course{15, CONVERGED, LONG_PATIENCE} : Course{60, FINISHED, arm.beside ? LONG_PATIENCE : PATIENCE};
+    // A closed form is not improved by a step along a singular direction that only rounding asks for.
+    const Course course = arm.exact ? Course{15, CONVERGED, LONG_PATIENCE} : Course{60, FINISHED, LONG_PATIENCE};
     if (arm.exact || !arm.beside || !near) {
         for (int j = 0; j < 6; ++j) at[j] = q[j];
         const Polished<double> end = polish_one<true>(arm, goal, at, course);

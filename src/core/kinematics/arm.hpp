@@ -32,8 +32,8 @@ template <int N> struct Written {
     double size;  // length that tolerances are relative to [m]
     Tolerances tolerances;
     // Of an ideal arm's closed form: whether it is this arm's too, and else whether its candidates near singularities stand for
-    // others beside them.
-    bool exact, beside;
+    // others beside them, or are kept as they are for who follows them.
+    bool exact, beside, raw;
     Task task;
     double aimed[3];   // the tip's axis that is aimed, in the tip (Task::position_and_axis, planar_pose)
     double normal[3];  // of the plane, in the base (Task::planar_position, planar_pose)

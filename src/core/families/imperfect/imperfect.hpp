@@ -78,14 +78,72 @@ template <class Family> struct Imperfect {
         }
     }
 
+    // Candidates that wait for a block of them to be full, then Newton's method follows them side by side.
+    struct Waiting {
+        const Arm& arm;
+        const Goal<double>& goal;
+        const Columns<6>& columns;
+        Block q[6];
+        int marks[BLOCK], filled = 0;
+
+        STEP void add(const double* candidate, int kinds) {
+            for (int j = 0; j < 6; ++j) q[j].set(filled, candidate[j]);
+            marks[filled] = kinds;
+            if (++filled == BLOCK) follow();
+        }
+        PART void follow() {
+            const Written<6>& written = arm.family.written;
+            const int many = filled;
+            if (!many) return;
+            for (; filled < BLOCK; ++filled) {
+                for (int j = 0; j < 6; ++j) q[j].set(filled, q[j][0]);
+            }
+            filled = 0;
+            // Most of them may belong to no solution.
+            const Block zero = 0.0;
+            const auto end =
+                polish<true, Written<6>, Block>(written, spread<Block>(goal), q, {60, FINISHED, PATIENCE}, zero <= zero);
+            for (int l = 0; l < many; ++l) {
+                double at[6];
+                for (int j = 0; j < 6; ++j) at[j] = q[j][l];
+                if (!(end.error[l] <= CONVERGED) || !is_new(written, goal, columns, at)) continue;
+                urdf_ik::URDF_IK_LEVEL::add(written, goal, columns, 0, at,
+                                            end.least[l] < NEAR_FOLD ? singular_marks(written, goal, at, marks[l]) : 0);
+            }
+        }
+    };
+
+    // What the ideal arm answers for the places k of joints that it all but leaves free, place(k) being joint values. Branches in
+    // which none is free say the same for each.
+    template <class Place>
+    static PART void from_places(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Columns<6>& columns,
+                                 int places, const Place& place) {
+        Waiting waiting = {arm, goal, columns};
+        double first[6 * 8], room[6 * 8];
+        std::uint8_t flags[8];
+        const Columns<6> there = {room, flags, 8};
+        unsigned free = 255;
+        for (int k = 0; k < places; ++k) {
+            there.clear();
+            Family::closely(arm.loose, goal, seen, place(k), there, k < 2 ? 255u : free);
+            for (int b = 0; b < 8; ++b) {
+                bool same = k > 0;
+                for (int j = 0; j < 6; ++j) same = same && there.row(b)[j] == first[6 * b + j];
+                if (k == 1 && same) free &= ~(1u << b);
+                if (k == 0) __builtin_memcpy(first + 6 * b, there.row(b), sizeof(double) * 6);
+                if (there.valid(b) && !same) waiting.add(there.row(b), flags[b] & ~VALID);
+            }
+        }
+        waiting.follow();
+    }
+
     // A joint that the ideal arm leaves free has a few values on the arm as written: from places all around the circle.
     static PART void all_around(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Columns<6>& columns) {
-        for (int k = 0; k < AROUND; ++k) {
-            Reference<6> at;
+        from_places(arm, goal, seen, columns, AROUND, [](int k) {
+            Reference<6> at = reference_of<6>(nullptr);
             for (double& each : at.q) each = PI * (2.0 * k / AROUND - 1.0);
-            at.given = 0.0;
-            Family::closely(arm.loose, goal, seen, at, columns, ~0u);
-        }
+            return at;
+        });
     }
 
     // Whether some solution's Jacobian all but loses two ranks.
@@ -101,13 +159,12 @@ template <class Family> struct Imperfect {
 
     // Two such joints at once: from pairs of places, which an irrational share of a turn spreads evenly.
     static PART void apart(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Columns<6>& columns) {
-        for (int k = 0; k < PAIRS; ++k) {
-            Reference<6> at;
+        from_places(arm, goal, seen, columns, PAIRS, [](int k) {
+            Reference<6> at = reference_of<6>(nullptr);
             double share = 1.0;
             for (double& each : at.q) each = wrap(2.0 * PI * (share *= IRRATIONAL) * k);
-            at.given = 0.0;
-            Family::closely(arm.loose, goal, seen, at, columns, ~0u);
-        }
+            return at;
+        });
     }
 };
 
