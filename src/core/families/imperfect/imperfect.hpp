@@ -118,7 +118,7 @@ template <class Family> struct Imperfect {
     template <class Place>
     static PART void from_places(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Columns<6>& columns,
                                  int places, const Place& place) {
-        Waiting waiting = {arm, goal, columns};
+        Waiting waiting = {arm, goal, columns, {}, {}};
         double first[6 * 8], room[6 * 8];
         std::uint8_t flags[8];
         const Columns<6> there = {room, flags, 8};
