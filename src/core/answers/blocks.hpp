@@ -28,11 +28,12 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// A branch: joint values; how far it is from its ends, the margins whose roots have its signs of shoulder, elbow and wrist (bits
-// 4, 2 and 1 of its number), and the least squared arm that fixes its angles (dimensionless), each by what comes before it (see
-// after).
+// A branch: turns of the ideal arm's joints, offsets included; how far it is from its ends, the margins whose roots have its signs
+// of shoulder, elbow and wrist (bits 4, 2 and 1 of its number), and the least squared arm that fixes its angles (dimensionless),
+// each by what comes before it (see after).
 struct Branch {
-    Block q[6], shoulder, elbow, wrist, arms;
+    Turn<Block> turn[6];
+    Block shoulder, elbow, wrist, arms;
 };
 // The signs of a block of branches.
 struct Signs {
@@ -301,8 +302,9 @@ template <class Family> PART void branches_beyond(const typename Family::Arm& ar
             const Seen<Block> seen = to_frame_1(spread<Block>(goal_of(batch.T + 16 * i)), arm.ideal);
             for (int first = 0; first < 8; first += BLOCK) {
                 const Branch at = branches_from<Family>(arm, seen, first);
-                for (int l = 0; l < BLOCK; ++l) {
-                    for (int j = 0; j < 6; ++j) to[6 * (first + l) + j] = at.q[j][l];
+                for (int j = 0; j < 6; ++j) {
+                    const Block q = wrap(angle(at.turn[j]) - arm.ideal.offset[j]);
+                    for (int l = 0; l < BLOCK; ++l) to[6 * (first + l) + j] = q[l];
                 }
             }
         }

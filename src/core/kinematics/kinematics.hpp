@@ -40,6 +40,14 @@ template <int N, class V> STEP Posture<N, V> place(const Written<N>& arm, const 
     return at;
 }
 
+// Where the tip is, of joints that turn: by the turns.
+template <int N, class V> STEP Frame<V> tip_after(const Written<N>& arm, const Turn<V> (&turn)[N]) {
+    Frame<V> at = constant_frame<V>(arm.step[0]);
+#pragma GCC unroll 8
+    for (int k = 0; k < N; ++k) at = beyond(turned(at, turn[k]), arm.step[k + 1]);
+    return at;
+}
+
 // A joint's column of the geometric Jacobian at the tip, lengths as shares of the size (1 / inverse_size): of a joint
 // that slides by one size, the direction itself.
 template <class V> STEP Six<V> jacobian_column(const Frame<V>& joint, bool slides, const Vec<V>& tip, double inverse_size) {

@@ -212,11 +212,15 @@ template <LastAxes kind> struct ParallelShoulder {
         const Elbow<Block> e = elbow(u.x, u.y, ideal.a[0], ideal.a[1], side, signs.elbow);
         const Block arm6 = at.h.x * at.h.x + at.h.y * at.h.y, arm1 = (u.x * u.x + u.y * u.y) * scale;
         const Block ahead = min(abs(ends.first), abs(ends.second)), held = min(after(middle.arm5, ahead), arm6);
-        const Block t1 = angle(e.second), t2 = angle(e.bend), t3 = same_sense(ideal) * (angle(psi) - (t1 + side * t2));
-        const Block found[6] = {t1, t2, wrap(t3), angle(ends.t4), angle(middle.t5), angle(ends.t6)};
-        Branch out = {{}, ends.first, e.margin, ends.second, min(held, after(arm1, min(ahead, min(middle.arm5, arm6))))};
-        for (int j = 0; j < 6; ++j) out.q[j] = wrap(found[j] - ideal.offset[j]);
-        return out;
+        const Turn<Block> t2 = unit(e.bend.c, e.bend.s);
+        Turn<Block> t3 = psi;
+        unturn(t3.c, t3.s, e.second), unturn(t3.c, t3.s, Turn<Block>{t2.c, side * t2.s});
+        t3.s = same_sense(ideal) * t3.s;
+        return {{e.second, t2, t3, ends.t4, middle.t5, ends.t6},
+                ends.first,
+                e.margin,
+                ends.second,
+                min(held, after(arm1, min(ahead, min(middle.arm5, arm6))))};
     }
 
     // What a pose is to all branches.

@@ -164,10 +164,11 @@ template <LastPair kind> struct SphericalMiddle {
         const WristTurns<Block> turns = wrist_turns(M, bend.turn, t);
         const Block arm6 = (u.x * u.x + u.y * u.y) * (1.0 / (ideal.size * ideal.size));
         const Block outer = min(min(abs(first.margin), first.arm1), min(abs(last.margin), arm6));
-        Branch out = {{}, first.margin, last.margin, bend.margin, min(min(first.arm1, arm6), after(turns.fixed, outer))};
-        const Turn<Block> found[6] = {first.t1, turns.first, bend.turn, turns.last, last.t5, last.t6};
-        for (int j = 0; j < 6; ++j) out.q[j] = wrap(angle(found[j]) - ideal.offset[j]);
-        return out;
+        return {{first.t1, turns.first, bend.turn, unit(turns.last.c, turns.last.s), last.t5, last.t6},
+                first.margin,
+                last.margin,
+                bend.margin,
+                min(min(first.arm1, arm6), after(turns.fixed, outer))};
     }
 
     // Joints 1, 5 and 6 of one pair of roots.

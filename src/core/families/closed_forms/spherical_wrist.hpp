@@ -184,10 +184,11 @@ template <Shoulder kind> struct SphericalWrist {
         const Bend<Block> bend = wrist_bend(M.z, t, signs.wrist);
         const WristTurns<Block> turns = wrist_turns(M, bend.turn, t);
         const Block arms = min(at.arm1, at.arm2), before = min(min(abs(at.margin1), abs(at.margin2)), arms);
-        Branch out = {{}, at.margin1, at.margin2, bend.margin, min(arms, after(turns.fixed, before))};
-        const Turn<Block> found[6] = {at.t1, at.t2, at.t3, turns.first, bend.turn, turns.last};
-        for (int j = 0; j < 6; ++j) out.q[j] = wrap(angle(found[j]) - ideal.offset[j]);
-        return out;
+        return {{at.t1, at.t2, unit(at.t3.c, at.t3.s), turns.first, bend.turn, unit(turns.last.c, turns.last.s)},
+                at.margin1,
+                at.margin2,
+                bend.margin,
+                min(arms, after(turns.fixed, before))};
     }
 
     // A margin within `fold` of zero is a double root, of which one branch is kept; a joint that the target leaves free

@@ -189,11 +189,11 @@ template <Hand kind> struct ThreeParallel {
         const Block arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * scale, arm2 = (u.x * u.x + u.y * u.y) * scale;
         const Block margin1 = first.margin * scale, front = min(abs(margin1), arm1), wrist = min(abs(bend.margin), turns.fixed);
         const Block arms = min(arm1, min(after(turns.fixed, front), after(arm2, min(front, wrist))));
-        const Block t2 = angle(e.second), t3 = angle(e.bend), t4 = arm.turn_4 * (angle(turns.first) - (t2 + arm.turn_3 * t3));
-        const Block found[6] = {angle(first.turn), t2, t3, wrap(t4), angle(bend.turn), angle(turns.last)};
-        Branch out = {{}, margin1, e.margin, bend.margin, arms};
-        for (int j = 0; j < 6; ++j) out.q[j] = wrap(found[j] - ideal.offset[j]);
-        return out;
+        const Turn<Block> t3 = unit(e.bend.c, e.bend.s);
+        Turn<Block> t4 = turns.first;
+        unturn(t4.c, t4.s, e.second), unturn(t4.c, t4.s, Turn<Block>{t3.c, arm.turn_3 * t3.s});
+        t4.s = arm.turn_4 * t4.s;
+        return {{first.turn, e.second, t3, t4, bend.turn, unit(turns.last.c, turns.last.s)}, margin1, e.margin, bend.margin, arms};
     }
 
     static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,

@@ -25,20 +25,19 @@ inline constexpr double ROUNDED_MARGIN = 1e-12;
 inline constexpr int CORRECTIONS = 4;
 
 // I(q) W(q)^-1 goal.
-PART Seen<Block> corrected(const BothArms& arm, const Goal<Block>& goal, const Block (&q)[6]) {
-    const Frame<Block> W = place(arm.written, q).tip, I = place(arm.ideal, q).tip;
+PART Seen<Block> corrected(const BothArms& arm, const Goal<Block>& goal, const Turn<Block> (&turn)[6]) {
+    const Frame<Block> W = tip_after(arm.written, turn), I = tip_after(arm.ideal, turn);
     const auto through = [&](const Vec<Block>& a) { return I.R * Vec<Block>{dot(W.R.x, a), dot(W.R.y, a), dot(W.R.z, a)}; };
     return {each(goal.R, through), I.p + through(goal.p - W.p)};
 }
 
-// Whether branch b is beyond an end, after a correction that moved it by `last` [rad].
-STEP bool is_beyond(const Answers& before, const Answers& now, int b, double last, double drift) {
+// Whether branch b is beyond an end, after a correction that moved it by the root of `square` [rad].
+STEP bool is_beyond(const Answers& before, const Answers& now, int b, double square, double drift) {
     const double least = max(BEYOND_BY_DRIFT * BEYOND_BY_DRIFT * drift * drift, ROUNDED_MARGIN);
     for (int k = 0; k < 3; ++k) {
         const double m = -now.margin[k][b], twin = -now.margin[k][b ^ (4 >> k)], past = -before.margin[k][b];
         const double others = min(abs(now.margin[(k + 1) % 3][b]), abs(now.margin[(k + 2) % 3][b]));
-        if (min(m, others) >= least && min(twin, past) * AGREE > m && max(twin, past) < AGREE * m && last * last < REST * m)
-            return true;
+        if (min(m, others) >= least && min(twin, past) * AGREE > m && max(twin, past) < AGREE * m && square < REST * m) return true;
     }
     return false;
 }
@@ -49,7 +48,7 @@ PART void follow(const BothArms& arm, const Goal<Block>& goal, const Answers& no
     inside = inside >> first & all;
     if (!inside) return;
     Block q[6], start[6], chosen, moved = 0.0;
-    for (int j = 0; j < 6; ++j) q[j] = start[j] = load<Block>(now.q[j] + first);
+    for (int j = 0; j < 6; ++j) q[j] = start[j] = atan2(load<Block>(now.s[j] + first), load<Block>(now.c[j] + first));
     for (int l = 0; l < BLOCK; ++l) chosen.set(l, inside >> l & 1);
     const Polished<Block> end = polish<false>(arm.written, goal, q, {5, CONVERGED, 2}, chosen > Block(0.5));
     for (int j = 0; j < 6; ++j) moved = max(moved, abs(wrap(q[j] - start[j])));
@@ -57,26 +56,30 @@ PART void follow(const BothArms& arm, const Goal<Block>& goal, const Answers& no
                                          (end.least >= Block(arm.written.tolerances.singular)));
     known.found |= found << first, known.open &= ~(found << first);
     for (int l = 0; l < BLOCK; ++l) {
-        for (int j = 0; j < 6 && found >> l & 1; ++j) known.q[j][first + l] = q[j][l];
+        for (int j = 0; j < 6 && found >> l & 1; ++j) known.angle[j][first + l] = q[j][l];
     }
 }
 
 // One more correction of all branches, then what it decides of those that are open.
 PART void decide(const BothArms& arm, const Goal<Block>& goal, const IdealAnswer& family, Answers& now, Known& known) {
     const Answers before = now;
-    double last[8];
+    double square[8];
     for (int first = 0; first < 8; first += BLOCK) {
-        Block q[6], moved = 0.0;
-        for (int j = 0; j < 6; ++j) q[j] = load<Block>(before.q[j] + first);
-        family.answer(family.arm, corrected(arm, goal, q), first, now);
-        for (int j = 0; j < 6; ++j) moved = max(moved, abs(wrap(load<Block>(now.q[j] + first) - q[j])));
-        store(moved, last + first);
+        Turn<Block> turn[6];
+        for (int j = 0; j < 6; ++j) turn[j] = {load<Block>(before.c[j] + first), load<Block>(before.s[j] + first)};
+        family.answer(family.arm, corrected(arm, goal, turn), first, now);
+        Block most = 0.0;
+        for (int j = 0; j < 6; ++j) {
+            const Block c = load<Block>(now.c[j] + first) - turn[j].c, s = load<Block>(now.s[j] + first) - turn[j].s;
+            most = max(most, c * c + s * s);
+        }
+        store(most, square + first);
     }
     const double fixed = FIXED_BY_DRIFT * arm.drift;
     unsigned inside = 0;
     for (int b = 0; b < 8; ++b) {
         if (!(known.open >> b & 1) || !(now.arms[b] >= fixed * fixed)) continue;
-        if (is_beyond(before, now, b, last[b], arm.drift)) known.open &= ~(1u << b);
+        if (is_beyond(before, now, b, square[b], arm.drift)) known.open &= ~(1u << b);
         else if (min(now.margin[0][b], min(now.margin[1][b], now.margin[2][b])) > 0.0) inside |= 1u << b;
     }
     for (int first = 0; first < 8; first += BLOCK) follow(arm, goal, now, inside, first, known);

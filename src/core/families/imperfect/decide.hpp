@@ -6,15 +6,16 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// The eight branches of one pose, each for a target of its own: joint values, margins of shoulder, elbow and wrist.
+// The eight branches of one pose, each for a target of its own: turns of the joints, offsets included, and margins of shoulder,
+// elbow and wrist.
 struct Answers {
-    double q[6][8], margin[3][8], arms[8];
+    double c[6][8], s[6][8], margin[3][8], arms[8];
 };
 // What is known of them, a bit a branch.
 struct Known {
     unsigned open = 255, found = 0;
     double least_arm = 1.0;  // squared, of all branches [share of size^2]
-    double q[6][8];
+    double angle[6][8];      // of the solutions, offsets included
 };
 // An ideal arm's closed form for a block of branches from `first` on.
 struct IdealAnswer {

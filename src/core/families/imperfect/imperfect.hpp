@@ -46,7 +46,7 @@ template <class Family> struct Imperfect {
 
     static PART void answer(const void* arm, const Seen<Block>& seen, int first, Answers& to) {
         const Branch at = branches_from<Family>(*static_cast<const typename Family::Arm*>(arm), seen, first);
-        for (int j = 0; j < 6; ++j) store(at.q[j], to.q[j] + first);
+        for (int j = 0; j < 6; ++j) store(at.turn[j].c, to.c[j] + first), store(at.turn[j].s, to.s[j] + first);
         store(at.shoulder, to.margin[0] + first), store(at.elbow, to.margin[1] + first), store(at.wrist, to.margin[2] + first);
         store(at.arms, to.arms + first);
     }
@@ -63,7 +63,7 @@ template <class Family> struct Imperfect {
             loose = !(known.least_arm > arm.loose.written.tolerances.continuum);
             for (int b = 0; b < 8; ++b) {
                 double q[6];
-                for (int j = 0; j < 6; ++j) q[j] = known.q[j][b];
+                for (int j = 0; j < 6; ++j) q[j] = wrap(known.angle[j][b] - arm.family.ideal.offset[j]);
                 if (known.found >> b & 1) keep(columns, b, q, 0);
             }
             if (!open && columns.count() % 2 == 0) return;

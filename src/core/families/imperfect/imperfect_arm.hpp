@@ -13,7 +13,8 @@ namespace urdf_ik {
 // true values lie anywhere on the circle.
 inline constexpr double ALMOST_FREE = 5.0;
 
-// From frame 1 to the point that is solved for: the arm as written, and the ideal one.
+// From frame 1 to the point that is solved for: the arm as written, and the ideal one, both by the ideal arm's angles, joint values
+// and offsets together.
 struct BothArms {
     Written<6> written, ideal;
     double drift;  // how fast the motion between the two tips changes with the joints, at most [rad, share of size; a rad]

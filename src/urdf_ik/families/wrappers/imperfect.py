@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik._core import Solver
+from urdf_ik.dh.frames import rotation_z
 from urdf_ik.families.parts.elimination import elimination_values
 from urdf_ik.families.parts.family import Plan
 
@@ -42,14 +43,20 @@ def _solver(ideal: Solver, chain: Chain) -> Solver:
 
 
 def _both_arms(ideal: dict[str, Any], chain: Chain) -> dict[str, Any]:
-    """The arm as written and the ideal one, from the ideal arm's frame 1 to its frame 6, and how they drift apart."""
+    """The arm as written and the ideal one, from the ideal arm's frame 1 to its frame 6, and how they drift apart.
+
+    Both take the ideal arm's angles, joint values and offsets together: what the ideal arm answers before its offsets are
+    taken off.
+    """
     base, tool = np.eye(4), np.eye(4)
     base[:3, :3], base[:3, 3] = ideal["base_rotation"].T, ideal["base_origin"]
     tool[:3, :3], tool[:3, 3] = ideal["tool_rotation"].T, -ideal["tool_rotation"].T @ ideal["tool_point"]
     inner = np.array([np.vstack([step, [0.0, 0.0, 0.0, 1.0]]) for step in np.array(chain.motion.steps)])
     inner[0], inner[-1] = np.linalg.inv(base) @ inner[0], inner[-1] @ np.linalg.inv(tool)
-    inner = np.ascontiguousarray(inner[:, :3])
-    return {"inner_steps": inner, "ideal_steps": ideal["steps"], "drift": _drift(inner, ideal["steps"], chain.size)}
+    back = np.array([rotation_z(-offset)[:3, :3] for offset in (*ideal["offset"], 0.0)])
+    inner, steps = np.ascontiguousarray(inner[:, :3]), ideal["steps"].copy()
+    inner[:, :, :3], steps[:, :, :3] = inner[:, :, :3] @ back, steps[:, :, :3] @ back
+    return {"inner_steps": inner, "ideal_steps": steps, "drift": _drift(inner, steps, chain.size)}
 
 
 def _drift(inner: Array, ideal: Array, size: float) -> float:
