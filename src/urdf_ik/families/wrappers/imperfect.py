@@ -45,8 +45,7 @@ def _solver(ideal: Solver, chain: Chain) -> Solver:
 def _both_arms(ideal: dict[str, Any], chain: Chain) -> dict[str, Any]:
     """The arm as written and the ideal one, from the ideal arm's frame 1 to its frame 6, and how they drift apart.
 
-    Both take the ideal arm's angles, joint values and offsets together: what the ideal arm answers before its offsets are
-    taken off.
+    Both take the ideal arm's angles, joint values and offsets together.
     """
     base, tool = np.eye(4), np.eye(4)
     base[:3, :3], base[:3, 3] = ideal["base_rotation"].T, ideal["base_origin"]
