@@ -85,12 +85,15 @@ PART int take(const EliminationArm& arm, const Goal<double>& goal, Search& searc
         for (int j = 0; j < 6; ++j) most = max(most, abs(gap(arm.written, j, q[j], columns.row(b)[j])));
         if (most < least_gap) least_gap = most, nearest = b;
     }
-    // Next to a singularity the nearer one to the root stays.
+    // Next to a singularity the nearer one to the root stays, and none of the others that stand for it.
     double known[6];
     for (int j = 0; j < 6; ++j) known[j] = columns.row(nearest)[j];
     if (least_gap > arm.written.tolerances.duplicate &&
         error_at(arm.written, goal, q).size < 0.1 * error_at(arm.written, goal, known).size) {
-        for (int j = 0; j < 6; ++j) columns.row(nearest)[j] = q[j];
+        const int marks = columns.flags[nearest] & ~VALID;
+        columns.clear(nearest);
+        if (!is_new(arm.written, goal, columns, q)) return take(arm, goal, search, q, least);
+        keep(columns, nearest, q, marks);
     }
     return nearest;
 }
