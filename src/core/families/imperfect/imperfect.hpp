@@ -113,23 +113,23 @@ template <class Family> struct Imperfect {
         }
     };
 
-    // What the ideal arm answers for the places k of joints that it all but leaves free, place(k) being joint values. Branches in
-    // which none is free say the same for each.
+    // What the ideal arm answers for the places k of joints that it all but leaves free, place(k) being joint values. Branches that
+    // say the same for the first `looks` of them are left out then.
     template <class Place>
     static PART void from_places(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Columns<6>& columns,
-                                 int places, const Place& place) {
+                                 int places, int looks, const Place& place) {
         Waiting waiting = {arm, goal, columns, {}, {}};
         double first[6 * 8], room[6 * 8];
         std::uint8_t flags[8];
         const Columns<6> there = {room, flags, 8};
-        unsigned free = 255;
+        unsigned fixed = 255;
         for (int k = 0; k < places; ++k) {
             there.clear();
-            Family::closely(arm.loose, goal, seen, place(k), there, k < 2 ? 255u : free);
+            Family::closely(arm.loose, goal, seen, place(k), there, k < looks ? 255u : ~fixed & 255u);
             for (int b = 0; b < 8; ++b) {
                 bool same = k > 0;
                 for (int j = 0; j < 6; ++j) same = same && there.row(b)[j] == first[6 * b + j];
-                if (k == 1 && same) free &= ~(1u << b);
+                if (k > 0 && !same) fixed &= ~(1u << b);
                 if (k == 0) __builtin_memcpy(first + 6 * b, there.row(b), sizeof(double) * 6);
                 if (there.valid(b) && !same) waiting.add(there.row(b), flags[b] & ~VALID);
             }
@@ -138,10 +138,12 @@ template <class Family> struct Imperfect {
     }
 
     // A joint that the ideal arm leaves free has a few values on the arm as written: from places all around the circle.
+    // One that can stand in a part of it only is put at the nearer end of that part: three places that no half of the circle holds
+    // tell whether it moves at all.
     static PART void all_around(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Columns<6>& columns) {
-        from_places(arm, goal, seen, columns, AROUND, [](int k) {
+        from_places(arm, goal, seen, columns, AROUND, 3, [](int k) {
             Reference<6> at = reference_of<6>(nullptr);
-            for (double& each : at.q) each = PI * (2.0 * k / AROUND - 1.0);
+            for (double& each : at.q) each = PI * (2.0 * (5 * k % AROUND) / AROUND - 1.0);
             return at;
         });
     }
@@ -159,7 +161,7 @@ template <class Family> struct Imperfect {
 
     // Two such joints at once: from pairs of places, which an irrational share of a turn spreads evenly.
     static PART void apart(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Columns<6>& columns) {
-        from_places(arm, goal, seen, columns, PAIRS, [](int k) {
+        from_places(arm, goal, seen, columns, PAIRS, PAIRS, [](int k) {
             Reference<6> at = reference_of<6>(nullptr);
             double share = 1.0;
             for (double& each : at.q) each = wrap(2.0 * PI * (share *= IRRATIONAL) * k);
