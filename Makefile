@@ -21,9 +21,9 @@ IN_PARALLEL = -n logical --dist loadfile --no-loadscope-reorder
 
 CORE = $(wildcard src/core/*.[ch]pp src/core/*/*.[ch]pp src/core/*/*/*.[ch]pp)
 SANITIZED_LEVEL = $(if $(filter x86_64,$(shell uname -m)),v2,arm64)
-SANITIZED_TESTS = tests/families/test_families.py tests/families/test_closed_forms.py tests/families/poses/test_singular.py \
-	tests/families/poses/test_round_poses.py tests/families/poses/test_corners.py tests/families/poses/test_degenerate.py tests/core/test_core_fuzz.py \
-	tests/motion/test_tracker.py tests/motion/test_follow.py \
+SANITIZED_TESTS = tests/ik/test_families.py tests/ik/test_closed_forms.py tests/ik/poses/test_singular.py \
+	tests/ik/poses/test_round_poses.py tests/ik/poses/test_corners.py tests/ik/poses/test_degenerate.py tests/core/test_core_fuzz.py \
+	tests/paths/test_tracker.py tests/paths/test_follow.py \
 	tests/arm/test_arm.py
 
 .DELETE_ON_ERROR:
@@ -38,7 +38,7 @@ help:
 	@echo "make stub     writes src/urdf_ik/_core.pyi, the types of the compiled core"
 	@echo "make wheel    a wheel in dist/, which needs no compiler where it is installed"
 	@echo "make sanitize tests of the solvers on a core built with address and undefined-behaviour sanitizers"
-	@echo "make arm64    tests of the core on an emulated arm64; needs Debian and root; ARGS='tests/families -k slides' names others"
+	@echo "make arm64    tests of the core on an emulated arm64; needs Debian and root; ARGS='tests/ik -k slides' names others"
 	@echo "make nightly  make test, make sanitize and make million"
 	@echo "make bench    the benchmarks against other solvers; ARGS='--help' says more"
 	@echo "make million  a million random poses an arm: what is lost, doubled or off; ARGS='--help' says more"

@@ -26,7 +26,7 @@ def main() -> None:
     arm = urdf_ik.load(options.robot)
     T = arm.fk(np.random.default_rng(0).uniform(-3.0, 3.0, (options.poses, arm.dof)))
     for count in options.orientations:
-        found = urdf_ik.workspace.compute(arm, 0.4, count, within_limits=False)
+        found = urdf_ik.maps.workspace(arm, 0.4, count, within_limits=False)
         taken = []
         for _ in range(3):
             begin = time.perf_counter(), time.process_time()

@@ -16,7 +16,7 @@ import time
 from pathlib import Path
 
 import urdf_ik
-from urdf_ik import scale
+from urdf_ik.maps import engine
 
 
 def main() -> None:
@@ -31,10 +31,11 @@ def main() -> None:
     arm, digests = urdf_ik.load(options.robot), set()
     for count in options.workers:
         folder = Path(tempfile.mkdtemp(dir=options.folder))
-        with scale.connect(workers=count) as client:
+        with engine.connect(workers=count) as client:
             client.wait_for_workers(count)
             before, begin = sum(client.run(_used).values()), time.perf_counter()
-            urdf_ik.dataset(arm, options.n, collisions=False, store=folder / f"samples.{options.kind}", client=client)
+            store = folder / f"samples.{options.kind}"
+            urdf_ik.maps.dataset(arm, options.n, collisions=False, store=store, client=client)
             wall, cpu = time.perf_counter() - begin, sum(client.run(_used).values()) - before
         found, size = _digest(folder)
         shutil.rmtree(folder)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A map in a store: poses a second of this process, of one worker and of two, beside the bare batch call; and memory.
 
-    python benchmarks/scale.py [--robot NAME] [--voxel M] [--orientations N] [--block POSES] [--workers N ...]
+    python benchmarks/engine.py [--robot NAME] [--voxel M] [--orientations N] [--block POSES] [--workers N ...]
                                [--repeats R] [--small] [--within]
 
 The bare batch call is ``arm.ik`` on blocks of the same poses, made beforehand, between the maps. What a chunk costs
@@ -25,8 +25,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import urdf_ik
-from urdf_ik import scale, workspace
-from urdf_ik.workspace.sampling import Targets, samples
+from urdf_ik.maps import engine, workspaces
+from urdf_ik.maps.workspaces.orientations import Targets, samples
 
 MB = 2**20 if sys.platform == "darwin" else 2**10
 
@@ -39,7 +39,7 @@ def peak() -> float:
 class Bare:
     """``arm.ik`` on stacks drawn from the whole map: processor time [s] a pose."""
 
-    def __init__(self, arm: urdf_ik.Arm, options: argparse.Namespace, grid: workspace.Grid) -> None:
+    def __init__(self, arm: urdf_ik.Arm, options: argparse.Namespace, grid: workspaces.Grid) -> None:
         self.arm, self.grid, self.chosen = arm, grid, samples(arm, options.orientations)
         self.positions = max(1, min(options.block, 2**18) // options.orientations)
         self.rng, self.found = np.random.default_rng(0), list[float]()
@@ -74,7 +74,7 @@ def made(arm: urdf_ik.Arm, options: argparse.Namespace, block: int, client: Any)
     """Make the map, and delete it."""
     folder = Path(tempfile.mkdtemp(dir=options.folder))
     before, own, begin = _of_workers(client, "cpu"), time.process_time(), time.perf_counter()
-    found = workspace.compute(
+    found = workspaces.workspace(
         arm, options.voxel, options.orientations, within_limits=options.within, store=folder / "map.zarr", block=block,
         client=client,
     )  # fmt: skip
@@ -104,9 +104,9 @@ def main() -> None:
     parser.add_argument("--folder", help="where the stores are made")
     options = parser.parse_args()
     arm = urdf_ik.load(options.robot)
-    grid = workspace.compute(arm, options.voxel, 1, within_limits=False).grid
+    grid = workspaces.workspace(arm, options.voxel, 1, within_limits=False).grid
     poses, bare = grid.count * options.orientations, Bare(arm, options, grid)
-    clients = {count: None if count == 0 else scale.connect(workers=count) for count in options.workers}
+    clients = {count: None if count == 0 else engine.connect(workers=count) for count in options.workers}
     for count, client in clients.items():
         if client is not None:
             client.wait_for_workers(count)

@@ -15,7 +15,7 @@ import time
 import numpy as np
 
 import urdf_ik
-from urdf_ik.viewer import state as states
+from urdf_ik.show.viewer import state as states
 
 ARMS = ("zyyzyz_6r", "puma_560", "ur5", "srs_7r")
 GOAL = 2.0

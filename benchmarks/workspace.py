@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A workspace map's poses a second beside those of the bare batch kernel on the same poses, and its peak memory.
 
-    python benchmarks/workspace.py [--robot NAME] [--voxel M] [--orientations N] [--repeats R]
+    python benchmarks/workspaces.py [--robot NAME] [--voxel M] [--orientations N] [--repeats R]
 
 One thread. The kernel solves chunk by chunk into the same arrays, with no more work than handing it the poses; the map
 makes the poses, solves, counts and keeps. Both run in turns; the best processor time of each counts. The goals for
@@ -18,14 +18,14 @@ import time
 import numpy as np
 
 import urdf_ik
-from urdf_ik import workspace
-from urdf_ik.workspace.sampling import Targets
+from urdf_ik.maps import workspaces
+from urdf_ik.maps.workspaces.orientations import Targets
 
 
-def kernel_seconds(arm: urdf_ik.Arm, found: workspace.WorkspaceMap) -> float:
+def kernel_seconds(arm: urdf_ik.Arm, found: workspaces.WorkspaceMap) -> float:
     """Seconds that the kernel alone takes for all poses of a map."""
     count = len(found.samples)
-    step = max(1, workspace.CHUNK // count)
+    step = max(1, workspaces.CHUNK // count)
     targets = Targets(arm.task, found.samples, step)
     columns = len(found.about.branches)
     q, flags = np.empty((step * count, columns, arm.dof)), np.empty((step * count, columns), np.uint8)
@@ -50,7 +50,7 @@ def main() -> None:
     arm = urdf_ik.load(options.robot)
     if arm.task != "pose":
         parser.error(f"{options.robot} controls {arm.task!r}; the comparison is for arms that control poses")
-    small = workspace.compute(arm, 0.5, 2)
+    small = workspaces.workspace(arm, 0.5, 2)
     print(f"{arm.name}, {arm.structure.family}: {small.about.sampled}")
     print(f"{'counted':<26}{'million poses/s':>16}{'kernel':>8}{'ratio':>7}")
     for name, within in (
@@ -60,7 +60,7 @@ def main() -> None:
         bare, whole = [], []
         for _ in range(options.repeats):
             start = time.process_time()
-            found = workspace.compute(arm, options.voxel, options.orientations, within_limits=within)
+            found = workspaces.workspace(arm, options.voxel, options.orientations, within_limits=within)
             whole.append(time.process_time() - start)
             bare.append(kernel_seconds(arm, found))
         poses = found.solutions.size

@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 
 import urdf_ik
-from urdf_ik import palette, plot
+from urdf_ik.show import plot
+from urdf_ik.support import palette
 
 _ROW = tuple[float, float, float, float]
 _R = np.pi / 2.0

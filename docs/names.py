@@ -18,33 +18,35 @@ import urdf_ik
 PAGES = {
     "arm": ("Loading, and the arm", ("load", "Arm", "Chain", "Structure")),
     "solutions": ("Solutions", ("IKSolutions", "Solution", "Singular")),
-    "poses": ("Poses", ("pose", "to_quat_xyzw", "to_quat_wxyz", "to_rotvec", "to_rpy", "to_euler_zyx")),
+    "poses": ("Poses", ("pose",)),
     "worlds": (
         "Worlds and shapes",
         ("World", "Box", "Sphere", "Cylinder", "Capsule", "HalfSpace", "Mesh", "Points"),
     ),
     "paths": ("Paths", ("line", "arc", "polyline", "read_waypoints", "Plan")),
-    "redundancy": ("Redundancy", ("Redundancy", "Sweep", "Interval", "Intervals", "Region")),
+    "redundancy": ("Redundancy", ("Interval", "Intervals", "Region")),
     "tables": ("Tables and comparisons", ("DHTable", "compare", "Comparison")),
 }
 ROOMS = {
-    "plot": "Pictures",
-    "viewer": "The viewer",
+    "show.plot": "Pictures",
+    "show.viewer": "The viewer",
     "interop": "Other programs",
-    "workspace": "Workspaces",
-    "datasets": "Data sets",
-    "placements": "Base positions",
-    "surveys": "Checks of many arms",
-    "scale": "Work in blocks",
-    "crosscheck": "The cross-check against Pinocchio",
-    "completeness": "The second way to all solutions",
-    "testing": "Tests of your own",
-    "catalogue": "Names of arms",
-    "urdf": "Reading a URDF",
-    "reference": "Pinocchio's own model of the file",
-    "velocity": "Velocities",
-    "tasks": "Tasks",
-    "cuspidality": "Cuspidality",
+    "maps.workspaces": "Workspaces",
+    "maps.datasets": "Data sets",
+    "maps.placements": "Base positions",
+    "verify.surveys": "Checks of many arms",
+    "maps.engine": "Work in blocks",
+    "verify.crosscheck": "The cross-check against Pinocchio",
+    "verify.completeness": "The second way to all solutions",
+    "verify.testing": "Tests of your own",
+    "model.catalogue": "Names of arms",
+    "model.urdf": "Reading a URDF",
+    "cell.reference": "Pinocchio's own model of the file",
+    "kinematics.velocity": "Velocities",
+    "ik.tasks": "Tasks",
+    "ik.cuspidality": "Cuspidality",
+    "model.poses": "Notations of poses",
+    "ik.redundancy": "Redundancy parameters",
 }
 INDEX = """# Reference
 
@@ -78,8 +80,12 @@ def write(folder: Path) -> None:
         names = getattr(module, "__all__", None)
         lines = [f".. automodule:: urdf_ik.{room}" + ("" if names else "\n   :members:")]
         lines += [_directive(f"urdf_ik.{room}", module, name) for name in names or ()]
-        (folder / f"{room}.md").write_text(_page(title, lines))
-    (folder / "index.md").write_text(INDEX + "\n".join([*pages, *ROOMS]) + "\n```\n")
+        (folder / f"{_file(room)}.md").write_text(_page(title, lines))
+    (folder / "index.md").write_text(INDEX + "\n".join([*pages, *map(_file, ROOMS)]) + "\n```\n")
+
+
+def _file(room: str) -> str:
+    return room.replace(".", "-")
 
 
 def _is_error(value: object) -> bool:

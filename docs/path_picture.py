@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 
 import urdf_ik
-from urdf_ik import Box, Cylinder, World, plot, pose
+from urdf_ik import Box, Cylinder, World, pose
+from urdf_ik.show import plot
 
 
 def main() -> None:

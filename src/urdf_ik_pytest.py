@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from urdf_ik.crosscheck.report import Report
+    from urdf_ik.verify.crosscheck.report import Report
 
 MARK = "urdf"
 READABLE = "can be read"
@@ -58,7 +58,7 @@ class CheckedArm(pytest.Collector):
 
     def collect(self) -> Iterator[Property]:
         """One test a property of the cross-check, and one for reading the file."""
-        from urdf_ik.crosscheck import PROPERTIES
+        from urdf_ik.verify.crosscheck import PROPERTIES
 
         for name in (READABLE, *PROPERTIES):
             yield Property.from_parent(self, name=name)
@@ -67,7 +67,7 @@ class CheckedArm(pytest.Collector):
     def report(self) -> Report | Exception:
         """The cross-check's report, or why there is none."""
         import urdf_ik
-        from urdf_ik import crosscheck
+        from urdf_ik.verify import crosscheck
 
         source, base, tip = self._given
         # pytest may run from elsewhere than where the command was typed.
@@ -97,7 +97,7 @@ class Property(pytest.Item):
 
     def runtest(self) -> None:
         """Fail where it does not hold; skip where the arm has no such thing, such as collision shapes."""
-        from urdf_ik.testing import verdict
+        from urdf_ik.verify.testing import verdict
 
         assert isinstance(self.parent, CheckedArm)
         report = self.parent.report

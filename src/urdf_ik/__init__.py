@@ -8,194 +8,115 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from urdf_ik.guards import forks as _forks  # noqa: F401  a fork waits for first calls of other threads
+from urdf_ik.support import forks as _forks  # noqa: F401  a fork waits for first calls of other threads
+from urdf_ik.support.lazy import attributes
 
 if TYPE_CHECKING:
     from urdf_ik.arm import Arm, load
-    from urdf_ik.chain import Chain
-    from urdf_ik.collision.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Points, Sphere
-    from urdf_ik.collision.world import World
-    from urdf_ik.comparison import Comparison, compare
-    from urdf_ik.datasets import dataset
-    from urdf_ik.dh import DHTable
+    from urdf_ik.cell.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Points, Sphere
+    from urdf_ik.cell.world import World
     from urdf_ik.errors import (
         ArgumentError,
-        BatchError,
-        CatalogueError,
         ChainError,
-        ClusterError,
-        DHError,
-        JointVectorError,
+        JobError,
         MissingPackage,
-        PathError,
-        PlaceError,
-        PlotError,
         PoseError,
-        StoreError,
-        TaskError,
         UnsupportedArm,
         UrdfError,
         UrdfIkError,
-        VelocityError,
-        WorkspaceError,
-        WorldError,
     )
-    from urdf_ik.motion import Plan, arc, line, polyline, read_waypoints
-    from urdf_ik.placements import placement
-    from urdf_ik.poses import (
-        pose,
-        to_euler_zyx,
-        to_quat_wxyz,
-        to_quat_xyzw,
-        to_rotvec,
-        to_rpy,
-    )
-    from urdf_ik.redundancy import Interval, Intervals, Redundancy, Region, Sweep
-    from urdf_ik.solutions import IKSolutions, Singular, Solution
-    from urdf_ik.structure import Structure
+    from urdf_ik.ik.redundancy import Interval, Intervals, Region
+    from urdf_ik.ik.solutions import IKSolutions, Singular, Solution
+    from urdf_ik.kinematics.chain import Chain
+    from urdf_ik.kinematics.dh import DHTable
+    from urdf_ik.kinematics.structure import Structure
+    from urdf_ik.model.poses import pose
+    from urdf_ik.paths import Plan, arc, line, polyline, read_waypoints
+    from urdf_ik.verify.comparison import Comparison, compare
 
 __version__ = "0.1.0"
 
 __all__ = [
     "ArgumentError",
     "Arm",
-    "BatchError",
     "Box",
     "Capsule",
-    "CatalogueError",
     "Chain",
     "ChainError",
-    "ClusterError",
     "Comparison",
     "Cylinder",
-    "DHError",
     "DHTable",
     "HalfSpace",
     "IKSolutions",
     "Interval",
     "Intervals",
-    "JointVectorError",
+    "JobError",
     "Mesh",
     "MissingPackage",
-    "PathError",
-    "PlaceError",
     "Plan",
-    "PlotError",
     "Points",
     "PoseError",
-    "Redundancy",
     "Region",
     "Singular",
     "Solution",
     "Sphere",
-    "StoreError",
     "Structure",
-    "Sweep",
-    "TaskError",
     "UnsupportedArm",
     "UrdfError",
     "UrdfIkError",
-    "VelocityError",
-    "WorkspaceError",
     "World",
-    "WorldError",
     "arc",
     "compare",
-    "dataset",
     "line",
     "load",
-    "placement",
     "polyline",
     "pose",
     "read_waypoints",
-    "to_euler_zyx",
-    "to_quat_wxyz",
-    "to_quat_xyzw",
-    "to_rotvec",
-    "to_rpy",
 ]
 
 # Importing the package costs nothing: a name's module is imported when the name is first used.
-_NAMES = {
-    "arm": (
-        "Arm",
-        "load",
-    ),
-    "chain": ("Chain",),
-    "collision.shapes": ("Box", "Capsule", "Cylinder", "HalfSpace", "Mesh", "Points", "Sphere"),
-    "collision.world": ("World",),
-    "comparison": (
-        "Comparison",
-        "compare",
-    ),
-    "datasets": ("dataset",),
-    "dh": ("DHTable",),
-    "errors": (
-        "ArgumentError",
-        "BatchError",
-        "CatalogueError",
-        "ChainError",
-        "ClusterError",
-        "DHError",
-        "JointVectorError",
-        "MissingPackage",
-        "PathError",
-        "PlaceError",
-        "PlotError",
-        "PoseError",
-        "StoreError",
-        "TaskError",
-        "UnsupportedArm",
-        "UrdfError",
-        "UrdfIkError",
-        "VelocityError",
-        "WorkspaceError",
-        "WorldError",
-    ),
-    "motion": (
-        "Plan",
-        "arc",
-        "line",
-        "polyline",
-        "read_waypoints",
-    ),
-    "placements": ("placement",),
-    "poses": (
-        "pose",
-        "to_euler_zyx",
-        "to_quat_wxyz",
-        "to_quat_xyzw",
-        "to_rotvec",
-        "to_rpy",
-    ),
-    "redundancy": ("Interval", "Intervals", "Redundancy", "Region", "Sweep"),
-    "solutions": (
-        "IKSolutions",
-        "Singular",
-        "Solution",
-    ),
-    "structure": ("Structure",),
+_MODULE = {
+    "ArgumentError": "errors",
+    "Arm": "arm",
+    "Box": "cell.shapes",
+    "Capsule": "cell.shapes",
+    "Chain": "kinematics.chain",
+    "ChainError": "errors",
+    "Comparison": "verify.comparison",
+    "Cylinder": "cell.shapes",
+    "DHTable": "kinematics.dh",
+    "HalfSpace": "cell.shapes",
+    "IKSolutions": "ik.solutions",
+    "Interval": "ik.redundancy",
+    "Intervals": "ik.redundancy",
+    "JobError": "errors",
+    "Mesh": "cell.shapes",
+    "MissingPackage": "errors",
+    "Plan": "paths",
+    "Points": "cell.shapes",
+    "PoseError": "errors",
+    "Region": "ik.redundancy",
+    "Singular": "ik.solutions",
+    "Solution": "ik.solutions",
+    "Sphere": "cell.shapes",
+    "Structure": "kinematics.structure",
+    "UnsupportedArm": "errors",
+    "UrdfError": "errors",
+    "UrdfIkError": "errors",
+    "World": "cell.world",
+    "arc": "paths",
+    "compare": "verify.comparison",
+    "line": "paths",
+    "load": "arm",
+    "polyline": "paths",
+    "pose": "model.poses",
+    "read_waypoints": "paths",
 }
-_MODULE = {name: module for module, names in _NAMES.items() for name in names}
 
-
-def __getattr__(name: str) -> Any:
-    """A public name, or a module of the package."""
-    if name in _MODULE:
-        value = getattr(import_module(f"{__name__}.{_MODULE[name]}"), name)
-        globals()[name] = value
-        return value
-    if not name.startswith("_"):
-        try:
-            return import_module(f"{__name__}.{name}")
-        except ModuleNotFoundError as error:
-            if error.name != f"{__name__}.{name}":
-                raise
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+__getattr__ = attributes(__name__, _MODULE)
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted({*__all__, "__version__"})

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import re
+import reprlib
 from collections.abc import Callable, Iterable
 
-from urdf_ik.text import listed, message, printable
-
+MOST_OF_A_NAME = 80
+"""Characters of a name or value that a message quotes at most."""
+_LONG_WORD = re.compile(rf"[^\s/]{{{MOST_OF_A_NAME + 1},}}")
+SHORT = reprlib.Repr()
+SHORT.maxlist = SHORT.maxtuple = SHORT.maxdict = SHORT.maxset = 16
+SHORT.maxstring = SHORT.maxother = SHORT.maxlong = 4 * MOST_OF_A_NAME
 _MOST_OF_A_PATH, _MOST_CANDIDATES = 200, 100
 
 
@@ -18,7 +24,7 @@ class UrdfIkError(Exception):
         ...     urdf_ik.load("puma_650")
         ... except UrdfIkError as error:
         ...     print(type(error).__name__)
-        CatalogueError
+        ArgumentError
     """
 
     def __init__(self, *arguments: object) -> None:
@@ -37,35 +43,30 @@ def _restored(kind: type[UrdfIkError], arguments: tuple[object, ...], fields: di
     return error
 
 
-class ArgumentError(UrdfIkError, ValueError):
-    """An argument that is out of its range, such as a negative tolerance or ``threads=0``."""
+class ArgumentError(UrdfIkError, ValueError, IndexError):
+    """An argument that does not fit: a joint vector, a task, a setting, an index, a name that the catalogue lacks.
 
-
-class PlaceError(UrdfIkError, IndexError, ValueError):
-    """An index that leads out of a batch or a sequence, or that is none."""
-
-
-class BatchError(UrdfIkError, TypeError, ValueError):
-    """What has a meaning for a single pose was asked of the answers to a batch, or the other way round.
+    It is a ``ValueError``, and an ``IndexError`` since an index is an argument, too.
 
     Example:
         >>> import urdf_ik
         >>> arm = urdf_ik.load("planar_2r")
         >>> try:
-        ...     len(arm.ik(arm.fk([[0.1, 0.2], [0.3, 0.4]])))
-        ... except BatchError as error:
-        ...     print(str(error)[:61])
-        len() needs a single pose, and these are the solutions of a b
+        ...     arm.fk([0.1, 0.2, 0.3])
+        ... except ArgumentError as error:
+        ...     print(str(error)[:40])
+        joint vectors of shape (3,) given; the c
     """
 
 
 class UrdfError(UrdfIkError, ValueError):
-    """A URDF that is broken: where, and what to change.
+    """A URDF, or a table that becomes one, that is broken: where, and what to change.
 
     Attributes:
-        source: the file's path, or ``<text>`` for XML that was given as a string or stream.
+        source: the file's path, or ``<text>`` for XML that was given as a string or stream, '' for a table
+            that came from no file.
         line: line number in the source, or None where the defect has no line.
-        element: the XML element at fault, such as ``<joint name="j2">``, or None.
+        element: the XML element at fault, such as ``<joint name="j2">``, or the table's 'row 2, column a', or None.
         hint: what would be valid.
 
     Example:
@@ -81,7 +82,7 @@ class UrdfError(UrdfIkError, ValueError):
         self,
         problem: str,
         *,
-        source: str,
+        source: str = "",
         line: int | None = None,
         element: str | None = None,
         hint: str | None = None,
@@ -89,8 +90,7 @@ class UrdfError(UrdfIkError, ValueError):
         self.problem, self.source, self.line, self.element, self.hint = problem, source, line, element, hint
         shown = printable(source, _MOST_OF_A_PATH)
         where = shown if line is None else f"{shown}:{line}"
-        parts = [where, *([element] if element else []), problem]
-        super().__init__(": ".join(parts) + (f" ({hint})" if hint else ""))
+        super().__init__(": ".join(part for part in (where, element, problem) if part) + (f" ({hint})" if hint else ""))
 
 
 class ChainError(UrdfIkError, ValueError):
@@ -129,71 +129,71 @@ class PoseError(UrdfIkError, ValueError):
         super().__init__(problem if index is None else f"pose {list(index)}: {problem}")
 
 
-class TaskError(UrdfIkError, ValueError):
-    """A task that does not exist, or that the arm's joints do not control."""
-
-
-class JointVectorError(UrdfIkError, ValueError):
-    """A joint vector of the wrong shape or with values that are not finite."""
-
-
-class DHError(UrdfIkError, ValueError):
-    """An invalid Denavit-Hartenberg table; ``row`` counts from 1, ``column`` is its name, where there is one.
-
-    ``source`` is the file that it was read from; None for a table that came from no file.
-
-    Example:
-        >>> import urdf_ik
-        >>> try:
-        ...     urdf_ik.DHTable.from_array([[0.0, 0.3, 0.0, 0.0], [0.0, float("nan"), 0.0, 0.0]], "standard")
-        ... except DHError as error:
-        ...     print(error.row, error.column)
-        2 a
-    """
-
-    def __init__(
-        self, problem: str, *, row: int | None = None, column: str | None = None, source: str | None = None
-    ) -> None:
-        self.problem, self.row, self.column, self.source = problem, row, column, source
-        where = ", ".join([f"row {row}"] * (row is not None) + [f"column {column!r}"] * (column is not None))
-        super().__init__(": ".join(part for part in (source, where, problem) if part))
-
-
-class VelocityError(UrdfIkError, ValueError):
-    """An invalid twist, damping, weight, velocity limit or length."""
-
-
-class PathError(UrdfIkError, ValueError):
-    """Waypoints, a start or a setting of a path that make no sense or do not fit the arm."""
-
-
-class WorldError(UrdfIkError, ValueError):
-    """A shape or an obstacle that cannot be: a size of zero, a mesh that is missing, a name that is taken."""
-
-
-class WorkspaceError(UrdfIkError, ValueError):
-    """A grid, a question about a workspace, or a file of a map that makes no sense or does not fit."""
-
-
-class StoreError(UrdfIkError, ValueError):
-    """A store on the disk that is in use, is damaged, holds something else or cannot be written."""
-
-
-class ClusterError(UrdfIkError, RuntimeError):
-    """A scheduler that does not answer, or workers that cannot do the work."""
-
-
-class PlotError(UrdfIkError, ValueError):
-    """A picture that cannot be drawn, written or shown; the message says what would be valid."""
-
-
 class UnsupportedArm(UrdfIkError, ValueError):
     """The arm was read, but no solver of this package can solve it completely."""
 
 
-class CatalogueError(UrdfIkError, ValueError):
-    """A name that the catalogue does not hold, or whose package is not installed."""
+class JobError(UrdfIkError, RuntimeError):
+    """A long run that cannot go on: its store is in use or damaged, or its scheduler or workers do not answer."""
 
 
 class MissingPackage(UrdfIkError, ImportError):
     """An optional package is not installed; the message holds the command that installs it."""
+
+
+def escaped(text: str) -> str:
+    r"""``text`` with its lines, and without what a terminal takes for an order: such characters become escapes.
+
+    Control characters and marks that turn the direction of writing come with names in files of unknown origin.
+
+    Example:
+        >>> escaped("tool\x9b31m\ntip\u202e")
+        'tool\\x9b31m\ntip\\u202e'
+    """
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
+
+
+def printable(text: object, most: int = MOST_OF_A_NAME) -> str:
+    r"""``text`` as one line that any terminal can show: names come from files of unknown origin.
+
+    Control characters, marks that turn the direction of writing, line ends and halves of surrogate pairs are written
+    as escapes.
+
+    Args:
+        text: a name, or anything with a ``str``.
+        most: greatest number of characters; what is longer ends with '...'.
+
+    Example:
+        >>> printable("tool\x9b31m\u202e")
+        'tool\\x9b31m\\u202e'
+    """
+    try:  # of lists in lists there may be more than memory holds
+        written = SHORT.repr(text) if isinstance(text, list | tuple | dict | set | frozenset) else str(text)
+    except Exception:  # an object of unknown origin
+        written = f"<{type(text).__name__}>"
+    cut = escaped(written[:most]).replace("\n", "\\n")
+    return cut if len(cut) <= most and len(written) <= most else cut[: most - 3] + "..."
+
+
+def message(text: str) -> str:
+    r"""A message that any terminal can show: :func:`escaped`, and words longer than a name are cut.
+
+    Example:
+        >>> message("unknown option: \x1b" + 100 * "x")
+        'unknown option: \\x1bxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx...'
+    """
+    return _LONG_WORD.sub(lambda word: printable(word[0]), escaped(text))
+
+
+def listed(names: Iterable[object], most: int = 20) -> str:
+    """Names as a message lists them, each of them :func:`printable`; of many the first ones.
+
+    Example:
+        >>> listed(["base", "tool"]), listed("abc", most=2)
+        ('base, tool', 'a, b, ... (3)')
+    """
+    every = list(names)
+    shown = [printable(name) for name in every[:most]]
+    return ", ".join(shown if len(every) <= most else [*shown, f"... ({len(every)})"])

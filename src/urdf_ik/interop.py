@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik.errors import ArgumentError, JointVectorError, MissingPackage
-from urdf_ik.guards import inputs
-from urdf_ik.poses import to_quat_wxyz
-from urdf_ik.text import quoted
-from urdf_ik.urdf import link_shapes
+from urdf_ik.errors import ArgumentError, MissingPackage
+from urdf_ik.model import link_shapes
+from urdf_ik.model.poses import to_quat_wxyz
+from urdf_ik.support import inputs
+from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -47,7 +47,7 @@ def to_joint_state(arm: Arm, q: ArrayLike, names: Sequence[str], others: ArrayLi
         (..., k) rad or m.
 
     Raises:
-        JointVectorError: q or ``others`` has another length, or ``names`` holds a name twice.
+        ArgumentError: q or ``others`` has another length, or ``names`` holds a name twice.
 
     Example:
         >>> import urdf_ik
@@ -58,10 +58,10 @@ def to_joint_state(arm: Arm, q: ArrayLike, names: Sequence[str], others: ArrayLi
     """
     inputs.arm(arm)
     Q, place = arm.chain.check(q), _places(names)
-    given = None if others is None else inputs.real(others, "others", "a position for each name", JointVectorError)
+    given = None if others is None else inputs.real(others, "others", "a position for each name", ArgumentError)
     kept = np.full(len(names), np.nan) if given is None else given
     if kept.shape != (len(names),):
-        raise JointVectorError(
+        raise ArgumentError(
             f"others has the shape {kept.shape}; one position for each of {len(names)} names is needed"
         )
     out = np.tile(kept, (*Q.shape[:-1], 1))
@@ -80,7 +80,7 @@ def from_joint_state(arm: Arm, names: Sequence[str], positions: ArrayLike) -> Ar
         positions: (..., k) rad or m.
 
     Raises:
-        JointVectorError: a joint of the arm is missing, a name stands there twice, or the shapes do not fit.
+        ArgumentError: a joint of the arm is missing, a name stands there twice, or the shapes do not fit.
 
     Example:
         >>> import urdf_ik
@@ -90,13 +90,13 @@ def from_joint_state(arm: Arm, names: Sequence[str], positions: ArrayLike) -> Ar
         [0.1, 0.2]
     """
     inputs.arm(arm)
-    given, place = inputs.real(positions, "positions", "joint positions", JointVectorError), _places(names)
+    given, place = inputs.real(positions, "positions", "joint positions", ArgumentError), _places(names)
     if given.shape[-1:] != (len(names),):
-        raise JointVectorError(
+        raise ArgumentError(
             f"positions of shape {given.shape} for {len(names)} names; (..., {len(names)}) is needed"
         )
     if missing := [name for name in arm.joint_names if name not in place]:
-        raise JointVectorError(f"the message lacks {', '.join(missing)}; it has {', '.join(names)}")
+        raise ArgumentError(f"the message lacks {', '.join(missing)}; it has {', '.join(names)}")
     out: Array = given[..., [place[name] for name in arm.joint_names]]
     return arm.chain.check(out)
 
@@ -111,7 +111,7 @@ def pink_configuration(arm: Arm, q: ArrayLike) -> Any:
         q: (n,) rad or m, such as a solution of ``arm.ik``.
 
     Raises:
-        JointVectorError: q is not (n,).
+        ArgumentError: q is not (n,).
         MissingPackage: pink is not installed.
 
     Example:
@@ -155,7 +155,7 @@ class ViserArm:
         """Move the links to where they are at ``q`` (n,) rad or m.
 
         Raises:
-            JointVectorError: q is not (n,).
+            ArgumentError: q is not (n,).
         """
         poses = self.arm.link_poses(_one(self.arm, q))
         for link, handle in self._bodies:
@@ -203,7 +203,7 @@ class RerunArm:
         """Log the poses of the links at ``q`` (n,) rad or m, at the recording's present time.
 
         Raises:
-            JointVectorError: q is not (n,).
+            ArgumentError: q is not (n,).
 
         Example:
             >>> import rerun, urdf_ik
@@ -251,7 +251,7 @@ def _one(arm: Arm, q: ArrayLike) -> Array:
     """One joint vector (n,)."""
     Q = arm.chain.check(q)
     if Q.ndim != 1:
-        raise JointVectorError(f"joint vectors of shape {Q.shape} given; one, ({arm.dof},), is needed")
+        raise ArgumentError(f"joint vectors of shape {Q.shape} given; one, ({arm.dof},), is needed")
     return Q
 
 
@@ -259,12 +259,12 @@ def _places(names: Sequence[str]) -> dict[str, int]:
     """Index of each name.
 
     Raises:
-        JointVectorError: these are no names, or one of them stands there twice.
+        ArgumentError: these are no names, or one of them stands there twice.
     """
     if not isinstance(names, list | tuple) or not all(isinstance(name, str) for name in names):
-        raise JointVectorError(f"names={quoted(names)} given; a list of joints' names is needed")
+        raise ArgumentError(f"names={quoted(names)} given; a list of joints' names is needed")
     place = {name: k for k, name in enumerate(names)}
     if len(place) < len(names):
         twice = sorted({name for name in names if list(names).count(name) > 1})
-        raise JointVectorError(f"the message names {', '.join(twice)} twice")
+        raise ArgumentError(f"the message names {', '.join(twice)} twice")
     return place

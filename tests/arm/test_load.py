@@ -14,8 +14,8 @@ from arms import TWO_HANDS, ur_like
 from oracle import Oracle
 
 import urdf_ik
-from urdf_ik import catalogue
-from urdf_ik.errors import CatalogueError, ChainError, UrdfError
+from urdf_ik.errors import ArgumentError, ChainError, UrdfError
+from urdf_ik.model import catalogue
 
 Q = np.array([0.3, 0.5, 0.9, 0.4, 0.8, -0.2])
 TEXT = ur_like().urdf
@@ -80,8 +80,8 @@ def test_a_file_goes_before_a_name(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 
 
 def test_unknown_names_and_missing_files() -> None:
-    """A bare word that is no name raises CatalogueError with what is near; what looks like a path, UrdfError."""
-    with pytest.raises(CatalogueError, match="zyyzyz_6r"):
+    """A bare word that is no name raises ArgumentError with what is near; what looks like a path, UrdfError."""
+    with pytest.raises(ArgumentError, match="zyyzyz_6r"):
         urdf_ik.load("zyyzyz-6r")
     for missing in ("nowhere/arm.urdf", "arm.urdf", Path("zyyzyz_6r_not_here")):
         with pytest.raises((UrdfError, OSError), match=re.escape(str(missing))):

@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 from command import ARM, TWO_JOINTS, TYPED, call, strict_json, succeed, target
 
-from urdf_ik import catalogue, completeness, crosscheck
+from urdf_ik.model import catalogue
+from urdf_ik.verify import completeness, crosscheck
 
 COMMANDS = ("info", "fk", "ik", "check", "compare", "dh", "workspace", "path", "plot", "placement", "dataset")
 

@@ -17,7 +17,7 @@ from command import ARM, TYPED, Q, call, comma, oracle, strict_json, succeed, ta
 from oracle import angle_distance
 
 import urdf_ik
-from urdf_ik import catalogue
+from urdf_ik.model import catalogue
 
 
 def test_the_example_shows_all_eight_solutions() -> None:

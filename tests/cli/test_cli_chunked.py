@@ -13,7 +13,8 @@ from pictures import is_png
 from seams import seam
 
 import urdf_ik
-from urdf_ik import catalogue, datasets, placements
+from urdf_ik.maps import datasets, placements
+from urdf_ik.model import catalogue
 
 BOX = "--bounds=-0.5,-0.5,0,0.5,0.5,0"
 
@@ -27,7 +28,7 @@ def targets(tmp_path: Path) -> Path:
 
 
 def test_the_best_places_are_those_of_the_map(targets: Path, tmp_path: Path) -> None:
-    """JSON and table hold what ``urdf_ik.placement`` finds for the same question; a mount brings roll and pitch in."""
+    """JSON and table hold what ``maps.placement`` finds for the same question; a mount brings roll and pitch in."""
     asked = {"bounds": [[-0.5, -0.5, 0], [0.5, 0.5, 0]], "step": 0.5, "turns": 2}
     found = placements.placement(urdf_ik.load(ARM), np.load(targets), **asked)
     picture = tmp_path / "map.png"
@@ -59,7 +60,7 @@ def test_a_path_and_a_world_have_columns_of_their_own(targets: Path, tmp_path: P
 
 
 def test_a_data_set_is_that_of_the_library(tmp_path: Path) -> None:
-    """The same bytes as ``urdf_ik.dataset`` makes; the table names every column with its shape."""
+    """The same bytes as ``urdf_ik.maps.dataset`` makes; the table names every column with its shape."""
     by_hand = datasets.dataset(urdf_ik.load(ARM), 50, seed=7, collisions=False, store=tmp_path / "one.parquet")
     store = tmp_path / "two.parquet"
     table = succeed("dataset", ARM, "-n", "50", "--seed", "7", "--no-collisions", "--store", str(store))

@@ -21,8 +21,10 @@ from command import ARM, TYPED, Q, comma
 from typer.testing import CliRunner
 
 import urdf_ik
-from urdf_ik import catalogue, viewer, workspace
 from urdf_ik.cli import app
+from urdf_ik.maps import workspaces
+from urdf_ik.model import catalogue
+from urdf_ik.show import viewer
 
 SEED, COUNT = map(int, os.environ.get("URDF_IK_CALLS", "3:480").split(":"))
 PARTS, MOST_SECONDS = 8, 120
@@ -136,7 +138,7 @@ def good(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     table = urdf_ik.DHTable.from_chain(urdf_ik.load("puma_560").chain, "standard")
     (folder / "table.csv").write_text(table.to_csv())
     (folder / "table.json").write_text(table.to_json())
-    workspace.compute(urdf_ik.load("planar_2r"), voxel=0.2, orientations=2).save(folder / "map.npz")
+    workspaces.workspace(urdf_ik.load("planar_2r"), voxel=0.2, orientations=2).save(folder / "map.npz")
     named = {"arm": "arm.urdf", "xacro": "robot.xacro", "srdf": "arm.srdf", "world": "world.urdf", "map": "map.npz"}
     named |= {"seam": "seam.json", "vectors_json": "vectors.json", "vectors_csv": "vectors.csv"}
     named |= {f"poses_{kind}": f"poses.{kind}" for kind in ("csv", "json", "npy", "npz")}

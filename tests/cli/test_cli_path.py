@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from seams import seam
 
 import urdf_ik
-from urdf_ik import catalogue
 from urdf_ik.cli import progress
+from urdf_ik.model import catalogue
 
 Array = NDArray[np.float64]
 SHORT = 0.3, 20  # m, waypoints
@@ -28,7 +28,7 @@ CELL = """<robot name="cell"><link name="cell"/><link name="wall">
 def file(tmp_path: Path) -> str:
     """The seam as a CSV."""
     poses = seam(*SHORT)
-    rows = np.hstack([poses[:, :3, 3], urdf_ik.to_quat_wxyz(poses)])
+    rows = np.hstack([poses[:, :3, 3], urdf_ik.model.poses.to_quat_wxyz(poses)])
     name = tmp_path / "seam.csv"
     np.savetxt(name, rows, fmt="%.17g", delimiter=",", header="x,y,z,qw,qx,qy,qz", comments="")
     return str(name)

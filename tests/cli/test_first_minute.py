@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 from command import ARM, call, strict_json, succeed
 
-from urdf_ik import catalogue
 from urdf_ik.cli.commands import doctor
+from urdf_ik.model import catalogue
 
 TWO = """<robot name="two"><link name="base"/><link name="left"/><link name="right"/>
 <joint name="l" type="continuous"><parent link="base"/><child link="left"/></joint>

@@ -14,8 +14,8 @@ from arms_general import unstructured
 from arms_seven import SEVEN, random_seven
 
 import urdf_ik
+from urdf_ik.cell.reference import Reference
 from urdf_ik.errors import UrdfIkError
-from urdf_ik.reference import Reference
 
 Array = np.typing.NDArray[np.float64]
 

@@ -21,7 +21,8 @@ import pytest
 from numpy.typing import NDArray
 
 import urdf_ik
-from urdf_ik import _core, catalogue
+from urdf_ik import _core
+from urdf_ik.model import catalogue
 
 LEVELS = _core.levels()
 # What rounding moves a pose by, in shares of the arm's size and rad: joint values differ by as much over the Jacobian's

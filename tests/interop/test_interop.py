@@ -8,7 +8,7 @@ import pytest
 
 import urdf_ik
 from urdf_ik import interop
-from urdf_ik.errors import JointVectorError
+from urdf_ik.errors import ArgumentError
 
 Q = np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
 
@@ -43,7 +43,7 @@ def test_joint_states_that_do_not_fit_are_refused(
     names: list[str], values: list[float], words: str, arm: urdf_ik.Arm
 ) -> None:
     """A joint that is missing, one that is named twice, and too few positions."""
-    with pytest.raises(JointVectorError, match=words):
+    with pytest.raises(ArgumentError, match=words):
         interop.from_joint_state(arm, names, values)
 
 
@@ -75,7 +75,7 @@ def test_a_viser_scene_shows_the_links_where_they_are(arm: urdf_ik.Arm) -> None:
         for link, handle in shown._bodies:
             np.testing.assert_allclose(handle.position, poses[link][:3, 3], atol=1e-6)
             np.testing.assert_allclose(urdf_ik.pose([0, 0, 0], quat_wxyz=handle.wxyz), urdf_ik.pose(
-                [0, 0, 0], quat_wxyz=urdf_ik.to_quat_wxyz(poses[link])), atol=1e-6)  # fmt: skip
+                [0, 0, 0], quat_wxyz=urdf_ik.model.poses.to_quat_wxyz(poses[link])), atol=1e-6)  # fmt: skip
     finally:
         server.stop()
 

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 import urdf_ik
-from urdf_ik import errors, workspace
-from urdf_ik.reference import Reference
+from urdf_ik import errors
+from urdf_ik.cell.reference import Reference
+from urdf_ik.maps import workspaces
 
 Q = [0.3, -0.5, 0.8, 0.4, 0.7, -0.2]
 
@@ -33,7 +34,7 @@ def objects() -> dict[str, Any]:
     found = six.ik(T)
     plan = six.follow(urdf_ik.line(T, six.fk(np.array(Q) + 0.02), 4), world=world)
     model = six.collision_model.in_world(world).allow("link_1", "ball")
-    grid = workspace.compute(two, voxel=0.1, orientations=2)
+    grid = workspaces.workspace(two, voxel=0.1, orientations=2)
     tracker = six.tracker(Q, dt=0.01)
     return {
         "arm": six, "seven joints": seven, "mimicking": mimicking(), "task": two.for_task("planar position"),
@@ -48,9 +49,9 @@ def objects() -> dict[str, Any]:
         "nearest": six.nearest_pair(Q), "motions": six.motion_is_free(Q, np.array(Q) + 0.1), "plan": plan,
         "timed": plan.timed(1.0, 1.0), "no plan": six.follow(urdf_ik.line(T, urdf_ik.pose([9, 0, 0]), 3)),
         "tracker": tracker, "step": tracker.step(T), "table of an arm": urdf_ik.DHTable.from_chain(six.chain),
-        "comparison": urdf_ik.compare(two, two, n=2), "report": urdf_ik.crosscheck.check(two, n=2), "map": grid,
-        "slice": grid.slice(), "region": workspace.planar(two), "reference": Reference(six.model),
-        "singular directions": six.singular_directions(Q), "entry": urdf_ik.catalogue.resolve("planar_2r"),
+        "comparison": urdf_ik.compare(two, two, n=2), "report": urdf_ik.verify.crosscheck.check(two, n=2), "map": grid,
+        "slice": grid.slice(), "region": workspaces.planar(two), "reference": Reference(six.model),
+        "singular directions": six.singular_directions(Q), "entry": urdf_ik.model.catalogue.resolve("planar_2r"),
     }  # fmt: skip
 
 
@@ -124,7 +125,7 @@ def test_errors_are_copied_with_their_fields(way: str) -> None:
     """As they come out of another process."""
     for error in (
         errors.UrdfError("p", source="s", line=3, element="e", hint="h"), errors.ChainError("c", ["a"]),
-        errors.PoseError("p", (1,)), errors.DHError("d", row=1, column="a"), errors.MissingPackage("m"),
+        errors.PoseError("p", (1,)), errors.MissingPackage("m"),
     ):  # fmt: skip
         again = WAYS[way](error)
         assert type(again) is type(error) and str(again) == str(error) and vars(again) == vars(error)

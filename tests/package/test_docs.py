@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import urdf_ik
-from urdf_ik.families import registry
+from urdf_ik.ik.families import registry
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -49,7 +49,7 @@ def test_every_public_name_is_in_the_reference(tmp_path: Path, monkeypatch: pyte
     importlib.import_module("names").write(tmp_path)
     reference = "\n".join(page.read_text() for page in tmp_path.glob("*.md"))
     missing = [name for name in urdf_ik.__all__ if not re.search(rf":: urdf_ik\.{name}$", reference, re.MULTILINE)]
-    for room in re.findall(r"automodule:: urdf_ik\.(\w+)", reference):
+    for room in re.findall(r"automodule:: urdf_ik\.([\w.]+)", reference):
         names = getattr(importlib.import_module(f"urdf_ik.{room}"), "__all__", ())
         there = set(re.findall(rf"urdf_ik\.{room}[\w.]*\.(\w+)$", reference, re.MULTILINE))
         missing += [f"{room}.{name}" for name in names if name not in there]

@@ -18,17 +18,25 @@ import urdf_ik
 FOLDER = str(Path(urdf_ik.__file__).parent)
 NAMES = ["urdf_ik", *(module.name for module in pkgutil.walk_packages([FOLDER], "urdf_ik."))]
 # What is imported by users: the package and its rooms, not the modules inside a room.
-ROOMS = ["urdf_ik", *(f"urdf_ik.{module.name}" for module in pkgutil.iter_modules([FOLDER]) if module.name != "_core")]
+# The rooms, and the packages in them whose lists of names are public.
+PACKAGES = [module.name for module in pkgutil.walk_packages([FOLDER], "urdf_ik.") if module.ispkg]
+FILES = [f"urdf_ik.{module.name}" for module in pkgutil.iter_modules([FOLDER]) if not module.ispkg]
+FILES += [
+    f"urdf_ik.{name}"
+    for name in ("cell.reference", "ik.cuspidality", "ik.tasks", "kinematics.velocity", "model.catalogue",
+                 "model.poses", "verify.testing")
+]  # fmt: skip
+ROOMS = ["urdf_ik", *PACKAGES, *(name for name in FILES if name != "urdf_ik._core")]
 
 # No example of these can run here: name, or name of the class, to the reason.
 WITHOUT_EXAMPLE = {
     "urdf_ik.cli.application.main": "the command itself: it reads sys.argv and ends the process",
-    "urdf_ik.cuspidality.nonsingular_change": "searches for seconds, and finds nothing on the bundled arms",
+    "urdf_ik.ik.cuspidality.nonsingular_change": "searches for seconds, and finds nothing on the bundled arms",
     "urdf_ik.interop.ViserArm": "moves what a page on a port shows",
     "urdf_ik.interop.add_to_viser": "adds to the scene of a page on a port",
-    "urdf_ik.plot.slider_panel.interact": "sliders of a notebook, which has to be open",
-    "urdf_ik.plot.slider_panel.show": "opens a window, and waits until somebody closes it",
-    "urdf_ik.viewer.page.Viewer": "serves a page on a port, for a browser",
+    "urdf_ik.show.plot.slider_panel.interact": "sliders of a notebook, which has to be open",
+    "urdf_ik.show.plot.slider_panel.show": "opens a window, and waits until somebody closes it",
+    "urdf_ik.show.viewer.page.Viewer": "serves a page on a port, for a browser",
 }
 
 

@@ -13,27 +13,37 @@ import pytest
 import urdf_ik
 from urdf_ik import (
     UrdfIkError,
+    interop,
+)
+from urdf_ik.ik import (
+    cuspidality,
+)
+from urdf_ik.kinematics import (
+    structure,
+    velocity,
+)
+from urdf_ik.maps import (
+    placements,
+    workspaces,
+)
+from urdf_ik.maps.datasets import StoredSamples
+from urdf_ik.show import (
+    plot,
+)
+from urdf_ik.verify import (
     comparison,
     completeness,
     crosscheck,
-    cuspidality,
-    interop,
-    placements,
-    plot,
-    structure,
-    velocity,
-    workspace,
 )
-from urdf_ik.datasets import StoredSamples
 
 TWO, SIX, SEVEN = (urdf_ik.load(name) for name in ("planar_2r", "zyyzyz_6r", "srs_7r"))
 Q6, Q7 = np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]), np.array([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1])
 T2, T6, T7 = TWO.fk([0.2, 0.4]), SIX.fk(Q6), SEVEN.fk(Q7)
 LINE = urdf_ik.line(T6, T6, 2)
 INTERVALS = SEVEN.intervals(T7)
-MAP = workspace.compute(TWO, 0.2, 2)
+MAP = workspaces.workspace(TWO, 0.2, 2)
 TABLE = urdf_ik.DHTable.from_chain(urdf_ik.load("puma_560").chain)
-PLACES = urdf_ik.placement(TWO, T2, bounds=[[-0.1, -0.1, 0], [0.1, 0.1, 0]], step=0.1)
+PLACES = urdf_ik.maps.placement(TWO, T2, bounds=[[-0.1, -0.1, 0], [0.1, 0.1, 0]], step=0.1)
 STATE = (SIX.joint_names, Q6)
 
 
@@ -49,14 +59,14 @@ TAKES: dict[str, Callable[[Any], Any]] = {
     "plot.intervals": plot.intervals, "plot.workspace_slice": plot.workspace_slice,
     "plot.placements": plot.placements, "plot.planar_workspace": plot.planar_workspace, "plot.sliders": plot.sliders,
     "intervals in rad": lambda x: plot.intervals(INTERVALS, degrees=x),
-    "regions and a posture": lambda x: plot.planar_workspace(workspace.planar(TWO), x),
+    "regions and a posture": lambda x: plot.planar_workspace(workspaces.planar(TWO), x),
     "save": lambda x: plot.save(x, "x.png"), "cuspidal": cuspidality.is_cuspidal,
     "change": cuspidality.nonsingular_change, "analyse": structure.analyse,
     "manipulability": lambda x: velocity.manipulability(x, Q6),
     "condition number": lambda x: velocity.condition_number(x, Q6), "deviation": TABLE.deviation,
     "table in degrees": lambda x: TABLE.to_json(degrees=x),
-    "snap": lambda x: urdf_ik.DHTable.from_chain(SIX.chain, snap=x), "boundary": workspace.boundary,
-    "opened": workspace.opened, "placements.opened": placements.opened, "samples": StoredSamples,
+    "snap": lambda x: urdf_ik.DHTable.from_chain(SIX.chain, snap=x), "boundary": workspaces.boundary,
+    "opened": workspaces.opened, "placements.opened": placements.opened, "samples": StoredSamples,
     "read waypoints": urdf_ik.read_waypoints, "look up": MAP.look_up, "values": MAP.values,
     "look up what": lambda x: MAP.look_up([[0.1, 0.1]], zero(x)), "slice": lambda x: MAP.slice(what=x),
     "places": MAP.grid.places, "best places": PLACES.places, "base": PLACES.base, "scores": PLACES.values,
@@ -70,15 +80,15 @@ TAKES: dict[str, Callable[[Any], Any]] = {
     "arguments of a xacro": lambda x: urdf_ik.load("a.xacro", xacro_args=zero(x)),
     "chain": lambda x: urdf_ik.load("<robot/>" if x is None else SIX.model.xml, chain=x),
     "redundancy": lambda x: urdf_ik.load("srs_7r", redundancy=zero(x)),
-    "mesh roots": lambda x: urdf_ik.load("ur5", mesh_roots=zero(x)), "dataset of": lambda x: urdf_ik.dataset(x, 2),
-    "dataset": lambda x: urdf_ik.dataset(TWO, x), "chunk": lambda x: urdf_ik.dataset(TWO, 2, chunk=x),
-    "store": lambda x: urdf_ik.dataset(TWO, 2, store=zero(x)),
-    "placement": lambda x: urdf_ik.placement(x, T2, bounds=[[0, 0, 0], [1, 1, 0]], step=1.0),
-    "step": lambda x: urdf_ik.placement(TWO, T2, bounds=[[0, 0, 0], [1, 1, 0]], step=x),
-    "bounds": lambda x: urdf_ik.placement(TWO, T2, bounds=x, step=1.0),
-    "mount": lambda x: urdf_ik.placement(TWO, T2, bounds=[[0, 0, 0], [1, 1, 0]], step=1.0, mount=zero(x)),
-    "margin of a map": lambda x: workspace.compute(TWO, 0.2, 2, margin=x),
-    "output": lambda x: workspace.compute(TWO, 0.2, 2, output=zero(x)), "compare": lambda x: urdf_ik.compare(TWO, x),
+    "mesh roots": lambda x: urdf_ik.load("ur5", mesh_roots=zero(x)), "dataset of": lambda x: urdf_ik.maps.dataset(x, 2),
+    "dataset": lambda x: urdf_ik.maps.dataset(TWO, x), "chunk": lambda x: urdf_ik.maps.dataset(TWO, 2, chunk=x),
+    "store": lambda x: urdf_ik.maps.dataset(TWO, 2, store=zero(x)),
+    "placement": lambda x: urdf_ik.maps.placement(x, T2, bounds=[[0, 0, 0], [1, 1, 0]], step=1.0),
+    "step": lambda x: urdf_ik.maps.placement(TWO, T2, bounds=[[0, 0, 0], [1, 1, 0]], step=x),
+    "bounds": lambda x: urdf_ik.maps.placement(TWO, T2, bounds=x, step=1.0),
+    "mount": lambda x: urdf_ik.maps.placement(TWO, T2, bounds=[[0, 0, 0], [1, 1, 0]], step=1.0, mount=zero(x)),
+    "margin of a map": lambda x: workspaces.workspace(TWO, 0.2, 2, margin=x),
+    "output": lambda x: workspaces.workspace(TWO, 0.2, 2, output=zero(x)), "compare": lambda x: urdf_ik.compare(TWO, x),
     "ways": lambda x: completeness.compare(x, 1), "poses": lambda x: completeness.compare(SIX, x),
     "replay": lambda x: completeness.replay(SIX, 2, 0, x), "crosscheck": lambda x: crosscheck.check(x, 1),
     "crosscheck replay": lambda x: crosscheck.replay(SIX, 0, x),

@@ -14,17 +14,16 @@ PACKAGE = "urdf_ik"
 
 # The rooms, floor by floor: a room imports from its own floor and from those below.
 FLOORS = (
-    {"_core", "angles", "arrays", "errors", "guards", "palette", "text", "tolerances"},
-    {"catalogue", "poses", "urdf"},
-    {"chain", "dh", "structure", "velocity"},
-    {"families"},
-    {"arm", "redundancy", "solutions", "tasks"},
-    {"collision", "motion", "reference", "scale"},
-    {
-        "comparison", "completeness", "crosscheck", "cuspidality", "datasets", "placements", "surveys", "testing",
-        "workspace",
-    },  # fmt: skip
-    {"cli", "interop", "plot", "viewer"},
+    {"_core", "errors", "support"},
+    {"model"},
+    {"kinematics"},
+    {"ik"},
+    {"cell"},
+    {"paths"},
+    {"arm"},
+    {"maps", "verify"},
+    {"interop", "show"},
+    {"cli"},
 )
 FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
 # The same of the compiled core: what computes knows nothing of Python, whose side the bindings are.

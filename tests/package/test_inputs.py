@@ -12,16 +12,17 @@ import numpy as np
 import pytest
 
 import urdf_ik
-from urdf_ik import UrdfIkError, poses
-from urdf_ik.guards import inputs
+from urdf_ik import UrdfIkError
+from urdf_ik.model import poses
+from urdf_ik.support import inputs
 
 SIX, SEVEN, TWO = (urdf_ik.load(name) for name in ("zyyzyz_6r", "srs_7r", "planar_2r"))
 Q6, Q7 = np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]), np.array([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1])
 T6, T7 = SIX.fk(Q6), SEVEN.fk(Q7)
 SOLUTIONS = SIX.ik(T6)
 TRACKER = SIX.tracker(Q6, dt=0.01)
-REGION = urdf_ik.workspace.planar(TWO)
-REPORT = urdf_ik.crosscheck.check(TWO, 2)
+REGION = urdf_ik.maps.workspaces.planar(TWO)
+REPORT = urdf_ik.verify.crosscheck.check(TWO, 2)
 CORNERS = np.stack([urdf_ik.pose([0, 0, 0]), urdf_ik.pose([0.1, 0, 0])])
 
 # What takes an array, and an array that it takes.
@@ -37,7 +38,8 @@ ARRAYS: dict[str, tuple[Callable[[Any], Any], Any]] = {
     "to_pinocchio": (SIX.to_pinocchio, Q6), "from_pinocchio": (SIX.from_pinocchio, Q6),
     "clearance": (SIX.clearance, Q6), "in_collision": (SIX.collision_model.in_collision, Q6),
     "motion_is_free": (lambda q: SIX.motion_is_free(q, Q6), Q6), "pose": (urdf_ik.pose, [0.1, 0.2, 0.3]),
-    "rotation vector": (lambda r: urdf_ik.pose([0, 0, 0], rotvec=r), [0.1, 0.2, 0.3]), "to_rpy": (urdf_ik.to_rpy, T6),
+    "rotation vector": (lambda r: urdf_ik.pose([0, 0, 0], rotvec=r), [0.1, 0.2, 0.3]),
+    "to_rpy": (urdf_ik.model.poses.to_rpy, T6),
     "check_poses": (poses.check_poses, T6), "line": (lambda T: urdf_ik.line(T, T6, 3), T6),
     "arc": (lambda p: urdf_ik.arc(urdf_ik.pose([1, 0, 0]), p, urdf_ik.pose([-1, 0, 0]), 3), [0, 1, 0]),
     "polyline": (lambda T: urdf_ik.polyline(T, 0.05), CORNERS), "tracker": (lambda q: SIX.tracker(q, dt=0.01), Q6),
@@ -58,7 +60,7 @@ NUMBERS: dict[str, tuple[Callable[[Any], Any], float]] = {
     "damping": (lambda x: SIX.joint_velocities(Q6, np.ones(6), damping=x), 0.1),
     "Sphere": (urdf_ik.Sphere, 0.1), "step": (lambda x: urdf_ik.polyline(CORNERS, x), 0.05),
     "blend": (lambda x: urdf_ik.polyline(CORNERS, 0.05, blend=x), 0.01),
-    "voxel": (lambda x: urdf_ik.workspace.compute(TWO, voxel=x, orientations=2), 0.2),
+    "voxel": (lambda x: urdf_ik.maps.workspace(TWO, voxel=x, orientations=2), 0.2),
     "project_rotation": (lambda x: poses.project_rotation(T6, x), 0.1),
 }  # fmt: skip
 # What takes a whole number, and one that it takes.
@@ -68,12 +70,12 @@ WHOLE: dict[str, tuple[Callable[[Any], Any], int]] = {
     "threads of a sweep": (lambda n: SEVEN.sweep(T7, 4, threads=n), 2),
     "threads of intervals": (lambda n: SEVEN.intervals(T7, threads=n), 2),
     "threads of the nearest": (lambda n: SEVEN.ik_nearest(T7, Q7, threads=n), 2),
-    "threads of a map": (lambda n: urdf_ik.workspace.compute(TWO, voxel=0.2, orientations=2, threads=n), 2),
-    "threads of samples": (lambda n: urdf_ik.dataset(TWO, 2, threads=n), 2),
+    "threads of a map": (lambda n: urdf_ik.maps.workspace(TWO, voxel=0.2, orientations=2, threads=n), 2),
+    "threads of samples": (lambda n: urdf_ik.maps.dataset(TWO, 2, threads=n), 2),
     "columns": (lambda n: SOLUTIONS.nearest(Q6, n=n), 2), "line": (lambda n: urdf_ik.line(T6, T6, n), 3),
-    "orientations": (lambda n: urdf_ik.workspace.compute(TWO, voxel=0.2, orientations=n), 2),
+    "orientations": (lambda n: urdf_ik.maps.workspace(TWO, voxel=0.2, orientations=n), 2),
     "compare": (lambda n: urdf_ik.compare(TWO, TWO, n), 2),
-    "crosscheck": (lambda n: urdf_ik.crosscheck.check(TWO, n), 2),
+    "crosscheck": (lambda n: urdf_ik.verify.crosscheck.check(TWO, n), 2),
 }  # fmt: skip
 
 LOOSE: dict[str, Callable[[Any], Any]] = {
@@ -247,7 +249,7 @@ def test_keys_of_every_kind_are_refused_in_words(what: str) -> None:
                 np.array([7, 8]), np.full(2, np.nan), (slice(None), "x"), np.zeros(5, bool)):  # fmt: skip
         try:
             batch[key]
-        except (urdf_ik.PlaceError, urdf_ik.BatchError, urdf_ik.WorldError) as refused:
+        except urdf_ik.ArgumentError as refused:
             assert len(str(refused)) < 500
         else:
             assert key is None and "batch" in what
@@ -286,7 +288,7 @@ def test_a_name_that_no_disk_holds_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UrdfIkError, match="cannot write"):
         SIX.write_urdf(tmp_path / "\ud800.urdf")
     with pytest.raises(UrdfIkError, match="name too long"):
-        urdf_ik.workspace.compute(TWO, 0.2, 2, store=tmp_path / ("x" * 300))
+        urdf_ik.maps.workspace(TWO, 0.2, 2, store=tmp_path / ("x" * 300))
 
 
 def test_an_arm_is_no_chain() -> None:
@@ -297,8 +299,8 @@ def test_an_arm_is_no_chain() -> None:
 
 def test_a_seed_may_be_a_number_of_numpy() -> None:
     """As one has it from an array of seeds."""
-    q, _ = urdf_ik.crosscheck.replay(SIX, seed=np.array(3, dtype=np.uint8), index=2)  # type: ignore[arg-type]
-    np.testing.assert_array_equal(q, urdf_ik.crosscheck.replay(SIX, seed=3, index=2)[0])
+    q, _ = urdf_ik.verify.crosscheck.replay(SIX, seed=np.array(3, dtype=np.uint8), index=2)  # type: ignore[arg-type]
+    np.testing.assert_array_equal(q, urdf_ik.verify.crosscheck.replay(SIX, seed=3, index=2)[0])
 
 
 GROUP = '<robot name="r"><group name="g"><chain base_link="base_link" tip_link="tool0"/></group></robot>'
@@ -309,13 +311,14 @@ NAMES: dict[str, Callable[[Any], Any]] = {
     "group": lambda x: urdf_ik.load(URDF, srdf=GROUP, chain=x),
     "base": lambda x: urdf_ik.load(URDF, srdf=GROUP, base=x),
     "xacro argument": lambda x: urdf_ik.load(URDF, xacro_args={"a": 1, 2.5 if isinstance(x, float) else 3: x}),
-    "report": lambda x: urdf_ik.testing.verdict(x, "Jacobian"),
-    "property": lambda x: urdf_ik.testing.verdict(REPORT, x),
+    "report": lambda x: urdf_ik.verify.testing.verdict(x, "Jacobian"),
+    "property": lambda x: urdf_ik.verify.testing.verdict(REPORT, x),
     "redundancy": lambda x: SEVEN.with_redundancy(x), "given": lambda x: urdf_ik.Arm(SEVEN.model, SEVEN.chain, given=x),
     "task": lambda x: urdf_ik.Arm(SIX.model, SIX.chain, task=x), "axis": SIX.with_free_axis,
     "free_axis": lambda x: urdf_ik.Arm(SIX.model, SIX.chain, free_axis=x), "pairs": SIX.collision_model.checking,
-    "self_collision": lambda x: SIX.tracker(Q6, 0.01, self_collision=x), "cuspidality": urdf_ik.cuspidality.is_cuspidal,
-    "client": lambda x: urdf_ik.scale.run(lambda k: {}, None, client=x),  # type: ignore[arg-type,return-value]
+    "self_collision": lambda x: SIX.tracker(Q6, 0.01, self_collision=x),
+    "cuspidality": urdf_ik.ik.cuspidality.is_cuspidal,
+    "client": lambda x: urdf_ik.maps.engine.run(lambda k: {}, None, client=x),  # type: ignore[arg-type,return-value]
 }  # fmt: skip
 
 

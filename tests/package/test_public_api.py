@@ -69,4 +69,4 @@ def test_every_module_can_be_imported() -> None:
         "[importlib.import_module(name) for name in names]; print(json.dumps(names))"
     )
     names = answer_of(code)
-    assert isinstance(names, list) and {"urdf_ik.errors", "urdf_ik.catalogue"} <= set(names)
+    assert isinstance(names, list) and {"urdf_ik.errors", "urdf_ik.model.catalogue"} <= set(names)

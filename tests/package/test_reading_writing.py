@@ -15,8 +15,9 @@ import pytest
 from command import ARM, TYPED, call
 
 import urdf_ik
-from urdf_ik import ArgumentError, UrdfIkError, plot
-from urdf_ik.guards import files
+from urdf_ik import ArgumentError, UrdfIkError
+from urdf_ik.show import plot
+from urdf_ik.support import files
 
 POSIX = pytest.mark.skipif(os.name == "nt", reason="pipes, links and limits of POSIX")
 SCARA = urdf_ik.load("scara_rrpr")
@@ -29,7 +30,7 @@ WRITERS: dict[str, Callable[[Path], Any]] = {
     "t.json": lambda p: PLAN.timed().to_json(p), "t.npz": lambda p: PLAN.timed().to_npz(p),
     "arm.urdf": SCARA.write_urdf, "arm.png": lambda p: plot.save(plot.arm(SCARA), p),
     "arm.svg": lambda p: plot.save(plot.arm(SCARA), p),
-    "map.npz": lambda p: urdf_ik.workspace.compute(urdf_ik.load("planar_2r"), 0.1, 4).save(p),
+    "map.npz": lambda p: urdf_ik.maps.workspace(urdf_ik.load("planar_2r"), 0.1, 4).save(p),
 }  # fmt: skip
 
 
@@ -176,7 +177,7 @@ def test_no_more_than_the_limit_is_read() -> None:
 
 def test_a_urdf_from_an_open_file_is_read_no_further_than_its_limit() -> None:
     """As from standard input, which may have no end."""
-    from urdf_ik.urdf import xml
+    from urdf_ik.model import xml
 
     endless = Dripping(b"<robot name='x'>" + b" " * (3 * 2**20))
     limit = xml.MAX_BYTES

@@ -18,7 +18,7 @@ from pathlib import Path
 import pytest
 
 import urdf_ik
-from urdf_ik import catalogue
+from urdf_ik.model import catalogue
 
 ROOT = Path(__file__).resolve().parents[2]
 OWN = tuple(catalogue.BUNDLED)
@@ -147,7 +147,7 @@ def test_sdist_holds_what_work_on_it_needs(installed: Installed) -> None:
 
 def test_installed_urdfs_come_from_the_wheel(installed: Installed) -> None:
     """In the environment, package and bundled URDFs lie inside the environment and not in the repository."""
-    code = "import json, urdf_ik; from urdf_ik import catalogue; "
+    code = "import json, urdf_ik; from urdf_ik.model import catalogue; "
     code += f"print(json.dumps([urdf_ik.__file__, *(str(catalogue.resolve(name).path) for name in {OWN})]))"
     done = installed.run("python", "-c", code)
     assert done.returncode == 0, done.stderr

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from oracle import Oracle, angle_distance
 
 import urdf_ik
-from urdf_ik import catalogue
-from urdf_ik.solutions import IKSolutions
+from urdf_ik.ik.solutions import IKSolutions
+from urdf_ik.model import catalogue
 
 Array = NDArray[np.float64]
 

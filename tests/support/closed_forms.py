@@ -11,8 +11,8 @@ from arms_general import tilted
 from cases import Case, assert_exact, closest_pair, described, flags, indistinct_pairs, nearest, rows
 from numpy.typing import NDArray
 
-from urdf_ik.families import general_6r
-from urdf_ik.structure import analyse
+from urdf_ik.ik.families import general_6r
+from urdf_ik.kinematics.structure import analyse
 
 Array = NDArray[np.float64]
 

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from oracle import Oracle
 from typer.testing import CliRunner, Result
 
-from urdf_ik import catalogue
 from urdf_ik.cli import app
+from urdf_ik.model import catalogue
 
 Array = NDArray[np.float64]
 ARM = "zyyzyz_6r"

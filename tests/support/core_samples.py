@@ -13,9 +13,10 @@ from arms import X, Z, industrial, random_arm, rotation, ur_like
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from urdf_ik import _core, urdf
-from urdf_ik.chain import Chain, from_urdf
-from urdf_ik.families.parts.values import written_values
+from urdf_ik import _core
+from urdf_ik.ik.families.parts.values import written_values
+from urdf_ik.kinematics.chain import Chain, from_urdf
+from urdf_ik.model import urdf
 
 Array = NDArray[np.float64]
 PI = math.pi

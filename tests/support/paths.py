@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 import urdf_ik
-from urdf_ik.motion.plan import Plan
+from urdf_ik.paths.plan import Plan
 
 
 def joint_path(arm: urdf_ik.Arm, m: int, seed: int, size: float = 0.3) -> np.ndarray:
@@ -37,7 +37,7 @@ def between(arm: urdf_ik.Arm, plan: Plan) -> float:
 def check(arm: urdf_ik.Arm, plan: Plan) -> None:
     """What every plan that was found keeps to."""
     assert plan.found, plan.explain()
-    reference = urdf_ik.reference.Reference(arm.model, arm.base, arm.tip)
+    reference = urdf_ik.cell.reference.Reference(arm.model, arm.base, arm.tip)
     assert np.abs(reference.pose(plan.q) - plan.poses).max() < 1e-8
     low, high = arm.limits.T
     assert (plan.q >= low - 1e-9).all()

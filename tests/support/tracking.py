@@ -13,8 +13,8 @@ from cases import described, named
 from numpy.typing import NDArray
 
 import urdf_ik
-from urdf_ik.motion import Step, Tracker
-from urdf_ik.reference import Reference
+from urdf_ik.cell.reference import Reference
+from urdf_ik.paths import Step, Tracker
 
 Array = NDArray[np.float64]
 

@@ -8,33 +8,33 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from urdf_ik import families
-from urdf_ik.angles import shortest
 from urdf_ik.arm.freedom import Free
-from urdf_ik.arm.refusals import check_free_axis, check_given, unsupported
-from urdf_ik.arm.shown import html
-from urdf_ik.chain.redundancy import spread
-from urdf_ik.errors import ArgumentError, JointVectorError, PoseError, TaskError, UnsupportedArm
-from urdf_ik.families import Plan, RedundantPlan
-from urdf_ik.families.wrappers import axis_free
-from urdf_ik.guards import inputs
-from urdf_ik.poses import as_pose_array, check_poses
-from urdf_ik.redundancy import inside, nearest, sweep
-from urdf_ik.solutions import IKSolutions
-from urdf_ik.solutions.representatives import near_each
-from urdf_ik.structure import Structure, analyse
-from urdf_ik.tasks import TASKS, Targets
-from urdf_ik.text import quoted
+from urdf_ik.arm.html import html
+from urdf_ik.errors import ArgumentError, PoseError, UnsupportedArm
+from urdf_ik.ik import families
+from urdf_ik.ik.families import Plan, RedundantPlan
+from urdf_ik.ik.families.wrappers import axis_free
+from urdf_ik.ik.redundancy import nearest, region_search, sweep
+from urdf_ik.ik.refusals import check_free_axis, check_given, unsupported
+from urdf_ik.ik.solutions import IKSolutions
+from urdf_ik.ik.solutions.representatives import near_each
+from urdf_ik.ik.tasks import TASKS, Targets
+from urdf_ik.kinematics.chain.redundancy import spread
+from urdf_ik.kinematics.structure import Structure, analyse
+from urdf_ik.model.poses import as_pose_array, check_poses
+from urdf_ik.support import inputs
+from urdf_ik.support.angles import shortest
+from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik._core import Solver
-    from urdf_ik.chain import Chain
-    from urdf_ik.chain.free_axis import FreeAxis
-    from urdf_ik.redundancy import Region
-    from urdf_ik.solutions.select import Metric
-    from urdf_ik.urdf import UrdfModel
+    from urdf_ik.ik.redundancy import Region
+    from urdf_ik.ik.solutions.distances import Metric
+    from urdf_ik.kinematics.chain import Chain
+    from urdf_ik.kinematics.chain.free_axis import FreeAxis
+    from urdf_ik.model.urdf import UrdfModel
 
     Array = NDArray[np.float64]
 
@@ -76,7 +76,7 @@ class Arm(Free):
         Raises:
             ChainError: one of ``given`` is no joint of the chain.
             ArgumentError: more joints are given than a pose leaves free, or ``free_axis`` is no axis.
-            TaskError: there is no such task, or the arm cannot control it, or its tip cannot turn about an axis.
+            ArgumentError: there is no such task, or the arm cannot control it, or its tip cannot turn about an axis.
             UnsupportedArm: no solver takes this arm for a task other than 'pose'.
         """
         inputs.kind(model, "joints", "model", "a URDF, as urdf_ik.load(...).model is,")
@@ -84,7 +84,7 @@ class Arm(Free):
         super().__init__(model, chain, free_axis)
         given = check_given(self.name, chain, given)
         if not isinstance(task, str):
-            raise TaskError(f"task={quoted(task)} given; one of {', '.join(map(repr, TASKS))} is needed")
+            raise ArgumentError(f"task={quoted(task)} given; one of {', '.join(map(repr, TASKS))} is needed")
         self.structure: Structure = analyse(chain)
         self._by_task: dict[str, Arm] = {task: self}
         self._core: Solver | None = None
@@ -139,7 +139,7 @@ class Arm(Free):
         """This arm, its ``ik`` and ``explain`` taking targets of a task; see :meth:`ik`.
 
         Raises:
-            TaskError: there is no such task, or the arm cannot control it.
+            ArgumentError: there is no such task, or the arm cannot control it.
             UnsupportedArm: no solver takes this arm.
 
         Example:
@@ -149,10 +149,10 @@ class Arm(Free):
             2
         """
         if not isinstance(task, str):
-            raise TaskError(f"task={quoted(task)} given; one of {', '.join(map(repr, TASKS))} is needed")
+            raise ArgumentError(f"task={quoted(task)} given; one of {', '.join(map(repr, TASKS))} is needed")
         if task not in self._by_task:
             if self._free_axis is not None:
-                raise TaskError(
+                raise ArgumentError(
                     f"{self.name}: with {self._free_axis} free, targets are poses, of which the rotation about it does "
                     f"not matter; {quoted(task)} is a task of the arm without a free axis"
                 )
@@ -165,9 +165,9 @@ class Arm(Free):
         """Whether the arm can change from one solution of a pose to another without crossing a singularity.
 
         False and True are proven, joint limits aside; None where neither a proof nor a path was found, and where no
-        solver takes the arm. Found when first asked for, which takes up to a second; see :mod:`urdf_ik.cuspidality`.
+        solver takes the arm. Found when first asked for, which takes up to a second; see :mod:`urdf_ik.ik.cuspidality`.
         """
-        from urdf_ik.cuspidality import is_cuspidal
+        from urdf_ik.ik.cuspidality import is_cuspidal
 
         return is_cuspidal(self)
 
@@ -208,8 +208,8 @@ class Arm(Free):
 
         Raises:
             PoseError: a target is no pose, or no target of the task; the error holds its index in the batch.
-            JointVectorError: ``q_ref`` or ``redundancy`` does not fit.
-            TaskError: there is no such task, or the arm cannot control it.
+            ArgumentError: ``q_ref`` or ``redundancy`` does not fit.
+            ArgumentError: there is no such task, or the arm cannot control it.
             UnsupportedArm: no solver takes this arm.
 
         Example:
@@ -330,8 +330,8 @@ class Arm(Free):
             within: rad or m that no joint may be further away, one number or one a joint.
             within_limits: whether only what lies inside the joint limits counts.
             region: how far the tip may be from ``T``, see :class:`urdf_ik.Region`; the ``poses`` of the answer are
-                those that were chosen in it. The optimum is local, see :mod:`urdf_ik.redundancy.inside`; so it is for
-                an arm with several redundancy parameters.
+                those that were chosen in it. The optimum is local, see
+                :mod:`urdf_ik.ik.redundancy.region_search`; so it is for an arm with several redundancy parameters.
             threads: number of threads that share the work.
             task: what ``T`` is; see ``ik``.
 
@@ -341,9 +341,9 @@ class Arm(Free):
 
         Raises:
             PoseError: a target is no pose.
-            JointVectorError: ``q_ref``, ``weights`` or ``within`` does not fit.
+            ArgumentError: ``q_ref``, ``weights`` or ``within`` does not fit.
             ArgumentError: there is no such metric, or ``within`` is negative.
-            TaskError: there is no such task, or the arm cannot control it.
+            ArgumentError: there is no such task, or the arm cannot control it.
             UnsupportedArm: no solver takes this arm.
 
         Example:
@@ -363,10 +363,10 @@ class Arm(Free):
             if self._plan is None:
                 raise unsupported(self.name, self.chain, self.structure)
             if self._targets is not None:
-                raise TaskError(f"{self.name}: a region is one of poses, not of the task {self._task!r}")
+                raise ArgumentError(f"{self.name}: a region is one of poses, not of the task {self._task!r}")
             if region is not None and self._free_axis is not None:
                 raise ArgumentError(f"{self.name}: {self._free_axis} is free; a region has rotation=pi for that")
-            return inside.nearest(self, T, q_ref, region, threads=threads, **options)
+            return region_search.nearest(self, T, q_ref, region, threads=threads, **options)
         if isinstance(self._plan, RedundantPlan):
             return nearest.nearest(self, self._plan, T, q_ref, threads=threads, **options)
         reference = self.chain.check(q_ref)
@@ -420,7 +420,7 @@ class Arm(Free):
             return sweep.explanation(self, plan, target, redundancy)
         _, values = spread(plan.parameters, target, plan.defaults if redundancy is None else redundancy)
         if values.ndim != 1:
-            raise JointVectorError(
+            raise ArgumentError(
                 f"redundancy of shape {values.shape} given; explain takes one value of each of the "
                 f"{len(plan.parameters)} parameters"
             )
@@ -429,7 +429,7 @@ class Arm(Free):
     def _reference(self, q_ref: ArrayLike) -> Array:
         q = self.chain.check(q_ref)
         if q.shape != (self.dof,):
-            raise JointVectorError(f"q_ref of shape {q.shape} given; one joint vector ({self.dof},) is needed")
+            raise ArgumentError(f"q_ref of shape {q.shape} given; one joint vector ({self.dof},) is needed")
         return np.where(self.chain.prismatic, q, shortest(q))  # turns do not matter to an answer in (-pi, pi]
 
     def _refuse(self, T: Array) -> None:

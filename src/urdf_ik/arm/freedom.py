@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from urdf_ik.arm.joining import joined
 from urdf_ik.arm.moving import Moving
-from urdf_ik.arm.refusals import unsupported
-from urdf_ik.chain import from_urdf
-from urdf_ik.chain.free_axis import FreeAxis
-from urdf_ik.errors import ArgumentError, JointVectorError, UnsupportedArm
-from urdf_ik.families import Plan, RedundantPlan
-from urdf_ik.guards import inputs
-from urdf_ik.poses import as_pose_array, check_poses
-from urdf_ik.redundancy import finding, sweep
-from urdf_ik.urdf.xml import require_name
+from urdf_ik.errors import ArgumentError, UnsupportedArm
+from urdf_ik.ik.families import Plan, RedundantPlan
+from urdf_ik.ik.redundancy import interval_search, sweep
+from urdf_ik.ik.refusals import unsupported
+from urdf_ik.kinematics.chain import from_urdf
+from urdf_ik.kinematics.chain.free_axis import FreeAxis
+from urdf_ik.model.merging import joined
+from urdf_ik.model.poses import as_pose_array, check_poses
+from urdf_ik.model.xml import require_name
+from urdf_ik.support import inputs
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -25,9 +25,9 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik.arm.kinematics import Kinematics
-    from urdf_ik.chain.redundancy import Redundancy
-    from urdf_ik.redundancy import Intervals, Sweep
-    from urdf_ik.structure import Structure
+    from urdf_ik.ik.redundancy import Intervals, Sweep
+    from urdf_ik.kinematics.chain.redundancy import Redundancy
+    from urdf_ik.kinematics.structure import Structure
 
     Array = NDArray[np.float64]
 
@@ -84,7 +84,7 @@ class Free(Moving):
 
         Raises:
             ArgumentError: no axis, the arm has a free axis already, or a joint in its middle is given.
-            TaskError: the arm has less than six joints, or controls less than a pose, which leaves more free.
+            ArgumentError: the arm has less than six joints, or controls less than a pose, which leaves more free.
             UnsupportedArm: no solver takes this arm.
 
         Example:
@@ -138,7 +138,7 @@ class Free(Moving):
 
         Raises:
             ChainError: the URDF has no such joint; the error lists those that it has.
-            JointVectorError: a value is no finite number.
+            ArgumentError: a value is no finite number.
 
         Example:
             >>> import urdf_ik
@@ -202,7 +202,7 @@ class Free(Moving):
             (...) of one parameter, (..., k) of k of them.
 
         Raises:
-            JointVectorError: the last dimension is not n, a value is not finite, or ``q`` does not reach ``T``,
+            ArgumentError: the last dimension is not n, a value is not finite, or ``q`` does not reach ``T``,
                 whatever the rotation about the free axis.
             PoseError: ``T`` holds what is no pose.
             UnsupportedArm: the arm has no such parameter.
@@ -222,7 +222,7 @@ class Free(Moving):
         try:
             batch = np.broadcast_shapes(Q.shape[:-1], target.shape[:-2])
         except ValueError:
-            raise JointVectorError(
+            raise ArgumentError(
                 f"joint vectors of shape {Q.shape} and poses of shape {target.shape} given; the shapes do not fit"
             ) from None
         target = np.broadcast_to(target, (*batch, 4, 4))
@@ -250,7 +250,7 @@ class Free(Moving):
         Q, target = self.chain.check(q), check_poses(T)
         many = (len(Q),) if Q.ndim == 2 else None
         if many is None or target.shape[:-2] not in ((), many):
-            raise JointVectorError(
+            raise ArgumentError(
                 f"joint vectors of shape {Q.shape} and poses of shape {target.shape} given; (m, {self.dof}) and "
                 "(m, 4, 4) are needed"
             )
@@ -291,7 +291,7 @@ class Free(Moving):
             (-2.588603, -1.49593, "lower limit of joint 'joint_3'")
         """
         arm: Any = self
-        return finding.intervals(
+        return interval_search.intervals(
             arm,
             self._only_parameter("intervals"),
             as_pose_array(T),
@@ -330,7 +330,7 @@ class Free(Moving):
             return
         worst = np.unravel_index(np.argmax(np.maximum(far, turned)), far.shape)
         if max(far[worst], turned[worst]) > REACHED:
-            raise JointVectorError(
+            raise ArgumentError(
                 f"joint vector{[int(k) for k in worst] or ''} does not reach the pose, whatever the rotation about "
                 f"{self._free_axis}: it is {far[worst]:.3g} m and {turned[worst]:.3g} rad off"
             )

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik.arm.kinematics import Kinematics
-from urdf_ik.errors import JointVectorError
+from urdf_ik.errors import ArgumentError
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from urdf_ik.collision import CollisionModel, Motions, Nearest, World
+    from urdf_ik.cell import CollisionModel, Motions, Nearest, World
 
     Array = NDArray[np.float64]
 
@@ -30,7 +30,7 @@ class InCell(Kinematics):
         It may be replaced, by one with another allowed-collision table: ``arm.collision_model =
         arm.collision_model.allow("forearm", "tool")``.
         """
-        from urdf_ik.collision import CollisionModel
+        from urdf_ik.cell import CollisionModel
 
         return CollisionModel(self.model, self.base, self.tip, locked=self.locked)
 
@@ -45,9 +45,9 @@ class InCell(Kinematics):
             A float for one joint vector, else (...) [m]: 0 in collision, infinite where nothing can collide.
 
         Raises:
-            JointVectorError: the last dimension is not n, or a value is not finite.
+            ArgumentError: the last dimension is not n, or a value is not finite.
             UrdfError: the URDF has no collision shapes, or not all of them were found.
-            WorldError: an obstacle's mesh cannot be read, or it has the name of a link.
+            ArgumentError: an obstacle's mesh cannot be read, or it has the name of a link.
 
         Example:
             >>> import urdf_ik
@@ -78,8 +78,8 @@ class InCell(Kinematics):
 
         Each joint goes from its value in ``q0`` to its value in ``q1``, in proportion to the others, turns included.
         A motion that is called free is free of contact at every instant of it. One that is not called free has a
-        contact, or comes within 0.1 mm of one (``urdf_ik.collision.swept.TOUCH``), where no finite number of distances
-        can prove it free.
+        contact, or comes within 0.1 mm of one (``urdf_ik.cell.swept_motions.TOUCH``), where no finite number of
+        distances can prove it free.
 
         Args:
             q0: (..., n) rad or m.
@@ -92,11 +92,11 @@ class InCell(Kinematics):
             the others. Of a single motion, the result itself is true or false.
 
         Raises:
-            JointVectorError: the arrays do not fit the arm or each other, a value is not finite, or a joint goes
-                farther than 10000 rad or m (``urdf_ik.collision.swept.LONGEST``).
+            ArgumentError: the arrays do not fit the arm or each other, a value is not finite, or a joint goes
+                farther than 10000 rad or m (``urdf_ik.cell.swept_motions.LONGEST``).
             ArgumentError: ``margin`` is negative or not finite.
             UrdfError: the URDF has no collision shapes, or not all of them were found.
-            WorldError: an obstacle's mesh cannot be read, or it has the name of a link.
+            ArgumentError: an obstacle's mesh cannot be read, or it has the name of a link.
 
         Example:
             >>> import urdf_ik
@@ -110,7 +110,7 @@ class InCell(Kinematics):
         try:
             start, end = np.broadcast_arrays(start, end)
         except ValueError:
-            raise JointVectorError(
+            raise ArgumentError(
                 f"motions from {start.shape} to {end.shape} given; the shapes do not broadcast"
             ) from None
         batch, count = start.shape[:-1], math.prod(start.shape[:-1])

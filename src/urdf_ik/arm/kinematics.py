@@ -7,25 +7,25 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from urdf_ik import velocity
-from urdf_ik.chain import velocity_limits
-from urdf_ik.guards import files
-from urdf_ik.solutions import limits
-from urdf_ik.tasks import control_of
-from urdf_ik.tolerances import DEFAULT
+from urdf_ik.ik.solutions import limits
+from urdf_ik.ik.tasks import control_of
+from urdf_ik.kinematics import velocity
+from urdf_ik.kinematics.chain import velocity_limits
+from urdf_ik.support import files
+from urdf_ik.support.tolerances import DEFAULT
 
 if TYPE_CHECKING:
     import os
 
     from numpy.typing import ArrayLike, NDArray
 
-    from urdf_ik.chain import Chain
-    from urdf_ik.chain.free_axis import FreeAxis
-    from urdf_ik.chain.plane import Plane
-    from urdf_ik.collision.tool import Shapes
-    from urdf_ik.reference import Reference
-    from urdf_ik.tasks import Control
-    from urdf_ik.urdf import UrdfModel
+    from urdf_ik.cell.reference import Reference
+    from urdf_ik.cell.tool import Shapes
+    from urdf_ik.ik.tasks import Control
+    from urdf_ik.kinematics.chain import Chain
+    from urdf_ik.kinematics.chain.free_axis import FreeAxis
+    from urdf_ik.kinematics.chain.plane import Plane
+    from urdf_ik.model.urdf import UrdfModel
 
     Array = NDArray[np.float64]
 
@@ -86,7 +86,7 @@ class Kinematics:
     def limit_margin(self, q: ArrayLike) -> Array:
         """How far (..., n) rad or m are from the joint limits: (...), the least joint's share of half its range.
 
-        1 in the middle of all ranges, 0 at a limit, negative outside; see :func:`urdf_ik.solutions.limits.margin`.
+        1 in the middle of all ranges, 0 at a limit, negative outside; see :func:`urdf_ik.ik.solutions.limits.margin`.
 
         Example:
             >>> import urdf_ik
@@ -122,7 +122,7 @@ class Kinematics:
             PoseError: an invalid pose.
             ArgumentError: the URDF has a link of this name, something that is no shape is given, or the tip has a
                 free axis.
-            WorldError: a shape that a URDF cannot hold (``HalfSpace``, ``Points``), or a mesh that is not there.
+            ArgumentError: a shape that a URDF cannot hold (``HalfSpace``, ``Points``), or a mesh that is not there.
 
         Example:
             >>> import urdf_ik
@@ -132,7 +132,7 @@ class Kinematics:
             >>> torch.tip, len(torch.ik(torch.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])))
             ('torch', 8)
         """
-        from urdf_ik.collision.tool import with_tool
+        from urdf_ik.cell.tool import with_tool
 
         return with_tool(self, pose, shapes, name)
 
@@ -195,7 +195,7 @@ class Kinematics:
         return self.chain.jacobian(q)
 
     def manipulability(self, q: ArrayLike, part: str = "all") -> Array:
-        """Yoshikawa's manipulability: (..., n) to (...); see :func:`urdf_ik.velocity.manipulability`.
+        """Yoshikawa's manipulability: (..., n) to (...); see :func:`urdf_ik.kinematics.velocity.manipulability`.
 
         Example:
             >>> import urdf_ik
@@ -206,7 +206,7 @@ class Kinematics:
         return velocity.manipulability(self.chain, q, part)
 
     def condition_number(self, q: ArrayLike, part: str = "all", length: float | None = None) -> Array:
-        """Condition of the Jacobian: (..., n) to (...); see :func:`urdf_ik.velocity.condition_number`.
+        """Condition of the Jacobian: (..., n) to (...); see :func:`urdf_ik.kinematics.velocity.condition_number`.
 
         Example:
             >>> import urdf_ik
@@ -219,7 +219,7 @@ class Kinematics:
     def singular_directions(
         self, q: ArrayLike, *, length: float | None = None, tolerance: float = DEFAULT.singular
     ) -> velocity.SingularDirections:
-        """Twists lost, motions that do nothing at ``q`` (..., n); see :func:`urdf_ik.velocity.singular_directions`.
+        """Twists lost and idle motions at ``q`` (..., n); see :func:`urdf_ik.kinematics.velocity.singular_directions`.
 
         Example:
             >>> import urdf_ik
@@ -241,7 +241,7 @@ class Kinematics:
         limits: ArrayLike | None = None,
         length: float | None = None,
     ) -> Array:
-        """Joint velocities (..., n) for a twist (..., 6) of the tip; see :func:`urdf_ik.velocity.joint_velocities`.
+        """Joint velocities (..., n) for a tip twist (..., 6); see :func:`urdf_ik.kinematics.velocity.joint_velocities`.
 
         Example:
             >>> import urdf_ik
@@ -257,7 +257,7 @@ class Kinematics:
 
     @cached_property
     def _pinocchio(self) -> Reference:
-        from urdf_ik.reference import Reference
+        from urdf_ik.cell.reference import Reference
 
         return Reference(self.model, self.base, self.tip, locked=self.locked)
 
@@ -275,7 +275,7 @@ class Kinematics:
             q: (..., n) rad or m.
 
         Raises:
-            JointVectorError: the last dimension is not n, or a value is not finite.
+            ArgumentError: the last dimension is not n, or a value is not finite.
             UrdfError: Pinocchio refuses the URDF.
 
         Example:
@@ -292,7 +292,7 @@ class Kinematics:
         Angles of continuous joints come back in (-pi, pi].
 
         Raises:
-            JointVectorError: the last dimension is not nq, or a value is not finite.
+            ArgumentError: the last dimension is not nq, or a value is not finite.
             UrdfError: Pinocchio refuses the URDF.
 
         Example:

@@ -7,12 +7,12 @@ import re
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
-from urdf_ik import catalogue, urdf
 from urdf_ik.arm.arm import Arm
-from urdf_ik.chain import from_urdf
 from urdf_ik.errors import ArgumentError, ChainError
-from urdf_ik.text import quoted
-from urdf_ik.urdf.srdf import chain_groups
+from urdf_ik.kinematics.chain import from_urdf
+from urdf_ik.model import catalogue, urdf
+from urdf_ik.model.srdf import chain_groups
+from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
 
@@ -39,7 +39,7 @@ def load(
             compressed by gzip, be a MuJoCo model (MJCF), or a xacro if its name ends in ``.xacro``.
         base: base link; default: the root.
         tip: tip link; default: the tool frame of the longest chain, where that leaves no doubt (see
-            :meth:`urdf_ik.urdf.UrdfModel.chains`).
+            :meth:`urdf_ik.model.urdf.UrdfModel.chains`).
         chain: which arm of several is meant, by the name that ``urdf-ik info --chains`` lists, such as 'left', or
             a group of the SRDF; instead of a tip.
         srdf: an SRDF, whose groups with a ``<chain>`` are the chains that come into question.
@@ -56,8 +56,8 @@ def load(
         UrdfError: the URDF is broken; the error names line, element and hint.
         ChainError: base, tip, a locked joint or one of ``redundancy`` is unknown, or base or tip ambiguous; the error
             lists the candidates.
-        JointVectorError: a locked joint's value is no finite number.
-        CatalogueError: a name that there is not, or whose model cannot be downloaded.
+        ArgumentError: a locked joint's value is no finite number.
+        ArgumentError: a name that there is not, or whose model cannot be downloaded.
         MissingPackage: the package that reads a xacro or MJCF is not installed.
         ArgumentError: more joints are in ``redundancy`` than a pose leaves free.
         UnsupportedArm: a joint of the chain cannot be handled.
@@ -89,7 +89,7 @@ def read(
 
     Raises:
         UrdfError: the URDF is broken.
-        CatalogueError: a name that there is not, or whose model cannot be downloaded.
+        ArgumentError: a name that there is not, or whose model cannot be downloaded.
         MissingPackage: the package that reads a xacro or MJCF is not installed.
 
     Example:

@@ -9,8 +9,8 @@ from urdf_ik.arm.in_cell import InCell
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from urdf_ik import motion
-    from urdf_ik.tasks import Targets
+    from urdf_ik import paths
+    from urdf_ik.ik.tasks import Targets
 
 
 class Moving(InCell):
@@ -33,7 +33,7 @@ class Moving(InCell):
         max_step: ArrayLike | None = None,
         tolerance: tuple[float, float] | None = None,
         reconfigure: bool = False,
-    ) -> motion.Plan:
+    ) -> paths.Plan:
         """The cheapest joint motion along a path, over all branches and turns, without a jump.
 
         From waypoint to waypoint the joints move linearly, and the tip is proven to keep within a tolerance of the
@@ -41,7 +41,7 @@ class Moving(InCell):
         with a redundancy parameter, its values are searched on a grid first, and then on finer ones around the way
         found: the cheapest in that neighbourhood. With a free axis (:meth:`Arm.with_free_axis`) the rotation about it
         does not count, and the plan never costs more than the one that keeps it. Of several parameters all but one are
-        held at a few values, and moved together then: see :mod:`urdf_ik.motion.path.several`.
+        held at a few values, and moved together then: see :mod:`urdf_ik.paths.planner.several_parameters`.
 
         Args:
             T: (m, 4, 4) m, waypoints; see :func:`urdf_ik.line`, :func:`urdf_ik.arc`, :func:`urdf_ik.polyline`.
@@ -66,9 +66,9 @@ class Moving(InCell):
             See :class:`urdf_ik.Plan`; where ``found`` is false, ``explain()`` says how far each branch gets.
 
         Raises:
-            PathError: waypoints, start, end or a setting that make no sense; the message says what would be valid.
+            ArgumentError: waypoints, start, end or a setting that make no sense; the message says what would be valid.
             PoseError: a waypoint is no pose.
-            JointVectorError: ``start`` or ``end`` is no joint vector.
+            ArgumentError: ``start`` or ``end`` is no joint vector.
             UrdfError: a world is given, and the arm has no collision shapes.
             UnsupportedArm: no solver takes this arm.
 
@@ -82,7 +82,7 @@ class Moving(InCell):
             >>> plan.found, len(plan.q), len(set(plan.branches))
             (True, 50, 1)
         """
-        from urdf_ik.motion.follow import follow
+        from urdf_ik.paths.follow import follow
 
         arm: Any = self
         return follow(
@@ -90,8 +90,8 @@ class Moving(InCell):
             weights=weights, margins=margins, max_step=max_step, tolerance=tolerance, reconfigure=reconfigure,
         )  # fmt: skip
 
-    def tracker(self, q0: ArrayLike, dt: float, **options: Any) -> motion.Tracker:
-        """A tracker of targets, one each cycle of ``dt`` s, from ``q0`` on: see :class:`urdf_ik.motion.Tracker`.
+    def tracker(self, q0: ArrayLike, dt: float, **options: Any) -> paths.Tracker:
+        """A tracker of targets, one each cycle of ``dt`` s, from ``q0`` on: see :class:`urdf_ik.paths.Tracker`.
 
         Example:
             >>> import urdf_ik
@@ -100,7 +100,7 @@ class Moving(InCell):
             >>> tracker.step(arm.fk([0.301, -0.5, 0.8, 0.4, 0.7, -0.2])).status
             'ok'
         """
-        from urdf_ik import motion
+        from urdf_ik import paths
 
         arm: Any = self
-        return motion.Tracker(arm, q0, dt, targets=self._targets, **options)
+        return paths.Tracker(arm, q0, dt, targets=self._targets, **options)

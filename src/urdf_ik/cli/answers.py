@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.cli import console, free_value
-from urdf_ik.solutions import Singular
-from urdf_ik.solutions.limits import LIMIT_TOLERANCE
+from urdf_ik.ik.solutions import Singular
+from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
+    from urdf_ik.cell import World
     from urdf_ik.cli.console import Angles
-    from urdf_ik.collision import World
-    from urdf_ik.solutions.limits import LIMIT_TOLERANCE
-from urdf_ik.solutions import IKSolutions
+    from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
+from urdf_ik.ik.solutions import IKSolutions
 
 # Solutions that Pinocchio measures between two reports of progress.
 _AT_ONCE = 512
@@ -101,7 +101,7 @@ def solve(
     unchecked = ""
     todo = np.argwhere(valid)
     if errors:
-        from urdf_ik.reference import Reference
+        from urdf_ik.cell.reference import Reference
 
         reference = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
         position, rotation = np.full(valid.shape, np.nan), np.full(valid.shape, np.nan)

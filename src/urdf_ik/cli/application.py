@@ -150,9 +150,9 @@ def check(
     printed_as: options.TextFormat = ReportFormat.TABLE,
 ) -> None:
     """Print the report of the cross-check, or of the comparison of two ways to all solutions."""
-    from urdf_ik import completeness, crosscheck
     from urdf_ik.cli import console
     from urdf_ik.cli.progress import Progress
+    from urdf_ik.verify import completeness, crosscheck
 
     if complete and collision is not None:
         raise console.usage("--complete compares solutions and nothing else", "--collision")
@@ -205,10 +205,10 @@ def compare(
     printed_as: options.TextFormat = ReportFormat.TABLE,
 ) -> None:
     """Print the comparison."""
-    from urdf_ik import comparison
     from urdf_ik.cli import console
     from urdf_ik.cli.commands import compare as compare_command
     from urdf_ik.cli.progress import Progress
+    from urdf_ik.verify import comparison
 
     first = ChosenArm(a, base_a, tip_a, lock_a, tool_xyz=tool_xyz_a, tool_rpy=tool_rpy_a, suffix="-a")
     second = ChosenArm(b, base_b, tip_b, lock_b, tool_xyz=tool_xyz_b, tool_rpy=tool_rpy_b, suffix="-b")

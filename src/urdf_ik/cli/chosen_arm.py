@@ -15,7 +15,8 @@ import typer
 from urdf_ik.cli import options
 from urdf_ik.cli.chunked import options as chunked
 from urdf_ik.cli.chunked.places import Places
-from urdf_ik.text import escaped, quoted
+from urdf_ik.errors import escaped
+from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
     import numpy as np
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
     from urdf_ik.arm import Arm
     from urdf_ik.cli.console import Angles
-    from urdf_ik.urdf import UrdfModel
+    from urdf_ik.model.urdf import UrdfModel
 
 
 @dataclass(frozen=True)
@@ -134,7 +135,7 @@ class ChosenArm:
         import numpy as np
 
         from urdf_ik.cli import console
-        from urdf_ik.poses import pose
+        from urdf_ik.model.poses import pose
 
         xyz, rpy = (
             console.numbers("0,0,0" if typed is None else typed, f"{option}{self.suffix}", names)
@@ -228,7 +229,7 @@ _GROUPS: Mapping[str, Mapping[str, Any]] = {"chosen": _CHOSEN, "typed": _TYPED, 
 
 
 def _catalogue_names() -> tuple[str, ...]:
-    from urdf_ik import catalogue
+    from urdf_ik.model import catalogue
 
     return catalogue.names()
 

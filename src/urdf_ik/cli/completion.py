@@ -13,8 +13,7 @@ def robots_and_files(incomplete: str) -> list[str]:
         >>> robots_and_files("zyy")
         ['zyyzyz_6r']
     """
-    from urdf_ik import catalogue
-    from urdf_ik.catalogue import downloads
+    from urdf_ik.model import catalogue, downloads
 
     names = [name for name in (*catalogue.names(), *downloads.names()) if name.startswith(incomplete)]
     folder, _, start = incomplete.rpartition("/")

@@ -13,11 +13,10 @@ from typing import IO, TYPE_CHECKING, Any
 import numpy as np
 import typer
 
-from urdf_ik import arrays
-from urdf_ik import text as texts
-from urdf_ik.errors import JointVectorError
-from urdf_ik.guards import files
-from urdf_ik.text import quoted
+from urdf_ik.errors import ArgumentError, escaped, printable
+from urdf_ik.support import files, number_files
+from urdf_ik.support import text as texts
+from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -85,9 +84,9 @@ def read_poses(source: str, option: str) -> NDArray[np.float64]:
 
     Raises:
         typer.BadParameter: standard input is closed.
-        PathError: the file cannot be read, or holds no poses in an accepted form.
+        ArgumentError: the file cannot be read, or holds no poses in an accepted form.
     """
-    from urdf_ik.motion.files import read_poses
+    from urdf_ik.paths.waypoint_files import read_poses
 
     return read_poses(opened(source, option))
 
@@ -97,21 +96,21 @@ def read_joint_vectors(source: str, option: str, joint_names: Sequence[str]) -> 
 
     Raises:
         typer.BadParameter: standard input is closed.
-        JointVectorError: the file cannot be read, or holds no joint vectors in an accepted form.
+        ArgumentError: the file cannot be read, or holds no joint vectors in an accepted form.
     """
     n = len(joint_names)
     accepted = (
-        f"accepted: {n} values each ({', '.join(map(texts.printable, joint_names))}), as .npy or .npz (array 'q' or "
+        f"accepted: {n} values each ({', '.join(map(printable, joint_names))}), as .npy or .npz (array 'q' or "
         f'the only one) or JSON of shape ({n},) or (N, {n}), JSON {{"q": [...]}}, CSV with {n} columns or a header '
         "with the joints' names"
     )
-    wanted = arrays.Wanted(("q", "poses"), "joint vector", accepted, JointVectorError)
-    name, held = arrays.read(opened(source, option), wanted)
-    if isinstance(held, arrays.Rows):
+    wanted = number_files.Wanted(("q", "poses"), "joint vector", accepted, ArgumentError)
+    name, held = number_files.read(opened(source, option), wanted)
+    if isinstance(held, number_files.Rows):
         header = held.header or [str(k) for k in range(1, len(held.cells[0]) + 1)]
         held = held.numbers(joint_names if set(joint_names) <= set(header) else header, header)
     if held.ndim not in (1, 2) or not held.size or held.shape[-1] != n:
-        raise JointVectorError(f"{name} holds numbers of shape {held.shape}; {accepted}")
+        raise ArgumentError(f"{name} holds numbers of shape {held.shape}; {accepted}")
     return held.reshape(-1, n)
 
 
@@ -148,7 +147,7 @@ def write(text: str | bytes, output: Path | None) -> None:
         ArgumentError: the file cannot be written.
     """
     # Names in files of unknown origin are no orders to the terminal.
-    shown = texts.escaped(text) if isinstance(text, str) and not isinstance(text, Coloured) else text
+    shown = escaped(text) if isinstance(text, str) and not isinstance(text, Coloured) else text
     data = shown.encode(_encoding(), "backslashreplace") if isinstance(shown, str) else shown
     if output is None:
         if sys.stdout is None:  # closed by the caller, who wants the status only

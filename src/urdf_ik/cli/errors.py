@@ -14,7 +14,7 @@ import typer
 from typer.core import TyperGroup
 
 from urdf_ik import errors
-from urdf_ik.text import MOST_OF_A_NAME, message, printable
+from urdf_ik.errors import MOST_OF_A_NAME, message, printable
 
 _QUOTE = re.compile(rf"'[^']{{{MOST_OF_A_NAME + 1},}}'")
 _MOST = 1000  # characters of a message about the arguments: a list of all that would be valid has some hundred

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.cli import console
-from urdf_ik.text import quoted
+from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -11,7 +11,7 @@ from typer import Argument, Option
 
 from urdf_ik import __version__
 from urdf_ik.cli.completion import robots_and_files
-from urdf_ik.guards.inputs import MOST_POSES
+from urdf_ik.support.inputs import MOST_POSES
 
 
 class Format(StrEnum):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik import motion
+from urdf_ik import paths
 from urdf_ik.cli import console
 from urdf_ik.cli.progress import Elapsed
 
@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
+    from urdf_ik.cell import World
     from urdf_ik.cli.chosen_arm import ChosenArm, TypedPath
     from urdf_ik.cli.console import Angles
-    from urdf_ik.collision import World
-    from urdf_ik.motion import Plan
+    from urdf_ik.paths import Plan
 
     Array = NDArray[np.float64]
 
@@ -89,13 +89,13 @@ def followed(arm: Arm, angles: Angles, typed: TypedPath, chosen: ChosenArm) -> F
 
 def waypoints(source: str, angles: Angles) -> Array:
     """Poses (m, 4, 4) from a file, or from standard input for ``-``."""
-    return motion.read_waypoints(console.opened(source, "--waypoints"), degrees=angles.degrees)
+    return paths.read_waypoints(console.opened(source, "--waypoints"), degrees=angles.degrees)
 
 
 def cell(source: Path | None, chosen: ChosenArm) -> World | None:
     """The obstacles of a URDF; its meshes may come from the folders of ``--mesh-root``, too."""
     if source is None:
         return None
-    from urdf_ik.collision import World
+    from urdf_ik.cell import World
 
     return World.from_urdf(source, package_dirs=chosen.mesh_root or ())

@@ -19,7 +19,7 @@ from rich.text import Text
 from urdf_ik.cli import answers, free_value
 from urdf_ik.cli.console import Coloured
 from urdf_ik.cli.options import is_terminal
-from urdf_ik.text import escaped
+from urdf_ik.errors import escaped
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -85,7 +85,7 @@ def matrix(T: NDArray[np.float64]) -> str:
 
 def pose_line(T: NDArray[np.float64], digits: int = 4) -> str:
     """A pose as position and quaternion on one line."""
-    from urdf_ik.poses import to_quat_xyzw
+    from urdf_ik.model.poses import to_quat_xyzw
 
     xyz = ", ".join(number(float(x), digits) for x in T[:3, 3])
     quat = ", ".join(number(float(x), digits) for x in to_quat_xyzw(T))

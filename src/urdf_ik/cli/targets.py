@@ -104,7 +104,7 @@ def spread(arm: Arm, target: Target, typed: str | None, angles: Angles) -> Targe
 
 
 def _typed(typed: TypedPose, oriented: Sequence[str], angles: Angles) -> Target:
-    from urdf_ik.poses import pose
+    from urdf_ik.model.poses import pose
 
     if typed.xyz is None:
         raise console.usage(f"{oriented[0]} needs a position with it: --xyz x,y,z", "--xyz")

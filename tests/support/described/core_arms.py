@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import urdf_ik
-from urdf_ik import catalogue
+from urdf_ik.model import catalogue
 
 Array = NDArray[np.float64]
 

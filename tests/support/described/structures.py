@@ -7,9 +7,9 @@ from arms import DescribedArm, random_arm, serial_urdf
 from numpy.typing import NDArray
 
 import urdf_ik
-from urdf_ik import urdf
-from urdf_ik.chain import from_urdf
-from urdf_ik.structure import Structure, analyse
+from urdf_ik.kinematics.chain import from_urdf
+from urdf_ik.kinematics.structure import Structure, analyse
+from urdf_ik.model import urdf
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ import pinocchio
 import pytest
 
 from urdf_ik.errors import UrdfError
-from urdf_ik.urdf import read
+from urdf_ik.model.urdf import read
 
 TINY = """<?xml version="1.0"?>
 <robot name="tiny">

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik import datasets
 from urdf_ik.cli import console, tables
 from urdf_ik.cli.progress import Progress
+from urdf_ik.maps import datasets
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -24,8 +24,8 @@ def run(arm: Arm, n: int, store: Path, options: dict[str, Any], places: Places, 
 
     Raises:
         typer.BadParameter: places that cannot be.
-        StoreError: a store that cannot be gone on with, does not fit on the disk or cannot be written.
-        ClusterError: a scheduler or workers that cannot do the work.
+        JobError: a store that cannot be gone on with, does not fit on the disk or cannot be written.
+        JobError: a scheduler or workers that cannot do the work.
     """
     places.check()
     with places.client() as client, Progress("drawing samples", "solving") as progress:

@@ -8,7 +8,7 @@ from typing import Annotated
 from typer import Option
 
 from urdf_ik.cli.options import OBSTACLES, POSES_IN_A_FILE
-from urdf_ik.guards.inputs import MOST_THREADS
+from urdf_ik.support.inputs import MOST_THREADS
 
 # Where the work is kept, and who does it.
 Store = Annotated[

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik import placements, plot
 from urdf_ik.cli import console, tables
 from urdf_ik.cli.progress import Progress
-from urdf_ik.errors import PlotError
-from urdf_ik.poses import to_rpy
-from urdf_ik.text import quoted
+from urdf_ik.errors import ArgumentError
+from urdf_ik.maps import placements
+from urdf_ik.model.poses import to_rpy
+from urdf_ik.show import plot
+from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
     from urdf_ik.arm import Arm
@@ -36,17 +37,17 @@ def run(
 
     Raises:
         typer.BadParameter: places that cannot be, or a score that is not held.
-        PathError: a file without poses.
+        ArgumentError: a file without poses.
         ArgumentError: options of which no map can be made.
-        StoreError: a store that cannot be gone on with, or cannot be written.
-        ClusterError: a scheduler or workers that cannot do the work.
-        PlotError: a picture that cannot be written.
+        JobError: a store that cannot be gone on with, or cannot be written.
+        JobError: a scheduler or workers that cannot do the work.
+        ArgumentError: a picture that cannot be written.
     """
     places.check()
     if score not in placements.SHOWN:
         raise console.usage(f"no score is called {quoted(score)}; there are {', '.join(placements.SHOWN)}", "--show")
     if picture is not None and picture.suffix.lower() not in plot.SUFFIXES:
-        raise PlotError(f"{picture}: pictures are written as {', '.join(plot.SUFFIXES)}; name the file so")
+        raise ArgumentError(f"{picture}: pictures are written as {', '.join(plot.SUFFIXES)}; name the file so")
     poses = console.read_poses(targets, "--targets")
     with places.client() as client, Progress("scoring positions", "solving") as progress:
         found = placements.placement(

@@ -39,6 +39,6 @@ class Places:
         """The workers, for as long as the work takes; None for this process."""
         if self.workers is None and self.scheduler is None:
             return nullcontext()
-        from urdf_ik import scale
+        from urdf_ik.maps import engine
 
-        return scale.connect(self.scheduler, self.workers)  # type: ignore[no-any-return]
+        return engine.connect(self.scheduler, self.workers)  # type: ignore[no-any-return]

@@ -91,7 +91,7 @@ def placement(
 
     from urdf_ik.cli import console, paths
     from urdf_ik.cli.chunked import placement as placement_command
-    from urdf_ik.poses import pose
+    from urdf_ik.model.poses import pose
 
     chosen.without_stdin(targets, "--targets")
     box = console.box(bounds, "--bounds")

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import TYPE_CHECKING
 
-from urdf_ik import surveys
 from urdf_ik.cli import console
 from urdf_ik.cli.progress import Progress
+from urdf_ik.verify import surveys
 
 if TYPE_CHECKING:
     from urdf_ik.cli.chosen_arm import ChosenArm
@@ -24,8 +24,8 @@ def run(
     Raises:
         typer.BadParameter: an option that is one arm's, or places that cannot be.
         UrdfError: the folder holds no URDF.
-        StoreError: a store that cannot be gone on with, or cannot be written.
-        ClusterError: a scheduler or workers that cannot do the work.
+        JobError: a store that cannot be gone on with, or cannot be written.
+        JobError: a scheduler or workers that cannot do the work.
     """
     places.check()
     for each in fields(chosen):

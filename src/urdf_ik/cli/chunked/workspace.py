@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from urdf_ik import workspace as rooms
 from urdf_ik.cli import console, tables
 from urdf_ik.cli.progress import Progress
-from urdf_ik.guards import files
+from urdf_ik.maps import workspaces
+from urdf_ik.support import files
 
 if TYPE_CHECKING:
     from urdf_ik.arm import Arm
@@ -19,15 +19,15 @@ if TYPE_CHECKING:
 def run(arm: Arm, angles: Angles, output: Path | None, places: Places, as_json: bool, options: dict[str, Any]) -> None:
     """Print the exact region of two turning joints, or compute a map, print its sums and save it.
 
-    A map is made of any other arm, and wherever one of the ``options`` of ``workspace.compute``, a file or a store asks
+    Any other arm gets a map, and so does one for which an option of ``urdf_ik.maps.workspace``, a file or a store asks
     for it; None stands for an option that was not given.
 
     Raises:
         typer.BadParameter: places that cannot be.
         ArgumentError: ``output`` is a folder, or there is no folder for it.
-        WorkspaceError: options of which no map can be made, or a file that cannot be written.
-        StoreError: a store that cannot be gone on with, or cannot be written.
-        ClusterError: a scheduler or workers that cannot do the work.
+        ArgumentError: options of which no map can be made, or a file that cannot be written.
+        JobError: a store that cannot be gone on with, or cannot be written.
+        JobError: a scheduler or workers that cannot do the work.
     """
     if output is not None:
         files.writable(output)
@@ -37,19 +37,19 @@ def run(arm: Arm, angles: Angles, output: Path | None, places: Places, as_json: 
     given = {name: value for name, value in options.items() if value is not None and value is not False}
     asked = bool(given) or output is not None or places.store is not None
     if arm.dof == 2 and arm.plane is not None and not arm.chain.prismatic.any() and not asked:
-        region = rooms.planar(arm)
+        region = workspaces.planar(arm)
         console.write(_region_json(region) if as_json else _region_text(region, angles), None)
         return
-    found: rooms.WorkspaceMap | rooms.StoredMap
+    found: workspaces.WorkspaceMap | workspaces.StoredMap
     with places.client() as client, Progress("solving poses", "solving") as progress:
         if places.store is not None:
-            found = rooms.compute(arm, **given, store=places.store, client=client, progress=progress.tick)
+            found = workspaces.workspace(arm, **given, store=places.store, client=client, progress=progress.tick)
         else:
-            found = rooms.compute(arm, **given, output=output, progress=progress.tick)
+            found = workspaces.workspace(arm, **given, output=output, progress=progress.tick)
     console.write(_map_json(found) if as_json else _map_text(found, output or places.store), None)
 
 
-def _region_text(region: rooms.PlanarWorkspace, angles: Angles) -> str:
+def _region_text(region: workspaces.PlanarWorkspace, angles: Angles) -> str:
     areas = [(name, part.area) for name, part in _parts(region).items()]
     total = region.boundary.area
     table = tables.grid(
@@ -78,11 +78,11 @@ def _region_text(region: rooms.PlanarWorkspace, angles: Angles) -> str:
     )
 
 
-def _parts(region: rooms.PlanarWorkspace) -> dict[str, rooms.Region]:
+def _parts(region: workspaces.PlanarWorkspace) -> dict[str, workspaces.Region]:
     return {"either elbow": region.boundary, **region.regions, "both, two solutions": region.overlap}
 
 
-def _region_json(region: rooms.PlanarWorkspace) -> str:
+def _region_json(region: workspaces.PlanarWorkspace) -> str:
     return console.json_text(
         {
             "robot": region.name,
@@ -103,7 +103,7 @@ def _region_json(region: rooms.PlanarWorkspace) -> str:
     )
 
 
-def _map_text(found: rooms.WorkspaceMap | rooms.StoredMap, place: Path | None) -> str:
+def _map_text(found: workspaces.WorkspaceMap | workspaces.StoredMap, place: Path | None) -> str:
     about, unit = found.about, "m2" if found.about.task.startswith("planar") else "m3"
     totals, cell = found.totals(), found.about.cell(found.grid.voxel)
     volume, dexterous = totals.reached_voxels * cell, totals.dexterous_voxels * cell
@@ -126,7 +126,7 @@ def _map_text(found: rooms.WorkspaceMap | rooms.StoredMap, place: Path | None) -
     return tables.render(*lines, "", table)
 
 
-def _map_json(found: rooms.WorkspaceMap | rooms.StoredMap) -> str:
+def _map_json(found: workspaces.WorkspaceMap | workspaces.StoredMap) -> str:
     about, totals, cell = found.about, found.totals(), found.about.cell(found.grid.voxel)
     return console.json_text(
         {

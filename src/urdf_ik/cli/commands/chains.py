@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from urdf_ik.cli import console, tables
 
 if TYPE_CHECKING:
-    from urdf_ik.urdf import UrdfModel
+    from urdf_ik.model.urdf import UrdfModel
 
 
 def as_json(model: UrdfModel, base: str | None) -> str:

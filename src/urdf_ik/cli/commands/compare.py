@@ -9,7 +9,7 @@ from urdf_ik.cli import tables
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from urdf_ik.comparison.report import Comparison
+    from urdf_ik.verify.comparison.report import Comparison
 
 
 def as_text(comparison: Comparison) -> str:

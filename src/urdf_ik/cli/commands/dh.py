@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from urdf_ik.cli import console, tables
 from urdf_ik.cli.options import DHFormat
-from urdf_ik.dh import DHTable, files
+from urdf_ik.kinematics.dh import DHTable, files
 
 if TYPE_CHECKING:
     from urdf_ik.cli.chosen_arm import ChosenArm
@@ -27,7 +27,7 @@ def run(
 
     Raises:
         typer.BadParameter: options that do not go together, or a file that cannot be written.
-        DHError: an invalid table.
+        UrdfError: an invalid table.
     """
     notes: list[str] = []
     if Path(chosen.robot).suffix.lower() in _TABLE_FILES:

@@ -87,7 +87,7 @@ def examine() -> Findings:
     versions = {"urdf-ik": __version__, "python": platform.python_version()}
     versions |= {name: _version(name) for name in NEEDED}
     begun = time.perf_counter()
-    for package in ("urdf_ik.reference", "urdf_ik.arm", "yourdfpy"):
+    for package in ("urdf_ik.cell.reference", "urdf_ik.arm", "yourdfpy"):
         import_module(package)
     loaded = time.perf_counter()
     tests = tuple(_test(name) for name in _ARMS)
@@ -136,9 +136,9 @@ def _test(name: str) -> Test:
     """Solve poses of random joint vectors, look for these among the answers, and have Pinocchio measure all."""
     import numpy as np
 
-    from urdf_ik import angles
     from urdf_ik.arm import load
-    from urdf_ik.reference import Reference
+    from urdf_ik.cell.reference import Reference
+    from urdf_ik.support import angles
 
     arm = load(name)
     pinocchio = Reference(arm.model, arm.base, arm.tip)

@@ -11,7 +11,7 @@ import numpy as np
 from urdf_ik.cli import console, tables
 from urdf_ik.cli.chosen_arm import angles_of
 from urdf_ik.cli.options import Format
-from urdf_ik.poses import to_quat_xyzw, to_rpy
+from urdf_ik.model.poses import to_quat_xyzw, to_rpy
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -69,7 +69,7 @@ def as_json(arm: Arm, q: Array, angles: Angles) -> str:
 
 def as_csv(arm: Arm, q: Array, angles: Angles) -> str:
     """Joint values, position and quaternion; ``urdf-ik ik --poses`` finds the pose by its columns' names."""
-    from urdf_ik.motion.files import POSE_COLUMNS
+    from urdf_ik.paths.waypoint_files import POSE_COLUMNS
 
     rows = np.hstack([angles.shown(q), _positions_and_quaternions(arm.fk(q))])
     return console.csv_text([*arm.joint_names, *POSE_COLUMNS], rows.tolist())

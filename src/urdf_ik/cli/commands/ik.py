@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from urdf_ik.arm import Arm
+    from urdf_ik.cell import World
     from urdf_ik.cli.console import Angles
-    from urdf_ik.collision import World
-    from urdf_ik.solutions import IKSolutions
+    from urdf_ik.ik.solutions import IKSolutions
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from urdf_ik.cli import console, tables
-from urdf_ik.cuspidality import in_words
-from urdf_ik.structure import AxisPair, AxisTriple
+from urdf_ik.ik.cuspidality import in_words
+from urdf_ik.kinematics.structure import AxisPair, AxisTriple
 
 if TYPE_CHECKING:
     from urdf_ik.arm import Arm

@@ -11,9 +11,8 @@ import typer
 from urdf_ik.cli import console, tables
 from urdf_ik.cli.errors import Status
 from urdf_ik.cli.paths import followed
-from urdf_ik.errors import PathError
-from urdf_ik.guards import files
-from urdf_ik.text import escaped
+from urdf_ik.errors import ArgumentError, escaped
+from urdf_ik.support import files
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -22,8 +21,8 @@ if TYPE_CHECKING:
     from urdf_ik.cli.chosen_arm import ChosenArm, TypedPath
     from urdf_ik.cli.console import Angles
     from urdf_ik.cli.paths import Followed
-    from urdf_ik.motion import Plan
-    from urdf_ik.motion.timing import Timed
+    from urdf_ik.paths import Plan
+    from urdf_ik.paths.timing import Timed
 
 SUFFIXES = (".csv", ".json", ".npz")
 # Whether the straight joint motion of a change touches something.
@@ -62,7 +61,7 @@ def run(
     in_time, untimed = None, None
     try:
         in_time = plan.timed() if timed is not None and plan.found and not plan.changes else None
-    except PathError as error:  # the plan is worth having without its times
+    except ArgumentError as error:  # the plan is worth having without its times
         untimed = error
     others = plan.alternatives if alternatives else ()
     if as_json:

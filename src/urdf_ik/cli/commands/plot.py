@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik import plot
-from urdf_ik import workspace as rooms
 from urdf_ik.cli import console, targets
 from urdf_ik.cli.chosen_arm import angles_of
 from urdf_ik.cli.options import Picture
 from urdf_ik.cli.paths import followed
 from urdf_ik.cli.progress import Progress
-from urdf_ik.errors import PlotError
-from urdf_ik.plot.slider_panel import is_two_links, require_display
-from urdf_ik.text import quoted
-from urdf_ik.workspace.grid import AXES, grid_of
-from urdf_ik.workspace.question import require_map_of
+from urdf_ik.errors import ArgumentError
+from urdf_ik.maps import workspaces
+from urdf_ik.maps.workspaces.grid import AXES, grid_of
+from urdf_ik.maps.workspaces.question import require_map_of
+from urdf_ik.show import plot
+from urdf_ik.show.plot.slider_panel import is_two_links, require_display
+from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from urdf_ik.arm import Arm
     from urdf_ik.cli.chosen_arm import ChosenArm, TypedPath
     from urdf_ik.cli.console import Angles
-    from urdf_ik.solutions import IKSolutions
+    from urdf_ik.ik.solutions import IKSolutions
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def run(chosen: ChosenArm, degrees: bool, what: Picture, asked: Asked, output: P
     """Write the picture, or open a window and wait until it is closed.
 
     Raises:
-        PlotError: there is no display, or the file cannot be written.
+        ArgumentError: there is no display, or the file cannot be written.
     """
     arm = chosen.load()
     angles = angles_of(arm, degrees)
@@ -57,7 +57,7 @@ def run(chosen: ChosenArm, degrees: bool, what: Picture, asked: Asked, output: P
     if output is None:
         require_display()
     elif output.suffix.lower() not in plot.SUFFIXES:
-        raise PlotError(f"{output}: pictures are written as {', '.join(plot.SUFFIXES)}; name the file so")
+        raise ArgumentError(f"{output}: pictures are written as {', '.join(plot.SUFFIXES)}; name the file so")
     q = None
     if asked.target.q:
         q = angles.typed(console.numbers(asked.target.q[0], "--q", arm.joint_names))
@@ -93,11 +93,11 @@ def _solutions(arm: Arm, angles: Angles, asked: Asked) -> IKSolutions:
 
 def _workspace(arm: Arm, q: NDArray[np.float64] | None, asked: Asked) -> Figure:
     if asked.map is not None:
-        found = rooms.opened(asked.map)
+        found = workspaces.opened(asked.map)
         require_map_of(found.about, arm)
         return plot.workspace_slice(found, asked.axis, asked.at, asked.value)
     if is_two_links(arm):
-        return plot.planar_workspace(rooms.planar(arm), q)
+        return plot.planar_workspace(workspaces.planar(arm), q)
     if asked.axis not in tuple(AXES):
         raise console.usage(f"no axis is called {quoted(asked.axis)}; there are x, y and z", "--axis")
     grid = grid_of(arm, arm.chain.size / 30.0, None)
@@ -109,7 +109,7 @@ def _workspace(arm: Arm, q: NDArray[np.float64] | None, asked: Asked) -> Figure:
     bounds = np.array([grid.lower, grid.upper])
     bounds[:, k] = asked.at - 0.5 * grid.voxel, asked.at + 0.5 * grid.voxel
     with Progress("solving poses", "solving") as progress:
-        found = rooms.compute(
+        found = workspaces.workspace(
             arm,
             grid.voxel,
             bounds=bounds,

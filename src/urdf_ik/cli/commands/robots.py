@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 
-from urdf_ik import catalogue
 from urdf_ik.arm import load
-from urdf_ik.catalogue import downloads
 from urdf_ik.cli import console, tables
 from urdf_ik.errors import ChainError, UrdfIkError
+from urdf_ik.model import catalogue, downloads
 
 _WIDTH, _LEAST_WORDS = 79, 12
 _SHORT = {"example-robot-data": "robot-data", "robot_descriptions": "descriptions"}

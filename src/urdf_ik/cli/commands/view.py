@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from urdf_ik import workspace as rooms
 from urdf_ik.cli import console
 from urdf_ik.cli.chosen_arm import angles_of
 from urdf_ik.cli.paths import cell, followed
-from urdf_ik.text import escaped
-from urdf_ik.viewer import Viewer
+from urdf_ik.errors import escaped
+from urdf_ik.maps import workspaces
+from urdf_ik.show.viewer import Viewer
 
 if TYPE_CHECKING:
     from urdf_ik.cli.chosen_arm import ChosenArm, TypedPath
@@ -32,7 +32,7 @@ class Layer:
     def show(self, viewer: Viewer) -> None:
         """Show it; nothing where no map was given."""
         if self.map is not None:
-            viewer.show_workspace(rooms.opened(self.map), self.what, self.axis, self.at)
+            viewer.show_workspace(workspaces.opened(self.map), self.what, self.axis, self.at)
             viewer.settle()
         elif self.axis is not None or self.at is not None:
             raise console.usage("a layer is one of a map: give --map, too", "--axis" if self.axis else "--at")

@@ -1,0 +1,47 @@
+"""Collision and distance of an arm's links, with themselves and with a world, through Pinocchio and coal.
+
+Shapes and worlds are described without either; the modules that use them are imported with their first name.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from urdf_ik.cell.allowed_collisions import Table
+    from urdf_ik.cell.collision_model import ALWAYS, SAMPLES, SEED, CollisionModel
+    from urdf_ik.cell.queries import Nearest
+    from urdf_ik.cell.swept_motions import Motions
+    from urdf_ik.cell.world import Obstacle, World
+
+__all__ = [
+    "ALWAYS",
+    "SAMPLES",
+    "SEED",
+    "CollisionModel",
+    "Motions",
+    "Nearest",
+    "Obstacle",
+    "Table",
+    "World",
+]
+
+_MODULE = {
+    "Motions": "swept_motions",
+    "Nearest": "queries",
+    "Obstacle": "world",
+    "Table": "allowed_collisions",
+    "World": "world",
+}
+
+_MODULES = ("reference", "shapes", "swept_motions", "tool", "world")
+
+
+def __getattr__(name: str) -> Any:
+    """A public name, or a module of this package."""
+    if name in __all__:
+        return getattr(import_module(f"{__name__}.{_MODULE.get(name, 'collision_model')}"), name)
+    if name in _MODULES:
+        return import_module(f"{__name__}.{name}")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,0 +1,155 @@
+"""The allowed-collision table: which pairs must not touch, which may, and why."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik.cell.coal_scene import ShapePair
+from urdf_ik.errors import ArgumentError, listed, printable
+from urdf_ik.support.text import aligned, nearest, quoted
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from urdf_ik.cell.coal_scene import ArmShapes, Scene
+
+    Pair = tuple[str, str]
+
+RIGID, ADJACENT, SRDF, ALWAYS_COLLIDE, USER = "rigid", "adjacent", "srdf", "always", "allowed"
+"""Reasons why a pair is allowed to touch: no movable joint between its links, exactly one, a line in the SRDF,
+contact in (nearly) all sampled joint vectors, or a call of ``CollisionModel.allow``."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """What a check looks at; ``print(table)`` shows it, a pair a line.
+
+    Attributes:
+        allowed: pairs that may touch, to the reason.
+        checked: pairs that must not touch.
+
+    Example:
+        >>> import urdf_ik
+        >>> table = urdf_ik.load("planar_2r").collision_model.table()
+        >>> table.checked, table.allowed["base_link", "link_1"]
+        ((('base_link', 'link_2'),), 'adjacent')
+    """
+
+    allowed: Mapping[Pair, str]
+    checked: tuple[Pair, ...]
+
+    def __reduce__(self) -> tuple[Callable[..., Table], tuple[dict[Pair, str], tuple[Pair, ...]]]:
+        return _table, (dict(self.allowed), self.checked)
+
+    def __str__(self) -> str:
+        rows = [[*pair, "checked"] for pair in self.checked]
+        rows += [[*pair, "allowed" if why == USER else f"allowed: {why}"] for pair, why in self.allowed.items()]
+        return "\n".join(line.rstrip() for line in aligned([["first", "second", ""], *rows], left=(0, 1, 2)))
+
+
+def _table(allowed: dict[Pair, str], checked: tuple[Pair, ...]) -> Table:
+    """A table as it was before it was copied."""
+    return Table(MappingProxyType(allowed), checked)
+
+
+def among_links(arm: ArmShapes, rank: Mapping[str, int], excused: set[Pair]) -> tuple[dict[Pair, str], list[ShapePair]]:
+    """Pairs of links that may touch by the URDF or an SRDF, to the reason; the other pairs of shapes."""
+    shapes, parents = arm.geometry.geometryObjects, arm.reference.pin_model.parents
+    allowed: dict[Pair, str] = {}
+    others: list[ShapePair] = []
+    for j in range(len(shapes)):
+        for i in range(j):
+            if arm.links[i] == arm.links[j]:
+                continue
+            pair = ordered(arm.links[i], arm.links[j], rank)
+            a, b = shapes[i].parentJoint, shapes[j].parentJoint
+            if a == b:
+                allowed[pair] = RIGID
+            elif parents[a] == b or parents[b] == a:
+                allowed[pair] = ADJACENT
+            elif pair in excused:
+                allowed[pair] = SRDF
+            others.append(ShapePair(pair, i, j))
+    return allowed, others
+
+
+def always_colliding(scene: Scene, share: float, samples: int, seed: int) -> set[Pair]:
+    """Pairs of links that touch in this share of random joint vectors; one that cannot reach it is dropped early."""
+    lower, upper = scene.arm.reference.ranges.T
+    rng = np.random.default_rng(seed)
+    free = dict.fromkeys((pair.names for pair in scene.pairs), 0)
+    tolerated = round((1.0 - share) * samples)
+    for _ in range(samples):
+        watched = {names for names, count in free.items() if count <= tolerated}
+        if not watched:
+            return set()
+        shapes = scene.place(rng.uniform(lower, upper))
+        touching: set[Pair] = set()
+        for k, pair in enumerate(scene.pairs):
+            if pair.names in watched and pair.names not in touching and scene.touches(shapes, k):
+                touching.add(pair.names)
+        for names in watched - touching:
+            free[names] += 1
+    return {names for names, count in free.items() if count <= tolerated}
+
+
+def with_obstacles(arm: ArmShapes, names: Sequence[str]) -> tuple[dict[Pair, str], list[ShapePair]]:
+    """Pairs of a link and an obstacle that may touch, as the link cannot move against the base; all pairs of shapes."""
+    moves = arm.bodies.path.sum(axis=1) > 0
+    pairs = [
+        ShapePair((link, name), i, len(arm.links) + o)
+        for i, link in enumerate(arm.links)
+        for o, name in enumerate(names)
+    ]
+    return {pair.names: RIGID for pair in pairs if not moves[pair.first]}, pairs
+
+
+def made(
+    allowed: Mapping[Pair, str], pairs: Sequence[ShapePair], changes: Mapping[Pair, bool], rank: Mapping[str, int]
+) -> tuple[Table, list[ShapePair]]:
+    """The table after a user's changes, and the pairs of shapes that it leaves to check, in its order."""
+    reasons = {pair: why for pair, why in allowed.items() if not changes.get(pair, False)}
+    there = {pair.names for pair in pairs}
+    reasons |= {pair: reasons.get(pair, USER) for pair, may in changes.items() if not may and pair in there}
+
+    def place(pair: Pair) -> tuple[int, int]:
+        return rank[pair[0]], rank[pair[1]]
+
+    checked = [pair for pair in pairs if pair.names not in reasons]
+    table = Table(
+        MappingProxyType({pair: reasons[pair] for pair in sorted(reasons, key=place)}),
+        tuple(sorted(dict.fromkeys(pair.names for pair in checked), key=place)),
+    )
+    return table, checked
+
+
+def ordered(a: str, b: str, rank: Mapping[str, int]) -> Pair:
+    """A pair in the order of the names."""
+    return (a, b) if rank[a] < rank[b] else (b, a)
+
+
+def named(a: str, b: str, rank: Mapping[str, int], shaped: Sequence[str]) -> Pair:
+    """A pair that a user names.
+
+    Args:
+        a: a link, or an obstacle.
+        b: another one.
+        rank: every link and then every obstacle, to its place.
+        shaped: those that have a shape.
+
+    Raises:
+        ArgumentError: there is no such link or obstacle, it has no shape, or both are the same.
+    """
+    for name in (a, b):
+        if not isinstance(name, str) or name not in rank:
+            close = nearest(printable(name), rank) or list(rank)
+            raise ArgumentError(f"there is no link or obstacle {quoted(name)}; there are: {listed(close)}")
+        if name not in shaped:
+            raise ArgumentError(f"link {quoted(name)} has no collision shape; links with one: {', '.join(shaped)}")
+    if a == b:
+        raise ArgumentError(f"{quoted(a)} and itself given; a pair is of two links, or of a link and an obstacle")
+    return ordered(a, b, rank)

@@ -1,0 +1,336 @@
+"""The collision shapes of an arm and of a world, and which pairs of them must not touch."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from urdf_ik.cell import allowed_collisions, geometry
+from urdf_ik.cell.coal_scene import ArmShapes, Scene
+from urdf_ik.cell.queries import Questions, Seen
+from urdf_ik.cell.reference import Reference
+from urdf_ik.errors import ArgumentError, UrdfError
+from urdf_ik.kinematics.chain import from_urdf
+from urdf_ik.model import srdf as srdf_reader
+from urdf_ik.support import inputs
+from urdf_ik.support.text import quoted
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable, Collection, Mapping
+
+    from urdf_ik.cell.allowed_collisions import Table
+    from urdf_ik.cell.world import World
+    from urdf_ik.model.urdf import UrdfModel
+
+    Pair = tuple[str, str]
+
+SAMPLES, MOST_SAMPLES = 200, 10**6
+"""Random joint vectors by which pairs that always collide are found, and the most of them."""
+
+ALWAYS = 0.95
+"""Share of the sampled joint vectors from which on a pair counts as always colliding."""
+
+SEED = 0
+"""Seed of these joint vectors: the same URDF gives the same pairs."""
+
+
+class CollisionModel(Questions):
+    """The collision shapes of a URDF and of a world, and which pairs of them must not touch.
+
+    Joints outside the chain stay at zero; a joint that mimics another follows it. Meshes are surfaces: one that lies
+    wholly inside another touches nothing. The same joint vector gives the same answer, whatever was asked before.
+    A model does not change: :meth:`in_world`, :meth:`allow` and :meth:`check` return new ones, which share the shapes.
+    The world may change, and counts as it is at the moment of a question. One model may be used from any number of
+    threads.
+
+    Attributes:
+        joint_names: joints of a joint vector, base to tip.
+        world: the world, or None.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> model = CollisionModel(arm.model, arm.base, arm.tip)
+        >>> model.in_collision([0.0] * 6)
+        False
+        >>> model
+        <CollisionModel of joint_1, joint_2, joint_3, joint_4, joint_5, joint_6: 15 pairs checked>
+    """
+
+    def __init__(
+        self,
+        model: UrdfModel,
+        base: str | None = None,
+        tip: str | None = None,
+        *,
+        srdf: str | os.PathLike[str] | bytes | None = None,
+        samples: int = SAMPLES,
+        seed: int = SEED,
+        locked: Mapping[str, float] | None = None,
+    ) -> None:
+        """Read the collision shapes and decide which pairs to check.
+
+        Args:
+            model: the URDF as it was read; meshes come from its ``package_dirs`` only.
+            base: base link; the root where left out.
+            tip: tip link; the end of the only movable chain where left out.
+            srdf: path or text of an SRDF whose ``disable_collisions`` are allowed pairs.
+            samples: random joint vectors by which pairs that always collide are found; 0: none are sought.
+            seed: seed of these joint vectors.
+            locked: joints that are no part of a joint vector but stand at these values [rad or m].
+
+        Raises:
+            UrdfError: the SRDF is broken, or names a link that the URDF does not have.
+            ChainError: base or tip is unknown, or the tip is ambiguous.
+            ArgumentError: ``samples`` or ``seed`` is no whole number, or out of range.
+            UnsupportedArm: the chain has a joint that one number does not describe.
+        """
+        held = inputs.mapping({} if locked is None else locked, "locked", "a value for each joint by name")
+        samples = inputs.whole(samples, "samples", high=MOST_SAMPLES)
+        seed = inputs.whole(seed, "seed", high=2**64)
+        self._made_from = (model, base, tip, dict(held), samples, seed)
+        self._reference = Reference(model, base, tip, locked=locked)
+        self.joint_names = self._reference.joint_names
+        self.world: World | None = None
+        self._links = model.links
+        self._changes: dict[Pair, bool] = {}
+        self._error: UrdfError | None = None
+        self._seen: Seen | None = None
+        # The model that ``in_world`` made last: the same world is asked about again and again.
+        self._last: CollisionModel | None = None
+        disabled = () if srdf is None else srdf_reader.disabled_pairs(srdf, model.links)
+        try:
+            shapes = geometry.build(model, self._reference.pin_model)
+        except UrdfError as error:
+            self._error = error
+            return
+        chain = from_urdf(model, base, tip).lock(locked or {})
+        self._arm = ArmShapes(self._reference, chain, shapes)
+        rank = {link: i for i, link in enumerate(model.links)}
+        excused = {allowed_collisions.ordered(*pair, rank) for pair in disabled}
+        self._allowed, self._pairs = allowed_collisions.among_links(self._arm, rank, excused)
+        if samples:
+            kept = [pair for pair in self._pairs if pair.names not in self._allowed]
+            always = allowed_collisions.always_colliding(Scene(self._arm, (), kept), ALWAYS, samples, seed)
+            self._allowed.update(dict.fromkeys(always, allowed_collisions.ALWAYS_COLLIDE))
+
+    def __reduce__(self) -> tuple[Callable[..., CollisionModel], tuple[Any, ...]]:
+        allowed = None if self._error is not None else dict(self._allowed)
+        return _restored, (*self._made_from, allowed, dict(self._changes), self.world)
+
+    def __repr__(self) -> str:
+        known = "without shapes" if self._error else f"{len(self.checked_pairs)} pairs checked"
+        return f"<CollisionModel of {', '.join(self.joint_names)}: {known}>"
+
+    @property
+    def has_geometry(self) -> bool:
+        """Whether there is something to check; if not, every check raises, and ``missing`` says why."""
+        return self._error is None
+
+    @property
+    def missing(self) -> str:
+        """What is missing where ``has_geometry`` is false, else ''."""
+        return "" if self._error is None else str(self._error)
+
+    @property
+    def allowed_pairs(self) -> Mapping[Pair, str]:
+        """Pairs that may touch, in the URDF's order of links and the world's of obstacles, to the reason.
+
+        Reasons are 'rigid', 'adjacent', 'srdf', 'always' and 'allowed'.
+        """
+        return MappingProxyType({}) if self._error else self._now().table.allowed
+
+    @property
+    def checked_pairs(self) -> tuple[Pair, ...]:
+        """Pairs that must not touch, two links or a link and an obstacle."""
+        return () if self._error else self._now().table.checked
+
+    def table(self) -> Table:
+        """The allowed-collision table, to be read and printed; :meth:`allow` and :meth:`check` change it.
+
+        Raises:
+            UrdfError: there are no collision shapes, or not all of them were found.
+
+        Example:
+            >>> import urdf_ik
+            >>> print(urdf_ik.load("planar_2r").collision_model.table())
+            first      second
+            base_link  link_2  checked
+            base_link  link_1  allowed: adjacent
+            link_1     link_2  allowed: adjacent
+        """
+        self._require_geometry()
+        return self._now().table
+
+    def in_world(self, world: World | None) -> CollisionModel:
+        """This model among the obstacles of a world, which may be changed later; itself where ``world`` is None.
+
+        Every link that the joint vector moves against the base link is checked against every obstacle. The other links
+        stand on the world, and may touch it ('rigid').
+
+        Example:
+            >>> import urdf_ik
+            >>> world = urdf_ik.World()
+            >>> world.add("floor", urdf_ik.HalfSpace((0, 0, 1)))
+            >>> model = urdf_ik.load("planar_2r").collision_model
+            >>> len(model.in_world(world).checked_pairs) - len(model.checked_pairs)
+            2
+        """
+        if world is None or world is self.world:
+            return self
+        inputs.kind(world, "snapshot", "world", "a urdf_ik.World", ArgumentError)
+        last = self._last
+        if last is None or last.world is not world:
+            last = self._copy()
+            last.world = world
+            self._last = last
+        return last
+
+    def allow(self, first: str, second: str) -> CollisionModel:
+        """This model with one more pair that may touch.
+
+        Args:
+            first: a link, or an obstacle of the world.
+            second: another one.
+
+        Raises:
+            ArgumentError: there is no such link or obstacle, or it has no shape.
+            UrdfError: there are no collision shapes, or not all of them were found.
+
+        Example:
+            >>> import urdf_ik
+            >>> model = urdf_ik.load("zyyzyz_6r").collision_model
+            >>> pair = model.checked_pairs[0]
+            >>> model.allow(*pair).allowed_pairs[pair]
+            'allowed'
+        """
+        return self._changed(first, second, False)
+
+    def check(self, first: str, second: str) -> CollisionModel:
+        """This model with a pair that must not touch, whatever allowed it to.
+
+        Args:
+            first: a link, or an obstacle of the world.
+            second: another one.
+
+        Raises:
+            ArgumentError: there is no such link or obstacle, or it has no shape.
+            UrdfError: there are no collision shapes, or not all of them were found.
+
+        Example:
+            >>> import urdf_ik
+            >>> model = urdf_ik.load("zyyzyz_6r").collision_model
+            >>> pair = next(iter(model.allowed_pairs))
+            >>> pair in model.checked_pairs, pair in model.check(*pair).checked_pairs
+            (False, True)
+        """
+        return self._changed(first, second, True)
+
+    def checking(self, pairs: Collection[Pair]) -> CollisionModel:
+        """This model, checking these pairs of links and no others.
+
+        Raises:
+            ArgumentError: there is no such link, or it has no shape.
+            UrdfError: there are no collision shapes, or not all of them were found.
+
+        Example:
+            >>> import urdf_ik
+            >>> model = urdf_ik.load("zyyzyz_6r").collision_model
+            >>> model.checking(model.checked_pairs[:3]).checked_pairs == model.checked_pairs[:3]
+            True
+        """
+        needed = "pairs of links' names"
+        every = inputs.items(pairs, "pairs", needed, ArgumentError)
+        given = [inputs.items(each, "a pair", needed, ArgumentError) for each in every]
+        if any(len(each) != 2 or not all(isinstance(name, str) for name in each) for each in given):
+            raise ArgumentError(f"pairs={quoted(pairs)} given; {needed} are needed")
+        own, wanted, model = set(self.checked_pairs), {(first, second) for first, second in given}, self
+        for pair in sorted(own - wanted):
+            model = model.allow(*pair)
+        for pair in sorted(wanted - own):
+            model = model.check(*pair)
+        return model
+
+    @property
+    def is_changed(self) -> bool:
+        """Whether anything but the URDF decides what is checked: an SRDF, :meth:`allow` or :meth:`check`, a world."""
+        is_special = self._changes or self.world or allowed_collisions.SRDF in self._allowed.values()
+        return self._error is None and bool(is_special)
+
+    def rebuilt(
+        self, model: UrdfModel, base: str | None, tip: str | None, locked: Mapping[str, float] | None
+    ) -> CollisionModel:
+        """The model of a URDF that has this one's links and more, with this one's SRDF, changes and world.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> longer = arm.with_tool(urdf_ik.pose([0.0, 0.0, 0.1]), [urdf_ik.Sphere(0.02)], name="probe")
+            >>> model = arm.collision_model.rebuilt(longer.model, longer.base, longer.tip, None)
+            >>> any("probe" in pair for pair in model.checked_pairs)
+            True
+        """
+        out = type(self)(model, base, tip, locked=locked)
+        if out._error is None:
+            out._allowed.update({pair: why for pair, why in self._allowed.items() if why == allowed_collisions.SRDF})
+        out._changes, out.world = dict(self._changes), self.world
+        return out
+
+    def _copy(self) -> CollisionModel:
+        out = object.__new__(type(self))
+        out.__dict__.update(self.__dict__)
+        out._seen = out._last = None
+        return out
+
+    def _changed(self, first: str, second: str, must_not: bool) -> CollisionModel:
+        self._require_geometry()
+        obstacles = () if self.world is None else self.world.names
+        rank = self._rank(obstacles)
+        pair = allowed_collisions.named(first, second, rank, [*dict.fromkeys(self._arm.links), *obstacles])
+        if pair[0] in obstacles:
+            both = f"{quoted(first)} and {quoted(second)}"
+            raise ArgumentError(f"{both} are both obstacles, which stand still; a pair has a link")
+        out = self._copy()
+        out._changes = {**self._changes, pair: must_not}
+        return out
+
+    def _rank(self, obstacles: tuple[str, ...]) -> dict[str, int]:
+        rank = {name: i for i, name in enumerate((*self._links, *obstacles))}
+        if len(rank) < len(self._links) + len(obstacles):
+            same = next(name for name in obstacles if name in self._links)
+            raise ArgumentError(f"the obstacle {quoted(same)} has the name of a link of the arm; give it another")
+        return rank
+
+    def _now(self) -> Seen:
+        """The scene and the table of the world as it is."""
+        seen, world = self._seen, self.world
+        if seen is None or (world is not None and seen.version != world.version):
+            version, obstacles = (0, ()) if world is None else world.snapshot()
+            names = tuple(each.name for each, _ in obstacles)
+            rank = self._rank(names)
+            allowed, pairs = allowed_collisions.with_obstacles(self._arm, names)
+            every, pairs = {**self._allowed, **allowed}, [*self._pairs, *pairs]
+            made, checked = allowed_collisions.made(every, pairs, self._changes, rank)
+            self._seen = seen = Seen(version, Scene(self._arm, obstacles, checked), made)
+        return seen
+
+
+def _restored(
+    model: UrdfModel,
+    base: str | None,
+    tip: str | None,
+    locked: dict[str, float],
+    samples: int,
+    seed: int,
+    allowed: dict[Pair, str] | None,
+    changes: dict[Pair, bool],
+    world: World | None,
+) -> CollisionModel:
+    """A collision model as it was before it was pickled: coal's shapes are made again."""
+    out = CollisionModel(model, base, tip, samples=0 if allowed is not None else samples, seed=seed, locked=locked)
+    if allowed is not None:
+        out._allowed = allowed
+    out._made_from = (model, base, tip, locked, samples, seed)
+    out._changes, out.world = changes, world
+    return out

@@ -1,0 +1,183 @@
+"""The collision shapes of a URDF as Pinocchio and coal hold them, meshes only from where they may come from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import coal
+import numpy as np
+import pinocchio as pin
+from lxml import etree
+from scipy import spatial
+
+from urdf_ik.cell.shapes import Capsule, HalfSpace, Sphere, reason_of
+from urdf_ik.errors import UrdfError
+from urdf_ik.model import meshes
+from urdf_ik.model.urdf import resolve_mesh
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.cell.shapes import Shape
+    from urdf_ik.model.urdf import UrdfModel
+
+    Array = NDArray[np.float64]
+
+BALLS = 4
+"""Balls by which each shape of an arm is covered."""
+
+
+def build(model: UrdfModel, pin_model: Any) -> Any:
+    """Pinocchio's geometry model of every ``<collision>`` of a URDF.
+
+    Mesh names are replaced by the paths that :func:`resolve_mesh` found, so Pinocchio opens no other file.
+
+    Raises:
+        UrdfError: there is no collision shape, or not all of them can be read: a check would call free what is not.
+    """
+    if broken := [error for error in model.left_out if "<collision>" in (error.element or "")]:
+        raise broken[0]
+    tree = etree.fromstring(model.xml)
+    files = []
+    for mesh in tree.iterfind("link/collision/geometry/mesh"):
+        files.append(resolve_mesh(model, mesh.get("filename")))
+        mesh.set("filename", str(files[-1]))
+    meshes.check_all(files, model.folders, model.source)
+    for visual in tree.findall("link/visual"):
+        visual.getparent().remove(visual)
+    try:
+        geometry = pin.buildGeomFromUrdfString(pin_model, etree.tostring(tree).decode(), pin.GeometryType.COLLISION)
+    except (ValueError, RuntimeError, MemoryError) as error:
+        raise UrdfError(f"a collision shape cannot be read: {reason_of(error)}", source=model.source) from None
+    if not geometry.ngeoms:
+        raise UrdfError(
+            "no link has a collision shape",
+            source=model.source,
+            hint="add <collision> to the links that must not touch",
+        )
+    for shape in geometry.geometryObjects:
+        if isinstance(shape.geometry, coal.BVHModelBase):
+            meshes.check_vertices(shape.geometry.vertices(), Path(shape.meshPath), model.source)
+        if isinstance(shape.geometry, coal.Sphere):
+            shape.geometry = Sphere(shape.geometry.radius).geometry()
+    return geometry
+
+
+def one_ball(geometry: Any) -> tuple[Array, float]:
+    """A ball that holds a shape: its centre (3,) in the shape's frame and its radius [m]."""
+    geometry.computeLocalAABB()
+    return np.array(geometry.aabb_center), float(geometry.aabb_radius)
+
+
+def covering_balls(geometry: Any) -> tuple[Array, Array]:
+    """Balls that together hold a shape: centres (BALLS, 3) in its frame and radii (BALLS,) [m].
+
+    It is cut into slices across its longest side, and one ball holds a slice, of a mesh the slice's triangles.
+    """
+    centre, radius = one_ball(geometry)
+    centres, radii = np.repeat(centre[None], BALLS, axis=0), np.full(BALLS, radius)
+    if not isinstance(geometry, coal.BVHModelBase):
+        half = 0.5 * (np.array(geometry.aabb_local.max_) - np.array(geometry.aabb_local.min_))
+        side = int(np.argmax(half))
+        slices = half.copy()
+        slices[side] /= BALLS
+        if np.isfinite(half).all() and (radius := float(np.linalg.norm(slices))) < radii[0]:
+            centres[:, side] += (2.0 * np.arange(BALLS) - BALLS + 1.0) * slices[side]
+            radii[:] = radius
+        return centres, radii
+    vertices = np.array(geometry.vertices())
+    corners = vertices[np.array([list(_corners(geometry.tri_indices(i))) for i in range(geometry.num_tris)])]
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    side = int(np.argmax(high - low))
+    middle = corners.mean(axis=1)[:, side]
+    slices = np.clip(((middle - low[side]) / ((high - low)[side] or 1.0) * BALLS).astype(int), 0, BALLS - 1)
+    for i in range(BALLS):
+        held = corners[slices == i].reshape(-1, 3)
+        if not len(held):
+            centres[i], radii[i] = centres[0], radii[0]
+            continue
+        centres[i] = 0.5 * (held.min(axis=0) + held.max(axis=0))
+        radii[i] = np.linalg.norm(held - centres[i], axis=1).max()
+    return centres, radii
+
+
+def hull(geometry: Any) -> Any:
+    """The convex hull of a mesh as coal's ``Convex``; None for other shapes, and where the mesh is flat."""
+    if not isinstance(geometry, coal.BVHModelBase):
+        return None
+    vertices = np.array(geometry.vertices())
+    try:
+        found = spatial.ConvexHull(vertices, qhull_options="Qt Pp")
+    except spatial.QhullError:
+        return None
+    corners = vertices[found.vertices]
+    place = np.zeros(len(vertices), dtype=np.intp)
+    place[found.vertices] = np.arange(len(corners))
+    faces = place[found.simplices]
+    a, b, c = (corners[faces[:, i]] for i in range(3))
+    inwards = np.einsum("ti,ti->t", np.cross(b - a, c - a), found.equations[:, :3]) < 0.0
+    faces[inwards] = faces[inwards, ::-1]
+    points, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
+    for corner in corners:
+        points.append(corner)
+    for face in faces.tolist():
+        triangles.append(coal.Triangle(*face))
+    return coal.Convex(points, triangles)
+
+
+class Solid(NamedTuple):
+    """A shape as coal has it.
+
+    Attributes:
+        exact: the shape.
+        hull: its convex hull, of which a query takes a hundredth of the time; None where the shape itself is queried.
+    """
+
+    exact: Any
+    hull: Any
+
+
+def solid(exact: Any) -> Solid:
+    """A shape with its hull."""
+    return Solid(exact, hull(exact))
+
+
+class RoundedBox(NamedTuple):
+    """All points within ``radius`` of a box, which may be infinite on some sides: holds a shape, closely or exactly.
+
+    Attributes:
+        frame: (4, 4) of the box in the shape's frame.
+        low: (3,) m, its least coordinates.
+        high: (3,) m, its greatest ones.
+        radius: m.
+    """
+
+    frame: Array
+    low: Array
+    high: Array
+    radius: float
+
+
+def rounded_box(shape: Shape, geometry: Any) -> RoundedBox:
+    """What holds a shape: exact for boxes, spheres, capsules and half-spaces."""
+    match shape:
+        case Sphere(radius):
+            return RoundedBox(np.eye(4), np.zeros(3), np.zeros(3), radius)
+        case Capsule(radius, length):
+            end = np.array([0.0, 0.0, 0.5 * length])
+            return RoundedBox(np.eye(4), -end, end, radius)
+        case HalfSpace(normal, offset):
+            frame = np.eye(4)
+            # Any unit axes at right angles of which z is the normal.
+            frame[:3, :3] = np.roll(np.linalg.svd(np.array(normal)[:, None])[0], -1, axis=1)
+            frame[:3, 2] = normal
+            infinite = np.full(3, np.inf)
+            return RoundedBox(frame, -infinite, np.array([np.inf, np.inf, offset]), 0.0)
+    geometry.computeLocalAABB()
+    box = geometry.aabb_local
+    return RoundedBox(np.eye(4), np.array(box.min_), np.array(box.max_), shape.inflation)
+
+
+def _corners(triangle: Any) -> tuple[int, int, int]:
+    return triangle[0], triangle[1], triangle[2]

@@ -1,0 +1,382 @@
+"""The shapes that obstacles and tools are made of; coal is imported when a shape is first made for it.
+
+Each is centred at the origin of its own frame, cylinders and capsules along z, as in a URDF.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.errors import ArgumentError, UrdfError, printable
+from urdf_ik.model import meshes
+from urdf_ik.support import inputs
+from urdf_ik.support.frozen import Frozen
+from urdf_ik.support.text import quoted
+from urdf_ik.support.tolerances import LARGEST
+
+if TYPE_CHECKING:
+
+    from collections.abc import Sequence
+
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
+
+
+SPECK = 1e-8
+"""Size of the triangle that stands for a point of a cloud [m]: coal wants a triangle to have an area."""
+
+
+class Shape:
+    """What every shape can do."""
+
+    @property
+    def inflation(self) -> float:
+        """Length [m] by which what :meth:`geometry` gives is to be grown on all sides."""
+        return 0.0
+
+    def geometry(self) -> Any:
+        """A new coal ``CollisionGeometry`` of this shape.
+
+        Raises:
+            ArgumentError: a mesh is not there, or cannot be read.
+
+        Example:
+            >>> import urdf_ik
+            >>> urdf_ik.Box((0.2, 0.4, 0.6)).geometry().halfSide.round(6).tolist()
+            [0.1, 0.2, 0.3]
+        """
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class Box(Shape):
+    """A box.
+
+    Attributes:
+        size: edge lengths along x, y and z [m]; one number: a cube.
+
+    Example:
+        >>> import urdf_ik
+        >>> urdf_ik.Box((1.0, 0.6, 0.1)), urdf_ik.Box(0.2).size
+        (Box(size=(1.0, 0.6, 0.1)), (0.2, 0.2, 0.2))
+    """
+
+    size: tuple[float, float, float]
+
+    def __init__(self, size: ArrayLike) -> None:
+        edges = _numbers("Box", "size", size)
+        object.__setattr__(self, "size", _positive("Box", "size", edges * 3 if len(edges) == 1 else edges, 3))
+
+    def geometry(self) -> Any:
+        """A ``coal.Box``."""
+        import coal
+
+        return coal.Box(*self.size)
+
+
+@dataclass(frozen=True)
+class Sphere(Shape):
+    """A ball.
+
+    Attributes:
+        radius: m.
+
+    Example:
+        >>> import urdf_ik
+        >>> urdf_ik.Sphere(radius=0.05)
+        Sphere(radius=0.05)
+    """
+
+    radius: float
+
+    def __post_init__(self) -> None:
+        _set_lengths(self, "radius")
+
+    def geometry(self) -> Any:
+        """A ``coal.Capsule`` without length: coal's sphere takes a triangle without area for one that it touches."""
+        import coal
+
+        return coal.Capsule(self.radius, 0.0)
+
+
+@dataclass(frozen=True)
+class Cylinder(Shape):
+    """A cylinder along z.
+
+    Attributes:
+        radius: m.
+        length: m, along z.
+
+    Example:
+        >>> import urdf_ik
+        >>> urdf_ik.Cylinder(radius=0.05, length=0.4)
+        Cylinder(radius=0.05, length=0.4)
+    """
+
+    radius: float
+    length: float
+
+    def __post_init__(self) -> None:
+        _set_lengths(self, "radius", "length")
+
+    def geometry(self) -> Any:
+        """A ``coal.Cylinder``."""
+        import coal
+
+        return coal.Cylinder(self.radius, self.length)
+
+
+@dataclass(frozen=True)
+class Capsule(Shape):
+    """A cylinder along z with half a ball at each end.
+
+    Attributes:
+        radius: m.
+        length: m, of the cylinder alone: the whole is ``length + 2 radius`` long.
+
+    Example:
+        >>> import urdf_ik
+        >>> urdf_ik.Capsule(radius=0.05, length=0.4)
+        Capsule(radius=0.05, length=0.4)
+    """
+
+    radius: float
+    length: float
+
+    def __post_init__(self) -> None:
+        _set_lengths(self, "radius", "length")
+
+    def geometry(self) -> Any:
+        """A ``coal.Capsule``."""
+        import coal
+
+        return coal.Capsule(self.radius, self.length)
+
+
+@dataclass(frozen=True)
+class HalfSpace(Shape):
+    """Everything on one side of a plane: solid where ``normal . x <= offset``. A floor: ``HalfSpace((0, 0, 1), 0)``.
+
+    Attributes:
+        normal: direction out of the solid; of length 1, whatever length was given.
+        offset: distance of the plane from the origin along ``normal`` [m].
+
+    Example:
+        >>> import urdf_ik
+        >>> urdf_ik.HalfSpace((0, 0, 2), 0.1)
+        HalfSpace(normal=(0.0, 0.0, 1.0), offset=0.1)
+    """
+
+    normal: tuple[float, float, float]
+    offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        normal = np.array(_numbers("HalfSpace", "normal", self.normal, 3))
+        length = float(np.linalg.norm(normal))
+        if not length:
+            raise ArgumentError("HalfSpace: normal is (0, 0, 0); a direction that points out of the solid is needed")
+        object.__setattr__(self, "normal", tuple(float(x) for x in normal / length))
+        object.__setattr__(self, "offset", _numbers("HalfSpace", "offset", self.offset, 1)[0])
+
+    def geometry(self) -> Any:
+        """A ``coal.Halfspace``."""
+        import coal
+
+        return coal.Halfspace(np.array(self.normal), self.offset)
+
+
+@dataclass(frozen=True)
+class Mesh(Shape):
+    """The surface of a mesh file, of any format that coal reads: STL, OBJ, DAE and others.
+
+    A surface has no inside: a body that lies wholly inside a closed mesh touches nothing.
+
+    Attributes:
+        path: a path, or an address with ``package://`` or ``file://``, which is sought in ``package_dirs`` as a URDF's
+            meshes are. With ``package_dirs`` a path is sought in them, too.
+        scale: of the file's numbers to metres; one number, or one each for x, y and z.
+        package_dirs: folders that the file may come from.
+
+    Example:
+        >>> from pathlib import Path
+        >>> import urdf_ik
+        >>> Path("part.stl").touch()
+        >>> world = urdf_ik.World()
+        >>> world.add("part", urdf_ik.Mesh("part.stl", scale=0.001))
+        >>> world
+        World(part: Mesh)
+    """
+
+    path: str
+    scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    package_dirs: tuple[str, ...] = ()
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        scale: ArrayLike = 1.0,
+        package_dirs: Sequence[str | os.PathLike[str]] | str | os.PathLike[str] = (),
+    ) -> None:
+        if not isinstance(path, str | os.PathLike):
+            raise ArgumentError(f"Mesh: path is {quoted(path)}; the path of a file is needed")
+        name, factors = str(path), _numbers("Mesh", "scale", scale)
+        factors = factors * 3 if len(factors) == 1 else factors
+        if len(factors) != 3 or 0.0 in factors:
+            raise ArgumentError(
+                f"Mesh {quoted(name)}: scale is {quoted(scale)}; one number or three are needed, none of them zero"
+            )
+        folders = [package_dirs] if isinstance(package_dirs, str | Path) else package_dirs
+        if not isinstance(folders, list | tuple) or not all(isinstance(each, str | Path) for each in folders):
+            raise ArgumentError(f"Mesh: package_dirs={quoted(package_dirs)} given; folders are needed")
+        object.__setattr__(self, "path", name)
+        object.__setattr__(self, "scale", factors)
+        object.__setattr__(self, "package_dirs", tuple(str(folder) for folder in folders))
+
+    def file(self) -> Path:
+        """The mesh's file, absolute, with symbolic links followed.
+
+        Raises:
+            ArgumentError: it is not there.
+
+        Example:
+            >>> from pathlib import Path
+            >>> import urdf_ik
+            >>> Path("part.stl").touch()
+            >>> urdf_ik.Mesh("part.stl").file().name
+            'part.stl'
+        """
+        if not self.package_dirs and "://" not in self.path:
+            try:
+                found = Path(self.path).expanduser().resolve()
+                there = found.is_file()
+            except (OSError, ValueError, RuntimeError) as error:  # a null byte, a name too long, a loop of links
+                raise ArgumentError(f"Mesh: cannot look for {quoted(self.path)}: {printable(error)}") from None
+            if not there:
+                raise ArgumentError(f"Mesh: there is no file {quoted(str(found), 200)}; give its path, or package_dirs")
+            return found
+        try:
+            return meshes.resolve(self.path, [Path(folder) for folder in self.package_dirs], "Mesh")
+        except UrdfError as error:
+            hint = "give the folder that holds it, or its package, in package_dirs"
+            raise ArgumentError(f"Mesh {quoted(self.path)}: {error.problem} ({hint})") from None
+
+    def geometry(self) -> Any:
+        """A ``coal.BVHModelOBBRSS`` of the file's triangles."""
+        import coal
+
+        path = self.file()
+        name = quoted(str(path), 200)
+        try:
+            meshes.check(path, [Path(folder) for folder in self.package_dirs] or [path.parent], "Mesh")
+            mesh = coal.MeshLoader().load(str(path), np.array(self.scale))
+            meshes.check_vertices(mesh.vertices(), path, "Mesh")
+        except UrdfError as error:
+            raise ArgumentError(f"Mesh {name}: {error.problem} ({error.hint})") from None
+        except (ValueError, RuntimeError, MemoryError) as error:
+            raise ArgumentError(f"Mesh {name} cannot be read: {reason_of(error)}") from None
+        if not mesh.num_tris:
+            raise ArgumentError(f"Mesh {name} has no triangles")
+        return mesh
+
+
+@dataclass(frozen=True, eq=False)
+class Points(Frozen, Shape):
+    """A cloud of points, each of them the centre of a ball: the solid is the union of the balls.
+
+    What is found is exact to ``2 SPECK``, 0.02 micrometres, and never farther apart than the balls are.
+
+    Attributes:
+        points: (k, 3) m, read-only.
+        radius: m, of every ball.
+
+    Example:
+        >>> import numpy as np
+        >>> import urdf_ik
+        >>> world = urdf_ik.World()
+        >>> world.add("scan", urdf_ik.Points(np.array([[0.5, 0.0, 0.2], [0.5, 0.1, 0.2]]), radius=0.01))
+        >>> world
+        World(scan: Points)
+    """
+
+    points: Array
+    radius: float
+
+    def __post_init__(self) -> None:
+        points = inputs.real(self.points, "Points: points", "numbers of shape (k, 3)", ArgumentError).copy()
+        if points.ndim != 2 or points.shape[1] != 3 or not len(points):
+            raise ArgumentError(f"Points: points of shape {points.shape} given; (k, 3), one point or more, is needed")
+        if (bad := inputs.first_bad(points)) is not None:
+            raise ArgumentError(f"Points: point {bad[0]} is {points[bad[0]].tolist()}; {inputs.why_bad(points[bad])}")
+        points.setflags(write=False)
+        object.__setattr__(self, "points", points)
+        _set_lengths(self, "radius")
+
+    def __repr__(self) -> str:
+        return f"Points({len(self.points)} points, radius={self.radius:g})"
+
+    @property
+    def inflation(self) -> float:
+        """The balls' radius, and the size of the triangles that :meth:`geometry` has for their centres."""
+        return self.radius + SPECK
+
+    def geometry(self) -> Any:
+        """A ``coal.BVHModelOBBRSS`` of the centres, each a triangle within ``SPECK`` of it.
+
+        An octree would take every point for a cube as large as its cells.
+        """
+        import coal
+
+        mesh = coal.BVHModelOBBRSS()
+        mesh.beginModel(len(self.points), 3 * len(self.points))
+        vertices, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
+        for i, corners in enumerate(self.points[:, None] + SPECK * np.eye(3)):
+            for corner in corners:
+                vertices.append(corner)
+            triangles.append(coal.Triangle(3 * i, 3 * i + 1, 3 * i + 2))
+        mesh.addSubModel(vertices, triangles)
+        mesh.endModel()
+        return mesh
+
+
+def reason_of(error: Exception) -> str:
+    """What coal or Pinocchio has to say, without the place in their sources.
+
+    Example:
+        >>> reason_of(RuntimeError("From file: a.cpp message: no such file"))
+        'no such file'
+    """
+    return printable(" ".join(str(error).partition("message:")[2].split()) or error or type(error).__name__, 300)
+
+
+def _numbers(shape: str, name: str, value: ArrayLike, count: int | None = None) -> tuple[float, ...]:
+    """``value`` as finite numbers, ``count`` of them where that is given."""
+    needed = {None: "finite numbers", 1: "one finite number"}.get(count, f"{count} finite numbers")
+    array = inputs.real(value, f"{shape}: {name}", needed, ArgumentError).reshape(-1)
+    if not len(array) or inputs.first_bad(array) is not None or len(array) != (count or len(array)):
+        most = f" of at most {LARGEST:g}" if inputs.first_bad(array, math.inf) is None else ""
+        are = "is" if count == 1 else "are"
+        raise ArgumentError(f"{shape}: {name} is {quoted(value)}; {needed}{most} {are} needed")
+    return tuple(float(x) for x in array)
+
+
+def _positive(shape: str, name: str, values: tuple[float, ...], count: int) -> tuple[float, ...]:
+    if len(values) != count or min(values) <= 0.0:
+        shown = f"{values[0]:g}" if len(values) == 1 else f"({', '.join(f'{x:g}' for x in values)})"
+        what = "a length above zero is" if count == 1 else f"{count} lengths above zero are"
+        raise ArgumentError(f"{shape}: {name} is {shown}; {what} needed, in m")
+    return values
+
+
+def _set_lengths(shape: Shape, *names: str) -> None:
+    """Check that these fields are lengths, and keep them as floats."""
+    kind = type(shape).__name__
+    for name in names:
+        (value,) = _positive(kind, name, _numbers(kind, name, getattr(shape, name), 1), 1)
+        object.__setattr__(shape, name, value)

@@ -1,0 +1,129 @@
+"""Arms with a tool: a link more at the tip, written into the URDF like any other, so that every reader sees it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+from lxml import etree
+
+from urdf_ik.cell.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
+from urdf_ik.errors import ArgumentError, PoseError
+from urdf_ik.kinematics.chain import from_urdf
+from urdf_ik.model import poses, urdf
+from urdf_ik.model.xml import require_name
+from urdf_ik.support.text import quoted
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from urdf_ik.arm.kinematics import Kinematics
+    from urdf_ik.model.urdf import UrdfModel
+
+    Array = NDArray[np.float64]
+
+
+Shapes = Sequence[Shape | tuple[Shape, Any]] | Shape
+"""What a tool is made of: shapes, each alone or with its pose in the link that the tool is mounted on."""
+
+AnyArm = TypeVar("AnyArm", bound="Kinematics")
+
+
+def with_tool(arm: AnyArm, pose: Any, shapes: Shapes, name: str) -> AnyArm:
+    """See :meth:`urdf_ik.Arm.with_tool`."""
+    if arm.free_axis is not None:
+        raise ArgumentError(
+            f"{arm.name}: {arm.free_axis} is free, and a tool would move the tip away from it; mount the tool first, "
+            "then say which of its axes is free: arm.with_tool(...).with_free_axis(...)"
+        )
+    centre = _one_pose(pose, "the tool's centre point")
+    given = [shapes] if isinstance(shapes, Shape) else shapes
+    if not isinstance(given, list | tuple):
+        raise ArgumentError(f"shapes={quoted(shapes)} given; a list of shapes, or of pairs (shape, pose), is needed")
+    bodies = [_placed(each) for each in given]
+    model = _written(arm.model, arm.tip, name, centre, bodies)
+    # Made again as a copy of it would be, which keeps the task, from another URDF.
+    parts: Any = arm.__reduce__()
+    make, (_, _, *rest), _ = parts
+    new: AnyArm = make(model, from_urdf(model, arm.base, name).lock(arm.locked), *rest)
+    # The allowed-collision table is only taken along where somebody changed it: the others are built when asked for.
+    own = arm.__dict__.get("collision_model")
+    if own is not None and own.is_changed:
+        new.collision_model = own.rebuilt(model, new.base, new.tip, new.locked)  # type: ignore[attr-defined]
+    return new
+
+
+def _written(model: UrdfModel, mount: str, name: str, centre: Array, bodies: list[tuple[Shape, Array]]) -> UrdfModel:
+    """The URDF with a link ``name`` fixed to the link ``mount``, and shapes placed in the frame of ``mount``."""
+    require_name(name, "the tool's link")
+    if name in model.links:
+        raise ArgumentError(f"the URDF has a link {quoted(name)} already; give the tool another name=...")
+    joints = {joint.name for joint in model.joints}
+    fixed = f"{name}_joint"
+    while fixed in joints:
+        fixed += "_"
+    robot = etree.fromstring(model.xml)
+    link = etree.SubElement(robot, "link", name=name)
+    joint = etree.SubElement(robot, "joint", name=fixed, type="fixed")
+    etree.SubElement(joint, "parent", link=mount)
+    etree.SubElement(joint, "child", link=name)
+    etree.SubElement(joint, "origin", _origin(centre))
+    to_centre = np.linalg.inv(centre)
+    folders: list[Path] = []
+    for kind in ("visual", "collision"):
+        for shape, placed in bodies:
+            part = etree.SubElement(link, kind)
+            etree.SubElement(part, "origin", _origin(to_centre @ placed))
+            tag, attributes = _geometry(shape, folders)
+            etree.SubElement(etree.SubElement(part, "geometry"), tag, attributes)
+    roots = tuple(dict.fromkeys((*model.mesh_roots, *folders)))
+    read = urdf.read(etree.tostring(robot, encoding="utf-8"), mesh_roots=roots)
+    return replace(read, source=model.source, path=model.path, left_out=(*model.left_out, *read.left_out))
+
+
+def _geometry(shape: Shape, folders: list[Path]) -> tuple[str, dict[str, str]]:
+    """A shape's URDF element; the folder of a mesh is added to ``folders``."""
+    if isinstance(shape, Box):
+        return "box", {"size": _numbers(shape.size)}
+    if isinstance(shape, Sphere):
+        return "sphere", {"radius": repr(shape.radius)}
+    if isinstance(shape, Cylinder | Capsule):
+        tag = "cylinder" if isinstance(shape, Cylinder) else "capsule"
+        return tag, {"radius": repr(shape.radius), "length": repr(shape.length)}
+    if isinstance(shape, Mesh):
+        file = shape.file()
+        folders.append(file.parent)
+        return "mesh", {"filename": str(file), "scale": _numbers(shape.scale)}
+    raise ArgumentError(
+        f"a tool cannot have a {type(shape).__name__} for a shape, which a URDF cannot hold; give Box, Sphere, "
+        "Cylinder, Capsule or Mesh"
+    )
+
+
+def _placed(given: Any) -> tuple[Shape, Array]:
+    """A shape and its pose in the frame that it is mounted in."""
+    shape, pose = given if isinstance(given, tuple | list) and len(given) == 2 else (given, np.eye(4))
+    if not isinstance(shape, Shape):
+        raise ArgumentError(
+            f"{quoted(shape)} given as a tool's shape; give a shape such as urdf_ik.Box, or (shape, pose)"
+        )
+    return shape, _one_pose(pose, f"the tool's {type(shape).__name__}")
+
+
+def _one_pose(pose: Any, what: str) -> Array:
+    T = poses.check_poses(pose)
+    if T.ndim != 2:
+        raise PoseError(f"an array of shape {T.shape} given for {what}; one pose (4, 4) is needed")
+    return T
+
+
+def _origin(T: Array) -> dict[str, str]:
+    return {"xyz": _numbers(T[:3, 3]), "rpy": _numbers(poses.to_rpy(T))}
+
+
+def _numbers(values: Any) -> str:
+    return " ".join(repr(float(value) + 0.0) for value in values)

@@ -1,0 +1,336 @@
+"""A world: named shapes around the arm, placed in its base link's frame. No coal until a check asks for it."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from lxml import etree
+
+from urdf_ik.cell.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
+from urdf_ik.errors import ArgumentError, PoseError, UrdfError, listed, printable
+from urdf_ik.model import meshes, poses, urdf
+from urdf_ik.support import files, forks
+from urdf_ik.support.frozen import frozen
+from urdf_ik.support.text import nearest, quoted
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable, Iterator, Sequence
+    from typing import IO
+
+    from numpy.typing import NDArray
+
+    from urdf_ik.cell.geometry import Solid
+
+    Array = NDArray[np.float64]
+
+
+class Obstacle(NamedTuple):
+    """One shape of a world.
+
+    Attributes:
+        name: unique in its world.
+        shape: what it is.
+        pose: (4, 4) of the shape in the arm's base link [m], read-only.
+    """
+
+    name: str
+    shape: Shape
+    pose: Array
+
+    def __reduce__(self) -> tuple[Callable[..., Obstacle], tuple[str, Shape, Array]]:
+        return _obstacle, (self.name, self.shape, self.pose)
+
+
+def _obstacle(name: str, shape: Shape, pose: Array) -> Obstacle:
+    """An obstacle as it was before it was copied."""
+    return Obstacle(name, shape, frozen(pose))
+
+
+class World:
+    """The obstacles around an arm: named shapes, each at a pose in the arm's base link.
+
+    What is asked of a world sees it as it is at that moment: an obstacle that was moved counts at its new place at
+    once. One world may be changed and asked from several threads.
+
+    Example:
+        >>> world = World()
+        >>> world.add("table", Box((1.0, 1.0, 0.1)), poses.pose([0.5, 0.0, -0.05]))
+        >>> world.add("post", Cylinder(0.05, 1.0), poses.pose([0.4, 0.4, 0.5]))
+        >>> world
+        World(table: Box, post: Cylinder)
+        >>> world.move("post", poses.pose([0.4, -0.4, 0.5]))
+        >>> world.remove("post")
+        >>> world.names
+        ('table',)
+    """
+
+    def __init__(self) -> None:
+        self._obstacles: dict[str, Obstacle] = {}
+        self._solids: dict[int, Solid] = {}
+        self._version = 0
+        self._lock = forks.lock()
+
+    @classmethod
+    def from_urdf(
+        cls,
+        source: str | os.PathLike[str] | IO[Any],
+        package_dirs: Sequence[str | os.PathLike[str]] = (),
+    ) -> World:
+        """A cell that is described as a URDF of fixed links: every collision shape of every link.
+
+        An obstacle has the name of its link, with '/1', '/2' and so on behind it from the link's second shape on. The
+        root link's frame is put on the arm's base link.
+
+        Args:
+            source: a path, XML text, or an open file.
+            package_dirs: folders that meshes may come from, besides the URDF's own.
+
+        Raises:
+            UrdfError: the URDF or one of its shapes is broken, or a mesh is not found.
+            ArgumentError: a joint can move, a shape has no extent, or there is no collision shape at all.
+
+        Example:
+            >>> shape = '<collision><geometry><sphere radius="0.1"/></geometry></collision>'
+            >>> world = World.from_urdf(f'<robot name="cell"><link name="ball">{shape}</link></robot>')
+            >>> world.names
+            ('ball',)
+        """
+        model = urdf.read(source, mesh_roots=package_dirs)
+        if moving := [joint for joint in model.joints if joint.type != "fixed"]:
+            listed = ", ".join(f"{quoted(joint.name)} ({joint.type})" for joint in moving[:5])
+            raise ArgumentError(
+                f"{model.source}: a world stands still, and {len(moving)} of its joints can move: {listed}; "
+                'write type="fixed", or add the moving part\'s shapes with World.add and move them with World.move'
+            )
+        if broken := [error for error in model.left_out if "<collision>" in (error.element or "")]:
+            raise broken[0]
+        placed = _link_poses(model)
+        world = cls()
+        for body in etree.fromstring(model.xml).iterfind("link/collision"):
+            link = body.getparent().get("name")
+            taken = sum(name == link or name.startswith(f"{link}/") for name in world._obstacles)
+            origin = body.find("origin")
+            offset = np.eye(4) if origin is None else poses.pose(_row(origin, "xyz"), rpy=_row(origin, "rpy"))
+            try:
+                world.add(
+                    f"{link}/{taken}" if taken else link, _shape(body.find("geometry")[0], model), placed[link] @ offset
+                )
+            except ArgumentError as error:
+                raise ArgumentError(f"{model.source}: link {quoted(link)}: {error}") from None
+        if not world:
+            raise ArgumentError(f"{model.source}: no link has a collision shape; add <collision> to the links")
+        return world
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the obstacles, in the order in which they were added."""
+        return tuple(self._obstacles)
+
+    def __len__(self) -> int:
+        return len(self._obstacles)
+
+    def __iter__(self) -> Iterator[Obstacle]:
+        return iter(tuple(self._obstacles.values()))
+
+    def __contains__(self, name: object) -> bool:
+        return isinstance(name, str) and name in self._obstacles
+
+    def __getitem__(self, name: str) -> Obstacle:
+        return self._obstacles[self._known(name)]
+
+    def __repr__(self) -> str:
+        return f"World({', '.join(f'{each.name}: {type(each.shape).__name__}' for each in self)})"
+
+    def add(self, name: str, shape: Shape, pose: Any = None) -> None:
+        """Put a shape into the world.
+
+        Args:
+            name: not in use here, and not the name of a link of the arm.
+            shape: Box, Sphere, Cylinder, Capsule, HalfSpace, Mesh or Points.
+            pose: (4, 4) of the shape in the arm's base link [m], or a ``pinocchio.SE3``; default: the identity.
+
+        Raises:
+            ArgumentError: the name is empty or taken, ``shape`` is no shape, or its mesh is not there.
+            PoseError: ``pose`` is no pose.
+
+        Example:
+            >>> import urdf_ik
+            >>> world = urdf_ik.World()
+            >>> world.add("table", urdf_ik.Box((1.0, 1.0, 0.1)), urdf_ik.pose([0.5, 0.0, -0.05]))
+            >>> world.names
+            ('table',)
+        """
+        if not isinstance(name, str) or not name:
+            raise ArgumentError(f"an obstacle's name is a text that is not empty, not {quoted(name)}")
+        if not isinstance(shape, Shape):
+            kinds = "Box, Sphere, Cylinder, Capsule, HalfSpace, Mesh or Points"
+            raise ArgumentError(f"obstacle {quoted(name)}: a shape is needed ({kinds}), not {type(shape).__name__}")
+        placed = _pose(np.eye(4) if pose is None else pose)
+        if isinstance(shape, Mesh):
+            shape.file()
+        with self._lock:
+            if name in self._obstacles:
+                there = f"there is an obstacle {quoted(name)} already"
+                raise ArgumentError(f"{there}; World.move moves it, World.remove removes it")
+            self._obstacles[name] = Obstacle(name, shape, placed)
+            self._version += 1
+
+    def move(self, name: str, pose: Any) -> None:
+        """Put an obstacle elsewhere.
+
+        Args:
+            name: of an obstacle.
+            pose: (4, 4) of its shape in the arm's base link [m], or a ``pinocchio.SE3``.
+
+        Raises:
+            ArgumentError: there is no such obstacle.
+            PoseError: ``pose`` is no pose.
+
+        Example:
+            >>> import urdf_ik
+            >>> world = urdf_ik.World()
+            >>> world.add("ball", urdf_ik.Sphere(0.1))
+            >>> world.move("ball", urdf_ik.pose([0.0, 0.0, 0.5]))
+            >>> world["ball"].pose[:3, 3].tolist()
+            [0.0, 0.0, 0.5]
+        """
+        placed = _pose(pose)
+        with self._lock:
+            self._obstacles[name] = self._obstacles[self._known(name)]._replace(pose=placed)
+            self._version += 1
+
+    def remove(self, name: str) -> None:
+        """Take an obstacle out of the world.
+
+        Raises:
+            ArgumentError: there is no such obstacle.
+
+        Example:
+            >>> import urdf_ik
+            >>> world = urdf_ik.World()
+            >>> world.add("ball", urdf_ik.Sphere(0.1))
+            >>> world.remove("ball")
+            >>> world.names
+            ()
+        """
+        with self._lock:
+            gone = self._obstacles.pop(self._known(name))
+            if all(each.shape is not gone.shape for each in self._obstacles.values()):
+                self._solids.pop(id(gone.shape), None)
+            self._version += 1
+
+    @property
+    def version(self) -> int:
+        """A number that every change of this world raises."""
+        return self._version
+
+    def digest(self) -> str:
+        """A hash of all shapes, with the bytes of mesh files, and of where they are: equal worlds have the same one.
+
+        Raises:
+            ArgumentError: a mesh's file is no longer there.
+
+        Example:
+            >>> import urdf_ik
+            >>> world = urdf_ik.World()
+            >>> world.add("ball", urdf_ik.Sphere(0.1))
+            >>> len(world.digest())
+            64
+        """
+        found = hashlib.sha256()
+        for name, shape, pose in self:
+            found.update(f"{name}\0{type(shape).__name__}\0".encode())
+            if isinstance(shape, Mesh):
+                found.update(files.read(shape.file(), meshes.MAX_BYTES, ArgumentError) + repr(shape.scale).encode())
+            else:
+                for each in fields(shape):  # type: ignore[arg-type]
+                    value = getattr(shape, each.name)
+                    found.update(value.tobytes() if isinstance(value, np.ndarray) else repr(value).encode())
+            found.update(pose.tobytes())
+        return found.hexdigest()
+
+    def snapshot(self) -> tuple[int, tuple[tuple[Obstacle, Solid], ...]]:
+        """The world as it is now: its version, and every obstacle with coal's geometry of its shape.
+
+        Raises:
+            ArgumentError: a mesh cannot be read.
+
+        Example:
+            >>> import urdf_ik
+            >>> world = urdf_ik.World()
+            >>> world.add("ball", urdf_ik.Sphere(0.1))
+            >>> version, solids = world.snapshot()
+            >>> [obstacle.name for obstacle, _ in solids]
+            ['ball']
+        """
+        from urdf_ik.cell.geometry import solid
+
+        with self._lock:
+            for each in self._obstacles.values():
+                if id(each.shape) not in self._solids:
+                    self._solids[id(each.shape)] = solid(each.shape.geometry())
+            return self._version, tuple((each, self._solids[id(each.shape)]) for each in self._obstacles.values())
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"_obstacles": dict(self._obstacles), "_version": self._version}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__init__()  # type: ignore[misc]
+        self.__dict__.update(state)
+
+    def _known(self, name: str) -> str:
+        if name not in self:
+            close = nearest(printable(name), self._obstacles)
+            hint = (
+                f"did you mean {' or '.join(map(quoted, close))}?"
+                if close
+                else f"there are: {listed(self.names) or 'no'}"
+            )
+            raise ArgumentError(f"there is no obstacle {quoted(name)} in this world; {hint}")
+        return name
+
+
+def _pose(pose: Any) -> Array:
+    checked = poses.check_poses(pose)
+    if checked.ndim != 2:
+        raise PoseError(f"an array of shape {checked.shape} given; an obstacle has a single pose (4, 4)")
+    # A rotation that is off by rounding would shear the shape.
+    out = poses.project_rotation(checked)
+    out.setflags(write=False)
+    return out
+
+
+def _link_poses(model: urdf.UrdfModel) -> dict[str, Array]:
+    """Pose of every link in the root link, all joints being fixed."""
+    placed = {model.root: np.eye(4)}
+    waiting = [model.root]
+    while waiting:
+        link = waiting.pop()
+        for joint in model.children(link):
+            placed[joint.child] = placed[link] @ joint.origin
+            waiting.append(joint.child)
+    return placed
+
+
+def _row(element: Any, name: str, otherwise: float = 0.0) -> list[float]:
+    return [float(x) for x in (element.get(name) or "").split()] or [otherwise] * 3
+
+
+def _shape(element: Any, model: urdf.UrdfModel) -> Shape:
+    """The shape that a URDF's ``<geometry>`` holds."""
+    match element.tag:
+        case "box":
+            return Box(_row(element, "size"))
+        case "sphere":
+            return Sphere(float(element.get("radius")))
+        case "cylinder":
+            return Cylinder(float(element.get("radius")), float(element.get("length")))
+        case "capsule":
+            return Capsule(float(element.get("radius")), float(element.get("length")))
+        case "mesh":
+            return Mesh(urdf.resolve_mesh(model, element.get("filename")), _row(element, "scale", 1.0))
+    raise UrdfError(f"unknown shape <{element.tag}>", source=model.source)

@@ -1,8 +1,0 @@
-"""How arms are solved: one file a family, and a registry of them in the order of cost."""
-
-from __future__ import annotations
-
-from urdf_ik.families.parts.family import Family, Plan, RedundantPlan
-from urdf_ik.families.registry import choose, every, of_six
-
-__all__ = ["Family", "Plan", "RedundantPlan", "choose", "every", "of_six"]

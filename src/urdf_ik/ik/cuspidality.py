@@ -1,0 +1,238 @@
+"""Whether an arm can change from one solution of a pose to another without crossing a singularity: a cuspidal arm.
+
+Not cuspidal, by proof: an arm whose solver takes the joint angles from the roots of quadratics, one step after the
+other. The Jacobian's determinant is then, but for factors that never vanish, the product of the steps' derivatives,
+and the two roots of a step have derivatives of opposite sign. On a path without a singularity no factor changes its
+sign, so in the pose that it began with, it ends at the same root of every step.
+
+Cuspidal, by a path: two solutions of one pose, joined by moves of one joint at a time along which the determinant keeps
+its sign. Joints 1 and 6 have no part in it. Along any other joint the determinant is a trigonometric polynomial of
+degree two (the turn acts on the axes behind it as a rotation R on directions and moments alike, and the minors of
+diag(R, R) hold no higher harmonic), so five values give it on the whole circle, and its second derivative bounds what
+happens between samples. The path is looked for on a grid over the joints 2 to 5. Joint limits are left aside.
+
+Not finding a path proves nothing. Sources: Wenger, A new general formalism for the kinematic analysis of all
+nonredundant manipulators, 1992; Wenger and Chablat 2022; Salunkhe et al. 2022 (a generic 3R arm is cuspidal if and only
+if it has a cusp).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik.support import inputs
+from urdf_ik.support.angles import shortest
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+    from urdf_ik.ik.solutions.solved_arm import SolvingArm
+    from urdf_ik.kinematics.chain import Chain
+
+    Array = NDArray[np.float64]
+    Node = tuple[int, ...]
+
+_MOVING = (1, 2, 3, 4)
+_NODES = 16  # along each of these joints
+_FINER = 8  # samples from node to node
+_SPACING = 2.0 * np.pi / _NODES
+_POSES = 100
+_CLEAR, _LEAST = 1e-9, 1e-12  # of the polynomial's greatest coefficient, and as it stands: less is rounding
+_DISTINCT = 1e-3  # rad
+
+
+def is_cuspidal(arm: SolvingArm) -> bool | None:
+    """Whether an arm can change solutions without crossing a singularity; None where that is not known.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> is_cuspidal(arm)
+        False
+    """
+    inputs.arm(arm)
+    structure = arm.structure
+    if not structure.is_6r or not structure.family or arm.chain.axes is not arm.chain:
+        return None
+    if structure.by_quadratics:
+        return False
+    return True if nonsingular_change(arm) is not None else None
+
+
+def in_words(cuspidal: bool | None) -> str:
+    """Whether it changes solution without crossing a singularity, after "cuspidal".
+
+    Example:
+        >>> in_words(True).split(":")[0], in_words(False).split(":")[0]
+        ('yes', 'no')
+    """
+    if cuspidal is None:
+        return "not known: no change of solution around the singularities was found, which does not rule one out"
+    if cuspidal:
+        return "yes: limits aside, it can change from one solution of a pose to another without crossing a singularity"
+    return "no: every change from one solution of a pose to another crosses a singularity"
+
+
+def nonsingular_change(arm: SolvingArm) -> Array | None:
+    """A path that proves an arm of six turning joints cuspidal.
+
+    Args:
+        arm: an arm with a solver.
+
+    Returns:
+        (k, 6) rad, joint vectors from one solution of a pose to another, each a move of one of the joints 2 to 5 away
+        from the one before, but for the last, which moves joints 1 and 6; None where none was found.
+    """
+    inputs.arm(arm)
+    grid = _Grid(arm.chain)
+    T = arm.fk(np.random.default_rng(0).uniform(-np.pi, np.pi, (_POSES, 6)))
+    solutions = arm.ik(T)
+    for q, valid in zip(np.asarray(solutions.q), np.asarray(solutions.valid), strict=True):
+        by_region: dict[int, tuple[Array, list[Array]]] = {}
+        for x in q[valid]:
+            ramp = grid.on_ramp(x)
+            if ramp is None:
+                continue
+            region = grid.region(ramp[-1])
+            if region not in by_region:
+                by_region[region] = x, ramp
+                continue
+            other, other_ramp = by_region[region]
+            if np.abs(shortest(x - other)).max() < _DISTINCT:
+                continue
+            return np.array([*other_ramp, *grid.path(other_ramp[-1], ramp[-1]), *_with_ends(ramp[::-1], other), x])
+    return None
+
+
+def keeps_its_sign(chain: Chain, start: Array, joint: int, end: float) -> bool:
+    """Whether the Jacobian's determinant keeps its sign while one joint moves the short way from ``start`` to ``end``.
+
+    Args:
+        chain: six turning joints.
+        start: (6,) rad.
+        joint: index of the joint that moves.
+        end: its value at the end [rad].
+
+    Example:
+        >>> import urdf_ik
+        >>> chain, q = urdf_ik.load("puma_560").chain, np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
+        >>> keeps_its_sign(chain, q, 4, 0.2), keeps_its_sign(chain, q, 4, -0.2)
+        (True, False)
+    """
+    inputs.kind(chain, "axes", "chain", "a chain, as arm.chain is,")
+    start = chain.check(start)
+    joint, end = inputs.whole(joint, "joint", high=chain.n - 1), inputs.number(end, "end", unit="rad")
+    circle = 2.0 * np.pi * np.arange(5) / 5.0
+    Q = np.tile(start, (5, 1))
+    Q[:, joint] = start[joint] + circle
+    values = _determinants(chain, Q)
+    harmonics = np.fft.rfft(values) / 5.0
+    step = float(shortest(np.asarray(end - start[joint])))
+    along = np.linspace(0.0, step, 17)
+    f = harmonics[0].real + 2.0 * np.real(harmonics[1] * np.exp(1j * along) + harmonics[2] * np.exp(2j * along))
+    bend = 2.0 * abs(harmonics[1]) + 8.0 * abs(harmonics[2])
+    between = bend * (along[1] - along[0]) ** 2 / 8.0
+    margin = between + _CLEAR * float(np.abs(harmonics).max()) + _LEAST
+    return bool((f > margin).all() or (f < -margin).all())
+
+
+class _Grid:
+    """The Jacobian's determinant on a grid over the joints 2 to 5, and which neighbours are joined without a zero."""
+
+    def __init__(self, chain: Chain) -> None:
+        self._chain = chain
+        self._axis = _SPACING * np.arange(_NODES) + 0.1  # off the symmetric places, where determinants like to vanish
+        Q = np.zeros((*(_NODES,) * 4, 6))
+        Q[..., 1:5] = np.stack(np.meshgrid(*[self._axis] * 4, indexing="ij"), axis=-1)
+        values = _determinants(chain, Q)
+        # joined[k] at a node: the move from it to the next node along axis k is certified.
+        self._joined = [_joined(values, k) for k in range(4)]
+        self._regions = self._spread(np.arange(values.size).reshape(values.shape))
+
+    def region(self, q: Array) -> int:
+        """Number of the region of a joint vector on the grid: moves along the grid lead from one to all of it."""
+        return int(self._regions[self._node(q)])
+
+    def on_ramp(self, q: Array) -> list[Array] | None:
+        """Certified moves from ``q`` (6,) to a node near it, joint by joint; None where one is not certified."""
+        ramp, goal = [q], self._vector(self._node(q), q)
+        for joint in _MOVING:
+            if not keeps_its_sign(self._chain, ramp[-1], joint, goal[joint]):
+                return None
+            there = ramp[-1].copy()
+            there[joint] = goal[joint]
+            ramp.append(there)
+        return ramp
+
+    def path(self, start: Array, end: Array) -> list[Array]:
+        """Shortest certified moves between two joint vectors of one region of the grid, both left out."""
+        first, last = self._node(start), self._node(end)
+        far = np.iinfo(np.int64).max
+        steps = np.full(self._regions.shape, far)
+        steps[last] = 0
+        steps = self._spread(steps, 1)
+        nodes = [first]
+        while nodes[-1] != last:
+            nodes.append(min(self._neighbours(nodes[-1]), key=lambda node: int(steps[node])))
+        return [self._vector(node, start) for node in nodes[1:-1]]
+
+    def _spread(self, numbers: NDArray[np.int64], toll: int = 0) -> NDArray[np.int64]:
+        """Let every node take the least of its own number and its neighbours', plus the toll, until nothing changes."""
+        most = np.iinfo(np.int64).max
+        while True:
+            before = numbers
+            for k, joined in enumerate(self._joined):
+                for step, open_ in ((-1, joined), (1, np.roll(joined, 1, k))):
+                    there = np.roll(numbers, step, k)
+                    there = np.where(open_ & (there < most), np.minimum(there, most - toll) + toll, most)
+                    numbers = np.minimum(numbers, there)
+            if (numbers == before).all():
+                return numbers
+
+    def _neighbours(self, node: Node) -> Iterator[Node]:
+        for k, joined in enumerate(self._joined):
+            ahead = (*node[:k], (node[k] + 1) % _NODES, *node[k + 1 :])
+            behind = (*node[:k], (node[k] - 1) % _NODES, *node[k + 1 :])
+            if joined[node]:
+                yield ahead
+            if joined[behind]:
+                yield behind
+
+    def _node(self, q: Array) -> Node:
+        return tuple(int(i) for i in np.round((q[1:5] - self._axis[0]) / _SPACING) % _NODES)
+
+    def _vector(self, node: Node, like: Array) -> Array:
+        """The node's joint vector, with joints 1 and 6 of another one."""
+        return np.array([like[0], *self._axis[list(node)], like[5]])
+
+
+def _joined(values: Array, axis: int) -> NDArray[np.bool_]:
+    """Whether the polynomial through the values of each line along an axis has no zero up to the next node."""
+    harmonics = np.fft.rfft(np.moveaxis(values, axis, -1)) / _NODES
+    size = np.abs(harmonics)
+    bend = 2.0 * size[..., 1] + 8.0 * size[..., 2]
+    margin = bend * (_SPACING / _FINER) ** 2 / 8.0 + _CLEAR * size.max(axis=-1) + _LEAST
+    padded = np.zeros((*harmonics.shape[:-1], _NODES * _FINER // 2 + 1), dtype=complex)
+    padded[..., :3] = harmonics[..., :3]
+    fine = np.fft.irfft(padded, _NODES * _FINER) * _NODES * _FINER
+    fine = fine.reshape(*values.shape, _FINER)
+    # Up to the next node, that one included.
+    fine = np.concatenate([fine, np.roll(fine[..., :1], -1, axis=-2)], axis=-1)
+    clear = (fine > margin[..., None, None]).all(axis=-1) | (fine < -margin[..., None, None]).all(axis=-1)
+    return np.moveaxis(clear, -1, axis)
+
+
+def _determinants(chain: Chain, Q: Array) -> Array:
+    """Determinants (...) of the Jacobian at Q (..., 6), lengths as shares of the arm's size."""
+    J = np.array(chain.jacobian(Q))
+    J[..., :3, :] /= chain.size
+    return np.asarray(np.linalg.det(J))
+
+
+def _with_ends(Q: list[Array], like: Array) -> list[Array]:
+    """The joint vectors Q with joints 1 and 6 of another one, which have no part in the determinant."""
+    return [np.array([like[0], *q[1:5], like[5]]) for q in Q]

@@ -1,0 +1,142 @@
+"""Arms in which joints mimic others, with up to four independent ones: the joint space searched by proven bounds.
+
+Six independent joints are solved where the wrist mimics: see ``hollow_wrist``.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik._core import Solver
+from urdf_ik.ik.families import hollow_wrist
+from urdf_ik.ik.families.parts.family import Family, Plan, columns
+from urdf_ik.ik.families.parts.values import driven_values
+from urdf_ik.kinematics.chain import is_redundant
+from urdf_ik.kinematics.chain.mimic import MOST_TURNS, CoupledChain
+from urdf_ik.support.text import quoted
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.kinematics.chain import Chain
+    from urdf_ik.kinematics.structure import Structure
+
+    Array = NDArray[np.float64]
+
+MOST_JOINTS, MOST_AXES = 4, 12
+# Axes this close to parallel [rad] count as parallel where turns are added up: far below the bounds' own slack.
+_PARALLEL = 1e-10
+# Columns of a pose; a range [rad, shares of the size] that is too wide to be searched.
+_COLUMNS, _MOST_COLUMNS, _TOO_WIDE = 16, 96, 1e3
+
+
+def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
+    """The plan of an arm for which ``why_not`` has no reason."""
+    assert isinstance(chain, CoupledChain)
+    kinds = "".join("P" if slides else "R" for slides in chain.axes.prismatic)
+    kinds = kinds if "P" in kinds else f"{len(kinds)}R"
+    turns = int(np.prod(np.maximum(chain.image_turns, 1.0)))
+    names = columns(min(_MOST_COLUMNS, _COLUMNS * turns))
+    solver = Solver(f"{family.solver}, {chain.n}", _values(chain, len(names)))
+    return Plan(
+        family=family,
+        name=f"{kinds} driven by {chain.n} joint{'s' * (chain.n > 1)}",
+        reason=f"{family.reason}: {', '.join(map(str, chain.followers))}",
+        method="Bisection of the joint space with proven bounds: every part is shown to hold no solution, or one, "
+        "which Newton's method finds on the URDF as written" + _searched_within_limits(chain),
+        branches=names,
+        explain=lambda T: _out_of_reach(chain, T[:3, 3]),
+        solver=solver,
+    )
+
+
+FAMILY = Family(
+    name="joints that mimic others",
+    reason="joints mimic others, and at most four are independent",
+    steps="bisection of the joint space with proven bounds",
+    branches=columns(_MOST_COLUMNS),
+    by_quadratics=False,
+    matches=lambda structure, chain: isinstance(chain, CoupledChain) and chain.n <= MOST_JOINTS and not why_not(chain),
+    prepare=_prepare,
+    solver="coupled",
+)
+
+
+def why_not(chain: CoupledChain) -> str:
+    """Why the chain cannot be solved; '' where it can."""
+    if chain.n > MOST_JOINTS:
+        general = f"with joints that mimic others at most {MOST_JOINTS} independent ones are solved in general, "
+        general += f"and these are {chain.n}"
+        if chain.n != 6:
+            return general
+        wrist = hollow_wrist.why_not(chain)
+        return wrist and f"{general}; nor is it a 6R arm whose wrist mimics: {wrist}"
+    if chain.axes.n > MOST_AXES:
+        return f"at most {MOST_AXES} axes are solved, and the joints drive {chain.axes.n}"
+    for j, name in enumerate(chain.joint_names):
+        lower, upper = chain.limits[j]
+        if not chain.image_turns[j] and not upper - lower <= _TOO_WIDE * _unit(chain, j):
+            factors = ", ".join(f"{factor:g}" for factor in chain.gain[:, j] if factor)
+            return (
+                f"joint {quoted(name)}, with the multipliers {factors}, does not repeat within {MOST_TURNS} turns and "
+                f"has the limits {lower:g} to {upper:g}, between which no search ends: give it limits"
+            )
+    if is_redundant(chain):
+        return "the joints are redundant: the Jacobian loses rank everywhere"
+    return ""
+
+
+def _searched_within_limits(chain: CoupledChain) -> str:
+    names = [repr(name) for name, turns in zip(chain.joint_names, chain.image_turns, strict=True) if not turns]
+    return f"; {', '.join(names)} within the limits" if names else ""
+
+
+def _unit(chain: CoupledChain, joint: int) -> float:
+    """What a joint's value is measured in: rad, or the arm's size where it slides [m]."""
+    return chain.size if chain.joint_types[joint] == "prismatic" else 1.0
+
+
+def _values(chain: CoupledChain, many: int) -> dict[str, Any]:
+    """The arm as the compiled solver takes it."""
+    units = np.array([_unit(chain, j) for j in range(chain.n)])
+    turns = chain.image_turns
+    lower, upper = chain.limits.T / units
+    with np.errstate(invalid="ignore"):
+        middle = np.where(turns > 0.0, 0.0, 0.5 * (lower + upper))
+    return {
+        "written": driven_values(chain, units),
+        "middle": middle,
+        # A value at the very end of its range lies inside the box.
+        "half": np.where(turns > 0.0, math.pi * turns, 0.5 * (upper - lower) + 1e-6),
+        "rates": _rates(chain.axes, chain.gain * units),
+        "columns": many,
+    }
+
+
+def _rates(axes: Chain, gain: Array) -> Array:
+    """(m, n) greatest rates [rad] at which the joints turn what is behind each axis.
+
+    About parallel axes in a row, slides between them or not, turns add up with their signs.
+    """
+    done, run = np.zeros(gain.shape[1]), np.zeros(gain.shape[1])
+    along = np.zeros(3)
+    rates = np.empty_like(gain)
+    for k, (h, slides) in enumerate(zip(axes.H, axes.prismatic, strict=True)):
+        if not slides:
+            if np.linalg.norm(np.cross(h, along)) > _PARALLEL or not along.any():
+                done, run, along = done + np.abs(run), np.zeros(gain.shape[1]), h
+            run = run + math.copysign(1.0, float(h @ along)) * gain[k]
+        rates[k] = done + np.abs(run)
+    return rates
+
+
+def _out_of_reach(chain: CoupledChain, point: Array) -> str:
+    """Why a target at ``point`` (3,) [m] has no solution."""
+    far = float(np.linalg.norm(point - chain.points[0]))
+    if far > chain.size and not chain.axes.prismatic.any():
+        return f"the tip is {far:.6g} m from axis 1, and all links together measure {chain.size:.6g} m"
+    joints = f"{chain.n} independent joint{'s' if chain.n > 1 else ''}"
+    return f"{joints} ({', '.join(chain.joint_names)}) cannot bring the tip there{_searched_within_limits(chain)}"

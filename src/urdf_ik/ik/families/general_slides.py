@@ -1,0 +1,70 @@
+"""Six joints of which one or two slide, without a structure that a closed form could use: elimination."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik._core import Solver
+from urdf_ik.ik.families.parts.aim import Aim
+from urdf_ik.ik.families.parts.elimination import elimination_values
+from urdf_ik.ik.families.parts.family import Family, Plan, columns
+from urdf_ik.ik.families.parts.nearest import off_by
+from urdf_ik.kinematics.chain import is_redundant, kinds_of
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.kinematics.chain import Chain
+    from urdf_ik.kinematics.structure import Structure
+
+    Array = NDArray[np.float64]
+
+
+def _matches(structure: Structure) -> bool:
+    """Whether six joints have one slide, or two that are not opposite in the loop: joints 1 and 4, 2 and 5, 3 and 6.
+
+    However a loop is cut, opposite slides stand on both sides, and the elimination then has a solution with both at
+    infinity for every value of the hidden joint.
+    """
+    slides = [i for i, kind in enumerate(structure.joint_types) if kind == "prismatic"]
+    return len(structure.joint_types) == 6 and len(slides) in (1, 2) and slides[-1] - slides[0] != 3
+
+
+def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
+    """The plan by elimination alone."""
+    return Plan(
+        family=family,
+        name=f"{kinds_of(chain)} general",
+        reason=family.reason,
+        method=family.steps,
+        branches=family.branches,
+        solver=Solver(family.solver, elimination_values(chain)),
+        explain=lambda T: off_by(chain, Aim(), T[:3, :3], T[:3, 3]),
+    )
+
+
+FAMILY = Family(
+    name="six joints with slides, general",
+    reason="one or two of six joints slide, and no three axes at an end meet in a point, so no closed form applies",
+    steps="Elimination to one joint's value (Raghavan and Roth), a slide as tan(t / 2), Newton's method on the URDF as "
+    "written",
+    branches=columns(16),
+    by_quadratics=False,
+    by_elimination=True,
+    matches=lambda structure, chain: _matches(structure) and not is_redundant(chain),
+    prepare=_prepare,
+    solver="general slides",
+)
+
+
+def behind(plan: Plan, chain: Chain) -> Plan:
+    """The plan of an arm whose wrist meets only nearly, with elimination behind it."""
+    return replace(
+        plan,
+        method="Elimination to one joint's value (Raghavan and Roth), Newton's method on the URDF as written",
+        branches=columns(16),
+        solver=Solver("general slides", elimination_values(chain)),
+    )

@@ -1,0 +1,241 @@
+"""The elimination to one joint's angle, set up for an arm of six joints: constant matrices for the compiled core.
+
+It can be set up in eight ways that need nothing of the pose: four places to cut the loop, on the chain and on the
+reversed chain. Which of them keeps its digits depends on the arm, and on arms with parallel or meeting neighbours every
+one may be singular at all angles; moving the axes by a millionth cures that, since solutions are polished on the arm as
+written. The one that is certain of most poses is chosen when the arm is loaded, by trying. The equations are those of
+src/core/families/general/hidden_joint.hpp. Where it is not certain, continuation from a pose of which all solutions are
+known takes over (continuation.hpp there).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik._core import known_poses, try_elimination
+from urdf_ik.ik.families.parts.values import written_values
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.kinematics.chain import Chain
+
+    Array = NDArray[np.float64]
+
+_LINE = 15
+_SHIFTS = (0.0, 1e-6, 1e-5)
+# Poses by which variants are chosen, and from which those are taken whose solutions are all known.
+_KNOWN = 32
+# With slides the solutions of all poses may be several separate surfaces, and a pose is needed on each of them.
+_KNOWN_WITH_SLIDES = 128
+# So many of these poses decide which few variants are tried on all.
+_FIRST, _FEW = 8, 6
+# How many numbers the core leaves room for: rows of the left factor, columns of the right one.
+_ROWS, _COLUMNS = 168, 32
+# From parts of 1, cos t, sin t to parts of 1, d, d^2, for d = tan(t / 2): both sides times cos^2(t / 2).
+_POWERS = np.array([[1.0, 1.0, 0.0], [0.0, 0.0, 2.0], [1.0, -1.0, 0.0]])
+
+
+def elimination_values(chain: Chain, *, near: bool = False) -> dict[str, Any]:
+    """What the core needs of the arm.
+
+    That is the way to set the elimination up that is certain of most poses, and poses of which all solutions are known.
+
+    Args:
+        chain: six joints.
+        near: whether the arm is near a special one: complex solutions far from real are then left out.
+    """
+    H, points, centre, scale = _scaled(chain)
+    home = np.eye(4)
+    home[:3, :3], home[:3, 3] = chain.R_tip, chain.P.sum(axis=0)
+    to_centre = np.eye(4)
+    to_centre[:3, 3] = centre
+    rng = np.random.default_rng(0)
+    Q = rng.uniform(-math.pi, math.pi, (_KNOWN_WITH_SLIDES if chain.prismatic.any() else _KNOWN, 6))
+    Q[:, chain.prismatic] *= chain.size / math.pi
+    written = written_values(chain)
+    common: dict[str, Any] = {
+        "written": written,
+        "home_inverse": np.ascontiguousarray((np.linalg.inv(home) @ to_centre)[:3]),
+        "centre": centre,
+        "scale": scale,
+        "known": known_poses(written, Q, near),
+    }
+    targets = chain.fk(Q[:_KNOWN])
+    few = _best(common, _all_variants(H, points, chain.prismatic, rng), targets[:_FIRST], _FEW)
+    return common | _best(common, few, targets, 1)
+
+
+def _best(common: dict[str, Any], rows: dict[str, Any], targets: Array, many: int) -> dict[str, Any]:
+    """So many of the variants in ``rows``, those rightly certain of most of the poses (m, 4, 4); the best one last."""
+    counts, certain = _tried(common | rows, targets)
+    # One that was certain of fewer solutions than another found has a determinant that some of them are no roots of.
+    wrong = ((certain > 0) & (counts < counts.max(axis=0))).any(axis=1)
+    best = np.lexsort((counts.sum(axis=1), np.where(wrong, -1, certain.sum(axis=1, dtype=np.int64))))[-many:]
+    return {name: np.ascontiguousarray(each[best]) for name, each in rows.items()}
+
+
+def _tried(values: dict[str, Any], targets: Array) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+    """What each variant alone does with the poses (m, 4, 4).
+
+    Returns:
+        (variants, m): how many solutions it finds, and whether it is certain that they are all.
+    """
+    counts = np.empty((len(values["first"]), len(targets)), np.uint8)
+    certain = np.empty_like(counts)
+    try_elimination(values, np.ascontiguousarray(targets), counts, certain)
+    return counts, certain
+
+
+def _scaled(chain: Chain) -> tuple[Array, Array, Array, float]:
+    """Axes with the origin in their midst and a mean distance of one: directions, points, centre, scale."""
+    centre = chain.points.mean(axis=0)
+    points = chain.points - centre
+    points = points - np.einsum("ij,ij->i", points, chain.H)[:, None] * chain.H
+    length = float(np.sqrt((points**2).sum(axis=1).mean()))
+    scale = 1.0 / length if length > 0.0 else 1.0
+    return chain.H, points * scale, centre, scale
+
+
+def _all_variants(H: Array, points: Array, slides: NDArray[np.bool_], rng: np.random.Generator) -> dict[str, Any]:
+    """Every way to set the elimination up: one array a name, (variants, ...)."""
+    shifts = np.array(_SHIFTS)[:, None, None]
+    turned = np.empty((len(_SHIFTS), 6, 3))
+    moved = np.empty_like(turned)
+    for k in range(len(_SHIFTS)):
+        turned[k], moved[k] = rng.standard_normal((6, 3)), rng.standard_normal((6, 3))
+    turned = H + shifts * turned
+    turned /= np.linalg.norm(turned, axis=-1, keepdims=True)
+    moved = points + shifts * moved
+    # (shifts, from base to tip or back, joint of the loop, ...)
+    axes = np.stack([turned, -turned[:, ::-1]], axis=1)
+    places = np.stack([moved, moved[:, ::-1]], axis=1)
+    kinds = np.stack([slides, slides[::-1]])
+    motions = _motions(axes, places, kinds)
+    lines = _lines(places, axes)
+    parts = []
+    for reverse in (0, 1):
+        for first in range(4):
+            # A slide moves the points of its own axis.
+            if not kinds[reverse, first + 2]:
+                at = (slice(None), reverse)
+                part = _factors(motions[at], lines[at][:, first + 2], kinds[reverse], first)
+                part["axes"], part["points"] = axes[at], places[at]
+                part["across"] = _across(axes[at][:, first + 2])
+                part["slides"] = np.broadcast_to(kinds[reverse].astype(np.float64), (len(_SHIFTS), 6))
+                part["first"] = np.full(len(_SHIFTS), float(first))
+                part["reversed"] = np.full(len(_SHIFTS), float(reverse))
+                parts.append(part)
+    rows = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    # In the order of the shifts: the unmoved axes first, where nothing else decides.
+    order = np.argsort(np.tile(np.arange(len(_SHIFTS)), len(parts)), kind="stable")
+    return {name: np.ascontiguousarray(values[order]) for name, values in rows.items()}
+
+
+def _factors(motions: Array, line: Array, slides: NDArray[np.bool_], first: int) -> dict[str, Array]:
+    """The equations' two constant factors, and the left side's inverse, for a loop cut before joint ``first`` + 3.
+
+    ``motions`` (k, 6, 3, 15, 15) of the loop's joints, ``line`` (k, 15) of axis ``first`` + 2.
+    """
+    count = len(motions)
+    before, behind = (
+        np.einsum("ij,kjab->kiab", _POWERS, motions[:, k]) if slides[k] else motions[:, k] for k in (first, first + 1)
+    )
+    carried = (behind @ line[:, None, :, None])[..., 0]
+    left = np.einsum("kiab,kjb->kaij", before, carried).reshape(count, _LINE, 9)
+    # Of rank less than nine on special arms: then some of the null vectors are among the directions of u.
+    u, s, vt = np.linalg.svd(left)
+    null = u[:, :, 9:].transpose(0, 2, 1)
+    weights = np.where(s > 1e-10 * s[:, :1], 1.0 / np.where(s > 0.0, s, 1.0), 0.0)
+    inverse = (vt.transpose(0, 2, 1) * weights[:, None, :]) @ u[:, :, :9].transpose(0, 2, 1)
+    # A joint's motion back: the sine's part turns its sign.
+    back = motions * np.array([1.0, 1.0, -1.0])[:, None, None]
+    hidden, kept_too, kept = (back[:, (first + k) % 6] for k in (5, 4, 3))
+    # Products of (1, cos, sin) of the joints that stand before the loop's motion, and of those behind it.
+    front, rear = null, line[:, None, :]
+    for joint in (hidden, kept_too, kept)[:first]:
+        front = _before(front, joint)
+    for joint in (kept, kept_too, hidden)[: 3 - first]:
+        rear = _behind(joint, rear)
+    rows, columns = front.shape[1], rear.shape[1]
+    left_factor, right_factor = np.zeros((count, _LINE, _ROWS)), np.zeros((count, _LINE, _COLUMNS))
+    left_factor[:, :, :rows] = front.transpose(0, 2, 1)
+    right_factor[:, :, :columns] = rear.transpose(0, 2, 1)
+    return {"left": left_factor, "right": right_factor, "left_inverse": inverse}
+
+
+def _before(front: Array, joint: Array) -> Array:
+    """Rows (k, r, 15) times a joint's motion (k, 3, 15, 15): (k, 3 r, 15), the joint's part fastest."""
+    count = len(front)
+    return (front @ joint.transpose(0, 2, 1, 3).reshape(count, _LINE, 3 * _LINE)).reshape(count, -1, _LINE)
+
+
+def _behind(joint: Array, rear: Array) -> Array:
+    """A joint's motion (k, 3, 15, 15) times columns (k, c, 15): (k, 3 c, 15), the joint's part slowest."""
+    count = len(rear)
+    moved = (joint.reshape(count, 3 * _LINE, _LINE) @ rear.transpose(0, 2, 1)).reshape(count, 3, _LINE, -1)
+    return moved.transpose(0, 1, 3, 2).reshape(count, -1, _LINE)
+
+
+def _across(axes: Array) -> Array:
+    """A unit vector across each of the axes (k, 3), from the base vector that is least along it."""
+    least = np.abs(axes).argmin(axis=1)
+    rows = np.arange(len(axes))
+    u = -axes[rows, least][:, None] * axes
+    u[rows, least] += 1.0
+    across: Array = u / np.linalg.norm(u, axis=1, keepdims=True)
+    return across
+
+
+def _lines(points: Array, directions: Array) -> Array:
+    """The 15 numbers of lines through ``points`` (..., 3) along ``directions`` (..., 3)."""
+    h = 0.5 * (points * points).sum(axis=-1, keepdims=True)
+    d = (points * directions).sum(axis=-1, keepdims=True)
+    moments = np.cross(points, directions)
+    one = np.ones_like(h)
+    return np.concatenate([one, points, h, directions, moments, d, h * directions - d * points], axis=-1)
+
+
+def _line_motions(R: Array, t: Array) -> Array:
+    """The matrices (..., 15, 15) by which the rigid motions R (..., 3, 3), t (..., 3) act on lines."""
+    U = np.zeros((*t.shape[:-1], _LINE, _LINE))
+    half = 0.5 * (t * t).sum(axis=-1)
+    along = (t[..., None, :] @ R)[..., 0, :]
+    cross = np.cross(t[..., :, None], R, axis=-2)
+    U[..., 0, 0] = U[..., 4, 4] = U[..., 11, 11] = 1.0
+    U[..., 4, 0] = half
+    U[..., 1:4, 0], U[..., 12:, 11] = t, -t
+    for k in (1, 5, 8, 12):
+        U[..., k : k + 3, k : k + 3] = R
+    U[..., 4, 1:4] = U[..., 11, 5:8] = along
+    U[..., 8:11, 5:8], U[..., 12:, 8:11] = cross, -cross
+    U[..., 12:, 5:8] = half[..., None, None] * R - t[..., :, None] * along[..., None, :]
+    return U
+
+
+def _motions(axes: Array, points: Array, slides: NDArray[np.bool_]) -> Array:
+    """(..., 6, 3, 15, 15): the motion of lines by a joint's value t is the sum of these times 1, cos t, sin t.
+
+    A slide by d = tan(t / 2) counts times cos^2(t / 2). ``axes``, ``points`` (..., 6, 3), ``slides`` (2, 6).
+    """
+    x, y, z = np.moveaxis(axes, -1, 0)
+    zero = np.zeros_like(x)
+    K = np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1).reshape(*x.shape, 3, 3)
+    KK = K @ K
+    eye = np.eye(3)
+    # At t = 0, pi and pi / 2, and at d = 0, 1 and -1.
+    turns = np.stack([np.broadcast_to(eye, K.shape), eye + 2.0 * KK, eye + K + KK], axis=-3)
+    shifts = points[..., None, :] - (turns @ points[..., None, :, None])[..., 0]
+    at_zero, half, quarter = np.moveaxis(_line_motions(turns, shifts), -3, 0)
+    constant = 0.5 * (at_zero + half)
+    motions = np.stack([constant, 0.5 * (at_zero - half), quarter - constant], axis=-3)
+    if slides.any():
+        lengths = np.array([0.0, 1.0, -1.0])[:, None] * axes[..., None, :]
+        at_zero, ahead, back = np.moveaxis(_line_motions(np.broadcast_to(eye, (*lengths.shape, 3)), lengths), -3, 0)
+        linear, square = 0.5 * (ahead - back), 0.5 * (ahead + back) - at_zero
+        sliding = 0.5 * np.stack([at_zero + square, at_zero - square, linear], axis=-3)
+        motions = np.where(slides[..., None, None, None], sliding, motions)
+    return motions

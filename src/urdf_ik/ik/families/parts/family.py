@@ -1,0 +1,173 @@
+"""Families and plans: a record of what a family is, and one of how an arm of it is solved."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.support.tolerances import DEFAULT
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik._core import SelfMotion, Solver
+    from urdf_ik.kinematics.chain import Chain
+    from urdf_ik.kinematics.chain.redundancy import Redundancy
+    from urdf_ik.kinematics.structure import Structure
+
+    Array = NDArray[np.float64]
+
+_AXES = re.compile(r"\{([\d, ]+)\}")
+
+
+@dataclass(frozen=True)
+class Family:
+    """A structure with a solver of its own.
+
+    Attributes:
+        name: what it is called; a plan may be called more, where that depends on the arm ('RRPR', 'reversed').
+        reason: why these arms can be solved so, in words; '{4, 5, 6}' stands for the numbers of axes, so that they
+            can be given for an arm that is seen from its tip.
+        steps: how they are solved, in words.
+        branches: names of the columns of a pose's solutions, as many as there are at most.
+        by_quadratics: whether each joint follows from the root of a quadratic, one step after the other. Such an arm
+            cannot change from one solution to another without crossing a singularity (see ``cuspidality``).
+        matches: (structure, chain) -> whether an arm is of the family, exactly or nearly.
+        prepare: (family, structure, chain) -> the plan of an arm that matches; None where it has none after all.
+        solver: name of the compiled solver, as ``_core.Solver`` takes it.
+        variant: what sets it apart from the other families of its file, such as '2||3'.
+        by_elimination: whether it has no closed form, so that all others come first.
+    """
+
+    name: str
+    reason: str
+    steps: str
+    branches: tuple[str, ...]
+    by_quadratics: bool
+    matches: Callable[[Structure, Chain], bool]
+    prepare: Callable[[Family, Structure, Chain], Plan | None]
+    solver: str
+    variant: str = ""
+    by_elimination: bool = False
+
+    def plan(self, structure: Structure, chain: Chain) -> Plan | None:
+        """The plan of an arm, None for an arm that is not of this family.
+
+        Example:
+            >>> import urdf_ik
+            >>> from urdf_ik.ik import families
+            >>> arm = urdf_ik.load("puma_560")
+            >>> taken = [family for family in families.every() if family.matches(arm.structure, arm.chain)]
+            >>> taken[0].plan(arm.structure, arm.chain).name
+            '6R spherical wrist, 2||3 and 1x2'
+        """
+        return self.prepare(self, structure, chain) if self.matches(structure, chain) else None
+
+    def why(self, joints: int = 6, *, from_tip: bool = False) -> str:
+        """The reason in words, with the axes of an arm of so many joints counted from the base.
+
+        Example:
+            >>> from urdf_ik.ik import families
+            >>> wrist = next(family for family in families.every() if "spherical wrist" in family.name)
+            >>> wrist.why()
+            'axes 4, 5 and 6 meet in a point, and axes 2 and 3 are parallel'
+        """
+
+        def numbers(match: re.Match[str]) -> str:
+            axes = [int(number) for number in match[1].split(",")]
+            *rest, last = sorted(joints + 1 - axis for axis in axes) if from_tip else axes
+            return f"{', '.join(map(str, rest))} and {last}"
+
+        return _AXES.sub(numbers, self.reason)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """How an arm is solved.
+
+    Attributes:
+        family: what it is a member of.
+        name: the family's name with what this arm adds to it, such as ', reversed'.
+        reason: why it can be solved so, in words.
+        method: how it is solved, in words.
+        branches: names of the columns.
+        imperfection: (rad, m) of the relations that the family rests on.
+        error: greatest difference between the poses of the ideal arm and of the arm as written, over sampled
+            joint vectors [rad, share of size].
+        solver: the compiled solver.
+        explain: (pose (4, 4) without a solution) -> why there is none.
+    """
+
+    family: Family
+    name: str
+    reason: str
+    method: str
+    branches: tuple[str, ...]
+    imperfection: tuple[float, float] = (0.0, 0.0)
+    error: float = 0.0
+    solver: Solver
+    explain: Callable[[Array], str]
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether the arm as written is the ideal one, to rounding."""
+        return self.error <= DEFAULT.exact_structure
+
+    @property
+    def by_quadratics(self) -> bool:
+        """Whether each joint follows from the root of a quadratic, of the arm as written too."""
+        return self.is_exact and self.family.by_quadratics
+
+
+@dataclass(frozen=True, kw_only=True)
+class RedundantPlan(Plan):
+    """How an arm is solved of which a pose leaves something free, for given values of its redundancy parameters.
+
+    Attributes:
+        parameters: what is given, as the solver takes the values: the parameter that was added last comes first.
+        self_motion: what follows the curves of joint vectors that hold a pose; None where there are several
+            parameters, or joints that mimic others.
+        value_of: joint vectors (m, n) and the poses (m, 4, 4) that they are to reach -> their values (m, parameters).
+        explain_at: (T (4, 4), values (parameters,)) -> why there is no solution.
+    """
+
+    parameters: tuple[Redundancy, ...]
+    self_motion: SelfMotion | None
+    value_of: Callable[[Array, Array], Array]
+    explain_at: Callable[[Array, Array], str]
+
+    @property
+    def parameter(self) -> Redundancy:
+        """The first parameter."""
+        return self.parameters[0]
+
+    @property
+    def defaults(self) -> Array:
+        """(parameters,) the values where none are given."""
+        return np.array([parameter.default for parameter in self.parameters])
+
+
+def in_words(family: Family, error: float, steps: str = "") -> dict[str, Any]:
+    """Name, reason and method of a plan, with what is done about an arm that is off its family by ``error``."""
+    exact = error <= DEFAULT.exact_structure
+    return {
+        "family": family,
+        "name": family.name,
+        "reason": family.why() if exact else f"{family.why()}, exactly or nearly",
+        "method": _method(steps or family.steps, error),
+    }
+
+
+def _method(steps: str, error: float) -> str:
+    if error <= DEFAULT.exact_structure:
+        return f"Closed form: {steps}"
+    return f"Nearest ideal arm in closed form ({steps}), refined by Newton's method on the URDF as written"
+
+
+def columns(count: int) -> tuple[str, ...]:
+    """Names of the columns where geometry gives none."""
+    return tuple(f"solution {k}" for k in range(1, count + 1))

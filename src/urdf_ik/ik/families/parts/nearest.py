@@ -1,0 +1,104 @@
+"""Why an arm with few joints does not reach a target: how far the nearest pose that a search finds is off."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik.ik.families.parts.aim import Aim
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.kinematics.chain import Chain
+
+    Array = NDArray[np.float64]
+
+_STARTS, _ROUNDS = 32, 40
+_AXES = "xyz"
+# Below this [rad, share of size] a part of an error is not worth a word beside a greater one.
+_SILENT = 1e-6
+
+
+def off_by(chain: Chain, aim: Aim, rotation: Array, point: Array) -> str:
+    """What is off, and by how much, at the pose nearest to the target that a search finds.
+
+    Args:
+        chain: the arm.
+        aim: what is asked for.
+        rotation: (3, 3) of the target in the base.
+        point: (3,) m of the target in the base.
+    """
+    far = float(np.linalg.norm(point - chain.points[0]))
+    if far > chain.size and not chain.prismatic.any():
+        return f"the tip is {far:.6g} m from axis 1, and all links together measure {chain.size:.6g} m"
+    target = np.eye(4)
+    target[:3, :3], target[:3, 3] = rotation, point
+    e = _least(chain, aim, target)
+    worst = np.abs(e).max()
+    parts = [
+        f"{abs(part[k]) * unit:.3g} {name} the base's {_AXES[k]}"
+        for part, unit, name in ((e[:3], chain.size, "m along"), (e[3:], 1.0, "rad about"))
+        if abs(part[k := int(np.argmax(np.abs(part)))]) > min(_SILENT, 0.5 * worst)
+    ]
+    joints = f"{chain.n} joint{'s' if chain.n > 1 else ''}"
+    return f"{joints} cannot bring the tip there: the nearest that was found is off by {' and '.join(parts)}"
+
+
+def _least(chain: Chain, aim: Aim, target: Array) -> Array:
+    """The error (6,) of least squares, lengths as shares of the size, that is smallest of those from many starts."""
+    q = np.random.default_rng(0).uniform(-np.pi, np.pi, (_STARTS, chain.n))
+    unit = np.where(chain.prismatic, chain.size, 1.0)
+    q = np.where(chain.prismatic, q * chain.size / np.pi, q)
+    best, least = np.zeros(6), np.inf
+    for _ in range(_ROUNDS):
+        T = chain.fk(q)
+        e, J = _error(chain, aim, target, T), _jacobian(chain, aim, chain.jacobian(q), T)
+        squares = (e**2).sum(axis=1)
+        if squares.min() < least:
+            least, best = float(squares.min()), e[squares.argmin()]
+        # Least squares, damped, by the singular values.
+        damping = 0.03 * np.minimum(1.0, np.sqrt(squares)) + 1e-9
+        U, s, V = np.linalg.svd(J, full_matrices=False)
+        along = np.einsum("kij,ki->kj", U, e) * s / (s**2 + damping[:, None] ** 2)
+        step = np.einsum("kji,kj->ki", V, along)
+        q = q + np.minimum(1.0, 0.5 / (np.abs(step).max(axis=1, keepdims=True) + 1e-12)) * step * unit
+    return best
+
+
+def _error(chain: Chain, aim: Aim, target: Array, T: Array) -> Array:
+    """What is off (m, 6) of poses ``T`` (m, 4, 4) in what is asked for, lengths as shares of the size."""
+    e = np.zeros((len(T), 6))
+    e[:, :3] = (target[:3, 3] - T[:, :3, 3]) / chain.size
+    if aim.kind == 0:
+        E = target[:3, :3] @ T[:, :3, :3].transpose(0, 2, 1)
+        skew = 0.5 * np.stack([E[:, 2, 1] - E[:, 1, 2], E[:, 0, 2] - E[:, 2, 0], E[:, 1, 0] - E[:, 0, 1]], axis=1)
+        # The skew part of a rotation falls again beyond a quarter turn: its angle leads on.
+        sine = np.linalg.norm(skew, axis=1)
+        angle = np.arctan2(sine, 0.5 * (np.trace(E, axis1=1, axis2=2) - 1.0))
+        e[:, 3:] = skew * (angle / np.maximum(sine, 1e-12))[:, None]
+    elif aim.axis is not None:
+        now, wanted = T[:, :3, :3] @ aim.axis, target[:3, :3] @ aim.axis
+        e[:, 3:] = np.cross(_in_plane(now, aim), _in_plane(wanted, aim))
+    e[:, :3] = _in_plane(e[:, :3], aim)
+    return e
+
+
+def _jacobian(chain: Chain, aim: Aim, J: Array, T: Array) -> Array:
+    """What of geometric Jacobians ``J`` (m, 6, n) at the poses ``T`` counts; slides by shares of the size."""
+    linear, turning = J[:, :3] / np.where(chain.prismatic, 1.0, chain.size), J[:, 3:]
+    if aim.kind != 0 and aim.axis is None:
+        turning = np.zeros_like(turning)
+    elif aim.normal is not None:
+        turning = aim.normal[:, None] * (aim.normal @ turning)[:, None, :]
+    elif aim.axis is not None:
+        along = T[:, :3, :3] @ aim.axis
+        turning = turning - along[:, :, None] * np.einsum("ki,kij->kj", along, turning)[:, None, :]
+    linear = _in_plane(linear.transpose(0, 2, 1), aim).transpose(0, 2, 1)
+    return np.concatenate([linear, turning], axis=1)
+
+
+def _in_plane(v: Array, aim: Aim) -> Array:
+    """Vectors (..., 3) without what is across the plane, where there is one."""
+    return v if aim.normal is None else v - (v @ aim.normal)[..., None] * aim.normal

@@ -1,0 +1,154 @@
+"""Two or three parallel turning joints, exactly so, and at most one slide along them: 2R, 3R and SCARA."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik._core import Solver
+from urdf_ik.ik.families import few_joints
+from urdf_ik.ik.families.parts.family import Family, Plan
+from urdf_ik.ik.families.parts.values import compared, seen_in_frame_1
+from urdf_ik.kinematics.chain import kinds_of
+from urdf_ik.kinematics.chain.plane import axes_across
+from urdf_ik.support.tolerances import DEFAULT
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.kinematics.chain import Chain
+    from urdf_ik.kinematics.structure import Structure
+
+    Array = NDArray[np.float64]
+
+_ELBOW = ("elbow left", "elbow right")
+# Links shorter than this [share of size] are left to the general way.
+_SHORT = 1e-3
+
+
+def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan | None:
+    """The plan for poses; None where a link is too short."""
+    plan = few_joints.FAMILY.plan(structure, chain)
+    values = _values(chain)
+    if plan is None or values is None:
+        return None
+    slide = "height by the slide, " if chain.prismatic.any() else ""
+    last = ", the last joint turns the tip" if np.count_nonzero(~chain.prismatic) == 3 else ""
+    return replace(
+        plan,
+        family=family,
+        name=f"{kinds_of(chain)} {'SCARA' if slide else 'planar'}",
+        reason=family.reason,
+        method=f"Closed form: {slide}elbow by the law of cosines{last}",
+        branches=_ELBOW,
+        solver=Solver(family.solver, plan.solver.values | values),
+        explain=seen_in_frame_1(values["ideal"], lambda rotation, point: _explain(chain, values, rotation, point)),
+    )
+
+
+FAMILY = Family(
+    name="planar",
+    reason="two or three joints turn about parallel axes, and no other joint but a slide along them moves the tip",
+    steps="elbow by the law of cosines",
+    branches=_ELBOW,
+    by_quadratics=True,
+    matches=lambda structure, chain: _matches(chain),
+    prepare=_prepare,
+    solver="planar",
+)
+
+
+def for_points(chain: Chain, plan: Plan) -> Plan:
+    """The plan of two joints for points in the plane, faster where the arm is exactly planar."""
+    if not _matches(chain) or chain.n != 2:
+        return plan
+    values = _values(chain)
+    if values is None:
+        return plan
+    return replace(
+        plan,
+        method="Closed form: elbow by the law of cosines",
+        branches=_ELBOW,
+        solver=Solver("planar points", plan.solver.values | values),
+        explain=lambda T: _explain(chain, values, None, _in_frame(values["ideal"], T[:3, 3])),
+    )
+
+
+def _matches(chain: Chain) -> bool:
+    """Whether two or three joints turn about exactly parallel axes, and at most one slides along them."""
+    turning = ~chain.prismatic
+    if chain.axes is not chain or np.count_nonzero(turning) not in (2, 3) or np.count_nonzero(chain.prismatic) > 1:
+        return False
+    normal = np.cross(*axes_across(chain.H[np.argmax(turning)]))
+    return bool(np.linalg.norm(np.cross(chain.H, normal), axis=1).max() < DEFAULT.exact_structure)
+
+
+def _values(chain: Chain) -> dict[str, Any] | None:
+    """The plane's frame and the links, as the compiled solver takes them; None where a link is too short."""
+    turning = np.flatnonzero(~chain.prismatic)
+    axes = axes_across(chain.H[turning[0]])
+    B = np.array([*axes, np.cross(*axes)])
+    tip = chain.P.sum(axis=0)
+    joints = chain.points[turning]
+    end = joints[2] if len(turning) == 3 else tip
+    links = np.array([B @ (joints[1] - joints[0]), B @ (end - joints[1])])
+    lengths = np.hypot(links[:, 0], links[:, 1])
+    if lengths.min() < _SHORT * chain.size:
+        return None
+    angles = np.arctan2(links[:, 1], links[:, 0])
+    signs, column = np.zeros(4), np.full(4, -1.0)
+    slides = np.flatnonzero(chain.prismatic)
+    for k, joint in [*enumerate(turning), *((3, joint) for joint in slides)]:
+        signs[k], column[k] = np.sign(chain.H[joint] @ B[2]), joint
+    ideal = {
+        "base_rotation": B,
+        # Heights are measured from where the end of the links is at q = 0.
+        "base_origin": joints[0] + ((end - joints[0]) @ B[2]) * B[2],
+        "tool_rotation": np.ascontiguousarray(chain.R_tip.T @ B.T),
+        "tool_point": chain.R_tip.T @ (end - tip),
+    }
+    return {
+        "number": chain.n,
+        "ideal": ideal,
+        "links": lengths,
+        "angles": angles,
+        "bend": math.remainder(angles[1] - angles[0], 2.0 * math.pi),
+        "signs": signs,
+        "joints": column,
+    }
+
+
+def _in_frame(ideal: dict[str, Any], point: Array) -> Array:
+    out: Array = ideal["base_rotation"] @ (point - ideal["base_origin"])
+    return out
+
+
+def _explain(chain: Chain, values: dict[str, Any], rotation: Array | None, point: Array) -> str:
+    """What does not fit of a target in the plane's frame: tilt, height, distance, turn."""
+    tilt = 0.0 if rotation is None else math.atan2(math.hypot(rotation[0, 2], rotation[1, 2]), rotation[2, 2])
+    if tilt > DEFAULT.reach:
+        return f"the tip is tilted by {tilt:.3g} rad, and its joints turn it only about axis 1"
+    if rotation is not None and values["joints"][3] < 0.0 and abs(point[2]) > DEFAULT.reach * chain.size:
+        return f"the tip is {abs(point[2]):.6g} m {'above' if point[2] > 0.0 else 'below'} the plane that it moves in"
+    a, b = values["links"]
+    far = math.hypot(point[0], point[1])
+    end = "axis 3" if values["joints"][2] >= 0.0 else "the tip"
+    if far > a + b:
+        at, reach = compared(far, a + b)
+        return f"{end} is {at} m from axis 1, reach {reach} m"
+    if far < abs(a - b):
+        at, folded = compared(far, abs(a - b))
+        return f"{end} is {at} m from axis 1, closer than the folded arm's {folded} m"
+    # Two joints: whichever way the elbow bends, the tip is turned as they have it.
+    turn = 0.0 if rotation is None else math.atan2(rotation[1, 0], rotation[0, 0])
+    ahead = math.atan2(point[1], point[0])
+    bend = math.acos(max(-1.0, min(1.0, (far**2 - a**2 - b**2) / (2.0 * a * b))))
+    inner = math.atan2(b * math.sin(bend), a + b * math.cos(bend))
+    at_zero = float(values["angles"][1])
+    # The second link's direction is the line's to the point, and what is left of the bend on either side of it.
+    off = [turn + at_zero - (ahead + sign * (bend - inner)) for sign in (1.0, -1.0)]
+    least = min(abs(math.remainder(each, 2.0 * math.pi)) for each in off)
+    return f"with the tip there its turn about axis 1 is {least:.3g} rad off, and no joint is left to change that"

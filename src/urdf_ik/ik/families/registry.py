@@ -1,0 +1,205 @@
+"""Every family, in the order of cost, and which one an arm is solved as.
+
+A new family is a row here: see docs/families.md.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from urdf_ik.ik.families import (
+    coupled,
+    few_joints,
+    general_6r,
+    general_slides,
+    hollow_wrist,
+    parallel_shoulder,
+    planar,
+    sampled,
+    slides,
+    spherical_middle,
+    spherical_wrist,
+    srs,
+    three_parallel,
+)
+from urdf_ik.ik.families.wrappers import axis_added, imperfect, joint_given
+from urdf_ik.ik.families.wrappers.mirrored import mirrored
+from urdf_ik.kinematics.chain import typical_stretch
+from urdf_ik.kinematics.structure import analyse
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from urdf_ik.ik.families.parts.family import Family, Plan
+    from urdf_ik.kinematics.chain import Chain
+    from urdf_ik.kinematics.structure import Structure
+
+FEW_JOINTS: list[Family] = [planar.FAMILY, few_joints.FAMILY]
+"""Families of one to five joints."""
+
+SIX_TURNING: list[Family] = [
+    spherical_wrist.TWO_PARALLEL,
+    spherical_wrist.FIRST_PARALLEL,
+    spherical_wrist.CROSSING,
+    three_parallel.CROSSING,
+    *parallel_shoulder.WITH_WRIST,
+    spherical_middle.CROSSING,
+    spherical_middle.PARALLEL,
+    # By a quartic.
+    spherical_wrist.GENERAL,
+    three_parallel.GENERAL,
+    parallel_shoulder.GENERAL,
+    spherical_middle.GENERAL,
+]
+"""Closed forms of six turning joints, which are tried from either end."""
+
+SIX_WITH_SLIDES: list[Family] = [slides.THREE_SLIDES, slides.SPHERICAL_WRIST]
+"""Closed forms of six joints with slides, which are tried from either end."""
+
+SINGULAR_EVERYWHERE: list[Family] = [sampled.FAMILY]
+"""Six joints that a pose leaves a continuum of solutions."""
+
+BY_ELIMINATION: list[Family] = [general_6r.FAMILY, general_slides.FAMILY]
+"""Six joints of no other family."""
+
+SEVEN_JOINTS: list[Family] = [srs.FAMILY]
+"""Families of seven joints."""
+
+MOST_JOINTS = 9
+"""An arm with more joints has too many parameters for a compiled solver."""
+
+MIMICKING: list[Family] = [coupled.FAMILY, hollow_wrist.FAMILY]
+"""Arms in which joints mimic others."""
+
+
+# Of an arm that is further off its nearest member of a family [rad, share of size] than this share of its Jacobian's
+# smallest singular value, that member is no guide to it: it may be singular everywhere.
+_SHARE = 0.3
+
+
+def every() -> list[Family]:
+    """Every family, in the order of cost among those that an arm may belong to.
+
+    Example:
+        >>> any("spherical wrist" in family.name for family in every())
+        True
+    """
+    return [
+        *FEW_JOINTS,
+        *SIX_TURNING,
+        *SIX_WITH_SLIDES,
+        *SINGULAR_EVERYWHERE,
+        *BY_ELIMINATION,
+        *SEVEN_JOINTS,
+        *MIMICKING,
+    ]
+
+
+def choose(structure: Structure, chain: Chain, given: tuple[str, ...] = ()) -> Plan | None:
+    """How an arm is solved; None where no solver takes it.
+
+    Of fewer joints than six, and of those that mimic others, the first family that takes the arm. Five turning joints
+    of no family get an added axis; of seven joints one is given where they are of no family, of more as many as leave
+    six or seven.
+
+    Args:
+        structure: how the axes lie.
+        chain: the joints.
+        given: names of joints whose values are to be the redundancy parameters.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("scara_rrpr")
+        >>> choose(arm.structure, arm.chain).name
+        'RRPR SCARA'
+    """
+    if chain.axes is not chain:
+        return _first(MIMICKING, structure, chain)
+    if chain.n < 6:
+        return _first(FEW_JOINTS, structure, chain) or axis_added.prepare(structure, chain, of_six)
+    if chain.n == 6:
+        return of_six(structure, chain)
+    if chain.n > MOST_JOINTS:
+        return None
+    own = None if given or chain.n > 7 else _of_seven(structure, chain)
+    return own or joint_given.prepare(
+        chain, joint_given.Ways(_of_seven, (_closed_form, _with_slides, _elimination)), given
+    )
+
+
+def _of_seven(structure: Structure, chain: Chain) -> Plan | None:
+    plan = _first(SEVEN_JOINTS, structure, chain)
+    return plan if plan is not None and _is_guide(plan, chain) else None
+
+
+def of_six(structure: Structure, chain: Chain) -> Plan | None:
+    """How six joints are solved: in closed form from either end, else by elimination.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("puma_560")
+        >>> of_six(arm.structure, arm.chain).name
+        '6R spherical wrist, 2||3 and 1x2'
+    """
+    if singular := _first(SINGULAR_EVERYWHERE, structure, chain):
+        return singular
+    if structure.slides:
+        return _with_slides(structure, chain) or _elimination(structure, chain)
+    return _closed_form(structure, chain) or _elimination(structure, chain)
+
+
+def _closed_form(structure: Structure, chain: Chain) -> Plan | None:
+    """The first family that takes six turning joints exactly, from either end, quartics last; else the nearest one.
+
+    The nearest one gives starting points for the arm as written. A quartic is no help to an arm that it does not fit
+    exactly: its roots part with the root of the error.
+    """
+    back = chain.reversed()
+    quartic: Plan | None = None
+    near: list[tuple[Plan, Chain]] = []
+    for seen, relations in ((chain, structure), (back, analyse(back))):
+        for family in SIX_TURNING:
+            plan = family.plan(relations, seen)
+            if plan is None:
+                continue
+            if not plan.is_exact:
+                near.append((plan, seen))
+                continue
+            plan = mirrored(plan) if seen is back else plan
+            if family.by_quadratics:
+                return plan
+            quartic = quartic or plan
+    if quartic or not near:
+        return quartic
+    plan, seen = min(near, key=lambda entry: (not entry[0].family.by_quadratics, entry[0].error))
+    if not _is_guide(plan, seen):
+        return None
+    plan = imperfect.prepare(plan, seen)
+    return mirrored(plan) if seen is back else plan
+
+
+def _is_guide(plan: Plan, chain: Chain) -> bool:
+    """Whether the nearest member of the plan's family is not singular everywhere, for all that the error says."""
+    return plan.is_exact or plan.error < _SHARE * typical_stretch(chain)
+
+
+def _with_slides(structure: Structure, chain: Chain) -> Plan | None:
+    """The closed form of six joints with slides that fits best, from either end."""
+    back = chain.reversed()
+    plans: list[Plan] = []
+    for seen, relations in ((chain, structure), (back, analyse(back))):
+        plan = _first(SIX_WITH_SLIDES, relations, seen)
+        if plan is not None:
+            plan = plan if plan.is_exact else general_slides.behind(plan, seen)
+            plans.append(mirrored(plan) if seen is back else plan)
+    return min(plans, key=lambda plan: plan.error, default=None)
+
+
+def _elimination(structure: Structure, chain: Chain) -> Plan | None:
+    return _first(BY_ELIMINATION, structure, chain)
+
+
+def _first(families: Sequence[Family], structure: Structure, chain: Chain) -> Plan | None:
+    """The plan of the first family that has one."""
+    plans = (family.plan(structure, chain) for family in families)
+    return next((plan for plan in plans if plan is not None), None)

@@ -1,0 +1,80 @@
+"""Arms that are singular at every joint vector: a pose that they reach leaves a continuum of solutions.
+
+Six joints whose Jacobian loses rank everywhere; and seven, of which the six others do whichever end is held, so that
+one in the middle is: then the six others are another arm for every value, for which nothing can be prepared.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik._core import SelfMotion, Solver
+from urdf_ik.ik.families.parts.aim import Aim
+from urdf_ik.ik.families.parts.family import Family, Plan, RedundantPlan
+from urdf_ik.ik.families.parts.nearest import off_by
+from urdf_ik.ik.families.parts.values import written_values
+from urdf_ik.kinematics.chain import is_redundant, kinds_of
+from urdf_ik.kinematics.chain.redundancy import locked_joint
+from urdf_ik.support.text import quoted
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.kinematics.chain import Chain
+    from urdf_ik.kinematics.structure import Structure
+
+    Array = NDArray[np.float64]
+
+
+def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
+    """Newton's method from starts all over the joints: samples of the continuum."""
+    return Plan(
+        family=family,
+        name=f"{kinds_of(chain)} singular everywhere",
+        reason=family.reason,
+        method=family.steps,
+        branches=family.branches,
+        solver=Solver(family.solver, {"written": written_values(chain)}),
+        explain=lambda T: off_by(chain, Aim(), T[:3, :3], T[:3, 3]),
+    )
+
+
+FAMILY = Family(
+    name="six joints, singular everywhere",
+    reason="the Jacobian of these six joints loses rank at every joint vector",
+    steps="Newton's method on the URDF as written from fixed starts: samples of the continuum that a pose leaves",
+    branches=tuple(f"sample {k}" for k in range(1, 17)),
+    by_quadratics=False,
+    by_elimination=True,
+    matches=lambda structure, chain: chain.n == 6 and is_redundant(chain),
+    prepare=_prepare,
+    solver="sampled",
+)
+
+
+def prepare_held(chain: Chain, k: int) -> RedundantPlan:
+    """The plan of seven joints that holds joint ``k``, any of them, and looks for what the six others leave."""
+    parameter = locked_joint(chain, k)
+    values: dict[str, Any] = {"written": written_values(chain), "held": k, "value": parameter.default}
+
+    def explain_at(T: Array, at: Array) -> str:
+        rest = chain.lock({parameter.joint: float(at[0])})
+        why = off_by(rest, Aim(), T[:3, :3], T[:3, 3])
+        return f"with {quoted(parameter.joint)} at {at[0]:.6g} {parameter.unit}: {why}"
+
+    return RedundantPlan(
+        family=FAMILY,
+        name=f"{kinds_of(chain)}, joint {k + 1} given: by search",
+        reason="whichever of the first and the last joint is given, the six others are singular everywhere",
+        method=f"Joint {k + 1} ({parameter.joint}) is given; Newton's method on the URDF as written from fixed starts: "
+        "what the six others leave, samples where that is a continuum",
+        branches=FAMILY.branches,
+        solver=Solver("sampled, one held", values),
+        parameters=(parameter,),
+        self_motion=None if is_redundant(chain) else SelfMotion({"written": values["written"], "given": k}),
+        value_of=lambda Q, T: parameter.wrapped(Q[:, k : k + 1]),
+        explain=lambda T: explain_at(T, np.array([parameter.default])),
+        explain_at=explain_at,
+    )

@@ -1,0 +1,136 @@
+"""Six joints with slides, in closed form: a spherical wrist behind any three joints, or three slides in any order.
+
+The Stanford arm (RRPRRR), gantries with a wrist (PPPRRR), and so on. See src/core/families/few_joints/slides.hpp.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik._core import Solver
+from urdf_ik.ik.families.few_joints import Joint, step_values
+from urdf_ik.ik.families.parts.aim import Aim
+from urdf_ik.ik.families.parts.family import Family, Plan, columns
+from urdf_ik.ik.families.parts.nearest import off_by
+from urdf_ik.kinematics.chain import is_redundant, kinds_of
+from urdf_ik.support.tolerances import DEFAULT
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.kinematics.chain import Chain
+    from urdf_ik.kinematics.structure import Structure
+
+    Array = NDArray[np.float64]
+
+
+def _has_wrist(structure: Structure) -> bool:
+    """Whether one or two of six joints slide, and the last three axes meet in a point."""
+    return structure.slides in (1, 2) and len(structure.joint_types) == 6 and structure.triple(4, "meet") is not None
+
+
+def _three(structure: Structure) -> bool:
+    """Whether three of six joints slide."""
+    return structure.slides == 3 and len(structure.joint_types) == 6
+
+
+def _prepare_wrist(family: Family, structure: Structure, chain: Chain) -> Plan | None:
+    """The plan of an arm whose wrist meets, exactly or nearly."""
+    wrist = structure.triple(4, "meet")
+    return None if wrist is None or wrist.point is None else _wrist(family, chain, wrist.imperfection, wrist.point)
+
+
+def _wrist(family: Family, chain: Chain, off: float, centre: Array) -> Plan | None:
+    most = 8 if chain.prismatic.sum() == 1 else 4
+    error = off / chain.size
+    exact = error <= DEFAULT.exact_structure
+    values = _values(chain, np.arange(3, 6), most, 0.0 if exact else error)
+    if values is None:
+        return None
+    joints = [
+        Joint(h, p, bool(s), i)
+        for i, (h, p, s) in enumerate(zip(chain.H[:3], chain.points[:3] / chain.size, chain.prismatic[:3], strict=True))
+    ]
+    values["step"] = step_values(joints, centre / chain.size)
+    values["in_tip"] = chain.R_tip.T @ (centre - chain.P.sum(axis=0)) / chain.size
+    return Plan(
+        family=family,
+        name=f"{kinds_of(chain)} spherical wrist",
+        reason=family.why() if exact else f"{family.why()}, exactly or nearly",
+        method=f"{'Closed form' if exact else 'Closed form of the arm whose wrist meets in a point'}: {family.steps}",
+        branches=columns(most),
+        imperfection=(0.0, off),
+        error=0.0 if exact else error,
+        explain=lambda T: off_by(chain, Aim(), T[:3, :3], T[:3, 3]),
+        solver=Solver(family.solver, values),
+    )
+
+
+def _prepare_three(family: Family, structure: Structure, chain: Chain) -> Plan | None:
+    """The plan of an arm with three slides; None where two of the turns are parallel."""
+    values = _values(chain, np.flatnonzero(~chain.prismatic), 2, 0.0)
+    if values is None:
+        return None
+    return Plan(
+        family=family,
+        name=f"{kinds_of(chain)} three slides",
+        reason=family.why(),
+        method=f"Closed form: {family.steps}",
+        branches=family.branches,
+        explain=lambda T: off_by(chain, Aim(), T[:3, :3], T[:3, 3]),
+        solver=Solver(family.solver, values),
+    )
+
+
+SPHERICAL_WRIST = Family(
+    name="six joints with slides, spherical wrist",
+    reason="axes {4, 5, 6} meet in a point, and one or two of the other joints slide",
+    steps="the first three joints place the wrist's centre, two flips of the wrist; verified and polished on the URDF "
+    "as written",
+    branches=columns(8),
+    by_quadratics=False,
+    matches=lambda structure, chain: _has_wrist(structure) and not is_redundant(chain),
+    prepare=_prepare_wrist,
+    solver="slides",
+)
+THREE_SLIDES = Family(
+    name="six joints, three slides",
+    reason="three of the six joints slide, so that the other three make the orientation on their own",
+    steps="the turning joints make the orientation, two ways, the slides follow from a linear system; verified and "
+    "polished on the URDF as written",
+    branches=columns(2),
+    by_quadratics=True,
+    matches=lambda structure, chain: _three(structure) and not is_redundant(chain),
+    prepare=_prepare_three,
+    solver="slides",
+)
+
+
+def _values(chain: Chain, turns: NDArray[np.intp], most: int, error: float) -> dict[str, Any] | None:
+    """The arm and the three turns (3,) that make the orientation, as the compiled solver takes them.
+
+    ``most``: columns of a pose; ``error``: how far the arm is off its structure. None where two turns are parallel.
+    """
+    first, middle, last = chain.H[turns]
+    side, side_too = np.cross(first, middle), np.cross(middle, last)
+    sa, sb = float(np.linalg.norm(side)), float(np.linalg.norm(side_too))
+    if min(sa, sb) < 1e-6:
+        return None
+    side, side_too = side / sa, side_too / sb
+    return {
+        "written": Aim().written(chain),
+        "columns": most,
+        "turns": turns.astype(np.float64),
+        "first": np.column_stack([side, np.cross(first, side), first]),
+        "last": np.column_stack([side_too, np.cross(last, side_too), last]),
+        "home": np.ascontiguousarray(chain.R_tip),
+        "clamp": 50.0 * error,
+        "imperfection": error,
+        "ca": float(first @ middle),
+        "sa": sa,
+        "cb": float(middle @ last),
+        "sb": sb,
+        "bend": float(np.arctan2(np.cross(side, side_too) @ middle, side @ side_too)),
+    }

@@ -1,0 +1,144 @@
+"""Six revolute joints whose axes 2, 3 and 4 meet in a point; seen from the tip, those whose axes 3, 4 and 5 do."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik._core import Solver
+from urdf_ik.ik.families.parts.branches import SIGNS
+from urdf_ik.ik.families.parts.family import Family, Plan, in_words
+from urdf_ik.ik.families.parts.values import (
+    compared,
+    ideal_frames,
+    ideal_values,
+    imperfection,
+    seen_in_frame_1,
+    straightened,
+    written_values,
+)
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.kinematics.chain import Chain
+    from urdf_ik.kinematics.structure import Structure
+
+    Array = NDArray[np.float64]
+
+_NAMES = tuple(
+    f"shoulder {front}, wrist {up}, {flip}"
+    for front in ("front", "back")
+    for up in ("up", "down")
+    for flip in ("noflip", "flip")
+)
+_MIDDLE = "then joints 2 to 4 like a wrist"
+_CENTRE = "where axes 2 to 4 meet is"
+
+
+def _matches(structure: Structure) -> bool:
+    """Whether axes 2, 3 and 4 of a 6R arm meet, and neither axis 1 nor axis 5 in the same point.
+
+    A fourth axis there and two axes in one line make the arm singular everywhere.
+    """
+    return (
+        structure.is_6r
+        and structure.triple(2, "meet") is not None
+        and structure.triple(1, "meet") is None
+        and structure.triple(3, "meet") is None
+        and all(pair.relation != "coincident" for pair in structure.pairs)
+    )
+
+
+def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
+    """Parameters of the nearest arm with a spherical middle and this wrist."""
+    wrist = family.variant
+    middle = structure.triple(2, "meet")
+    directions, parallel = straightened(structure, chain.H)
+    points = chain.points.copy()
+    if middle is not None and middle.point is not None:
+        points[1:4] = middle.point
+    frames, error = ideal_frames(chain, directions, points, parallel, [False, True, True, False, wrist == "5x6"])
+    ideal = ideal_values(frames, error, SIGNS, chain.size)
+    a, d, ca, sa = (ideal[name] for name in ("a", "d", "cos_alpha", "sin_alpha"))
+    values = {
+        "ideal": ideal,
+        "written": written_values(chain),
+        # Where axes 2, 3 and 4 meet, in frame 1 and in frame 5 before joint 5 turns.
+        "centre": np.array([a[0], -sa[0] * d[0], ca[0] * d[0]]),
+        "centre_5": np.array([-a[3], -sa[3] * d[2], -ca[3] * d[2] - d[3]]),
+    }
+    pairs = [i for i, holds in enumerate(parallel, start=1) if holds]
+    angle, distance = imperfection(structure, pairs, [5] if wrist == "5x6" else [])
+    return Plan(
+        **in_words(family, error),
+        branches=family.branches,
+        imperfection=(angle, max(distance, middle.imperfection if middle else 0.0)),
+        error=error,
+        solver=Solver(family.solver, values),
+        explain=seen_in_frame_1(ideal, lambda rotation, point: _explain(values, wrist, rotation, point)),
+    )
+
+
+CROSSING = Family(
+    name="6R 2x3x4 and 5x6",
+    reason="axes {2, 3, 4} meet in a point, and axes {5, 6} meet",
+    steps=f"{_CENTRE} at a known distance from where 5 and 6 do: joint 1, joints 5 and 6, {_MIDDLE}",
+    branches=_NAMES,
+    by_quadratics=True,
+    matches=lambda structure, chain: _matches(structure) and structure.pairs[4].relation == "intersecting",
+    prepare=_prepare,
+    solver="spherical middle, 5x6",
+    variant="5x6",
+)
+PARALLEL = Family(
+    name="6R 2x3x4 and 5||6",
+    reason="axes {2, 3, 4} meet in a point, and axes {5, 6} are parallel",
+    steps=f"{_CENTRE} in a known plane across axes 5 and 6: joint 1, a planar arm, {_MIDDLE}",
+    branches=_NAMES,
+    by_quadratics=True,
+    matches=lambda structure, chain: _matches(structure) and structure.pairs[4].relation == "parallel",
+    prepare=_prepare,
+    solver="spherical middle, 5||6",
+    variant="5||6",
+)
+GENERAL = Family(
+    name="6R 2x3x4",
+    reason="axes {2, 3, 4} meet in a point",
+    steps=f"{_CENTRE} on a circle about axis 1 and on a torus about axes 5 and 6: a quartic in joint 1, {_MIDDLE}",
+    branches=tuple(f"position {k}, {flip}" for k in (1, 2, 3, 4) for flip in ("noflip", "flip")),
+    by_quadratics=False,
+    matches=lambda structure, chain: _matches(structure) and structure.pairs[4].relation == "skew",
+    prepare=_prepare,
+    solver="spherical middle, general wrist",
+)
+
+
+def _explain(values: dict[str, Any], wrist: str, rotation: Array, point: Array) -> str:
+    centre, centre_5, size = values["centre"], values["centre_5"], values["ideal"]["size"]
+    name = "the point where axes 2 to 4 meet"
+    radius, up = math.hypot(centre[0], centre[1]), centre[2] - point[2]
+    if wrist == "5x6":
+        wanted = float(np.linalg.norm(centre_5))
+        across = math.hypot(point[0], point[1])
+        low, high = math.hypot(across - radius, up), math.hypot(across + radius, up)
+        if not low <= wanted <= high:
+            at, least, most = compared(wanted, low, high)
+            return f"{name} is {at} m from where axes 5 and 6 meet, and joint 1 can bring it {least} to {most} m near"
+    if wrist == "5||6":
+        axis = rotation[:, 2]
+        level, swing = float(axis @ [-point[0], -point[1], up]), radius * math.hypot(axis[0], axis[1])
+        low, high = level - swing, level + swing
+        wanted = values["ideal"]["cos_alpha"][4] * centre_5[2]
+        if not low <= wanted <= high:
+            at, least, most = compared(wanted, low, high)
+            return (
+                f"{name} is {at} m along axis 6 from the origin of its frame, and joint 1 can bring it to {least} to "
+                f"{most} m"
+            )
+    far = float(np.linalg.norm(point))
+    if far > 2.0 * size:
+        return f"axis 6 is {far:.6g} m from axis 1, and all links together measure {size:.6g} m"
+    return f"no turns of joints 1, 5 and 6 bring {name} to one place and leave axes 2 to 4 their turn"

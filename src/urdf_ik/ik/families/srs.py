@@ -1,0 +1,173 @@
+"""Seven joints, S-R-S: three axes meet in the shoulder, three in the wrist, and the elbow is between them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik._core import SelfMotion, Solver
+from urdf_ik.ik.families.parts.family import Family, RedundantPlan, in_words
+from urdf_ik.ik.families.parts.values import compared, snapped, written_values
+from urdf_ik.kinematics.chain.redundancy import swivel_of
+from urdf_ik.support.tolerances import DEFAULT
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.kinematics.chain import Chain
+    from urdf_ik.kinematics.structure import Structure
+
+    Array = NDArray[np.float64]
+
+NAMES = tuple(
+    f"shoulder {shoulder}, elbow {up}, wrist {wrist}"
+    for shoulder in ("noflip", "flip")
+    for up in ("up", "down")
+    for wrist in ("noflip", "flip")
+)
+# Axis 4 must be this far [of the arm's size] from shoulder and wrist.
+_CLEAR = 1e-3
+# How far below zero a squared sine may fall for an arm that is off by 1 [share of size]: its solutions may still exist.
+_CLAMP = 50.0
+# Sine of the angle below which the wrist counts as lying on axis 1, as in src/core/families/seven_joints/swivel.hpp.
+_ON_AXIS = 1e-7
+
+
+def _matches(structure: Structure) -> bool:
+    """Whether seven joints turn, and the first three axes meet in a point, the last three in another."""
+    meeting = structure.triple(1, "meet") is not None and structure.triple(5, "meet") is not None
+    return meeting and structure.joint_types.count("prismatic") == 0 and len(structure.joint_types) == 7
+
+
+def _prepare(family: Family, structure: Structure, chain: Chain) -> RedundantPlan | None:
+    """The plan of such an arm; None where the elbow is too near to shoulder or wrist."""
+    shoulder, wrist = structure.triple(1, "meet"), structure.triple(5, "meet")
+    if shoulder is None or wrist is None:
+        return None
+    S, W = shoulder.point, wrist.point
+    if S is None or W is None:
+        return None
+    h, to_axis, to_wrist = chain.H[3], chain.points[3] - S, W - chain.points[3]
+    to_axis, fore = to_axis - (h @ to_axis) * h, to_wrist - (h @ to_wrist) * h
+    a, b = float(np.linalg.norm(to_axis)), float(np.linalg.norm(fore))
+    if min(a, b) < _CLEAR * chain.size:
+        return None
+    error = _error(chain, S, W)
+    exact = error <= DEFAULT.exact_structure
+    elbow = np.column_stack([to_axis / a, np.cross(h, to_axis / a), h])
+    first, third, twists = _triple(chain.H[:3])
+    fifth, seventh, wrist_twists = _triple(chain.H[4:])
+    ends = {
+        "base_rotation": np.ascontiguousarray(first.T),
+        "base_origin": S.copy(),
+        "tool_rotation": np.ascontiguousarray(chain.R_tip.T @ seventh),
+        "tool_point": chain.R_tip.T @ (W - chain.P.sum(axis=0)),
+    }
+    values = {
+        "ideal": ends,
+        "written": written_values(chain),
+        "shoulder": _meeting(twists),
+        "wrist": _meeting(wrist_twists),
+        "to_frame_3": snapped(elbow.T @ third),
+        "from_frame_5": snapped(fifth.T @ elbow),
+        "upper": a,
+        "fore": b,
+        "along": float(h @ (W - S)),
+        "zero_4": math.atan2(fore @ elbow[:, 1], fore @ elbow[:, 0]),
+        "clamp": 100.0 * DEFAULT.fold + (0.0 if exact else _CLAMP * error),
+        "imperfection": 0.0 if exact else error,
+        "value": 0.0,
+    }
+    solver = Solver(family.solver if exact else f"{family.solver}, nearly", values)
+
+    return RedundantPlan(
+        **in_words(family, error),
+        branches=family.branches if exact else family.branches + tuple(f"further {k}" for k in range(1, 9)),
+        imperfection=(0.0, max(shoulder.imperfection, wrist.imperfection)),
+        error=error,
+        solver=solver,
+        parameters=(swivel_of(chain.joint_names[3]),),
+        self_motion=SelfMotion({"written": values["written"], "given": -1, "ends": ends}),
+        value_of=lambda Q, T: _swivels(chain, ends, Q)[:, None],
+        explain=lambda T: _explain(values, T, 0.0),
+        explain_at=lambda T, value: _explain(values, T, float(value[0])),
+    )
+
+
+FAMILY = Family(
+    name="7R S-R-S",
+    reason="axes {1, 2, 3} meet in the shoulder, and axes {5, 6, 7} in the wrist",
+    steps="the elbow by the law of cosines, its place by the swivel angle, then shoulder and wrist",
+    branches=NAMES,
+    by_quadratics=True,
+    matches=lambda structure, chain: _matches(structure),
+    prepare=_prepare,
+    solver="S-R-S",
+)
+
+
+def _meeting(twists: Array) -> dict[str, Any]:
+    """Three meeting axes, as the compiled solver takes them."""
+    names = ("cos_alpha", "sin_alpha", "cos_beta", "sin_beta", "shift")
+    square = bool(twists[0] == 0.0 and twists[2] == 0.0)
+    return {**dict(zip(names, twists.tolist(), strict=True)), "square": square}
+
+
+def _swivels(chain: Chain, ends: dict[str, Array], Q: Array) -> Array:
+    """Swivel angles (m,) of joint vectors (m, 7), as the solver measures them (swivel.hpp of the core)."""
+    T = chain.fk(Q)
+    W = (T[:, :3, :3] @ ends["tool_point"] + T[:, :3, 3] - ends["base_origin"]) @ ends["base_rotation"].T
+    axis = chain.jacobian(Q)[:, 3:, 3] @ ends["base_rotation"].T
+    length, aside = np.linalg.norm(W, axis=1), np.hypot(W[:, 0], W[:, 1])
+    on_axis = aside <= _ON_AXIS * length
+    with np.errstate(invalid="ignore", divide="ignore"):
+        along = np.where(length[:, None] > 0.0, W / length[:, None], [0.0, 0.0, 1.0])
+        normal = np.column_stack([-W[:, 1] / aside, W[:, 0] / aside, np.zeros(len(W))])
+        # On the axis frame 1's x, made perpendicular to the line; it has no such part where the line is x itself.
+        x = np.array([1.0, 0.0, 0.0]) - along[:, :1] * along
+        normal = np.where(on_axis[:, None], x / np.linalg.norm(x, axis=1, keepdims=True), normal)
+    across = np.cross(along, normal)
+    swivels: Array = np.arctan2((across * axis).sum(axis=1), (normal * axis).sum(axis=1))
+    return swivels
+
+
+def _error(chain: Chain, S: Array, W: Array) -> float:
+    """How far the poses are from those of the arm whose axes meet in S and W [rad, share of size]."""
+    points = np.vstack([np.zeros(3), S, S, S, chain.points[3], W, W, W, chain.P.sum(axis=0)])
+    ideal = replace(chain, P=np.diff(points, axis=0))
+    Q = np.random.default_rng(0).uniform(-np.pi, np.pi, (12, 7))
+    apart = ideal.fk(Q) - chain.fk(Q)
+    apart[:, :3, 3] /= chain.size
+    return float(np.abs(apart).max())
+
+
+def _triple(H: Array) -> tuple[Array, Array, Array]:
+    """Frames of the first and the last of three axes (3, 3), and what lies between.
+
+    R(h1, q1) R(h2, q2) R(h3, q3) = F1 Rz(q1) Rx(alpha) Rz(q2 + shift) Rx(beta) Rz(q3) F3^T.
+
+    Returns:
+        F1 and F3 (3, 3), and (cos alpha, sin alpha, cos beta, sin beta, shift).
+    """
+    x, x_next = np.cross(H[0], H[1]), np.cross(H[1], H[2])
+    sa, sb = float(np.linalg.norm(x)), float(np.linalg.norm(x_next))
+    x, x_next = x / sa, x_next / sb
+    shift = math.atan2(np.cross(x, x_next) @ H[1], x @ x_next)
+    frames = [np.column_stack([side, np.cross(h, side), h]) for side, h in ((x, H[0]), (x_next, H[2]))]
+    return frames[0], frames[1], np.array([*snapped(np.array([H[0] @ H[1], sa, H[1] @ H[2], sb])), shift])
+
+
+def _explain(values: dict[str, Any], T: Array, value: float) -> str:
+    far = float(np.linalg.norm(T[:3, :3] @ values["ideal"]["tool_point"] + T[:3, 3] - values["ideal"]["base_origin"]))
+    a, b, c = values["upper"], values["fore"], values["along"]
+    longest, shortest = math.hypot(a + b, c), math.hypot(a - b, c)
+    if far > longest:
+        at, reach = compared(far, longest)
+        return f"wrist centre {at} m from the shoulder, reach {reach} m"
+    if far < shortest:
+        at, folded = compared(far, shortest)
+        return f"wrist centre {at} m from the shoulder, closer than the folded arm's {folded} m"
+    return f"at a swivel angle of {value:.6g} rad shoulder or wrist would have to bend more than their axes allow"

@@ -1,0 +1,125 @@
+"""Six revolute joints whose axes 2, 3 and 4 are parallel, as Universal Robots builds them."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik._core import Solver
+from urdf_ik.ik.families.parts.branches import NAMES, SIGNS
+from urdf_ik.ik.families.parts.family import Family, Plan, in_words
+from urdf_ik.ik.families.parts.values import (
+    compared,
+    distances_of,
+    ideal_frames,
+    ideal_values,
+    imperfection,
+    mean_direction,
+    seen_in_frame_1,
+    written_values,
+)
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.kinematics.chain import Chain
+    from urdf_ik.kinematics.structure import Structure
+
+    Array = NDArray[np.float64]
+
+_PLANAR = "the rest is a planar arm"
+
+
+def _matches(structure: Structure) -> bool:
+    """Whether axes 2, 3 and 4 of a 6R arm are parallel, and neither axis 1 nor axis 5 is parallel to them."""
+    return (
+        structure.is_6r
+        and structure.triple(2, "parallel") is not None
+        and structure.triple(1, "parallel") is None
+        and structure.triple(3, "parallel") is None
+        and not structure.is_parallel(5)
+        and structure.pairs[1].relation != "coincident"
+        and structure.pairs[2].relation != "coincident"
+    )
+
+
+def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
+    """Parameters of the nearest arm with three parallel axes, whose axes 5 and 6 meet or do not."""
+    crossing = family.variant == "5x6"
+    parallel = structure.triple(2, "parallel")
+    directions, points = chain.H.copy(), chain.points.copy()
+    directions[1:4] = mean_direction(directions[1:4])
+    meet = [False, False, False, False, crossing]
+    frames, error = ideal_frames(chain, directions, points, [False, True, True, False, False], meet)
+    ideal = ideal_values(frames, error, SIGNS, chain.size)
+    ca, sa, d = ideal["cos_alpha"], ideal["sin_alpha"], ideal["d"]
+    turn_3, turn_4 = float(ca[1]), float(ca[1] * ca[2])
+    values = {
+        "ideal": ideal,
+        "written": written_values(chain),
+        "along": float(d[0] + turn_3 * d[1] + turn_4 * (d[2] + ca[3] * d[3])),
+        "turn_3": turn_3,
+        "turn_4": turn_4,
+        "cos_first": float(turn_4 * ca[3]),
+        "sin_first": float(turn_4 * sa[3]),
+        "square_wrist": bool(crossing and ca[3] == 0.0 and ca[4] == 0.0),
+    }
+    _, distance = imperfection(structure, [], [5] if crossing else [])
+    solver = Solver(family.solver, values)
+    return Plan(
+        **in_words(family, error),
+        branches=family.branches,
+        imperfection=(parallel.imperfection if parallel else 0.0, distance),
+        error=error,
+        solver=solver,
+        explain=seen_in_frame_1(ideal, lambda rotation, point: _explain(values, solver, crossing, rotation, point)),
+    )
+
+
+CROSSING = Family(
+    name="6R 2||3||4 and 5x6",
+    reason="axes {2, 3, 4} are parallel, and axes {5, 6} meet",
+    steps=f"height along the parallel axes gives joint 1, the last axis joint 5 and joint 6, {_PLANAR}",
+    branches=NAMES,
+    by_quadratics=True,
+    matches=lambda structure, chain: _matches(structure) and structure.is_intersecting(5),
+    prepare=_prepare,
+    solver="three parallel axes, 5x6",
+    variant="5x6",
+)
+GENERAL = Family(
+    name="6R 2||3||4",
+    reason="axes {2, 3, 4} are parallel",
+    steps=f"a quartic in joint 1 from height and direction along the parallel axes, {_PLANAR}",
+    branches=tuple(
+        f"position {root}, elbow {up}" for first in (1, 3) for up in ("up", "down") for root in (first, first + 1)
+    ),
+    by_quadratics=False,
+    matches=lambda structure, chain: _matches(structure) and not structure.is_intersecting(5),
+    prepare=_prepare,
+    solver="three parallel axes, general hand",
+)
+
+
+def _explain(values: dict[str, Any], solver: Solver, crossing: bool, rotation: Array, point: Array) -> str:
+    ideal, (upper, lower) = values["ideal"], values["ideal"]["a"][1:3]
+    if crossing:
+        side = (ideal["cos_alpha"][0] * point[2] - values["along"]) / ideal["sin_alpha"][0]
+        radius = math.hypot(point[0], point[1])
+        if radius < abs(side):
+            near, off = compared(radius, abs(side))
+            return (
+                f"the point where axes 5 and 6 meet is {near} m from axis 1, and the arm's sideways offset keeps it "
+                f"{off} m away"
+            )
+    distances = distances_of(solver, rotation, point)
+    longest, shortest = upper + lower, abs(upper - lower)
+    if len(distances) and distances.min() > longest:
+        far, reach = compared(distances.min(), longest)
+        return f"axis 4 would have to be {far} m or more from axis 2, reach {reach} m"
+    if len(distances) and distances.max() < shortest:
+        near, folded = compared(distances.max(), shortest)
+        return f"axis 4 would be {near} m or less from axis 2, the folded links' {folded} m away"
+    return "no turn of joint 1 gives the last axis both its direction and its height along axes 2 to 4"

@@ -1,0 +1,103 @@
+"""Five revolute joints, completed to six: a sixth axis that stays at zero, or turns about the direction aimed.
+
+The arm of six has a family of its own, with closed form or elimination; its solutions are verified, and polished, on
+the five joints as written.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik._core import Solver
+from urdf_ik.ik.families.parts.aim import AXIS, POSE, Aim
+from urdf_ik.ik.families.parts.family import Plan, columns
+from urdf_ik.ik.families.parts.nearest import off_by
+from urdf_ik.kinematics.chain import is_redundant
+from urdf_ik.kinematics.structure import analyse
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from urdf_ik.kinematics.chain import Chain
+    from urdf_ik.kinematics.structure import Structure
+
+    Array = NDArray[np.float64]
+    Choose = Callable[[Structure, Chain], Plan | None]
+
+# Where the added axis stands to axis 5 [rad]: never parallel to axis 4, where that is square to axis 5.
+_OBLIQUE = 1.05
+
+
+def prepare(structure: Structure, chain: Chain, choose: Choose) -> Plan | None:
+    """The plan for poses of five revolute joints, None for other arms."""
+    if chain.n != 5 or chain.prismatic.any() or is_redundant(chain):
+        return None
+    before = structure.triple(1, "parallel") is not None
+    crossing = structure.triple(2, "parallel") is not None
+    rng = np.random.default_rng(3)
+    side = np.cross(chain.H[0 if before else 4], rng.normal(size=3))
+    h = np.cos(_OBLIQUE) * chain.H[0 if before else 4] + np.sin(_OBLIQUE) * side / np.linalg.norm(side)
+    away = np.zeros(3) if crossing else 0.2 * chain.size * rng.normal(size=3)
+    if before:
+        whole, at = _with_axis_before(chain, h, chain.points[0] + away), 1
+    else:
+        whole, at = with_axis_behind(chain, h, chain.points[4] + away), 0
+    return _plan(chain, whole, at, Aim(), choose, "5R", "that must stay at zero")
+
+
+def prepare_aimed(chain: Chain, aimed: Array, choose: Choose) -> Plan | None:
+    """The plan for the tip's position and the direction of its axis ``aimed`` (3,)."""
+    whole = with_axis_behind(chain, chain.R_tip @ aimed, chain.points[-1] + chain.P[-1])
+    return _plan(chain, whole, 0, Aim(AXIS, aimed), choose, "5R position and axis", "about the direction")
+
+
+def with_axis_behind(chain: Chain, h: Array, point: Array) -> Chain:
+    """The chain with one more revolute joint behind its last, along ``h`` (3,) through ``point`` (3,) at q = 0."""
+    tip = chain.P.sum(axis=0)
+    last = chain.points[-1]
+    return _extended(chain, np.vstack([chain.H, h]), np.vstack([chain.P[:-1], point - last, tip - point]), behind=True)
+
+
+def _with_axis_before(chain: Chain, h: Array, point: Array) -> Chain:
+    steps = np.vstack([point, chain.points[0] - point, chain.P[1:]])
+    return _extended(chain, np.vstack([h, chain.H]), steps, behind=False)
+
+
+def _extended(chain: Chain, H: Array, P: Array, *, behind: bool) -> Chain:
+    def grown(values: tuple[str, ...], value: str) -> tuple[str, ...]:
+        return (*values, value) if behind else (value, *values)
+
+    turn = np.array([[-np.inf, np.inf]])
+    return replace(
+        chain,
+        joint_names=grown(chain.joint_names, ""),
+        joint_types=grown(chain.joint_types, "continuous"),
+        H=H,
+        P=P,
+        limits=np.vstack([chain.limits, turn] if behind else [turn, chain.limits]),
+    )
+
+
+def _plan(chain: Chain, whole: Chain, at: int, aim: Aim, choose: Choose, name: str, role: str) -> Plan | None:
+    six = choose(analyse(whole), whole)
+    if six is None:
+        return None
+    count = len(six.branches)
+
+    most = 8 if aim.kind == POSE else count
+    values = {"written": aim.written(chain), "six": six.solver, "at": at, "columns": most}
+    return Plan(
+        family=six.family,
+        name=f"{name} (six joints with an added axis: {six.name})",
+        reason=f"with a sixth axis {role}, {six.reason}",
+        method=f"With a sixth axis {role}: {six.method[0].lower()}{six.method[1:]}; verified on the five joints",
+        branches=columns(most),
+        imperfection=six.imperfection,
+        explain=lambda T: off_by(chain, aim, T[:3, :3], T[:3, 3]),
+        solver=Solver("completed", values),
+    )

@@ -1,0 +1,65 @@
+"""An arm whose tip may be turned about a line in it: the solver of whole poses, for a target that is turned.
+
+The rotation is a value more to be given with each target, T' = T R(v). It belongs to no joint, so that the joint
+vectors are those of the arm, and one plan serves every value.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik._core import SelfMotion, Solver
+from urdf_ik.ik.families.parts.family import Plan, RedundantPlan
+from urdf_ik.ik.families.parts.values import written_values
+from urdf_ik.ik.families.wrappers.axis_added import with_axis_behind
+from urdf_ik.kinematics.chain.redundancy import free_axis
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.kinematics.chain import Chain
+    from urdf_ik.kinematics.chain.free_axis import FreeAxis
+
+    Array = NDArray[np.float64]
+
+
+def prepare(chain: Chain, plan: Plan, axis: FreeAxis) -> RedundantPlan:
+    """The plan of an arm that ``plan`` solves for whole poses, with one parameter more, which comes first."""
+    parameter = free_axis(axis)
+    values = {"motion": axis.motion, "turns": True, "last": True, "value": parameter.default, "solver": plan.solver}
+    own = plan.parameters if isinstance(plan, RedundantPlan) else ()
+
+    def value_of(Q: Array, T: Array) -> Array:
+        reached = chain.fk(Q)
+        angle = axis.angle(np.linalg.inv(T) @ reached)[:, None]
+        return np.hstack([angle, plan.value_of(Q, reached)]) if isinstance(plan, RedundantPlan) else angle
+
+    def explain_at(T: Array, at: Array) -> str:
+        turned = T @ axis.rotation(at[0])
+        why = plan.explain_at(turned, at[1:]) if isinstance(plan, RedundantPlan) else plan.explain(turned)
+        return f"turned by {at[0]:.6g} rad about {axis}: {why}"
+
+    return RedundantPlan(
+        family=plan.family,
+        name=f"{plan.name}, rotation about {axis.name} free",
+        reason=plan.reason,
+        method=f"The target is turned about {axis}, by a value that is given. {plan.method}",
+        branches=plan.branches,
+        imperfection=plan.imperfection,
+        error=plan.error,
+        solver=Solver("axis free", values),
+        parameters=(parameter, *own),
+        self_motion=None if own or chain.axes is not chain else _self_motion(chain, axis),
+        value_of=value_of,
+        explain=plan.explain,
+        explain_at=explain_at,
+    )
+
+
+def _self_motion(chain: Chain, axis: FreeAxis) -> SelfMotion:
+    """The curves of six joints and the rotation: a seventh joint behind the tip that turns it back to the target."""
+    direction, at = (chain.R_tip @ np.array(each) for each in (axis.direction, axis.at))
+    whole = with_axis_behind(chain, -direction, chain.P.sum(axis=0) + at)
+    return SelfMotion({"written": written_values(whole), "given": 6})

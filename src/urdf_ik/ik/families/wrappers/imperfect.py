@@ -1,0 +1,89 @@
+"""Arms that a family's relations hold for up to rounded decimals, or up to a calibration."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik._core import Solver
+from urdf_ik.ik.families.parts.elimination import elimination_values
+from urdf_ik.ik.families.parts.family import Plan
+from urdf_ik.kinematics.dh.frames import rotation_z
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.kinematics.chain import Chain
+
+    Array = NDArray[np.float64]
+
+# Imperfection below which the complex solutions that the ideal arm lacks are too far from real to be followed. Above it
+# they are within reach, and change places with the others from pose to pose. Chosen by tests, not derived: between 1e-3
+# and 4e-3 they changed places too rarely to be counted on.
+_NEAR = 4e-3
+
+
+def prepare(plan: Plan, chain: Chain) -> Plan:
+    """The plan of the ideal arm, made to hold for the arm as written."""
+    further = tuple(f"further {k}" for k in range(1, 17 - len(plan.branches)))
+    return replace(
+        plan,
+        method=f"{plan.method}; near singularities by elimination too",
+        branches=(*plan.branches, *further),
+        solver=_solver(plan.solver, chain),
+    )
+
+
+def _solver(ideal: Solver, chain: Chain) -> Solver:
+    near = bool(ideal.values["ideal"]["imperfection"] < _NEAR)
+    values = {"family": ideal.values, "elimination": elimination_values(chain, near=near)}
+    return Solver(f"imperfect {ideal.kind}", values | _both_arms(ideal.values["ideal"], chain))
+
+
+def _both_arms(ideal: dict[str, Any], chain: Chain) -> dict[str, Any]:
+    """The arm as written and the ideal one, from the ideal arm's frame 1 to its frame 6, and how they drift apart.
+
+    Both take the ideal arm's angles, joint values and offsets together.
+    """
+    base, tool = np.eye(4), np.eye(4)
+    base[:3, :3], base[:3, 3] = ideal["base_rotation"].T, ideal["base_origin"]
+    tool[:3, :3], tool[:3, 3] = ideal["tool_rotation"].T, -ideal["tool_rotation"].T @ ideal["tool_point"]
+    inner = np.array([np.vstack([step, [0.0, 0.0, 0.0, 1.0]]) for step in np.array(chain.motion.steps)])
+    inner[0], inner[-1] = np.linalg.inv(base) @ inner[0], inner[-1] @ np.linalg.inv(tool)
+    back = np.array([rotation_z(-offset)[:3, :3] for offset in (*ideal["offset"], 0.0)])
+    inner, steps = np.ascontiguousarray(inner[:, :3]), ideal["steps"].copy()
+    inner[:, :, :3], steps[:, :, :3] = inner[:, :, :3] @ back, steps[:, :, :3] @ back
+    return {"inner_steps": inner, "ideal_steps": steps, "drift": _drift(inner, steps, chain.size)}
+
+
+def _drift(inner: Array, ideal: Array, size: float) -> float:
+    """Greatest change of the motion between the two arms' tips over joint vectors [rad and share of size a rad]."""
+    rng = np.random.default_rng(1)
+    Q = rng.uniform(-np.pi, np.pi, (60, 6))
+    shift = 1e-3
+    moved = Q + shift * rng.choice([-1.0, 1.0], (60, 6))
+
+    def between(Q: Array) -> Array:
+        motions: Array = _tip(ideal, Q) @ np.linalg.inv(_tip(inner, Q))
+        return motions
+
+    change = between(moved) - between(Q)
+    change[:, :3, 3] /= size
+    return float(np.abs(change).max()) / shift
+
+
+def _tip(steps: Array, Q: Array) -> Array:
+    """(m, 4, 4) where the steps (7, 3, 4), with turns by the joint vectors (m, 6) about z between them, lead."""
+    T = np.broadcast_to(np.eye(4), (len(Q), 4, 4))
+    for k, step in enumerate(steps):
+        T = T @ np.vstack([step, [0.0, 0.0, 0.0, 1.0]])
+        if k < Q.shape[1]:
+            turn = np.zeros((len(Q), 4, 4))
+            turn[:, 0, 0] = turn[:, 1, 1] = np.cos(Q[:, k])
+            turn[:, 1, 0] = np.sin(Q[:, k])
+            turn[:, 0, 1] = -turn[:, 1, 0]
+            turn[:, 2, 2] = turn[:, 3, 3] = 1.0
+            T = T @ turn
+    return np.asarray(T)

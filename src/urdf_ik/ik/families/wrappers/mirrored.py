@@ -1,0 +1,40 @@
+"""Arms that belong to a family when they are looked at from the tip: the same code on the reversed chain."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik._core import Solver
+from urdf_ik.ik.families.parts.family import Plan
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+_OTHER_END = {"shoulder": "wrist", "wrist": "shoulder"}
+
+
+def mirrored(plan: Plan) -> Plan:
+    """The plan for an arm whose reversed chain ``plan`` was made for."""
+
+    def explain(T: Array) -> str:
+        return f"seen from the tip, {plan.explain(np.asarray(np.linalg.inv(T), dtype=np.float64))}"
+
+    why = plan.family.why(from_tip=True)
+    return replace(
+        plan,
+        name=f"{plan.name}, reversed",
+        reason=why if plan.is_exact else f"{why}, exactly or nearly",
+        method=f"{plan.method}; on the chain from tip to base",
+        branches=tuple(_renamed(name) for name in plan.branches),
+        explain=explain,
+        solver=Solver("reversed", {"solver": plan.solver}),
+    )
+
+
+def _renamed(name: str) -> str:
+    return " ".join(_OTHER_END.get(word, word) for word in name.split(" "))

@@ -1,0 +1,333 @@
+"""Intervals of the redundancy parameter, what ends them, and what is chosen along them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.errors import ArgumentError
+from urdf_ik.ik.redundancy import self_motion
+from urdf_ik.ik.redundancy.interval_arrays import End, Found
+from urdf_ik.ik.solutions import distances
+from urdf_ik.ik.solutions.distances import QUALITIES
+from urdf_ik.support import indices, inputs
+from urdf_ik.support.angles import TURN
+from urdf_ik.support.text import aligned, quoted
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from urdf_ik.ik.redundancy.self_motion import Curves
+    from urdf_ik.ik.solutions import IKSolutions
+    from urdf_ik.ik.solutions.distances import Metric, Quality
+    from urdf_ik.ik.solutions.solved_arm import SolvingArm
+    from urdf_ik.kinematics.chain.redundancy import Redundancy
+
+    Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Interval:
+    """Values of the redundancy parameter at which one branch has solutions.
+
+    Attributes:
+        branch: its name, in the middle of the interval.
+        low: rad or m, the least value; angles in (-pi, pi].
+        high: rad or m, the greatest value; beyond pi where the interval passes half a turn. The whole circle is
+            (-pi, pi).
+        ends: why it ends at ``low`` and at ``high``.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("srs_7r")
+        >>> interval = arm.intervals(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]), within_limits=False)[0]
+        >>> interval.branch, round(interval.low, 4), round(interval.high, 4), str(interval.ends[0])
+        ('shoulder noflip, elbow up, wrist noflip', -3.1416, 3.1416, 'no end')
+    """
+
+    branch: str
+    low: float
+    high: float
+    ends: tuple[End, End]
+
+    @property
+    def width(self) -> float:
+        """Rad or m between the ends."""
+        return self.high - self.low
+
+    def __contains__(self, value: object) -> bool:
+        try:
+            given = inputs.number(value, "value")
+        except ArgumentError:  # what is no number is in no interval
+            return False
+        turned = self.low + (given - self.low) % TURN if self.high > np.pi else given
+        return bool(self.low <= given <= self.high or self.low <= turned <= self.high)
+
+    def __str__(self) -> str:
+        return f"{self.branch}: {self.low:.6f} ({self.ends[0]}) to {self.high:.6f} ({self.ends[1]})"
+
+
+class Intervals:
+    """Where along the redundancy parameter a pose has solutions: for each branch its intervals, and what ends them.
+
+    Of a single pose it is a sequence of :class:`Interval`; of a batch, ``intervals[i]`` are those of one pose.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("srs_7r")
+        >>> intervals = arm.intervals(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]))
+        >>> len(intervals), {interval.branch for interval in intervals} <= set(arm.structure.branches)
+        (26, True)
+    """
+
+    def __init__(
+        self,
+        arm: SolvingArm,
+        T: Array,
+        curves: Curves,
+        found: Found,
+        within_limits: bool,
+        sampled: Callable[[Array, Found], Found],
+    ) -> None:
+        """Keep what was found for poses ``T`` (..., 4, 4); ``sampled`` adds samples to intervals of a stack."""
+        self.arm = arm
+        self.parameter: Redundancy = curves.parameter
+        self.within_limits = within_limits
+        self._T = T
+        self._curves = curves
+        self._found = found
+        self._sampled = sampled
+
+    @cached_property
+    def _full(self) -> Found:
+        """The intervals with samples."""
+        found = self._found
+        return found if len(found.value) or not len(found.low) else self._sampled(self._T.reshape(-1, 4, 4), found)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the batch; () for a single pose."""
+        return self._T.shape[:-2]
+
+    @property
+    def count(self) -> NDArray[np.intp]:
+        """(...) number of intervals of each pose."""
+        m = int(np.prod(self.shape))
+        return np.bincount(self._found.pose, minlength=m).reshape(self.shape)
+
+    def __len__(self) -> int:
+        self._single("len()")
+        return len(self._found.low)
+
+    def __iter__(self) -> Iterator[Interval]:
+        self._single("iteration")
+        return (self._interval(k) for k in range(len(self._found.low)))
+
+    def __getitem__(self, index: Any) -> Any:
+        """An :class:`Interval` of a single pose; of a batch the intervals of one pose."""
+        if not self.shape:
+            return self._interval(indices.place(len(self._found.low), index, "intervals of this pose"))
+        place = indices.picked(self.shape, index)
+        if place.ndim:
+            raise ArgumentError(f"index {quoted(index)} leaves more than one pose of a batch of shape {self.shape}")
+        found = self._found.of(np.flatnonzero(self._found.pose == place))
+        found = replace(found, pose=np.zeros(len(found.low), dtype=np.intp))
+        return Intervals(self.arm, self._T[index], self._curves, found, self.within_limits, self._sampled)
+
+    def samples(self, k: int) -> tuple[Array, Array]:
+        """Growing values (s,) in interval ``k`` of a single pose, from end to end, and joint vectors (s, n) there.
+
+        Raises:
+            ArgumentError: these are the intervals of a batch.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("srs_7r")
+            >>> intervals = arm.intervals(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]))
+            >>> values, q = intervals.samples(0)
+            >>> bool(values[0] == intervals[0].low), q.shape == (len(values), 7)
+            (True, True)
+        """
+        self._single("samples()")
+        found = self._full
+        k = inputs.whole(k, "k", high=len(found.low) - 1)
+        part = slice(found.first[k], found.first[k] + found.count[k])
+        return found.value[part], found.q[part]
+
+    def merged(self) -> Array:
+        """(k, 2) rad or m: where any branch of a single pose has a solution, lowest first.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("srs_7r")
+            >>> T = arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1])
+            >>> arm.intervals(T, within_limits=False).merged().round(3).tolist()
+            [[-3.142, 3.142]]
+        """
+        self._single("merged()")
+        return _union(self._found.low, self._found.high, self.parameter.round)
+
+    def nearest(
+        self,
+        q_ref: ArrayLike,
+        *,
+        metric: Metric = "l2",
+        weights: ArrayLike | None = None,
+        within: ArrayLike | None = None,
+    ) -> IKSolutions:
+        """The joint vector nearest to ``q_ref`` of all in the intervals: one column a pose.
+
+        Args:
+            q_ref: (n,), or one for each pose (..., n), rad or m.
+            metric: 'l2', 'max' or 'time'; see :meth:`urdf_ik.IKSolutions.nearest`, also for the next two.
+            weights: (n,) of the joints in the distance.
+            within: rad or m that no joint may be further away.
+
+        Raises:
+            ArgumentError: ``q_ref``, ``weights`` or ``within`` does not fit.
+            ArgumentError: there is no such metric, or ``within`` is negative.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("srs_7r")
+            >>> q = [0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]
+            >>> arm.intervals(arm.fk(q)).nearest(q)[0].q.round(6).tolist()
+            [0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]
+        """
+        reference = distances.reference(q_ref, self.arm.joint_names, self.shape)
+        inside = self.within_limits
+        values = self.nearest_values(reference, metric=metric, weights=weights, within=within, within_limits=inside)
+        return self._at(values).nearest(reference, weights, metric=metric, within=within, within_limits=inside)
+
+    def nearest_values(
+        self,
+        q_ref: Array,
+        *,
+        metric: Metric,
+        weights: ArrayLike | None,
+        within: ArrayLike | None,
+        within_limits: bool,
+    ) -> Array:
+        """(...) values of the parameter at which poses come nearest to ``q_ref``; NaN for those without an interval.
+
+        Where nothing is near enough, or inside the limits, at those at which the best one is least far out. Arguments
+        as :meth:`nearest` has them; ``within_limits``: whether only images inside the limits count.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("srs_7r")
+            >>> q = np.array([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1])
+            >>> options = {"metric": "l2", "weights": None, "within": None, "within_limits": True}
+            >>> value = arm.intervals(arm.fk(q)).nearest_values(q, **options)
+            >>> bool(abs(value - arm.redundancy_of(q)) < 1e-6)
+            True
+        """
+        measure = distances.measure(self.arm, metric, weights, within)
+        reference = distances.reference(q_ref, self.arm.joint_names, self.shape)
+        each = np.broadcast_to(reference, (*self.shape, self.arm.dof)).reshape(-1, self.arm.dof)
+        bounds = self.arm.limits if within_limits else np.tile([-np.inf, np.inf], (self.arm.dof, 1))
+
+        def cost(q: Array, pose: NDArray[np.intp]) -> Array:
+            return self_motion.distance(self.arm, q, each[pose], bounds, measure)
+
+        return self._least(cost)
+
+    def best(self, by: Quality) -> IKSolutions:
+        """The joint vector that is best by a measure of quality, of all in the intervals: one column a pose.
+
+        Args:
+            by: 'limits', 'manipulability' or 'clearance'; see :meth:`urdf_ik.IKSolutions.best`.
+
+        Raises:
+            ArgumentError: there is no such measure.
+            UrdfError: 'clearance' is asked for, and the URDF's collision shapes are missing or cannot be read.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("srs_7r")
+            >>> best = arm.intervals(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1])).best("limits")
+            >>> len(best)
+            1
+        """
+        inputs.choice(by, "by", tuple(QUALITIES))
+
+        def cost(q: Array, pose: NDArray[np.intp]) -> Array:
+            return -self_motion.quality(self.arm, q, by)
+
+        solutions = self._at(self._least(cost))
+        return solutions.within_limits().best(by) if self.within_limits else solutions.best(by)
+
+    def table(self) -> str:
+        """One line an interval of a single pose: its branch, its ends [rad or m], and why it ends.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("srs_7r")
+            >>> T = arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1])
+            >>> print(arm.intervals(T).table().splitlines()[1].split(" [")[0])
+            branch                                     from
+        """
+        self._single("table()")
+        unit = self.parameter.unit
+        rows = [["branch", f"from [{unit}]", "because", f"to [{unit}]", "because"]]
+        rows += [[x.branch, f"{x.low:.6f}", str(x.ends[0]), f"{x.high:.6f}", str(x.ends[1])] for x in self]
+        title = f"{self.arm.name}: {len(self)} intervals of the {self.parameter}"
+        return "\n".join([title, *aligned(rows, left=(0, 2, 4))])
+
+    def __str__(self) -> str:
+        return repr(self) if self.shape else self.table()
+
+    def __repr__(self) -> str:
+        of = f"poses {self.shape}, " if self.shape else ""
+        inside = " within the limits" if self.within_limits else ""
+        return f"<Intervals of {self.arm.name}: {of}{len(self._found.low)} intervals{inside}>"
+
+    def _least(self, cost: self_motion.Cost) -> Array:
+        """(...) the values at which a cost is least; NaN for poses without an interval."""
+        stack = self._T.reshape(-1, 4, 4)
+        value, _ = self_motion.least(self._curves, stack, self._full, cost)
+        return value.reshape(self.shape)
+
+    def _at(self, values: Array) -> IKSolutions:
+        """The solutions at values, of poses without one at the default."""
+        values = np.where(np.isnan(values), self.parameter.default, self.parameter.wrapped(values))
+        solutions: IKSolutions = self.arm.ik(self._T, redundancy=values)
+        return solutions
+
+    def _interval(self, k: int) -> Interval:
+        found = self._found
+        branch = self.arm.structure.branches[found.column[k]]
+        return Interval(branch, float(found.low[k]), float(found.high[k]), tuple(found.ends[k]))
+
+    def _single(self, what: str) -> None:
+        if self.shape:
+            raise ArgumentError(
+                f"{what} needs the intervals of a single pose, and these are of a batch of shape {self.shape}; take "
+                "one, intervals[i]"
+            )
+
+
+def _union(low: Array, high: Array, is_round: bool) -> Array:
+    """(k, 2) the union of intervals (j,), which may pass half a turn where values go round."""
+    if not len(low):
+        return np.empty((0, 2))
+    order = np.argsort(low, kind="stable")
+    merged = [[float(low[order[0]]), float(high[order[0]])]]
+    for k in order[1:]:
+        if low[k] <= merged[-1][1]:
+            merged[-1][1] = max(merged[-1][1], float(high[k]))
+        else:
+            merged.append([float(low[k]), float(high[k])])
+    if is_round:
+        if any(b - a >= TURN for a, b in merged):
+            return np.array([[-np.pi, np.pi]])
+        # What passes half a turn may reach the first ones again.
+        while len(merged) > 1 and merged[-1][1] - TURN >= merged[0][0]:
+            merged[-1][1] = max(merged[-1][1], merged.pop(0)[1] + TURN)
+        if merged[0][1] - merged[0][0] >= TURN or (len(merged) == 1 and merged[0][1] - TURN >= merged[0][0]):
+            return np.array([[-np.pi, np.pi]])
+    return np.array(merged)

@@ -1,0 +1,165 @@
+"""Along the curves of joint vectors that hold a pose: where on them a cost is least."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik.ik.solutions import distances, limits
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from urdf_ik._core import SelfMotion
+    from urdf_ik.ik.redundancy.interval_arrays import Found
+    from urdf_ik.ik.solutions.distances import Measure, Quality
+    from urdf_ik.ik.solutions.solved_arm import SolvingArm
+    from urdf_ik.kinematics.chain.redundancy import Redundancy
+
+    Array = NDArray[np.float64]
+    Columns = NDArray[np.intp]
+    Cost = Callable[[Array, Columns], Array]
+    """(joint vectors (k, n), numbers of their poses (k,)) -> costs (k,)."""
+
+# Share of the way between two samples at which the search for a minimum ends.
+_FINEST = 1e-8
+_GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
+# What a solution outside the limits costs more than any distance inside them, and one that is too far from the
+# reference more than one that is near enough.
+_OUTSIDE, _BEYOND = 1e7, 1e5
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """The curves of an arm, as the compiled core follows them.
+
+    Attributes:
+        core: what follows them, of seven joints.
+        parameter: the redundancy parameter.
+        appended: whether the parameter stands behind the arm's joints as a seventh one, since it is none of them.
+        turning: (n,) the arm's joints that turn.
+    """
+
+    core: SelfMotion
+    parameter: Redundancy
+    appended: bool
+    turning: NDArray[np.bool_]
+
+    def seven(self, q: Array, values: Array) -> Array:
+        """Joint vectors (..., n) with the parameter's values (...) behind them where it is none of the joints."""
+        return np.concatenate([q, values[..., None]], axis=-1) if self.appended else q
+
+    def joints(self, q: Array) -> Array:
+        """The arm's joints of vectors (..., 7)."""
+        return q[..., :-1] if self.appended else q
+
+    def samples(self, T: Array, q: Array, values: Array) -> Array:
+        """(k, 17) joint vectors (k, n) of one curve of a pose (4, 4), at growing values (k,), as the core has them."""
+        seven = np.ascontiguousarray(self.seven(q, values))
+        return np.asarray(self.core.samples(np.ascontiguousarray(T), seven, np.ascontiguousarray(values)))
+
+    def at(self, T: Array, q: Array, values: Array) -> Array:
+        """Joint vectors (k, n) that hold poses (k, 4, 4) at values (k,), from others near them; NaN where none do."""
+        values = self.parameter.wrapped(np.ascontiguousarray(values))
+        near = np.ascontiguousarray(self.seven(q, values))
+        return self.joints(np.asarray(self.core.at(np.ascontiguousarray(T), near, values)))
+
+
+def least(curves: Curves, T: Array, found: Found, cost: Cost) -> tuple[Array, Array]:
+    """Where in the intervals of poses (m, 4, 4) a cost is least: values (m,) of the parameter, and the costs.
+
+    The lowest of the samples along each interval are closed in upon between their neighbours by golden sections along
+    the curve, to 1e-8 of the way. Samples are at most 0.3 rad apart, less where the curve bends.
+
+    Returns:
+        NaN and infinity for a pose without an interval.
+    """
+    m, k = len(T), len(found.low)
+    value, lowest = np.full(m, np.nan), np.full(m, np.inf)
+    if not k:
+        return value, lowest
+    # Samples of all intervals in a row: number of the interval, number of the sample.
+    interval = np.repeat(np.arange(k), found.count)
+    start = np.repeat(np.cumsum(found.count) - found.count, found.count)
+    sample = found.first[interval] + np.arange(len(interval)) - start
+    pose = found.pose[interval]
+    costs = cost(found.q[sample], pose)
+    np.minimum.at(lowest, pose, costs)
+    best = np.flatnonzero(costs == lowest[pose])
+    value[pose[best]] = found.value[sample[best]]
+
+    first = np.concatenate([[True], interval[1:] != interval[:-1]])
+    last = np.concatenate([interval[1:] != interval[:-1], [True]])
+    before, after = np.roll(costs, 1), np.roll(costs, -1)
+    valley = (first | (costs <= before)) & (last | (costs <= after)) & np.isfinite(costs)
+    places = np.flatnonzero(valley)
+    here, of = sample[places], pose[places]
+    before = found.core[np.where(first[places], here, here - 1)]
+    middle = found.core[here]
+    after = found.core[np.where(last[places], here, here + 1)]
+    values = np.empty(len(here))
+
+    def at(share: Array) -> Array:
+        """Costs at shares from -1, the sample before, by 0, the one in the middle, to 1, the one behind."""
+        back = (share < 0.0)[:, None]
+        one, other = np.where(back, before, middle), np.where(back, middle, after)
+        points = np.asarray(curves.core.between(T[of], one, other, np.where(share < 0.0, 1.0 + share, share)))
+        q = curves.joints(points[:, 1:])
+        out = np.full(len(share), np.inf)
+        good = ~np.isnan(q).any(axis=1)
+        out[good] = cost(q[good], of[good])
+        values[:] = points[:, 0]
+        return out
+
+    a, b = np.where(first[places], 0.0, -1.0), np.where(last[places], 0.0, 1.0)
+    c, d = b - _GOLDEN * (b - a), a + _GOLDEN * (b - a)
+    at_c, at_d = at(c), at(d)
+    while len(a) and (b - a).max() > _FINEST:
+        left = at_c <= at_d
+        a, b = np.where(left, a, c), np.where(left, d, b)
+        fresh = np.where(left, b - _GOLDEN * (b - a), a + _GOLDEN * (b - a))
+        at_fresh = at(fresh)
+        c, d = np.where(left, fresh, d), np.where(left, c, fresh)
+        at_c, at_d = np.where(left, at_fresh, at_d), np.where(left, at_c, at_fresh)
+    reached = at(np.where(at_c <= at_d, c, d))
+    for k in np.argsort(-reached, kind="stable"):
+        if reached[k] < lowest[of[k]]:
+            value[of[k]], lowest[of[k]] = values[k], reached[k]
+    return value, lowest
+
+
+def distance(arm: SolvingArm, q: Array, q_ref: Array, bounds: Array, measure: Measure) -> Array:
+    """(k,) of solutions (k, n): the distance of the nearest image inside the bounds from (k, n), infinite for NaN rows.
+
+    Where no image is inside, or none is near enough, by how much, above ``_OUTSIDE`` or ``_BEYOND``.
+    """
+    turning = ~arm.chain.prismatic
+    image, inside = limits.image_near(q, q_ref, bounds, turning)
+    apart = distances.difference(image, q_ref, np.zeros(arm.dof))
+    cost = _share(arm, measure, apart)
+    if measure.within is not None:
+        beyond = measure.beyond(apart)
+        cost = np.where(beyond > 0.0, _BEYOND + beyond, cost)
+    if not inside.all():
+        _, out = limits.excess(q[~inside], bounds, turning)
+        cost[~inside] = np.nan_to_num(_OUTSIDE + np.abs(out).max(axis=-1), nan=np.inf)
+    return cost
+
+
+def quality(arm: SolvingArm, q: Array, by: Quality) -> Array:
+    """(k,) how good solutions (k, n) are, more is better; see :meth:`urdf_ik.IKSolutions.scores`."""
+    if by == "manipulability":
+        return arm.manipulability(q, arm.control.part)
+    if by == "clearance":
+        return np.asarray(arm.clearance(q))
+    inmost, _ = limits.image_inmost(q, arm.limits, ~arm.chain.prismatic)
+    return np.nan_to_num(limits.margin(inmost, arm.limits), nan=-np.inf)
+
+
+def _share(arm: SolvingArm, measure: Measure, apart: Array) -> Array:
+    """The distance (...) as a share of that at which every joint is 1 rad or m away, so that no weights matter here."""
+    return measure.distance(apart) / (float(measure.distance(np.ones(arm.dof))) or 1.0)

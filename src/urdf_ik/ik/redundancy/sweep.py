@@ -1,0 +1,128 @@
+"""All solutions of one pose along the redundancy parameter, and the intervals in which there are any.
+
+They rest on :meth:`urdf_ik.Arm.intervals`, which says more: each branch by itself, and what ends it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.errors import ArgumentError, PoseError
+from urdf_ik.ik.redundancy.interval_search import intervals, span
+from urdf_ik.model.poses import check_poses
+from urdf_ik.support import inputs
+from urdf_ik.support.angles import TURN
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from urdf_ik.ik.families.parts.family import RedundantPlan
+    from urdf_ik.ik.solutions import IKSolutions
+    from urdf_ik.ik.solutions.solved_arm import SolvingArm
+    from urdf_ik.kinematics.chain.redundancy import Redundancy
+
+    Array = NDArray[np.float64]
+
+
+# Values that are tried where no curve can be followed.
+_GRID = 65
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """Solutions of one pose along the redundancy parameter.
+
+    Attributes:
+        solutions: those at n values, (n, B, 7); ``solutions.redundancy`` holds the values.
+        intervals: (k, 2) rad or m, where there are solutions, lowest first, edges included to 1e-9. One that passes
+            half a turn goes on beyond pi; one that is the whole circle is (-pi, pi).
+        parameter: what the values mean.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("srs_7r")
+        >>> sweep = arm.sweep(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]), n=16)
+        >>> sweep.parameter.kind, sweep.solutions.redundancy.shape
+        ('swivel', (16,))
+    """
+
+    solutions: IKSolutions
+    intervals: Array
+    parameter: Redundancy
+
+    @property
+    def redundancy(self) -> Array:
+        """(n,) rad or m, the values."""
+        return np.asarray(self.solutions.redundancy)
+
+    def __str__(self) -> str:
+        unit = self.parameter.unit
+        where = ", ".join(f"{low:.4f} to {high:.4f} {unit}" for low, high in self.intervals) or "no value"
+        found = f"{self.solutions.count.sum()} at {len(self.redundancy)} values"
+        return f"{self.parameter}; solutions at {where}; {found}"
+
+MOST_VALUES = 1_000_000
+"""Values of a sweep at most."""
+
+
+def sweep(arm: SolvingArm, plan: RedundantPlan, T: Any, n: int, within_limits: bool, threads: int) -> Sweep:
+    """See :meth:`urdf_ik.Arm.sweep`."""
+    target = check_poses(T)
+    if target.ndim != 2:
+        raise PoseError(f"an array of shape {target.shape} given; sweep takes a single pose (4, 4)")
+    n = inputs.whole(n, "n", low=1, high=MOST_VALUES)
+    within_limits, threads = inputs.flag(within_limits, "within_limits"), inputs.threads(threads)
+    parameter = plan.parameter
+    low, high = span(arm, parameter, target[None])
+    if plan.self_motion is None and len(plan.parameters) == 1:
+        found = _on_a_grid(arm, parameter, target, (low, high), within_limits)
+    else:
+        found = intervals(arm, plan, target, within_limits=within_limits, world=None, threads=threads).merged()
+    values = _spread(found if len(found) else np.array([[low, high]]), n, parameter.round)
+    solutions: IKSolutions = arm.ik(target, redundancy=parameter.wrapped(values), threads=threads)
+    return Sweep(solutions.within_limits() if within_limits else solutions, found, parameter)
+
+
+def explanation(arm: SolvingArm, plan: RedundantPlan, T: Array, value: ArrayLike | None) -> str:
+    """Why the pose ``T`` (4, 4) has no solution at a value of the parameter (None: its default), and where it has."""
+    parameter = plan.parameter
+    given = parameter.check(parameter.default if value is None else value)
+    if given.ndim:
+        raise ArgumentError(f"redundancy of shape {given.shape} given; explain takes a single value")
+    at = float(given)
+    found = sweep(arm, plan, T, 1, within_limits=False, threads=1).intervals
+    places = ", ".join(f"{low:.4f} to {high:.4f} {parameter.unit}" for low, high in found)
+    why = plan.explain_at(T, np.array([at]))
+    return f"{why}; " + (f"there are solutions at {places}" if places else "nor at other values")
+
+
+def _on_a_grid(
+    arm: SolvingArm, parameter: Redundancy, T: Array, ends: tuple[float, float], within_limits: bool
+) -> Array:
+    """(k, 2) from the first to the last of the grid's values in a row at which there are solutions.
+
+    For joints that do not move the tip in every way: what they leave free is no curve that could be followed.
+    """
+    grid = np.linspace(*ends, _GRID)
+    solutions: IKSolutions = arm.ik(T, redundancy=parameter.wrapped(grid))
+    good = np.concatenate([[False], (solutions.within_limits() if within_limits else solutions).count > 0, [False]])
+    starts, stops = np.flatnonzero(good[1:] & ~good[:-1]), np.flatnonzero(good[:-1] & ~good[1:])
+    return np.column_stack([grid[starts], grid[stops - 1]])
+
+
+def _spread(intervals: Array, n: int, is_round: bool) -> Array:
+    """``n`` values in the intervals, evenly by their lengths and lowest first, the ends included where n allows."""
+    lengths = intervals[:, 1] - intervals[:, 0]
+    if is_round and lengths[0] >= TURN:
+        return np.linspace(-np.pi, np.pi, n + 1)[1:]
+    if n < 2 * len(intervals):
+        return np.asarray(intervals.mean(axis=1)[np.argsort(-lengths, kind="stable")[:n]])
+    shares = (n - 2 * len(intervals)) * lengths / max(lengths.sum(), 1e-300)
+    counts = 2 + np.floor(shares).astype(np.intp)
+    # What rounding left over goes to where most was cut off.
+    left = np.argsort(np.floor(shares) - shares, kind="stable")[: n - counts.sum()]
+    counts[left] += 1
+    return np.concatenate([np.linspace(low, high, k) for (low, high), k in zip(intervals, counts, strict=True)])

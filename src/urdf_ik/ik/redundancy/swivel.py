@@ -1,0 +1,237 @@
+"""Intervals of the swivel angle in closed form: the joint limits of an S-R-S arm as conditions on it.
+
+Three axes that meet, neighbours at right angles, turn by R = Rz(q1) Rx(+-90) Rz(t2) Rx(+-90) Rz(q3). The last column
+and row of R hold, up to signs, cos t2, sin t2 (cos q1, sin q1) and sin t2 (cos q3, sin q3). Shoulder and wrist turn
+with the swivel angle s about fixed lines, so that each of these is a + b cos s + c sin s: a joint is at a limit where
+such an expression vanishes: at two values at most (Shimizu, Kakuya, Yoon, Kitagaki and Kosuge 2008).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.ik.redundancy.interval_arrays import End, Found, joined
+from urdf_ik.ik.redundancy.limit_bounds import Bounds
+from urdf_ik.kinematics.chain.redundancy import SWIVEL
+from urdf_ik.support.angles import TURN
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.ik.families.parts.family import RedundantPlan
+    from urdf_ik.ik.solutions.solved_arm import SolvingArm
+
+    Array = NDArray[np.float64]
+    Columns = NDArray[np.intp]
+    Mask = NDArray[np.bool_]
+
+_AT = TURN / 3.0 * np.array([0.0, 1.0, -1.0])
+"""Swivel angles at which the arm is solved: three values fix a, b and c."""
+_TRIPLES = (("shoulder", (0, 1, 2)), ("wrist", (4, 5, 6)))
+_ELBOW = 3
+# Sine of the middle angle below which a triple is so nearly aligned that its curves are followed instead.
+_ALIGNED = 1e-6
+# Poses at a time, whose expressions at all breaks fit a processor's second cache.
+_AT_ONCE = 128
+# Intervals narrower than this [rad] are rounding.
+_NARROWEST = 1e-13
+
+
+def is_closed(plan: RedundantPlan) -> bool:
+    """Whether the intervals of an arm have this closed form."""
+    if plan.parameter.kind != SWIVEL or not plan.is_exact:
+        return False
+    values: Any = plan.solver.values
+    return all(values.get(name, {}).get("square", False) for name, _ in _TRIPLES)
+
+
+def intervals(arm: SolvingArm, plan: RedundantPlan, T: Array, limits: Array) -> tuple[Found, Columns]:
+    """The intervals of poses (m, 4, 4) inside limits (7, 2), without samples; and the poses that it does not decide.
+
+    These are poses near a singularity of a triple at one of the three values, or at the edge of the elbow's reach.
+    """
+    bounds = Bounds(limits)
+    parts, undecided = [], []
+    for start in range(0, len(T), _AT_ONCE):
+        found, open_ = _some(arm, plan, T[start : start + _AT_ONCE], bounds)
+        parts.append(replace(found, pose=found.pose + start))
+        undecided.append(open_ + start)
+    return joined(parts), np.concatenate(undecided)
+
+
+def _some(arm: SolvingArm, plan: RedundantPlan, T: Array, bounds: Bounds) -> tuple[Found, Columns]:
+    """:func:`intervals` of few poses."""
+    solutions = arm.ik(T[:, None], redundancy=np.broadcast_to(_AT, (len(T), 3)))
+    q, valid = solutions.q.reshape(len(T), 3, 2, 2, 2, 7), solutions.valid.all(axis=(1, 2))
+    open_ = np.flatnonzero(~valid & solutions.valid.any(axis=(1, 2)))
+    # Of each elbow the first branch of shoulder and wrist; both flips share the expressions.
+    first = q[:, :, 0, :, 0]  # (m, 3, elbow, 7)
+    expressions, sign, shifts = [], [], []
+    fourier = np.stack([np.ones(3), 2.0 * np.cos(_AT), 2.0 * np.sin(_AT)]) / 3.0
+    for name, (j1, j2, j3) in _TRIPLES:
+        shift = plan.solver.values[name]["shift"]
+        s2, c2 = np.sin(first[..., j2] + shift), np.cos(first[..., j2] + shift)
+        samples = np.stack(
+            [s2 * np.cos(first[..., j1]), s2 * np.sin(first[..., j1]), c2, s2 * np.cos(first[..., j3]),
+             s2 * np.sin(first[..., j3])],
+        )  # fmt: skip
+        # (5, 3, m, elbow): a, b and c of each expression.
+        expressions.append(np.einsum("ks,gmse->gkme", fourier, samples))
+        sign.append(np.sign(s2[:, 0]))
+        shifts.append(shift)
+        open_ = np.union1d(open_, np.flatnonzero(valid & (np.abs(s2) < _ALIGNED).any(axis=(1, 2))))
+    found = np.setdiff1d(np.flatnonzero(valid), open_)
+    E, signs = np.stack(expressions)[:, :, :, found], np.stack(sign)[:, found]
+    rows = _Rows(E, signs, np.array(shifts), q[found, 0, 0, :, 0, _ELBOW])
+    return _assembled(arm, found, rows, bounds), open_
+
+
+class _Rows:
+    """What the branches of poses are made of.
+
+    Attributes:
+        E: (triple, 5, 3, m, elbow) the expressions.
+        signs: (triple, m, elbow) of sin t2 where the triple is not flipped.
+        shifts: (triple,) rad, t2 less q2.
+        elbow: (m, elbow) rad, joint 4.
+    """
+
+    def __init__(self, E: Array, signs: Array, shifts: Array, elbow: Array) -> None:
+        self.E, self.signs, self.shifts, self.elbow = E, signs, shifts, elbow
+
+    def inside(self, bounds: Bounds, at: Array) -> Mask:
+        """(m, 8, K) whether the branches are inside their limits, at swivel angles (m, elbow, K).
+
+        An angle q is within h of the middle of its limits where cos(q - middle) >= cos h, which takes no arc tangent.
+        """
+        wave = np.cos(at), np.sin(at)
+        flipped = []  # of each triple, of each flip: (m, elbow, K)
+        for t, (_, joints) in enumerate(_TRIPLES):
+            x1, y1, c2, x3, y3 = self.E[t]  # each (3, m, elbow)
+            cosine = _at(c2, wave)
+            sine = np.sqrt(np.maximum(1.0 - cosine * cosine, 0.0))
+            sign = self.signs[t, :, :, None]
+            parts: list[tuple[Array, Array | float]] = []  # odd in sin t2, and what that must not fall below
+            for j, x, y in ((joints[0], x1, y1), (joints[2], x3, y3)):
+                if bounds.matter[j]:
+                    middle = np.cos(bounds.middle[j]) * x + np.sin(bounds.middle[j]) * y
+                    parts.append((sign * _at(middle, wave), sine * np.cos(bounds.half[j])))
+            if bounds.matter[joints[1]]:
+                turned = self.shifts[t] + bounds.middle[joints[1]]
+                parts.append((sign * np.sin(turned) * sine, np.cos(bounds.half[joints[1]]) - np.cos(turned) * cosine))
+            for flip in (1.0, -1.0):
+                all_inside = np.ones(at.shape, dtype=bool)
+                for odd, least in parts:
+                    all_inside &= flip * odd >= least
+                flipped.append(all_inside)
+        shoulder, wrist = np.stack(flipped[:2], axis=1), np.stack(flipped[2:], axis=2)
+        wrist &= bounds.inside(_ELBOW, self.elbow)[:, :, None, None]
+        inside: Mask = shoulder[:, :, :, None] & wrist[:, None]
+        return inside.reshape(len(at), 8, at.shape[-1])
+
+    def at_limit(self, bounds: Bounds, i: Columns, b: Columns, at: Array) -> Columns:
+        """(k,) which limit branches ``b`` of poses ``i`` are at, at swivel angles (k,): 2 * joint + side.
+
+        It is the one whose difference from its joint has the greatest cosine.
+        """
+        e = b >> 1 & 1
+        E, cosines = self.E[..., i, e], np.full((7, 2, len(at)), -1.0)
+        values = E[:, :, 0] + E[:, :, 1] * np.cos(at) + E[:, :, 2] * np.sin(at)
+        for t, (_, joints) in enumerate(_TRIPLES):
+            x1, y1, c2, x3, y3 = values[t]
+            sine = np.where((b >> 2 if t == 0 else b) & 1, -1.0, 1.0) * self.signs[t, i, e]
+            sine *= np.sqrt(np.maximum(1.0 - c2 * c2, _ALIGNED * _ALIGNED))
+            for j, x, y in (
+                (joints[0], x1 / sine, y1 / sine),
+                (joints[1], c2, sine),
+                (joints[2], x3 / sine, y3 / sine),
+            ):
+                for side, limit in enumerate(bounds.limits[j] if bounds.matter[j] else ()):
+                    angle = limit + self.shifts[t] if j == joints[1] else limit
+                    cosines[j, side] = np.cos(angle) * x + np.sin(angle) * y
+        return np.asarray(np.argmax(cosines.reshape(14, len(at)), axis=0))
+
+
+def _breaks(E: Array, bounds: Bounds, shifts: Array) -> Array:
+    """Swivel angles (m, elbow, K) at which some joint is at a limit, sorted; NaN last, where there are fewer."""
+    breaks = []
+    for t, (_, joints) in enumerate(_TRIPLES):
+        for place, j in enumerate(joints):
+            for limit in bounds.limits[j] if bounds.matter[j] else ():
+                if place == 1:
+                    a, b, c = E[t, 2]
+                    breaks.append(_roots(a - np.cos(limit + shifts[t]), b, c))
+                else:
+                    x, y = E[t, :2] if place == 0 else E[t, 3:]
+                    breaks.append(_roots(*(np.sin(limit) * x - np.cos(limit) * y)))
+    every = np.sort(np.concatenate([np.full((*E.shape[3:], 1), np.nan), *breaks], axis=-1), axis=-1)
+    most = np.isfinite(every).sum(axis=-1).max(initial=1)
+    return every[..., :most]
+
+
+def _at(abc: Array, wave: tuple[Array, Array]) -> Array:
+    """Values (m, elbow, K) of a + b cos s + c sin s, (3, m, elbow), for (cos s, sin s), each (m, elbow, K)."""
+    a, b, c = abc[..., None]
+    value: Array = a + b * wave[0] + c * wave[1]
+    return value
+
+
+def _roots(a: Array, b: Array, c: Array) -> Array:
+    """Angles (m, elbow, 2) where a + b cos s + c sin s vanishes, of (m, elbow); NaN where it does not."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        half = np.arccos(-a / np.hypot(b, c))
+    middle = np.arctan2(c, b)
+    both = np.stack([middle - half, middle + half], axis=-1)  # within two turns
+    turned: Array = np.minimum(both - TURN * np.ceil(both / TURN - 0.5), np.pi)
+    return turned
+
+
+def _assembled(arm: SolvingArm, pose: Columns, rows: _Rows, bounds: Bounds) -> Found:
+    """The intervals of all branches of the poses."""
+    breaks = _breaks(rows.E, bounds, rows.shifts)
+    K = breaks.shape[-1]
+    real = np.isfinite(breaks)
+    # Angles that do not exist stand at the last one that does, as pieces of no width.
+    last = np.take_along_axis(breaks, np.maximum(real.sum(axis=-1) - 1, 0)[..., None], axis=-1)
+    breaks = np.where(real, breaks, np.where(np.isfinite(last), last, -np.pi))
+    after = np.concatenate([breaks[..., 1:], breaks[..., :1] + TURN], axis=-1)
+    # Pieces of no width are what the wide one before them is, round the circle.
+    wide = np.where(after - breaks > _NARROWEST, np.arange(K), -1)
+    of = np.maximum.accumulate(wide, axis=-1)
+    of = np.where(of < 0, wide.max(axis=-1, keepdims=True), of)
+    inside = rows.inside(bounds, np.take_along_axis(0.5 * (breaks + after), of, axis=-1))
+    before = np.roll(inside, 1, axis=-1)
+    i, b, k = np.nonzero(inside & ~before)
+    i_end, b_end, stop = np.nonzero(before & ~inside)
+    stop = _paired(8 * i + b, k, 8 * i_end + b_end, stop)
+    low, high = breaks[i, b >> 1 & 1, k], breaks[i, b >> 1 & 1, stop]
+    table = np.array([End("limit", name, upper=upper) for name in arm.joint_names for upper in (False, True)])
+    ends = np.stack([table[rows.at_limit(bounds, i, b, each)] for each in (low, high)], axis=-1)
+    i_whole, b_whole = np.nonzero(inside.all(axis=-1))
+    ends = np.concatenate([ends, np.full((len(i_whole), 2), End("none"))])
+    half_turns = np.full(len(i_whole), np.pi)
+    column = np.concatenate([b, b_whole])
+    where = np.concatenate([pose[i], pose[i_whole]])
+    low, high = (
+        np.concatenate([low, -half_turns]),
+        np.concatenate([np.where(high <= low, high + TURN, high), half_turns]),
+    )
+    nothing = np.zeros(len(low), dtype=np.intp)
+    empty = np.zeros(0), np.zeros((0, 7)), np.zeros((0, 17))
+    found = Found(where, low, high, column, ends, nothing, nothing, *empty)
+    return found.of(np.lexsort((low, column, where)))
+
+
+def _paired(row: Columns, k: Columns, row_end: Columns, k_end: Columns) -> Columns:
+    """For each beginning the end that comes next, round the circle; both sorted by row, as many of each in a row."""
+    if not len(row):
+        return k_end
+    start = np.flatnonzero(np.concatenate([[True], row[1:] != row[:-1]]))
+    count = np.diff(np.append(start, len(row)))
+    late = k_end[start] < k[start]  # the first end belongs to what began before the circle was opened
+    place = np.arange(len(row)) - np.repeat(start, count)
+    ends: Columns = k_end[np.repeat(start, count) + (place + np.repeat(late, count)) % np.repeat(count, count)]
+    return ends

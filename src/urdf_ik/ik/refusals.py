@@ -1,0 +1,116 @@
+"""Why an arm cannot be solved, and what would help."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from urdf_ik._core import Solver
+from urdf_ik.errors import ArgumentError, ChainError, UnsupportedArm
+from urdf_ik.ik.families import RedundantPlan, coupled
+from urdf_ik.ik.families.registry import MOST_JOINTS
+from urdf_ik.kinematics.chain import CoupledChain, dependent_joints, kinds_of
+from urdf_ik.support import inputs
+from urdf_ik.support.text import quoted
+
+if TYPE_CHECKING:
+    from urdf_ik.ik.families import Plan
+    from urdf_ik.kinematics.chain import Chain
+    from urdf_ik.kinematics.chain.free_axis import FreeAxis
+    from urdf_ik.kinematics.structure import Structure
+
+
+def check_given(name: str, chain: Chain, given: Any) -> tuple[str, ...]:
+    """Names of joints that may be the redundancy parameters of an arm.
+
+    Raises:
+        ChainError: one is no joint of the chain; the error lists those that are.
+        ArgumentError: no names, the same joint twice, or more of them than a pose leaves free.
+        UnsupportedArm: joints mimic others.
+    """
+    needed = "names of joints"
+    joints = inputs.items(given, "redundancy", needed)
+    if any(not isinstance(each, str) for each in joints):
+        raise ArgumentError(f"redundancy={quoted(given)} given; {needed} are needed")
+    if unknown := [each for each in joints if each not in chain.joint_names]:
+        raise ChainError(
+            f"{quoted(unknown[0])} cannot be the redundancy parameter: it is not among the movable joints from "
+            f"{quoted(chain.base)} to {quoted(chain.tip)}",
+            chain.joint_names,
+        )
+    if len(set(joints)) < len(joints):
+        raise ArgumentError(f"redundancy={quoted(joints)} given; each joint can be named once")
+    if joints and isinstance(chain, CoupledChain):
+        raise UnsupportedArm(f"{name}: joints mimic others, and none of them can be the redundancy parameter")
+    if len(joints) > max(chain.n - 6, 0):
+        raise ArgumentError(
+            f"{name}: redundancy={quoted(joints)} given, and its {chain.n} joints leave {max(chain.n - 6, 0)} values "
+            "free"
+        )
+    return joints
+
+
+def check_free_axis(name: str, chain: Chain, axis: FreeAxis, plan: Plan | None, task: str) -> None:
+    """That the tip of an arm may turn about an axis.
+
+    Args:
+        name: of the arm.
+        chain: its joints.
+        axis: the axis.
+        plan: how its poses are solved.
+        task: what its joints control.
+
+    Raises:
+        ArgumentError: it is no axis, or a joint in the arm's middle is given.
+        ArgumentError: the arm controls less than any pose, which leaves nothing to choose about a rotation.
+    """
+    inputs.kind(axis, "rotation", "free_axis", "an axis, as Arm.with_free_axis makes it,")
+    if task != "pose":
+        raise ArgumentError(
+            f"{name}: its {chain.n} joints control the task {task!r}, which leaves rotations free as it is: "
+            f"arm.ik(target, task={task!r}); only an arm that controls whole poses takes a free axis"
+        )
+    if plan is not None and chain.n < 6:
+        raise ArgumentError(
+            f"{name}: its {chain.n} joints do not reach every pose, and another rotation about {axis} is out of reach "
+            "as a rule; only arms with six joints or more take a free axis"
+        )
+    if plan is not None and not isinstance(plan.solver, Solver):
+        joint = plan.parameters[0].joint if isinstance(plan, RedundantPlan) else None
+        raise ArgumentError(
+            f"{name}: {joint} is given, a joint in the middle, and such an arm takes no free axis; name an end joint, "
+            "or none: arm.with_redundancy(...)"
+        )
+
+
+def unsupported(name: str, chain: Chain, structure: Structure) -> UnsupportedArm:
+    """The error for an arm without a solver."""
+    if isinstance(chain, CoupledChain):
+        return UnsupportedArm(
+            f"{name}: {coupled.why_not(chain)}; joints that mimic others: "
+            f"{', '.join(map(str, chain.followers))}; independent: {', '.join(chain.joint_names)}"
+        )
+    if chain.n == 0:
+        return UnsupportedArm(f"{name}: no joint moves between {quoted(chain.base)} and {quoted(chain.tip)}")
+    same = dependent_joints(chain)
+    if same:
+        return UnsupportedArm(
+            f"{name}: the joints are redundant, and a pose has a continuum of solutions or none: at every joint vector "
+            f"each of {', '.join(same)} moves the tip as the others of these do together. Hold one of them at a value "
+            f"[rad or m], as in urdf_ik.load(..., locked={{{quoted(same[-1])}: 0.0}}). {structure}"
+        )
+    if chain.n == 6:
+        return UnsupportedArm(
+            f"{name}: no solver for two slides three joints apart ({kinds_of(chain)}) without a "
+            "spherical wrist at either end; one of them held at a value, as in "
+            f"urdf_ik.load(..., locked={{name: 0.0}}), leaves five joints that are solved. {structure}"
+        )
+    if chain.n <= 7:
+        return UnsupportedArm(f"{name}: no solver for this arm yet. {structure}")
+    if chain.n <= MOST_JOINTS:
+        return UnsupportedArm(f"{name}: no solver for any six of its {chain.n} joints, the others held. {structure}")
+    held = ", ".join(f"{quoted(name)}: 0.0" for name in chain.joint_names[: chain.n - MOST_JOINTS])
+    return UnsupportedArm(
+        f"{name}: {chain.n} joints from {quoted(chain.base)} to {quoted(chain.tip)} ({', '.join(chain.joint_names)}); "
+        f"at most {MOST_JOINTS} are solved: hold {chain.n - MOST_JOINTS} or more of them, each at a value [rad or m], "
+        f"as in urdf_ik.load(..., locked={{{held}}})"
+    )

@@ -1,0 +1,170 @@
+"""Which solution to take: the nearest to a reference, by several measures of distance."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from urdf_ik.errors import ArgumentError
+from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
+from urdf_ik.support import inputs
+from urdf_ik.support.angles import TURN
+from urdf_ik.support.text import quoted
+from urdf_ik.support.tolerances import LARGEST
+
+if TYPE_CHECKING:
+    from urdf_ik.ik.solutions.solved_arm import SolvedArm
+
+Array = NDArray[np.float64]
+Metric = Literal["l2", "max", "time"]
+
+METRICS: tuple[Metric, ...] = ("l2", "max", "time")
+"""Distances of joint vectors: sqrt(sum of weight * difference^2), the greatest weight * |difference|, and the greatest
+weight * |difference| / speed [s] at the URDF's velocity limits."""
+
+Quality = Literal["limits", "manipulability", "clearance"]
+
+QUALITIES: tuple[Quality, ...] = ("limits", "manipulability", "clearance")
+"""Measures of a solution by itself, of which more is better."""
+
+
+@dataclass(frozen=True, eq=False)
+class Measure:
+    """A distance of joint vectors, and how far each joint may be away at all.
+
+    Attributes:
+        metric: one of ``METRICS``.
+        factors: (n,) of squared differences for 'l2', of differences for the others.
+        within: (n,) rad or m, greatest difference of each joint that counts; None: all do.
+    """
+
+    metric: Metric
+    factors: Array
+    within: Array | None = None
+
+    def distance(self, difference: Array) -> Array:
+        """(...) of differences (..., n), infinite for NaN rows."""
+        if self.metric == "l2":
+            total = np.sqrt((self.factors * difference * difference).sum(axis=-1))
+        else:
+            total = (self.factors * np.abs(difference)).max(axis=-1, initial=0.0)
+        return np.where(np.isnan(total), np.inf, total)
+
+    def beyond(self, difference: Array) -> Array:
+        """(...) rad or m by which the farthest joint of differences (..., n) is beyond ``within``, 0 inside it.
+
+        The rounding that the contract grants to a solution is not counted.
+        """
+        if self.within is None:
+            return np.zeros(difference.shape[:-1])
+        out = (np.abs(difference) - self.within - LIMIT_TOLERANCE).max(axis=-1, initial=0.0)
+        return np.asarray(out)
+
+
+def measure(arm: SolvedArm, metric: str, weights: ArrayLike | None, within: ArrayLike | None) -> Measure:
+    """A distance for the joint vectors of an arm.
+
+    Raises:
+        ArgumentError: there is no such metric, 'time' is asked for where the URDF does not give the speed of every
+            joint, or ``within`` is negative or not a number.
+        ArgumentError: ``weights`` or ``within`` do not fit the arm.
+    """
+    names = arm.joint_names
+    each = np.ones(len(names)) if weights is None else factors(weights, names)
+    inputs.choice(metric, "metric", (*METRICS, "time") if "time" not in METRICS else METRICS)
+    if metric == "time":
+        speeds = arm.velocity_limits
+        if unknown := [repr(name) for name, speed in zip(names, speeds, strict=True) if np.isinf(speed)]:
+            raise ArgumentError(
+                f"metric='time' needs the greatest speed of every joint, and the URDF gives none for "
+                f"{', '.join(unknown)}; write velocity=... into <limit>, or take metric='max' with weights of 1 / speed"
+            )
+        each = each / speeds
+    return Measure(metric, each, None if within is None else bounds(within, names))  # type: ignore[arg-type]
+
+
+def difference(q: Array, q_ref: Array, round_joints: NDArray[np.bool_] | Array) -> Array:
+    """How far joint vectors are from a reference.
+
+    Args:
+        q: (..., n) rad or m.
+        q_ref: (..., n) rad or m, which broadcasts against ``q``.
+        round_joints: (n,) joints whose difference is taken on the circle, at most pi; a number: so many turns round.
+
+    Returns:
+        (..., n) rad or m.
+    """
+    apart: Array = np.asarray(q - q_ref)
+    once_round = TURN * np.asarray(round_joints, dtype=np.float64)
+    return apart - once_round * np.rint(apart / np.where(once_round, once_round, 1.0))
+
+
+def least_columns(values: Array, n: int) -> NDArray[np.intp]:
+    """(..., n) columns of the n least of values (..., B), the least first, ties by column."""
+    if n == 1:
+        return np.asarray(np.argmin(values, axis=-1, keepdims=True))
+    return np.argsort(values, axis=-1, kind="stable")[..., :n]
+
+
+def reference(q_ref: ArrayLike, names: Sequence[str], batch: tuple[int, ...]) -> Array:
+    """``q_ref`` as (n,) or (..., n) finite float64, for poses of the shape ``batch``.
+
+    Raises:
+        ArgumentError: it does not fit the joints ``names`` or the poses, or is not finite.
+    """
+    array = _joint_vector(q_ref, "q_ref", names)
+    try:
+        np.broadcast_to(array, (*batch, array.shape[-1]))
+    except ValueError:
+        raise ArgumentError(
+            f"q_ref has the shape {array.shape} and the poses {batch}: one joint vector, or one a pose"
+        ) from None
+    return array
+
+
+def bounds(within: ArrayLike, names: Sequence[str]) -> Array:
+    """``within`` as (n,), one number for all joints ``names`` or one a joint, zero or positive, perhaps infinite.
+
+    Raises:
+        ArgumentError: there are not as many numbers as joints.
+        ArgumentError: a number is negative or NaN.
+    """
+    array = inputs.real(within, "within", "a number, or one a joint", ArgumentError)
+    if array.shape not in ((), (len(names),)):
+        raise ArgumentError(
+            f"within has the shape {array.shape}; one number [rad or m] is needed, or one for each of the "
+            f"{len(names)} joints: {', '.join(names)}"
+        )
+    if not (((array >= 0.0) & (array <= LARGEST)) | (array == np.inf)).all():
+        raise ArgumentError(
+            f"within={quoted(within)} given; zero or positive numbers of rad or m are needed, up to {LARGEST:g}, or inf"
+        )
+    return np.broadcast_to(array, (len(names),)).copy()
+
+
+def factors(weights: ArrayLike, names: Sequence[str]) -> Array:
+    """``weights`` as (n,) finite float64: zero, or within a factor of LARGEST of one.
+
+    Raises:
+        ArgumentError: they do not fit the joints ``names``, or one is negative or not finite.
+    """
+    array = _joint_vector(weights, "weights", names)
+    if array.ndim != 1 or not ((array == 0.0) | inputs.usable(array)).all():
+        raise ArgumentError(f"weights are {quoted(weights)}; one number a joint is needed, zero or {inputs.USABLE}")
+    return array
+
+
+def _joint_vector(value: ArrayLike, what: str, names: Sequence[str]) -> Array:
+    """``value`` as (..., n) finite float64."""
+    array = inputs.real(value, what, f"an array of numbers (..., {len(names)})", ArgumentError)
+    if array.shape[-1:] != (len(names),):
+        raise ArgumentError(
+            f"{what} has the shape {array.shape}; the arm has {len(names)} joints: {', '.join(names)}"
+        )
+    if (bad := inputs.first_bad(array)) is not None:
+        raise ArgumentError(f"{what} is {quoted(value)}; {inputs.why_bad(array[bad])}")
+    return array

@@ -1,0 +1,376 @@
+"""IKSolutions: what ``arm.ik`` returns, and how solutions are filtered, multiplied and chosen."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.errors import ArgumentError
+from urdf_ik.ik.solutions import distances, explanations, limits, tables
+from urdf_ik.ik.solutions.solution import KeptSolutions, Singular, Solution, Step
+from urdf_ik.ik.solutions.turn_names import suffix, turned_branches
+from urdf_ik.support import inputs
+from urdf_ik.support.frozen import frozen
+from urdf_ik.support.text import quoted
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
+
+
+class IKSolutions(KeptSolutions):
+    """The solutions of one pose or of a batch of poses, one column a branch.
+
+    The solutions of a single pose are iterated over, counted with ``len`` and picked with ``s[k]``, the valid
+    ones only; a batch is indexed like a NumPy array of its poses, ``s[i]``, ``s[2:5]``, ``s[mask]``.
+    ``within_limits``, ``turns``, ``collision_free``, ``nearest`` and ``best`` return solutions, and compose. Solutions
+    do not change.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> s = arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))
+        >>> len(s), s.q.shape, s[0].branch
+        (8, (8, 6), 'shoulder front, elbow up, wrist noflip')
+    """
+
+    __slots__ = ()
+
+    def within_limits(self, tol: float = limits.LIMIT_TOLERANCE) -> IKSolutions:
+        """The solutions inside the joint limits.
+
+        The solver gives angles in (-pi, pi]. One that is outside is replaced by its +-2 pi image inside the
+        limits, the nearest to it: -1 becomes 5.28 for a joint from 0 to 6.28. What has no image inside is
+        dropped. A continuous joint is always inside. Images that ``turns`` gave are kept or dropped as they are.
+
+        Args:
+            tol: rad or m that a returned value may exceed a limit by; negative: the margin to keep.
+
+        Raises:
+            ArgumentError: ``tol`` is not finite.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("puma_560")
+            >>> s = arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))
+            >>> len(s), len(s.within_limits())
+            (8, 2)
+        """
+        return self._moved_inside(limits.nearest_image(self._q, self.arm.limits, self._turning, tol), tol)
+
+    def turns(self, tol: float = limits.LIMIT_TOLERANCE) -> IKSolutions:
+        """Every +-2 pi image inside the joint limits: up to 8 x 64 for six joints of +-2 pi.
+
+        The columns of one branch lie together, the image of fewest turns first. A column's name gives its
+        turns, '... [q1+360°]', where they are the same for every pose, which they are for a single one,
+        else the number of the image; ``names`` and ``Solution.branch`` always give the turns. A prismatic
+        or continuous joint has only the value it has. Filter collisions first: images do not change them.
+
+        Args:
+            tol: rad or m that a returned value may exceed a limit by.
+
+        Raises:
+            ArgumentError: ``tol`` is not finite, or there are too many images for one array; see ``iter_turns``.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("puma_560")
+            >>> s = arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))
+            >>> len(s), len(s.turns())
+            (8, 3)
+        """
+        if "turns" in self.filters:
+            return self
+        turned = limits.turns(self._q, self.arm.limits, self.arm.chain.image_turns, tol)
+        columns = np.repeat(np.arange(self._q.shape[-2]), len(turned.ranks))
+        info = np.where(turned.valid, self._info[..., columns], np.uint8(0))
+        before = self._turns_of(self._q)
+        apart: Array = self.arm.chain.image_turns
+        total = [k * apart[i] + before[..., i, None] for i, k in enumerate(turned.steps)]
+        branches = turned_branches(self._branches, total, turned.ranks)
+        step = Step("turns", self, np.broadcast_to(columns, info.shape), tol)
+        return self._derived(turned.q, info, branches, step)
+
+    def iter_turns(self, tol: float = limits.LIMIT_TOLERANCE) -> Iterator[Solution]:
+        """The solutions of ``turns()`` for a single pose one by one, ``index`` being the column here.
+
+        Each is made when it is asked for, however many there are: of a tolerance of 1e6 rad no list is wanted.
+
+        Raises:
+            ArgumentError: this is a batch.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("puma_560")
+            >>> s = arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))
+            >>> len(list(s.iter_turns())) == len(s.turns())
+            True
+        """
+        columns, names, turning = self._columns("iter_turns()"), self.names, self._turning
+        is_turned = "turns" in self.filters
+        for column in columns:
+            for q in limits.iter_turns(self._q[column], self.arm.limits, turning, tol):
+                name = names[column] if is_turned else names[column] + suffix(self._turns_of(q))
+                yield Solution(frozen(q), name, Singular(int(self._info[column]) >> 1 & 15), int(column))
+
+    def nearest(
+        self,
+        q_ref: ArrayLike,
+        weights: ArrayLike | None = None,
+        n: int = 1,
+        *,
+        metric: distances.Metric = "l2",
+        within: ArrayLike | None = None,
+        within_limits: bool = False,
+    ) -> IKSolutions:
+        """The solution nearest to a joint vector, for every pose: one column, or ``n`` of them, nearest first.
+
+        The difference of an angle is taken on the circle, at most pi. After ``turns`` it is the way the joint has to
+        go, but for continuous joints, which can go round. Equally near solutions: the first branch.
+
+        Args:
+            q_ref: (n,) or one for each pose (..., n), rad or m.
+            weights: (n,) not negative; default: 1 for every joint.
+            n: number of columns, at most B.
+            metric: 'l2': ``sqrt(sum of weight * difference^2)``; 'max': the greatest ``weight * |difference|``; 'time':
+                the greatest ``weight * |difference| / speed``, seconds at the URDF's velocity limits,
+                ``arm.velocity_limits``.
+            within: rad or m, one number or one a joint, that no joint may be further away; what is beyond is dropped.
+            within_limits: whether only what lies inside the joint limits counts, each solution by its image there that
+                is nearest to ``q_ref``; the difference is then the way that the joint has to go. That is the nearest
+                of all ``turns()``, which need not be listed for it.
+
+        Raises:
+            ArgumentError: ``q_ref``, ``weights`` or ``within`` do not fit the arm, or are not finite.
+            ArgumentError: ``n`` is not a number of columns, ``within`` is negative, there is no such metric, or the
+                URDF lacks a speed that 'time' needs.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> q = [0.3, -0.5, 0.8, 0.4, 0.7, -0.2]
+            >>> arm.ik(arm.fk(q)).nearest(q)[0].q.round(6).tolist()
+            [0.3, -0.5, 0.8, 0.4, 0.7, -0.2]
+        """
+        reference = distances.reference(q_ref, self.arm.joint_names, self.shape)[..., None, :]
+        measure = distances.measure(self.arm, metric, weights, within)
+        self._require_columns(n, "nearest")
+        within_limits = inputs.flag(within_limits, "within_limits")
+        kept: IKSolutions = self
+        if within_limits:
+            kept = self._moved_inside(limits.image_near(self._q, reference, self.arm.limits, self._turning))
+        apart = kept._apart(reference, on_circle=not within_limits)
+        away = measure.distance(apart)
+        if measure.within is not None:
+            near = measure.beyond(apart) <= 0.0  # false for NaN rows
+            q, info = np.where(near[..., None], kept._q, np.nan), np.where(near, kept._info, np.uint8(0))
+            step = Step("within", kept, apart=apart, within=measure.within)
+            kept = self._derived(q, info, self._branches, step)
+            away = np.where(near, away, np.inf)
+        return kept._picked(distances.least_columns(away, n), "nearest")
+
+    def best(self, by: distances.Quality, n: int = 1, *, world: Any = None) -> IKSolutions:
+        """The solution that is best by a measure of quality, for every pose: one column, or ``n``, best first.
+
+        Equally good solutions: the first branch.
+
+        Args:
+            by: 'limits': farthest from the joint limits, each solution by its image farthest inside them, which is the
+                best of all ``turns()``; what has no image inside is dropped. 'manipulability' and 'clearance': see
+                :meth:`scores`.
+            n: number of columns, at most B.
+            world: obstacles for 'clearance', a ``urdf_ik.World``.
+
+        Raises:
+            ArgumentError: there is no such measure, ``n`` is not a number of columns, or a world is given that the
+                measure does not look at.
+            UrdfError: 'clearance' is asked for, and the URDF's collision shapes are missing or cannot be read.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> arm.ik(arm.fk([0.3, 0.5, 0.1, 0.2])).best("limits")[0].branch
+            'elbow right'
+        """
+        self._require_columns(n, "best")
+        inputs.choice(by, "by", distances.QUALITIES)
+        kept: IKSolutions = self
+        if by == "limits":
+            kept = self._moved_inside(limits.image_inmost(self._q, self.arm.limits, self._turning))
+        scores = kept.scores(by, world=world)
+        return kept._picked(distances.least_columns(np.where(np.isnan(scores), np.inf, -scores), n), "best")
+
+    def scores(self, by: distances.Quality, *, world: Any = None) -> Array:
+        """How good each solution is as it stands: (..., B), more is better, NaN where there is no solution.
+
+        Args:
+            by: 'limits': how far it is from the joint limits, see :func:`urdf_ik.ik.solutions.limits.margin`.
+                'manipulability': Yoshikawa's measure, of the translation alone for an arm that controls no more.
+                'clearance': m, how far the arm's links are from touching each other or the world.
+            world: obstacles for 'clearance', a ``urdf_ik.World``.
+
+        Raises:
+            ArgumentError: there is no such measure, or a world is given that the measure does not look at.
+            UrdfError: 'clearance' is asked for, and the URDF's collision shapes are missing or cannot be read.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> arm.ik(arm.fk([0.3, 0.5, 0.1, 0.2])).scores("limits").round(4).tolist()
+            [0.6662, 0.8024]
+        """
+        inputs.choice(by, "by", distances.QUALITIES)
+        if world is not None and by != "clearance":
+            raise ArgumentError(f"by={quoted(by)} looks at no world; leave it out, or take by='clearance'")
+        if by == "limits":
+            return limits.margin(self._q, self.arm.limits)
+        places = np.nonzero(self._info & 1)
+        vectors = self._q[places]
+        scores = np.full(self._info.shape, np.nan)
+        if by == "manipulability":
+            scores[places] = self.arm.manipulability(vectors, self.arm.control.part)
+        elif len(vectors):
+            scores[places] = self.arm.clearance(vectors, world)
+        return scores
+
+    def collision_free(self, world: Any = None, margin: float = 0.0) -> IKSolutions:
+        """The solutions in which the arm touches neither itself nor an obstacle, by ``arm.collision_model``.
+
+        Args:
+            world: the :class:`urdf_ik.World` around the arm; default: none, only the arm itself.
+            margin: m that the bodies must stay apart.
+
+        Raises:
+            ArgumentError: ``margin`` is negative or not finite.
+            UrdfError: the URDF has no collision shapes, or not all of them were found.
+            ArgumentError: an obstacle's mesh cannot be read, or it has the name of a link.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm, world = urdf_ik.load("zyyzyz_6r"), urdf_ik.World()
+            >>> world.add("ball", urdf_ik.Sphere(0.3), urdf_ik.pose([0.4, 0.0, 1.6]))
+            >>> s = arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))
+            >>> len(s), len(s.collision_free(world))
+            (8, 4)
+        """
+        margin = inputs.number(margin, "margin", low=0.0, unit="m")
+        q, info = self._q.copy(), self._info.copy()
+        places = np.nonzero(info & 1)
+        model = self.arm.collision_model.in_world(world)
+        hits = np.asarray(model.in_collision(q[places], margin), dtype=np.bool_)
+        dropped = tuple(place[hits] for place in places)
+        q[dropped], info[dropped] = np.nan, 0
+        return self._derived(q, info, self._branches, Step("collision", self, amount=margin, model=model))
+
+    def to_frame(self) -> Any:
+        """The solutions as a ``pandas.DataFrame``, one row each.
+
+        Columns: of a batch ``pose`` (``pose_0``, ``pose_1``, ... where it has several axes); ``branch``; a joint's
+        value [rad or m] under its name; ``within_limits``, whether that filter keeps it; ``singular``, as words.
+
+        Raises:
+            MissingPackage: pandas is not installed.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("puma_560")
+            >>> frame = arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])).to_frame()
+            >>> len(frame), int(frame["within_limits"].sum())
+            (8, 2)
+        """
+        return tables.to_frame(self)
+
+    def to_xarray(self) -> Any:
+        """The whole answer as an ``xarray.Dataset``, by pose, branch and joint.
+
+        Variables: ``q`` [rad or m], NaN where there is no solution; ``valid``; ``singular``, bits of ``Singular``;
+        ``within_limits``, whether that filter keeps it; ``T`` [m], the poses. Branches and joints are coordinates, with
+        their names; ``unit`` is that of each joint.
+
+        Raises:
+            MissingPackage: xarray is not installed.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("puma_560")
+            >>> data = arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])).to_xarray()
+            >>> dict(data.sizes)["branch"], data.attrs["tip"]
+            (8, 'tool0')
+        """
+        return tables.to_xarray(self)
+
+    def _repr_html_(self) -> str:
+        return tables.html(self)
+
+    def explain(self) -> str:
+        """Why there is no solution: out of reach, with the number that is, or dropped by limits or collisions.
+
+        Returns:
+            A sentence for a single pose, '' if it has a solution. For a batch a line for each pose without one, which
+            begins with the pose's index.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("planar_2r")
+            >>> print(arm.ik([0.3, 0.0], task="planar position").explain())
+            the tip is 0.3 m from axis 1, reach 0.196 m
+        """
+        if not self.shape:
+            return explanations.explanation(self)
+        lost = [place for place in np.ndindex(self.shape) if not self._info[place].any()]
+        return "\n".join(f"pose {list(place)}: {explanations.explanation(self[place])}" for place in lost)
+
+    def table(self, degrees: bool = False) -> str:
+        """The solutions of a single pose as text, a line each; a batch in one sentence.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> print(arm.ik(arm.fk([0.3, 0.5, 0.1, 0.2])).table(degrees=True))
+            scara_rrpr: 2 solutions
+            #  branch       q1 [deg]  q2 [deg]  q3 [m]  q4 [deg]
+            0  elbow left      43.40    -28.65  0.1000    -19.63
+            1  elbow right     17.19     28.65  0.1000     11.46
+        """
+        return explanations.table(self, degrees)
+
+    def __str__(self) -> str:
+        return self.table()
+
+    def __repr__(self) -> str:
+        filters = "".join(f", {name}" for name in self.filters)
+        if self.shape:
+            return f"<IKSolutions of {self.arm.name}: poses {self.shape}, {self.count.sum()} solutions{filters}>"
+        return f"<IKSolutions of {self.arm.name}: {self.count} in {self._info.shape[-1]} columns{filters}>"
+
+    def _require_columns(self, n: int, what: str) -> None:
+        inputs.whole(n, f"the n {what} of {self._q.shape[-2]} columns: n", low=1, high=self._q.shape[-2])
+
+    def _apart(self, reference: Array, *, on_circle: bool) -> Array:
+        """Differences (..., B, n) from references (..., 1, n); ``on_circle``: joints that turn by the shorter way."""
+        turns: Array = np.zeros(len(self.rotary))
+        if on_circle:
+            round_for_ever = np.isinf(self.arm.limits).any(axis=1)
+            turns = np.where(round_for_ever, self.arm.chain.image_turns, self._turning)
+        return distances.difference(self._q, reference, turns)
+
+    def _moved_inside(
+        self, images: tuple[Array, NDArray[np.bool_]], tol: float = limits.LIMIT_TOLERANCE
+    ) -> IKSolutions:
+        """The images inside the joint limits, and which of them there are."""
+        q, inside = images
+        info = np.where(inside, self._info, np.uint8(0))
+        return self._derived(q, info, self._branches, Step("limits", self, amount=tol))
+
+    def _picked(self, columns: NDArray[np.intp], how: str) -> IKSolutions:
+        """The solutions in these columns (..., n)."""
+        q = np.take_along_axis(self._q, columns[..., None], axis=-2)
+        info = np.take_along_axis(self._info, columns, axis=-1)
+        names = tuple(how if k == 0 else f"{how} {k + 1}" for k in range(columns.shape[-1]))
+        return self._derived(q, info, names, Step(how, self, columns))
+
+    def _derived(self, q: Array, info: NDArray[np.uint8], branches: tuple[str, ...], step: Step) -> IKSolutions:
+        return IKSolutions(self.arm, self._poses, q, info, branches, None, step, self._redundancy)

@@ -1,0 +1,33 @@
+"""Which member of a continuum stands for it, where every pose of a batch has a reference of its own."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.ik.solutions import distances
+from urdf_ik.ik.solutions.ik_solutions import IKSolutions
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+
+def near_each(solutions: IKSolutions, q_ref: Array) -> IKSolutions:
+    """A batch as it was solved, singular poses solved again, each near its own joint vector of ``q_ref`` (..., n).
+
+    Raises:
+        ArgumentError: ``q_ref`` does not fit the poses.
+    """
+    arm: Any = solutions.arm
+    reference = distances.reference(q_ref, arm.joint_names, solutions.shape)
+    reference = np.broadcast_to(reference, (*solutions.shape, reference.shape[-1]))
+    q, info = solutions._q.copy(), solutions._info.copy()
+    values: Any = solutions._redundancy
+    for place in map(tuple, np.argwhere(solutions.singular.any(axis=-1))):
+        at = {} if values is None else {"redundancy": values[place]}
+        one = arm.ik(solutions._poses[place], np.array(reference[place]), **at)
+        q[place], info[place] = one._q, one._info
+    return IKSolutions(arm, solutions._poses, q, info, solutions._branches, redundancy=values)

@@ -1,0 +1,349 @@
+"""The solutions of poses as they are kept: arrays, names, single solutions, and parts of a batch."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import IntFlag
+from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeVar, overload
+
+import numpy as np
+
+from urdf_ik._core import Answer
+from urdf_ik.errors import ArgumentError
+from urdf_ik.ik.solutions.turn_names import suffix
+from urdf_ik.support import indices
+from urdf_ik.support.angles import TURN
+from urdf_ik.support.frozen import frozen
+from urdf_ik.support.text import quoted
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from urdf_ik.ik.solutions.solved_arm import Collisions, SolvedArm
+
+    Array = NDArray[np.float64]
+    Columns = NDArray[np.intp]
+    Places = slice | tuple[int | slice, ...] | list[int] | NDArray[Any]
+
+# The bit of a pose's first column that says that other solutions may be missing.
+_UNCERTAIN = np.uint8(32)
+
+_Number = TypeVar("_Number", bound=np.generic)
+
+
+class Singular(IntFlag):
+    """Where the Jacobian of a solution loses rank; 0 where it does not.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("puma_560")
+        >>> q = [0.3, -0.5, 0.8, 0.4, 0.0, -0.2]
+        >>> arm.ik(arm.fk(q), q).nearest(q)[0].singular == Singular.WRIST
+        True
+    """
+
+    SHOULDER = 1
+    ELBOW = 2
+    WRIST = 4
+    OTHER = 8
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Solution:
+    """One joint vector that brings the tip to the pose.
+
+    Attributes:
+        q: (n,) rad or m, read-only.
+        branch: name of its branch, with the turns of an image, as in 'shoulder front, elbow up [q1+360°]'.
+        singular: where the arm is singular there.
+        index: column in the solutions that it was taken from.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("scara_rrpr")
+        >>> solution = arm.ik(arm.fk([0.3, 0.5, 0.1, 0.2])).nearest([0.3, 0.5, 0.1, 0.2])[0]
+        >>> solution.branch, solution.q.round(6).tolist(), bool(solution.singular)
+        ('elbow right', [0.3, 0.5, 0.1, 0.2], False)
+    """
+
+    q: Array
+    branch: str
+    singular: Singular
+    index: int
+
+    def __reduce__(self) -> tuple[Callable[..., Solution], tuple[Array, str, Singular, int]]:
+        return _solution, (self.q, self.branch, self.singular, self.index)
+
+    def __str__(self) -> str:
+        flag = f" (singular: {self.singular.name})" if self.singular else ""
+        return f"{self.branch}: [{', '.join(f'{x:.6f}' for x in self.q)}]{flag}"
+
+
+def _solution(q: Array, branch: str, singular: Singular, index: int) -> Solution:
+    """A solution as it was before it was copied."""
+    return Solution(frozen(q), branch, singular, index)
+
+
+class Step(NamedTuple):
+    """How solutions were made from others.
+
+    Attributes:
+        how: 'limits', 'turns', 'collision', 'within', 'nearest' or 'best'.
+        parent: the solutions before.
+        columns: (..., B) the column of theirs that each column comes from; None: the same.
+        amount: tolerance [rad or m] of the limits, margin [m] of collisions.
+        apart: (..., B, n) rad or m, how far each joint of the solutions before was from the reference, for 'within'.
+        within: (n,) rad or m, how far it may be, for 'within'.
+        model: what was asked whether anything touches, for 'collision'.
+    """
+
+    how: str
+    parent: KeptSolutions
+    columns: Columns | None = None
+    amount: float = 0.0
+    apart: Array | None = None
+    within: Array | None = None
+    model: Collisions | None = None
+
+    def __reduce__(self) -> tuple[Callable[..., Step], tuple[Any, ...]]:
+        return _step, tuple(self)
+
+
+def _step(*fields: Any) -> Step:
+    """A step as it was before it was copied."""
+    parts: list[Any] = [frozen(each) if isinstance(each, np.ndarray) else each for each in fields]
+    return Step(*parts)
+
+
+class KeptSolutions(Answer):
+    """The arrays of :class:`IKSolutions`, which adds what is done with them."""
+
+    # Solving one pose takes a fraction of a microsecond. The compiled base keeps what is set below; where the solver
+    # itself made it, it makes the arrays of poses, q and info when they are first asked for.
+    __slots__ = ()
+
+    def __init__(
+        self,
+        arm: SolvedArm,
+        T: Array,
+        q: Array,
+        info: NDArray[np.uint8],
+        branches: tuple[str, ...],
+        origin: Columns | None = None,
+        step: Step | None = None,
+        redundancy: Array | None = None,
+    ) -> None:
+        """Keep the arrays as they are, without a check or a copy.
+
+        Args:
+            arm: the arm that was solved.
+            T: (..., 4, 4) m, the poses.
+            q: (..., B, n) rad or m, NaN rows where there is no solution.
+            info: (..., B), bit 0: valid, bits 1 to 4: ``Singular``; bit 5 of the first column: other solutions of the
+                pose may be missing.
+            branches: B names.
+            origin: (B,) each column's branch of the family; default: its own index.
+            step: how they were made from other solutions; None: solved.
+            redundancy: (...) rad or m, each pose's value of the redundancy parameter; None: its default.
+        """
+        self.arm = arm
+        self._poses = T
+        self._q = q
+        self._info = info
+        self._branches = branches
+        self._origin = origin
+        self.step = step
+        self._redundancy = redundancy
+
+    def __reduce__(self) -> tuple[type[Self], tuple[Any, ...]]:
+        whole = (self.arm, self._poses, self._q, self._info, self._branches, self._origin, self.step, self._redundancy)
+        return type(self), whole
+
+    @property
+    def q(self) -> Array:
+        """(..., B, n) rad or m, NaN where there is no solution; angles in (-pi, pi] as the solver gives them."""
+        q = self._q
+        q.setflags(write=False)
+        return q
+
+    @property
+    def valid(self) -> NDArray[np.bool_]:
+        """(..., B) whether there is a solution."""
+        return frozen((self._info & 1).view(np.bool_))
+
+    @property
+    def singular(self) -> NDArray[np.uint8]:
+        """(..., B) bits of ``Singular``, 0 where there is no solution."""
+        return frozen(self._info >> np.uint8(1) & np.uint8(15))
+
+    @property
+    def certain(self) -> NDArray[np.bool_]:
+        """(...) whether the solver is certain that it has found every solution of the pose.
+
+        A closed form is: each of its steps has all of its branches followed. The general solver is where every root of
+        its elimination that may be real led to a solution of its own, or where all complex solutions of the pose were
+        counted, as many as the arm has at almost every pose. Near a special arm (imperfection below 4e-3) the count
+        leaves out complex solutions far from real ones, with an imaginary part above 4: a pose at
+        which one of these were real would not be noticed. All of it is computed in floating point; none is a proof.
+        What filters drop does not change it.
+        """
+        solved: KeptSolutions = self
+        while solved.step is not None:
+            solved = solved.step.parent
+        return frozen(np.asarray(solved._info[..., 0] & _UNCERTAIN == 0))
+
+    @property
+    def branches(self) -> tuple[str, ...]:
+        """B names, one a column, the same for every pose."""
+        return self._branches
+
+    @property
+    def poses(self) -> Array:
+        """(..., 4, 4) m, the poses that were solved, in the base link."""
+        return frozen(self._poses.view())
+
+    @property
+    def redundancy(self) -> Array | None:
+        """(...) rad or m, the redundancy parameter that each pose was solved at; None for an arm without one.
+
+        (..., k) for an arm with k parameters.
+        """
+        if self._redundancy is not None:
+            return frozen(self._redundancy.view())
+        defaults = np.array([parameter.default for parameter in self.arm.redundancies])
+        if not len(defaults):
+            return None
+        return frozen(np.full(self.shape, defaults[0]) if len(defaults) == 1 else np.tile(defaults, (*self.shape, 1)))
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the batch; () for a single pose."""
+        return self._info.shape[:-1]
+
+    @property
+    def count(self) -> NDArray[np.intp]:
+        """(...) number of solutions of each pose."""
+        return np.asarray(np.sum(self._info & 1, axis=-1, dtype=np.intp))
+
+    @property
+    def origin(self) -> Columns:
+        """(..., B) index of each solution's branch in the family's branches."""
+        if self.step is None:
+            own = np.arange(self._info.shape[-1]) if self._origin is None else self._origin
+            return np.broadcast_to(own, self._info.shape)
+        origin = self.step.parent.origin
+        return origin if self.step.columns is None else np.take_along_axis(origin, self.step.columns, axis=-1)
+
+    @property
+    def names(self) -> NDArray[np.object_]:
+        """(..., B) each solution's branch, with the turns of an image; unlike ``branches`` also of those picked."""
+        if self.step is None:
+            return np.broadcast_to(np.array(self._branches, dtype=np.object_), self._info.shape)
+        names: NDArray[np.object_] = self.step.parent.names
+        if self.step.columns is not None:
+            names = np.take_along_axis(names, self.step.columns, axis=-1)
+        if self.step.how == "turns":
+            names = names.copy()
+            for place in np.argwhere(self._info & 1):
+                names[tuple(place)] += suffix(self._turns_of(self._q[tuple(place)]))
+        return names
+
+    @property
+    def filters(self) -> tuple[str, ...]:
+        """How they were chosen, in order: 'limits', 'turns', 'collision', 'within', 'nearest', 'best'."""
+        return () if self.step is None else (*self.step.parent.filters, self.step.how)
+
+    @property
+    def rotary(self) -> NDArray[np.bool_]:
+        """(n,) true for joints that turn, false for prismatic ones."""
+        return np.array([kind != "prismatic" for kind in self.arm.chain.joint_types], dtype=np.bool_)
+
+    def to_array(self) -> Array:
+        """The valid solutions (k, n) of a single pose.
+
+        Raises:
+            ArgumentError: this is a batch.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> arm.ik(arm.fk([0.3, 0.5, 0.1, 0.2])).to_array().round(4).tolist()
+            [[0.7574, -0.5, 0.1, -0.3426], [0.3, 0.5, 0.1, 0.2]]
+        """
+        return self._q[self._columns("to_array()")]
+
+    def __len__(self) -> int:
+        return len(self._columns("len()"))
+
+    def __bool__(self) -> bool:
+        return len(self._columns("the truth value")) > 0
+
+    def __iter__(self) -> Iterator[Solution]:
+        columns = self._columns("iteration")
+        names = self.names
+        return (self._solution(column, names[column]) for column in columns)
+
+    @overload
+    def __getitem__(self, index: int) -> Any: ...  # a Solution of a single pose, the solutions of one pose of a batch
+
+    @overload
+    def __getitem__(self, index: Places) -> Self: ...
+
+    def __getitem__(self, index: int | Places) -> Any:
+        """Poses of a batch: ``IKSolutions``; of a single pose the solution with this number: ``Solution``."""
+        if not self.shape:
+            if isinstance(index, int | np.integer):
+                columns = self._columns("an index")
+                column = columns[indices.place(len(columns), index, "solutions of this pose")]
+                return self._solution(column, self.names[column])
+            raise ArgumentError(
+                f"index {quoted(index)}: the solutions of a single pose take a whole number; or use to_array()"
+            )
+        place: tuple[Any, ...] = index if isinstance(index, tuple) else (index,)
+        plain = all(isinstance(i, int | np.integer | slice) and not isinstance(i, bool) for i in place)
+        if plain and len(place) > len(self.shape):
+            raise ArgumentError(f"{len(place)} indices for a batch of poses of shape {self.shape}; take s[...].q[...]")
+        # Whole numbers in range, as a loop over a batch gives them, need no second look.
+        inside = plain and all(
+            not isinstance(i, slice) and -size <= i < size for i, size in zip(place, self.shape, strict=False)
+        )
+        if not inside:
+            found = indices.picked(self.shape, index)
+            # Whatever NumPy makes of others, applied to the places of the poses so that columns and joints stay whole.
+            place = place if plain else np.unravel_index(found, self.shape)
+        step = self.step
+        if step is not None:
+            own = None if step.columns is None else step.columns[place]
+            apart = None if step.apart is None else step.apart[place]
+            step = step._replace(parent=step.parent[place], columns=own, apart=apart)
+        at = None if self._redundancy is None else np.asarray(self._redundancy[place])
+        return type(self)(
+            self.arm, self._poses[place], self._q[place], self._info[place], self._branches, self._origin, step, at
+        )
+
+    @property
+    def _turning(self) -> Array:
+        """(n,) turns between images that are the same solution: 0 for all where images stand in their own columns."""
+        turns: Array = self.arm.chain.image_turns * ("turns" not in self.filters)
+        return turns
+
+    def _turns_of(self, q: Array) -> Array:
+        """Turns (..., n) that joint vectors are away from where the solver gives them, (-pi, pi]."""
+        apart = self.arm.chain.image_turns
+        turns: Array = apart * np.ceil((q - np.pi * apart) / (TURN * np.where(apart, apart, 1.0)))
+        return turns
+
+    def _columns(self, what: str) -> Columns:
+        """Columns of a single pose's valid solutions."""
+        if self.shape:
+            raise ArgumentError(
+                f"{what} needs a single pose, and these are the solutions of a batch of shape {self.shape}: take one, "
+                "s[i], or the arrays s.q, s.valid and s.count"
+            )
+        return np.flatnonzero(self._info & 1)
+
+    def _solution(self, column: np.intp, name: str) -> Solution:
+        return Solution(frozen(self._q[column]), name, Singular(int(self._info[column]) >> 1 & 15), int(column))

@@ -1,0 +1,164 @@
+"""Solutions as tables of pandas and data sets of xarray, and as HTML for a notebook."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.errors import MissingPackage
+from urdf_ik.ik.solutions.solution import Singular
+from urdf_ik.support.palette import colours
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+INSTALL = "pip install 'urdf-ik[tables]'"
+MOST_ROWS = 32
+"""Solutions that a notebook shows of an answer."""
+_WIDTH, _HEIGHT, _EDGE = 260, 200, 12
+
+
+def to_frame(solutions: Any) -> Any:
+    """See :meth:`urdf_ik.IKSolutions.to_frame`."""
+    try:
+        import pandas
+    except ImportError:
+        raise MissingPackage(f"to_frame() needs pandas: {INSTALL}") from None
+    places = np.argwhere(solutions.valid)
+    at = tuple(places.T)
+    pose_axes = places.shape[1] - 1
+    names = ["pose"] if pose_axes == 1 else [f"pose_{k}" for k in range(pose_axes)]
+    columns: dict[str, Any] = {name: places[:, k] for k, name in enumerate(names)}
+    columns["branch"] = solutions.names[at]
+    columns |= dict(zip(solutions.arm.joint_names, solutions.q[at].T, strict=True))
+    columns["within_limits"] = _within(solutions)[at]
+    columns["singular"] = [str(Singular(int(flags)).name or "") if flags else "" for flags in solutions.singular[at]]
+    return pandas.DataFrame(columns)
+
+
+def to_xarray(solutions: Any) -> Any:
+    """See :meth:`urdf_ik.IKSolutions.to_xarray`."""
+    try:
+        import xarray
+    except ImportError:
+        raise MissingPackage(f"to_xarray() needs xarray: {INSTALL}") from None
+    pose_axes = solutions.valid.ndim - 1
+    poses = ["pose"] if pose_axes == 1 else [f"pose_{k}" for k in range(pose_axes)]
+    arm = solutions.arm
+    units = ["m" if kind == "prismatic" else "rad" for kind in arm.chain.joint_types]
+    return xarray.Dataset(
+        {
+            "q": ((*poses, "branch", "joint"), solutions.q),
+            "valid": ((*poses, "branch"), solutions.valid),
+            "singular": ((*poses, "branch"), solutions.singular),
+            "within_limits": ((*poses, "branch"), _within(solutions)),
+            "T": ((*poses, "row", "column"), solutions.poses),
+        },
+        coords={
+            "branch": list(solutions.branches),
+            "joint": list(arm.joint_names),
+            "unit": ("joint", units),
+        },
+        attrs={"arm": arm.name, "base": arm.base, "tip": arm.tip},
+    )
+
+
+def html(solutions: Any) -> str:
+    """A table of the solutions and a small picture of them; of a batch, the number of solutions of its poses."""
+    arm = solutions.arm
+    title = f"{arm.name}: {arm.base} to {arm.tip}"
+    if solutions.valid.ndim > 1:
+        counts = solutions.valid.sum(axis=-1)
+        lines = f"{counts.size} poses, {int((counts > 0).sum())} solved, {int(counts.sum())} solutions"
+        return f"<div><p><b>{escape(title)}</b><br/>{lines}</p></div>"
+    places = np.flatnonzero(solutions.valid)
+    if not len(places):
+        return f"<div><p><b>{escape(title)}</b><br/>no solution: {escape(solutions.explain())}</p></div>"
+    within, names = _within(solutions), solutions.names
+    shades = colours(len(solutions.branches))
+    rows = []
+    for k, place in enumerate(places[:MOST_ROWS]):
+        singular = solutions.singular[place]
+        values = [f"{value:.4f}" for value in solutions.q[place]]
+        flags = str(Singular(int(singular)).name or "").lower().replace("|", ", ") if singular else "-"
+        rows.append([_dot(shades[place]), str(k), names[place], *values, "yes" if within[place] else "no", flags])
+    header = ["", "#", "branch", *arm.joint_names, "in limits", "singular"]
+    rest = f"<p>and {len(places) - MOST_ROWS} more</p>" if len(places) > MOST_ROWS else ""
+    picture = stick_picture(arm, solutions.q[places[:MOST_ROWS]], [shades[place] for place in places[:MOST_ROWS]])
+    count = f"{len(places)} solution{'' if len(places) == 1 else 's'}"
+    checked = "free of collisions" if "collision" in solutions.filters else "collisions: s.collision_free()"
+    return f"<div><p><b>{escape(title)}</b><br/>{count}; {checked}</p>{picture}{table(header, rows)}{rest}</div>"
+
+
+def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """An HTML table; every cell is escaped, but for one that is markup of this module.
+
+    Example:
+        >>> table(["joint"], [["<b>"]])
+        '<table><thead><tr><th>joint</th></tr></thead><tbody><tr><td>&lt;b&gt;</td></tr></tbody></table>'
+    """
+    head = "".join(f"<th>{escape(cell)}</th>" for cell in header)
+    body = "".join("<tr>" + "".join(f"<td>{_cell(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def stick_picture(arm: Any, q: Array, shades: Sequence[tuple[float, float, float]]) -> str:
+    """Stick figures (k, n) from the side as SVG, seen along the horizontal direction in which they are widest."""
+    points = stick(arm, q)
+    flat = points.reshape(-1, 3)
+    sideways = flat[:, :2] - flat[:, :2].mean(axis=0)
+    across = np.linalg.svd(sideways, full_matrices=False)[2][0] if np.ptp(sideways) > 0.0 else np.array([1.0, 0.0])
+    seen = np.stack([points[..., :2] @ across, points[..., 2]], axis=-1)
+    low, high = seen.min(axis=(0, 1)), seen.max(axis=(0, 1))
+    scale = min((_WIDTH - 2 * _EDGE) / max(high[0] - low[0], 1e-9), (_HEIGHT - 2 * _EDGE) / max(high[1] - low[1], 1e-9))
+    at = _EDGE + (seen - low) * scale
+    at[..., 1] = _HEIGHT - at[..., 1]
+    lines = "".join(
+        f'<polyline points="{" ".join(f"{x:.1f},{y:.1f}" for x, y in figure)}" fill="none" stroke="{_css(shade)}" '
+        'stroke-width="3" stroke-linejoin="round" opacity="0.8"/>'
+        for figure, shade in zip(at, shades, strict=True)
+    )
+    return f'<svg width="{_WIDTH}" height="{_HEIGHT}" role="img" aria-label="the arm from the side">{lines}</svg>'
+
+
+def chain_links(arm: Any) -> tuple[str, ...]:
+    """Links from base to tip."""
+    path = arm.model.path_between(arm.base, arm.tip)
+    links = [arm.base]
+    for joint in path:
+        links.append(joint.child if joint.parent == links[-1] else joint.parent)
+    return tuple(links)
+
+
+def stick(arm: Any, q: Array) -> Array:
+    """(..., k, 3) m, the frames' origins of the chain's links at ``q`` (..., n), base to tip."""
+    poses = arm.link_poses(q)
+    return np.stack([poses[link][..., :3, 3] for link in chain_links(arm)], axis=-2)
+
+
+class _Markup(str):
+    """Text that is HTML already."""
+
+
+def _cell(text: str) -> str:
+    return text if isinstance(text, _Markup) else escape(str(text))
+
+
+def _dot(shade: tuple[float, float, float]) -> str:
+    return _Markup(f'<span style="color:{_css(shade)}">&#9679;</span>')
+
+
+def _css(shade: tuple[float, float, float]) -> str:
+    return "#" + "".join(f"{round(255 * part):02x}" for part in shade)
+
+
+def _within(solutions: Any) -> NDArray[np.bool_]:
+    """(..., B) whether a solution, or an image of it, lies inside the joint limits."""
+    inside: NDArray[np.bool_] = solutions.within_limits().valid
+    return inside

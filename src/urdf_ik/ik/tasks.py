@@ -1,0 +1,265 @@
+"""What an arm with few joints can control of its tip, and solving for just that.
+
+A task counts the numbers that a target fixes: 'pose' (a 4x4 matrix), 'position' (x, y, z), 'position and axis' (x, y,
+z and a direction), 'planar position' (x, y in the arm's plane), 'planar pose' (x, y, angle in the arm's plane).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.errors import ArgumentError, PoseError, UnsupportedArm
+from urdf_ik.ik import families
+from urdf_ik.ik.families import Plan, few_joints, planar
+from urdf_ik.ik.families.wrappers import axis_added
+from urdf_ik.kinematics.chain import least_stretches, sampled
+from urdf_ik.kinematics.chain.plane import Plane, plane_of
+from urdf_ik.kinematics.structure import analyse
+from urdf_ik.support import inputs
+from urdf_ik.support.text import quoted
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.kinematics.chain import Chain
+    from urdf_ik.kinematics.structure import Structure
+
+    Array = NDArray[np.float64]
+
+_WIDTH = {"position": 3, "position and axis": 6, "planar position": 2, "planar pose": 3}
+TASKS = ("pose", *_WIDTH)
+# Smallest singular value of a task's Jacobian, at the middle one of sampled joint vectors, that counts as control.
+_CONTROL = 1e-3
+_HALF = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Control:
+    """What an arm can control of its tip.
+
+    Attributes:
+        task: one of ``TASKS``.
+        plane: of a planar arm, else None.
+        aimed: (3,) the tip's axis whose direction is controlled, in the tip, for 'position and axis', else None.
+    """
+
+    task: str
+    plane: Plane | None = None
+    aimed: Array | None = None
+
+    @property
+    def part(self) -> str:
+        """Rows of the Jacobian that matter: 'translation' where only a position is controlled, else 'all'."""
+        return "translation" if self.task in ("position", "planar position") else "all"
+
+    def target_of(self, T: Array) -> Array:
+        """What the task fixes of poses ``T`` (..., 4, 4) of the tip [m]: a target for it.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("positioning_3r")
+            >>> (arm.control.target_of(arm.fk([0.0, 0.0, 0.0])).round(6) + 0.0).tolist()
+            [0.8, 0.0, 0.4]
+        """
+        if self.task == "pose":
+            return T
+        if self.task == "position":
+            return np.ascontiguousarray(T[..., :3, 3])
+        if self.aimed is not None:
+            return np.concatenate([T[..., :3, 3], T[..., :3, :3] @ self.aimed], axis=-1)
+        assert self.plane is not None
+        return np.ascontiguousarray(self.plane.coordinates(T)[..., : _WIDTH[self.task]])
+
+
+def control_of(chain: Chain) -> Control:
+    """What the arm can control: see ``Arm.task``.
+
+    Example:
+        >>> import urdf_ik
+        >>> control_of(urdf_ik.load("planar_2r").chain).task, control_of(urdf_ik.load("puma_560").chain).task
+        ('planar position', 'pose')
+    """
+    inputs.kind(chain, "axes", "chain", "a chain, as arm.chain is,")
+    if chain.axes is not chain:
+        return Control("pose")
+    plane = plane_of(chain)
+    if chain.n > 5 or chain.n < 2:
+        return Control("pose", plane)
+    J = chain.jacobian(sampled(chain))
+
+    def controls(rows: Array) -> bool:
+        return float(np.median(least_stretches(chain, rows))) > _CONTROL
+
+    if plane is not None:
+        linear, turn = plane.axes @ J[:, :3], plane.normal @ J[:, 3:]
+        nothing = np.zeros_like(linear[:, :1])
+        if chain.n == 2 and controls(np.concatenate([linear, nothing], axis=1)):
+            return Control("planar position", plane)
+        if chain.n == 3 and controls(np.concatenate([linear, nothing, turn[:, None]], axis=1)):
+            return Control("planar pose", plane)
+    elif chain.n == 3 and controls(J[:, :3]):
+        return Control("position")
+    elif chain.n == 5 and not chain.prismatic.any():
+        R = chain.fk(sampled(chain))[:, :3, :3]
+        for aimed in np.eye(3)[[2, 0, 1]]:
+            along = R @ aimed
+            across = J[:, 3:] - along[:, :, None] * np.einsum("ki,kij->kj", along, J[:, 3:])[:, None, :]
+            if controls(np.concatenate([J[:, :3], across], axis=1)):
+                return Control("position and axis", None, aimed)
+    return Control("pose", plane)
+
+
+class Targets:
+    """How an arm is asked for a task instead of for a pose: what reads its targets, and what solves for them.
+
+    Attributes:
+        task: one of ``TASKS``, but 'pose'.
+    """
+
+    def __init__(self, name: str, chain: Chain, control: Control, task: str) -> None:
+        """Take a task of an arm.
+
+        Args:
+            name: the robot's name.
+            chain: its joints.
+            control: what they control.
+            task: what targets are.
+
+        Raises:
+            ArgumentError: there is no such task, or the arm cannot control it.
+        """
+        if task not in TASKS:
+            raise ArgumentError(f"no task is called {quoted(task)}; tasks: {', '.join(map(repr, TASKS))}")
+        if task != control.task or task == "pose":
+            fitting = "the whole pose" if control.task == "pose" else f"the whole pose, or the task {control.task!r}"
+            joints = f"{name}: its {chain.n} joints"
+            raise ArgumentError(f"{joints} do not control {task!r} and nothing else; give {fitting}")
+        self.task = task
+        self._name, self._chain, self._control = name, chain, control
+        self._takes_points = False
+
+    def plan(self, structure: Structure) -> Plan:
+        """How the task is solved.
+
+        Raises:
+            UnsupportedArm: no solver takes this arm.
+        """
+        plan = _plan(self._chain, self._control)
+        if plan is None:
+            raise UnsupportedArm(f"{self._name}: no solver for the task {quoted(self.task)} of this arm. {structure}")
+        self._takes_points = plan.solver.numbers == _WIDTH["planar position"]
+        return replace(plan, imperfection=(0.0, 0.0))
+
+    def for_solver(self, targets: Array) -> Array:
+        """Targets (m, k) as the compiled solver takes them: as they are, or as poses (m, 4, 4)."""
+        return targets if self._takes_points else self.poses(targets)
+
+    def read(self, T: Any) -> Array:
+        """A target, or a stack of them, as (..., k) float64 that nobody else writes to."""
+        width = _WIDTH[self.task]
+        if self.task == "position and axis" and isinstance(T, tuple | list) and len(T) == 2:
+            point, direction = (_numbers(part, self.task, "") for part in T)
+            if point.shape[-1:] == direction.shape[-1:] == (3,):
+                try:
+                    shape = np.broadcast_shapes(point.shape[:-1], direction.shape[:-1])
+                except ValueError:
+                    raise PoseError(
+                        f"positions {point.shape} and directions {direction.shape} given; the shapes do not broadcast"
+                    ) from None
+                T = np.concatenate([np.broadcast_to(a, (*shape, 3)) for a in (point, direction)], axis=-1)
+        words = {
+            "position": "x, y, z [m] in the base",
+            "position and axis": "x, y, z [m] and a direction, or a pair (position, direction)",
+            "planar position": "x, y [m] in the arm's plane, see Arm.plane",
+            "planar pose": "x, y [m] and angle [rad] in the arm's plane, see Arm.plane",
+        }[self.task]
+        target = _numbers(T, self.task, words)
+        if target.ndim == 0 or target.shape[-1] != width:
+            raise PoseError(
+                f"a target of shape {target.shape} given; the task {quoted(self.task)} takes (..., {width}): {words}"
+            )
+        if self.task == "position and axis":
+            target = target.copy()
+            with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+                target[..., 3:] /= np.abs(target[..., 3:]).max(axis=-1, keepdims=True)  # lest squares overflow
+                target[..., 3:] /= np.linalg.norm(target[..., 3:], axis=-1, keepdims=True)
+        else:
+            target = target.copy() if target is T else target
+        if (bad := inputs.first_bad(target)) is not None:
+            raise PoseError(
+                f"the target {target[bad[:-1]].tolist()} for the task {self.task!r} is not finite, or its direction "
+                f"has no length: {inputs.why_bad(target[bad])}",
+                bad[:-1] or None,
+            )
+        return target
+
+    def poses(self, target: Array) -> Array:
+        """The target (m, k) as poses (m, 4, 4), of which the solver heeds what the task fixes."""
+        control = self._control
+        T = np.zeros((len(target), 4, 4))
+        T[:, range(4), range(4)] = 1.0
+        if self.task == "position":
+            T[:, :3, 3] = target
+        elif control.aimed is not None:
+            T[:, :3, 3] = target[:, :3]
+            T[:, :3, :3] = _turn_to(control.aimed, target[:, 3:])
+        elif control.plane is not None:
+            plane = control.plane
+            # Number by number, not as a product of matrices: its digits depend on how many there are.
+            T[:, :3, 3] = plane.origin + target[:, :1] * plane.axes[0] + target[:, 1:2] * plane.axes[1]
+            if self.task == "planar pose":
+                home = np.eye(4)
+                home[:3, :3] = self._chain.R_tip
+                T[:, :3, :3] = _turned(home[:3, :3], plane.normal, target[:, 2] - plane.coordinates(home)[2])
+        return T
+
+
+def _plan(chain: Chain, control: Control) -> Plan | None:
+    if control.task == "position":
+        return few_joints.prepare_position(chain)
+    if control.aimed is not None:
+        return axis_added.prepare_aimed(chain, control.aimed, families.of_six)
+    if control.plane is None:
+        return None
+    if control.task == "planar pose":
+        # In an arm that is planar exactly, the whole pose follows from the one in the plane.
+        exact = planar.FAMILY.plan(analyse(chain), chain)
+        return exact or few_joints.prepare_planar(chain, control.plane.normal, control.plane.heading)
+    plan = few_joints.prepare_planar(chain, control.plane.normal, None)
+    return None if plan is None else planar.for_points(chain, plan)
+
+
+def _numbers(value: Any, task: str, words: str) -> Array:
+    needed = f"an array of numbers{', ' if words else ''}{words}"
+    return inputs.real(value, f"a target for the task {quoted(task)}", needed, PoseError)
+
+
+def _turn_to(axis: Array, directions: Array) -> Array:
+    """Rotations (m, 3, 3), one each, that turn unit ``axis`` (3,) to unit ``directions`` (m, 3).
+
+    Half turns about the middle of the two; where they are nearly opposite, after half a turn about what lies across
+    the axis.
+    """
+    opposite = np.linalg.norm(directions + axis, axis=1) < _HALF
+    middle = directions + np.where(opposite[:, None], -axis, axis)
+    middle /= np.linalg.norm(middle, axis=1, keepdims=True)
+    turn = 2.0 * middle[:, :, None] * middle[:, None, :] - np.eye(3)
+    across = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
+    across /= np.linalg.norm(across)
+    # (2 m m' - 1)(2 a a' - 1), number by number, so that a batch has the digits of its members.
+    shared = (middle * across).sum(axis=1)[:, None, None]
+    flipped = 4.0 * shared * middle[:, :, None] * across - turn - 2.0 * np.outer(across, across)
+    out: Array = np.where(opposite[:, None, None], flipped, turn)
+    return out
+
+
+def _turned(R: Array, axis: Array, angles: Array) -> Array:
+    """The rotation ``R`` (3, 3), turned by angles (m,) about unit ``axis`` (3,): (m, 3, 3)."""
+    along = np.outer(axis, axis) @ R
+    across = np.cross(axis, R, axisa=0, axisb=0, axisc=0)
+    s, c = np.sin(angles)[:, None, None], np.cos(angles)[:, None, None]
+    out: Array = along + c * (R - along) + s * across
+    return out

@@ -1,0 +1,7 @@
+"""Geometry of a chain: screw axes, forward kinematics and Jacobian, how the axes lie, DH tables, velocities."""
+
+from __future__ import annotations
+
+from urdf_ik.support.lazy import attributes
+
+__getattr__ = attributes(__name__)

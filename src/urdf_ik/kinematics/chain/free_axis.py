@@ -1,0 +1,187 @@
+"""A line in the tip about which it may be turned: what welding, drilling or gripping something round leaves free."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.errors import ArgumentError, PoseError
+from urdf_ik.model.poses import as_pose_array
+from urdf_ik.support import inputs
+from urdf_ik.support.frozen import Frozen
+from urdf_ik.support.text import quoted
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
+
+_NAMED = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+
+
+@dataclass(frozen=True)
+class FreeAxis(Frozen):
+    """A line in the tip's frame.
+
+    Attributes:
+        direction: (3,) unit vector in the tip.
+        at: (3,) m, a point on the line, in the tip.
+
+    Example:
+        >>> import urdf_ik
+        >>> str(urdf_ik.load("puma_560").with_free_axis("z").free_axis)
+        "the tip's z axis"
+    """
+
+    direction: tuple[float, float, float]
+    at: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    _parts: Array = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_parts", turning(np.array(self.direction), np.array(self.at)))
+
+    @classmethod
+    def read(cls, axis: Any, at: ArrayLike | None = None) -> FreeAxis:
+        """From 'x', 'y', 'z' or a direction (3,), and a point (3,) or None for the tip's origin.
+
+        Raises:
+            ArgumentError: neither an axis nor a direction, or no point.
+
+        Example:
+            >>> FreeAxis.read([0.0, 0.0, 2.0], at=[0.1, 0.0, 0.0])
+            FreeAxis(direction=(0.0, 0.0, 1.0), at=(0.1, 0.0, 0.0))
+        """
+        wanted = "'x', 'y', 'z' or a direction of three numbers"
+        if isinstance(axis, str):
+            if axis not in _NAMED:
+                raise ArgumentError(f"axis={quoted(axis)} given; {wanted} is needed")
+            direction = np.array(_NAMED[axis])
+        else:
+            direction = _three("axis", axis, wanted)
+        length = float(np.linalg.norm(direction))
+        if length == 0.0:
+            raise ArgumentError(f"axis={quoted(axis)} given; a direction needs a length, such as (0, 0, 1)")
+        x, y, z = (direction / length).tolist()
+        px, py, pz = (0.0, 0.0, 0.0) if at is None else _three("at", at, "a point of three numbers [m]").tolist()
+        return cls((x, y, z), (px, py, pz))
+
+    def __str__(self) -> str:
+        name = next((name for name, direction in _NAMED.items() if direction == self.direction), None)
+        what = f"the axis {_numbers(self.direction)} of the tip" if name is None else f"the tip's {name} axis"
+        if name is None or any(self.at):
+            where = f" through {_numbers(self.at)} m" if any(self.at) else ""
+            return f"{what}{where}"
+        return what
+
+    @property
+    def name(self) -> str:
+        """'x', 'y', 'z', or the direction's numbers."""
+        found = next((name for name, direction in _NAMED.items() if direction == self.direction), None)
+        return _numbers(self.direction) if found is None else found
+
+    @property
+    def motion(self) -> Array:
+        """(3, 3, 4) the rotation: the first part, plus cos v times the second, plus sin v times the third."""
+        return self._parts
+
+    @property
+    def seen(self) -> Array:
+        """(4, 2) what counts of a pose (4, 4), multiplied from its right: the point's place, and the direction."""
+        return np.array([[*self.at, 1.0], [*self.direction, 0.0]]).T
+
+    def reduced(self, R: Array, twists: Array) -> Array:
+        """Twists without what does not count: of the point instead of the tip, and no rotation about the axis.
+
+        Args:
+            R: (..., 3, 3) the tip's rotation.
+            twists: (..., 6, k) of the tip, linear rows above angular ones, in base axes.
+
+        Returns:
+            (..., 6, k).
+        """
+        at, axis = (R @ np.array(each) for each in (self.at, self.direction))
+        linear, angular = twists[..., :3, :], twists[..., 3:, :]
+        linear = linear + np.cross(angular, at[..., None], axis=-2)
+        angular = angular - axis[..., None] * np.einsum("...i,...ik->...k", axis, angular)[..., None, :]
+        return np.concatenate([linear, angular], axis=-2)
+
+    def rotation(self, values: ArrayLike) -> Array:
+        """The tip's motion (..., 4, 4) when it is turned by angles (...) [rad] about the line.
+
+        Example:
+            >>> import numpy as np
+            >>> (FreeAxis.read("z", at=[1.0, 0.0, 0.0]).rotation(np.pi)[:3, 3].round(6) + 0.0).tolist()
+            [2.0, 0.0, 0.0]
+        """
+        v = inputs.real(values, "values", "an array of angles [rad]")
+        out = np.zeros((*v.shape, 4, 4))
+        constant, cosine, sine = self._parts
+        out[..., :3, :] = constant + np.cos(v)[..., None, None] * cosine + np.sin(v)[..., None, None] * sine
+        out[..., 3, 3] = 1.0
+        return out
+
+    def angle(self, motion: Array) -> Array:
+        """The angles (...) [rad] by which rotations about the line come nearest to motions (..., 4, 4) of the tip.
+
+        Example:
+            >>> axis = FreeAxis.read("z", at=[0.1, 0.0, 0.0])
+            >>> round(float(axis.angle(axis.rotation(0.3))), 6)
+            0.3
+        """
+        motion = as_pose_array(motion)
+        R, d = motion[..., :3, :3], np.array(self.direction)
+        off = np.stack([R[..., 2, 1] - R[..., 1, 2], R[..., 0, 2] - R[..., 2, 0], R[..., 1, 0] - R[..., 0, 1]], -1)
+        along = np.einsum("i,...ij,j->...", d, R, d)
+        return np.asarray(np.arctan2(off @ d, np.einsum("...ii", R) - along))
+
+    def apart(self, one: Array, other: Array) -> tuple[Array, Array]:
+        """How far poses (..., 4, 4) of the tip are apart, whatever the rotation about the line: (...) m and (...) rad.
+
+        Example:
+            >>> import numpy as np
+            >>> axis = FreeAxis.read("z")
+            >>> [float(off) for off in axis.apart(np.eye(4), axis.rotation(0.3))]
+            [0.0, 0.0]
+        """
+        one, other = as_pose_array(one), as_pose_array(other)
+        try:
+            off = (one - other)[..., :3, :] @ self.seen
+        except ValueError:
+            raise PoseError(f"poses of shape {one.shape} and {other.shape} given; they do not fit") from None
+        far, between = np.linalg.norm(off[..., 0], axis=-1), np.linalg.norm(off[..., 1], axis=-1)
+        return far, 2.0 * np.arcsin(np.minimum(0.5 * between, 1.0))
+
+
+def turning(h: Array, p: Array) -> Array:
+    """(3, 3, 4) a rotation about the line along ``h`` (3,) through ``p`` (3,) by Rodrigues' formula, as three parts.
+
+    Their sum, the second times cos v and the third times sin v, is the rotation by v.
+
+    Example:
+        >>> import numpy as np
+        >>> turning(np.array([0.0, 0.0, 1.0]), np.zeros(3))[1, :, :3].tolist()
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.0]]
+    """
+    motion = np.zeros((3, 3, 4))
+    x, y, z = h
+    along = np.outer(h, h)
+    across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    for part, R in zip(motion, (along, np.eye(3) - along, across), strict=True):
+        part[:, :3] = R
+        part[:, 3] = -R @ p
+    motion[0, :, 3] += p
+    motion.setflags(write=False)
+    return motion
+
+
+def _three(name: str, value: Any, wanted: str) -> Array:
+    numbers = inputs.real(value, name, wanted)
+    if numbers.shape != (3,) or inputs.first_bad(numbers) is not None:
+        raise ArgumentError(f"{name}={quoted(value)} given; {wanted} is needed")
+    return numbers
+
+
+def _numbers(values: tuple[float, ...]) -> str:
+    return f"({', '.join(f'{value:g}' for value in values)})"

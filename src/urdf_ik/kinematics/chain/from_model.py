@@ -1,0 +1,112 @@
+"""The chain of a URDF, from a base link to a tip link."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik.errors import UnsupportedArm
+from urdf_ik.kinematics.chain.mimic import coupled
+from urdf_ik.kinematics.chain.serial import Chain, Follower, TreeJoint
+from urdf_ik.model.urdf import MOVABLE
+from urdf_ik.support.text import quoted
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.model.urdf import Joint, UrdfModel
+
+
+def from_urdf(model: UrdfModel, base: str | None = None, tip: str | None = None) -> Chain:
+    """The chain from ``base`` to ``tip``: a :class:`urdf_ik.kinematics.chain.CoupledChain` where joints mimic others.
+
+    Args:
+        model: the URDF.
+        base: base link; default: the root.
+        tip: tip link; default: the end of the only movable chain below the base.
+
+    Raises:
+        ChainError: base or tip is unknown, ambiguous, or not on one chain.
+        UnsupportedArm: a joint of the chain is of a type that cannot be solved.
+
+    Example:
+        >>> from urdf_ik.model import catalogue, urdf
+        >>> chain = from_urdf(urdf.read(catalogue.resolve("scara_rrpr").path), "base_link", "link_2")
+        >>> chain.joint_names
+        ('joint_1', 'joint_2')
+    """
+    base, tip = model.resolve_chain(base, tip)
+    movable: list[Joint] = []
+    H: list[NDArray[np.float64]] = []
+    points: list[NDArray[np.float64]] = [np.zeros(3)]
+    frame, link = np.eye(4), base
+    for joint in model.path_between(base, tip):
+        upwards = joint.child == link
+        link = joint.parent if upwards else joint.child
+        if not upwards:
+            frame = frame @ joint.origin
+        if joint.type != "fixed":
+            _require_supported(model, joint)
+            direction = frame[:3, :3] @ joint.axis
+            movable.append(joint)
+            H.append((-1.0 if upwards else 1.0) * direction / np.linalg.norm(direction))
+            points.append(frame[:3, 3].copy())
+        if upwards:
+            frame = frame @ np.linalg.inv(joint.origin)
+    points.append(frame[:3, 3].copy())
+    names = tuple(dict.fromkeys(model.driver(joint)[0].name for joint in movable))
+    limits = [(-np.inf, np.inf) if joint.type == "continuous" else (joint.lower, joint.upper) for joint in movable]
+    chain = Chain(
+        base=base,
+        tip=tip,
+        joint_names=tuple(joint.name for joint in movable),
+        joint_types=tuple(joint.type for joint in movable),
+        H=np.array(H, dtype=np.float64).reshape(-1, 3),
+        P=np.diff(np.array(points), axis=0),
+        R_tip=np.ascontiguousarray(frame[:3, :3]),
+        limits=np.array(limits, dtype=np.float64).reshape(-1, 2),
+        tree=_tree(model, names),
+        root=model.root,
+        followers=tuple(_follower(model, joint) for joint in movable if joint.mimic is not None),
+    )
+    return coupled(model, chain, movable) if chain.followers else chain
+
+
+def _require_supported(model: UrdfModel, joint: Joint) -> None:
+    if joint.type not in MOVABLE:
+        raise UnsupportedArm(
+            f"{model.source}: joint {quoted(joint.name)} of the chain is {joint.type}; "
+            f"only fixed, {', '.join(MOVABLE)} joints can be solved"
+        )
+
+
+def _follower(model: UrdfModel, joint: Joint) -> Follower:
+    driver, multiplier, offset = model.driver(joint)
+    return Follower(joint.name, driver.name, multiplier, offset)
+
+
+def _tree(model: UrdfModel, names: tuple[str, ...]) -> tuple[TreeJoint, ...]:
+    """Every joint of the URDF, parents before children."""
+    out: list[TreeJoint] = []
+    waiting = [model.root]
+    while waiting:
+        for joint in model.children(waiting.pop()):
+            driver, multiplier, offset = model.driver(joint)
+            moves = joint.type in MOVABLE
+            column = names.index(driver.name) if moves and driver.name in names else None
+            out.append(
+                TreeJoint(
+                    parent=joint.parent,
+                    child=joint.child,
+                    origin=joint.origin,
+                    axis=np.ascontiguousarray(joint.axis, dtype=np.float64),
+                    prismatic=joint.type == "prismatic",
+                    column=column,
+                    multiplier=multiplier,
+                    offset=offset if moves else 0.0,
+                    driver=driver.name if moves else "",
+                )
+            )
+            waiting.append(joint.child)
+    return tuple(out)

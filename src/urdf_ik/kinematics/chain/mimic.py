@@ -1,0 +1,221 @@
+"""Chains in which one joint drives several: joints that mimic others, value = multiplier * q[driver] + offset.
+
+The joint vector holds the drivers alone, in the order in which the chain first needs them, base to tip; a mimic of a
+mimic follows the joint at the end of the row, and a driver beside the chain counts by what it drives in it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik.kinematics.chain.serial import Chain, held_values, standing
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from urdf_ik.model.urdf import Joint, UrdfModel
+
+    Array = NDArray[np.float64]
+
+MOST_TURNS = 12
+"""Multipliers are read as fractions with denominators up to this."""
+_SAME = 1e-12
+
+
+@dataclass(frozen=True)
+class CoupledChain(Chain):
+    """A chain whose m axes follow n joints: the axes' values are ``gain`` q, offsets being part of the zero position.
+
+    ``H`` (m, 3) and ``P`` (m + 1, 3) are the axes'; names, types and limits are those of the n joints.
+
+    Attributes:
+        axes: the chain of the m axes, each a joint of its own.
+        gain: (m, n) axis values per joint value, rad or m per rad or m.
+
+    Example:
+        >>> import urdf_ik
+        >>> xml = urdf_ik.load("planar_2r").model.xml.decode()
+        >>> follows = '<child link="link_2"/><mimic joint="joint_1" multiplier="-1"/>'
+        >>> chain = urdf_ik.load(xml.replace('<child link="link_2"/>', follows)).chain
+        >>> chain.joint_names, chain.gain.tolist()
+        (('joint_1',), [[1.0], [-1.0]])
+    """
+
+    axes_alone: Chain = field(repr=False, kw_only=True)
+    gain: NDArray[np.float64] = field(kw_only=True)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.gain.setflags(write=False)
+
+    @property
+    def axes(self) -> Chain:
+        """The chain of the m axes, each a joint of its own."""
+        return self.axes_alone
+
+    @property
+    def directions(self) -> Array:
+        """(n, 3) unit direction of the first axis that each joint moves, as it turns."""
+        first = np.argmax(self.gain != 0.0, axis=0)
+        signs = np.where(self.gain[first, np.arange(self.n)] < 0.0, -1.0, 1.0)
+        directions: Array = signs[:, None] * self.H[first]
+        return directions
+
+    @property
+    def image_turns(self) -> Array:
+        """(n,) turns after which a joint has brought all its axes round; 0 where it never does."""
+        return np.array([self._turns(j) for j in range(self.n)], dtype=np.float64)
+
+    def _turns(self, joint: int) -> int:
+        turns = 1
+        for factor, slides in zip(self.gain[:, joint], self.axes.prismatic, strict=True):
+            if factor == 0.0:
+                continue
+            share = Fraction(factor).limit_denominator(MOST_TURNS)
+            if self.joint_types[joint] == "prismatic" or slides or abs(float(share) - factor) > _SAME * abs(factor):
+                return 0
+            turns = math.lcm(turns, share.denominator)
+        return turns if turns <= MOST_TURNS else 0
+
+    def spread(self, q: Array) -> Array:
+        """Values (..., m) of the axes for joint vectors (..., n).
+
+        Example:
+            >>> import urdf_ik
+            >>> xml = urdf_ik.load("planar_2r").model.xml.decode()
+            >>> follows = '<child link="link_2"/><mimic joint="joint_1" multiplier="-1"/>'
+            >>> chain = urdf_ik.load(xml.replace('<child link="link_2"/>', follows)).chain
+            >>> chain.spread(np.array([0.5])).tolist()
+            [0.5, -0.5]
+        """
+        # Number by number, not as a product of matrices: its digits depend on how many there are.
+        out = np.zeros((*q.shape[:-1], len(self.gain)))
+        for j in range(self.n):
+            out += q[..., j, None] * self.gain[:, j]
+        return out
+
+    def fk(self, q: ArrayLike) -> Array:
+        """Pose of the tip in the base: see :meth:`Chain.fk`."""
+        return self.axes.fk(self.spread(self.check(q)))
+
+    def jacobian(self, q: ArrayLike) -> Array:
+        """Geometric Jacobian (..., 6, n): a joint's column is the sum of those of the axes that it drives."""
+        return np.asarray(self.axes.jacobian(self.spread(self.check(q))) @ self.gain)
+
+    def reversed(self) -> Chain:
+        """The same joints from tip to base: see :meth:`Chain.reversed`."""
+        back = self.axes.reversed()
+        return _joined(
+            back, self.gain[::-1, ::-1].copy(), self.joint_names[::-1], self.joint_types[::-1], self.limits[::-1].copy()
+        )
+
+    def lock(self, values: Mapping[str, float]) -> Chain:
+        """The chain of the other joints, these held still with all that they drive: see :meth:`Chain.lock`."""
+        held = held_values(self, values)
+        if not held:
+            return self
+        q = np.array([held.get(name, 0.0) for name in self.joint_names])
+        beside = {name: value for name, value in held.items() if name not in self.joint_names}
+        if len(beside) == len(held):
+            return standing(self, beside)
+        free = [k for k, name in enumerate(self.joint_names) if name not in held]
+        driven = np.asarray(self.gain[:, free].any(axis=1))
+        moved = _moved(self.axes, self.spread(q), driven)
+        moved = replace(
+            moved,
+            tree=tuple(joint.held(free, q, beside) for joint in self.tree),
+            locked=(*self.locked, *held.items()),
+            followers=tuple(each for each in self.followers if each.driver not in held),
+        )
+        return _joined(
+            moved,
+            self.gain[driven][:, free],
+            tuple(self.joint_names[k] for k in free),
+            tuple(self.joint_types[k] for k in free),
+            self.limits[free],
+        )
+
+
+def coupled(model: UrdfModel, axes: Chain, movable: list[Joint]) -> Chain:
+    """The chain of the independent joints.
+
+    Args:
+        model: the URDF.
+        axes: chain of all movable joints, mimicking ones too, as if each were free; its tree is the URDF's.
+        movable: these joints of the URDF.
+    """
+    rows = [model.driver(joint) for joint in movable]
+    drivers = list({driver.name: driver for driver, _, _ in rows}.values())
+    names = tuple(driver.name for driver in drivers)
+    gain = np.zeros((len(rows), len(names)))
+    for row, (driver, multiplier, _) in zip(gain, rows, strict=True):
+        row[names.index(driver.name)] = multiplier
+    offsets = np.array([offset for _, _, offset in rows])
+    # An axis seen from below turns the other way round; its joint's value is the same.
+    moved = _moved(axes, offsets, np.ones(len(rows), dtype=np.bool_))
+    limits = np.array([_limits(driver, movable, rows) for driver in drivers]).reshape(-1, 2)
+    return _joined(moved, gain, names, tuple(driver.type for driver in drivers), limits)
+
+
+def _limits(driver: Joint, movable: list[Joint], rows: list[tuple[Joint, float, float]]) -> tuple[float, float]:
+    """The driver's limits as far as the joints that mimic it may follow.
+
+    Theirs do not count where they leave nothing: a mimicking joint's are often written carelessly, as 0 to 0.
+    """
+    own = (-math.inf, math.inf) if driver.type == "continuous" else (driver.lower, driver.upper)
+    lower, upper = own
+    for joint, (leader, multiplier, offset) in zip(movable, rows, strict=True):
+        bounded = joint.type != "continuous" and joint.lower < joint.upper
+        if leader.name == driver.name and joint.name != driver.name and multiplier and bounded:
+            ends = sorted(((joint.lower - offset) / multiplier, (joint.upper - offset) / multiplier))
+            lower, upper = max(lower, ends[0]), min(upper, ends[1])
+    return (lower, upper) if lower <= upper else own
+
+
+def _moved(axes: Chain, values: Array, kept: NDArray[np.bool_]) -> Chain:
+    """The chain of the axes that are ``kept``, with its zero where all axes have these values."""
+    H, points, home = axes.placed(values)
+    return replace(
+        axes,
+        joint_names=tuple(name for name, keep in zip(axes.joint_names, kept, strict=True) if keep),
+        joint_types=tuple(kind for kind, keep in zip(axes.joint_types, kept, strict=True) if keep),
+        H=H[kept],
+        P=np.diff(np.vstack([np.zeros(3), points[kept], home[:3, 3]]), axis=0),
+        R_tip=home[:3, :3].copy(),
+        limits=axes.limits[kept],
+    )
+
+
+def _joined(axes: Chain, gain: Array, names: tuple[str, ...], types: tuple[str, ...], limits: Array) -> Chain:
+    """The chain of joints that drive the axes; a plain one where each drives one axis, as far as it moves itself."""
+    slides = np.array([kind == "prismatic" for kind in types], dtype=np.bool_)
+    if (
+        gain.shape == (len(names),) * 2
+        and (np.abs(gain) == np.eye(len(names))).all()
+        and (slides == axes.prismatic).all()
+    ):
+        H = np.diag(gain)[:, None] * axes.H
+        return replace(axes, joint_names=names, joint_types=types, H=H, limits=limits.copy())
+    return CoupledChain(
+        base=axes.base,
+        tip=axes.tip,
+        joint_names=names,
+        joint_types=types,
+        H=axes.H.copy(),
+        P=axes.P.copy(),
+        R_tip=axes.R_tip.copy(),
+        limits=limits.copy(),
+        tree=axes.tree,
+        root=axes.root,
+        locked=axes.locked,
+        followers=axes.followers,
+        axes_alone=axes,
+        gain=gain,
+    )

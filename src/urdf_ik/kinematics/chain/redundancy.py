@@ -1,0 +1,190 @@
+"""Redundancy parameters: the values that a pose leaves free in an arm with more joints than the pose controls."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik.errors import ArgumentError, PoseError
+from urdf_ik.support import inputs
+from urdf_ik.support.angles import TURN, wrapped
+from urdf_ik.support.text import quoted
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from urdf_ik.kinematics.chain.free_axis import FreeAxis
+    from urdf_ik.kinematics.chain.serial import Chain
+
+    Array = NDArray[np.float64]
+
+SWIVEL, LOCKED_JOINT, FREE_AXIS = "swivel", "locked joint", "free axis"
+
+FARTHEST = 1e6
+"""rad: an angle beyond has lost the digits that a pose of 1e-9 m and rad needs. A range wider than that is no limit."""
+
+
+@dataclass(frozen=True)
+class Redundancy:
+    """What a redundancy parameter of an arm is.
+
+    A 'locked joint' is the value of a joint. A 'free axis' is the angle by which the tip is turned about a line in it,
+    see :meth:`urdf_ik.Arm.with_free_axis`. A 'swivel' is the angle about the line from the
+    shoulder S, where axes 1, 2 and 3 meet, to the wrist W, where axes 5, 6 and 7 meet: from the normal of the plane
+    that holds axis 1 and W (axis 1 times SW) to the direction of axis 4, less its part along SW. Where axis 4 is at
+    right angles to upper arm and forearm, this is the angle between that plane and the arm's own; at zero the elbow
+    lies in the plane of axis 1 and W, above SW as axis 1 points or below. Where W lies on axis 1, to 1e-7 rad, the
+    plane is undefined, and the common normal of axes 1 and 2 at q = 0 stands in for its normal: there the angle jumps.
+
+    Attributes:
+        kind: 'swivel', 'locked joint' or 'free axis'.
+        joint: name of the locked joint, or of the elbow's joint; of a free axis the axis in words.
+        range: least and greatest value [unit]: the joint's limits, half a turn to both sides where it has none;
+            infinite for a sliding joint without limits.
+        default: value [unit] that ``ik`` takes where none is given: zero for a swivel and a free axis, the middle of
+            the joint's limits, zero where it has none.
+        unit: 'rad' or 'm'.
+
+    Example:
+        >>> import urdf_ik
+        >>> redundancy = urdf_ik.load("srs_7r").redundancy
+        >>> redundancy.kind, redundancy.default, redundancy.unit
+        ('swivel', 0.0, 'rad')
+    """
+
+    kind: str
+    joint: str
+    range: tuple[float, float]
+    default: float
+    unit: str
+
+    @property
+    def round(self) -> bool:
+        """Whether the range holds the whole circle, so that it has no ends."""
+        return self.unit == "rad" and self.range[1] - self.range[0] >= 2.0 * math.pi
+
+    @property
+    def label(self) -> str:
+        """In a word or two: 'swivel angle', the joint's name, 'rotation about the tip's z axis'."""
+        return {SWIVEL: "swivel angle", LOCKED_JOINT: self.joint}.get(self.kind, f"rotation about {self.joint}")
+
+    def __str__(self) -> str:
+        low, high = self.range
+        what = {
+            SWIVEL: f"swivel angle of the arm's plane, the one across the axis of joint {quoted(self.joint)}",
+            LOCKED_JOINT: f"value of joint {quoted(self.joint)}",
+        }.get(self.kind, self.label)
+        return f"{what}, {low:.4f} to {high:.4f} {self.unit}, by default {self.default + 0.0:.4f}"
+
+    def check(self, value: ArrayLike) -> Array:
+        """``value`` as an array (...) of finite numbers.
+
+        Raises:
+            ArgumentError: a value is not a finite number, or an angle beyond 1e6 rad, which has lost its digits.
+
+        Example:
+            >>> import urdf_ik
+            >>> urdf_ik.load("srs_7r").redundancy.check([0, 0.5]).tolist()
+            [0.0, 0.5]
+        """
+        needed = f"a number [{self.unit}], or an array of numbers: {self}"
+        values = inputs.real(value, "redundancy", needed, ArgumentError)
+        if (bad := inputs.first_bad(values)) is not None:
+            problem = f"redundancy is {quoted(value)}; {inputs.why_bad(values[bad])}"
+            raise ArgumentError(f"{problem}, finite numbers [{self.unit}]: {self}")
+        if self.unit == "rad" and (np.abs(values) > FARTHEST).any():
+            raise ArgumentError(f"redundancy is {quoted(value)}; angles up to {FARTHEST:g} rad are taken: {self}")
+        return values
+
+    def spread(self, poses: Array, value: ArrayLike) -> tuple[Array, Array]:
+        """Poses (..., 4, 4) and values (...) broadcast against each other, in arrays of their own.
+
+        Raises:
+            PoseError: ``poses`` is no array of poses.
+            ArgumentError: the values are no finite numbers, or the shapes do not fit.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("srs_7r")
+            >>> poses, values = arm.redundancy.spread(arm.fk([0.1] * 7), [0.0, 0.5, 1.0])
+            >>> poses.shape, values.shape
+            ((3, 4, 4), (3,))
+        """
+        if not isinstance(poses, np.ndarray) or poses.shape[-2:] != (4, 4):
+            raise PoseError("poses must be an array (..., 4, 4)")
+        values, batch = self.check(value), poses.shape[:-2]
+        try:
+            shape = values.shape if not batch else np.broadcast_shapes(batch, values.shape)
+        except ValueError:
+            raise ArgumentError(
+                f"poses of shape {batch} and redundancy of shape {values.shape} given; "
+                "the shapes must broadcast, as in ik(T[:, None], redundancy=values)"
+            ) from None
+        all_poses, all_values = np.empty((*shape, 4, 4)), np.empty(shape)
+        all_poses[...], all_values[...] = poses, values
+        return all_poses, all_values
+
+    def wrapped(self, values: Array) -> Array:
+        """``values`` with angles in (-pi, pi], as joint vectors of solutions hold them.
+
+        Example:
+            >>> import numpy as np
+            >>> import urdf_ik
+            >>> urdf_ik.load("srs_7r").redundancy.wrapped(np.array([0.5, np.pi + 0.5])).round(4).tolist()
+            [0.5, -2.6416]
+        """
+        given = inputs.real(values, "values", f"an array of numbers [{self.unit}]", ArgumentError)
+        return given if self.unit == "m" else wrapped(given)
+
+
+def spread(parameters: tuple[Redundancy, ...], poses: Array, value: ArrayLike) -> tuple[Array, Array]:
+    """Poses (..., 4, 4) and values broadcast against each other: (...) of one parameter, (..., k) of k of them.
+
+    Raises:
+        ArgumentError: the values are no finite numbers, or the shapes do not fit.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("srs_7r").with_free_axis("z")
+        >>> poses, values = spread(arm.redundancies, arm.fk([0.1] * 7), [[0.0, 0.5], [0.2, 0.5], [0.4, 0.5]])
+        >>> poses.shape, values.shape
+        ((3, 4, 4), (3, 2))
+    """
+    first, *rest = parameters
+    if not rest:
+        return first.spread(poses, value)
+    values = first.check(value)
+    if values.ndim == 0 or values.shape[-1] != len(parameters):
+        raise ArgumentError(
+            f"redundancy of shape {values.shape} given; this arm has {len(parameters)} parameters "
+            f"({', '.join(each.label for each in parameters)}), so its last dimension must be {len(parameters)}"
+        )
+    columns = [each.spread(poses, values[..., k]) for k, each in enumerate(parameters)]
+    return columns[0][0], np.stack([column for _, column in columns], axis=-1)
+
+
+def swivel_of(joint: str) -> Redundancy:
+    """The parameter of an arm whose elbow, ``joint``, swivels about the line from shoulder to wrist."""
+    return Redundancy(SWIVEL, joint, (-math.pi, math.pi), 0.0, "rad")
+
+
+def free_axis(axis: FreeAxis) -> Redundancy:
+    """The parameter of an arm whose tip may be turned about a line in it."""
+    return Redundancy(FREE_AXIS, str(axis), (-math.pi, math.pi), 0.0, "rad")
+
+
+def locked_joint(chain: Chain, k: int) -> Redundancy:
+    """The parameter of an arm whose joint ``k`` is given."""
+    low, high = (float(limit) for limit in chain.limits[k])
+    slides = bool(chain.prismatic[k])
+    endless = not math.isfinite(high - low)
+    if endless and not slides:
+        low, high = -math.pi, math.pi
+    # Some write 1e15 for no limit: the middle of that is far from every posture that anyone means.
+    middle = 0.0 if endless else min(max(0.0, low), high) if high - low > FARTHEST else 0.5 * (low + high)
+    if not slides and abs(middle) > FARTHEST:
+        middle = math.remainder(middle, TURN)
+    return Redundancy(LOCKED_JOINT, chain.joint_names[k], (low, high), middle, "m" if slides else "rad")

@@ -1,0 +1,378 @@
+"""A serial chain from a base link to a tip link, as screw axes at the zero configuration."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+
+import numpy as np
+
+from urdf_ik import _core
+from urdf_ik.errors import ArgumentError, ChainError
+from urdf_ik.support import inputs
+from urdf_ik.support.frozen import Frozen
+from urdf_ik.support.text import quoted
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+_AnyChain = TypeVar("_AnyChain", bound="Chain")
+
+# Steps between the axes that are what rounding left: beside the way to the first axis, a share; of an arm whose slides
+# travel a metre or so, in m for each: poses of a smaller arm are rounded to more than its tolerances.
+_NO_STEP = 1e-9
+_NO_STEP_OF_SLIDES = 1e-5
+
+
+@dataclass(frozen=True)
+class TreeJoint(Frozen):
+    """One joint of the URDF's whole tree, as :meth:`Chain.link_poses` walks it.
+
+    ``column`` is the index in the joint vector that drives it (None: it stays at ``offset``), with
+    value = multiplier * q[column] + offset; ``driver`` is the joint that it follows, itself where it mimics none, ''
+    for a joint that does not move.
+    """
+
+    parent: str
+    child: str
+    origin: NDArray[np.float64]
+    axis: NDArray[np.float64]
+    prismatic: bool
+    column: int | None
+    multiplier: float
+    offset: float
+    driver: str = ""
+
+    @cached_property
+    def motion(self) -> Any:  # a _core.Chain, of whose answers the generated stub says nothing
+        """The compiled motion from the parent's frame to the child's."""
+        R, steps = np.ascontiguousarray(self.origin[:3, :3]), np.zeros((2, 3))
+        steps[0] = self.origin[:3, 3]
+        return _core.Chain((R @ self.axis)[None], steps, R, np.array([self.prismatic]))
+
+    def held(self, free: list[int], q: NDArray[np.float64], beside: Mapping[str, float]) -> TreeJoint:
+        """This joint when only the columns ``free`` of the joint vector are left, the others held at ``q``.
+
+        Joints beside the chain stand at the values in ``beside``.
+
+        Example:
+            >>> import urdf_ik
+            >>> joint = urdf_ik.load("planar_2r").chain.tree[0]
+            >>> joint.column, joint.held([1], np.array([0.5, 0.0]), {}).offset
+            (0, 0.5)
+        """
+        if self.column is None:
+            value = beside.get(self.driver)
+            return self if value is None else replace(self, offset=self.offset + self.multiplier * value)
+        if self.column in free:
+            return replace(self, column=free.index(self.column))
+        return replace(self, column=None, offset=self.offset + self.multiplier * float(q[self.column]))
+
+
+class Follower(NamedTuple):
+    """A joint of the chain that mimics another: value = multiplier * q[driver] + offset."""
+
+    name: str
+    driver: str
+    multiplier: float
+    offset: float
+
+    def __str__(self) -> str:
+        return f"{self.name} = {self.multiplier:g} {self.driver}{f' {self.offset:+g}' if self.offset else ''}"
+
+
+@dataclass(frozen=True)
+class Chain(Frozen):
+    """The joints between ``base`` and ``tip`` as a product of exponentials.
+
+    Where joints mimic others, a :class:`urdf_ik.kinematics.chain.mimic.CoupledChain`.
+
+    Attributes:
+        base: base link; every pose is expressed in it.
+        tip: tip link; its pose is what forward kinematics gives.
+        joint_names: movable joints, base to tip.
+        joint_types: 'revolute', 'continuous' or 'prismatic', one a joint.
+        H: (n, 3) unit directions of the joint axes at q = 0, in base axes.
+        P: (n + 1, 3) m, steps from the base origin to axis 1, from axis to axis, from axis n to the tip.
+        R_tip: (3, 3) rotation of the tip in the base at q = 0.
+        limits: (n, 2) rad or m; a continuous joint has (-inf, inf). What mimics it narrows a joint's limits.
+        tree: every joint of the URDF, parents first, in the base link's frame.
+        root: the URDF's root link.
+        locked: (name, value [rad or m]) of the joints that ``lock`` has made part of the fixed geometry.
+        followers: the joints from base to tip that mimic others.
+
+    Example:
+        >>> import urdf_ik
+        >>> chain = urdf_ik.load("scara_rrpr").chain
+        >>> chain.joint_names, chain.H.shape, chain.P.shape
+        (('joint_1', 'joint_2', 'joint_3', 'joint_4'), (4, 3), (5, 3))
+    """
+
+    base: str
+    tip: str
+    joint_names: tuple[str, ...]
+    joint_types: tuple[str, ...]
+    H: NDArray[np.float64]
+    P: NDArray[np.float64]
+    R_tip: NDArray[np.float64]
+    limits: NDArray[np.float64]
+    tree: tuple[TreeJoint, ...] = field(repr=False, default=())
+    root: str = ""
+    locked: tuple[tuple[str, float], ...] = ()
+    followers: tuple[Follower, ...] = ()
+
+    def __post_init__(self) -> None:
+        for array in (self.H, self.P, self.R_tip, self.limits):
+            array.setflags(write=False)
+
+    @property
+    def n(self) -> int:
+        """Number of movable joints."""
+        return len(self.joint_names)
+
+    @cached_property
+    def prismatic(self) -> NDArray[np.bool_]:
+        """(n,) true for prismatic joints."""
+        slides = np.array([kind == "prismatic" for kind in self.joint_types], dtype=np.bool_)
+        slides.setflags(write=False)
+        return slides
+
+    @cached_property
+    def motion(self) -> Any:  # a _core.Chain, of whose answers the generated stub says nothing
+        """The compiled chain."""
+        axes = self.axes
+        return _core.Chain(axes.H, axes.P, axes.R_tip, axes.prismatic)
+
+    @property
+    def axes(self) -> Chain:
+        """The chain of the moving axes: this one, but where joints mimic others."""
+        return self
+
+    @property
+    def directions(self) -> NDArray[np.float64]:
+        """(n, 3) unit direction of each joint's axis at q = 0, of the first axis that it moves."""
+        return self.H
+
+    @property
+    def image_turns(self) -> NDArray[np.float64]:
+        """(n,) turns after which a joint is in the same posture: 1, or 0 for one that slides."""
+        return np.where(self.prismatic, 0.0, 1.0)
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """(n, 3) m, a point on each joint axis at q = 0."""
+        return np.cumsum(self.P, axis=0)[:-1]
+
+    @property
+    def size(self) -> float:
+        """Length that tolerances are relative to [m]: the sum of the steps between the axes and to the tip.
+
+        Where these are what rounding left, it is how far away the first axis stands, and 1 m for each slide.
+        """
+        between, base = float(np.linalg.norm(self.P[1:], axis=1).sum()), float(np.linalg.norm(self.P[0]))
+        slides = int(self.prismatic.sum())
+        if between > max(_NO_STEP * base, _NO_STEP_OF_SLIDES * slides):
+            return between
+        return base + slides or 1.0
+
+    def reversed(self) -> Chain:
+        """The same joints from tip to base: its poses are the inverses, its joint vectors run backwards.
+
+        Example:
+            >>> import urdf_ik
+            >>> chain = urdf_ik.load("scara_rrpr").chain
+            >>> back = chain.reversed()
+            >>> bool(np.allclose(back.fk([0.2, 0.1, 0.5, 0.3]) @ chain.fk([0.3, 0.5, 0.1, 0.2]), np.eye(4)))
+            True
+        """
+        back = self.R_tip.T
+        points = np.vstack([self.P.sum(axis=0), self.points[::-1], np.zeros(3)])
+        return replace(
+            self,
+            base=self.tip,
+            tip=self.base,
+            joint_names=self.joint_names[::-1],
+            joint_types=self.joint_types[::-1],
+            H=-self.H[::-1] @ back.T,
+            P=np.diff(points, axis=0) @ back.T,
+            R_tip=np.ascontiguousarray(back),
+            limits=self.limits[::-1].copy(),
+        )
+
+    def lock(self, values: Mapping[str, float]) -> Chain:
+        """The chain of the other joints, with these held still: they become part of the fixed geometry.
+
+        Args:
+            values: joint name to the value [rad or m] that the joint is held at, inside its limits or not. Joints of
+                the URDF beside the chain, of another arm for instance, stand at theirs instead of at zero.
+
+        Raises:
+            ChainError: there is no such joint, or it is held already; the error lists those that there are.
+            ArgumentError: a value is no finite number.
+
+        Example:
+            >>> import urdf_ik
+            >>> urdf_ik.load("scara_rrpr").chain.lock({"joint_3": 0.1}).joint_names
+            ('joint_1', 'joint_2', 'joint_4')
+        """
+        held = held_values(self, values)
+        if not held:
+            return self
+        beside = {name: value for name, value in held.items() if name not in self.joint_names}
+        if len(beside) == len(held):
+            return standing(self, beside)
+        q = np.array([held.get(name, 0.0) for name in self.joint_names])
+        axes, points, home = self.placed(q)
+        free = [k for k, name in enumerate(self.joint_names) if name not in held]
+        return replace(
+            self,
+            joint_names=tuple(self.joint_names[k] for k in free),
+            joint_types=tuple(self.joint_types[k] for k in free),
+            H=axes[free],
+            P=np.diff(np.vstack([np.zeros(3), points[free], home[:3, 3]]), axis=0),
+            R_tip=home[:3, :3].copy(),
+            limits=self.limits[free],
+            tree=tuple(joint.held(free, q, beside) for joint in self.tree),
+            locked=(*self.locked, *held.items()),
+            followers=tuple(each for each in self.followers if each.driver not in held),
+        )
+
+    def fk(self, q: ArrayLike) -> NDArray[np.float64]:
+        """Pose of the tip in the base.
+
+        Args:
+            q: (..., n) rad or m.
+
+        Returns:
+            (..., 4, 4) homogeneous transforms.
+
+        Raises:
+            ArgumentError: the last dimension is not n, or a value is not finite.
+
+        Example:
+            >>> import urdf_ik
+            >>> chain = urdf_ik.load("scara_rrpr").chain
+            >>> (chain.fk([0.0, 0.0, 0.1, 0.0])[:3, 3].round(6) + 0.0).tolist()
+            [0.6, 0.0, 0.23]
+        """
+        T: NDArray[np.float64] | None = self.motion.fk(q)
+        return self.motion.fk(self.check(q)) if T is None else T
+
+    def jacobian(self, q: ArrayLike) -> NDArray[np.float64]:
+        """Geometric Jacobian at the tip, in base axes, linear rows above angular ones.
+
+        Args:
+            q: (..., n) rad or m.
+
+        Returns:
+            (..., 6, n).
+
+        Raises:
+            ArgumentError: the last dimension is not n, or a value is not finite.
+
+        Example:
+            >>> import urdf_ik
+            >>> chain = urdf_ik.load("planar_2r").chain
+            >>> (chain.jacobian([0.0, 0.0]).round(6) + 0.0)[[0, 1, 5]].tolist()
+            [[0.0, 0.0], [0.196, 0.13], [1.0, 1.0]]
+        """
+        J: NDArray[np.float64] | None = self.motion.jacobian(q)
+        return self.motion.jacobian(self.check(q)) if J is None else J
+
+    def placed(self, q: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+        """Directions (n, 3) of the axes at a joint vector (n,), points (n, 3) on them, the tip's pose (4, 4).
+
+        Example:
+            >>> import urdf_ik
+            >>> H, points, T = urdf_ik.load("planar_2r").chain.placed(np.zeros(2))
+            >>> (points.round(6) + 0.0).tolist()
+            [[0.0, 0.0, 0.0], [0.066, 0.0, 0.0]]
+        """
+        q = self.check(q)
+        axes = self.motion.axes(q)
+        return axes[3:].T.copy(), axes[:3].T.copy(), self.motion.fk(q)
+
+    def link_poses(self, q: ArrayLike) -> dict[str, NDArray[np.float64]]:
+        """Pose of every link of the URDF in the base link's frame.
+
+        Joints outside the chain stay at zero; one that mimics a joint of the chain follows it.
+
+        Args:
+            q: (..., n) rad or m.
+
+        Returns:
+            Link name to (..., 4, 4).
+
+        Raises:
+            ArgumentError: the last dimension is not n, or a value is not finite.
+
+        Example:
+            >>> import urdf_ik
+            >>> poses = urdf_ik.load("scara_rrpr").chain.link_poses([0.0, 0.0, 0.1, 0.0])
+            >>> (poses["link_2"][:3, 3].round(6) + 0.0).tolist()
+            [0.325, 0.0, 0.38]
+        """
+        Q = self.check(q)
+        batch = Q.shape[:-1]
+        free = {self.root: np.broadcast_to(np.eye(4), (*batch, 4, 4))}
+        for joint in self.tree:
+            drive = np.full(batch, joint.offset)
+            if joint.column is not None:
+                drive += joint.multiplier * Q[..., joint.column]
+            free[joint.child] = free[joint.parent] @ joint.motion.fk(drive[..., None])
+        to_base = np.linalg.inv(free[self.base])
+        return {link: to_base @ pose for link, pose in free.items()}
+
+    def check(self, q: ArrayLike) -> NDArray[np.float64]:
+        """``q`` as a C-contiguous float64 array (..., n).
+
+        Raises:
+            ArgumentError: the last dimension is not n, or a value is not finite.
+
+        Example:
+            >>> import urdf_ik
+            >>> urdf_ik.load("planar_2r").chain.check([[0, 1], [2, 3]]).tolist()
+            [[0.0, 1.0], [2.0, 3.0]]
+        """
+        Q = inputs.real(q, "a joint vector", f"an array of numbers (..., {self.n})", ArgumentError)
+        if Q.ndim == 0 or Q.shape[-1] != self.n:
+            raise ArgumentError(
+                f"joint vectors of shape {Q.shape} given; the chain has {self.n} joints "
+                f"({', '.join(self.joint_names)}), so the last dimension must be {self.n}"
+            )
+        if (where := inputs.first_bad(Q)) is not None:
+            raise ArgumentError(
+                f"joint vector{list(where[:-1]) or ''}: joint {quoted(self.joint_names[where[-1]])} "
+                f"is {Q[where]}; {inputs.why_bad(Q[where])}"
+            )
+        return Q
+
+
+def standing(chain: _AnyChain, beside: Mapping[str, float]) -> _AnyChain:
+    """A chain whose URDF's joints beside it stand at these values [rad or m]."""
+    every = list(range(chain.n))
+    tree = tuple(joint.held(every, np.zeros(chain.n), beside) for joint in chain.tree)
+    return replace(chain, tree=tree, locked=(*chain.locked, *beside.items()))
+
+
+def held_values(chain: Chain, values: Mapping[str, float]) -> dict[str, float]:
+    """Names and values of joints to hold, as :meth:`Chain.lock` takes and refuses them."""
+    given = inputs.mapping(values, "locked", "names of joints with values, {name: 0.0},")
+    held = {name: _held_at(name, value) for name, value in given.items()}
+    there = dict.fromkeys([*chain.joint_names, *(joint.driver for joint in chain.tree if joint.column is None)])
+    able = [name for name in there if name and name not in dict(chain.locked)]
+    if unknown := [name for name in held if name not in able]:
+        where = "it is locked already" if unknown[0] in dict(chain.locked) else "no joint of that name moves by itself"
+        raise ChainError(
+            f"joint {quoted(unknown[0])} cannot be locked: {where}; the chain is that from {quoted(chain.base)} to "
+            f"{quoted(chain.tip)}",
+            able,
+        )
+    return held
+
+
+def _held_at(name: str, value: float) -> float:
+    """``value`` as a float."""
+    return inputs.number(value, f"joint {quoted(name)} cannot be locked: its value", ArgumentError, unit="rad or m")

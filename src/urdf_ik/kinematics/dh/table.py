@@ -1,0 +1,373 @@
+"""Denavit-Hartenberg tables, standard or modified, to URDF and back from any chain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.errors import UrdfError
+from urdf_ik.kinematics.chain import Chain
+from urdf_ik.kinematics.dh import files
+from urdf_ik.kinematics.dh.checks import (
+    check,
+    check_convention,
+    joint_types_of,
+    names_of,
+    numbers,
+    table_array,
+    transform,
+)
+from urdf_ik.kinematics.dh.fields import table_error
+from urdf_ik.kinematics.dh.frames import rotation_z, slide_z, step_x
+from urdf_ik.kinematics.dh.from_chain import fields_of, frames_of
+from urdf_ik.support import inputs
+from urdf_ik.support.files import name_of
+from urdf_ik.support.frozen import Frozen
+from urdf_ik.support.text import quoted
+from urdf_ik.support.tolerances import DEFAULT
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Sequence
+
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
+
+_SAMPLES = 12
+
+
+@dataclass(frozen=True, eq=False)
+class DHTable(Frozen):
+    """A serial arm as a Denavit-Hartenberg table between a base and a tool transform.
+
+    The joint's variable is added to ``theta`` (revolute, continuous) or to ``d`` (prismatic): what stands there is
+    the joint's offset.
+
+    Attributes:
+        convention: 'standard' or 'modified' (Craig).
+        alpha: (n,) rad, twist about x.
+        a: (n,) m, along x.
+        d: (n,) m, along z.
+        theta: (n,) rad, about z.
+        joint_types: (n,) of 'revolute', 'continuous' or 'prismatic'.
+        joint_names: (n,) names.
+        limits: (n, 2) rad or m; a continuous joint has (-inf, inf).
+        base: (4, 4) where the table begins, in the base link.
+        tool: (4, 4) tip in the table's last frame.
+        name: of the robot.
+
+    Example:
+        >>> import urdf_ik
+        >>> table = urdf_ik.DHTable.from_array([[0.0, 0.3, 0.0, 0.0], [0.0, 0.2, 0.0, 0.0]], "standard")
+        >>> arm = urdf_ik.load(table.to_urdf())
+        >>> arm.dof, (arm.fk([0.0, 0.0])[:3, 3].round(6) + 0.0).tolist()
+        (2, [0.5, 0.0, 0.0])
+    """
+
+    convention: str
+    alpha: Array
+    a: Array
+    d: Array
+    theta: Array
+    joint_types: tuple[str, ...]
+    joint_names: tuple[str, ...]
+    limits: Array
+    base: Array
+    tool: Array
+    name: str = "arm"
+
+    def __post_init__(self) -> None:
+        for field in ("alpha", "a", "d", "theta", "limits", "base", "tool"):
+            # Copies, since they are frozen.
+            object.__setattr__(self, field, numbers(getattr(self, field), field))
+        check(self)
+
+    @classmethod
+    def from_array(
+        cls,
+        rows: ArrayLike,
+        convention: str,
+        *,
+        joint_types: str | Sequence[str] = "",
+        joint_names: Sequence[str] | None = None,
+        limits: ArrayLike | None = None,
+        base: ArrayLike | None = None,
+        tool: ArrayLike | None = None,
+        name: str = "arm",
+        degrees: bool = False,
+    ) -> DHTable:
+        """Make a table from numbers.
+
+        Args:
+            rows: (n, 4) alpha [rad], a [m], d [m], theta [rad], in this order in either convention.
+            convention: 'standard' or 'modified'.
+            joint_types: letters such as 'RRP', or 'revolute', 'continuous', 'prismatic' for each joint; all
+                revolute where left out.
+            joint_names: ``joint_1`` ... where left out.
+            limits: (n, 2) rad or m. A revolute joint without them is continuous; a prismatic one needs them.
+            base: (4, 4), the identity where left out.
+            tool: (4, 4), the identity where left out.
+            name: of the robot.
+            degrees: alpha, theta and the limits of revolute joints are given in degrees.
+
+        Raises:
+            UrdfError: it is no table; the error names row, column and value.
+
+        Example:
+            >>> import urdf_ik
+            >>> rows = [[0, 0.325, 0.38, 0], [180, 0.275, 0, 0], [0, 0, 0, 0]]  # alpha, a, d, theta
+            >>> table = urdf_ik.DHTable.from_array(rows, "standard", joint_types="RRR", degrees=True)
+            >>> table.joint_names, table.a.tolist()
+            (('joint_1', 'joint_2', 'joint_3'), [0.325, 0.275, 0.0])
+        """
+        table, degrees = table_array(rows), inputs.flag(degrees, "degrees", UrdfError)
+        n = len(table)
+        kinds = joint_types_of(joint_types, n)
+        bounds = np.tile([-np.inf, np.inf], (n, 1)) if limits is None else table_array(limits, ("lower", "upper"))
+        if len(bounds) != n:
+            raise table_error(f"{len(bounds)} limits for {n} joints; one row (lower, upper) a joint is needed")
+        turning = np.array([kind != "prismatic" for kind in kinds], dtype=np.bool_)
+        if degrees:
+            table[:, [0, 3]] = np.deg2rad(table[:, [0, 3]])
+            bounds = np.where(turning[:, None], np.deg2rad(bounds), bounds)
+        endless = np.isinf(bounds).all(axis=1) & turning
+        return cls(
+            convention=convention,
+            alpha=table[:, 0],
+            a=table[:, 1],
+            d=table[:, 2],
+            theta=table[:, 3],
+            joint_types=tuple("continuous" if e else kind for e, kind in zip(endless, kinds, strict=True)),
+            joint_names=tuple(f"joint_{i + 1}" for i in range(n)) if joint_names is None else names_of(joint_names),
+            limits=np.where(
+                np.array([kind == "continuous" for kind in kinds], dtype=np.bool_)[:, None], [-np.inf, np.inf], bounds
+            ),
+            base=transform(base, "base"),
+            tool=transform(tool, "tool"),
+            name=name,
+        )
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str], convention: str | None = None, *, degrees: bool = False) -> DHTable:
+        """Read a table from a CSV or JSON file, in the form that :meth:`to_csv` and :meth:`to_json` write.
+
+        Args:
+            path: the file; what it holds decides the format.
+            convention: of a file that does not say its own.
+            degrees: whether the angles of a file that does not say its unit are in degrees instead of rad.
+
+        Raises:
+            UrdfError: the file cannot be read or holds no table; the error names file, row, column and value.
+
+        Example:
+            >>> from pathlib import Path
+            >>> import urdf_ik
+            >>> table = urdf_ik.DHTable.from_chain(urdf_ik.load("puma_560").chain)
+            >>> _ = Path("puma.csv").write_text(table.to_csv(degrees=True))
+            >>> (urdf_ik.DHTable.read("puma.csv").a.round(4) + 0.0).tolist()
+            [0.0, 0.4318, 0.0203, 0.0, 0.0, 0.0]
+        """
+        try:
+            return cls.from_array(**files.read(path, convention, degrees))
+        except UrdfError as error:
+            raise UrdfError(error.problem, source=name_of(path), element=error.element) from None
+
+    @classmethod
+    def from_chain(
+        cls, chain: Chain, convention: str = "standard", *, snap: float | None = None, name: str = "arm"
+    ) -> DHTable:
+        """The table of a chain: base and tool are left over only where the convention has no room for them.
+
+        Args:
+            chain: any chain of at least one movable joint.
+            convention: 'standard' or 'modified'.
+            snap: angle [rad] and distance [share of the chain's size] below which neighbouring axes are taken for
+                parallel or meeting, as in a URDF with rounded decimals; at most 0.5. Left out: the chain as written.
+            name: of the robot.
+
+        Raises:
+            UrdfError: the chain has no joints, ``snap`` is out of range, or, without it, two axes are so near parallel
+                that no table in double precision holds them to 1e-9.
+
+        Example:
+            >>> import urdf_ik
+            >>> table = urdf_ik.DHTable.from_chain(urdf_ik.load("puma_560").chain)
+            >>> (table.a.round(4) + 0.0).tolist(), (table.d.round(4) + 0.0).tolist()
+            ([0.0, 0.4318, 0.0203, 0.0, 0.0, 0.0], [0.672, 0.0, 0.15, 0.4318, 0.0, 0.0])
+        """
+        check_convention(convention)
+        inputs.kind(chain, "joint_types", "chain", "the chain of an arm, arm.chain,", UrdfError)
+        between = f"between {quoted(chain.base)} and {quoted(chain.tip)}"
+        if chain.n == 0:
+            raise table_error(f"no movable joint {between}, so there is no table")
+        if chain.axes is not chain:
+            raise table_error(f"joints {between} mimic others, which a table cannot say")
+        table = cls(
+            convention=convention,
+            joint_types=chain.joint_types,
+            joint_names=chain.joint_names,
+            limits=chain.limits,
+            name=name,
+            **fields_of(frames_of(chain, snap), chain, convention == "modified"),
+        )
+        if snap is None and (off := table.deviation(chain)) > DEFAULT.contract:
+            angles = np.linalg.norm(np.cross(chain.H[:-1], chain.H[1:]), axis=1)
+            i = int(np.argmin(np.where(angles > DEFAULT.exact_structure, angles, np.inf)))
+            raise table_error(
+                f"axes {i + 1} and {i + 2} are {angles[i]:.1e} rad off parallel, and their table's poses would be "
+                f"{off:.0e} of the arm's size off; give snap={2.0 * angles[i]:.0e} to take them for parallel"
+            )
+        return table
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return len(self.alpha)
+
+    @property
+    def prismatic(self) -> NDArray[np.bool_]:
+        """(n,) true for prismatic joints."""
+        return np.array([kind == "prismatic" for kind in self.joint_types], dtype=np.bool_)
+
+    def origins(self) -> Array:
+        """(n + 1, 4, 4) joint frames at q = 0, each in the one before, then the tip; every axis is z of its frame.
+
+        Example:
+            >>> import urdf_ik
+            >>> table = urdf_ik.DHTable.from_array([[0.0, 0.3, 0.0, 0.0], [0.0, 0.2, 0.0, 0.0]], "standard")
+            >>> (table.origins()[:, 0, 3].round(6) + 0.0).tolist()
+            [0.0, 0.3, 0.2]
+        """
+        about_x = [step_x(a, alpha) for a, alpha in zip(self.a, self.alpha, strict=True)]
+        about_z = [rotation_z(theta) @ slide_z(d) for theta, d in zip(self.theta, self.d, strict=True)]
+        if self.convention == "modified":
+            steps = [x @ z for x, z in zip(about_x, about_z, strict=True)]
+            return np.array([self.base @ steps[0], *steps[1:], self.tool])
+        steps = [z @ x for z, x in zip(about_z, about_x, strict=True)]
+        return np.array([self.base, *steps[:-1], steps[-1] @ self.tool])
+
+    def chain(self, base: str = "base_link", tip: str = "tool0") -> Chain:
+        """The table as screw axes between links of these names.
+
+        Example:
+            >>> import urdf_ik
+            >>> table = urdf_ik.DHTable.from_array([[0.0, 0.3, 0.0, 0.0], [0.0, 0.2, 0.0, 0.0]], "standard")
+            >>> table.chain(tip="flange").joint_names
+            ('joint_1', 'joint_2')
+        """
+        frames = np.array(list(_products(self.origins())))
+        return Chain(
+            base=base,
+            tip=tip,
+            joint_names=self.joint_names,
+            joint_types=self.joint_types,
+            H=frames[:-1, :3, 2].copy(),
+            P=np.diff(np.vstack([np.zeros(3), frames[:, :3, 3]]), axis=0),
+            R_tip=frames[-1, :3, :3].copy(),
+            limits=self.limits,
+        )
+
+    def fk(self, q: ArrayLike) -> Array:
+        """Pose of the tip in the base link: (..., n) rad or m to (..., 4, 4); see :meth:`Chain.fk`.
+
+        Example:
+            >>> import urdf_ik
+            >>> table = urdf_ik.DHTable.from_array([[0.0, 0.3, 0.0, 0.0], [0.0, 0.2, 0.0, 0.0]], "standard")
+            >>> (table.fk([0.0, 0.0])[:3, 3].round(6) + 0.0).tolist()
+            [0.5, 0.0, 0.0]
+        """
+        return self.chain().fk(q)
+
+    def converted(self, convention: str) -> DHTable:
+        """The same arm in the other convention; what has no room in the table goes to base or tool.
+
+        Example:
+            >>> import urdf_ik
+            >>> table = urdf_ik.DHTable.from_array([[90, 0, 0.4, 0], [0, 0.2, 0, 0]], "standard", degrees=True)
+            >>> other = table.converted("modified")
+            >>> other.convention, (np.degrees(other.alpha).round(6) + 0.0).tolist()
+            ('modified', [0.0, 90.0])
+        """
+        check_convention(convention)
+        if convention == self.convention:
+            return self
+        if convention == "modified":
+            tool = step_x(self.a[-1], self.alpha[-1]) @ self.tool
+            alpha, a = np.append(0.0, self.alpha[:-1]), np.append(0.0, self.a[:-1])
+            return replace(self, convention=convention, alpha=alpha, a=a, tool=tool)
+        base = self.base @ step_x(self.a[0], self.alpha[0])
+        alpha, a = np.append(self.alpha[1:], 0.0), np.append(self.a[1:], 0.0)
+        return replace(self, convention=convention, alpha=alpha, a=a, base=base)
+
+    def deviation(self, chain: Chain) -> float:
+        """Greatest difference from the chain's poses over sampled joint vectors, in rad and shares of its size.
+
+        Example:
+            >>> import urdf_ik
+            >>> chain = urdf_ik.load("puma_560").chain
+            >>> urdf_ik.DHTable.from_chain(chain).deviation(chain) < 1e-9
+            True
+        """
+        inputs.kind(chain, "axes", "chain", "a chain, as arm.chain is,", UrdfError)
+        if chain.n != self.n:
+            raise table_error(f"the chain has {chain.n} joints, and the table {self.n}")
+        Q = np.random.default_rng(0).uniform(-np.pi, np.pi, (_SAMPLES, chain.n))
+        Q = np.where(chain.prismatic, Q * chain.size / np.pi, Q)
+        apart = self.fk(Q) - chain.fk(Q)
+        apart[:, :3, 3] /= chain.size
+        return float(np.abs(apart).max())
+
+    def to_urdf(self, base_link: str = "base_link", tip_link: str = "tool0") -> str:
+        """URDF text with links of cylinders and boxes; frames and axes are those of :meth:`origins`.
+
+        Example:
+            >>> import urdf_ik
+            >>> table = urdf_ik.DHTable.from_array([[0.0, 0.3, 0.0, 0.0], [0.0, 0.2, 0.0, 0.0]], "standard")
+            >>> urdf_ik.load(table.to_urdf()).joint_names
+            ('joint_1', 'joint_2')
+        """
+        from urdf_ik.kinematics.dh import urdf_text
+
+        return urdf_text.write(self, base_link, tip_link)
+
+    def to_csv(self, *, degrees: bool = False) -> str:
+        """CSV text that :meth:`read` takes, with every digit.
+
+        Example:
+            >>> import urdf_ik
+            >>> table = urdf_ik.DHTable.from_array([[0.0, 0.3, 0.0, 0.0], [0.0, 0.2, 0.0, 0.0]], "standard")
+            >>> print(table.to_csv(), end="")
+            # name: arm
+            # convention: standard
+            # angles: rad
+            name,type,alpha,a,d,theta,lower,upper
+            joint_1,continuous,0.0,0.3,0.0,0.0,,
+            joint_2,continuous,0.0,0.2,0.0,0.0,,
+        """
+        return files.as_csv(self, inputs.flag(degrees, "degrees", UrdfError))
+
+    def to_json(self, *, degrees: bool = False) -> str:
+        """JSON text that :meth:`read` takes, with every digit.
+
+        Example:
+            >>> import json
+            >>> import urdf_ik
+            >>> table = urdf_ik.DHTable.from_array([[0.0, 0.3, 0.0, 0.0], [0.0, 0.2, 0.0, 0.0]], "standard")
+            >>> json.loads(table.to_json())["convention"]
+            'standard'
+        """
+        return files.as_json(self, inputs.flag(degrees, "degrees", UrdfError))
+
+    def __str__(self) -> str:
+        return files.as_text(self)
+
+
+def _products(transforms: Array) -> Any:
+    """Each transform times all before it."""
+    T = np.eye(4)
+    for step in transforms:
+        T = T @ step
+        yield T

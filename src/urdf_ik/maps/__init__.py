@@ -1,0 +1,12 @@
+"""What an arm reaches: workspaces, base placements, data sets, and the engine that computes them on Dask."""
+
+from __future__ import annotations
+
+from urdf_ik.support.lazy import attributes
+
+__all__ = ["dataset", "placement", "workspace"]
+
+__getattr__ = attributes(
+    __name__,
+    {"dataset": "datasets.creation", "placement": "placements.creation", "workspace": "workspaces.building"},
+)

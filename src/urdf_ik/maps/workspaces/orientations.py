@@ -1,0 +1,111 @@
+"""Well-spread orientations, directions and angles, the same ones every time; and targets of an arm's task from them.
+
+Rotations lie on super-Fibonacci spirals (Alexa, "Super-Fibonacci Spirals: Fast, Low-Discrepancy Sampling of SO(3)",
+CVPR 2022, algorithm 1), directions on a Fibonacci lattice of the sphere (Swinbank and Purser, "Fibonacci grids: A novel
+approach to global modelling", Quarterly Journal of the Royal Meteorological Society 132, 2006).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from urdf_ik.errors import ArgumentError
+from urdf_ik.model.poses import pose
+from urdf_ik.support.tolerances import DEFAULT
+
+if TYPE_CHECKING:
+    from urdf_ik.arm import Arm
+
+Array = NDArray[np.float64]
+
+_PHI = np.sqrt(2.0)
+_PSI = 1.533751168755204288118041  # the positive root of psi^4 = psi + 4
+_GOLDEN = 0.5 * (1.0 + np.sqrt(5.0))
+
+ALL, DIRECTIONS, TURNS, ANGLES, NOTHING = (
+    "rotations on super-Fibonacci spirals",
+    "directions on a Fibonacci lattice",
+    "evenly spaced turns about the axis that the joints share",
+    "evenly spaced angles",
+    "nothing: the task is a position",
+)
+"""What is sampled beside the position."""
+
+
+def rotations(n: int) -> Array:
+    """(n, 3, 3) rotation matrices, evenly spread over all orientations."""
+    s = np.arange(n) + 0.5
+    inner, outer = np.sqrt(s / n), np.sqrt(1.0 - s / n)
+    alpha, beta = 2.0 * np.pi * s / _PHI, 2.0 * np.pi * s / _PSI
+    quat = np.stack([inner * np.sin(alpha), inner * np.cos(alpha), outer * np.sin(beta), outer * np.cos(beta)], axis=-1)
+    return np.array([pose(np.zeros(3), quat_xyzw=q)[:3, :3] for q in quat]).reshape(n, 3, 3)
+
+
+def directions(n: int) -> Array:
+    """(n, 3) unit vectors, evenly spread over the sphere."""
+    z = 1.0 - (2.0 * np.arange(n) + 1.0) / n
+    turn = 2.0 * np.pi * np.arange(n) / _GOLDEN
+    across = np.sqrt(1.0 - z**2)
+    return np.stack([across * np.cos(turn), across * np.sin(turn), z], axis=-1)
+
+
+def sampled(arm: Arm) -> str:
+    """What the arm's task has beside its position, as a sentence for people and files.
+
+    Raises:
+        ArgumentError: the arm can take but few orientations, and they are different ones at every position.
+    """
+    by_task = {"position and axis": DIRECTIONS, "planar pose": ANGLES, "position": NOTHING, "planar position": NOTHING}
+    if arm.task in by_task:
+        return by_task[arm.task]
+    if arm.dof >= 6:
+        return ALL
+    axes = arm.chain.H[~arm.chain.prismatic]
+    if len(axes) and np.linalg.norm(np.cross(axes, axes[0]), axis=1).max() < DEFAULT.contract:
+        return TURNS
+    raise ArgumentError(
+        f"{arm.name}: {arm.dof} joints take other orientations at every position, and none that is drawn is among them"
+    )
+
+
+def samples(arm: Arm, n: int) -> Array:
+    """What the task has beside its position: (n, 3, 3) rotations, (n, 3) directions, (n, 1) rad; (1, 0) for nothing."""
+    kind = sampled(arm)
+    angles = 2.0 * np.pi * np.arange(n) / n - np.pi
+    if kind == ALL:
+        return rotations(n)
+    if kind == TURNS:
+        axis, R = arm.chain.H[~arm.chain.prismatic][0], arm.chain.R_tip
+        return np.array([pose(np.zeros(3), rotvec=angle * axis)[:3, :3] @ R for angle in angles])
+    if kind == DIRECTIONS:
+        return directions(n)
+    return angles.reshape(n, 1) if kind == ANGLES else np.zeros((1, 0))
+
+
+class Targets:
+    """Targets of a task at positions x samples, written into memory that is used again."""
+
+    def __init__(self, task: str, chosen: Array, positions: int) -> None:
+        """Make room for ``positions`` positions at a time."""
+        self._planar = task.startswith("planar")
+        self._of_poses = task == "pose"
+        if self._of_poses:
+            self._room = np.zeros((positions, len(chosen), 4, 4))
+            self._room[..., :3, :3], self._room[..., 3, 3] = chosen, 1.0
+        else:
+            coordinates = 2 if self._planar else 3
+            self._room = np.empty((positions, len(chosen), coordinates + chosen.shape[1]))
+            self._room[..., coordinates:] = chosen
+
+    def at(self, positions: Array) -> Array:
+        """Targets (k * samples, ...) at positions (k, 3) m, valid until the next call; position by position."""
+        room = self._room[: len(positions)]
+        if self._of_poses:
+            room[..., :3, 3] = positions[:, None]
+            return room.reshape(-1, 4, 4)
+        coordinates = 2 if self._planar else 3
+        room[..., :coordinates] = positions[:, None, :coordinates]
+        return room.reshape(-1, room.shape[-1])

@@ -1,0 +1,218 @@
+"""What each name leads to: a URDF of this package, of example-robot-data, or of robot_descriptions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from urdf_ik.errors import ArgumentError
+from urdf_ik.model import downloads
+from urdf_ik.support.text import nearest, quoted
+
+BUNDLED: Mapping[str, str] = {
+    "zyyzyz_6r": "six axes z y y z y z with a spherical wrist, upright at zero",
+    "dh_6r": "six axes with a spherical wrist, from a modified Denavit-Hartenberg table",
+    "planar_2r": "two-link planar arm, 66 and 130 mm, with narrow limits",
+    "planar_2r_unit": "two-link planar arm, both links 1 m, every angle allowed",
+    "positioning_3r": "waist, shoulder and elbow of an articulated robot",
+    "scara_rrpr": "SCARA: two links, a quill that slides and turns",
+    "stanford_rrprrr": "Stanford arm: waist, shoulder, sliding boom, spherical wrist",
+    "srs_7r": "seven axes, spherical shoulder and wrist, with the lengths of a KUKA LBR iiwa 14",
+    "puma_560": "Unimation PUMA 560, by Corke and Armstrong-Helouvry's table",
+    "rail_6r": "the PUMA 560 on a rail: seven joints, of which the rail is what a pose leaves free",
+    "positioner_6r": "the PUMA 560 with a torch, and a two-axis positioner that carries the link 'workpiece'",
+    "dual_6r": "two PUMA 560 on one pedestal, to left_tool0 and to right_tool0",
+}
+"""Arms that come with this package: what they are."""
+
+_TIPS = {"positioner_6r": "torch", "dual_6r": "left_tool0"}
+"""Tips of those that are not from base_link to tool0."""
+
+_UR = ("base_link", "tool0")
+
+EXAMPLE_ROBOT_DATA: Mapping[str, tuple[str, str, str]] = {
+    # The package's own ur3.urdf is a robot without links; ur3_robot.urdf is the arm.
+    "ur3": ("ur_description/urdf/ur3_robot.urdf", *_UR),
+    "ur3_gripper": ("ur_description/urdf/ur3_gripper.urdf", *_UR),
+    "ur3_limited": ("ur_description/urdf/ur3_joint_limited_robot.urdf", *_UR),
+    "ur5": ("ur_description/urdf/ur5_robot.urdf", *_UR),
+    "ur5_gripper": ("ur_description/urdf/ur5_gripper.urdf", *_UR),
+    "ur5_limited": ("ur_description/urdf/ur5_joint_limited_robot.urdf", *_UR),
+    "ur10": ("ur_description/urdf/ur10_robot.urdf", *_UR),
+    "ur10_limited": ("ur_description/urdf/ur10_joint_limited_robot.urdf", *_UR),
+    "kinova": ("kinova_description/robots/kinova.urdf", "j2s6s200_link_base", "j2s6s200_end_effector"),
+    "panda": ("panda_description/urdf/panda.urdf", "panda_link0", "panda_hand_tcp"),
+    "xarm7": ("xarm_description/urdf/xarm7.urdf", "link_base", "link_eef"),
+    "z1": ("z1_description/urdf/z1.urdf", "link00", "gripperStator"),
+    "so100": ("so_arm_description/urdf/so100.urdf", "base", "gripper"),
+    "so101": ("so_arm_description/urdf/so101.urdf", "base_link", "gripper_frame_link"),
+    "twodof": ("asr_twodof_description/urdf/TwoDofs.urdf", "world", "Tip"),
+    "baxter_left": ("baxter_description/urdf/baxter.urdf", "torso", "left_gripper"),
+    "baxter_right": ("baxter_description/urdf/baxter.urdf", "torso", "right_gripper"),
+    "pr2_left": ("pr2_description/urdf/pr2.urdf", "torso_lift_link", "l_gripper_tool_frame"),
+    "pr2_right": ("pr2_description/urdf/pr2.urdf", "torso_lift_link", "r_gripper_tool_frame"),
+    "talos_left": ("talos_data/robots/talos_reduced.urdf", "torso_2_link", "gripper_left_base_link"),
+    "talos_right": ("talos_data/robots/talos_reduced.urdf", "torso_2_link", "gripper_right_base_link"),
+    "tiago": ("tiago_description/robots/tiago_no_hand.urdf", "torso_lift_link", "arm_tool_link"),
+    "tiago_pro_left": ("tiago_pro_description/robots/tiago_pro.urdf", "torso_lift_link", "arm_left_tool_link"),
+    "tiago_pro_right": ("tiago_pro_description/robots/tiago_pro.urdf", "torso_lift_link", "arm_right_tool_link"),
+}
+"""Arms of example-robot-data: file below its ``robots`` folder, base link and tip link."""
+
+INSTALL_EXAMPLE_ROBOT_DATA = "pip install 'urdf-ik[robots]'"
+_DISTRIBUTION = "example-robot-data"
+_MARKER = "share/example-robot-data/package.xml"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """An arm that has a name.
+
+    Attributes:
+        name: the name it was asked for by.
+        path: its URDF.
+        base: base link of the arm, None for that of the chain that is meant.
+        tip: tip link of the arm, None for that of the chain that is meant.
+        package_dirs: folders in which ``package://`` addresses of its meshes are looked up.
+        description: what the arm is; '' for those of example-robot-data.
+        xacro_args: arguments of the xacro that it is, or None.
+    """
+
+    name: str
+    path: Path
+    base: str | None
+    tip: str | None
+    package_dirs: tuple[Path, ...] = ()
+    description: str = ""
+    xacro_args: Mapping[str, str] | None = None
+
+
+def names() -> tuple[str, ...]:
+    """Every name of the catalogue, bundled arms first, whether or not example-robot-data is installed.
+
+    Those of robot_descriptions, which ``resolve`` takes too, are :func:`urdf_ik.model.downloads.names`.
+
+    Example:
+        >>> names()[0]
+        'zyyzyz_6r'
+    """
+    return (*BUNDLED, *EXAMPLE_ROBOT_DATA)
+
+
+def is_here(name: str) -> bool:
+    """Whether the arm of that name can be loaded without a download or an installation.
+
+    Example:
+        >>> is_here("zyyzyz_6r")
+        True
+    """
+    if not isinstance(name, str):
+        return False
+    if name in BUNDLED:
+        return True
+    if name in EXAMPLE_ROBOT_DATA:
+        share = _example_robot_data_share()
+        return share is not None and _robot_file(share, name).is_file()
+    return _of_example_robot_data(name) is not None or downloads.is_here(name)
+
+
+def resolve(name: str) -> Entry:
+    """Find the arm of that name; one of robot_descriptions is downloaded when it is first asked for.
+
+    Args:
+        name: a bundled arm, one of example-robot-data, or a model of robot_descriptions, with or without its
+            ``_description``; ``panda_description`` and the like, which robot_descriptions takes from
+            example-robot-data, are the arms of that package where it is installed.
+
+    Raises:
+        ArgumentError: there is no such name (the message lists the nearest), or the name belongs to a package that
+            is not installed (the message says how to install it), or to a model that cannot be downloaded.
+
+    Example:
+        >>> resolve("zyyzyz_6r").tip
+        'tool0'
+    """
+    if not isinstance(name, str):
+        raise ArgumentError(f"{quoted(name)} given; the name of an arm is a text: {', '.join(names())}")
+    if name in BUNDLED:
+        return Entry(name, _bundled_folder() / f"{name}.urdf", "base_link", _TIPS.get(name, "tool0"), (), BUNDLED[name])
+    if name in EXAMPLE_ROBOT_DATA:
+        return _from_example_robot_data(name)
+    if stem := _of_example_robot_data(name):
+        return _from_example_robot_data(stem)
+    if model := downloads.model_of(name):
+        found = downloads.fetch(model, _near_and_here(name))
+        return Entry(name, found.path, None, None, found.package_dirs, downloads.describe(model), found.xacro_args)
+    raise ArgumentError(f"no arm is called {quoted(name)}; {_alternatives(name)}")
+
+
+def _of_example_robot_data(name: str) -> str | None:
+    """The installed arm that ``NAME_description`` means: what robot_descriptions would download is the same."""
+    stem = name.removesuffix("_description")
+    if stem == name or stem not in EXAMPLE_ROBOT_DATA or not is_here(stem):
+        return None
+    return stem if downloads.repository_of(name) in (None, _DISTRIBUTION) else None
+
+
+def _from_example_robot_data(name: str) -> Entry:
+    share = _example_robot_data_share()
+    if share is None:
+        raise ArgumentError(
+            f"{quoted(name)} is an arm of {_DISTRIBUTION}, which is not installed: {INSTALL_EXAMPLE_ROBOT_DATA}"
+        )
+    path = _robot_file(share, name)
+    if not path.is_file():
+        raise ArgumentError(
+            f"{quoted(name)} is not in the installed {_DISTRIBUTION}, {path} is missing: "
+            f"{INSTALL_EXAMPLE_ROBOT_DATA} --upgrade"
+        )
+    return Entry(name, path, *EXAMPLE_ROBOT_DATA[name][1:], (share,))
+
+
+def _robot_file(share: Path, name: str) -> Path:
+    return share / "example-robot-data" / "robots" / EXAMPLE_ROBOT_DATA[name][0]
+
+
+def _bundled_folder() -> Path:
+    """The folder of the bundled URDFs: inside an installed package, at the repository's root in a checkout."""
+    package = Path(__file__).resolve().parents[1]
+    inside = package / "bundled" / "urdf"
+    return inside if inside.is_dir() else package.parents[1] / "urdf"
+
+
+def _example_robot_data_share() -> Path | None:
+    """The ``share`` folder of example-robot-data, or None where it is not installed.
+
+    Its wheel holds no Python module, so only the list of its files says where it lies.
+    """
+    from importlib import metadata  # 10 ms that ``import urdf_ik`` need not pay
+
+    try:
+        files = metadata.files(_DISTRIBUTION) or ()
+    except metadata.PackageNotFoundError:
+        return None
+    for file in files:
+        if file.as_posix().endswith(_MARKER):
+            return Path(str(file.locate())).resolve().parents[1]
+    return None
+
+
+def _near_and_here(name: str) -> str:
+    """The arms with names like that one which need no download, in words."""
+    here = [each for each in names() if is_here(each)]
+    found = nearest(name.lower().removesuffix("_description"), here, cutoff=0.5)
+    listed = ", ".join(found)
+    return f"near to that name and here: {listed}" if found else "`urdf-ik robots` lists the arms that are here"
+
+
+def _alternatives(name: str) -> str:
+    """The names nearest to one that the catalogue does not hold, or all of them where none is near."""
+    known = (*names(), *downloads.names())
+    more = "" if downloads.names() else f"; robot_descriptions has more: {downloads.INSTALL}"
+    asked = name.lower()
+    wanted = (asked, asked.removesuffix("_description"))
+    found = dict.fromkeys(each for one in wanted for each in nearest(one, known, n=4, cutoff=0.5))
+    if found:
+        return f"nearest: {', '.join(found)}{more}"
+    return f"there are: {', '.join(names())}{more or ', and those that `urdf-ik robots --all` lists'}"

@@ -1,0 +1,143 @@
+"""The models of robot_descriptions, which that package downloads when they are first asked for."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from urdf_ik.errors import ArgumentError
+from urdf_ik.support.text import quoted
+
+INSTALL = "pip install 'urdf-ik[robots]'"
+_ENDINGS = ("_description", "_mj_description")
+_ARMS = {"arm", "dual_arm", "mobile_manipulator"}
+
+
+@dataclass(frozen=True)
+class Model:
+    """A model that is here.
+
+    Attributes:
+        path: its URDF, xacro or MJCF.
+        package_dirs: folders in which its packages and meshes are looked up.
+        xacro_args: arguments of the xacro that it is, or None.
+    """
+
+    path: Path
+    package_dirs: tuple[Path, ...]
+    xacro_args: Mapping[str, str] | None
+
+
+def names() -> tuple[str, ...]:
+    """Names of the models that have arms, () where robot_descriptions is not installed.
+
+    Example:
+        >>> from urdf_ik.model import downloads
+        >>> "zyyzyz_6r" in downloads.names()
+        False
+    """
+    return tuple(sorted(name for name, facts in _descriptions().items() if facts.tags & _ARMS))
+
+
+def model_of(name: str) -> str | None:
+    """The model that a name means: itself, or with ``_description`` or ``_mj_description``; None for no model.
+
+    Example:
+        >>> from urdf_ik.model import downloads
+        >>> downloads.model_of("zyyzyz_6r") is None
+        True
+    """
+    known = _descriptions()
+    return next((each for each in (name, *(name + ending for ending in _ENDINGS)) if each in known), None)
+
+
+def describe(model: str) -> str:
+    """Maker and name of a model's robot."""
+    facts = _descriptions()[model]
+    return " ".join(filter(None, (facts.maker, facts.robot)))
+
+
+def joints_of(model: str) -> int | None:
+    """Number of a model's joints, where robot_descriptions says so."""
+    count: int | None = _descriptions()[model].dof
+    return count
+
+
+def is_here(name: str) -> bool:
+    """Whether the files of a model have been downloaded.
+
+    Example:
+        >>> from urdf_ik.model import downloads
+        >>> downloads.is_here("no_such_robot")
+        False
+    """
+    model = model_of(name)
+    if model is None:
+        return False
+    from robot_descriptions._repositories import REPOSITORIES
+
+    repository = REPOSITORIES.get(_descriptions()[model].repository)
+    if repository is None:
+        return False
+    cache_folder = os.environ.get("ROBOT_DESCRIPTIONS_CACHE", "~/.cache/robot_descriptions")
+    folder = Path(cache_folder).expanduser() / repository.cache_path
+    return folder.is_dir() and any(each.name != ".git" for each in folder.iterdir())
+
+
+def repository_of(name: str) -> str | None:
+    """The repository that a model comes from, None for no model.
+
+    Example:
+        >>> from urdf_ik.model import downloads
+        >>> downloads.repository_of("zyyzyz_6r") is None
+        True
+    """
+    model = model_of(name)
+    return None if model is None else str(_descriptions()[model].repository)
+
+
+def fetch(model: str, instead: str) -> Model:
+    """Where a model's files are, after a download where they have not been here.
+
+    Args:
+        model: its name.
+        instead: what the error says of a model that cannot be downloaded.
+
+    Raises:
+        ArgumentError: they cannot be downloaded, or hold nothing that can be read.
+    """
+    try:
+        with contextlib.redirect_stdout(sys.stderr):
+            module = import_module(f"robot_descriptions.{model}")
+    except Exception as error:  # git's own errors, and those of an installation without git
+        said = " ".join(str(getattr(error, "stderr", "") or error).split())
+        raise ArgumentError(
+            f"{quoted(model)} is a model of robot_descriptions, which downloads it when it is first asked for, and "
+            f"cannot: {said[:300]}; without a network: {instead}"
+        ) from None
+    for attribute in ("URDF_PATH", "XACRO_PATH", "MJCF_PATH"):
+        if path := getattr(module, attribute, None):
+            others = getattr(module, "XACRO_PACKAGE_PATHS", {}).values()
+            folders = [module.PACKAGE_PATH, module.REPOSITORY_PATH, *others]
+            folders += [os.path.dirname(folder) for folder in folders]
+            arguments = getattr(module, "XACRO_ARGS", {}) if attribute == "XACRO_PATH" else None
+            return Model(Path(path), tuple(dict.fromkeys(map(Path, folders))), arguments)
+    raise ArgumentError(f"{quoted(model)} of robot_descriptions is neither URDF nor xacro nor MJCF")
+
+
+@cache
+def _descriptions() -> Mapping[str, Any]:
+    """What robot_descriptions knows of its models, {} where it is not installed."""
+    try:
+        from robot_descriptions import DESCRIPTIONS
+    except ImportError:
+        return {}
+    known: Mapping[str, Any] = DESCRIPTIONS
+    return known

@@ -1,0 +1,171 @@
+"""What a URDF's links look like: their visual shapes, else their collision shapes, as triangles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import trimesh
+from lxml import etree
+
+from urdf_ik.errors import UrdfIkError
+from urdf_ik.model import meshes as mesh_files
+from urdf_ik.model.poses import pose
+from urdf_ik.model.urdf.urdf_model import resolve_mesh
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from urdf_ik.model.urdf.urdf_model import UrdfModel
+
+_GREY = (180, 180, 185)
+COARSE = 400
+"""Faces that a mesh has at most where it is read coarsely."""
+_FINEST, _COARSER = 64, 1.3  # cells along the longest edge at first, and how much larger the next ones are
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """One body of a link.
+
+    Attributes:
+        link: the link.
+        mesh: its triangles [m] in the link's frame, with colours.
+    """
+
+    link: str
+    mesh: trimesh.Trimesh
+
+
+@dataclass(frozen=True, eq=False)
+class Shapes:
+    """Every body that could be read, and a sentence for each that could not.
+
+    Attributes:
+        bodies: in the order of the links.
+        missing: why the others are not there.
+    """
+
+    bodies: tuple[Shape, ...]
+    missing: tuple[str, ...]
+
+
+def read(model: UrdfModel, *, coarse: bool = False) -> Shapes:
+    """The visual shapes of a URDF; where it has none that can be read, its collision shapes.
+
+    Args:
+        model: the URDF.
+        coarse: with at most ``COARSE`` faces a mesh, for pictures that are drawn face by face.
+    """
+    visual = _of_kind(model, "visual", coarse)
+    if visual.bodies:
+        return visual
+    collision = _of_kind(model, "collision", coarse)
+    return Shapes(collision.bodies, (*visual.missing, *collision.missing))
+
+
+def joined(meshes: list[trimesh.Trimesh]) -> trimesh.Trimesh:
+    """One mesh without colours."""
+    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
+    return trimesh.Trimesh(
+        np.concatenate([mesh.vertices for mesh in meshes]),
+        np.concatenate([mesh.faces + start for mesh, start in zip(meshes, starts, strict=True)]),
+        process=False,
+    )
+
+
+def capsule(radius: float, length: float, count: list[int]) -> Any:
+    """A ``Trimesh``, its middle at the origin, along z; trimesh puts it there, or one of its ends, by its version."""
+    mesh = trimesh.creation.capsule(length, radius, count=count)
+    return mesh.apply_translation(-mesh.bounds.mean(axis=0))
+
+
+def simplified(mesh: trimesh.Trimesh, most: int) -> trimesh.Trimesh:
+    """``mesh`` without colours and with at most ``most`` faces: vertices in one cell of a grid become one.
+
+    Rossignac and Borrel, "Multi-resolution 3D approximations for rendering complex scenes", 1993: unlike others, it
+    takes any triangles, such as the loose ones of a drawing program. The cells grow until the faces are few enough.
+    """
+    cell = float(np.ptp(mesh.vertices, axis=0).max()) / _FINEST or 1.0
+    small = mesh
+    while len(small.faces) > most:
+        small = trimesh.Trimesh(mesh.vertices / cell, mesh.faces, process=False)
+        small.merge_vertices(merge_tex=True, merge_norm=True, digits_vertex=0)
+        small.update_faces(small.nondegenerate_faces() & small.unique_faces())
+        small.vertices *= cell
+        cell *= _COARSER
+    return small
+
+
+def _of_kind(model: UrdfModel, kind: str, coarse: bool) -> Shapes:
+    tree = etree.fromstring(model.xml)
+    colours = {each.get("name"): each for each in tree.iterfind("material")}
+    bodies, missing = [], []
+    for body in tree.iterfind(f"link/{kind}"):
+        link = body.getparent().get("name")
+        geometry = body.find("geometry")[0]
+        try:
+            meshes = _MAKE[geometry.tag](geometry, model, coarse)
+        except Exception as error:  # whatever a file of unknown origin makes its reader raise
+            missing.append(str(error) if isinstance(error, UrdfIkError) else f"{link}: a mesh cannot be read: {error}")
+            continue
+        origin = body.find("origin")
+        T = np.eye(4) if origin is None else pose(_numbers(origin, "xyz", 3), rpy=_numbers(origin, "rpy", 3))
+        rgba = _colour(body.find("material"), colours)
+        for mesh in meshes:
+            mesh.apply_transform(T)
+            if rgba is not None or geometry.tag != "mesh":
+                mesh.visual = trimesh.visual.ColorVisuals(mesh, face_colors=_GREY if rgba is None else rgba)
+            bodies.append(Shape(link, mesh))
+    return Shapes(tuple(bodies), tuple(missing))
+
+
+def _numbers(element: Any, name: str, count: int, otherwise: float = 0.0) -> list[float]:
+    return [float(x) for x in (element.get(name) or "").split()] or [otherwise] * count
+
+
+def _colour(material: Any, shared: dict[str, Any]) -> list[int] | None:
+    """Red, green, blue, opacity, 0 to 255; None where the shape has no colour of its own."""
+    if material is None:
+        return None
+    own = material.find("color")
+    if own is None and material.get("name") in shared:
+        own = shared[material.get("name")].find("color")
+    return None if own is None else [round(255 * x) for x in _numbers(own, "rgba", 4)]
+
+
+def _box(geometry: Any, *_: Any) -> list[Any]:
+    return [trimesh.creation.box(_numbers(geometry, "size", 3))]
+
+
+def _cylinder(geometry: Any, _: UrdfModel, coarse: bool) -> list[Any]:
+    radius, length = float(geometry.get("radius")), float(geometry.get("length"))
+    return [trimesh.creation.cylinder(radius, length, sections=16 if coarse else 32)]
+
+
+def _sphere(geometry: Any, _: UrdfModel, coarse: bool) -> list[Any]:
+    return [trimesh.creation.icosphere(subdivisions=2 if coarse else 3, radius=float(geometry.get("radius")))]
+
+
+def _capsule(geometry: Any, _: UrdfModel, coarse: bool) -> list[Any]:
+    radius, length = float(geometry.get("radius")), float(geometry.get("length"))
+    return [capsule(radius, length, [8, 16] if coarse else [32, 32])]
+
+
+def _mesh(geometry: Any, model: UrdfModel, coarse: bool) -> list[Any]:
+    path = resolve_mesh(model, geometry.get("filename"))
+    scene = mesh_files.opened(path, model.folders, model.source)
+    meshes = [each for each in scene.dump() if isinstance(each, trimesh.Trimesh) and len(each.faces)]
+    scale = np.diag([*_numbers(geometry, "scale", 3, 1.0), 1.0])
+    meshes = [each.apply_transform(scale) for each in meshes]
+    return [simplified(joined(meshes), COARSE)] if coarse and meshes else meshes
+
+
+_MAKE: dict[str, Callable[[Any, UrdfModel, bool], list[Any]]] = {
+    "box": _box,
+    "cylinder": _cylinder,
+    "sphere": _sphere,
+    "capsule": _capsule,
+    "mesh": _mesh,
+}

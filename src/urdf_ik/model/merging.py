@@ -1,0 +1,60 @@
+"""Two URDFs as one: the links of the second, fixed to a link of the first."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from lxml import etree
+
+from urdf_ik.errors import ArgumentError
+from urdf_ik.model.poses import to_rpy
+from urdf_ik.model.urdf import read
+from urdf_ik.support.text import quoted
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.model.urdf import UrdfModel
+
+_NAMING = ("link", "joint", "material")
+
+
+def joined(model: UrdfModel, other: UrdfModel, link: str, pose: NDArray[np.float64], prefix: str) -> UrdfModel:
+    """A model with the tree of another: its root fixed to ``link`` at ``pose`` (4, 4) m, its names behind ``prefix``.
+
+    Raises:
+        ArgumentError: a name of the other one with the prefix is taken.
+
+    Example:
+        >>> import numpy as np
+        >>> import urdf_ik
+        >>> one, other = (urdf_ik.load(name).model for name in ("puma_560", "planar_2r"))
+        >>> "table_link_2" in joined(one, other, "base_link", np.eye(4), "table_").links
+        True
+    """
+    robot, added = etree.fromstring(model.xml), etree.fromstring(other.xml)
+    taken = {(each.tag, each.get("name")) for each in robot if each.tag in _NAMING}
+    for element in added.iter():
+        if element.tag in _NAMING and element.get("name") is not None:
+            element.set("name", prefix + element.get("name"))
+        for attribute in ("link", "joint"):
+            if element.tag in ("parent", "child", "mimic") and element.get(attribute) is not None:
+                element.set(attribute, prefix + element.get(attribute))
+    for element in added:
+        if (element.tag, element.get("name")) in taken:
+            raise ArgumentError(f"{element.tag} {quoted(element.get('name'))} is there twice; give another name=...")
+        robot.append(element)
+    joint = etree.SubElement(robot, "joint", name=f"{prefix}mount", type="fixed")
+    etree.SubElement(joint, "origin", xyz=_numbers(pose[:3, 3]), rpy=_numbers(to_rpy(pose)))
+    etree.SubElement(joint, "parent", link=link)
+    etree.SubElement(joint, "child", link=prefix + other.root)
+    folders = [each.path.parent for each in (model, other) if each.path is not None]
+    roots = tuple(dict.fromkeys((*model.mesh_roots, *other.mesh_roots, *folders)))
+    whole = read(etree.tostring(robot, encoding="utf-8"), mesh_roots=roots)
+    return replace(whole, source=model.source, left_out=(*model.left_out, *other.left_out, *whole.left_out))
+
+
+def _numbers(values: NDArray[np.float64]) -> str:
+    return " ".join(repr(float(value) + 0.0) for value in values)

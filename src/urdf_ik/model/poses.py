@@ -1,0 +1,405 @@
+"""Poses: from positions and orientations in the usual notations, back to them, and the check of what is given."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from urdf_ik.errors import PoseError
+from urdf_ik.support import inputs, sequences
+from urdf_ik.support.text import quoted
+from urdf_ik.support.tolerances import DEFAULT, LARGEST
+
+Array = NDArray[np.float64]
+
+ORIENTATIONS = {"quat_xyzw": 4, "quat_wxyz": 4, "rotvec": 3, "rpy": 3, "euler_zyx": 3}
+PROJECTION_TOLERANCE = 0.1
+"""Greatest entry of R^T R - I that :func:`project_rotation` takes for an inexact rotation, not for a mistake."""
+
+# What rounding leaves of a zero: below it, a half turn's w and a vertical pitch's cosine count as zero.
+_ZERO = 4.0 * np.finfo(np.float64).eps
+_LAST_ROW = np.array([0.0, 0.0, 0.0, 1.0])
+_AT_ONCE = 1024  # poses that are checked at a time: what is computed of them stays in the processor's cache
+
+
+def pose(
+    position: ArrayLike,
+    *,
+    quat_xyzw: ArrayLike | None = None,
+    quat_wxyz: ArrayLike | None = None,
+    rotvec: ArrayLike | None = None,
+    rpy: ArrayLike | None = None,
+    euler_zyx: ArrayLike | None = None,
+) -> Array:
+    """Pose from a position and at most one orientation; without one, the rotation is the identity.
+
+    Leading dimensions broadcast: one position with many orientations, or the other way round.
+
+    Args:
+        position: (..., 3) m.
+        quat_xyzw: (..., 4) quaternion, scalar last (Pinocchio, SciPy, ROS). Any length but zero.
+        quat_wxyz: (..., 4) quaternion, scalar first (viser, MuJoCo). Any length but zero.
+        rotvec: (..., 3) rad, axis times angle.
+        rpy: (..., 3) rad, roll, pitch, yaw about the fixed x, y, z axes, as in URDF:
+            R = Rz(yaw) Ry(pitch) Rx(roll).
+        euler_zyx: (..., 3) rad, yaw, pitch, roll about the moving z, y, x axes: the same rotation as
+            ``rpy`` with its three values reversed.
+
+    Returns:
+        (..., 4, 4) homogeneous transforms.
+
+    Raises:
+        PoseError: more than one orientation, values that are not finite numbers, a quaternion of zeros,
+            or shapes that do not fit together.
+
+    Example:
+        >>> pose([0.5, 0.0, 0.2]).tolist()[0]
+        [1.0, 0.0, 0.0, 0.5]
+    """
+    given = {
+        "quat_xyzw": quat_xyzw, "quat_wxyz": quat_wxyz, "rotvec": rotvec, "rpy": rpy, "euler_zyx": euler_zyx
+    }  # fmt: skip
+    chosen = {name: value for name, value in given.items() if value is not None}
+    if len(chosen) > 1:
+        raise PoseError(f"{' and '.join(chosen)} given; a pose has one orientation, of {', '.join(ORIENTATIONS)}")
+    p = _numbers(position, "position", 3)
+    R = np.eye(3)
+    for name, value in chosen.items():
+        R = _rotation(name, _numbers(value, name, ORIENTATIONS[name]))
+    try:
+        batch = np.broadcast_shapes(p.shape[:-1], R.shape[:-2])
+    except ValueError:
+        raise PoseError(
+            f"{p.shape[:-1]} positions and {R.shape[:-2]} orientations given; the shapes do not broadcast"
+        ) from None
+    T = np.zeros((*batch, 4, 4))
+    T[..., :3, :3] = R
+    T[..., :3, 3] = p
+    T[..., 3, 3] = 1.0
+    return T
+
+
+def to_quat_xyzw(T: Any) -> Array:
+    """Orientation as a unit quaternion, scalar last.
+
+    Of the two quaternions the one with w >= 0; at a half turn, the one whose first component that is not
+    zero is positive. Errors are a few units of the last place at every angle (Shepperd, "Quaternion from
+    rotation matrix", Journal of Guidance and Control 1(3), 1978).
+
+    Args:
+        T: (..., 4, 4), ``pinocchio.SE3`` or a list of them.
+
+    Returns:
+        (..., 4) x, y, z, w.
+
+    Raises:
+        PoseError: ``T`` holds something that is no pose.
+
+    Example:
+        >>> (to_quat_xyzw(pose([0.5, 0.0, 0.2], rpy=[0.0, 0.0, 1.0])).round(4) + 0.0).tolist()
+        [0.0, 0.0, 0.4794, 0.8776]
+    """
+    R = check_poses(T)[..., :3, :3]
+    d0, d1, d2 = R[..., 0, 0], R[..., 1, 1], R[..., 2, 2]
+    sx, sy, sz = R[..., 2, 1] + R[..., 1, 2], R[..., 0, 2] + R[..., 2, 0], R[..., 1, 0] + R[..., 0, 1]
+    dx, dy, dz = R[..., 2, 1] - R[..., 1, 2], R[..., 0, 2] - R[..., 2, 0], R[..., 1, 0] - R[..., 0, 1]
+    # Row k is 4 q_k q, so that every row is the quaternion; the row of its largest component has all digits.
+    rows = np.empty((*R.shape[:-2], 4, 4))
+    rows[..., 0, :] = np.stack([1.0 + d0 - d1 - d2, sz, sy, dx], axis=-1)
+    rows[..., 1, :] = np.stack([sz, 1.0 - d0 + d1 - d2, sx, dy], axis=-1)
+    rows[..., 2, :] = np.stack([sy, sx, 1.0 - d0 - d1 + d2, dz], axis=-1)
+    rows[..., 3, :] = np.stack([dx, dy, dz, 1.0 + d0 + d1 + d2], axis=-1)
+    largest = np.argmax(np.einsum("...kk->...k", rows), axis=-1)
+    q = np.take_along_axis(rows, largest[..., None, None], axis=-2)[..., 0, :]
+    q /= np.linalg.norm(q, axis=-1, keepdims=True)
+    # Scalar first, the first component that is not zero decides the sign.
+    ranked = np.roll(q, 1, axis=-1)
+    leading = np.argmax(np.abs(ranked) > _ZERO, axis=-1)[..., None]
+    return np.asarray(np.where(np.take_along_axis(ranked, leading, axis=-1) < 0.0, -q, q))
+
+
+def to_quat_wxyz(T: Any) -> Array:
+    """Orientation as a unit quaternion (..., 4), scalar first; else as :func:`to_quat_xyzw`.
+
+    Example:
+        >>> (to_quat_wxyz(pose([0.5, 0.0, 0.2], rpy=[0.0, 0.0, 1.0])).round(4) + 0.0).tolist()
+        [0.8776, 0.0, 0.0, 0.4794]
+    """
+    return np.roll(to_quat_xyzw(T), 1, axis=-1)
+
+
+def to_rotvec(T: Any) -> Array:
+    """Orientation as a rotation vector, axis times angle, the angle in [0, pi].
+
+    At a half turn, both signs of the axis are the same rotation: the first component that is not zero is
+    positive.
+
+    Args:
+        T: (..., 4, 4), ``pinocchio.SE3`` or a list of them.
+
+    Returns:
+        (..., 3) rad.
+
+    Raises:
+        PoseError: ``T`` holds something that is no pose.
+
+    Example:
+        >>> (to_rotvec(pose([0.5, 0.0, 0.2], rpy=[0.0, 0.0, 1.0])).round(4) + 0.0).tolist()
+        [0.0, 0.0, 1.0]
+    """
+    q = to_quat_xyzw(T)
+    sine = np.linalg.norm(q[..., :3], axis=-1, keepdims=True)
+    tiny = sine < 1e-8  # where the ratio below is 2 to all digits
+    ratio = np.where(tiny, 2.0, 2.0 * np.arctan2(sine, q[..., 3:]) / np.where(tiny, 1.0, sine))
+    return np.asarray(ratio * q[..., :3])
+
+
+def to_rpy(T: Any) -> Array:
+    """Orientation as roll, pitch, yaw about the fixed x, y, z axes, as in URDF.
+
+    Roll and yaw lie in [-pi, pi], pitch in [-pi/2, pi/2]. With the x axis vertical (pitch = +-pi/2) only
+    yaw - roll (or their sum) is defined, and roll is 0. Near there roll is computed from what yaw leaves,
+    so that the three angles give the rotation back to all digits although each of them alone is
+    ill-conditioned (Herter and Lott, "Algorithms for decomposing 3-D orthogonal matrices into primitive
+    rotations", Computers and Graphics 17(5), 1993).
+
+    Args:
+        T: (..., 4, 4), ``pinocchio.SE3`` or a list of them.
+
+    Returns:
+        (..., 3) rad: roll, pitch, yaw.
+
+    Raises:
+        PoseError: ``T`` holds something that is no pose.
+
+    Example:
+        >>> (to_rpy(pose([0.5, 0.0, 0.2], rpy=[0.0, 0.0, 1.0])).round(4) + 0.0).tolist()
+        [0.0, 0.0, 1.0]
+    """
+    R = check_poses(T)[..., :3, :3]
+    cosine = np.hypot(R[..., 0, 0], R[..., 1, 0])
+    locked = cosine < _ZERO
+    yaw = np.where(locked, np.arctan2(-R[..., 0, 1], R[..., 1, 1]), np.arctan2(R[..., 1, 0], R[..., 0, 0]))
+    s, c = np.sin(yaw), np.cos(yaw)
+    roll = np.arctan2(s * R[..., 0, 2] - c * R[..., 1, 2], c * R[..., 1, 1] - s * R[..., 0, 1])
+    pitch = np.arctan2(-R[..., 2, 0], cosine)
+    return np.stack([np.where(locked, 0.0, roll), pitch, yaw], axis=-1)
+
+
+def to_euler_zyx(T: Any) -> Array:
+    """Orientation as (..., 3) yaw, pitch, roll about the moving z, y, x axes [rad]: :func:`to_rpy` reversed.
+
+    Example:
+        >>> (to_euler_zyx(pose([0.5, 0.0, 0.2], rpy=[0.0, 0.0, 1.0])).round(4) + 0.0).tolist()
+        [1.0, 0.0, 0.0]
+    """
+    return np.ascontiguousarray(to_rpy(T)[..., ::-1])
+
+
+def as_pose_array(T: Any) -> Array:
+    """Poses as one array; its values are not checked, see :func:`check_poses`.
+
+    Args:
+        T: (..., 4, 4) numbers, an object with a 4x4 ``homogeneous`` such as ``pinocchio.SE3``, or a list
+            (of lists) of either.
+
+    Returns:
+        (..., 4, 4) float64, C-contiguous and aligned; ``T`` itself, not a copy, if it already is that.
+
+    Raises:
+        PoseError: the last two dimensions are not 4 by 4, or the entries are no real numbers.
+
+    Example:
+        >>> as_pose_array([pose([0.5, 0.0, 0.2]), pose([0.5, 0.1, 0.2])]).shape
+        (2, 4, 4)
+    """
+    needed = "a 4x4 array of real numbers, a pinocchio.SE3, or a list of either"
+    if type(T) is not np.ndarray and (problem := sequences.too_long(T)):
+        raise PoseError(f"a pose must be {needed}: {problem}, {quoted(T)}")
+    try:
+        given = _unwrapped(T)
+    except Exception:  # whatever an object of unknown origin raises; what is wrong with it is said next
+        given = T
+    array = inputs.real(given, "a pose", needed, PoseError)
+    if array.shape[-2:] != (4, 4):
+        shown = f"an array of shape {array.shape} given"
+        raise PoseError(f"{shown}; poses have the shape (..., 4, 4): urdf_ik.pose makes them")
+    return array
+
+
+def check_poses(T: Any) -> Array:
+    """Poses as :func:`as_pose_array` gives them, every one of them a rigid motion.
+
+    A rotation with rounding errors is one: the greatest entry of ``|R^T R - I|``, and the last row's
+    distance from (0, 0, 0, 1), may be ``tolerances.DEFAULT.rotation``, which lets poses pass that went
+    through single precision or were printed with six decimals.
+
+    Args:
+        T: (..., 4, 4), ``pinocchio.SE3`` or a list of them.
+
+    Returns:
+        (..., 4, 4) float64, C-contiguous; ``T`` itself if it already is that.
+
+    Raises:
+        PoseError: NaN or infinite entries, another last row, a reflection, a scaled or sheared rotation,
+            with the index of the first bad pose of a batch.
+
+    Example:
+        >>> check_poses(pose([0.5, 0.0, 0.2], rpy=[0.0, 0.0, 1.0])).shape
+        (4, 4)
+    """
+    return _checked(as_pose_array(T), DEFAULT.rotation)
+
+
+def project_rotation(T: Any, tolerance: float = PROJECTION_TOLERANCE) -> Array:
+    """Poses with each rotation replaced by the nearest one (in the Frobenius norm), by its polar decomposition.
+
+    For poses that were rounded, averaged or multiplied too often (Higham, "Computing the polar
+    decomposition", SIAM J. Sci. Stat. Comput. 7(4), 1986).
+
+    Args:
+        T: (..., 4, 4), ``pinocchio.SE3`` or a list of them.
+        tolerance: greatest entry of ``|R^T R - I|`` that is repaired.
+
+    Returns:
+        (..., 4, 4) float64, a new array.
+
+    Raises:
+        PoseError: as :func:`check_poses`, with this tolerance in the place of its own.
+
+    Example:
+        >>> T = pose([0.5, 0.0, 0.2], rpy=[0.0, 0.0, 1.0])
+        >>> bool(np.allclose(project_rotation(T.round(3)), T, atol=1e-3))
+        True
+    """
+    tolerance = inputs.number(tolerance, "tolerance", PoseError, low=0.0)
+    out = _checked(as_pose_array(T), tolerance).copy()
+    left, _, right = np.linalg.svd(out[..., :3, :3])
+    out[..., :3, :3] = left @ right  # a rotation, since _checked found the determinant positive
+    out[..., 3, :] = _LAST_ROW
+    return out
+
+
+def _unwrapped(T: Any) -> Any:
+    """``T`` with every object that has a ``homogeneous`` replaced by that, at any depth of lists."""
+    if isinstance(T, np.ndarray):
+        return np.array([_unwrapped(t) for t in T]) if T.dtype == np.object_ and T.ndim else T
+    if hasattr(T, "homogeneous"):
+        return np.asarray(T.homogeneous)
+    if isinstance(T, list | tuple):
+        return [t if isinstance(t, float | int) else _unwrapped(t) for t in T]
+    return T
+
+
+def _rotation(name: str, value: Array) -> Array:
+    """(..., 3, 3) from an orientation in one of the notations."""
+    match name:
+        case "quat_xyzw":
+            return _from_quat_xyzw(_unit(value, name))
+        case "quat_wxyz":
+            return _from_quat_xyzw(_unit(np.roll(value, -1, axis=-1), name))
+        case "rotvec":
+            angle = np.hypot(np.hypot(value[..., :1], value[..., 1:2]), value[..., 2:])
+            ratio = np.where(angle > 0.0, np.sin(0.5 * angle) / np.where(angle > 0.0, angle, 1.0), 0.5)
+            return _from_quat_xyzw(np.concatenate([ratio * value, np.cos(0.5 * angle)], axis=-1))
+        case "rpy":
+            return _from_rpy(value)
+        case _:
+            return _from_rpy(value[..., ::-1])
+
+
+def _from_quat_xyzw(q: Array) -> Array:
+    """(..., 3, 3) from unit quaternions (..., 4)."""
+    x, y, z, w = np.moveaxis(q, -1, 0)
+    R = np.empty((*q.shape[:-1], 3, 3))
+    R[..., 0, 0], R[..., 0, 1], R[..., 0, 2] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)
+    R[..., 1, 0], R[..., 1, 1], R[..., 1, 2] = 2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)
+    R[..., 2, 0], R[..., 2, 1], R[..., 2, 2] = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
+    return R
+
+
+def _from_rpy(rpy: Array) -> Array:
+    """(..., 3, 3) Rz(yaw) Ry(pitch) Rx(roll)."""
+    (sr, sp, sy), (cr, cp, cy) = np.moveaxis(np.sin(rpy), -1, 0), np.moveaxis(np.cos(rpy), -1, 0)
+    R = np.empty((*rpy.shape[:-1], 3, 3))
+    R[..., 0, 0], R[..., 0, 1], R[..., 0, 2] = cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr
+    R[..., 1, 0], R[..., 1, 1], R[..., 1, 2] = sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr
+    R[..., 2, 0], R[..., 2, 1], R[..., 2, 2] = -sp, cp * sr, cp * cr
+    return R
+
+
+def _unit(q: Array, name: str) -> Array:
+    """Quaternions of length 1; the division by the largest entry first keeps squares from over- and underflow."""
+    largest = np.abs(q).max(axis=-1, keepdims=True)
+    if len(bad := np.argwhere(largest[..., 0] == 0.0)):
+        raise PoseError(f"{name} is all zeros, which is no rotation", tuple(bad[0].tolist()) or None)
+    scaled = q / largest
+    return np.asarray(scaled / np.linalg.norm(scaled, axis=-1, keepdims=True))
+
+
+def _numbers(value: ArrayLike, name: str, size: int) -> Array:
+    """``value`` as (..., size) finite float64."""
+    array = inputs.real(value, name, f"{size} real numbers, or an array (..., {size}) of them", PoseError)
+    if array.shape[-1:] != (size,):
+        raise PoseError(f"{name} has the shape {array.shape}; {size} numbers are needed, or (..., {size})")
+    # The length of a quaternion does not matter, so that any number may be in one.
+    largest = np.finfo(np.float64).max if name.startswith("quat") else LARGEST
+    if (bad := inputs.first_bad(array, largest)) is not None:
+        raise PoseError(f"{name} is {array[bad[:-1]]}; {inputs.why_bad(array[bad], largest)}", bad[:-1] or None)
+    return array
+
+
+def _checked(array: Array, tolerance: float) -> Array:
+    flat = array.reshape(-1, 16)
+    good = np.empty(len(flat), dtype=np.bool_)
+    for start in range(0, len(flat), _AT_ONCE):
+        part = slice(start, start + _AT_ONCE)
+        good[part] = _rigid(np.ascontiguousarray(flat[part].T).reshape(4, 4, -1), tolerance)
+    if not good.all():
+        where = np.unravel_index(int(np.argmin(good)), array.shape[:-2])
+        raise PoseError(_problem(array[where], tolerance), tuple(int(k) for k in where) or None)
+    return array
+
+
+def _rigid(T: Array, tolerance: float) -> NDArray[np.bool_]:
+    """Whether matrices (4, 4, k), one beside the other, are rigid motions."""
+    R = T[:3, :3]
+    with np.errstate(all="ignore"):  # infinities and overflows are what is looked for
+        gram = (R[:, :, None] * R[:, None]).sum(axis=0)
+        off_rotation = np.abs(gram - np.eye(3)[..., None]).max(axis=(0, 1))
+        off_row = np.abs(T[3] - _LAST_ROW[:, None]).max(axis=0)
+        x, y, z = R[:, 0], R[:, 1], R[:, 2]
+        direct = ((x[[1, 2, 0]] * y[[2, 0, 1]] - x[[2, 0, 1]] * y[[1, 2, 0]]) * z).sum(axis=0) > 0.0
+        finite = (np.abs(T) <= LARGEST).all(axis=(0, 1))
+        return np.asarray(finite & (off_row <= tolerance) & (off_rotation <= tolerance) & direct)
+
+
+def _problem(T: Array, tolerance: float) -> str:
+    """What is wrong with one matrix (4, 4), and what would be right."""
+    bad = np.argwhere(~np.isfinite(T))
+    if bad.size:
+        r, c = bad[0]
+        return f"entry [{r}, {c}] is {T[r, c]}; the entries of a pose are finite"
+    if (far := inputs.first_bad(T[:3, 3])) is not None:
+        return f"entry [{far[0]}, 3] is {T[far[0], 3]}; {inputs.why_bad(T[far[0], 3])}, in m"
+    if not np.abs(T[3] - _LAST_ROW).max() <= tolerance:
+        transposed = " (is it transposed?)" if not T[:3, 3].any() and T[3, 3] == 1.0 else ""
+        return f"the last row is {_row(T[3])} and must be (0, 0, 0, 1){transposed}"
+    with np.errstate(over="ignore"):
+        gram = T[:3, :3].T @ T[:3, :3]
+    off = float(np.abs(gram - np.eye(3)).max())
+    if off <= tolerance:
+        return "the 3x3 block is a reflection, its determinant is -1; a rotation has +1: is an axis flipped?"
+    square = float(np.trace(gram)) / 3.0
+    if np.isfinite(square) and np.abs(gram - square * np.eye(3)).max() <= tolerance * square:
+        return f"the rotation is scaled by {np.sqrt(square):.7g} and must not be; is there a scale in the pose?"
+    return (
+        f"the 3x3 block is no rotation: R^T R differs from the identity by {off:.3g}, and {tolerance:.3g} is allowed "
+        "(urdf_ik.model.poses.project_rotation gives the nearest rotation)"
+    )
+
+
+def _row(row: Array) -> str:
+    return f"({', '.join(f'{x:.6g}' for x in row)})"

@@ -1,0 +1,88 @@
+"""What an SRDF says of a URDF: pairs of links that may touch, and chains that have names."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from urdf_ik.errors import UrdfError
+from urdf_ik.model.xml import child, children, open_source, parse, tag
+from urdf_ik.support.text import nearest, quoted
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Collection
+
+__all__ = ["chain_groups", "disabled_pairs"]
+
+
+def disabled_pairs(source: str | os.PathLike[str] | bytes, links: Collection[str]) -> tuple[tuple[str, str], ...]:
+    """Read the ``<disable_collisions>`` of an SRDF; its other elements are not looked at.
+
+    Args:
+        source: a path, or XML text.
+        links: names of the URDF's links.
+
+    Returns:
+        Pairs of link names, in the file's order.
+
+    Raises:
+        UrdfError: the SRDF cannot be read, or names a link that the URDF does not have.
+    """
+    root, name = _opened(source)
+    return tuple(_two_links(each, "link1", "link2", links, name) for each in children(root, "disable_collisions"))
+
+
+def chain_groups(
+    source: str | os.PathLike[str] | bytes, links: Collection[str]
+) -> tuple[tuple[str, tuple[str, str]], ...]:
+    """Read the ``<group>`` elements of an SRDF that hold one ``<chain>``.
+
+    Args:
+        source: a path, or XML text.
+        links: names of the URDF's links.
+
+    Returns:
+        Name, and base link and tip link, of each such group, in the file's order.
+
+    Raises:
+        UrdfError: the SRDF cannot be read, or names a link that the URDF does not have.
+
+    Example:
+        >>> text = '<robot name="r"><group name="arm"><chain base_link="base" tip_link="hand"/></group></robot>'
+        >>> chain_groups(text, ["base", "hand"])
+        (('arm', ('base', 'hand')),)
+    """
+    root, name = _opened(source)
+    groups = []
+    for group in children(root, "group"):
+        found = list(children(group, "chain"))
+        if len(found) == 1 and group.get("name"):
+            groups.append((group.get("name"), _two_links(found[0], "base_link", "tip_link", links, name)))
+    return tuple(groups)
+
+
+def _opened(source: str | os.PathLike[str] | bytes) -> tuple[Any, str]:
+    """The root of an SRDF, and how messages call the file."""
+    opened = open_source(source)
+    root = parse(opened)
+    if child(root, "link") is not None or child(root, "joint") is not None:
+        raise UrdfError("this is a URDF, not an SRDF", source=opened.name, hint="give the SRDF that belongs to it")
+    return root, opened.name
+
+
+def _two_links(element: Any, first: str, second: str, links: Collection[str], source: str) -> tuple[str, str]:
+    """The two links that an element names."""
+    pair = []
+    for attribute in (first, second):
+        name = element.get(attribute)
+        if name not in links:
+            close = nearest(name or "", links)
+            raise UrdfError(
+                f"{attribute} is missing" if name is None else f"{attribute}={quoted(name)}: the URDF has no such link",
+                source=source,
+                line=element.sourceline,
+                element=f"<{tag(element)}>",
+                hint=f"did you mean {' or '.join(close)}?" if close else f"links: {', '.join(links)}",
+            )
+        pair.append(name)
+    return pair[0], pair[1]

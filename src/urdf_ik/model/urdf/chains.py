@@ -1,0 +1,255 @@
+"""The chains that a URDF offers from base to tip, and the one that is meant where none is named."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from urdf_ik.errors import ChainError
+from urdf_ik.model.urdf.checks import MOVABLE
+from urdf_ik.model.urdf.joint import Joint
+from urdf_ik.support.text import quoted
+
+FINGER_JOINTS = 3
+"""A branch with more joints than that is no finger, whatever it is called."""
+SLIDING_JOINTS = 1
+"""A slide with no more joints than that, beside others at the end of an arm, is a finger's."""
+ARM_JOINTS = 3
+"""A hand is looked for behind at least so many joints."""
+
+_FINGER = re.compile(r"finger|knuckle|gripper|jaw|claw|thumb|mors|grip_|_grip", re.IGNORECASE)
+_WRIST = re.compile(r"rot|roll|pitch|yaw|wrist|base|mount", re.IGNORECASE)
+_SIDES = {"left": "left", "l": "left", "right": "right", "r": "right"}
+# Names of tool frames, the most telling first.
+_TOOL_FRAMES = (
+    re.compile(r"(^|[_/])tcp\d?([_/]|$)", re.IGNORECASE),
+    re.compile(r"(^|[_/])tool0([_/]|$)", re.IGNORECASE),
+    re.compile(r"(^|[_/])(ee|eef|end_?effector)(_?link|_?frame)?$", re.IGNORECASE),
+    re.compile(r"(^|[_/])tool_?(frame|link)$", re.IGNORECASE),
+)
+_FLANGE = re.compile(r"(^|[_/])flange([_/]|$)", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A chain that may be meant.
+
+    Attributes:
+        name: what it can be called by; 'left' and 'right' where the URDF says so, else the tip's name.
+        base: base link.
+        tip: tip link.
+        joints: its movable joints that follow no other, base to tip.
+        frames: the other links that are fixed to its last moving link.
+        before: movable joints between the root and the base, which it shares with other chains.
+        chosen: whether it is meant where neither base nor tip is named.
+        reason: why this tip, and why it is chosen or not, in words.
+
+    Example:
+        >>> import urdf_ik
+        >>> chain = urdf_ik.load("zyyzyz_6r").model.chains()[0]
+        >>> chain.name, chain.base, chain.tip, chain.chosen
+        ('tool0', 'base_link', 'tool0', True)
+    """
+
+    name: str
+    base: str
+    tip: str
+    joints: tuple[str, ...]
+    frames: tuple[str, ...]
+    before: tuple[str, ...]
+    chosen: bool
+    reason: str
+
+    def __str__(self) -> str:
+        count = len(self.joints)
+        return f"{self.base} to {self.tip}, {count} joint{'' if count == 1 else 's'}"
+
+
+@dataclass(frozen=True)
+class _Body:
+    """Links that are fixed to each other, and the movable joints that carry them and that they carry."""
+
+    links: tuple[str, ...]
+    carrier: Joint | None
+    carried: tuple[Joint, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Chains:
+    """The chains below one link.
+
+    Attributes:
+        base: the link that they begin at.
+        joints: the joints, in the file's order.
+    """
+
+    base: str
+    joints: tuple[Joint, ...]
+    _carried: dict[str, list[Joint]] = field(init=False, default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for joint in self.joints:
+            self._carried.setdefault(joint.parent, []).append(joint)
+
+    def candidates(self) -> tuple[Candidate, ...]:
+        """The chains that may be meant, the longest first; one is chosen, or none where that is in doubt."""
+        ways = [way for way in self._ways() if len(way) > 1]
+        ways.sort(key=lambda way: -_actuated(way))
+        if not ways or not _actuated(ways[0]):
+            return ()
+        # A head or a wheel is no rival to an arm, another arm is.
+        meant = [way for way in ways if 2 * _actuated(way) > _actuated(ways[0])]
+        names = _side_names(meant)
+        starts = [0 if len(meant) == 1 else _common(meant), *(_common([ways[0], way]) for way in ways[len(meant) :])]
+        starts[:1] *= len(meant)
+        return tuple(
+            self._candidate(way, start, len(meant) == 1 and k == 0, names[k] if k < len(names) else "")
+            for k, (way, start) in enumerate(zip(ways, starts, strict=True))
+        )
+
+    def _body(self, link: str, carrier: Joint | None) -> _Body:
+        """``link`` and the links that fixed joints carry below it."""
+        links, carried = [link], []
+        for each in links:
+            for joint in self._carried.get(each, ()):
+                if joint.type == "fixed":
+                    links.append(joint.child)
+                else:
+                    carried.append(joint)
+        return _Body(tuple(links), carrier, tuple(carried))
+
+    @cached_property
+    def _heights(self) -> dict[str, int]:
+        """Most joints that follow no other on a way down from each link."""
+        links = [self.base]
+        for link in links:  # which grows, parents before children
+            links += [joint.child for joint in self._carried.get(link, ())]
+        heights: dict[str, int] = {}
+        for link in reversed(links):
+            carried = self._carried.get(link, ())
+            heights[link] = max((int(_moves(joint)) + heights[joint.child] for joint in carried), default=0)
+        return heights
+
+    def _height(self, joint: Joint) -> int:
+        """Most joints that follow no other on a way down, this one included."""
+        return int(_moves(joint)) + self._heights[joint.child]
+
+    def _ways(self) -> list[list[_Body]]:
+        """Ways from the base down to the ends of arms; those behind a floating or planar joint begin there."""
+        ways: list[list[_Body]] = []
+        # Without recursion: a chain may have as many joints as there may be links.
+        waiting: list[tuple[_Body, int, list[_Body]]] = [(self._body(self.base, None), 0, [])]
+        while waiting:
+            body, depth, way = waiting.pop()
+            on: list[tuple[_Body, int, list[_Body]]] = []
+            for joint in body.carried:
+                below = self._body(joint.child, joint)
+                if joint.type not in MOVABLE:
+                    on.append((below, 0, []))
+                elif not self._is_finger(joint, len(body.carried), depth):
+                    on.append((below, depth + int(_moves(joint)), [*way, body]))
+            waiting += reversed(on)
+            if not on:
+                ways.append([*way, body])
+        return ways
+
+    def _is_finger(self, joint: Joint, beside: int, depth: int) -> bool:
+        """Whether a joint moves a finger rather than the arm: one of several in a hand, or an arm's last one."""
+        height = self._height(joint)
+        if beside > 1 and not height:
+            return True
+        if depth < ARM_JOINTS:
+            return False
+        if beside > 1:
+            named = _FINGER.search(joint.name) or _FINGER.search(joint.child)
+            return height <= (FINGER_JOINTS if named else SLIDING_JOINTS * (joint.type == "prismatic"))
+        return height <= 1 and bool(_FINGER.search(joint.name)) and not _WRIST.search(joint.name)
+
+    def _candidate(self, way: Sequence[_Body], start: int, chosen: bool, name: str) -> Candidate:
+        tip, reason = self._tip(way[-1])
+        before, own = (
+            tuple(body.carrier.name for body in part if body.carrier is not None and _moves(body.carrier))
+            for part in (way[: start + 1], way[start + 1 :])
+        )
+        shown = tip or way[-1].links[0]
+        return Candidate(
+            name=name or shown,
+            base=way[start].links[0],
+            tip=shown,
+            joints=own,
+            frames=tuple(link for link in way[-1].links if link != shown),
+            before=before,
+            chosen=chosen and tip is not None,
+            reason=reason,
+        )
+
+    def _tip(self, body: _Body) -> tuple[str | None, str]:
+        """The tool frame among links that are fixed to each other; None where that is in doubt."""
+        if len(body.links) == 1:
+            return body.links[0], "the last link"
+        for pattern in _TOOL_FRAMES:
+            if found := [link for link in body.links if pattern.search(link)]:
+                return (found[0], "named as a tool frame") if len(found) == 1 else (None, "several tool frames")
+        leaves = [link for link in body.links if not self._carried.get(link)]
+        if len(leaves) == 1:
+            return leaves[0], "the only link at the end"
+        if found := [link for link in body.links if _FLANGE.search(link)]:
+            return (found[0], "named as a flange") if len(found) == 1 else (None, "several flanges")
+        apart = [link for link in leaves if self._is_apart(link)]
+        if len(apart) == 1:
+            return apart[0], "the only frame away from the last link's own"
+        return None, f"{len(body.links)} links, all fixed to {quoted(body.links[0])}"
+
+    def _is_apart(self, link: str) -> bool:
+        """Whether a fixed leaf lies elsewhere than the link that carries it."""
+        carrier = next(joint for joint in self.joints if joint.child == link)
+        return bool(np.abs(carrier.origin[:3, 3]).max() > 0.0)
+
+
+def doubt(source: str, candidates: Sequence[Candidate], chain: str | None) -> ChainError:
+    """The error where no candidate is chosen, or none or several have the name that was asked for."""
+    tips: list[str] = []
+    if chain is not None:
+        named = "; ".join(f"{quoted(each.name)}: {each}" for each in candidates)
+        return ChainError(f"{source}: no chain, or more than one, is called {quoted(chain)}; there are {named}")
+    longest = len(candidates[0].before) + len(candidates[0].joints)
+    rivals = [each for each in candidates if 2 * (len(each.before) + len(each.joints)) > longest]
+    if len(rivals) == 1:
+        tips = [candidates[0].tip, *candidates[0].frames]
+        why = f"the joints are {', '.join(candidates[0].joints)}, but their end has {candidates[0].reason}"
+        return ChainError(f"{source}: the tip is ambiguous: {why}; name one with tip=...", tips)
+    named = "; ".join(f"{quoted(each.name)}: {each}" for each in rivals)
+    why = f"{len(rivals)} movable chains come into question: {named}"
+    return ChainError(f"{source}: {why}; name one with chain=... or tip=...", [each.tip for each in candidates])
+
+
+def _moves(joint: Joint) -> bool:
+    return joint.type in MOVABLE and joint.mimic is None
+
+
+def _actuated(way: Sequence[_Body]) -> int:
+    return sum(body.carrier is not None and _moves(body.carrier) for body in way)
+
+
+def _common(ways: Sequence[Sequence[_Body]]) -> int:
+    """Index of the last body that all ways share."""
+    count = 0
+    for bodies in zip(*ways, strict=False):
+        if len({body.links for body in bodies}) > 1:
+            break
+        count += 1
+    return max(count - 1, 0)
+
+
+def _side_names(ways: Sequence[Sequence[_Body]]) -> list[str]:
+    """'left' and 'right' for two ways whose last joints or links say so, else nothing."""
+    found = []
+    for way in ways:
+        names = [way[-1].links[0], *(body.carrier.name for body in way[-1:] if body.carrier is not None)]
+        words = {word for name in names for word in re.split(r"[^a-z]+", name.lower())}
+        found += sorted({side for word, side in _SIDES.items() if word in words})
+    return found if len(ways) == len(found) == len(set(found)) else []

@@ -1,0 +1,145 @@
+"""Links in the clean XML: shapes, inertia and colours as far as every URDF reader understands them.
+
+None of it touches kinematics, so a defect here refuses nothing. But Pinocchio drops the rest of a link,
+collision shapes and all, after the first part it cannot read, and yourdfpy gives up on the whole file: the
+part at fault is left out of the clean XML, and the error that says so is kept.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from lxml import etree
+
+from urdf_ik.errors import UrdfError
+from urdf_ik.model.urdf.checks import Place
+from urdf_ik.model.xml import child, children, tag, written_tag
+from urdf_ik.support.text import quoted
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+MAX_PARTS = 10_000
+"""Shapes, inertias and materials of a URDF at most."""
+
+_SHAPES: dict[str, dict[str, int]] = {
+    "box": {"size": 3},
+    "cylinder": {"radius": 1, "length": 1},
+    "sphere": {"radius": 1},
+}
+_SHAPES["capsule"] = _SHAPES["cylinder"]
+_INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+
+def write_links(robot: Any, links: dict[str, Any], source: str) -> tuple[UrdfError, ...]:
+    """Append every link to the clean tree; gives the errors of the parts that were left out."""
+    left_out: list[UrdfError] = []
+    count = 0
+    for name, element in links.items():
+        link = etree.SubElement(robot, "link", name=name)
+        parts = [("inertial", _inertial)] if child(element, "inertial") is not None else []
+        for kind, write in (*parts, ("visual", _visual), ("collision", _shape)):
+            found = list(children(element, kind))
+            for part in found[:1] if kind == "inertial" else found:
+                count += 1
+                if count > MAX_PARTS:
+                    Place(source, part, f"<{kind}>").fail(
+                        f"more than {MAX_PARTS} shapes and inertias", hint="make one mesh of what moves together"
+                    )
+                place = Place(source, part, f'<{kind}> of <link name="{quoted(name)[1:-1]}">')
+                left_out.extend(_attempt(write, place, link))
+    return tuple(left_out)
+
+
+def write_materials(robot: Any, original: Any, source: str) -> None:
+    """Append the colours that links refer to by name; a broken one is left out, as nothing rests on it."""
+    written: set[str] = set()
+    for count, element in enumerate(children(original, "material")):
+        if count >= MAX_PARTS:
+            Place(source, element, "<material>").fail(f"more than {MAX_PARTS} materials", hint="name each colour once")
+        name = element.get("name")
+        if name not in written and child(element, "color") is not None:
+            written.update([name] if _material(Place(source, element, "<material>"), element, robot) else [])
+
+
+def _attempt(write: Callable[[Place, Any], None], place: Place, link: Any) -> list[UrdfError]:
+    part = etree.Element(tag(place.element))
+    try:
+        write(place, part)
+    except UrdfError as error:
+        return [error.with_traceback(None)]
+    link.append(part)
+    return []
+
+
+def _inertial(place: Place, out: Any) -> None:
+    _write_origin(place, out)
+    for name, attributes in (("mass", ("value",)), ("inertia", _INERTIA)):
+        element = child(place.element, name)
+        if element is None:
+            place.fail(f"<{name}> is missing", hint=f"write <{name} .../> or leave out the <inertial>")
+        etree.SubElement(out, name, {each: place.numbers(element, each, 1)[0] for each in attributes})
+
+
+def _visual(place: Place, out: Any) -> None:
+    _shape(place, out)
+    material = child(place.element, "material")
+    if material is not None:
+        _material(place, material, out)
+
+
+def _shape(place: Place, out: Any) -> None:
+    name = place.element.get("name")
+    if name is not None:
+        out.set("name", name)
+    _write_origin(place, out)
+    geometry = child(place.element, "geometry")
+    shape: Any = None if geometry is None else next((each for each in geometry if isinstance(each.tag, str)), None)
+    if shape is None:
+        place.fail("it has no shape", hint=f"write <geometry> with one of {', '.join(_SHAPES)}, mesh")
+    if tag(shape) == "mesh":
+        attributes = _mesh(place, shape)
+    elif tag(shape) in _SHAPES:
+        attributes = {name: _lengths(place, shape, name, count) for name, count in _SHAPES[tag(shape)].items()}
+    else:
+        place.fail(f"unknown shape <{written_tag(shape)}>", hint=f"one of {', '.join(_SHAPES)}, mesh")
+    etree.SubElement(etree.SubElement(out, "geometry"), tag(shape), attributes)
+
+
+def _mesh(place: Place, shape: Any) -> dict[str, str]:
+    if not shape.get("filename"):
+        place.fail("a mesh without a filename", hint='write <mesh filename="..."/>', at=shape)
+    if shape.get("scale") is None:
+        return {"filename": shape.get("filename")}
+    scale = place.in_range(shape, "scale", place.numbers(shape, "scale", 3))
+    return {"filename": shape.get("filename"), "scale": " ".join(scale)}
+
+
+def _lengths(place: Place, shape: Any, attribute: str, count: int) -> str:
+    values = place.in_range(shape, attribute, place.numbers(shape, attribute, count))
+    if any(float(value) < 0 for value in values):
+        place.fail(f"{attribute}={quoted(shape.get(attribute))} is negative", hint="write lengths in metres", at=shape)
+    return " ".join(values)
+
+
+def _write_origin(place: Place, out: Any) -> None:
+    origin = place.origin(place.element)
+    if origin:
+        etree.SubElement(out, "origin", origin)
+
+
+def _material(place: Place, element: Any, out: Any) -> bool:
+    """Write a material if every reader takes it; says whether it did."""
+    name, color = element.get("name"), child(element, "color")
+    if not name:
+        return False
+    try:
+        rgba = [] if color is None else place.numbers(color, "rgba", 4)
+    except UrdfError:
+        return False
+    if not all(0 <= float(value) <= 1 for value in rgba):
+        return False
+    written = etree.SubElement(out, "material", name=name)
+    if rgba:
+        etree.SubElement(written, "color", rgba=" ".join(rgba))
+    return True

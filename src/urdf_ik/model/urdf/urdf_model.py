@@ -1,0 +1,365 @@
+"""Reading a URDF: hardened XML in, a checked kinematic tree out, with line and element in every refusal."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any
+
+import numpy as np
+from lxml import etree
+
+from urdf_ik.errors import ChainError, UrdfError, printable
+from urdf_ik.model import formats, meshes, ros_packages
+from urdf_ik.model.urdf import checks, links, tree
+from urdf_ik.model.urdf.chains import Candidate, Chains, doubt
+from urdf_ik.model.urdf.checks import MOVABLE
+from urdf_ik.model.urdf.joint import Joint
+from urdf_ik.model.xml import open_source, parse
+from urdf_ik.support import inputs
+from urdf_ik.support.text import nearest, quoted
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+
+
+@dataclass(frozen=True, eq=False)
+class UrdfModel:
+    """A URDF that has been read and found sound: its links and joints form one tree.
+
+    Attributes:
+        name: the robot's name; may be empty.
+        source: what messages call it: the path, or ``<text>``.
+        path: the file it was read from, absolute, or None.
+        xml: the clean URDF (UTF-8), links and joints and nothing else, which yourdfpy and Pinocchio read alike.
+        links: names of the links, in the file's order.
+        joints: in the file's order.
+        root: the link without a parent.
+        mesh_roots: folders that meshes may come from, besides the URDF's own.
+        left_out: errors of the shapes and inertias that no reader could use and that ``xml`` is without;
+            kinematics does not touch them, but a collision check would miss them.
+        robot: yourdfpy's model of ``xml``, without meshes and without a scene.
+
+    Example:
+        >>> import urdf_ik
+        >>> model = urdf_ik.load("planar_2r").model
+        >>> model.name, model.links
+        ('planar_2r', ('base_link', 'link_1', 'link_2', 'tool0'))
+    """
+
+    name: str
+    source: str
+    path: Path | None
+    xml: bytes = field(repr=False)
+    links: tuple[str, ...] = field(repr=False)
+    joints: tuple[Joint, ...] = field(repr=False)
+    root: str
+    mesh_roots: tuple[Path, ...] = ()
+    left_out: tuple[UrdfError, ...] = field(repr=False, default=())
+
+    @cached_property
+    def robot(self) -> Any:
+        """The yourdfpy.URDF of ``xml``, without meshes and without a scene."""
+        return _yourdfpy(self.xml)
+
+    @property
+    def folders(self) -> list[Path]:
+        """The same folders as ``package_dirs``, as paths."""
+        return [Path(folder) for folder in self.package_dirs]
+
+    @property
+    def package_dirs(self) -> tuple[str, ...]:
+        """Folders that meshes may come from: the URDF's own, that of its ROS package, and the mesh roots."""
+        own = [] if self.path is None else [self.path.parent, ros_packages.own_package(self.path)]
+        return tuple(dict.fromkeys(str(folder) for folder in (*own, *self.mesh_roots) if folder is not None))
+
+    def parent_joint(self, link: str) -> Joint | None:
+        """The joint that carries ``link``, or None for the root.
+
+        Raises:
+            ChainError: there is no such link.
+
+        Example:
+            >>> import urdf_ik
+            >>> urdf_ik.load("planar_2r").model.parent_joint("link_1").name
+            'joint_1'
+        """
+        self._require(link)
+        return self._carrier.get(link)
+
+    def children(self, link: str) -> tuple[Joint, ...]:
+        """The joints that ``link`` carries, in the file's order.
+
+        Raises:
+            ChainError: there is no such link.
+
+        Example:
+            >>> import urdf_ik
+            >>> model = urdf_ik.load("planar_2r").model
+            >>> [joint.name for joint in model.children("base_link")]
+            ['joint_1']
+        """
+        self._require(link)
+        return self._carried.get(link, ())
+
+    def path_between(self, base: str, tip: str) -> tuple[Joint, ...]:
+        """The joints from ``base`` to ``tip``: up to the link that is above both, and down from there.
+
+        Raises:
+            ChainError: there is no such link.
+
+        Example:
+            >>> import urdf_ik
+            >>> model = urdf_ik.load("planar_2r").model
+            >>> [joint.name for joint in model.path_between("base_link", "tool0")]
+            ['joint_1', 'joint_2', 'tool_joint']
+        """
+        up = self._up_from(self._require(base, "base"))
+        down = self._up_from(self._require(tip, "tip"))
+        while up and down and up[-1] is down[-1]:
+            up.pop()
+            down.pop()
+        return (*up, *reversed(down))
+
+    def chains(self, base: str | None = None) -> tuple[Candidate, ...]:
+        """The chains that may be meant below a link, the longest first; without the fingers of hands.
+
+        One of them is chosen where the URDF leaves no doubt: an arm with more than twice the joints of every other
+        chain, that ends in one link, or in links one of which is named as a tool frame or stands alone at the end.
+
+        Args:
+            base: link that they begin at; default: the root.
+
+        Raises:
+            ChainError: there is no such link.
+
+        Example:
+            >>> import urdf_ik
+            >>> print(urdf_ik.load("planar_2r").model.chains()[0])
+            base_link to tool0, 2 joints
+        """
+        return Chains(self._require(self.root if base is None else base, "base"), self.joints).candidates()
+
+    def resolve_chain(
+        self, base: str | None = None, tip: str | None = None, chain: str | None = None
+    ) -> tuple[str, str]:
+        """Base and tip with what is missing filled in: the root, and the end of the chain that is meant.
+
+        Both may be any links of the tree: the tip need not lie below the base when both are given.
+
+        Args:
+            base: base link.
+            tip: tip link.
+            chain: name of one of ``chains``, where the tip is not given.
+
+        Raises:
+            ChainError: there is no such link, or it is in doubt which chain is meant; the candidates say what is
+                valid.
+
+        Example:
+            >>> import urdf_ik
+            >>> urdf_ik.load("planar_2r").model.resolve_chain(tip="link_1")
+            ('base_link', 'link_1')
+        """
+        if chain is not None and not isinstance(chain, str):
+            raise ChainError(f"chain={quoted(chain)} given; the name of a chain is needed")
+        if tip is not None:
+            return self.root if base is None else self._require(base, "base"), self._require(tip, "tip")
+        candidates = self.chains(base)
+        if not candidates:
+            start = self.root if base is None else base
+            raise ChainError(
+                f"{self.source}: no {', '.join(MOVABLE)} joint below base {quoted(start)}: there is no movable chain",
+                [] if start == self.root else [self.root],
+            )
+        meant = [each for each in candidates if (each.chosen if chain is None else each.name == chain)]
+        if len(meant) == 1:
+            return meant[0].base if base is None else base, meant[0].tip
+        raise doubt(self.source, candidates, chain)
+
+    def driver(self, joint: Joint) -> tuple[Joint, float, float]:
+        """The joint at the end of a row of mimics, itself for one that is free, with multiplier and offset.
+
+        Example:
+            >>> import urdf_ik
+            >>> model = urdf_ik.load("planar_2r").model
+            >>> joint, multiplier, offset = model.driver(model.joints[0])
+            >>> joint.name, multiplier, offset
+            ('joint_1', 1.0, 0.0)
+        """
+        inputs.kind(joint, "mimic", "joint", "a joint of this URDF, one of .joints,")
+        by_name = self._by_name if joint.mimic else {}
+        multiplier, offset = 1.0, 0.0
+        while joint.mimic is not None and joint.mimic[0] in by_name:
+            name, factor, shift = joint.mimic
+            offset += multiplier * shift
+            multiplier *= factor
+            joint = by_name[name]
+        return joint, multiplier, offset
+
+    @cached_property
+    def _by_name(self) -> dict[str, Joint]:
+        return {joint.name: joint for joint in self.joints}
+
+    @cached_property
+    def _carrier(self) -> dict[str, Joint]:
+        return {joint.child: joint for joint in self.joints}
+
+    @cached_property
+    def _carried(self) -> dict[str, tuple[Joint, ...]]:
+        carried: dict[str, tuple[Joint, ...]] = {}
+        for joint in self.joints:
+            carried[joint.parent] = (*carried.get(joint.parent, ()), joint)
+        return carried
+
+    def _require(self, link: str, role: str = "link") -> str:
+        if isinstance(link, str) and (link == self.root or link in self._carrier):
+            return link
+        close = nearest(printable(link), self.links)
+        hint = f"; did you mean {' or '.join(map(quoted, close))}?" if close else ""
+        what = "link" if role == "link" else f"{role} link"
+        raise ChainError(
+            f"{printable(self.source, 200)}: there is no {what} {quoted(link)}{hint}",
+            dict.fromkeys([*close, *self.links]),
+        )
+
+    def _up_from(self, link: str) -> list[Joint]:
+        """The joints from ``link`` to the root."""
+        joints = []
+        while (joint := self._carrier.get(link)) is not None:
+            joints.append(joint)
+            link = joint.parent
+        return joints
+
+
+def read(
+    source: str | os.PathLike[str] | bytes | IO[str] | IO[bytes],
+    *,
+    mesh_roots: Sequence[str | os.PathLike[str]] = (),
+    xacro_args: Mapping[str, object] | None = None,
+) -> UrdfModel:
+    """Read a URDF and refuse what is broken.
+
+    Args:
+        source: a path, XML text, or an open text or binary file: a URDF, compressed or not, a MuJoCo model (MJCF), or
+            a xacro, which is a program: a file whose name ends in ``.xacro``, or anything with ``xacro_args``.
+        mesh_roots: folders that meshes may come from besides the URDF's own and its ROS package; meshes need not
+            exist. ROS packages are looked for here first, then in AMENT_PREFIX_PATH and ROS_PACKAGE_PATH.
+        xacro_args: values of a xacro's arguments by name.
+
+    Returns:
+        The model, with every joint's origin and axis as yourdfpy reads them.
+
+    Raises:
+        UrdfError: the URDF cannot be read, or is broken; the message names file, line, element and hint.
+        MissingPackage: a xacro or MJCF is given, and the package that reads it is not installed.
+
+    Example:
+        >>> from urdf_ik.model import catalogue
+        >>> model = read(catalogue.resolve("planar_2r").path)
+        >>> model.name, model.root, len(model.links)
+        ('planar_2r', 'base_link', 4)
+    """
+    folders = _folders(mesh_roots)
+    opened, lost = formats.as_urdf(open_source(source), folders, xacro_args)
+    original = parse(opened)
+    name = tree.check_robot(original, opened.name)
+    names = tree.check_links(original, opened.name)
+    raw = tree.check_joints(original, names, opened.name)
+    root = tree.check_tree(raw, names, opened.name)
+
+    # URDF 1.1 is the first in which urdfdom reads capsules, and the last in which both readers know rpy only.
+    clean, bare = (etree.Element("robot", name=name, version="1.1") for _ in range(2))
+    links.write_materials(clean, original, opened.name)
+    left_out = links.write_links(clean, names, opened.name)
+    for link in names:
+        etree.SubElement(bare, "link", name=link)
+    for robot in (clean, bare):
+        for joint in raw:
+            joint.write(robot)
+    xml = etree.tostring(clean, encoding="utf-8", xml_declaration=True, pretty_print=True)
+    # Kinematics need no shapes: reading them, too, takes most of yourdfpy's time.
+    theirs = _yourdfpy(etree.tostring(bare)).joint_map
+    return UrdfModel(
+        name=name,
+        source=opened.name,
+        path=opened.path,
+        xml=xml,
+        links=tuple(names),
+        joints=tuple(_joint(each, theirs[each.name]) for each in raw),
+        root=root,
+        mesh_roots=folders,
+        left_out=(*lost, *left_out),
+    )
+
+
+def resolve_mesh(model: UrdfModel, filename: str) -> Path:
+    """Find the file of a mesh, only in the URDF's own folder, its ROS package, the mesh roots and ROS packages.
+
+    Args:
+        model: the URDF that names the mesh.
+        filename: as written: ``package://package/path``, ``file://path`` or a path.
+
+    Returns:
+        The file's path, absolute, with symbolic links followed.
+
+    Raises:
+        UrdfError: the name leads outside these folders, or is not found there; the message lists them.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from urdf_ik.model import urdf
+        >>> Path("hand.stl").touch()
+        >>> _ = Path("arm.urdf").write_text('<robot name="arm"><link name="base"/></robot>')
+        >>> resolve_mesh(urdf.read("arm.urdf"), "hand.stl").name
+        'hand.stl'
+    """
+    inputs.kind(model, "folders", "model", "the model of a URDF, as urdf_ik.model.urdf.read gives it,")
+    if not isinstance(filename, str):
+        raise UrdfError(f"{quoted(filename)} given; a mesh's filename is a text", source=model.source)
+    return meshes.resolve(filename, model.folders, model.source)
+
+
+def _yourdfpy(xml: bytes) -> Any:
+    import yourdfpy  # slow to import, and only reading needs it
+
+    tree = etree.fromstring(xml)
+    capsules = [shape.getparent().getparent() for shape in tree.iter("capsule")]
+    for body in capsules:  # yourdfpy knows no capsules, and would refuse the file
+        body.getparent().remove(body)
+    return yourdfpy.URDF.load(
+        io.BytesIO(etree.tostring(tree) if capsules else xml), build_scene_graph=False, load_meshes=False
+    )
+
+
+def _joint(raw: checks.RawJoint, theirs: Any) -> Joint:
+    origin = np.eye(4) if theirs.origin is None else np.array(theirs.origin, dtype=np.float64)
+    axis = np.array(theirs.axis, dtype=np.float64)
+    axis /= np.linalg.norm(axis)
+    for array in (origin, axis):
+        array.setflags(write=False)
+    return Joint(
+        name=raw.name,
+        type=raw.type,
+        parent=raw.parent,
+        child=raw.child,
+        origin=origin,
+        axis=axis,
+        lower=raw.lower,
+        upper=raw.upper,
+        velocity=raw.velocity,
+        effort=raw.effort,
+        mimic=raw.mimic,
+        line=raw.line,
+    )
+
+
+def _folders(roots: Iterable[str | os.PathLike[str]] | str | os.PathLike[str]) -> tuple[Path, ...]:
+    each = [roots] if isinstance(roots, str | os.PathLike) else roots
+    held = inputs.items(each, "mesh_roots", "paths of folders")
+    return tuple(inputs.path(root, "a folder of mesh_roots").absolute() for root in held)

@@ -1,0 +1,111 @@
+"""Xacro, by the package of that name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from urdf_ik.errors import MissingPackage, UrdfError
+from urdf_ik.model import ros_packages
+from urdf_ik.model.xml import Source
+from urdf_ik.support import forks
+from urdf_ik.support.text import quoted
+
+INSTALL = "pip install 'urdf-ik[xacro]'"
+
+# The package keeps its arguments, its stack of files and the search for packages in variables of its modules.
+_ONE_AT_A_TIME = forks.lock()
+
+
+class _NoPackage(Exception):
+    """A ROS package that was not found."""
+
+
+class _Arguments(dict[str, str]):
+    """Arguments that remember which of them the xacro has asked for."""
+
+    def __init__(self, given: Mapping[str, object]) -> None:
+        super().__init__({name: str(value) for name, value in given.items()})
+        self.known: set[str] = set()
+
+    def __contains__(self, name: object) -> bool:
+        self.known.add(str(name))
+        return super().__contains__(name)
+
+    def __getitem__(self, name: str) -> str:
+        self.known.add(name)
+        return super().__getitem__(name)
+
+
+def expanded(source: Source, roots: Sequence[Path], given: Mapping[str, object]) -> Source:
+    """A xacro as URDF.
+
+    Args:
+        source: the xacro; files that it includes are looked for beside it.
+        roots: folders in which ``$(find package)`` looks first; then it looks at the xacro's own ROS package, at
+            AMENT_PREFIX_PATH and at ROS_PACKAGE_PATH.
+        given: values of its arguments by name.
+
+    Raises:
+        UrdfError: it cannot be expanded, or has no such argument.
+        MissingPackage: the package xacro is not installed.
+    """
+    try:
+        import xacro
+        from xacro import substitution_args
+    except ImportError:
+        raise MissingPackage(f"{source.name}: xacro is not installed: {INSTALL}") from None
+    own = None if source.path is None else ros_packages.own_package(source.path)
+    searched = [*roots, *([] if own is None else [own])]
+
+    def folder(package: str) -> str:
+        found = ros_packages.find(package, searched)
+        if found is None:
+            raise _NoPackage(f"there is no ROS package {quoted(package)}")
+        return str(found.absolute())
+
+    arguments = _Arguments(given)
+    with _ONE_AT_A_TIME, _finding(substitution_args, folder):
+        try:
+            xacro.init_stacks(None if source.path is None else str(source.path))
+            document = xacro.parse(source.text)
+            xacro.process_doc(document, mappings=arguments)
+        except Exception as error:  # its errors have no root of their own: those of Python expressions come as they are
+            raise _refused(source, error, arguments) from None
+    if unknown := sorted(set(arguments) & set(given) - arguments.known):
+        raise UrdfError(
+            f"it has no argument {quoted(unknown[0])}", source=source.name, element="<xacro:arg>", hint=_has(arguments)
+        )
+    return Source(document.toprettyxml(indent="  "), f"{source.name} (expanded)", source.path)
+
+
+@contextmanager
+def _finding(module: Any, folder: Callable[[str], str]) -> Iterator[None]:
+    """Let ``$(find package)`` ask ``folder`` instead of an installation of ROS 2."""
+    before = module._eval_find, module._eval_dict["find"]
+    module._eval_find = module._eval_dict["find"] = folder
+    try:
+        yield
+    finally:
+        module._eval_find, module._eval_dict["find"] = before
+
+
+def _refused(source: Source, error: Exception, arguments: _Arguments) -> UrdfError:
+    from xacro import substitution_args
+
+    cause = getattr(error, "exc", None) or error
+    text = " ".join(str(error).split()) or type(error).__name__
+    hint = "the command `xacro` says where"
+    if isinstance(cause, _NoPackage):
+        text = str(cause)
+        hint = "give the folder that holds it in mesh_roots (--mesh-root), AMENT_PREFIX_PATH or ROS_PACKAGE_PATH"
+    elif isinstance(cause, substitution_args.ArgException) or "Undefined substitution argument" in text:
+        hint = f"give it with xacro_args (--xacro-arg NAME:=VALUE); {_has(arguments)}"
+    return UrdfError(f"xacro cannot expand it: {text}", source=source.name, hint=hint)
+
+
+def _has(arguments: _Arguments) -> str:
+    known = sorted(arguments.known)
+    return f"its arguments: {', '.join(known)}" if known else "it has no arguments"

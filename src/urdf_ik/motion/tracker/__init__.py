@@ -1,6 +1,0 @@
-"""Streaming: one target a control cycle, within the limits, on one branch."""
-
-from urdf_ik._core import Step
-from urdf_ik.motion.tracker.tracker import Tracker
-
-__all__ = ["Step", "Tracker"]

@@ -1,0 +1,10 @@
+"""Motion of an arm: poses followed as they come, and paths planned as a whole."""
+
+from __future__ import annotations
+
+from urdf_ik.paths.plan import Change, Margins, Plan, Stop
+from urdf_ik.paths.tracker import Step, Tracker
+from urdf_ik.paths.waypoint_files import read_waypoints
+from urdf_ik.paths.waypoints import arc, line, polyline
+
+__all__ = ["Change", "Margins", "Plan", "Step", "Stop", "Tracker", "arc", "line", "polyline", "read_waypoints"]

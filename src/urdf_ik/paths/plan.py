@@ -1,0 +1,307 @@
+"""Plan: what ``arm.follow`` returns."""
+
+from __future__ import annotations
+
+import csv
+import io
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from urdf_ik.errors import ArgumentError
+from urdf_ik.ik.solutions import limits
+from urdf_ik.support import files
+from urdf_ik.support.text import json_text
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from urdf_ik.arm import Arm
+    from urdf_ik.paths.planner.obstacles import Obstacles
+    from urdf_ik.paths.timing import Timed
+
+    Array = NDArray[np.float64]
+
+
+class Change(NamedTuple):
+    """A reconfiguration: the arm changes to another branch before a waypoint.
+
+    Attributes:
+        waypoint: number of the first waypoint after it.
+        before: branch at the waypoint before.
+        after: branch at ``waypoint``.
+        free: whether the straight joint motion from one to the other touches nothing; None without a check
+            for collisions.
+    """
+
+    waypoint: int
+    before: str
+    after: str
+    free: bool | None
+
+
+EVERY_BRANCH = "every branch"
+"""Stands for a branch where none gets past a waypoint."""
+
+
+class Stop(NamedTuple):
+    """Where the ways from one branch of the first waypoint end.
+
+    Attributes:
+        branch: name of the branch at the first waypoint, or ``EVERY_BRANCH``.
+        waypoint: number of the first waypoint that cannot be reached from it.
+        cause: 'reach', 'limit', 'contact' or 'jump'.
+        reason: the same in words, with the number, the joint or the bodies.
+    """
+
+    branch: str
+    waypoint: int
+    cause: str
+    reason: str
+
+    def __str__(self) -> str:
+        return f"{self.branch}: stops before waypoint {self.waypoint}: {self.reason}"
+
+
+@dataclass(frozen=True)
+class Margins:
+    """How much room a plan leaves, waypoint by waypoint.
+
+    Attributes:
+        limits: (m,) rad or m, to the nearest joint limit; infinite where no joint has one.
+        clearance: (m,) m, between the nearest two bodies that must not touch; NaN where no collisions are checked.
+        manipulability: (m,) Yoshikawa's.
+    """
+
+    limits: Array
+    clearance: Array
+    manipulability: Array
+
+
+@dataclass(frozen=True)
+class _Listed:
+    """Alternatives that are there already."""
+
+    plans: tuple[Plan, ...]
+
+    def __call__(self) -> tuple[Plan, ...]:
+        return self.plans
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """Joint vectors along a path, or the reason why there is no plan.
+
+    Attributes:
+        arm: the arm.
+        poses: (m, 4, 4) m, the waypoints.
+        found: whether there is a plan.
+        q: (m, n) rad or m, one joint vector a waypoint; (0, n) where there is no plan.
+        branches: m names of branches.
+        cost: what was minimised, summed over the path; infinite where there is no plan.
+        changes: reconfigurations; () for a plan without.
+        stops: where there is no plan, what stops the ways from each branch of the first waypoint.
+        motion: (k, n) rad or m, the joint vectors with those between waypoints, where the segments had to be refined:
+            moving linearly from one to the next, the tip keeps to the path.
+        place: (k,) where each one is: 2.5 is half way from waypoint 2 to waypoint 3.
+        tolerance: (m, rad) of the straight segments that every motion was proven to keep within.
+        obstacles: what the plan stays clear of; None where no collisions are checked.
+        others: what finds the ``alternatives`` when they are asked for.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("scara_rrpr")
+        >>> T0, T1 = arm.fk([[0.3, 0.5, 0.1, 0.2], [0.5, 0.7, 0.1, 0.2]])
+        >>> plan = arm.follow(urdf_ik.line(T0, T1, 10))
+        >>> plan.found, plan.q.shape, plan.changes
+        (True, (10, 4), ())
+    """
+
+    arm: Arm
+    poses: Array
+    q: Array
+    branches: tuple[str, ...] = ()
+    cost: float = np.inf
+    changes: tuple[Change, ...] = ()
+    stops: tuple[Stop, ...] = ()
+    motion: Array = field(default_factory=lambda: np.empty((0, 0)))
+    place: Array = field(default_factory=lambda: np.empty(0))
+    tolerance: tuple[float, float] = (0.0, 0.0)
+    obstacles: Obstacles | None = field(default=None, repr=False)
+    others: Callable[[], tuple[Plan, ...]] | None = field(default=None, repr=False)
+
+    @property
+    def found(self) -> bool:
+        """Whether there is a plan."""
+        return bool(len(self.q))
+
+    def __bool__(self) -> bool:
+        return self.found
+
+    def __len__(self) -> int:
+        return len(self.q)
+
+    @cached_property
+    def alternatives(self) -> tuple[Plan, ...]:
+        """The best plan from every branch of the first waypoint that leads to the end, the cheapest first."""
+        return () if self.others is None else self.others()
+
+    def with_others(self, others: Callable[[], tuple[Plan, ...]]) -> Plan:
+        """This plan, its alternatives found by ``others`` when they are asked for.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> T0, T1 = arm.fk([[0.3, 0.5, 0.1, 0.2], [0.5, 0.7, 0.1, 0.2]])
+            >>> plan = arm.follow(urdf_ik.line(T0, T1, 10))
+            >>> len(plan.with_others(lambda: (plan,)).alternatives)
+            1
+        """
+        return replace(self, others=others)
+
+    @cached_property
+    def margins(self) -> Margins:
+        """Room to limits, obstacles and singularities along the plan."""
+        room = limits.room(self.q, self.arm.limits)
+        clearance = np.full(len(self.q), np.nan)
+        if self.obstacles is not None and self.found:
+            clearance = np.asarray(self.obstacles.model.distance(self.q))
+        return Margins(room, clearance, self.arm.manipulability(self.q))
+
+    def explain(self) -> str:
+        """Why there is no plan: a line for each branch of the first waypoint, the one that gets farthest first.
+
+        Returns:
+            '' where there is a plan.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> T = arm.fk([0.3, 0.5, 0.1, 0.2])
+            >>> away = T.copy()
+            >>> away[0, 3] = 0.9
+            >>> "out of reach" in arm.follow(urdf_ik.line(T, away, 10)).explain()
+            True
+        """
+        return "" if self.found else "\n".join(str(stop) for stop in self.stops)
+
+    def timed(self, velocity: Any = None, acceleration: Any = None, *, dt: float = 0.01) -> Timed:
+        """When the arm is where, as fast as the limits allow; see :func:`urdf_ik.paths.timing.timed`.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> T0, T1 = arm.fk([[0.3, 0.5, 0.1, 0.2], [0.5, 0.7, 0.1, 0.2]])
+            >>> timed = arm.follow(urdf_ik.line(T0, T1, 10)).timed(velocity=1.0, acceleration=5.0)
+            >>> timed.duration > 0.0, bool(abs(timed.qd).max() < 1.001)
+            (True, True)
+        """
+        from urdf_ik.paths.timing import timed
+
+        return timed(self, velocity, acceleration, dt=dt)
+
+    def __getstate__(self) -> dict[str, Any]:
+        # The alternatives are found when they are asked for, by what cannot be pickled: they go along as they are.
+        state = {name: value for name, value in self.__dict__.items() if name != "alternatives"}
+        if self.others is not None:
+            state["others"] = _Listed(tuple(replace(plan, others=None) for plan in self.alternatives))
+        return state
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write a row a waypoint: its number, its branch, the joints by name [rad or m].
+
+        Raises:
+            ArgumentError: there is no plan, or the file cannot be written.
+
+        Example:
+            >>> from pathlib import Path
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> T0, T1 = arm.fk([[0.3, 0.5, 0.1, 0.2], [0.5, 0.7, 0.1, 0.2]])
+            >>> arm.follow(urdf_ik.line(T0, T1, 10)).to_csv("plan.csv")
+            >>> Path("plan.csv").read_text().splitlines()[0]
+            'waypoint,branch,joint_1,joint_2,joint_3,joint_4'
+        """
+        self._require()
+        text = io.StringIO()
+        rows = csv.writer(text)
+        rows.writerow(["waypoint", "branch", *self.arm.joint_names])
+        for k, (branch, q) in enumerate(zip(self.branches, self.q, strict=True)):
+            rows.writerow([k, branch, *(repr(float(x)) for x in q)])
+        files.write(path, text.getvalue().encode(), ArgumentError)
+
+    def to_json(self, path: str | os.PathLike[str] | None = None) -> str:
+        """The plan as JSON, written to a file where one is given; also of a path without a plan.
+
+        Raises:
+            ArgumentError: the file cannot be written.
+
+        Example:
+            >>> import json
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> T0, T1 = arm.fk([[0.3, 0.5, 0.1, 0.2], [0.5, 0.7, 0.1, 0.2]])
+            >>> json.loads(arm.follow(urdf_ik.line(T0, T1, 10)).to_json())["found"]
+            True
+        """
+        text = json_text(
+            {
+                "arm": self.arm.name,
+                "base": self.arm.base,
+                "tip": self.arm.tip,
+                "joints": list(self.arm.joint_names),
+                "found": self.found,
+                "cost": self.cost if self.found else None,
+                "q": self.q.tolist(),
+                "branches": list(self.branches),
+                "changes": [change._asdict() for change in self.changes],
+                "stops": [stop._asdict() for stop in self.stops],
+            },
+        )
+        if path is not None:
+            files.write(path, text.encode(), ArgumentError)
+        return text
+
+    def to_npz(self, path: str | os.PathLike[str]) -> None:
+        """Write q, poses, branches, joints, motion and place as NumPy arrays.
+
+        Raises:
+            ArgumentError: there is no plan, or the file cannot be written.
+
+        Example:
+            >>> import numpy as np
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> T0, T1 = arm.fk([[0.3, 0.5, 0.1, 0.2], [0.5, 0.7, 0.1, 0.2]])
+            >>> arm.follow(urdf_ik.line(T0, T1, 10)).to_npz("plan.npz")
+            >>> np.load("plan.npz")["q"].shape
+            (10, 4)
+        """
+        self._require()
+        held = {
+            "q": self.q, "poses": self.poses, "branches": np.array(self.branches), "motion": self.motion,
+            "joints": np.array(self.arm.joint_names), "place": self.place,
+        }  # fmt: skip
+        files.write(path, lambda file: np.savez(file, allow_pickle=False, **held), ArgumentError)
+
+    def __str__(self) -> str:
+        if not self.found:
+            return f"no plan for {self.arm.name} along {len(self.poses)} waypoints\n{self.explain()}"
+        changes = f", {len(self.changes)} reconfigurations" if self.changes else ""
+        step = np.abs(np.diff(self.q, axis=0)).max(initial=0.0)
+        return (
+            f"{len(self.q)} waypoints of {self.arm.name}: {self.branches[0]} to {self.branches[-1]}{changes}, "
+            f"cost {self.cost:.6g}, largest step {step:.4f}"
+        )
+
+    def __repr__(self) -> str:
+        return f"<Plan of {self.arm.name}: {'found' if self.found else 'not found'}, {len(self.poses)} waypoints>"
+
+    def _require(self) -> None:
+        if not self.found:
+            raise ArgumentError(f"there is no plan to write: {self.explain()}")

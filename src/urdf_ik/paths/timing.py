@@ -1,0 +1,181 @@
+"""When an arm is where along a plan: as fast as the limits of velocity and acceleration allow."""
+
+from __future__ import annotations
+
+import csv
+import io
+import logging
+from dataclasses import dataclass, replace
+from importlib import import_module
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.errors import ArgumentError
+from urdf_ik.paths import settings
+from urdf_ik.support import files, inputs
+from urdf_ik.support.text import json_text
+
+if TYPE_CHECKING:
+    import os
+
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+_GRID_POINTS = 4
+"""Places a waypoint at which the time-optimal speed is computed."""
+
+
+@dataclass(frozen=True)
+class Timed:
+    """A plan in time.
+
+    Attributes:
+        t: (k,) s.
+        q: (k, n) rad or m.
+        qd: (k, n) rad/s or m/s.
+        qdd: (k, n) rad/s^2 or m/s^2.
+        method: 'TOPP-RA', or 'scaled' where that package is not installed.
+        joints: n names.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("scara_rrpr")
+        >>> T0, T1 = arm.fk([[0.3, 0.5, 0.1, 0.2], [0.5, 0.7, 0.1, 0.2]])
+        >>> timed = arm.follow(urdf_ik.line(T0, T1, 10)).timed(velocity=1.0, acceleration=5.0)
+        >>> timed.joints, timed.q[0].round(6).tolist()
+        (('joint_1', 'joint_2', 'joint_3', 'joint_4'), [0.3, 0.5, 0.1, 0.2])
+    """
+
+    t: Array
+    q: Array
+    qd: Array
+    qdd: Array
+    method: str
+    joints: tuple[str, ...] = ()
+
+    @property
+    def duration(self) -> float:
+        """s: the whole time."""
+        return float(self.t[-1])
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write a row a sample: t [s], the joints by name, their velocities as 'NAME qd', accelerations as 'NAME qdd'.
+
+        Raises:
+            ArgumentError: the file cannot be written.
+        """
+        text = io.StringIO()
+        rows = csv.writer(text)
+        rows.writerow(["t", *(f"{name}{what}" for what in ("", " qd", " qdd") for name in self.joints)])
+        for row in np.column_stack([self.t, self.q, self.qd, self.qdd]).tolist():
+            rows.writerow(map(repr, row))
+        files.write(path, text.getvalue().encode(), ArgumentError)
+
+    def to_json(self, path: str | os.PathLike[str] | None = None) -> str:
+        """As JSON: joints, t, q, qd, qdd; written to a file where one is given.
+
+        Raises:
+            ArgumentError: the file cannot be written.
+        """
+        arrays = {"t": self.t, "q": self.q, "qd": self.qd, "qdd": self.qdd}
+        text = json_text({"joints": self.joints, **arrays})
+        if path is not None:
+            files.write(path, text.encode(), ArgumentError)
+        return text
+
+    def to_npz(self, path: str | os.PathLike[str]) -> None:
+        """Write joints, t, q, qd and qdd as NumPy arrays.
+
+        Raises:
+            ArgumentError: the file cannot be written.
+        """
+        held = {"joints": np.array(self.joints), "t": self.t, "q": self.q, "qd": self.qd, "qdd": self.qdd}
+        files.write(path, lambda file: np.savez(file, allow_pickle=False, **held), ArgumentError)
+
+    def __repr__(self) -> str:
+        return f"<Timed: {self.duration:.3f} s, {len(self.t)} samples, {self.method}>"
+
+MOST_SAMPLES = 10_000_000
+"""Samples of a plan in time at most."""
+
+
+def timed(plan: Any, velocity: Any = None, acceleration: Any = None, *, dt: float = 0.01) -> Timed:
+    """The plan in time, from rest to rest.
+
+    With TOPP-RA installed (``pip install 'urdf-ik[timing]'``; Pham and Pham, "A new approach to time-optimal path
+    parameterization based on reachability analysis", IEEE T-RO 34(3), 2018) the joints pass all joint vectors of
+    ``plan.motion`` on a cubic spline, as fast as the limits allow. Without it, they move linearly from one to the next,
+    and the whole motion is slowed down by one factor until its sampled velocities and accelerations keep within the
+    limits.
+
+    Args:
+        plan: a ``Plan`` without changes of branch.
+        velocity: rad/s or m/s, a number or one a joint; default: the URDF's limits.
+        acceleration: rad/s^2 or m/s^2, a number or one a joint; default: what reaches the velocity limit in half a
+            second, as a URDF states no accelerations.
+        dt: s between samples.
+
+    Raises:
+        ArgumentError: there is no plan, it changes its branch, or a limit or ``dt`` is missing or not positive.
+    """
+    if not plan.found or plan.changes:
+        raise ArgumentError("only a plan that was found, without reconfigurations, can be timed")
+    dt = inputs.number(dt, "dt", ArgumentError, above=0.0, unit="s")
+    arm = plan.arm
+    v = settings.velocities(arm) if velocity is None else settings.each_joint("velocity", velocity, arm.joint_names)
+    a = 2.0 * v if acceleration is None else settings.each_joint("acceleration", acceleration, arm.joint_names)
+    q = plan.motion
+    steps = (np.abs(np.diff(q, axis=0)) / v).max(axis=1, initial=0.0)
+    # A step that moves nothing takes no time, and a spline needs places that ascend.
+    moving = np.concatenate([[True], steps > 0.0])
+    if moving.sum() < 2:
+        still = np.zeros_like(q[:1])
+        return Timed(np.zeros(1), q[:1].copy(), still, still, "scaled", arm.joint_names)
+    place = np.cumsum(np.concatenate([[0.0], steps[steps > 0.0]]))
+    way = _scaled if find_spec("toppra") is None else _toppra
+    return replace(way(q[moving], place, v, a, dt), joints=arm.joint_names)
+
+
+def _toppra(q: Array, place: Array, v: Array, a: Array, dt: float) -> Timed:
+    toppra: Any = import_module("toppra")  # which has no type annotations
+    toppra.setup_logging("ERROR")
+    logging.getLogger("toppra").setLevel(logging.ERROR)
+    path = toppra.SplineInterpolator(place, q)
+    limits = [
+        toppra.constraint.JointVelocityConstraint(np.column_stack([-v, v])),
+        toppra.constraint.JointAccelerationConstraint(np.column_stack([-a, a])),
+    ]
+    between = np.linspace(place[:-1], place[1:], _GRID_POINTS, endpoint=False)
+    solver = toppra.algorithm.TOPPRA(limits, path, gridpoints=np.append(np.unique(between), place[-1]))
+    found = solver.compute_trajectory(0.0, 0.0)
+    if found is None:
+        raise ArgumentError(
+            "no timing keeps within the limits of velocity and acceleration: the path has a corner; blend it"
+        )
+    t = _times(found.duration, dt)
+    return Timed(t, found(t), found(t, 1), found(t, 2), "TOPP-RA")
+
+
+def _scaled(q: Array, place: Array, v: Array, a: Array, dt: float) -> Timed:
+    """One factor for the whole motion, of which the share s = 3 u^2 - 2 u^3 is done at the share u of the time."""
+    t = np.linspace(0.0, 1.0, max(8 * len(q), 200))
+    s = (3.0 - 2.0 * t) * t * t
+    samples = np.column_stack([np.interp(s * place[-1], place, column) for column in q.T])
+    speed = np.gradient(samples, t, axis=0)
+    change = np.gradient(speed, t, axis=0)
+    duration = max((np.abs(speed) / v).max(), np.sqrt((np.abs(change) / a).max()))
+    times = _times(float(duration), dt)
+
+    def at(columns: Array) -> Array:
+        return np.column_stack([np.interp(times / duration, t, column) for column in columns.T])
+
+    return Timed(times, at(samples), at(speed / duration), at(change / duration**2), "scaled")
+
+
+def _times(duration: float, dt: float) -> Array:
+    if not duration <= MOST_SAMPLES * dt:
+        raise ArgumentError(f"{duration:.3g} s at dt={dt:g} s are more than {MOST_SAMPLES} samples; take a larger dt")
+    return np.append(np.arange(0.0, duration - 1e-9 * dt, dt), duration)

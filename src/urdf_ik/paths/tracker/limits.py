@@ -1,0 +1,38 @@
+"""The limits that a tracker keeps to, checked."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik.errors import ArgumentError
+from urdf_ik.support import inputs
+from urdf_ik.support.text import quoted
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from urdf_ik.arm import Arm
+
+    Array = NDArray[np.float64]
+
+
+def positive(name: str, value: float, unit: str, *, zero: bool = False) -> float:
+    """A finite number above zero, or from zero on."""
+    return inputs.number(value, name, ArgumentError, low=0.0, above=None if zero else 0.0, unit=unit)
+
+
+def limits_of(arm: Arm, name: str, value: ArrayLike) -> Array:
+    """(n,) numbers above zero, infinite for no limit, from one number or one a joint."""
+    given = inputs.real(value, name, f"one number, or one a joint ({arm.dof},)", ArgumentError)
+    if given.shape not in ((), (1,), (arm.dof,)):
+        raise ArgumentError(f"{name}: one number, or one a joint ({arm.dof},), is needed: {quoted(value)} given")
+    array = np.array(np.broadcast_to(given, (arm.dof,)))
+    bad = np.flatnonzero(~(array > 0.0))
+    if len(bad):
+        raise ArgumentError(
+            f"{name}: {array[bad[0]]} for joint {quoted(arm.joint_names[bad[0]])}; a number above 0 is needed (inf: no "
+            "limit)"
+        )
+    return array

@@ -1,0 +1,280 @@
+"""Streaming: one target a control cycle, the joints continuous with where they were, within their limits.
+
+A cycle starts from the last joint vector and looks for no other: steps of least squares (Newton's method with a trust
+region; Nocedal and Wright, Numerical Optimization, 2006, chapters 4 and 10) inside the box that the cycle's limits of
+position and velocity make. The joint motion of a cycle is proven to meet no singularity, by bounds on how much the
+Jacobian changes along it (Weyl's inequality), or it is cut into pieces of at most 0.05 rad, and where one has crossed
+a fold (a singularity at which two branches merge) it is moved back. So the joints stay on their branch, unless they
+pass through a wrist or a shoulder singularity, which branches on both sides of it share. Only the first of these is a
+proof: where singularities lie closer to each other than a piece is long, a fold may be crossed unseen.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik._core import Step
+from urdf_ik._core import Tracker as CoreTracker
+from urdf_ik.errors import ArgumentError, PoseError, UnsupportedArm
+from urdf_ik.ik.families.parts import aim
+from urdf_ik.ik.solutions.limits import check_inside
+from urdf_ik.kinematics.chain import CoupledChain
+from urdf_ik.model.poses import check_poses
+from urdf_ik.paths.tracker.limits import limits_of, positive
+from urdf_ik.support import inputs
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from urdf_ik.arm import Arm
+    from urdf_ik.ik.tasks import Targets
+
+    Array = NDArray[np.float64]
+
+RECENTRING = 1.0
+"""1/s: the rate at which the joints of a redundant arm leave the outer tenth of their ranges, by default."""
+MOST_JOINTS = 7
+
+_KINDS = {
+    "pose": aim.POSE,
+    "position": aim.POSITION,
+    "position and axis": aim.AXIS,
+    "planar position": aim.PLANAR_POSITION,
+    "planar pose": aim.PLANAR_POSE,
+}
+
+
+class Tracker:
+    """An arm that follows targets, one a control cycle; made by :meth:`urdf_ik.Arm.tracker`.
+
+    One tracker must not be stepped from several threads at once; different trackers may. A copy goes on from its ``q``
+    and ``velocity``.
+
+    Attributes:
+        arm: the arm.
+        dt: s, length of a cycle.
+        velocity_limits: (n,) rad/s or m/s, infinite where there is none.
+        acceleration_limits: (n,) rad/s^2 or m/s^2, infinite where there is none.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> tracker = arm.tracker([0.3, -0.5, 0.8, 0.4, 0.7, -0.2], dt=0.004, velocity=1.0)
+        >>> step = tracker.step(arm.fk([0.5, -0.5, 0.8, 0.4, 0.7, -0.2]))
+        >>> step.status, step.why, bool(abs(step.velocity).max() < 1.0 + 1e-9)
+        ('limited', 'velocity', True)
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        q0: ArrayLike,
+        dt: float,
+        *,
+        targets: Targets | None = None,
+        velocity: ArrayLike | None = None,
+        acceleration: ArrayLike | None = None,
+        recentring: float | None = None,
+        world: Any = None,
+        self_collision: bool = False,
+        margin: float = 0.0,
+    ) -> None:
+        """Begin at a joint vector.
+
+        Args:
+            arm: the arm.
+            q0: (n,) rad or m, where the joints are, within their limits.
+            dt: s, length of a cycle.
+            targets: what reads the targets of a task other than a pose; :meth:`urdf_ik.Arm.tracker` passes it.
+            velocity: greatest speed of each joint (n,), or of all, rad/s or m/s; the URDF's where left out, and no
+                limit for a joint of which the URDF states none, or zero.
+            acceleration: greatest acceleration of each joint (n,), or of all, rad/s^2 or m/s^2; no limit where left
+                out (a URDF states none).
+            recentring: 1/s, the rate at which seven joints leave the outer tenth of their ranges (at most 0.2 rad, or
+                0.2 of the arm's size) while the tip moves, as far as it leaves them free; ``RECENTRING`` where left
+                out, 0: they move as little as they can.
+            world: obstacles to keep free of, see :class:`urdf_ik.World`; the arm is checked against itself too.
+            self_collision: whether the arm is checked against itself where no world is given.
+            margin: m, clearance to keep.
+
+        Raises:
+            ArgumentError: ``q0`` does not fit the arm, or is outside the limits.
+            ArgumentError: ``dt``, ``recentring`` or ``margin`` is out of its range.
+            ArgumentError: a limit of velocity or acceleration is.
+            UnsupportedArm: the arm has more than seven joints, joints that mimic others, or a free axis.
+        """
+        inputs.arm(arm)
+        chain = arm.chain
+        if isinstance(chain, CoupledChain):
+            raise UnsupportedArm(
+                f"{arm.name}: joints that mimic others ({chain.followers[0]}, ...) are not tracked yet"
+            )
+        if not 1 <= chain.n <= MOST_JOINTS:
+            raise UnsupportedArm(f"{arm.name}: arms of 1 to {MOST_JOINTS} joints are tracked, and it has {chain.n}")
+        if arm.free_axis is not None:
+            raise UnsupportedArm(
+                f"{arm.name}: {arm.free_axis} is free, and targets are tracked as whole poses; arm.fixed.tracker(...) "
+                "tracks them with the rotation that they have"
+            )
+        if targets is not None:
+            inputs.kind(targets, "for_solver", "targets", "what an arm with a task gives")
+        self.arm = arm
+        self.dt = positive("dt", dt, "s")
+        self.velocity_limits = arm.velocity_limits.copy() if velocity is None else limits_of(arm, "velocity", velocity)
+        self.acceleration_limits = limits_of(arm, "acceleration", np.inf if acceleration is None else acceleration)
+        for each in (self.velocity_limits, self.acceleration_limits):
+            each.setflags(write=False)
+        self._targets = targets
+        control = arm.control
+        kind = (
+            aim.Aim()
+            if self._targets is None
+            else aim.Aim(
+                _KINDS[self._targets.task], control.aimed, None if control.plane is None else control.plane.normal
+            )
+        )
+        self._core = CoreTracker(
+            chain.n,
+            {
+                "written": kind.written(chain),
+                "lower": chain.limits[:, 0].copy(),
+                "upper": chain.limits[:, 1].copy(),
+                "velocity": self.velocity_limits,
+                "acceleration": self.acceleration_limits,
+                "dt": self.dt,
+                "recentring": positive(
+                    "recentring", RECENTRING if recentring is None else recentring, "1/s", zero=True
+                ),
+            },
+        )
+        self._margin = positive("margin", margin, "m", zero=True)
+        self._collision: Any = None
+        if inputs.flag(self_collision, "self_collision") or world is not None:
+            model: Any = arm.collision_model
+            self._collision = model.in_world(world)
+        self._options = {
+            "targets": targets, "velocity": self.velocity_limits, "acceleration": self.acceleration_limits,
+            "recentring": recentring, "world": world, "self_collision": self_collision, "margin": self._margin,
+        }  # fmt: skip
+        # The whole of a cycle where a pose is followed and no collision is checked.
+        self._quick = self._core.step if self._targets is None and self._collision is None else None
+        self.reset(q0)
+
+    def __reduce__(self) -> tuple[Callable[..., Tracker], tuple[Any, ...]]:
+        return _restored, (self.arm, self.q, self.velocity, self.dt, self._options)
+
+    def __repr__(self) -> str:
+        return f"<Tracker of {self.arm.name!r}: {1.0 / self.dt:g} cycles a second>"
+
+    @property
+    def q(self) -> Array:
+        """(n,) rad or m, where the joints are to be: the last step's ``q``, or where tracking began; a copy."""
+        return self._start.copy() if self._last is None else self._last.q
+
+    @property
+    def velocity(self) -> Array:
+        """(n,) rad/s or m/s, the joints' speeds in the last cycle; a copy."""
+        return self._start_velocity.copy() if self._last is None else self._last.velocity
+
+    def reset(self, q: ArrayLike, velocity: ArrayLike | None = None) -> None:
+        """Start anew, from where the robot is measured to be.
+
+        Args:
+            q: (n,) rad or m, within the joint limits.
+            velocity: (n,) rad/s or m/s, at rest where left out. It only matters to limits on the acceleration.
+
+        Raises:
+            ArgumentError: a vector does not fit the arm, or ``q`` is outside the limits.
+
+        Example:
+            >>> import urdf_ik
+            >>> tracker = urdf_ik.load("scara_rrpr").tracker([0.3, 0.5, 0.1, 0.2], dt=0.004)
+            >>> tracker.reset([0.2, 0.4, 0.1, 0.0])
+            >>> tracker.q.tolist()
+            [0.2, 0.4, 0.1, 0.0]
+        """
+        chain, n = self.arm.chain, self.arm.dof
+        place, speed = chain.check(q), np.zeros(n) if velocity is None else chain.check(velocity)
+        for vector in (place, speed):
+            if vector.shape != (n,):
+                raise ArgumentError(f"an array of shape {vector.shape} given; one joint vector ({n},) is needed")
+        check_inside(place, chain.limits, chain.joint_names, "tracking begins inside them")
+        self._start, self._start_velocity = np.clip(place, *chain.limits.T), speed.copy()
+        self._core.reset(self._start, self._start_velocity)
+        self._last: Step | None = None
+
+    def step(self, T: Any) -> Step:
+        """One cycle: move towards a target, as far as the limits allow.
+
+        Args:
+            T: (4, 4) pose of the tip in the base [m], or a ``pinocchio.SE3``; of a tracker of ``arm.for_task(...)`` one
+                target of that task.
+
+        Returns:
+            ``q`` (n,), where the joints are to be at the end of the cycle, and ``velocity``; each access makes a new
+            array. ``status`` and ``why``:
+
+            - ``'ok'``: the tip is at the target, to 1e-9 m and rad; ``why`` is None.
+            - ``'limited'``: the joints moved, and are not there yet. Where they would have to be faster than they
+              may be (``why`` is ``'velocity'``), the tip went along the straight way to the target, as far as they can.
+              Where a joint stands at its limit (``'limit'``), the pose is out of reach (``'reach'``), or near a
+              singularity, they went to where the squared distance from the target (rad, and lengths as shares of the
+              arm's size) is least. ``'acceleration'``: they would be there, but for their limits of acceleration.
+            - ``'held'``: the joints stand still, since no motion brings the tip nearer: ``'limit'``, ``'reach'``,
+              ``'singularity'``; or ``'collision'``: the motion would not be free of it.
+
+            ``distance`` [m] and ``angle`` [rad] are what is left to the target.
+
+        Raises:
+            PoseError: ``T`` is no pose, or no target of the task; nothing has moved.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> tracker = arm.tracker([0.3, 0.5, 0.1, 0.2], dt=0.004)
+            >>> step = tracker.step(arm.fk([0.301, 0.499, 0.1, 0.2]))
+            >>> step.status, step.q.round(6).tolist()
+            ('ok', [0.301, 0.499, 0.1, 0.2])
+        """
+        if self._quick is not None and T is not None:
+            step = self._quick(T)
+            if step is not None:
+                self._last = step
+                return step
+        pose = self._pose(T)
+        before = self.q
+        step = self._core.step(pose)
+        if step is None:
+            check_poses(pose)
+            raise PoseError("a rotation that is neither orthonormal nor near it")
+        if self._collision is not None:
+            motion = self._collision.motions_free(before[None], step.q[None], margin=self._margin)
+            if not motion.free[0]:
+                step = self._core.back("collision")
+        self._last = step
+        return step
+
+    def _pose(self, T: Any) -> Array:
+        """A target as a pose (4, 4), of which the core uses what the task controls."""
+        if self._targets is None:
+            pose = check_poses(T)
+            if pose.ndim != 2:
+                raise PoseError(f"an array of shape {pose.shape} given; a cycle takes a single pose (4, 4)")
+            return pose
+        target = self._targets.read(T)
+        if target.ndim != 1:
+            raise PoseError(f"an array of shape {target.shape} given; a cycle takes a single target")
+        poses: Array = self._targets.poses(target[None])
+        return np.ascontiguousarray(poses[0])
+
+
+def _restored(arm: Arm, q: Array, velocity: Array, dt: float, options: dict[str, Any]) -> Tracker:
+    """A tracker that goes on from where another one is."""
+    lower, upper = arm.limits.T
+    tracker = Tracker(arm, np.clip(q, lower, upper), dt, **options)
+    tracker.reset(tracker.q, velocity)
+    return tracker

@@ -1,0 +1,313 @@
+"""Pictures of an arm, its branches, limits and workspace; matplotlib is imported in this room alone."""
+
+from __future__ import annotations
+
+import math
+import os
+import textwrap
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.errors import ArgumentError
+from urdf_ik.ik.solutions import limits as joint_limits
+from urdf_ik.show.plot import axes as draw
+from urdf_ik.show.plot import figures
+from urdf_ik.support import files, inputs
+from urdf_ik.support.angles import TURN
+from urdf_ik.support.text import quoted
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike
+
+    from urdf_ik.arm import Arm
+    from urdf_ik.ik.solutions import IKSolutions
+    from urdf_ik.maps.placements import PlacementMap
+    from urdf_ik.maps.workspaces import PlanarWorkspace, StoredMap, WorkspaceMap
+
+SUFFIXES = (".png", ".svg", ".pdf")
+_COLUMNS = 4
+_DPI = 110
+
+
+def arm(arm: Arm, q: ArrayLike | None = None, *, shapes: bool = True) -> Figure:
+    """The arm at ``q`` (n,) rad or m, as a stick figure and with the shapes of its links, meshes among them.
+
+    Default: zero, or the nearest to it within the limits.
+
+    Raises:
+        ArgumentError: ``q`` is no joint vector.
+
+    Example:
+        >>> import urdf_ik
+        >>> figure = urdf_ik.show.plot.arm(urdf_ik.load("planar_2r"), [0.3, 0.5])
+        >>> len(figure.axes)
+        1
+    """
+    inputs.arm(arm, error=ArgumentError)
+    shapes = inputs.flag(shapes, "shapes", ArgumentError)
+    at = draw.posture(arm, q)
+    figure = draw.Picture(figsize=(5.0, 5.0), layout="constrained")
+    bodies = _bodies(figure, arm, shapes)
+    triangles = figures.placed(arm, bodies, at)
+    points = np.concatenate([figures.stick(arm, at), *(body.reshape(-1, 3) for body in triangles)])
+    axes = draw.space(figure.add_subplot(projection="3d"), draw.box(points))
+    draw.shapes(axes, triangles)
+    draw.stick(axes, arm, at, "0.15")
+    draw.frame(axes, arm.fk(at), 0.12 * arm.chain.size)
+    axes.set_title(draw.words(arm.name))
+    return figure
+
+
+def branches(solutions: IKSolutions, *, overlaid: bool = False, shapes: bool = False) -> Figure:
+    """All solutions of a single pose, side by side or overlaid, each in the colour of its branch, with its name.
+
+    Overlaid, later ones are drawn thinner, so that one that lies on another hides nothing.
+
+    Raises:
+        ArgumentError: there is no solution.
+        TypeError: the solutions are those of a batch.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("planar_2r")
+        >>> figure = urdf_ik.show.plot.branches(arm.ik([0.1, 0.1], task="planar position"))
+        >>> len(figure.axes)
+        2
+    """
+    inputs.kind(solutions, "to_array", "solutions", "what arm.ik gives", ArgumentError)
+    overlaid, shapes = (inputs.flag(*each, ArgumentError) for each in ((overlaid, "overlaid"), (shapes, "shapes")))
+    found = list(solutions)
+    if not found:
+        raise ArgumentError(f"no solution to draw: {solutions.explain()}")
+    owner = _owner(solutions)
+    around = draw.box(figures.stick(owner, np.stack([one.q for one in found])))
+    colours = draw.colours(solutions.branches)
+    columns = 1 if overlaid else min(_COLUMNS, len(found))
+    rows = 1 if overlaid else math.ceil(len(found) / columns)
+    size = (8.0, 5.0) if overlaid else (2.7 * columns, 2.9 * rows + 0.4)
+    figure = draw.Picture(figsize=size, layout="constrained")
+    bodies = _bodies(figure, owner, shapes)
+    widths = np.linspace(min(2.0 + len(found), 10.0), 1.5, len(found)) if overlaid else np.full(len(found), 2.0)
+    axes: Any = None
+    for k, one in enumerate(found):
+        if axes is None or not overlaid:
+            axes = draw.space(figure.add_subplot(rows, columns, k + 1, projection="3d"), around, small=not overlaid)
+        # Each has its own: what is asked of an arm with few joints may be less than a pose.
+        draw.frame(axes, owner.link_poses(one.q)[owner.tip], 0.12 * owner.chain.size)
+        colour = colours[solutions.branches[one.index]]
+        draw.shapes(axes, figures.placed(owner, bodies, one.q), colour, 0.35 if not overlaid else 0.15)
+        draw.stick(axes, owner, one.q, colour, label=one.branch, width=widths[k])
+        if not overlaid:
+            axes.set_title(one.branch.replace(", ", "\n"), fontsize=8, color=colour)
+    if overlaid:
+        figure.legend(*axes.get_legend_handles_labels(), loc="outside right center", fontsize=8)
+    tips = owner.link_poses(np.stack([one.q for one in found]))[owner.tip]
+    target = "pose" if np.allclose(tips, tips[0], rtol=0.0, atol=1e-6) else "position"
+    title = f"{draw.words(owner.name)}: {len(found)} solution{'' if len(found) == 1 else 's'} of one {target}"
+    figure.suptitle(title, fontsize=10)
+    return figure
+
+
+def limits(solutions: IKSolutions, *, degrees: bool = True) -> Figure:
+    """The joints' limits as bars, with all turns of all solutions of a single pose; a cross where no turn is inside.
+
+    Joints that slide are drawn in m, below those that turn.
+
+    Raises:
+        ArgumentError: there is no solution.
+        UrdfIkError: the turns are too many for one array.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("scara_rrpr")
+        >>> figure = urdf_ik.show.plot.limits(arm.ik(arm.fk([0.3, 0.5, 0.1, 0.2])))
+        >>> len(figure.axes)
+        2
+    """
+    inputs.kind(solutions, "to_array", "solutions", "what arm.ik gives", ArgumentError)
+    degrees = inputs.flag(degrees, "degrees", ArgumentError)
+    owner, found = _owner(solutions), list(solutions)
+    if not found:
+        raise ArgumentError(f"no solution to draw: {solutions.explain()}")
+    colours = draw.colours(solutions.branches)
+    prismatic = owner.chain.prismatic
+    # Angles and lengths have no scale in common: joints that slide stand in axes of their own.
+    kinds = [(np.flatnonzero(~prismatic), "deg" if degrees else "rad"), (np.flatnonzero(prismatic), "m")]
+    kinds = [(joints, unit) for joints, unit in kinds if len(joints)]
+    size = (8.0, 0.8 * owner.dof + 0.6 * len(kinds) + 0.27 * math.ceil(len(found) / 2))
+    figure = draw.Picture(figsize=size, layout="constrained")
+    ratios = [len(joints) for joints, _ in kinds]
+    parts = figure.subplots(len(kinds), 1, squeeze=False, height_ratios=ratios)[:, 0]
+    shift = np.linspace(-0.32, 0.32, len(found)) if len(found) > 1 else np.zeros(1)
+    for axes, (joints, unit) in zip(parts, kinds, strict=True):
+        scale = 180.0 / np.pi if unit == "deg" else 1.0
+        for row, (lower, upper) in enumerate(joint_limits.bounded(owner.limits[joints])):
+            if np.isfinite(lower) and np.isfinite(upper):
+                axes.barh(row, scale * (upper - lower), left=scale * lower, height=0.8, color="0.9")
+            else:
+                axes.axhspan(row - 0.4, row + 0.4, color="0.95")
+        for k, one in enumerate(found):
+            rows, values, inside = _images(owner, one.q, joints)
+            colour, heights = colours[solutions.branches[one.index]], rows + shift[k]
+            axes.plot(scale * values[inside], heights[inside], "o", color=colour, markersize=4, label=one.branch)
+            axes.plot(scale * values[~inside], heights[~inside], "x", color=colour, markersize=5)
+        axes.set_yticks(range(len(joints)), [draw.words(owner.joint_names[i]) for i in joints])
+        axes.invert_yaxis()
+        axes.use_sticky_edges = False
+        axes.margins(x=0.04)
+        axes.set_xlabel(f"joint value [{unit}]")
+    title = "limits, and the solutions with all their turns (x: none inside)"
+    parts[0].set_title(f"{draw.words(owner.name)}: {title}", fontsize=9)
+    figure.legend(*parts[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=7)
+    return figure
+
+
+def workspace_slice(found: WorkspaceMap | StoredMap, axis: str = "z", at: float = 0.0, what: str = "reach") -> Figure:
+    """One layer of a workspace map; see :meth:`urdf_ik.maps.workspaces.WorkspaceMap.slice`.
+
+    Raises:
+        ArgumentError: there is no such layer or value.
+
+    Example:
+        >>> import urdf_ik
+        >>> found = urdf_ik.maps.workspace(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4)
+        >>> figure = urdf_ik.show.plot.workspace_slice(found)
+        >>> figure.axes[0].get_xlabel()
+        'x [m]'
+    """
+    from urdf_ik.maps.workspaces import VALUES
+
+    inputs.kind(found, "slice", "found", "a map of a workspace", ArgumentError)
+    layer = found.slice(axis, at, what)
+    figure = draw.Picture(figsize=(5.6, 4.6), layout="constrained")
+    axes = figure.add_subplot()
+    image = axes.imshow(layer.values.T, origin="lower", extent=layer.extent, cmap="viridis", vmin=0.0)
+    figure.colorbar(image, ax=axes, label=VALUES[what])
+    axes.set_xlabel(f"{layer.axes[0]} [m]")
+    axes.set_ylabel(f"{layer.axes[1]} [m]")
+    axes.locator_params(nbins=6)
+    axes.set_title(f"{draw.words(found.about.robot)}: {axis} = {layer.at:.3g} m")
+    return figure
+
+
+def placements(found: PlacementMap, what: str = "reached", at: float | None = None) -> Figure:
+    """One layer of base positions, each with the best of its headings; a cross on the best place, dots on the targets.
+
+    Args:
+        found: the map.
+        what: a score, see :data:`urdf_ik.maps.placements.SHOWN`.
+        at: m, height of the layer; default: that of the best place.
+
+    Raises:
+        ArgumentError: there is no such score.
+        ArgumentError: there is no such layer.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> found = urdf_ik.maps.placement(arm, arm.fk([0.3] * 6), bounds=[[-1, -1, 0], [1, 1, 0]], step=0.5)
+        >>> urdf_ik.show.plot.placements(found, "margin").axes[0].get_xlabel()
+        'x [m]'
+    """
+    from urdf_ik.maps.placements import SHOWN
+
+    inputs.kind(found, "places", "found", "what urdf_ik.maps.placement gives", ArgumentError)
+    best = found.best().pose[:3, 3]
+    _, layer = found.grid.layer("z", float(best[2]) if at is None else at)
+    values = found.values(what)[:, :, layer]
+    least = what == "cost"
+    filled = np.where(np.isnan(values), np.inf if least else -np.inf, values)
+    shown = filled.min(axis=-1) if least else filled.max(axis=-1)
+    figure = draw.Picture(figsize=(5.6, 4.6), layout="constrained")
+    axes = figure.add_subplot()
+    (x0, y0), (x1, y1) = found.grid.lower[:2], found.grid.upper[:2]
+    image = axes.imshow(
+        np.where(np.isfinite(shown), shown, np.nan).T, origin="lower", extent=(x0, x1, y0, y1), cmap="viridis"
+    )
+    figure.colorbar(image, ax=axes, label=draw.words(SHOWN[what]))
+    axes.plot(*found.targets[:, :2, 3].T, ".", color="tab:red", markersize=2, label="targets")
+    axes.plot(best[0], best[1], "x", color="white", markersize=9, markeredgewidth=2, label="best place")
+    axes.set_xlabel("x [m]")
+    axes.set_ylabel("y [m]")
+    axes.set_title(f"{draw.words(str(found.about['robot']))}: base at z = {found.grid.coordinates(2)[layer]:.3g} m")
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=8, facecolor="0.8")
+    return figure
+
+
+def planar_workspace(region: PlanarWorkspace, q: ArrayLike | None = None) -> Figure:
+    """The regions of both elbows and their overlap, with their boundary, and the arm at ``q`` (2,) rad.
+
+    Example:
+        >>> import urdf_ik
+        >>> region = urdf_ik.maps.workspaces.planar(urdf_ik.load("planar_2r"))
+        >>> figure = urdf_ik.show.plot.planar_workspace(region, [0.3, 0.5])
+        >>> len(figure.axes)
+        1
+    """
+    inputs.kind(region, "regions", "region", "what urdf_ik.maps.workspaces.planar gives", ArgumentError)
+    given = None if q is None else inputs.real(q, "q", "two joint values [rad]", ArgumentError)
+    if given is not None and (given.shape != (2,) or inputs.first_bad(given) is not None):
+        raise ArgumentError(f"q={quoted(q)} given; two joint values [rad] are needed")
+    figure = draw.Picture(figsize=(6.4, 5.0), layout="constrained")
+    axes = figure.add_subplot()
+    draw.regions(axes, region)
+    if given is not None:
+        draw.two_links(axes, region, given)
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=8)
+    axes.set_title(f"{draw.words(region.name)}: where the tip can be")
+    return figure
+
+
+def save(figure: Figure, path: str | os.PathLike[str], dpi: float = _DPI) -> None:
+    """Write a PNG, SVG or PDF file, by the path's ending.
+
+    Raises:
+        ArgumentError: the ending is another one, ``dpi`` is not from 10 to 1200, or the file cannot be written.
+
+    Example:
+        >>> from pathlib import Path
+        >>> import urdf_ik
+        >>> urdf_ik.show.plot.save(urdf_ik.show.plot.arm(urdf_ik.load("planar_2r")), "arm.svg")
+        >>> Path("arm.svg").is_file()
+        True
+    """
+    target = inputs.path(path, "path", ArgumentError)
+    inputs.kind(figure, "savefig", "figure", "a picture of this module", ArgumentError)
+    dpi = inputs.number(dpi, "dpi", ArgumentError, low=10.0, high=1200.0)  # less holds no letter, more no memory
+    if target.suffix.lower() not in SUFFIXES:
+        raise ArgumentError(f"{files.name_of(target)}: pictures are written as {', '.join(SUFFIXES)}; name the file so")
+    files.write(target, lambda file: figure.savefig(file, format=target.suffix.lower()[1:], dpi=dpi), ArgumentError)
+
+
+def _bodies(figure: Figure, owner: Arm, wanted: bool) -> figures.Bodies:
+    """What the links look like, if that is wanted; the picture says how many shapes it lacks, and why the first one."""
+    if not wanted:
+        return figures.Bodies((), ())
+    found = figures.bodies(owner)
+    if found.missing:
+        count = len(found.missing)
+        words = f"{count} shape{'' if count == 1 else 's'} not drawn; {found.missing[0]}"
+        figure.supxlabel(draw.words(textwrap.shorten(words, 150)), fontsize=6, color="tab:red", wrap=True)
+    return found
+
+
+def _owner(solutions: IKSolutions) -> Arm:
+    """The arm that was solved: that of a task's solver, too, has all that is drawn."""
+    owner: Arm = solutions.arm
+    return owner
+
+
+def _images(owner: Arm, q: Any, joints: Any) -> tuple[Any, Any, Any]:
+    """Row, value and whether it is inside, (k,) each: every turn inside the limits, or the value itself."""
+    bounds = joint_limits.bounded(owner.limits)
+    first, last = joint_limits.image_range(q, bounds, ~owner.chain.prismatic)
+    rows, values, inside = [], [], []
+    for row, i in enumerate(joints):
+        within = bool(first[i] <= last[i])
+        turns = (first[i] if within else 0.0) + np.arange(last[i] - first[i] + 1.0 if within else 1.0)
+        values += list(q[i] + turns * TURN)
+        rows += [float(row)] * len(turns)
+        inside += [within] * len(turns)
+    return np.array(rows), np.array(values), np.array(inside)

@@ -1,0 +1,284 @@
+"""Sliders for the joints, in a window of matplotlib or, with ipywidgets, in a notebook."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.errors import ArgumentError, MissingPackage
+from urdf_ik.ik.solutions import limits
+from urdf_ik.show.plot import axes as draw
+from urdf_ik.show.plot import figures
+from urdf_ik.support import inputs
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike, NDArray
+
+    from urdf_ik.arm import Arm
+
+    Array = NDArray[np.float64]
+
+# Inches: the picture, a slider, and what is left around them.
+_WIDE, _HIGH, _ROW, _EDGE = 6.4, 5.6, 0.34, 0.3
+_LETTERS = 20
+"""Of a joint's name that have room beside a slider; longer ones are written smaller."""
+_INSTEAD = "write a file instead, with --output or plot.save"
+_LEAST = 1e-3
+"""Range [deg or m] of a slider whose joint has none."""
+
+
+class Stage:
+    """The arm in a figure, to be moved; two turning joints in a plane stand in their workspace.
+
+    Attributes:
+        axes: what it is drawn in.
+    """
+
+    def __init__(self, arm: Arm, figure: Figure, place: tuple[float, float, float, float], q: Array) -> None:
+        """Draw the arm at ``q`` (n,) rad or m, in the part ``place`` of the figure."""
+        from urdf_ik.maps import workspaces
+
+        self._arm = arm
+        self._region = workspaces.planar(arm) if is_two_links(arm) else None
+        if self._region is not None:
+            self.axes = figure.add_axes(place)
+            draw.regions(self.axes, self._region)
+            self._line = draw.two_links(self.axes, self._region, q)
+            self.axes.legend(loc="upper left", fontsize=7)
+        else:
+            around = draw.box(figures.surroundings(arm, limits.drawn(arm.limits, ~arm.chain.prismatic)))
+            self.axes = draw.space(figure.add_axes(place, projection="3d"), around)
+            self._line = draw.stick(self.axes, arm, q, "tab:blue")
+        self.axes.set_title(draw.words(arm.name))
+
+    def move(self, q: Array) -> None:
+        """Move the arm to ``q`` (n,) rad or m."""
+        if self._region is not None:
+            self._line.set_data(*draw.links(self._region, q))
+        else:
+            self._line.set_data_3d(*figures.stick(self._arm, q).T)
+
+
+class Sliders:
+    """The arm with a slider for each joint; of two turning joints in a plane, the workspace with the arm in it.
+
+    Attributes:
+        figure: the picture; on a window's canvas where one was asked for.
+        sliders: one a joint, in degrees for joints that turn, else in m. Keep this object as long as they are used.
+        q: (n,) rad or m, where they stand.
+
+    Example:
+        >>> import urdf_ik
+        >>> panel = urdf_ik.show.plot.sliders(urdf_ik.load("planar_2r"), [0.3, 0.2], window=False)
+        >>> panel.sliders[0].set_val(30.0)
+        >>> panel.q.round(4).tolist()
+        [0.5236, 0.2]
+    """
+
+    def __init__(self, arm: Arm, figure: Figure, q: ArrayLike | None = None) -> None:
+        """Draw the arm and its sliders into ``figure``."""
+        from matplotlib.widgets import Slider
+
+        inputs.arm(arm, error=ArgumentError)
+        inputs.kind(figure, "set_size_inches", "figure", "a figure of Matplotlib's", ArgumentError)
+        self.figure = figure
+        self.q: Array = start(arm, q).copy()
+        self._scale = scales(arm)
+        width, height = size(arm)
+        figure.set_size_inches(width, height)
+        below = (_ROW * arm.dof + _EDGE) / height
+        room = (0.62, 0.6) if is_two_links(arm) else (0.1, 0.4)  # inches that the axes' numbers take
+        place = (room[0] / width, below + room[1] / height)
+        self.stage = Stage(arm, figure, (*place, 0.96 - place[0], 1.0 - 0.3 / height - place[1]), self.q)
+        self.sliders = []
+        for i, (name, (lower, upper)) in enumerate(zip(arm.joint_names, ranges(arm, self.q), strict=True)):
+            row = figure.add_axes((0.28, below - _ROW * (i + 0.8) / height, 0.56, 0.5 * _ROW / height))
+            shown, at = f"%.3g {unit(arm, i)}", self._scale[i] * self.q[i]
+            slider = Slider(row, draw.words(name), lower, upper, valinit=at, valfmt=shown)
+            slider.label.set_fontsize(min(10.0, 10.0 * _LETTERS / max(len(name), 1)))
+            slider.on_changed(self._changed)
+            self.sliders.append(slider)
+
+    def _changed(self, _: float) -> None:
+        self.q = np.array([slider.val for slider in self.sliders]) / self._scale
+        self.stage.move(self.q)
+        self.figure.canvas.draw_idle()
+
+
+def sliders(arm: Arm, q: ArrayLike | None = None, *, window: bool = True) -> Sliders:
+    """The arm with a slider for each joint, in a window that stays open until ``matplotlib.pyplot.show`` returns.
+
+    Args:
+        arm: the arm.
+        q: (n,) rad or m within the limits, where the sliders begin; default: zero, or the nearest to it.
+        window: open one; else a figure to be saved.
+
+    Raises:
+        ArgumentError: ``q`` does not fit the arm, or is outside the limits.
+        ArgumentError: there is no display to open a window on.
+
+    Example:
+        >>> import urdf_ik
+        >>> panel = urdf_ik.show.plot.sliders(urdf_ik.load("planar_2r"), [0.3, 0.2], window=False)
+        >>> len(panel.sliders), panel.q.round(6).tolist()
+        (2, [0.3, 0.2])
+    """
+    inputs.arm(arm, error=ArgumentError)
+    figure = draw.Picture(figsize=size(arm))
+    if window:  # before the sliders, which listen to the canvas that they find
+        _open(figure, arm.name)
+    return Sliders(arm, figure, q)
+
+
+def show(figure: Figure) -> None:
+    """Show a figure in a window, and wait until it is closed.
+
+    Raises:
+        ArgumentError: there is no display.
+    """
+    if figure.canvas.manager is None:
+        titles = [figure.get_suptitle(), *(axes.get_title() for axes in figure.axes)]
+        _open(figure, next(filter(None, titles), "").replace(r"\$", "$"))
+    from matplotlib import pyplot
+
+    interrupted = []
+
+    def interrupt(*_: object) -> None:
+        interrupted.append(True)
+        pyplot.close(figure)
+
+    # Tk hears of Ctrl-C when its window is touched, and prints what is raised there: the timer wakes it, and the
+    # interrupt is raised when the window is gone.
+    timer = figure.canvas.new_timer(interval=200)
+    timer.add_callback(lambda: None)
+    timer.start()
+    here = threading.current_thread() is threading.main_thread()
+    before = signal.signal(signal.SIGINT, interrupt) if here else None
+    try:
+        pyplot.show(block=True)
+    finally:
+        timer.stop()
+        if here:
+            signal.signal(signal.SIGINT, before)
+    if interrupted:
+        raise KeyboardInterrupt
+
+
+def _open(figure: Figure, title: str) -> None:
+    """Put a figure into a window that ``pyplot.show`` shows."""
+    canvas = require_display()
+    from matplotlib import pyplot
+    from matplotlib._pylab_helpers import Gcf
+
+    try:
+        manager = canvas.new_manager(figure, max(pyplot.get_fignums(), default=0) + 1)
+    except Exception as error:  # each toolkit has its own way of saying that the display does not answer
+        raise ArgumentError(f"no window can be opened: {error}; {_INSTEAD}") from None
+    manager.set_window_title(f"urdf-ik: {title}")
+    # A toolkit's main loop ends at once where pyplot knows of no window.
+    Gcf.set_active(manager)
+
+
+def interact(arm: Arm, q: ArrayLike | None = None) -> Any:
+    """Sliders in a notebook: the picture drawn anew at every move.
+
+    Args:
+        arm: the arm.
+        q: (n,) rad or m within the limits, where the sliders begin; default: zero, or the nearest to it.
+
+    Raises:
+        ArgumentError: ``q`` does not fit the arm, or is outside the limits.
+        MissingPackage: ipywidgets is not installed.
+    """
+    try:
+        import ipywidgets
+    except ImportError:
+        raise MissingPackage("sliders in a notebook need ipywidgets: pip install 'urdf-ik[notebooks]'") from None
+    first, scale = start(arm, q), scales(arm)
+    figure = draw.Picture(figsize=(_WIDE, _HIGH))
+    stage = Stage(arm, figure, (0.12, 0.1, 0.84, 0.84), first)
+
+    def picture(**values: float) -> Figure:
+        stage.move(np.array(list(values.values())) / scale)
+        return figure
+
+    controls = {
+        name: ipywidgets.FloatSlider(
+            value=scale[i] * first[i],
+            min=lower,
+            max=upper,
+            step=0.001 if arm.chain.prismatic[i] else 0.5,
+            description=f"{name} [{unit(arm, i)}]",
+            style={"description_width": "initial"},
+        )
+        for i, (name, (lower, upper)) in enumerate(zip(arm.joint_names, ranges(arm, first), strict=True))
+    }
+    return ipywidgets.interactive(picture, **controls)
+
+
+def size(arm: Arm) -> tuple[float, float]:
+    """Width and height [inches] of the picture with its sliders."""
+    return _WIDE, _HIGH + _ROW * arm.dof
+
+
+def scales(arm: Arm) -> Array:
+    """(n,) what joint values in rad or m are multiplied by to be shown: degrees and m."""
+    return np.where(arm.chain.prismatic, 1.0, 180.0 / np.pi)
+
+
+def unit(arm: Arm, joint: int) -> str:
+    """Unit in which a joint is shown."""
+    return "m" if arm.chain.prismatic[joint] else "°"
+
+
+def start(arm: Arm, q: ArrayLike | None) -> Array:
+    """Where the sliders begin, (n,) rad or m: a slider cannot stand outside its joint's limits.
+
+    Raises:
+        ArgumentError: ``q`` does not fit the arm, or is outside the limits.
+    """
+    first = draw.posture(arm, q)
+    limits.check_inside(first, arm.limits, arm.joint_names, "sliders begin inside them")
+    return first
+
+
+def ranges(arm: Arm, q: Array) -> list[tuple[float, float]]:
+    """The ends of each joint's slider, degrees or m; where a limit is missing, ``q`` (n,) rad or m is within them."""
+    low, high = limits.drawn(arm.limits, ~arm.chain.prismatic).T
+    ends = scales(arm)[:, None] * np.stack([np.minimum(low, q), np.maximum(high, q)], axis=-1)
+    return [(float(lower), float(max(upper, lower + _LEAST))) for lower, upper in ends]
+
+
+def is_two_links(arm: Arm) -> bool:
+    """Whether the exact workspace of two turning joints can be drawn."""
+    return arm.plane is not None and arm.dof == 2 and not arm.chain.prismatic.any()
+
+
+def require_display() -> Any:
+    """The class of the canvas that a window has.
+
+    Raises:
+        ArgumentError: there is no display, or matplotlib is set to draw without one, or it lacks its toolkit.
+    """
+    import matplotlib
+    from matplotlib.backends.registry import BackendFilter, backend_registry
+
+    display = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    if sys.platform.startswith("linux") and not display:
+        raise ArgumentError(f"there is no display to open a window on; {_INSTEAD}")
+    backend = matplotlib.get_backend().lower()
+    if backend not in backend_registry.list_builtin(BackendFilter.INTERACTIVE):  # type: ignore[no-untyped-call]
+        raise ArgumentError(
+            f"matplotlib draws with {backend!r}, which opens no windows: it is set to, no toolkit such as PyQt6 is "
+            f"installed, or the display {display or ''} does not answer; {_INSTEAD}"
+        )
+    try:
+        return backend_registry.load_backend_module(backend).FigureCanvas  # type: ignore[no-untyped-call]
+    except ImportError as error:
+        raise ArgumentError(f"matplotlib cannot open windows with {backend!r}: {error}; {_INSTEAD}") from None

@@ -1,0 +1,60 @@
+"""Where the viewer listens: checked before viser tries, as it would look for another port in silence."""
+
+from __future__ import annotations
+
+import errno
+import ipaddress
+import socket
+
+from urdf_ik.errors import ArgumentError
+from urdf_ik.support.text import quoted
+
+DEFAULT_PORT = 8080
+
+
+def check(host: str, port: int | None) -> None:
+    """Find out whether a server can listen there.
+
+    Args:
+        host: name or address of one of this machine's interfaces.
+        port: None: any port will do.
+
+    Raises:
+        ArgumentError: the port is invalid or in use, or the host is not this machine.
+    """
+    if port is not None and not (type(port) is int and 0 <= port <= 65535):
+        raise ArgumentError(f"port {quoted(port)} given; it is a whole number from 0 (any free one) to 65535")
+    try:
+        family, kind, protocol, _, address = socket.getaddrinfo(host, port or 0, type=socket.SOCK_STREAM)[0]
+        with socket.socket(family, kind, protocol) as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # as the server does
+            probe.bind(address)
+    except (UnicodeError, ValueError):  # a label of more than 63 characters, a null byte
+        raise ArgumentError(
+            f"{quoted(host)} is no host name or address; 127.0.0.1 is this machine alone, 0.0.0.0 everybody"
+        ) from None
+    except OSError as error:
+        if error.errno == errno.EADDRINUSE:
+            raise ArgumentError(
+                f"port {port} on {host} is in use; name another one, or leave it out for the first free one"
+            ) from None
+        if error.errno == errno.EACCES:
+            raise ArgumentError(f"port {port} on {host} is not allowed: {error.strerror}; 1024 and above are") from None
+        raise ArgumentError(
+            f"cannot listen on {quoted(host)}: {error.strerror or error}; "
+            "127.0.0.1 is this machine alone, 0.0.0.0 everybody"
+        ) from None
+
+
+def is_local(host: str) -> bool:
+    """Whether only programs on this machine reach a server that listens on ``host``."""
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
+def url(host: str, port: int) -> str:
+    """The address to type into a browser on this machine."""
+    shown = {"0.0.0.0": "127.0.0.1", "::": "::1", "": "127.0.0.1"}.get(host, host)
+    return f"http://[{shown}]:{port}" if ":" in shown else f"http://{shown}:{port}"

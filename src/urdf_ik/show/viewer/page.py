@@ -1,0 +1,438 @@
+"""The viewer: a page in the browser with an arm, every solution of a target to drag, and sliders for its joints."""
+
+from __future__ import annotations
+
+import io
+import threading
+from collections.abc import Callable, Hashable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.arm import load
+from urdf_ik.errors import ArgumentError, MissingPackage, UrdfIkError
+from urdf_ik.model import catalogue
+from urdf_ik.model.poses import pose
+from urdf_ik.show.viewer import address, guard, playback
+from urdf_ik.show.viewer import state as states
+from urdf_ik.show.viewer.latest import Latest
+from urdf_ik.support import inputs
+
+if TYPE_CHECKING:
+    import os
+
+    from numpy.typing import NDArray
+
+    from urdf_ik.arm import Arm
+    from urdf_ik.cell import World
+    from urdf_ik.maps.workspaces import StoredMap, WorkspaceMap
+    from urdf_ik.paths import Plan
+    from urdf_ik.paths.plan import Stop
+    from urdf_ik.show.viewer.map_view import MapView
+    from urdf_ik.show.viewer.path_panel import PathPanel
+    from urdf_ik.show.viewer.playback import Track
+    from urdf_ik.show.viewer.state import State
+    from urdf_ik.show.viewer.surroundings import PathDrawing
+
+INSTALL = "pip install 'urdf-ik[viewer]'"
+
+_NO_CHOICE = "catalogue ..."
+
+
+class Viewer:
+    """A running server, its page and what it shows.
+
+    Attributes:
+        state: the arm, its target and their solutions; replaced as a whole, never changed.
+        server: the viser server.
+        drawing: what stands in the scene.
+        panel: the widgets of the arm.
+        track: the plan that is shown, or None.
+        place: where on it the arm is; 2.5 is half way from waypoint 2 to waypoint 3.
+        obstacles: the world in the scene.
+        map: the workspace map in page and scene, or None.
+        uploads: the files that pages are sending.
+        message: what the last request for another arm came to.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        *,
+        host: str = "127.0.0.1",
+        port: int | None = None,
+        mesh_roots: Sequence[str | os.PathLike[str]] = (),
+        plan: Plan | None = None,
+        world: World | None = None,
+        workspace: WorkspaceMap | StoredMap | None = None,
+        dark: bool = False,
+    ) -> None:
+        """Start the server.
+
+        Args:
+            arm: what to show first.
+            host: interface to listen on; '0.0.0.0' lets everybody in the network in.
+            port: None: 8080, or the first free one after it; 0: any free one.
+            mesh_roots: folders that meshes of arms that the page asks for may be read from.
+            plan: of ``arm.follow``, found or not, to be played along its waypoints.
+            world: obstacles to show; a solution that touches one is marked. Default: those of the plan.
+            workspace: map of ``urdf_ik.maps.workspace(arm)`` to show, see :meth:`show_workspace`.
+            dark: light on dark.
+
+        Raises:
+            MissingPackage: viser is not installed, or is one whose requests cannot be checked.
+            ArgumentError: the port is in use, the host is not this machine, or the plan or the map is another
+                arm's.
+            JobError: the map is in a store that is not complete, or damaged.
+        """
+        try:
+            import viser
+        except ImportError:
+            raise MissingPackage(f"the viewer needs viser, which is not installed: {INSTALL}") from None
+        from urdf_ik.show.viewer import panel, path_panel, scene, surroundings, uploads
+
+        address.check(host, port)
+        self._parts, self._plain = (panel.Panel, scene.Drawing), panel.plain
+        self._upload_part = uploads.Uploads
+        self._path_parts = path_panel.PathPanel, surroundings.PathDrawing, surroundings.Obstacles
+        self._host, self._mesh_roots, self._dark = host, tuple(mesh_roots), dark
+        self._guard = guard.Guard(host)
+        self.message = ""
+        if plan is not None and plan.obstacles is not None and world is None:
+            world = plan.obstacles.model.world
+        self.state = states.start(arm, world)
+        self._latest = Latest()
+        self.track: Track | None = None
+        self.place = 0.0
+        self._path: tuple[PathPanel, PathDrawing] | None = None
+        self.map: MapView | None = None
+        self._player = playback.Player(self.go_to, self._ended)
+        first = address.DEFAULT_PORT if port is None else port
+        with guard.quiet(), guard.guarding(self._guard, host) as guarded:
+            self.server = viser.ViserServer(host=guarded, port=first, label="urdf-ik", verbose=False)
+        try:
+            guard.require(self._guard, self.server)
+        except MissingPackage:
+            self.close()
+            raise
+        if port and self.port != port:  # somebody took it since it was looked at
+            self.close()
+            raise ArgumentError(f"port {port} on {host} is in use; name another one, or leave it out")
+        self.server.gui.configure_theme(control_width="large", show_share_button=False, dark_mode=dark)
+        self.server.gui.add_html(panel.STYLE, order=-1e9)
+        self.server.scene.add_grid("/grid", width=4.0, height=4.0, cell_size=0.1, section_size=0.5)
+        self._message = self.server.gui.add_markdown("")
+        self._show_arm(self.state)
+        self._add_sources()
+        self.server.on_client_connect(lambda client: self._look(client.camera, client.camera.aspect))
+        try:
+            if plan is not None:
+                self.show_plan(plan)
+            if workspace is not None:
+                self.show_workspace(workspace)
+        except UrdfIkError:
+            self.close()
+            raise
+        self.settle()
+
+    def __enter__(self) -> Viewer:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    @property
+    def port(self) -> int:
+        """The port that the server really listens on."""
+        return int(self.server.get_port())
+
+    @property
+    def url(self) -> str:
+        """Address of the page, for a browser on this machine; who knows its token may use the page."""
+        return f"{address.url(self._host, self.port)}/{self._guard.token}/"
+
+    def close(self) -> None:
+        """Stop the server."""
+        self._player.stop()
+        self._latest.close()
+        with guard.quiet():
+            self.server.stop()
+
+    def show(self, height: int = 640) -> Any:
+        """The page inside a notebook, ``height`` pixels high; a viewer that ends a cell shows itself so, too.
+
+        The browser must reach the address of the page: where the notebook runs on another machine, forward its port.
+
+        Raises:
+            MissingPackage: there is no notebook, as IPython is not installed.
+        """
+        try:
+            from IPython.display import IFrame
+        except ImportError:
+            raise MissingPackage("a page in a notebook needs IPython: pip install 'urdf-ik[notebooks]'") from None
+        return IFrame(self.url, "100%", height)
+
+    def _repr_html_(self) -> str:
+        return str(self.show()._repr_html_())
+
+    def wait(self) -> None:
+        """Wait until the program is interrupted (Ctrl-C), then stop the server."""
+        try:
+            threading.Event().wait()
+        except KeyboardInterrupt:
+            pass
+        finally:
+            self.close()
+
+    def settle(self, timeout: float | None = None) -> bool:
+        """Wait until all that was asked for is shown; false if that takes longer than ``timeout`` [s]."""
+        return self._latest.settle(timeout)
+
+    def html(self) -> str:
+        """The scene as it stands, as one HTML page that needs no server."""
+        target = self.drawing.target
+        target.visible = False  # handles that would move nothing
+        try:
+            return str(self.server.scene.as_html())
+        finally:
+            target.visible = True
+
+    def move_target(self, T: NDArray[np.float64]) -> None:
+        """Move the target to the pose (4, 4) [m]; the arm follows to the nearest solution inside its limits."""
+        self._update("target", lambda state: states.with_target(state, T))
+
+    def move_joint(self, index: int, value: float) -> None:
+        """Set one joint [rad or m], and the target with the arm."""
+        self._update(("joint", index), lambda state: states.with_joint(state, index, value))
+
+    def choose(self, column: int) -> None:
+        """Move the arm to the solution of that branch."""
+        self._update("branch", lambda state: states.with_branch(state, column))
+
+    def set_redundancy(self, value: float) -> None:
+        """Set the redundancy parameter [rad or m] of an arm with seven joints."""
+        self._update("redundancy", lambda state: states.with_redundancy(state, value))
+
+    def show_plan(self, plan: Plan | None) -> None:
+        """Show another plan of this arm, with its path and, where it was not found, the ends of its branches.
+
+        Raises:
+            ArgumentError: the plan is another arm's.
+        """
+        if plan is not None and plan.arm is not self.state.arm:
+            raise ArgumentError(f"the plan is one of {plan.arm.name}, not of the arm that is shown")
+        self._latest.put("plan", lambda: self._show_plan(plan))
+
+    def show_workspace(
+        self,
+        found: WorkspaceMap | StoredMap | None,
+        what: str = "reach",
+        axis: str | None = None,
+        at: float | None = None,
+    ) -> None:
+        """Show a map of this arm: a layer of voxels as coloured points, and in the page what chooses another one.
+
+        Args:
+            found: the map; None takes away the one that is shown.
+            what: value that colours the points, a key of ``urdf_ik.maps.workspaces.VALUES`` that the map holds.
+            axis: 'x', 'y' or 'z', which the layer lies across; default: the one with fewest layers.
+            at: m on that axis; default: the middle layer.
+
+        Raises:
+            ArgumentError: the map is another arm's, or holds no such value.
+            JobError: the map is in a store that is not complete, or damaged.
+        """
+        from urdf_ik.show.viewer import map_view, voxels
+
+        read = None if found is None else voxels.Voxels(found, self.state.arm)
+        if read is not None:
+            read.values(what)
+            axis = inputs.choice(axis or read.across, "axis", tuple("xyz"))
+
+        def do() -> None:
+            self._remove_map()
+            if read is not None and read.arm is self.state.arm:
+                self.map = map_view.MapView(self.server, read, self._latest.put, what=what, axis=axis, at=at)
+
+        self._latest.put("map", do)
+
+    def _remove_map(self) -> None:
+        if self.map is not None:
+            self.map.remove()
+        self.map = None
+
+    def go_to(self, place: float) -> None:
+        """Go to a place of the plan that is shown; 2.5 is half way from waypoint 2 to waypoint 3."""
+        self._latest.put("place", lambda: self._go_to(place))
+
+    def play(self) -> None:
+        """Play the plan that is shown, from where it is; pause it where it is being played."""
+        if self.track is None:
+            return
+        playing = self._player.playing
+        if playing:
+            self._player.stop()
+        else:
+            self._player.start(self.track, self.place)
+        if self._path is not None:
+            self._path[0].show_playing(not playing)
+
+    def open(self, source: str | bytes, base: str | None = None, tip: str | None = None) -> None:
+        """Show another arm: a path, a catalogue name, or a URDF's text as bytes; what goes wrong stands in the page."""
+        self._latest.put("arm", lambda: self._open(source, base, tip))
+
+    def _open(self, source: str | bytes, base: str | None, tip: str | None) -> None:
+        self._say("Loading ...")
+        try:
+            given = io.BytesIO(source) if isinstance(source, bytes) else source
+            state = states.start(load(given, base, tip, mesh_roots=self._mesh_roots), self.state.world)
+        except (UrdfIkError, OSError) as error:
+            return self._say(str(error))
+        except Exception as error:
+            self._say(f"a defect of this program; the terminal says more: {error!r}")
+            raise
+        self._show_plan(None)
+        self._remove_map()
+        self.drawing.remove()
+        self.panel.remove()
+        self.obstacles.remove()
+        self._show_arm(state)
+        return None
+
+    def _say(self, text: str) -> None:
+        self.message = text
+        self._message.content = "\n\n".join(self._plain(line) for line in text.splitlines())
+
+    def _show_arm(self, state: State) -> None:
+        """Build scene and panel of another arm."""
+        panel, drawing = self._parts
+        self.state, arm = state, state.arm
+        self.drawing = drawing(self.server.scene, arm, self._dark)
+        self.panel = panel(self.server.gui, arm, self.choose, self._slid, self._turned, self._dark)
+        self.obstacles = self._path_parts[2](self.server.scene, state.world, arm.chain.size)
+        self._say("\n".join([*self.drawing.unseen, *self.obstacles.missing.values()]))
+        self.drawing.target.on_update(self._dragged)
+        self._look(self.server.initial_camera)
+        for client in self.server.get_clients().values():
+            self._look(client.camera, client.camera.aspect)
+        self._show(state)
+
+    def _look(self, camera: Any, aspect: float | None = None) -> None:
+        """Have a page see the whole arm; ``aspect`` is its window's."""
+        camera.position, camera.look_at = self.drawing.camera(self.state, camera.fov, aspect)
+
+    def _show(self, state: State, held: object = None) -> None:
+        """Show ``state`` in everything but ``held``, which the reader is moving and which may be further on."""
+        self.state = state
+        with self.server.atomic():
+            self.drawing.show(state, keep_target=held is self.drawing.target)
+            self.panel.show(state, keep=held)
+            self.obstacles.update()
+        self.server.flush()
+
+    def _show_plan(self, plan: Plan | None) -> None:
+        self._player.stop()
+        if self._path is not None:
+            for part in self._path:
+                part.remove()
+        self.track, self._path = None, None
+        if plan is None:
+            return
+        self.track = playback.track(plan)
+        panel, drawing, _ = self._path_parts
+        self._path = (
+            panel(self.server.gui, self.track, self._scrubbed, self.play, self._show_end, self._dark),
+            drawing(self.server.scene, self.track, self.state.arm.chain.size, self._show_end, self._dark),
+        )
+        self._go_to(0.0)
+
+    def _go_to(self, place: float, *, scrubbed: bool = False) -> None:
+        """Show a place of the plan; where it was chosen with the slider, that is left alone."""
+        if self.track is None or self._path is None:
+            return
+        self.place = place
+        self._show(playback.at(self.track, self.state, place))
+        if not scrubbed:
+            self._path[0].show(place)
+
+    def _scrubbed(self, place: float) -> None:
+        self._player.stop()
+        if self._path is not None:
+            self._path[0].show_playing(False)
+        self._latest.put("place", lambda: self._go_to(place, scrubbed=True))
+
+    def _show_end(self, stop: Stop) -> None:
+        def do() -> None:
+            if self.track is not None and self._path is not None:
+                self.place = playback.place_of(self.track.plan, stop)
+                self._show(playback.first_of(self.track, self.state, stop))
+                self._path[0].show(self.place)
+
+        self._player.stop()
+        self._latest.put("place", do)
+
+    def _ended(self) -> None:
+        if self._path is not None:
+            self._path[0].show_playing(False)
+
+    def _update(self, key: Hashable, step: Callable[[State], State], held: object = None) -> None:
+        arm = self.state.arm
+
+        def do() -> None:
+            if self.state.arm is not arm:  # the page has gone on to another one
+                return
+            try:
+                self._show(step(self.state), held)
+            except UrdfIkError as error:  # a value that no widget gives
+                self._say(str(error))
+
+        self._latest.put(key, do)
+
+    def _dragged(self, _: Any) -> None:
+        handle = self.drawing.target
+        try:
+            T = pose(np.array(handle.position), quat_wxyz=np.array(handle.wxyz))
+        except UrdfIkError as error:
+            return self._say(str(error))
+        if not np.allclose(T, self.state.target, rtol=0.0, atol=1e-9):  # a click moves nothing
+            self._update("target", lambda state: states.with_target(state, T), handle)
+        return None
+
+    def _slid(self, index: int, value: float) -> None:
+        step = partial(states.with_joint, index=index, value=value)
+        self._update(("joint", index), step, self.panel.sliders[index])
+
+    def _turned(self, which: int, value: float) -> None:
+        change = partial(states.with_redundancy, value=value, which=which)
+        self._update("redundancy", change, self.panel.redundancies[which])
+
+    def _add_sources(self) -> None:
+        """The widgets that stay: another arm, and the scene as a file.
+
+        The page chooses among names and sends files of its own: this machine's files are none of its business.
+        """
+        gui = self.server.gui
+        with gui.add_folder("Another arm", expand_by_default=False, order=1e9):
+            names = gui.add_dropdown("Catalogue", (_NO_CHOICE, *catalogue.names()))
+            upload = gui.add_upload_button("URDF from this computer", mime_type=".urdf,.xml")
+            base, tip = gui.add_text("Base link", ""), gui.add_text("Tip link", "")
+        save = gui.add_button("Save the scene as HTML", order=1e9 + 1.0)
+        self.sources = names, upload, base, tip, save
+        self.uploads = self._upload_part(
+            self.server, upload, lambda content: self.open(content, base.value or None, tip.value or None), self._say
+        )
+
+        @names.on_update
+        def _(event: Any) -> None:
+            if event.client_id is not None and names.value in catalogue.names():
+                self.open(names.value)
+
+        @save.on_click
+        def _(event: Any) -> None:
+            if event.client is not None:
+                event.client.send_file_download(
+                    f"{Path(self.state.arm.name).name}.html", self.html().encode(), save_immediately=True
+                )
+

@@ -1,0 +1,161 @@
+"""What stands around the arm in viser's scene: the obstacles of a world, and the path of a plan."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import trimesh
+
+from urdf_ik.cell.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Points, Sphere
+from urdf_ik.errors import ArgumentError
+from urdf_ik.model import link_shapes
+from urdf_ik.model.poses import to_quat_wxyz
+from urdf_ik.show.viewer.scene import colours
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from urdf_ik.cell import World
+    from urdf_ik.cell.shapes import Shape
+    from urdf_ik.paths.plan import Stop
+    from urdf_ik.show.viewer.playback import Track
+
+    Array = NDArray[np.float64]
+
+_COLOUR, _OPACITY = (150, 140, 125), 0.75
+_PLANE_OPACITY, _PLANE = 0.35, 0.01
+"""How a half-space is drawn: as a plate so thick [m], whose top is the plane."""
+_FOUND, _FOUND_ON_BLACK, _MISSED = (30, 30, 30), (225, 225, 225), (214, 39, 40)
+
+
+class Obstacles:
+    """A world in the scene; what is moved, added or removed there is shown with the next :meth:`update`.
+
+    Attributes:
+        handles: by the obstacle's name.
+        missing: a sentence for each mesh that cannot be read.
+    """
+
+    def __init__(self, scene: Any, world: World | None, size: float) -> None:
+        """Show ``world``; ``size`` is the arm's [m], which a half-space is drawn around."""
+        self._scene, self._world, self._size = scene, world, size
+        self._shapes: dict[str, Shape] = {}
+        self._version: int | None = None
+        self.handles: dict[str, Any] = {}
+        self.missing: dict[str, str] = {}
+        self.update()
+
+    def update(self) -> None:
+        """Show the world as it is now."""
+        if self._world is None or self._world.version == self._version:
+            return
+        self._version = self._world.version
+        there = {each.name: each for each in self._world}
+        for name in [name for name in self._shapes if name not in there or there[name].shape is not self._shapes[name]]:
+            self._remove(name)
+        for each in there.values():
+            if each.name not in self._shapes:
+                self._shapes[each.name] = each.shape
+                try:
+                    self.handles[each.name] = self._add(f"/world/{len(self._shapes)}_{self._version}", each.shape)
+                except ArgumentError as error:
+                    self.missing[each.name] = str(error)
+            if each.name in self.handles:
+                handle, T = self.handles[each.name], each.pose
+                handle.position, handle.wxyz = T[:3, 3], to_quat_wxyz(T)
+
+    def remove(self) -> None:
+        """Take everything out of the scene again."""
+        for name in list(self._shapes):
+            self._remove(name)
+
+    def _remove(self, name: str) -> None:
+        del self._shapes[name]
+        self.missing.pop(name, None)
+        if name in self.handles:
+            self.handles.pop(name).remove()
+
+    def _add(self, path: str, shape: Shape) -> Any:
+        if isinstance(shape, Points):
+            return self._scene.add_point_cloud(
+                path, shape.points.astype(np.float32), _COLOUR, point_size=2.0 * shape.radius, point_shape="circle",
+                precision="float32",
+            )  # fmt: skip
+        mesh = triangles(shape, self._size)
+        plane = isinstance(shape, HalfSpace)
+        return self._scene.add_mesh_simple(
+            path, np.asarray(mesh.vertices, dtype=np.float32), np.asarray(mesh.faces, dtype=np.uint32), color=_COLOUR,
+            opacity=_PLANE_OPACITY if plane else _OPACITY, flat_shading=True, side="double",
+        )  # fmt: skip
+
+
+def triangles(shape: Shape, size: float) -> Any:
+    """A ``Trimesh``, the surface of a shape in its own frame; of a half-space a plate of four times ``size`` [m].
+
+    Raises:
+        ArgumentError: a mesh is not there, or cannot be read.
+    """
+    match shape:
+        case Box():
+            return trimesh.creation.box(shape.size)
+        case Sphere():
+            return trimesh.creation.icosphere(subdivisions=3, radius=shape.radius)
+        case Cylinder():
+            return trimesh.creation.cylinder(shape.radius, shape.length, sections=32)
+        case Capsule():
+            return link_shapes.capsule(shape.radius, shape.length, [32, 32])
+        case HalfSpace():
+            plate = trimesh.creation.box((4.0 * size, 4.0 * size, _PLANE))
+            normal = np.array(shape.normal)
+            # Any two directions across the normal will do.
+            across = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+            across /= np.linalg.norm(across)
+            T = np.eye(4)
+            T[:3, :3] = np.stack([across, np.cross(normal, across), normal], axis=1)
+            T[:3, 3] = normal * (shape.offset - 0.5 * _PLANE)
+            return plate.apply_transform(T)
+        case Mesh():
+            # As coal has read it, since that is what is asked about contacts.
+            solid = shape.geometry()
+            faces = [[one[k] for k in range(3)] for one in map(solid.tri_indices, range(solid.num_tris))]
+            return trimesh.Trimesh(np.array(solid.vertices()), np.array(faces), process=False)
+    raise ArgumentError(f"a {type(shape).__name__} cannot be drawn")
+
+
+class PathDrawing:
+    """The way of the tip in the scene, and where each branch ends when there is no plan.
+
+    Attributes:
+        line: the way from waypoint to waypoint; red beyond what any branch reaches.
+        ends: by waypoint, a ball that can be clicked at.
+    """
+
+    def __init__(
+        self, scene: Any, track: Track, size: float, on_end: Callable[[Stop], None], dark: bool = False
+    ) -> None:
+        """Add everything; ``size`` is the arm's [m], ``on_end`` is called with the end that was clicked at."""
+        points = track.points
+        pieces = np.stack([points[:-1], points[1:]], axis=1) if len(points) > 1 else np.repeat(points[None], 2, axis=1)
+        reached = np.arange(len(pieces)) < track.reached
+        shades = np.where(reached[:, None], _FOUND_ON_BLACK if dark else _FOUND, _MISSED).astype(np.uint8)
+        self.line = scene.add_line_segments(
+            "/path/line", pieces.astype(np.float32), np.repeat(shades[:, None], 2, axis=1), thickness=4.0,
+            thickness_units="screen",
+        )  # fmt: skip
+        names = track.plan.arm.structure.branches
+        shade_of = dict(zip(names, colours(len(names), dark), strict=True))
+        self.ends: dict[int, Any] = {}
+        for waypoint, stops in track.ends.items():
+            ball = scene.add_icosphere(
+                f"/path/end_{waypoint}", 0.015 * size, shade_of.get(stops[0].branch, _MISSED), position=points[waypoint]
+            )
+            ball.on_click(lambda _, stop=stops[0]: on_end(stop))
+            self.ends[waypoint] = ball
+
+    def remove(self) -> None:
+        """Take everything out of the scene again."""
+        for handle in (self.line, *self.ends.values()):
+            handle.remove()

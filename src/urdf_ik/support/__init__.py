@@ -1,0 +1,1 @@
+"""Input checks, files, text, tolerances: helpers that every room shares."""

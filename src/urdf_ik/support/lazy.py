@@ -1,0 +1,38 @@
+"""Names of a package that are imported when they are first used."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from typing import Any
+
+
+def attributes(package: str, names: Mapping[str, str] | None = None) -> Callable[[str], Any]:
+    """The ``__getattr__`` of a package: its public names, and its modules.
+
+    Args:
+        package: its full name.
+        names: the module of each public name, relative to the package.
+
+    Example:
+        >>> from urdf_ik import maps
+        >>> maps.workspace.__module__
+        'urdf_ik.maps.workspaces.building'
+    """
+    module_of = names or {}
+
+    def get(name: str) -> Any:
+        if name in module_of:
+            value = getattr(import_module(f"{package}.{module_of[name]}"), name)
+            setattr(sys.modules[package], name, value)
+            return value
+        if not name.startswith("_"):
+            try:
+                return import_module(f"{package}.{name}")
+            except ModuleNotFoundError as error:
+                if error.name != f"{package}.{name}":
+                    raise
+        raise AttributeError(f"module {package!r} has no attribute {name!r}")
+
+    return get

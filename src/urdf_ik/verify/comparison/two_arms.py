@@ -1,0 +1,167 @@
+"""Two arms, or two URDFs of one arm: what is different, and what it does to the solutions and to the tool."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik.errors import UrdfIkError
+from urdf_ik.support import inputs
+from urdf_ik.support.tolerances import DEFAULT
+from urdf_ik.verify.comparison import answers
+from urdf_ik.verify.comparison.report import AxisChange, Comparison, Fact, LimitChange, Side
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from urdf_ik.arm import Arm
+
+    Array = NDArray[np.float64]
+
+_SAMPLES = 20_000
+
+
+def compare(
+    a: Arm, b: Arm, n: int = 200, seed: int = 0, *, progress: Callable[[int, int], None] | None = None
+) -> Comparison:
+    """What is different between two arms.
+
+    Both arms draw ``n`` joint vectors within their limits; both are asked for all poses that these make. Joints are
+    paired by name where both arms have the same names, else by their order from base to tip. Arms with different
+    numbers of joints, or of which one cannot be solved, are compared as far as that makes sense; ``notes`` says in
+    words what was left out.
+
+    Args:
+        a: the first arm, such as the nominal one.
+        b: the second arm, such as the calibrated one.
+        n: number of poses that each arm makes.
+        seed: the same seed gives the same comparison.
+        progress: called with (steps done, steps).
+
+    Returns:
+        The comparison; ``print`` it, or take its fields.
+
+    Raises:
+        ArgumentError: n is below 1, or the seed is negative.
+
+    Example:
+        >>> import urdf_ik
+        >>> a, b = urdf_ik.load("zyyzyz_6r"), urdf_ik.load("dh_6r")
+        >>> len(compare(a, b, n=10).structure) > 0
+        True
+    """
+    for what, each in (("a", a), ("b", b)):
+        inputs.arm(each, what)
+    n, seed = inputs.poses(n), inputs.whole(seed, "seed", high=2**64)
+    notes: list[str] = []
+    inputs.callback(progress, "progress")
+    order, reason = answers.paired(a, b)
+    if reason:
+        notes.append(f"axes, limits, joint differences and the tool error: {reason}")
+    first, second = answers.Drawn(a, n, seed), answers.Drawn(b, n, seed)
+    given: list[answers.Answers] = []
+    try:
+        for drawn in (first, second):
+            given.append(answers.Answers(a, b, drawn))
+            if progress is not None:
+                progress(len(given), 2)
+    except UrdfIkError as error:
+        notes.append(f"reach, numbers of solutions and branches: {error}")
+    both = len(given) == 2
+    if both:
+        notes += answers.cautions(a, b)
+    tried = given[0].of_a if given else first.q
+    axes = () if order is None else _axes(a, b, order)
+    signs = np.array([-1.0 if axis.flipped else 1.0 for axis in axes])
+    return Comparison(
+        a=_side(a),
+        b=_side(b),
+        n=n,
+        seed=seed,
+        structure=_structure(a, b),
+        axes=axes,
+        tip=answers.apart(a.fk(np.zeros(a.dof)), b.fk(np.zeros(b.dof))),
+        limits=() if order is None else _limits(a, b, order),
+        farthest=(_farthest(a, seed), _farthest(b, seed)),
+        reach=tuple(each.reach("AB"[k]) for k, each in enumerate(given)) if both else (),
+        branches=given[0].branches(order, signs) if both and order is not None else (),
+        tool=None if order is None else answers.tool_error(first.reference, second.reference, tried, order),
+        notes=tuple(notes),
+    )
+
+
+def _side(arm: Arm) -> Side:
+    prismatic = tuple(bool(slides) for slides in arm.chain.prismatic)
+    return Side(arm.name, arm.model.source, arm.base, arm.tip, arm.joint_names, prismatic)
+
+
+def _structure(a: Arm, b: Arm) -> tuple[Fact, ...]:
+    """What is known of the arms, and the relations between axes that are not the same."""
+
+    def known(arm: Arm) -> dict[str, str]:
+        structure = arm.structure
+        kinds = "".join("P" if slides else "R" for slides in arm.chain.prismatic)
+        words = {None: "not known", True: "yes", False: "no"}
+        facts = {
+            "joints": f"{arm.dof} ({kinds})",
+            "family": structure.family or "none that is solved",
+            "controls": arm.task,
+            "solutions at most": str(structure.max_solutions),
+            "cuspidal": words[arm.cuspidal],
+        }
+        if structure.family:
+            facts["exact"] = "yes" if structure.is_exact or structure.is_general else _off(arm)
+        if arm.redundancy is not None:
+            facts["free"] = f"{arm.redundancy.kind}, {arm.redundancy.joint}"
+        return facts
+
+    def related(arm: Arm) -> dict[str, str]:
+        out = {}
+        for relation in (*arm.structure.triples, *arm.structure.pairs):
+            axes, _, what = str(relation).partition(" are " if " are " in str(relation) else " meet ")
+            out[axes] = what if " are " in str(relation) else f"meet {what}"
+        return out
+
+    left, right = known(a), known(b)
+    facts = [Fact(what, left.get(what, "-"), right.get(what, "-")) for what in {**left, **right}]
+    left, right = related(a), related(b)
+    relations = [Fact(what, left.get(what, "-"), right.get(what, "-")) for what in {**left, **right}]
+    return (*facts, *(fact for fact in relations if not fact.same))
+
+
+def _off(arm: Arm) -> str:
+    angle, distance = arm.structure.imperfection
+    if max(angle, distance) == 0.0:
+        return arm.structure.imperfection_in_words()
+    return f"off by {angle:.2g} rad, {distance:.2g} m"
+
+
+def _axes(a: Arm, b: Arm, order: list[int]) -> tuple[AxisChange, ...]:
+    out = []
+    for i, k in enumerate(order):
+        u, v = a.chain.H[i], b.chain.H[k]
+        angle = float(np.arctan2(np.linalg.norm(np.cross(u, v)), u @ v))
+        slides = bool(a.chain.prismatic[i])
+        distance = 0.0 if slides else float(np.linalg.norm(np.cross(a.chain.points[i] - b.chain.points[k], v)))
+        flipped = angle > np.pi - DEFAULT.near_angle
+        out.append(AxisChange(a.joint_names[i], b.joint_names[k], angle, distance, flipped))
+    return tuple(out)
+
+
+def _limits(a: Arm, b: Arm, order: list[int]) -> tuple[LimitChange, ...]:
+    def bounds(arm: Arm, i: int) -> tuple[float, float]:
+        lower, upper = arm.limits[i]
+        return float(lower), float(upper)
+
+    return tuple(
+        LimitChange(a.joint_names[i], b.joint_names[k], bounds(a, i), bounds(b, k)) for i, k in enumerate(order)
+    )
+
+
+def _farthest(arm: Arm, seed: int) -> float:
+    """Greatest distance of the tip from the base's origin over sampled joint vectors."""
+    Q = answers.Drawn(arm, _SAMPLES, seed).q
+    return float(np.linalg.norm(arm.fk(Q)[:, :3, 3], axis=1).max())

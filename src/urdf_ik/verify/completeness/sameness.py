@@ -1,0 +1,226 @@
+"""When two sets of solutions of one pose are the same: rounding, double roots and continua are no differences.
+
+Two joint vectors of one pose, both polished on the arm as written, are one solution where
+
+- they are as close as rounding in the pose leaves them: 1e-6 rad, and more by 1e-13 over the Jacobian's smallest
+  singular value, up to 1e-3 rad;
+- or half way between them the arm is still in the pose, to the solvers' own tolerance ``fold``: one double root;
+- or both lie on one continuum of solutions: walking from the one along the direction that the Jacobian loses, with the
+  arm in the pose to ``fold`` at every step, leads to the other. Isolated solutions, however near a singularity, do not
+  hold the pose that long: the first step is 0.02 rad.
+
+What misses the pose by more than 1e-9 under Pinocchio is no solution, and always a difference.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik.support.angles import largest_apart, shortest
+from urdf_ik.support.tolerances import DEFAULT
+from urdf_ik.verify.completeness.newton import descend, errors
+from urdf_ik.verify.crosscheck.properties import EXACT
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.cell.reference import Reference
+    from urdf_ik.kinematics.chain import Chain
+
+    Array = NDArray[np.float64]
+
+SAME = 1e-6
+ROUNDING = 1e-13
+LOOSEST = 1e-3
+"""Tolerances of the first rule [rad]."""
+
+NEIGHBOURS = 1e-2
+"""Vectors further apart than this in a joint [rad] are no double root."""
+
+STEP, STEPS = 0.02, 2000
+"""Length [rad] and greatest number of steps of a walk along a continuum, each way."""
+
+DISTANCES = tuple(10.0**-k for k in range(1, 9))
+"""How far [rad] from a singularity the poses near one are, in turn."""
+
+CORNER = 0.0
+"""What stands for that distance of poses whose joints are at right angles."""
+
+NOISES = (0.0, 1e-9, 1e-6, 1e-4, 1e-2)
+"""How far [rad] from right angles their joints are, in turn. Nearer to one, rounding of the pose decides."""
+
+REGULAR = 1e-2
+"""Smallest singular value of their Jacobians, lengths as shares of the arm's size."""
+
+
+def distance_to_singularity(n: int, index: int) -> float | None:
+    """How far [rad] from a singularity pose ``index`` is planted.
+
+    None for the n random ones that come first, ``CORNER`` for those at right angles, from 2 n on.
+    """
+    if index >= 2 * n:
+        return CORNER
+    return None if index < n else DISTANCES[(index - n) % len(DISTANCES)]
+
+
+def plant(chain: Chain, n: int, seed: int, index: int) -> Array:
+    """Joint vector (6,) [rad] of pose ``index``, over the whole torus."""
+    rng = np.random.default_rng([seed, index])
+    near = distance_to_singularity(n, index)
+    if near == CORNER:
+        return _at_right_angles(chain, rng, NOISES[index % len(NOISES)])
+    return rng.uniform(-np.pi, np.pi, chain.n) if near is None else _beside_singularity(chain, rng, near)
+
+
+def _at_right_angles(chain: Chain, rng: np.random.Generator, noise: float) -> Array:
+    """A regular joint vector (6,) of quarter turns, up to three joints anywhere; each up to ``noise`` [rad] off."""
+    q: Array = rng.uniform(-np.pi, np.pi, chain.n)
+    for _ in range(200):
+        q[:] = 0.5 * np.pi * rng.integers(-1, 3, chain.n)
+        anywhere = rng.permutation(chain.n)[: rng.integers(0, 4)]
+        q[anywhere] = rng.uniform(-np.pi, np.pi, len(anywhere))
+        J = np.array(chain.jacobian(q))
+        J[:3] /= chain.size
+        if np.linalg.svd(J, compute_uv=False)[-1] > REGULAR:
+            break
+    q += noise * rng.uniform(-1.0, 1.0, chain.n)
+    return q
+
+
+def _beside_singularity(chain: Chain, rng: np.random.Generator, near: float) -> Array:
+    """A joint vector (6,) at which one joint is ``near`` [rad] from where the Jacobian's determinant changes sign."""
+    grid = np.linspace(-np.pi, np.pi, 25)
+    q = rng.uniform(-np.pi, np.pi, chain.n)
+    for _ in range(200):
+        q = rng.uniform(-np.pi, np.pi, chain.n)
+        joint = int(rng.integers(chain.n))
+        line = np.tile(q, (len(grid), 1))
+        line[:, joint] = grid
+        values = np.linalg.det(chain.jacobian(line))
+        crossings = np.flatnonzero(values[:-1] * values[1:] < 0.0)
+        if not len(crossings):
+            continue
+        i = int(rng.choice(crossings))
+        low, high = grid[i], grid[i + 1]
+        while (middle := 0.5 * (low + high)) not in (low, high):
+            q[joint] = middle
+            if np.linalg.det(chain.jacobian(q)) * values[i] > 0.0:
+                low = middle
+            else:
+                high = middle
+        q[joint] = middle + near * rng.choice([-1.0, 1.0])
+        return q
+    return q  # an arm that is singular nowhere, or everywhere
+
+
+@dataclass
+class Unmatched:
+    """What two answers to one pose do not share.
+
+    Attributes:
+        only_first: (row, joint vector) of what only the first answer has.
+        only_second: the same of the second answer.
+        planted_lost: whether neither answer has the planted joint vector.
+        double_roots: number of solutions that only one answer has, but as a double root with another of the other's.
+        continua: the same for representatives of one continuum.
+        everything: (k, 6) both answers and the planted joint vector.
+    """
+
+    everything: Array
+    only_first: list[tuple[int, Array]] = field(default_factory=list)
+    only_second: list[tuple[int, Array]] = field(default_factory=list)
+    planted_lost: bool = False
+    double_roots: int = 0
+    continua: int = 0
+
+
+class Sameness:
+    """Tells whether joint vectors are one solution; lengths count as shares of the arm's size."""
+
+    def __init__(self, chain: Chain, reference: Reference) -> None:
+        self.reference = reference
+        self._chain = chain
+
+    def unmatched(self, T: Array, planted: Array, first: Array, second: Array) -> Unmatched:
+        """Compare two answers (k, 6), (m, 6) to the pose T (4, 4), made of a planted joint vector (6,)."""
+        out = Unmatched(np.concatenate([first, second, planted[None]]))
+        for mine, theirs, only in ((first, second, out.only_first), (second, first, out.only_second)):
+            position, rotation = self.reference.errors(mine, T)
+            for i, q in enumerate(mine):
+                # What misses the pose is no solution, though the polish might bring it to one.
+                if max(position[i], rotation[i]) > EXACT or not self._has(T, q, theirs, out):
+                    only.append((i, q))
+        answered = np.concatenate([first, second])
+        out.planted_lost = not self._has(T, planted, answered, None)
+        return out
+
+    def sigma_min(self, q: Array) -> float:
+        """Smallest singular value of the Jacobian at q (6,)."""
+        return float(np.linalg.svd(self._jacobian(q), compute_uv=False)[-1])
+
+    def to_nearest(self, q: Array, others: Array) -> float:
+        """Largest angle [rad] from q to the nearest of the others that is not q itself; infinite without one."""
+        far = largest_apart(others, q)
+        return float(far[far > SAME].min(initial=np.inf))
+
+    def _has(self, T: Array, q: Array, others: Array, count: Unmatched | None) -> bool:
+        """Whether q (6,) is one of the others (k, 6); ``count`` is called where that took more than closeness."""
+        if (largest_apart(others, q) <= SAME).any():
+            return True
+        q = descend(self._chain, T, q[None], 20, 0.0)[0][0]
+        tolerance = SAME + min(ROUNDING / max(self.sigma_min(q), 1e-300), LOOSEST)
+        others = descend(self._chain, T, others, 20, 0.0)[0]
+        far = largest_apart(others, q)
+        if (far <= tolerance).any():
+            return True
+        near = others[far < NEIGHBOURS]
+        if any(self._error(T, q + 0.5 * shortest(other - q)) <= DEFAULT.fold for other in near):
+            if count is not None:
+                count.double_roots += 1
+            return True
+        if self.sigma_min(q) > DEFAULT.singular or not len(others):
+            return False
+        if self._on_one_continuum(T, q, others):
+            if count is not None:
+                count.continua += 1
+            return True
+        return False
+
+    def _on_one_continuum(self, T: Array, q: Array, others: Array) -> bool:
+        """Whether a walk along the continuum through q, if there is one, meets one of the others."""
+        for sign in (1.0, -1.0):
+            here, ahead = q, sign * np.linalg.svd(self._jacobian(q))[2][-1]
+            for _ in range(STEPS):
+                there = here + STEP * ahead
+                if not self._correct(T, there):
+                    break
+                ahead = shortest(there - here)
+                ahead /= np.linalg.norm(ahead)
+                here = there
+                if (largest_apart(others, here) < STEP).any():
+                    return True
+                if np.abs(shortest(here - q)).max() < 0.5 * STEP:
+                    return False  # all the way round
+        return False
+
+    def _correct(self, T: Array, q: Array) -> bool:
+        """Bring q (6,) in place back into the pose by steps across the continuum; False where it is too far off."""
+        start = q.copy()
+        for _ in range(8):
+            (e,), (error,) = errors(self._chain, T, q[None])
+            if error <= DEFAULT.fold:
+                return bool(np.abs(q - start).max() < 0.25 * STEP)
+            # The direction that is lost has no part in the correction.
+            q += np.linalg.pinv(self._jacobian(q), rcond=10.0 * DEFAULT.singular) @ e
+        return False
+
+    def _error(self, T: Array, q: Array) -> float:
+        return float(errors(self._chain, T, q[None])[1][0])
+
+    def _jacobian(self, q: Array) -> Array:
+        J = np.array(self._chain.jacobian(q))
+        J[:3] /= self._chain.size
+        return J

@@ -1,0 +1,15 @@
+"""An arm of this package against Pinocchio, over random poses and every branch: a report that can fail."""
+
+from __future__ import annotations
+
+from urdf_ik.verify.crosscheck.check import COLLISION_POSES, PROPERTIES, check, replay
+from urdf_ik.verify.crosscheck.report import Report, Row
+
+__all__ = [
+    "COLLISION_POSES",
+    "PROPERTIES",
+    "Report",
+    "Row",
+    "check",
+    "replay",
+]

@@ -1,0 +1,126 @@
+"""What the checks of many arms found: one row an arm."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from urdf_ik.errors import printable
+from urdf_ik.support.text import aligned, json_text, plain
+
+PASSED, FAILED, REFUSED, NOT_CHECKED, NOT_AN_ARM = "passed", "FAILED", "REFUSED", "not checked", "not an arm"
+"""Results of a file: every property holds; one does not; no arm can be read from it; no check is for such an arm; no
+chain of joints is in it, as in a URDF of obstacles."""
+RESULTS = (PASSED, FAILED, REFUSED, NOT_CHECKED, NOT_AN_ARM)
+
+_HEADER = ("file", "joints", "family", "found", "result")
+
+
+@dataclass(frozen=True)
+class Checked:
+    """One file, checked.
+
+    Attributes:
+        file: its name, as given.
+        result: ``PASSED``, ``FAILED``, ``REFUSED``, ``NOT_CHECKED`` or ``NOT_AN_ARM``.
+        robot: the robot's name; '' for a file that cannot be read, as are base, tip and family.
+        base: base link.
+        tip: tip link.
+        joints: number of joints from base to tip.
+        family: the family that solves the arm.
+        found: the figure that the check ends with.
+        words: what failed, or why the arm was not checked; '' for an arm that passed.
+        report: the whole report as plain values; None where there is none.
+    """
+
+    file: str
+    result: str
+    robot: str = ""
+    base: str = ""
+    tip: str = ""
+    joints: int = 0
+    family: str = ""
+    found: str = ""
+    words: str = ""
+    report: dict[str, Any] | None = field(default=None, repr=False)
+
+    def cells(self) -> tuple[str, ...]:
+        """The row of a table, under file, joints, family, found and result; the family's name without its details.
+
+        Example:
+            >>> Checked("arm.urdf", PASSED, joints=6, family="6R general", found="2e-16 m").cells()
+            ('arm.urdf', '6', '6R general', '2e-16 m', 'passed')
+        """
+        family = self.family.split(",")[0].split(":")[0]
+        return printable(self.file, 200), str(self.joints or ""), family, self.found, self.result
+
+
+@dataclass(frozen=True)
+class Survey:
+    """Many arms, checked in the same way.
+
+    Attributes:
+        question: what was asked of each, as JSON can hold it.
+        arms: one a file, in the order given.
+
+    Example:
+        >>> from urdf_ik.model import catalogue
+        >>> from urdf_ik.verify import surveys
+        >>> found = surveys.survey([catalogue.resolve("planar_2r").path], n=5)
+        >>> found.arms[0].robot, found.arms[0].joints
+        ('planar_2r', 2)
+    """
+
+    question: dict[str, Any]
+    arms: tuple[Checked, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether no arm failed and no file was refused; what no check is for, and what is no arm, does not count."""
+        return all(each.result in (PASSED, NOT_CHECKED, NOT_AN_ARM) for each in self.arms)
+
+    def count(self, result: str) -> int:
+        """Number of arms with that result.
+
+        Example:
+            >>> Survey({}, (Checked("arm.urdf", PASSED),)).count(FAILED)
+            0
+        """
+        return sum(each.result == result for each in self.arms)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The survey as plain lists, numbers and text, with the whole report of each arm.
+
+        Example:
+            >>> Survey({"n": 5}, (Checked("arm.urdf", PASSED),)).to_dict()["passed"]
+            True
+        """
+        out: dict[str, Any] = plain(asdict(self))
+        return {"passed": self.passed, **out}
+
+    def to_json(self) -> str:
+        """:meth:`to_dict` as strict JSON.
+
+        Example:
+            >>> import json
+            >>> json.loads(Survey({"n": 5}, (Checked("arm.urdf", PASSED),)).to_json())["arms"][0]["file"]
+            'arm.urdf'
+        """
+        return json_text(self.to_dict())
+
+    def verdict(self) -> str:
+        """The last line: how many passed, failed, were refused, not checked or no arm.
+
+        Example:
+            >>> Survey({}, (Checked("a.urdf", PASSED), Checked("b.urdf", REFUSED, words="empty"))).verdict()
+            'FAILED: 2 files: 1 passed, 1 refused'
+        """
+        counts = [(self.count(result), result.lower()) for result in RESULTS]
+        parts = ", ".join(f"{count} {word}" for count, word in counts if count)
+        files = "1 file" if len(self.arms) == 1 else f"{len(self.arms)} files"
+        return f"{'PASSED' if self.passed else 'FAILED'}: {files}: {parts}"
+
+    def __str__(self) -> str:
+        table = aligned([_HEADER, *(each.cells() for each in self.arms)], left=(0, 2, 3, 4), rule=True)
+        remarks = [f"{each.result} {printable(each.file, 200)}: {each.words}" for each in self.arms if each.words]
+        return "\n".join([*table, "", *remarks, *[""] * bool(remarks), self.verdict()])

@@ -1,0 +1,146 @@
+"""Bounds that the proofs stand on: balls hold their shapes, no point goes farther than it may, hulls lose nothing."""
+
+from __future__ import annotations
+
+import coal
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import urdf_ik
+from urdf_ik.cell.geometry import covering_balls, hull, one_ball
+
+# A turning joint, one that follows it the other way round at twice the angle, a slider that follows it too, and a ball.
+MIMIC = (
+    '<robot name="mimic"><link name="base"/>'
+    + "".join(
+        f'<link name="{name}"><collision><origin xyz="0.2 0.05 0.1" rpy="0.3 0.2 0.1"/>'
+        '<geometry><box size="0.4 0.05 0.1"/></geometry></collision></link>'
+        for name in "abc"
+    )
+    + '<joint name="one" type="revolute"><parent link="base"/><child link="a"/><axis xyz="0 0.6 0.8"/>'
+    '<limit lower="-3" upper="3" effort="1" velocity="1"/></joint>'
+    '<joint name="two" type="revolute"><origin xyz="0.4 0 0" rpy="0.1 0.2 0.3"/><parent link="a"/><child link="b"/>'
+    '<axis xyz="0 1 0"/><limit lower="-6" upper="6" effort="1" velocity="1"/>'
+    '<mimic joint="one" multiplier="-2"/></joint>'
+    '<joint name="three" type="prismatic"><origin xyz="0.4 0 0" rpy="0 0 0"/><parent link="b"/><child link="c"/>'
+    '<axis xyz="1 0 0"/><limit lower="-3" upper="3" effort="1" velocity="1"/>'
+    '<mimic joint="one" multiplier="0.5" offset="0.1"/></joint></robot>'
+)
+
+
+def arms() -> dict[str, urdf_ik.Arm]:
+    """Arms with meshes and without, with slides, with a base that moves the root, with joints that mimic."""
+    six = urdf_ik.load("zyyzyz_6r")
+    return {
+        "zyyzyz_6r": six,
+        "backwards": urdf_ik.load(six.model.path, base=six.tip, tip=six.base),
+        "in the middle": urdf_ik.load(six.model.path, base=six.model.links[3], tip=six.tip),
+        "ur5": urdf_ik.load("ur5"),
+        "stanford_rrprrr": urdf_ik.load("stanford_rrprrr"),
+        "scara_rrpr": urdf_ik.load("scara_rrpr"),
+        "mimic": urdf_ik.load(MIMIC),
+    }
+
+
+ARMS = arms()
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_bodies_stand_where_pinocchio_puts_them(name: str) -> None:
+    """The balls' centres are those of Pinocchio's placements, in the base link."""
+    arm = ARMS[name]
+    scene = arm.collision_model._now().scene
+    frames = arm._pinocchio.pin_model.frames
+    balls = [one_ball(each.geometry)[0] for each in scene.arm.geometry.geometryObjects]
+    for q in np.random.default_rng(0).uniform(-2, 2, (10, arm.dof)):
+        placed = scene.arm.bodies.place(q[None])
+        shapes = scene.place(q)
+        to_base = scene._work.data.oMi[frames[arm._pinocchio.base_frame].parentJoint]
+        to_base = (to_base * frames[arm._pinocchio.base_frame].placement).inverse()
+        for i, ball in enumerate(balls):
+            np.testing.assert_allclose(placed.centres[0, i], (to_base * shapes.oMg[i]).act(ball), atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_no_point_goes_farther_than_it_may(name: str) -> None:
+    """On the way from the middle of a motion, no point of a ball leaves its place by more than the joints' bounds."""
+    arm, rng = ARMS[name], np.random.default_rng(1)
+    bodies = arm.collision_model._now().scene.arm.bodies
+    S, m = bodies.radii.shape
+    tightest = 0.0
+    for _ in range(40):
+        middle = rng.uniform(-2, 2, arm.dof)
+        way = rng.uniform(-1, 1, arm.dof) * rng.choice([0.01, 0.1, 1.0])
+        placed = bodies.place(middle[None])
+        bound = bodies.reaches(placed, np.abs(way)[None])[0].sum(axis=-1)
+        direction = rng.normal(size=(S, m, 20, 3))
+        direction *= bodies.radii[..., None, None] / np.linalg.norm(direction, axis=-1, keepdims=True)
+        local = bodies._balls[:, :, None] + direction
+        there = bodies.place(middle + np.linspace(-1.0, 1.0, 21)[:, None] * way).poses[:, bodies.body]
+        here = placed.poses[0, bodies.body]
+
+        def at(poses: np.ndarray, local: np.ndarray = local) -> np.ndarray:
+            return np.einsum("...sij,smpj->...smpi", poses[..., :3, :3], local) + poses[..., :, None, None, :3, 3]
+
+        gone = np.linalg.norm(at(there) - at(here), axis=-1).max(axis=(0, 3))
+        assert np.all(gone <= bound + 1e-12)
+        moving = bound > 1e-9
+        if moving.any():
+            tightest = max(tightest, float((gone[moving] / bound[moving]).max()))
+    assert tightest > 0.7
+
+
+@pytest.mark.parametrize("name", ["ur5", "zyyzyz_6r", "stanford_rrprrr"])
+def test_balls_hold_their_shapes(name: str) -> None:
+    """Every point of a shape's surface lies in one of its balls, and in its one ball."""
+    rng = np.random.default_rng(2)
+    for each in ARMS[name].collision_model._now().scene.arm.geometry.geometryObjects:
+        shape = each.geometry
+        if isinstance(shape, coal.BVHModelBase):
+            vertices = np.array(shape.vertices())
+            corners = vertices[[[t[0], t[1], t[2]] for t in map(shape.tri_indices, range(shape.num_tris))]]
+            weights = rng.dirichlet([1.0, 1.0, 1.0], len(corners))
+            points = np.concatenate([vertices, np.einsum("tc,tci->ti", weights, corners)])
+        else:
+            shape.computeLocalAABB()
+            points = rng.uniform(np.array(shape.aabb_local.min_), np.array(shape.aabb_local.max_), (500, 3))
+            speck = coal.Sphere(1e-9)
+            inside = [
+                coal.distance(
+                    shape,
+                    coal.Transform3s(),
+                    speck,
+                    coal.Transform3s(np.eye(3), p),
+                    coal.DistanceRequest(),
+                    coal.DistanceResult(),
+                )
+                <= 0
+                for p in points
+            ]
+            points = points[inside]
+        centres, radii = covering_balls(shape)
+        away = np.linalg.norm(points[:, None] - centres, axis=2) - radii
+        assert away.min(axis=1).max() <= 1e-8
+        centre, radius = one_ball(shape)
+        assert np.linalg.norm(points - centre, axis=1).max() <= radius + 1e-8
+
+
+def test_hulls_are_never_farther_apart_than_their_meshes() -> None:
+    """Distances of hulls are those of meshes or less, for all pairs of an arm's meshes in many places."""
+    objects = [
+        (each.geometry, hull(each.geometry))
+        for each in ARMS["ur5"].collision_model._now().scene.arm.geometry.geometryObjects
+    ]
+    meshes = [(mesh, convex) for mesh, convex in objects if convex is not None]
+    assert len(meshes) > 3
+    rng, here = np.random.default_rng(3), coal.Transform3s()
+    for _ in range(150):
+        (a, hull_a), (b, hull_b) = (meshes[i] for i in rng.integers(len(meshes), size=2))
+        turn = pin.exp3(rng.normal(size=3))
+        there = coal.Transform3s(turn, rng.normal(size=3) * 0.4)
+        apart, apart_hulls = (
+            coal.distance(one, here, other, there, coal.DistanceRequest(), coal.DistanceResult())
+            for one, other in ((a, b), (hull_a, hull_b))
+        )
+        assert apart_hulls <= apart + 2e-6

@@ -1,0 +1,378 @@
+"""Self-collision and distances against known geometry, and against Pinocchio asked in the plainest way."""
+
+from __future__ import annotations
+
+import math
+import re
+from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import urdf_ik
+from urdf_ik.cell import CollisionModel, Nearest
+from urdf_ik.errors import ArgumentError, PoseError, UrdfError
+from urdf_ik.model import catalogue, urdf
+
+SPHERE = '<sphere radius="{}"/>'
+BOX = '<box size="{}"/>'
+
+
+def link(name: str, *shapes: str) -> str:
+    """A link with collision shapes."""
+    return f'<link name="{name}">{"".join(f"<collision><geometry>{s}</geometry></collision>" for s in shapes)}</link>'
+
+
+def slide(name: str, parent: str, child: str, axis: str, reach: float = 2.0) -> str:
+    """A prismatic joint of +-reach."""
+    return (
+        f'<joint name="{name}" type="prismatic"><parent link="{parent}"/><child link="{child}"/><axis xyz="{axis}"/>'
+        f'<limit lower="{-reach}" upper="{reach}" effort="1" velocity="1"/></joint>'
+    )
+
+
+def fixed(parent: str, child: str, xyz: str = "0 0 0") -> str:
+    """A fixed joint."""
+    return (
+        f'<joint name="{parent}_{child}" type="fixed"><origin xyz="{xyz}" rpy="0 0 0"/><parent link="{parent}"/>'
+        f'<child link="{child}"/></joint>'
+    )
+
+
+def table(first: str, second: str, reach: float = 2.0) -> str:
+    """A shape at the origin, and one that two sliders move over x and y: q is its place."""
+    parts = [link("base", first), link("rail"), link("tool", second)]
+    joints = [slide("x", "base", "rail", "1 0 0", reach), slide("y", "rail", "tool", "0 1 0", reach)]
+    return "".join(['<robot name="table">', *parts, *joints, "</robot>"])
+
+
+SPHERES = table(SPHERE.format(0.1), SPHERE.format(0.2))
+
+
+def model(text: str, **options: object) -> CollisionModel:
+    """Collision of a URDF given as text."""
+    return CollisionModel(urdf.read(text), **options)  # type: ignore[arg-type]
+
+
+@lru_cache
+def from_catalogue(name: str) -> CollisionModel:
+    """Collision of an arm that has a name."""
+    entry = catalogue.resolve(name)
+    return CollisionModel(urdf.read(entry.path, mesh_roots=entry.package_dirs), entry.base, entry.tip)
+
+
+# ---------------------------------------------------------------- known geometry
+
+
+@pytest.mark.parametrize(("x", "y"), [(1.0, 0.0), (-0.6, 0.8), (0.3 + 1e-5, 0.0)])
+def test_distance_of_two_spheres(x: float, y: float) -> None:
+    """Two spheres are as far apart as their centres less their radii."""
+    body = model(SPHERES)
+    expected = math.hypot(x, y) - 0.3
+    assert body.distance([x, y]) == pytest.approx(expected, abs=1e-9)
+    assert body.in_collision([x, y]) is False
+    assert body.colliding_pairs([x, y]) == ()
+    assert body.nearest_pair([x, y]) == Nearest(("base", "tool"), body.distance([x, y]))
+
+
+def test_two_spheres_that_overlap() -> None:
+    """In collision the distance is 0, and the pair is named."""
+    body = model(SPHERES)
+    assert body.in_collision([0.1, 0.2]) is True
+    assert body.distance([0.1, 0.2]) == 0.0
+    assert body.colliding_pairs([0.1, 0.2]) == (("base", "tool"),)
+    assert body.nearest_pair([0.1, 0.2]) == Nearest(("base", "tool"), 0.0)
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "expected"), [(0.5, 0.1, 0.15), (0.1, -0.9, 0.4), (0.65, 1.0, math.hypot(0.3, 0.5)), (0.3, 0.4, 0.0)]
+)
+def test_distance_of_two_boxes(x: float, y: float, expected: float) -> None:
+    """Boxes, 0.2 x 0.4 and 0.5 x 0.6 across: face to face, edge to edge, and overlapping at a corner."""
+    body = model(table(BOX.format("0.2 0.4 1"), BOX.format("0.5 0.6 1")))
+    assert body.distance([x, y]) == pytest.approx(expected, abs=2e-6)
+    assert body.in_collision([x, y]) == (expected == 0.0)
+
+
+def test_batches_and_rows_that_are_not_finite() -> None:
+    """Arrays come in the batch's shape; a distance at NaN is NaN, and what touches there is refused an answer."""
+    body = model(SPHERES)
+    q = np.array([[[1.0, 0.0], [0.1, 0.1]], [[np.nan, 0.1], [np.inf, 0.0]]])
+    hits, distances = body.in_collision(q[:1]), body.distance(q)
+    assert isinstance(hits, np.ndarray)
+    assert hits.dtype == np.bool_
+    np.testing.assert_array_equal(hits, [[False, True]])
+    np.testing.assert_allclose(distances, [[0.7, 0.0], [np.nan, np.nan]], atol=1e-9)
+    with pytest.raises(ArgumentError, match=r"vector\[1, 0\] is not finite"):
+        body.in_collision(q)
+    for question in (body.in_collision, body.colliding_pairs, body.nearest_pair):
+        for bad in ([np.nan, 0.0], [np.inf, 0.0], [None, None]):
+            with pytest.raises(ArgumentError, match="finite|other things than numbers"):
+                question(bad)
+    assert np.shape(body.in_collision(np.empty((0, 2)))) == (0,)
+
+
+def test_an_arm_without_joints_is_asked_like_any_other() -> None:
+    """Joint vectors of no numbers, single and in batch: the whole arm with the same joints held says the same."""
+    arm = urdf_ik.load("zyyzyz_6r")
+    values = dict.fromkeys(arm.joint_names, 0.1)
+    still, expected = arm.with_locked(values), arm.clearance([0.1] * 6)
+    assert still.clearance([]) == pytest.approx(expected, abs=1e-6)
+    np.testing.assert_array_equal(still.clearance(np.zeros((2, 3, 0))), np.full((2, 3), still.clearance([])))
+    assert still.collision_model.in_collision(np.zeros((2, 0))).tolist() == [False, False]
+    assert still.motion_is_free([], [])
+    assert still.motion_is_free(np.zeros((3, 0)), []).free.tolist() == [True] * 3
+
+
+def test_wrong_joint_vectors_are_refused() -> None:
+    """The wrong number of joints, and a batch where one joint vector is needed."""
+    body = model(SPHERES)
+    with pytest.raises(ArgumentError, match="must be 2"):
+        body.in_collision([0.0] * 3)
+    with pytest.raises(ArgumentError, match="one joint vector"):
+        body.colliding_pairs(np.zeros((3, 2)))
+
+
+# ---------------------------------------------------------------- which pairs may touch
+
+# base - slider - plate = cup (fixed) - slider - carriage - slider - tool
+ROW = "".join(
+    [
+        '<robot name="row">',
+        *(link(name, SPHERE.format(0.1)) for name in ("base", "plate", "cup", "carriage", "tool")),
+        slide("one", "base", "plate", "1 0 0"),
+        fixed("plate", "cup", "0 0 0.15"),
+        slide("two", "cup", "carriage", "1 0 0"),
+        slide("three", "carriage", "tool", "1 0 0"),
+        "</robot>",
+    ]
+)
+
+
+def test_rigid_and_adjacent_links_may_touch() -> None:
+    """No joint or one joint between two links, counted through fixed joints, excuses them; two do not."""
+    body = model(ROW)
+    assert dict(body.allowed_pairs) == {
+        ("base", "plate"): "adjacent",
+        ("base", "cup"): "adjacent",
+        ("plate", "cup"): "rigid",
+        ("plate", "carriage"): "adjacent",
+        ("cup", "carriage"): "adjacent",
+        ("carriage", "tool"): "adjacent",
+    }
+    assert body.checked_pairs == (("base", "carriage"), ("base", "tool"), ("plate", "tool"), ("cup", "tool"))
+    assert body.colliding_pairs([0.0, 0.0, 0.0]) == body.checked_pairs
+    assert body.colliding_pairs([1.0, 0.0, 0.0]) == (("plate", "tool"), ("cup", "tool"))
+
+
+def test_pairs_that_always_collide_may_touch() -> None:
+    """A pair in contact all over the joints' ranges says nothing and is dropped; one that parts now and then stays."""
+    always = model(table(SPHERE.format(1.5), SPHERE.format(1.5)))
+    assert dict(always.allowed_pairs) == {("base", "tool"): "always"}
+    assert always.checked_pairs == ()
+    assert always.in_collision([0.0, 0.0]) is False
+    assert always.distance([0.0, 0.0]) == np.inf
+    assert always.nearest_pair([0.0, 0.0]) is None
+    # Centres up to 2 * sqrt(2) apart, contact up to 2: free in 21 percent of the square.
+    assert model(table(SPHERE.format(1.0), SPHERE.format(1.0))).checked_pairs == (("base", "tool"),)
+    assert model(table(SPHERE.format(1.5), SPHERE.format(1.5)), samples=0).in_collision([0.0, 0.0]) is True
+
+
+@pytest.mark.parametrize("as_file", [False, True])
+def test_an_srdf_excuses_pairs(as_file: bool, tmp_path: Path) -> None:
+    """Pairs of the SRDF may touch, in either order of names, and the geometry's own reasons stay."""
+    text = (
+        '<robot name="row"><disable_collisions link1="tool" link2="base" reason="Never"/>'
+        '<disable_collisions link1="plate" link2="cup" reason="Adjacent"/></robot>'
+    )
+    path = tmp_path / "row.srdf"
+    path.write_text(text)
+    body = model(ROW, srdf=path if as_file else text)
+    assert body.allowed_pairs["base", "tool"] == "srdf"
+    assert body.allowed_pairs["plate", "cup"] == "rigid"
+    assert body.colliding_pairs([0.0, 0.0, 0.0]) == (("base", "carriage"), ("plate", "tool"), ("cup", "tool"))
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ('<robot name="r">\n<disable_collisions link1="tool" link2="bas"/></robot>', r":2: .*'bas'.*mean base"),
+        ('<robot name="r"><disable_collisions link1="tool"/></robot>', "link2 is missing.*base, plate"),
+        ('<robot name="r"><disable_collisions', "<text>"),
+        ('<!DOCTYPE r><robot name="r"/>', "DOCTYPE"),
+        (ROW, "not an SRDF"),
+    ],
+)
+def test_a_broken_srdf_is_refused(text: str, says: str) -> None:
+    """An unknown or missing link, broken XML, a DOCTYPE or a URDF is an error with its place and hint."""
+    with pytest.raises(UrdfError, match=says):
+        model(ROW, srdf=text)
+
+
+# ---------------------------------------------------------------- shapes that are not there
+
+SHEET = "solid s\n" + "facet normal 0 0 1\nouter loop\n{}endloop\nendfacet\n" * 2 + "endsolid s\n"
+MESH = SHEET.format(
+    *(
+        "".join(f"vertex {x} {y} 0\n" for x, y in corners)
+        for corners in ([(0, 0), (1, 0), (0, 1)], [(0, 1), (1, 0), (1, 1)])
+    )
+)
+
+
+def with_mesh(folder: Path, filename: str) -> CollisionModel:
+    """A table whose second shape is a mesh, read from a file in ``folder``."""
+    path = folder / "arm.urdf"
+    path.write_text(table(SPHERE.format(0.1), f'<mesh filename="{filename}"/>'))
+    return CollisionModel(urdf.read(path))
+
+
+@pytest.mark.parametrize("filename", ["a b/é%20.stl", "package://pack/é%20.stl"])
+def test_a_mesh_beside_the_urdf(filename: str, tmp_path: Path) -> None:
+    """A mesh, a unit square from its corner on, is found by a relative path and by its package."""
+    folder = tmp_path / ("pack" if "://" in filename else "a b")
+    folder.mkdir()
+    (folder / "é%20.stl").write_text(MESH)
+    body = with_mesh(tmp_path, filename)
+    assert body.missing == ""
+    assert body.distance([0.5, -0.5]) == pytest.approx(0.4, abs=2e-6)
+    assert body.distance([0.5, 0.4]) == pytest.approx(math.hypot(0.5, 0.4) - 0.1, abs=2e-6)
+
+
+def test_a_mesh_outside_the_roots_is_not_opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A mesh outside the roots is refused before Pinocchio sees its name, although the file is there."""
+    (tmp_path / "secret.stl").write_text(MESH)
+    inside = tmp_path / "inside"
+    inside.mkdir()
+    monkeypatch.setattr(pin, "buildGeomFromUrdfString", lambda *_: pytest.fail("Pinocchio was asked"))
+    for filename in ("../secret.stl", f"file://{tmp_path}/secret.stl", "package://inside/../../secret.stl"):
+        body = with_mesh(inside, filename)
+        assert not body.has_geometry
+        assert "outside the mesh roots" in body.missing
+
+
+@pytest.mark.parametrize(
+    ("shapes", "says"),
+    [
+        (("", ""), "no link has a collision shape"),
+        ((SPHERE.format(0.1), '<mesh filename="gone.stl"/>'), "gone.stl.*not found"),
+        ((SPHERE.format(0.1), '<mesh filename="bad.stl"/>'), "cannot be read: .*bad.stl"),
+        ((SPHERE.format(0.1), '<box size="1 1"/>'), "2 values instead of 3"),
+    ],
+)
+def test_incomplete_geometry_is_said_and_never_called_free(shapes: tuple[str, str], says: str, tmp_path: Path) -> None:
+    """Without shapes, or with one that cannot be read, there is a word on what is missing, and every check raises."""
+    (tmp_path / "bad.stl").write_text("no mesh")
+    text = table(*shapes).replace("<collision><geometry></geometry></collision>", "")
+    (tmp_path / "arm.urdf").write_text(text)
+    body = CollisionModel(urdf.read(tmp_path / "arm.urdf"))
+    assert not body.has_geometry
+    assert re.search(says, body.missing)
+    poses = {name: np.eye(4) for name in ("base", "rail", "tool")}
+    q = [1.0, 0.0]
+    for ask in (body.in_collision, body.distance, body.colliding_pairs, body.nearest_pair):
+        with pytest.raises(UrdfError, match=says):
+            ask(q)
+    for place in (body.in_collision_with, body.distance_with):
+        with pytest.raises(UrdfError, match=says):
+            place(poses)
+
+
+# ---------------------------------------------------------------- against Pinocchio, asked plainly
+
+
+@pytest.mark.parametrize(("name", "count"), [("zyyzyz_6r", 100), ("dh_6r", 100), ("ur5", 20)])
+def test_same_as_pinocchio_without_shortcuts(name: str, count: int) -> None:
+    """Verdict and distance equal those of all pairs, one by one, in Pinocchio's geometry of the file itself."""
+    entry, body = catalogue.resolve(name), from_catalogue(name)
+    plain = pin.buildModelFromUrdf(str(entry.path))
+    geometry = pin.buildGeomFromUrdf(
+        plain, str(entry.path), pin.GeometryType.COLLISION, package_dirs=[str(folder) for folder in entry.package_dirs]
+    )
+    owner = [plain.frames[shape.parentFrame].name for shape in geometry.geometryObjects]
+    for i, a in enumerate(owner):
+        for j, b in enumerate(owner[:i]):
+            if (b, a) in body.checked_pairs or (a, b) in body.checked_pairs:
+                geometry.addCollisionPair(pin.CollisionPair(j, i))
+    data = plain.createData()
+    rng = np.random.default_rng(6)
+    verdicts = []
+    for _ in range(count):
+        q = rng.uniform(-3.0, 3.0, 6)
+        asked = geometry.createData()
+        hit = pin.computeCollisions(plain, data, geometry, asked, q, False)
+        pin.computeDistances(plain, data, geometry, asked, q)
+        distance = min(result.min_distance for result in asked.distanceResults)
+        assert body.in_collision(q) == hit
+        assert body.distance(q) == pytest.approx(max(distance, 0.0), abs=2e-6)
+        verdicts.append(hit)
+    assert 0 < sum(verdicts) < count
+
+
+def test_the_arm_at_rest() -> None:
+    """The UR5's meshes are read, its neighbours may touch, and upright it is free."""
+    body = from_catalogue("ur5")
+    assert body.missing == ""
+    assert body.allowed_pairs["upper_arm_link", "forearm_link"] == "adjacent"
+    assert body.allowed_pairs["wrist_3_link", "ee_link"] == "rigid"
+    assert body.in_collision([0.0, -1.57, 0.0, -1.57, 0.0, 0.0]) is False
+
+
+def test_an_answer_does_not_depend_on_earlier_ones() -> None:
+    """The same joint vector gives the same digits, first or after a hundred others, and from eight threads."""
+    body, entry = from_catalogue("zyyzyz_6r"), catalogue.resolve("zyyzyz_6r")
+    q = np.random.default_rng(7).uniform(-2.2, 2.2, (100, 6))
+    distances = np.asarray(body.distance(q))
+    again = np.asarray(body.distance(q[::-1]))[::-1]
+    np.testing.assert_array_equal(distances, again)
+    fresh = CollisionModel(urdf.read(entry.path), entry.base, entry.tip)
+    assert fresh.distance(q[50]) == distances[50]
+    with ThreadPoolExecutor(8) as pool:
+        for got in pool.map(body.distance, [q] * 8):
+            np.testing.assert_array_equal(got, distances)
+
+
+# ---------------------------------------------------------------- placed by link poses
+
+
+@pytest.mark.parametrize("name", ["zyyzyz_6r", "ur5"])
+def test_shapes_follow_given_link_poses(name: str) -> None:
+    """With Pinocchio's own link poses, moved as a whole, verdict and distance are those of the joint vector."""
+    from urdf_ik.cell.reference import Reference
+
+    body, entry = from_catalogue(name), catalogue.resolve(name)
+    q = np.random.default_rng(8).uniform(-3, 3, (20, 6))
+    turn = pin.SE3(pin.exp3(np.array([0.3, -1.0, 2.0])), np.array([1.0, -2.0, 0.5])).homogeneous
+    poses = {k: turn @ T for k, T in Reference(entry.path, entry.base, entry.tip).link_poses(q).items()}
+    np.testing.assert_array_equal(body.in_collision_with(poses), body.in_collision(q))
+    np.testing.assert_allclose(body.distance_with(poses), body.distance(q), atol=2e-6)
+
+
+def test_a_link_out_of_place_is_seen() -> None:
+    """A millimetre in one link's pose is a millimetre in the distance; a NaN pose is not checked."""
+    body = model(SPHERES)
+    poses = {"base": np.eye(4), "rail": np.eye(4), "tool": np.eye(4)}
+    poses["tool"][0, 3] = 1.0
+    assert body.distance_with(poses) == pytest.approx(0.7, abs=1e-9)
+    poses["tool"][0, 3] += 1e-3
+    assert body.distance_with(poses) == pytest.approx(0.701, abs=1e-9)
+    assert body.in_collision_with(poses) is False
+    poses["tool"][0, 3] = 0.2
+    assert body.in_collision_with(poses) is True
+    poses["tool"][0, 0] = np.nan
+    with pytest.raises(PoseError, match="link 'tool' is not finite"):
+        body.in_collision_with(poses)
+    assert np.isnan(body.distance_with(poses))
+
+
+def test_link_poses_that_do_not_fit_are_refused() -> None:
+    """A link without a pose is named, unless it has no shape; a pose must be 4 x 4."""
+    body = model(SPHERES)
+    assert body.in_collision_with({"base": np.eye(4), "tool": np.eye(4)}) is True
+    with pytest.raises(PoseError, match="no pose: tool"):
+        body.distance_with({"base": np.eye(4)})
+    with pytest.raises(PoseError, match="4, 4"):
+        body.distance_with({"base": np.eye(4), "tool": np.eye(3)})

@@ -1,0 +1,288 @@
+"""Six revolute joints without a closed form: every solution by elimination, measured by Pinocchio."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import lru_cache
+
+import contract
+import numpy as np
+import pytest
+from arms import DescribedArm, Y, Z, rotation
+from arms_general import crx_like, from_screws, hc10_like, irb140_like, jaco_like, manseur_doty, unstructured
+from cases import Case, assert_exact, closest_pair, described, nearest, rows
+from numpy.typing import NDArray
+from oracle import Oracle
+
+from urdf_ik import _core
+from urdf_ik.ik.families.parts import elimination
+
+Array = NDArray[np.float64]
+
+MAKERS: dict[str, Callable[[], DescribedArm]] = {
+    **{f"random-{seed}": lambda seed=seed: unstructured(seed) for seed in range(8)},
+    "manseur_doty": manseur_doty,
+    "crx": crx_like,
+    "hc10": hc10_like,
+    "jaco": jaco_like,
+    "irb140": irb140_like,
+}
+RANDOM = tuple(name for name in MAKERS if name.startswith("random"))
+STRUCTURED = ("crx", "hc10", "jaco", "irb140")
+ALL = tuple(MAKERS)
+
+
+@lru_cache
+def named(name: str) -> Case:
+    """Load one of the arms."""
+    return described(MAKERS[name]())
+
+
+def angle_distance_of_joints(found: Array, q: Array) -> Array:
+    """Differences (k, 6) [rad] of joint vectors, each by the shorter way round."""
+    return (found - q + np.pi) % (2.0 * np.pi) - np.pi
+
+
+def motion(h: Array, p: Array, angle: float) -> Array:
+    """The rigid motion (4, 4) of a turn about the axis through p along h."""
+    G = np.eye(4)
+    G[:3, :3] = rotation(h, angle)
+    G[:3, 3] = p - G[:3, :3] @ p
+    return G
+
+
+def line(point: Array, direction: Array) -> Array:
+    """The 15 numbers of a line."""
+    return elimination._lines(point, direction)
+
+
+def line_matrix(G: Array) -> Array:
+    """The matrix (15, 15) of a rigid motion."""
+    return elimination._line_motions(G[:3, :3], G[:3, 3])
+
+
+def random_motion(rng: np.random.Generator) -> Array:
+    """Any rigid motion (4, 4)."""
+    G = np.eye(4)
+    G[:3, :3] = rotation(rng.normal(size=3), rng.uniform(-np.pi, np.pi))
+    G[:3, 3] = rng.normal(size=3)
+    return G
+
+
+# ---------------------------------------------------------------- whole arms
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_solved_by_elimination(name: str) -> None:
+    """These arms belong to no family: they are solved by elimination, in sixteen columns with numbers for names."""
+    structure = named(name).arm.structure
+    assert structure.family == "6R general"
+    assert structure.branches == tuple(f"solution {k}" for k in range(1, 17))
+    assert structure.max_solutions == 16
+    assert structure.imperfection == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_planted_solutions_are_found(name: str) -> None:
+    """The drawn joint vector comes back, every solution reaches the pose, none comes twice, and their number is even.
+
+    Solutions appear and vanish in pairs, so their number is even wherever none of them is singular.
+    """
+    case = named(name)
+    for q in case.oracle.draw(np.random.default_rng(1), 60):
+        target = case.oracle.pose(q)
+        found = assert_exact(case, case.arm.ik(target), target)
+        assert nearest(found, q) <= case.oracle.tolerance(q), q
+        assert closest_pair(found) > 1e-7, q
+        assert len(found) % 2 == 0 or min(case.oracle.sigma_min(x) for x in found) < 1e-6, q
+
+
+@pytest.mark.parametrize("name", ["random-0", "random-1", "manseur_doty", *STRUCTURED])
+def test_no_solution_is_missing(name: str) -> None:
+    """Whatever a multi-start Newton search on Pinocchio's model finds is among the solutions."""
+    case, rng = named(name), np.random.default_rng(2)
+    for q in case.oracle.draw(rng, 2):
+        target = case.oracle.pose(q)
+        found = rows(case.arm.ik(target))
+        searched = case.oracle.solutions(target, rng, starts=200)
+        assert len(found) >= len(searched) > 0
+        for other in searched:
+            assert nearest(found, other) <= 1e-5, (q, other)
+
+
+def test_sixteen_solutions() -> None:
+    """The arm and pose of Manseur and Doty have sixteen real solutions: none less, and no two alike."""
+    case = named("manseur_doty")
+    target = np.eye(4)
+    target[:3] = [
+        [-0.760117, -0.641689, 0.102262, -1.140175],
+        [0.133333, 0.0, 0.991071, 0.0],
+        [-0.635959, 0.766965, 0.085558, 0.0],
+    ]
+    left, _, right = np.linalg.svd(target[:3, :3])
+    target[:3, :3] = left @ right  # the published digits are a rotation to six places
+    found = assert_exact(case, case.arm.ik(target), target)
+    assert len(found) == 16
+    assert closest_pair(found) > 1e-2
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_batch_equals_single(name: str) -> None:
+    """A stack of poses gives what each pose gives, column by column, with any number of threads."""
+    case = named(name)
+    targets = case.oracle.poses(case.oracle.draw(np.random.default_rng(3), 80))
+    targets[7, :3, 3] += 100.0
+    batch = case.arm.ik(targets)
+    singles = [case.arm.ik(target) for target in targets]
+    np.testing.assert_array_equal(batch.q, [s.q for s in singles])
+    np.testing.assert_array_equal(batch.valid, [s.valid for s in singles])
+    np.testing.assert_array_equal(batch.singular, [s.singular for s in singles])
+    np.testing.assert_array_equal(case.arm.ik(targets, threads=2).q, batch.q)
+    assert not batch.valid[7].any()
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_columns_are_sorted(name: str) -> None:
+    """Solutions stand in the first columns, by their first joint that differs, from -pi to pi."""
+    case = named(name)
+    for q in case.oracle.draw(np.random.default_rng(4), 20):
+        solutions = case.arm.ik(case.oracle.pose(q))
+        valid = np.asarray(solutions.valid)
+        found = rows(solutions)
+        assert valid[: len(found)].all()
+        for a, b in zip(found[:-1], found[1:], strict=True):
+            different = np.flatnonzero(np.abs(a - b) > 1e-6)
+            assert a[different[0]] < b[different[0]], (q, a, b)
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_out_of_reach_is_empty(name: str) -> None:
+    """A pose 1 % beyond all links has no solution, in every column NaN, and no exception; nor has one far away."""
+    case = named(name)
+    target = case.oracle.pose(np.zeros(6))
+    for factor in (1.01, 3.0, 1e3):
+        target[:3, 3] = case.arm.chain.points[0] + np.array([0.0, factor * case.arm.chain.size, 0.0])
+        solutions = case.arm.ik(target)
+        assert len(assert_exact(case, solutions, target)) == 0
+        assert list(solutions) == []
+
+
+@pytest.mark.parametrize("name", ["random-0", "random-1", "random-2", *STRUCTURED])
+def test_planted_near_singularities(name: str) -> None:
+    """At 1e-1 to 1e-7 rad from where Pinocchio's Jacobian is singular every planted one is found.
+
+    All solutions are exact, and none is given twice.
+    """
+    contract.holds_near_singularities(named(name), 30, 5)
+
+
+@pytest.mark.parametrize("name", ["random-0", "random-1", "random-2", *STRUCTURED])
+def test_on_a_singularity(name: str) -> None:
+    """Where Pinocchio's Jacobian is singular there is an exact solution at it, marked as singular."""
+    case, rng = named(name), np.random.default_rng(6)
+    for _ in range(10):
+        q, _ = case.oracle.singular(rng)
+        target = case.oracle.pose(q)
+        solutions = case.arm.ik(target)
+        found = assert_exact(case, solutions, target)
+        assert len(found) > 0, q
+        sigmas = np.array([case.oracle.sigma_min(x) for x in found])
+        marks = np.asarray(solutions.singular)[solutions.valid] != 0
+        assert marks.any(), (q, sigmas)
+        assert (sigmas[marks] < 1e-5).all(), (q, sigmas)
+
+
+# ---------------------------------------------------------------- the elimination's parts
+
+
+def test_line_motion_moves_lines() -> None:
+    """The matrix of a motion takes a line's numbers to those of the moved line, whatever line and motion."""
+    rng = np.random.default_rng(10)
+    for _ in range(50):
+        G, p, direction = random_motion(rng), rng.normal(size=3), rng.normal(size=3)
+        moved = line(G[:3, :3] @ p + G[:3, 3], G[:3, :3] @ direction)
+        np.testing.assert_allclose(line_matrix(G) @ line(p, direction), moved, atol=1e-12)
+
+
+def test_line_motions_compose() -> None:
+    """Motions one after the other multiply their matrices; standing still is the identity."""
+    rng = np.random.default_rng(11)
+    for _ in range(20):
+        G, F = random_motion(rng), random_motion(rng)
+        np.testing.assert_allclose(line_matrix(G @ F), line_matrix(G) @ line_matrix(F), atol=1e-12)
+        np.testing.assert_allclose(line_matrix(G) @ line_matrix(np.linalg.inv(G)), np.eye(15), atol=1e-11)
+    np.testing.assert_array_equal(line_matrix(np.eye(4)), np.eye(15))
+
+
+def self_inversive_roots(coefficients: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """The roots (n,) that the core finds of a polynomial (n + 1,), from the constant up."""
+    numbers = np.column_stack([coefficients.real, coefficients.imag]).reshape(1, -1)
+    found = _core.step(f"self_inversive_roots_{len(coefficients) - 1}", numbers)[0].reshape(-1, 2)
+    return found[:, 0] + 1j * found[:, 1]
+
+
+@pytest.mark.parametrize("degree", [4, 16])
+def test_self_inversive_roots_are_the_planted_ones(degree: int) -> None:
+    """Planted roots, on the unit circle or in pairs mirrored at it, come back from their polynomial's coefficients."""
+    rng = np.random.default_rng(15)
+    for on_circle in range(0, degree + 1, 2):
+        pairs = (degree - on_circle) // 2
+        # Well apart in angle: clustered roots are ill-conditioned, whatever the method.
+        angles = 2.0 * np.pi * (np.arange(on_circle + pairs) + rng.uniform(-0.2, 0.2)) / (on_circle + pairs)
+        angles = rng.permutation(angles)
+        inside = np.exp(-rng.uniform(0.1, 0.5, pairs)) * np.exp(1j * angles[on_circle:])
+        planted = np.concatenate([np.exp(1j * angles[:on_circle]), inside, 1.0 / np.conj(inside)])
+        coefficients = np.poly(planted)[::-1]
+        coefficients *= np.exp(0.5j * np.angle(np.conj(coefficients[0]) / coefficients[-1]))
+        np.testing.assert_allclose(coefficients, np.conj(coefficients[::-1]), atol=1e-10 * abs(coefficients).max())
+        z = self_inversive_roots(coefficients)
+        distance = np.abs(planted[:, None] - z[None, :])
+        assert sorted(distance.argmin(axis=1)) == list(range(degree))
+        assert distance.min(axis=1).max() < 1e-9
+
+
+def test_self_inversive_roots_are_numpys() -> None:
+    """For random harmonics, of very different sizes too, the roots are those of NumPy's eigenvalues."""
+    rng = np.random.default_rng(16)
+    for scale in (1.0, 1e-3, 1e-6):
+        half = rng.normal(size=9) + 1j * rng.normal(size=9)
+        half[:3] *= scale  # some roots near zero, and as many far out
+        half[8] = half[8].real
+        coefficients = np.concatenate([half, np.conj(half[7::-1])])
+        z = self_inversive_roots(coefficients)
+        expected = np.roots(coefficients[::-1])
+        distance = np.abs(expected[:, None] - z[None, :]) / np.abs(expected)[:, None]
+        assert sorted(distance.argmin(axis=1)) == list(range(16))
+        assert distance.min(axis=1).max() < 1e-7
+
+
+def test_pinocchio_agrees_on_the_standard_table() -> None:
+    """The arm made from a standard Denavit-Hartenberg table has that table's forward kinematics."""
+    oracle = Oracle(manseur_doty().urdf)
+    quarter, one = math.radians(90.0), math.radians(1.0)
+    table = zip([quarter, one] * 3, (0.3, 1, 0, 1.5, 0, 0), (0, 0, 0.2, 0, 0, 0), strict=True)
+    q = np.array([0.3, -1.2, 2.1, 0.7, -0.4, 1.9])
+    pose = np.eye(4)
+    for (alpha, a, d), angle in zip(table, q, strict=True):
+        (ca, sa), (ct, st) = ((math.cos(x), math.sin(x)) for x in (alpha, angle))
+        pose = pose @ [
+            [ct, -st * ca, st * sa, a * ct],
+            [st, ct * ca, -ct * sa, a * st],
+            [0, sa, ca, d],
+            [0, 0, 0, 1],
+        ]
+    np.testing.assert_allclose(oracle.pose(q), pose, atol=1e-12)
+
+
+def test_a_wrong_elimination_is_not_believed() -> None:
+    """Axes 2, 3 and 4 parallel, and 5 and 6: a determinant that lacks half of the solutions is not chosen."""
+    axes = np.array([Z, Y, Y, Y, -Z, -Z])
+    ends = [[0.61, 0, 0.18], [1.18, 0.17, 0.18], [1.18, 0.17, 0.06], [1.18, 0.29, 0.06]]
+    points = np.array([[0, 0, 0.18], [0, 0, 0.18], *ends])
+    case = described(from_screws("5||6", "2||3||4 and 5||6", axes, points, (1.18, 0.29, 0.06)))
+    assert case.arm.structure.is_general
+    Q = np.random.default_rng(6).uniform(-np.pi, np.pi, (60, 6))
+    solutions = case.arm.ik(case.oracle.poses(Q))
+    for i, q in enumerate(Q):
+        assert nearest(rows(solutions[i]), q) < 1e-6

@@ -1,0 +1,93 @@
+"""The registry of families: records are whole, every arm has a reason, and a family is added by a record and a row."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import contract
+import numpy as np
+import pytest
+from arms import industrial, random_arm
+from arms_closed_forms import KINDS as CLOSED_FORMS
+from cases import described
+
+import urdf_ik
+from urdf_ik.ik.cuspidality import nonsingular_change
+from urdf_ik.ik.families import Family, every, registry, spherical_wrist
+from urdf_ik.kinematics.structure import Structure
+from urdf_ik.model import catalogue
+
+FAMILIES = every()
+
+
+@pytest.mark.parametrize("family", FAMILIES, ids=lambda family: family.name)
+def test_a_record_is_whole(family: Family) -> None:
+    """A name, a reason and steps in words, and as many names of branches as it has columns, all different."""
+    assert family.name and family.reason and family.steps and family.solver
+    assert len(set(family.branches)) == len(family.branches) > 0
+    assert not (family.by_elimination and family.by_quadratics)
+    assert "{" not in family.why(7) + family.why(7, from_tip=True)
+
+
+def test_names_are_different() -> None:
+    """No two families are called the same."""
+    names = [family.name for family in FAMILIES]
+    assert len(set(names)) == len(names)
+
+
+def test_closed_forms_come_in_the_order_of_cost() -> None:
+    """Those by quadratics come before the quartics."""
+    costs = [not family.by_quadratics for family in registry.SIX_TURNING]
+    assert costs == sorted(costs)
+
+
+def test_a_reason_is_counted_from_the_base() -> None:
+    """An arm that is seen from its tip has the numbers of its axes as they stand in the URDF."""
+    family = spherical_wrist.TWO_PARALLEL
+    assert family.why() == "axes 4, 5 and 6 meet in a point, and axes 2 and 3 are parallel"
+    assert family.why(from_tip=True) == "axes 1, 2 and 3 meet in a point, and axes 4 and 5 are parallel"
+
+
+@pytest.mark.parametrize("name", catalogue.BUNDLED)
+def test_every_bundled_arm_has_a_reason(name: str) -> None:
+    """What is solved says why it can be."""
+    structure = urdf_ik.load(name).structure
+    assert bool(structure.family) == bool(structure.reason)
+    assert not re.search(r"[{}]|  ", structure.reason)
+
+
+@pytest.mark.parametrize("kind", [kind for kind in CLOSED_FORMS if "reversed" not in kind])
+def test_an_arm_whose_joints_follow_from_quadratics_has_no_nonsingular_change(kind: str) -> None:
+    """The proof of ``cuspidality`` holds where a family claims it: no path is found in a random member."""
+    arm = described(random_arm(kind, 4, kinds=CLOSED_FORMS)).arm
+    assert arm.structure.by_quadratics == ("position" not in arm.structure.branches[0])
+    if arm.structure.by_quadratics:
+        assert arm.cuspidal is False
+        assert nonsingular_change(arm) is None
+
+
+def test_a_toy_family_is_added_by_a_record_and_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A record and a row make a family that is chosen first and passes the contract of ``ik``.
+
+    Its header is one that is compiled already: wrists whose axes meet at right angles are the toy.
+    """
+
+    def is_square(structure: Structure) -> bool:
+        return all(abs(structure.pairs[k].angle - np.pi / 2.0) < 1e-12 for k in (3, 4))
+
+    whole = spherical_wrist.TWO_PARALLEL
+    toy = replace(
+        whole,
+        name="6R toy",
+        reason="axes {4, 5, 6} meet at right angles",
+        matches=lambda structure, chain: whole.matches(structure, chain) and is_square(structure),
+    )
+    monkeypatch.setattr(registry, "SIX_TURNING", [toy, *registry.SIX_TURNING])
+    case = described(industrial())
+    assert case.arm.structure.family.startswith("6R toy")
+    assert case.arm.structure.reason == "axes 4, 5 and 6 meet at right angles"
+    assert "6R toy" in str(case.arm.structure)
+    contract.holds(case, poses=20, seed=1)
+    contract.is_complete(case, poses=2, seed=2)
+    contract.batch_equals_single(case, case.oracle.poses(case.oracle.draw(np.random.default_rng(3), 7)))

@@ -1,0 +1,398 @@
+"""Arms with seven joints: every solution at a value of the redundancy parameter, measured by Pinocchio."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from arms import Y, Z, serial_urdf
+from arms_seven import SEVEN, random_seven, skew, sliding
+from cases import Array, Case, assert_exact, closest_pair, indistinct_pairs, nearest, rows
+from oracle import Oracle, angle_distance
+from seven_joints import member, tolerance
+
+import urdf_ik
+from urdf_ik import ArgumentError, UnsupportedArm
+
+# What each kind is solved as: the family, the joint that is given.
+EXPECTED = {
+    "S-R-S": ("7R S-R-S", "joint_4"),
+    "S-R-S, offset elbow": ("7R S-R-S", "joint_4"),
+    "one before wrist, 2||3": ("7R, joint 1 given: 6R spherical wrist, 2||3", "joint_1"),
+    "one before wrist, 1x2": ("7R, joint 1 given: 6R spherical wrist, 1x2", "joint_1"),
+    "one behind wrist, 1x2": ("7R, joint 7 given: 6R spherical wrist, 1x2, reversed", "joint_7"),
+    "one before 2||3||4, 5x6": ("7R, joint 1 given: 6R 2||3||4 and 5x6", "joint_1"),
+    "one behind 2||3||4, 5x6": ("7R, joint 7 given: 6R 2||3||4 and 5x6, reversed", "joint_7"),
+}
+SWIVELLING = ("S-R-S", "S-R-S, offset elbow")
+# Oblique and at right angles, with exact and with rounded frames.
+VARIANTS = ((0, False, False), (1, True, True), (2, True, False))
+
+
+def draw(case: Case, seed: int, m: int) -> tuple[Array, Array, Array]:
+    """Joint vectors (m, 7) over the whole torus, their poses by Pinocchio, their values of the parameter."""
+    q = case.oracle.draw(np.random.default_rng(seed), m)
+    return q, case.oracle.poses(q), case.arm.redundancy_of(q)
+
+
+def numbers_of(case: Case) -> dict[str, Any]:
+    """What an S-R-S arm's solver was made from."""
+    numbers: dict[str, Any] = case.arm._plan.solver.values
+    return numbers
+
+
+@pytest.mark.parametrize(("seed", "orthogonal", "aligned"), VARIANTS)
+@pytest.mark.parametrize("kind", SEVEN)
+def test_random_poses(kind: str, seed: int, orthogonal: bool, aligned: bool) -> None:
+    """Each planted joint vector is found at its own parameter; all solutions are exact, have it, and differ."""
+    case = member(kind, seed, orthogonal, aligned)
+    family, joint = EXPECTED[kind]
+    if not orthogonal:  # at right angles two neighbours more may meet or be parallel
+        assert case.arm.structure.family == family
+        assert case.arm.redundancy.joint == joint
+    planted, targets, values = draw(case, seed, 40)
+    batch = case.arm.ik(targets, redundancy=values)
+    for i, (q, T, value) in enumerate(zip(planted, targets, values, strict=True)):
+        found = assert_exact(case, batch[i], T)
+        assert nearest(found, q) < tolerance(case, q)
+        assert closest_pair(found) > 1e-8
+        assert not indistinct_pairs(case, found, T)
+        np.testing.assert_allclose(np.exp(1j * case.arm.redundancy_of(found)), np.exp(1j * value), atol=1e-9)
+
+
+@pytest.mark.parametrize("kind", SEVEN)
+def test_nothing_is_missing(kind: str) -> None:
+    """At a given parameter Newton's method from many starts, on the six free joints, finds nothing more."""
+    case = member(kind, 0)
+    parameter = case.arm.redundancy
+    rng = np.random.default_rng(3)
+    for q, T, value in zip(*draw(case, 5, 2), strict=True):
+        found = rows(case.arm.ik(T, redundancy=value))
+        if parameter.kind == "locked joint":
+            held = case.arm.joint_names.index(parameter.joint)
+            six = urdf_ik.load(random_seven(kind, 0).urdf, "base", "tool", locked={parameter.joint: float(value)})
+            free = np.delete(np.arange(7), held)
+            reference = [q[free] + rng.uniform(-np.pi, np.pi, 6) for _ in range(60)]
+            seen = [np.insert(x, held, q[held]) for start in reference if (x := newton(six, start, T)) is not None]
+        else:
+            starts = rng.uniform(-np.pi, np.pi, (60, 7))
+            seen = [x for start in starts if (x := newton_at(case, start, T, value)) is not None]
+        assert len(seen) > 5
+        for x in seen:
+            assert nearest(found, x) < 1e-5
+
+
+def newton(arm: urdf_ik.Arm, q: Array, T: Array) -> Array | None:
+    """A joint vector that reaches T from the start q, by damped Newton's method, or None."""
+    for _ in range(60):
+        pose = arm.fk(q)
+        turn = T[:3, :3] @ pose[:3, :3].T
+        skew_part = 0.5 * np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+        error = np.concatenate([T[:3, 3] - pose[:3, 3], skew_part])
+        if np.abs(error).max() < 1e-12:
+            return q if np.trace(turn) > 2.0 else None
+        J = arm.jacobian(q)
+        step = np.linalg.solve(J.T @ J + (1e-3 * min(float(error @ error), 1.0) + 1e-14) * np.eye(6), J.T @ error)
+        q = q + step * min(1.0, 1.0 / max(float(np.abs(step).max()), 1e-9))
+    return None
+
+
+def newton_at(case: Case, q: Array, T: Array, value: float) -> Array | None:
+    """The same for seven joints, with the parameter as a seventh equation."""
+    arm = case.arm
+    for _ in range(60):
+        pose = case.oracle.pose(q)
+        turn = T[:3, :3] @ pose[:3, :3].T
+        skew_part = 0.5 * np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+        off = (value - float(arm.redundancy_of(q)) + np.pi) % (2.0 * np.pi) - np.pi
+        error = np.concatenate([T[:3, 3] - pose[:3, 3], skew_part, [off]])
+        if np.abs(error).max() < 1e-11:
+            return q if np.trace(turn) > 2.0 else None
+        h = 1e-7 * np.eye(7)
+        gradient = ((arm.redundancy_of(q + h) - arm.redundancy_of(q - h) + np.pi) % (2 * np.pi) - np.pi) / 2e-7
+        J = np.vstack([case.oracle.jacobian(q), gradient])
+        step = np.linalg.solve(J.T @ J + (1e-3 * min(float(error @ error), 1.0) + 1e-14) * np.eye(7), J.T @ error)
+        q = q + step * min(1.0, 1.0 / max(float(np.abs(step).max()), 1e-9))
+    return None
+
+
+@pytest.mark.parametrize("kind", ["S-R-S, offset elbow", "one behind wrist, 1x2", "one before 2||3||4, 5x6"])
+def test_poses_and_values_broadcast(kind: str) -> None:
+    """Every pose at every value, one pose at many, many at one, threads: the same digits as one by one."""
+    arm = member(kind, 0).arm
+    _, targets, _ = draw(member(kind, 0), 1, 70)
+    values = np.linspace(-3.0, 3.0, 5)
+    table = arm.ik(targets[:, None], redundancy=values)
+    assert table.q.shape == (70, 5, len(table.branches), 7)
+    np.testing.assert_array_equal(table.redundancy, np.broadcast_to(values, (70, 5)))
+    np.testing.assert_array_equal(table.poses[3, 2], targets[3])
+    for i, k in ((0, 0), (3, 4), (69, 2)):
+        alone = arm.ik(targets[i], redundancy=values[k])
+        np.testing.assert_array_equal(alone.q, table.q[i, k])
+        np.testing.assert_array_equal(alone.singular, table.singular[i, k])
+        assert alone.redundancy == values[k]
+    np.testing.assert_array_equal(arm.ik(targets[3], redundancy=values).q, table.q[3])
+    np.testing.assert_array_equal(arm.ik(targets, redundancy=values[1]).q, table.q[:, 1])
+    np.testing.assert_array_equal(arm.ik(targets[:, None], redundancy=values, threads=2).q, table.q)
+    np.testing.assert_array_equal(arm.ik(targets[0]).q, arm.ik(targets[0], redundancy=arm.redundancy.default).q)
+    np.testing.assert_array_equal(arm.ik(targets).redundancy, np.full(70, arm.redundancy.default))
+    assert arm.ik(targets[:0], redundancy=values[:0]).q.shape == (0, len(table.branches), 7)
+
+
+def test_what_does_not_fit_is_refused() -> None:
+    """Values that are no numbers or do not broadcast, and an arm that has no parameter."""
+    arm = member("S-R-S", 0).arm
+    T = np.tile(np.eye(4), (3, 1, 1))
+    for value in (np.nan, "much", [0.0, np.inf]):
+        with pytest.raises(ArgumentError, match="swivel angle"):
+            arm.ik(T[0], redundancy=value)
+    with pytest.raises(ArgumentError, match=r"\(3,\).*\(2,\)"):
+        arm.ik(T, redundancy=[0.0, 1.0])
+    with pytest.raises(urdf_ik.PoseError, match="pose"):
+        arm.ik(np.full((2, 4, 4), np.nan), redundancy=0.0)
+    six = urdf_ik.load("zyyzyz_6r")
+    assert six.redundancy is None
+    assert six.ik(T).redundancy is None
+    for ask in (lambda: six.ik(T, redundancy=0.0), lambda: six.redundancy_of(np.zeros(6)), lambda: six.sweep(T[0])):
+        with pytest.raises(UnsupportedArm, match="joint_1, joint_2"):
+            ask()
+
+
+@pytest.mark.parametrize("kind", ["S-R-S", "one behind wrist, 1x2"])
+def test_turned_values_are_the_same_solutions(kind: str) -> None:
+    """A value a turn further is the same posture, given in (-pi, pi]."""
+    case = member(kind, 0)
+    q, T, value = (each[0] for each in draw(case, 2, 1))
+    further = case.arm.ik(T, redundancy=value + 2.0 * np.pi)
+    found = assert_exact(case, further, T)
+    assert nearest(found, q) < 1e-6
+    np.testing.assert_allclose(found, rows(case.arm.ik(T, redundancy=value)), atol=1e-9)
+
+
+@pytest.mark.parametrize("kind", SWIVELLING)
+@pytest.mark.parametrize(("seed", "orthogonal", "aligned"), VARIANTS)
+def test_the_swivel_turns_the_arms_plane(kind: str, seed: int, orthogonal: bool, aligned: bool) -> None:
+    """As documented: the angle about the line SW from the normal of its plane with axis 1 to axis 4's direction."""
+    case = member(kind, seed, orthogonal, aligned)
+    q, _, values = draw(case, 4, 30)
+    for vector, value in zip(q, values, strict=True):
+        J = case.oracle.jacobian(vector)
+        axis_1, axis_4 = J[3:, 0], J[3:, 3]
+        S, W = crossing(case, vector, (0, 1)), crossing(case, vector, (4, 5))
+        line = (W - S) / np.linalg.norm(W - S)
+        normal = np.cross(axis_1, line)
+        normal /= np.linalg.norm(normal)
+        angle = np.arctan2(np.cross(line, normal) @ axis_4, normal @ axis_4)
+        assert abs((angle - value + np.pi) % (2.0 * np.pi) - np.pi) < 1e-8
+
+
+def crossing(case: Case, q: Array, joints: tuple[int, int]) -> Array:
+    """The point (3,) where the axes of two joints meet, from Pinocchio's Jacobian."""
+    J, tip = case.oracle.jacobian(q), case.oracle.pose(q)[:3, 3]
+    directions = [J[3:, j] for j in joints]
+    points = [tip + np.cross(J[3:, j], J[:3, j]) for j in joints]
+    across = [np.eye(3) - np.outer(h, h) for h in directions]
+    return np.linalg.solve(sum(across), sum(a @ p for a, p in zip(across, points, strict=True)))
+
+
+@pytest.mark.parametrize("kind", SWIVELLING)
+@pytest.mark.parametrize("seed", range(3))
+def test_branch_names_mean_what_they_say(kind: str, seed: int) -> None:
+    """At swivel zero an elbow that is up lies on the side of SW that axis 1 points to; flips share the elbow."""
+    case = member(kind, seed, True)
+    _, targets, _ = draw(case, 8, 20)
+    for T in targets:
+        for one in case.arm.ik(T, redundancy=0.0):
+            J, tip = case.oracle.jacobian(one.q), T[:3, 3]
+            S, W = crossing(case, one.q, (0, 1)), crossing(case, one.q, (4, 5))
+            h = J[3:, 3]
+            at_elbow = tip + np.cross(h, J[:3, 3]) - S
+            at_elbow -= h * (h @ at_elbow)
+            above = at_elbow @ (J[3:, 0] - (J[3:, 0] @ (W - S)) * (W - S) / ((W - S) @ (W - S)))
+            assert ("elbow up" in one.branch) == (above > 0.0)
+
+
+@pytest.mark.parametrize("distance", [0.0, 1e-9, 1e-7, 1e-5, 1e-3, 1e-1])
+@pytest.mark.parametrize("where", ["elbow stretched", "elbow folded", "shoulder", "wrist", "on axis 1", "all"])
+@pytest.mark.parametrize("seed", range(4))
+def test_near_singularities(where: str, distance: float, seed: int) -> None:
+    """Stretched, folded, aligned, above the base: exact, without duplicates, marked; found again where it can be."""
+    kind = SWIVELLING[seed % 2]
+    case = member(kind, seed, True, seed == 3)
+    numbers = numbers_of(case)
+    straight = -numbers["zero_4"]
+    for q in case.oracle.draw(np.random.default_rng(seed), 4):
+        if where in ("elbow stretched", "all"):
+            q[3] = straight + distance
+        if where == "elbow folded":
+            q[3] = straight + np.pi + distance
+        if where in ("shoulder", "all"):
+            q[1] = -numbers["shoulder"]["shift"] + distance
+        if where in ("wrist", "all"):
+            q[5] = -numbers["wrist"]["shift"] + distance
+        if where == "on axis 1":
+            q = above_the_base(case, q)
+            if q is None:
+                continue
+            q[1] += distance
+        T = case.oracle.pose(q)
+        value = float(case.arm.redundancy_of(q))
+        solutions = case.arm.ik(T, redundancy=value)
+        found = assert_exact(case, solutions, T)
+        assert len(found)
+        assert closest_pair(found) > 1e-8
+        singular = np.asarray(solutions.singular)[solutions.valid]
+        if distance > 1e-4:
+            assert nearest(found, q) < tolerance(case, q)
+        elif where.startswith("elbow"):
+            assert nearest(found, q) < 1e-5
+        if distance <= 1e-7:
+            bits = {"elbow stretched": 2, "elbow folded": 2, "shoulder": 1, "wrist": 4, "on axis 1": 1, "all": 7}[where]
+            assert any(marks & bits for marks in singular)
+
+
+def above_the_base(case: Case, q: Array) -> Array | None:
+    """``q`` with joint 2 turned until the wrist lies on axis 1, where that is possible in the plane of joint 3."""
+    q = q.copy()
+    J = case.oracle.jacobian(np.zeros(7))
+
+    def aside(angle: float) -> Array:
+        p = q.copy()
+        p[0], p[1] = 0.0, angle
+        offset = crossing(case, p, (4, 5)) - crossing(case, p, (0, 1))
+        return offset - (offset @ J[3:, 0]) * J[3:, 0]
+
+    # Joint 3 brings the wrist into the plane that joint 2 swings in, at right angles to axis 2.
+    for joint in (2, 1):
+
+        def off(angle: float, joint: int = joint) -> float:
+            p = q.copy()
+            p[0], p[joint] = 0.0, angle
+            offset = crossing(case, p, (4, 5)) - crossing(case, p, (0, 1))
+            return float(offset @ (J[3:, 1] if joint == 2 else np.cross(J[3:, 0], J[3:, 1])))
+
+        grid = np.linspace(-np.pi, np.pi, 40)
+        values = np.array([off(angle) for angle in grid])
+        crossings = np.flatnonzero(values[:-1] * values[1:] < 0.0)
+        if not len(crossings):
+            return None
+        low, high = grid[crossings[0]], grid[crossings[0] + 1]
+        while (middle := 0.5 * (low + high)) not in (low, high):
+            low, high = (middle, high) if off(low) * off(middle) > 0.0 else (low, middle)
+        q[joint] = low
+    return q if np.linalg.norm(aside(q[1])) < 1e-12 else None
+
+
+def test_representatives_follow_the_reference() -> None:
+    """At an aligned shoulder and wrist the joints that only count together stand at zero, or near ``q_ref``."""
+    case = member("S-R-S", 1, True, True)
+    numbers = numbers_of(case)
+    q = np.array([0.4, -numbers["shoulder"]["shift"], 0.7, 1.1, -0.3, -numbers["wrist"]["shift"], 0.9])
+    T, value = case.oracle.pose(q), float(case.arm.redundancy_of(q))
+    at_zero = assert_exact(case, case.arm.ik(T, redundancy=value), T)
+    assert np.abs(at_zero[:, 0]).min() < 1e-12
+    assert np.abs(at_zero[:, 4]).min() < 1e-12
+    at_q = assert_exact(case, case.arm.ik(T, q, redundancy=value), T)
+    assert nearest(at_q, q) < 1e-9
+
+
+@pytest.mark.parametrize("kind", ["S-R-S", "one before wrist, 2||3"])
+def test_out_of_reach(kind: str) -> None:
+    """Far away there is no solution and no exception, and the reason holds a number."""
+    arm = member(kind, 0).arm
+    far = urdf_ik.pose([100.0, 0.0, 0.0])
+    solutions = arm.ik(far, redundancy=0.3)
+    assert not solutions
+    assert "0.3" in solutions.explain() or "m from" in solutions.explain()
+    assert solutions.explain() == arm.explain(far, 0.3)
+    batch = arm.ik(np.stack([far, far]), redundancy=[0.3, 0.4])
+    assert batch.explain() == f"pose [0]: {arm.explain(far, 0.3)}\npose [1]: {arm.explain(far, 0.4)}"
+    assert arm.explain(far) == arm.explain(far, arm.redundancy.default)
+
+
+@pytest.mark.parametrize(("joint", "given"), [(1, "joint_1"), (7, "joint_7")])
+def test_a_lift(joint: int, given: str) -> None:
+    """A sliding first or last joint is the parameter, in metres; its range is what the joint's limits are."""
+    kind = "one before 2||3||4, 5x6" if joint == 1 else "one behind wrist, 1x2"
+    text = sliding(random_seven(kind, 0).urdf, joint, 0.0, 0.8)
+    arm, oracle = urdf_ik.load(text, "base", "tool"), Oracle(text)
+    assert (arm.redundancy.joint, arm.redundancy.unit, arm.redundancy.range) == (given, "m", (0.0, 0.8))
+    assert arm.redundancy.default == 0.4
+    assert "0.8000 m" in str(arm.redundancy)
+    rng = np.random.default_rng(0)
+    for q in rng.uniform(-np.pi, np.pi, (20, 7)):
+        q[joint - 1] = rng.uniform(0.0, 0.8)
+        T = oracle.pose(q)
+        found = rows(arm.ik(T, redundancy=arm.redundancy_of(q)))
+        assert max(oracle.error(x, T) for x in found) < 1e-9
+        assert min(np.abs(x[joint - 1] - q[joint - 1]) + angle_distance(x, q) for x in found) < 1e-6
+    sweep = arm.sweep(T, n=9)
+    assert len(sweep.intervals)
+    assert (sweep.intervals >= 0.0).all()
+    assert (sweep.intervals <= 0.8).all()
+
+
+def test_general_arms_hold_the_end_that_is_solved_more_surely() -> None:
+    """Seven skew axes: the six others are eliminated, planted joint vectors are found, all are exact."""
+    text = skew(7)
+    arm, oracle = urdf_ik.load(text, "base", "tool"), Oracle(text)
+    assert arm.structure.family.endswith("given: 6R general")
+    case = Case("7R", arm, oracle)
+    for q in oracle.draw(np.random.default_rng(1), 20):
+        T = oracle.pose(q)
+        found = assert_exact(case, arm.ik(T, redundancy=arm.redundancy_of(q)), T)
+        assert nearest(found, q) < tolerance(case, q)
+
+
+def test_more_than_nine_joints_ask_for_locked_ones() -> None:
+    """Ten joints load and move; asking for solutions names them all, and shows the call that holds one."""
+    text = skew(10)
+    arm, oracle = urdf_ik.load(text, "base", "tool"), Oracle(text)
+    assert arm.redundancy is None
+    q = np.linspace(-1.0, 1.0, 10)
+    np.testing.assert_allclose(arm.fk(q), oracle.pose(q), atol=1e-13)
+    for ask in (arm.ik, arm.explain, arm.sweep, lambda T: arm.ik_nearest(T, q), lambda T: arm.ik(T, redundancy=0.0)):
+        with pytest.raises(UnsupportedArm) as error:
+            ask(np.eye(4))
+        assert all(name in str(error.value) for name in arm.joint_names)
+        assert "urdf_ik.load(..., locked={'joint_1': 0.0})" in str(error.value)
+    seven = urdf_ik.load(text, "base", "tool", locked={"joint_3": 0.4, "joint_5": 0.1, "joint_6": -0.2})
+    q[[2, 4, 5]] = 0.4, 0.1, -0.2
+    rest = np.delete(q, [2, 4, 5])
+    found = rows(seven.ik(oracle.pose(q), redundancy=seven.redundancy_of(rest)))
+    assert nearest(found, rest) < 1e-6
+
+
+def test_an_empty_answer_tells_where_there_are_solutions() -> None:
+    """Where the pose is out of reach at one value of the last joint, the reason names the values at which it is not."""
+    case = member("one behind wrist, 1x2", 0)
+    explained = 0
+    for q, T in zip(*draw(case, 12, 12)[:2], strict=True):
+        intervals = case.arm.sweep(T).intervals
+        values = np.linspace(-3.1, 3.1, 40)
+        for value in values[case.arm.ik(T, redundancy=values).count == 0][:2]:
+            text = case.arm.ik(T, redundancy=value).explain()
+            assert f"{value:.6g} rad" in text
+            assert all(f"{low:.4f} to {high:.4f} rad" in text for low, high in intervals)
+            assert ((intervals[:, 0] <= q[6] + 1e-6) & (q[6] - 1e-6 <= intervals[:, 1])).any() or (
+                (intervals[:, 0] <= q[6] + 2 * np.pi) & (q[6] + 2 * np.pi <= intervals[:, 1])
+            ).any()
+            explained += 1
+    assert explained
+
+
+def test_a_wrist_in_the_shoulder() -> None:
+    """Equal links folded fully leave no line to swivel about: still a solution, exact and marked, not an exception."""
+    origins = [((0, 0, 0.3), (0, 0, 0)), *[((0, 0, 0), (0, 0, 0))] * 2, ((0, 0, 0.4), (0, 0, 0))]
+    origins += [((0, 0, 0.4), (0, 0, 0)), *[((0, 0, 0), (0, 0, 0))] * 2, ((0, 0, 0.1), (0, 0, 0))]
+    text = serial_urdf("folded", origins, [Z, Y, Z, Y, Z, Y, Z, None])
+    case = Case("folded", urdf_ik.load(text, "base", "tool"), Oracle(text))
+    assert case.arm.structure.family == "7R S-R-S"
+    for q in case.oracle.draw(np.random.default_rng(0), 10):
+        q[3] = np.pi
+        T = case.oracle.pose(q)
+        for value in (0.0, 1.0, float(case.arm.redundancy_of(q))):
+            solutions = case.arm.ik(T, redundancy=value)
+            assert len(assert_exact(case, solutions, T))
+            assert all(one.singular & urdf_ik.Singular.ELBOW for one in solutions)

@@ -1,0 +1,227 @@
+"""Six joints of which some slide: complete, exact, named, and explained where a pose is out of reach."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import contract
+import numpy as np
+import pytest
+from arms import X, Y, Z
+from arms_few import (
+    SLIDES,
+    TRAVEL,
+    WRISTLESS,
+    Build,
+    apart,
+    assert_answers,
+    assert_complete,
+    axes_and_points,
+    case_of,
+    draw,
+    few,
+    few_urdf,
+)
+from cases import Case, from_catalogue, rows, worst_error
+from numpy.typing import NDArray
+from oracle import Oracle
+
+import urdf_ik
+from urdf_ik.errors import PoseError, UnsupportedArm
+from urdf_ik.ik.solutions import Singular
+from urdf_ik.verify import crosscheck
+
+Array = NDArray[np.float64]
+NAMES = tuple(SLIDES | WRISTLESS)
+DISTANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize("name", NAMES)
+def test_planted_joint_vector_is_found(name: str, seed: int) -> None:
+    """Every pose that a joint vector gives is answered with that vector among exact and different ones."""
+    case = few(name, seed)
+    for q in draw(case, np.random.default_rng(seed), 30):
+        # Solutions come in pairs.
+        assert len(assert_answers(case, q, case.oracle.pose(q))) % 2 == 0
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_answers_are_complete(name: str) -> None:
+    """No solution that Newton's method finds from many random starts is missing."""
+    assert assert_complete(few(name, 3)) > 10
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_batch_is_single(name: str) -> None:
+    """A stack of poses has the answers of each of them, with any number of threads."""
+    case = few(name, 4)
+    contract.batch_equals_single(case, case.oracle.poses(draw(case, np.random.default_rng(2), 60)))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_near_and_at_singularities(name: str) -> None:
+    """Where the Jacobian's determinant vanishes along one joint, and 1e-1 to 1e-7 from there, nothing is lost."""
+    case, rng = few(name, 6), np.random.default_rng(9)
+    for _ in range(4):
+        q, joint = singular(case, rng)
+        T = case.oracle.pose(q)
+        solutions = case.arm.ik(T)
+        assert len(solutions)
+        assert worst_error(case, rows(solutions), T) <= 1e-9
+        assert solutions.singular.any()
+        for distance in DISTANCES:
+            near = q.copy()
+            near[joint] += distance
+            near = np.where(case.arm.chain.prismatic, near, (near + math.pi) % (2.0 * math.pi) - math.pi)
+            T = case.oracle.pose(near)
+            # Moving the pose by its rounding moves a solution by this over the square of the distance from a fold.
+            tol = 1e-6 + 1e-13 / case.oracle.sigma_min(near) ** 1.5
+            assert_answers(case, near, T, tol=tol)
+
+
+def singular(case: Case, rng: np.random.Generator) -> tuple[Array, int]:
+    """A joint vector (6,) at which the determinant changes sign along one joint that turns, and that joint."""
+
+    def determinant(q: Array, joint: int, value: float) -> float:
+        moved = q.copy()
+        moved[joint] = value
+        return float(np.linalg.det(case.oracle.jacobian(moved)))
+
+    grid = np.linspace(-3.0, 3.1, 25)
+    turning = np.flatnonzero(~case.arm.chain.prismatic)
+    while True:
+        q, joint = draw(case, rng, 1)[0], int(rng.choice(turning))
+        values = np.array([determinant(q, joint, value) for value in grid])
+        crossings = np.flatnonzero(values[:-1] * values[1:] < -1e-12)
+        if len(crossings):
+            break
+    low, high = grid[crossings[0]], grid[crossings[0] + 1]
+    for _ in range(100):
+        middle = 0.5 * (low + high)
+        same = determinant(q, joint, middle) * determinant(q, joint, low) > 0.0
+        low, high = (middle, high) if same else (low, middle)
+    q[joint] = middle
+    return q, joint
+
+
+def test_stanford_arm() -> None:
+    """The bundled arm: eight solutions, its check passes, and its wrist is named where it is singular."""
+    case = from_catalogue("stanford_rrprrr")
+    arm = case.arm
+    assert arm.structure.family == "RRPRRR spherical wrist"
+    report = crosscheck.check(arm, n=100)
+    assert report.passed, str(report)
+    q = np.array([0.3, 0.8, 0.7, -0.4, 0.9, 1.2])
+    assert len(assert_answers(case, q, case.oracle.pose(q))) == 8
+    q[4] = 0.0
+    solutions = arm.ik(case.oracle.pose(q))
+    assert all(one.singular & Singular.WRIST for one in solutions if abs(one.q[4]) < 1e-6)
+    beside = arm.ik(case.oracle.pose(q), q_ref=q)
+    assert apart(case, rows(beside), q).min() < 1e-6
+    # The boom's centre on axis 1 is beyond an offset of 0.154 m.
+    T = np.eye(4)
+    T[:3, 3] = 0.05, 0.0, 0.412 + 0.263 + 0.3
+    unreached = arm.ik(T)
+    assert not unreached
+    assert re.search(r"\d.* (m|rad)\b", unreached.explain()), unreached.explain()
+
+
+@pytest.mark.parametrize("name", ["RRPRRR Stanford", "RPPRRR cylindrical", "PRRRRR any", "RRRRPR wrist at the base"])
+@pytest.mark.parametrize("off", [1e-4, 1e-6, 1e-9])
+def test_rounded_decimals_are_exact_as_written(name: str, off: float) -> None:
+    """A wrist that meets only nearly is solved as the URDF has it, as completely."""
+    build, rng = SLIDES[name], np.random.default_rng(21)
+    axes, points, tool = axes_and_points(build, rng)
+    axes = axes + off * rng.normal(size=axes.shape)
+    axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+    case = case_of(few_urdf(build.kinds, axes, points + off * rng.normal(size=points.shape), tool, rng))
+    assert "spherical wrist" in case.arm.structure.family
+    for q in draw(case, rng, 20):
+        assert len(assert_answers(case, q, case.oracle.pose(q))) % 2 == 0
+
+
+def test_limits_know_slides_from_turns() -> None:
+    """A slide is in its limits or not, a turning joint may be 2 pi on; the nearest solution is the planted one."""
+    case = few("RRPRRR Stanford", 8)
+    q = np.array([0.4, -0.8, 0.9 * TRAVEL, 2.0, 1.0, -2.0])
+    inside = case.arm.ik(case.oracle.pose(q)).within_limits()
+    assert apart(case, rows(inside), q).min() < 1e-9
+    np.testing.assert_allclose(inside.nearest(q).q[0], q, atol=1e-9)
+    beyond = q.copy()
+    beyond[2] = 50.0 * TRAVEL
+    out = case.arm.ik(case.oracle.pose(beyond))
+    assert len(out)
+    assert not out.within_limits()
+    assert "beyond its" in out.within_limits().explain()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_out_of_reach_is_no_error(name: str) -> None:
+    """Whatever the pose, the answer is exact or empty, and what is empty is explained by a number."""
+    case, rng = few(name, 5), np.random.default_rng(3)
+    T = case.oracle.poses(draw(case, rng, 10))
+    T[:, :3, 3] = rng.normal(size=(10, 3))
+    T[5:, :3, 3] *= 30.0
+    for pose, solutions in zip(T, map(case.arm.ik, T), strict=True):
+        assert worst_error(case, rows(solutions), pose) <= 1e-9
+        if not solutions:
+            assert re.search(r"\d.* (m|rad)\b", solutions.explain()), solutions.explain()
+
+
+def test_bad_targets_are_refused() -> None:
+    """NaN and what is no rotation raise PoseError with the place in the batch."""
+    for name in ("RRPRRR Stanford", "RPRPRP any"):
+        case = few(name, 0)
+        T = case.oracle.poses(draw(case, np.random.default_rng(0), 40))
+        for bad in (np.nan, np.inf, 3.0):
+            broken = T.copy()
+            broken[33, 0, 0] = bad
+            with pytest.raises(PoseError) as error:
+                case.arm.ik(broken)
+            assert error.value.index == (33,)
+
+
+def test_redundant_arms_give_samples() -> None:
+    """Four slides, parallel ones, a slide along an axis that turns: samples of the continuum, exact and marked."""
+    rng = np.random.default_rng(1)
+    for kinds, axes in (
+        ("PPPPRR", [X, Y, Z, X + Y + Z, X, Y]),
+        ("PPRRRR", [X, X, Z, X, Y, Z]),
+        ("PRRRRP", [Z, Z, Z, Z, Z, Z]),
+    ):
+        directions = np.array(axes) / np.linalg.norm(axes, axis=1, keepdims=True)
+        points = np.cumsum(rng.uniform(0.2, 0.4, (6, 3)), axis=0)
+        text = few_urdf(kinds, directions, points, points[-1] + 0.2, rng)
+        case = Case(kinds, urdf_ik.load(text, "base", "tool"), Oracle(text))
+        assert case.arm.structure.family == f"{kinds} singular everywhere"
+        for q in rng.uniform(-1.0, 1.0, (10, 6)):
+            target = case.oracle.pose(q)
+            found = rows(case.arm.ik(target))
+            assert len(found) > 1
+            assert max(case.oracle.error(each, target) for each in found) < 1e-9
+
+
+def test_opposite_slides_without_a_wrist_are_refused() -> None:
+    """Two slides three joints apart are taken only with a wrist, and the error says so."""
+    rng = np.random.default_rng(2)
+    build = Build("RPRRPR", "??????")
+    arm = urdf_ik.load(few_urdf(build.kinds, *axes_and_points(build, rng), rng), "base", "tool")
+    with pytest.raises(UnsupportedArm, match=r"two slides three joints apart \(RPRRPR\)"):
+        arm.ik(np.eye(4))
+
+
+def test_far_slides_keep_their_digits() -> None:
+    """A slide 20 m out, and a mount 50 m away, cost no more than the rounding of the pose itself."""
+    rng = np.random.default_rng(4)
+    build = SLIDES["PPPRRR gantry"]
+    text = few_urdf(build.kinds, *axes_and_points(build, rng), rng)
+    first = re.search(r'xyz="([^"]*)"', text)
+    assert first
+    moved = text.replace(first.group(0), 'xyz="50 -30 20"', 1)
+    case = Case("far", urdf_ik.load(moved, "base", "tool"), Oracle(moved))
+    for q in draw(case, rng, 10):
+        assert_answers(case, q, case.oracle.pose(q))
+        q[:3] += 20.0
+        assert_answers(case, q, case.oracle.pose(q))

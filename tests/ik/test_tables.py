@@ -1,0 +1,109 @@
+"""Answers as data frames, data sets and HTML: the same values, names that cannot break a page."""
+
+from __future__ import annotations
+
+import sys
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+import urdf_ik
+from urdf_ik.errors import MissingPackage
+from urdf_ik.model import catalogue
+from urdf_ik.support import palette
+
+Q = np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
+
+
+@pytest.fixture(scope="module")
+def arm() -> urdf_ik.Arm:
+    """An arm with limits that exclude some of its solutions."""
+    return urdf_ik.load("puma_560")
+
+
+def test_a_frame_has_a_row_a_solution(arm: urdf_ik.Arm) -> None:
+    """Joint values, branches and limits are those of the solutions, for one pose and for a stack of stacks."""
+    pytest.importorskip("pandas")
+    s = arm.ik(arm.fk(Q))
+    frame = s.to_frame()
+    np.testing.assert_array_equal(frame[list(arm.joint_names)].to_numpy(), s.q[s.valid])
+    assert list(frame["branch"]) == [one.branch for one in s]
+    kept = {one.branch for one in s.within_limits()}
+    assert 0 < len(kept) < 8 and set(frame["branch"][frame["within_limits"]]) == kept
+    stack = np.stack([[Q, 1.1 * Q, 1.2 * Q], [0.9 * Q, 0.8 * Q, 0.7 * Q]])
+    batch = arm.ik(arm.fk(stack))
+    frame = batch.to_frame()
+    assert len(frame) == batch.count.sum()
+    row = frame[(frame["pose_0"] == 1) & (frame["pose_1"] == 2)].iloc[0]
+    np.testing.assert_array_equal(row[list(arm.joint_names)].to_numpy(float), batch[1, 2][0].q)
+
+
+def test_a_singular_solution_is_named(arm: urdf_ik.Arm) -> None:
+    """A stretched wrist stands in the frame as a word."""
+    pytest.importorskip("pandas")
+    q = Q * [1, 1, 1, 1, 0, 1]
+    assert "WRIST" in set(arm.ik(arm.fk(q)).to_frame()["singular"])
+
+
+def test_a_data_set_has_names_and_units(arm: urdf_ik.Arm) -> None:
+    """Values can be picked by branch and joint; what is not valid is NaN; the poses are part of it."""
+    pytest.importorskip("xarray")
+    batch = arm.ik(arm.fk(np.stack([Q, 0.5 * Q])))
+    data = batch.to_xarray()
+    branch = batch.branches[3]
+    assert float(data["q"].sel(branch=branch, joint=arm.joint_names[2])[1]) == batch.q[1, 3, 2]
+    assert dict(data.sizes) == {"pose": 2, "branch": 8, "joint": 6, "row": 4, "column": 4}
+    assert (data["unit"] == "rad").all() and data.attrs["base"] == arm.base
+    assert set(urdf_ik.load("scara_rrpr").ik(np.eye(4)).to_xarray()["unit"].values) == {"rad", "m"}
+
+
+def test_missing_packages_are_named(arm: urdf_ik.Arm, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without pandas or xarray the extra that brings them is said."""
+    for package, method in (("pandas", "to_frame"), ("xarray", "to_xarray")):
+        monkeypatch.setitem(sys.modules, package, None)
+        with pytest.raises(MissingPackage, match=r"urdf-ik\[tables\]"):
+            getattr(arm.ik(arm.fk(Q)), method)()
+
+
+def test_html_is_well_formed_and_names_are_escaped() -> None:
+    """A name in a URDF is text in the page, whatever it holds; tables and pictures can be parsed."""
+    text = catalogue.resolve("puma_560").path.read_text()
+    evil = "&lt;script&gt;x()&lt;/script&gt;"
+    arm = urdf_ik.load(text.replace('name="joint_1"', f'name="{evil}"').replace('name="puma_560"', 'name="a&lt;b"'))
+    assert arm.joint_names[0] == "<script>x()</script>"
+    answers = [arm, arm.ik(arm.fk(Q)), arm.ik(arm.fk(np.stack([Q, Q]))), arm.ik(urdf_ik.pose([9.0, 0.0, 0.0]))]
+    for shown in answers:
+        page = shown._repr_html_()
+        assert "<script" not in page and "a&lt;b" in page
+        ElementTree.fromstring(page.replace("&#9679;", "o"))
+    assert answers[1]._repr_html_().count("<tr>") == 9
+    assert "2 poses, 2 solved, 16 solutions" in answers[2]._repr_html_()
+    assert "no solution" in answers[3]._repr_html_()
+
+
+# Simulations of colour vision by Machado, Oliveira and Fernandes, "A physiologically-based model for simulation of
+# color vision deficiency", 2009, at full severity: linear RGB to linear RGB.
+VISION = {
+    "usual": np.eye(3),
+    "protanopia": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+    "deuteranopia": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+}
+
+
+def lab(rgb: np.ndarray) -> np.ndarray:
+    """CIE L*a*b* of linear RGB."""
+    xyz = rgb @ np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]).T
+    scaled = xyz / [0.9505, 1.0, 1.089]
+    f = np.where(scaled > 0.008856, np.cbrt(scaled), 7.787 * scaled + 16 / 116)
+    return np.stack([116 * f[:, 1] - 16, 500 * (f[:, 0] - f[:, 1]), 200 * (f[:, 1] - f[:, 2])], axis=-1)
+
+
+@pytest.mark.parametrize("vision", VISION)
+def test_colours_of_branches_can_be_told_apart(vision: str) -> None:
+    """Any two of eight colours differ by more than 10 in CIE L*a*b*, as the colour-blind see them, too; 2.3 is seen."""
+    colours = np.array(palette.colours(8))
+    linear = np.where(colours <= 0.04045, colours / 12.92, ((colours + 0.055) / 1.055) ** 2.4)
+    seen = lab(np.clip(linear @ np.array(VISION[vision]).T, 0.0, 1.0))
+    apart = np.linalg.norm(seen[:, None] - seen[None], axis=-1)
+    assert apart[~np.eye(8, dtype=bool)].min() > 10.0

@@ -1,0 +1,166 @@
+"""The bundled arms that were made from Denavit-Hartenberg tables: they load, and are what their sources say."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from check_urdf import run_check_urdf
+from numpy.typing import NDArray
+
+import urdf_ik
+from urdf_ik import DHTable
+from urdf_ik.cell.reference import Reference
+from urdf_ik.model import catalogue
+
+Array = NDArray[np.float64]
+PI = math.pi
+ARMS = ("planar_2r", "planar_2r_unit", "positioning_3r", "scara_rrpr", "stanford_rrprrr", "srs_7r", "puma_560")
+KINDS = dict(zip(ARMS, ("RR", "RR", "RRR", "RRPR", "RRPRRR", "RRRRRRR", "RRRRRR"), strict=True))
+
+# alpha [deg], a [m], d [m], theta [deg], in the standard convention, as the sources have them.
+PUMA = [
+    (90, 0, 0.672, 0),
+    (0, 0.4318, 0, 0),
+    (-90, 0.0203, 0.15005, 0),
+    (90, 0, 0.4318, 0),
+    (-90, 0, 0, 0),
+    (0, 0, 0, 0),
+]
+STANFORD = [(-90, 0, 0.412, 0), (90, 0, 0.154, 0), (0, 0, 0, 0), (-90, 0, 0, 0), (90, 0, 0, 0), (0, 0, 0.263, 0)]
+IIWA = [
+    (-90, 0, 0.36, 0),
+    (90, 0, 0, 0),
+    (90, 0, 0.42, 0),
+    (-90, 0, 0, 0),
+    (-90, 0, 0.4, 0),
+    (90, 0, 0, 0),
+    (0, 0, 0.126, 0),
+]
+
+
+def path_of(name: str) -> Path:
+    """The arm's file."""
+    return catalogue.resolve(name).path
+
+
+def draw(arm: urdf_ik.Arm, m: int) -> Array:
+    """Joint vectors (m, n) inside the limits."""
+    return np.random.default_rng(0).uniform(*arm.limits.T, (m, arm.dof))
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_loads_and_agrees_with_pinocchio(name: str) -> None:
+    """Its joints are of the kinds that its name says; pose and Jacobian equal Pinocchio's."""
+    arm = urdf_ik.load(name)
+    kinds = {"revolute": "R", "prismatic": "P"}
+    assert arm.name == name
+    assert "".join(kinds[kind] for kind in arm.chain.joint_types) == KINDS[name]
+    reference = Reference(path_of(name), "base_link", "tool0")
+    Q = draw(arm, 20)
+    np.testing.assert_allclose(arm.fk(Q), reference.pose(Q), atol=1e-14)
+    np.testing.assert_allclose(arm.jacobian(Q), reference.jacobian(Q), atol=1e-14)
+    assert str(arm.structure)
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_readers_take_it_without_a_word(name: str, capfd: pytest.CaptureFixture[str]) -> None:
+    """check_urdf and Pinocchio find one chain with visuals and collision shapes, and neither warns."""
+    done = run_check_urdf(path_of(name))
+    assert (done.returncode, done.stderr) == (0, "")
+    model = pin.buildModelFromUrdf(str(path_of(name)))
+    for kind in (pin.GeometryType.VISUAL, pin.GeometryType.COLLISION):
+        shapes = pin.buildGeomFromUrdf(model, str(path_of(name)), kind).geometryObjects
+        assert len(shapes) >= 3
+        if kind == pin.GeometryType.VISUAL:
+            links = {model.frames[shape.parentFrame].name for shape in shapes}
+            assert links == {"base_link", *(f"link_{i + 1}" for i in range(len(KINDS[name])))}
+    printed = capfd.readouterr()
+    assert (printed.out, printed.err) == ("", "")
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_contacts_are_collisions(name: str) -> None:
+    """No pair of links touches in nearly every posture, and at most a small part of the postures has contacts."""
+    arm = urdf_ik.load(name)
+    body = arm.collision_model
+    assert "always" not in body.allowed_pairs.values()
+    share = float(np.mean(body.in_collision(draw(arm, 300))))
+    # Planar arms and the SCARA cannot reach themselves.
+    free = name in ("planar_2r", "planar_2r_unit", "scara_rrpr")
+    assert share == 0.0 if free else 0.0 < share < 0.3
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_file_states_its_table(name: str) -> None:
+    """The remark at the top of the file holds the table, and the file's joints have it."""
+    arm = urdf_ik.load(name)
+    remark = path_of(name).read_text().partition("-->")[0]
+    stated = [line.split() for line in remark.splitlines() if line.split()[:1] and line.split()[0].startswith("joint_")]
+    assert len(stated) == arm.dof
+    rows = [[float(x) if "q" not in x else 0.0 for x in cells[1:5]] for cells in stated]
+    limits = np.where(arm.chain.prismatic[:, None], arm.limits, np.rad2deg(arm.limits))
+    table = DHTable.from_array(rows, "standard", joint_types=KINDS[name], limits=limits, degrees=True)
+    assert table.deviation(arm.chain) < 1e-14
+
+
+@pytest.mark.parametrize(("name", "rows"), [("puma_560", PUMA), ("stanford_rrprrr", STANFORD), ("srs_7r", IIWA)])
+def test_published_tables(name: str, rows: list[tuple[float, ...]]) -> None:
+    """The table of the chain, in the source's convention, is the source's."""
+    table = DHTable.from_chain(urdf_ik.load(name).chain, "standard")
+    back = np.stack([np.rad2deg(table.alpha), table.a, table.d, np.rad2deg(table.theta)], axis=1)
+    np.testing.assert_allclose(back, rows, atol=1e-12)
+    for frame in (table.base, table.tool):
+        np.testing.assert_array_equal(frame, np.eye(4))
+
+
+def test_puma_at_its_nominal_posture() -> None:
+    """Corke, Robotics, Vision and Control: the wrist at q_n = (0, pi/4, pi, 0, pi/4, 0) and at q_z = 0.
+
+    The book measures from the shoulder, which is 0.672 m above the base.
+    """
+    arm = urdf_ik.load("puma_560")
+    nominal = [[0, 0, 1, 0.5963], [0, 1, 0, -0.1501], [-1, 0, 0, 0.672 - 0.01435], [0, 0, 0, 1]]
+    np.testing.assert_allclose(arm.fk([0, PI / 4, PI, 0, PI / 4, 0]), nominal, atol=5.01e-5)
+    zero = [[1, 0, 0, 0.4521], [0, 1, 0, -0.1500], [0, 0, 1, 0.672 + 0.4318], [0, 0, 0, 1]]
+    np.testing.assert_allclose(arm.fk(np.zeros(6)), zero, atol=5.01e-5)
+    assert len(arm.ik(np.array(arm.fk([0, PI / 4, PI, 0, PI / 4, 0])))) == 8
+
+
+def test_stanford_by_its_closed_form() -> None:
+    """Paul 1981, and Spong, Hutchinson and Vidyasagar, chapter 3: the tip's position in closed form."""
+    arm = urdf_ik.load("stanford_rrprrr")
+    for q in draw(arm, 20):
+        (c1, c2, _, c4, c5, _), (s1, s2, _, s4, s5, _) = np.cos(q), np.sin(q)
+        d2, d3, d6 = 0.154, q[2], 0.263
+        x = c1 * s2 * d3 - s1 * d2 + d6 * (c1 * c2 * c4 * s5 + c1 * c5 * s2 - s1 * s4 * s5)
+        y = s1 * s2 * d3 + c1 * d2 + d6 * (c1 * s4 * s5 + c2 * c4 * s1 * s5 + c5 * s1 * s2)
+        z = c2 * d3 + d6 * (c2 * c5 - c4 * s2 * s5)
+        np.testing.assert_allclose(arm.fk(q)[:3, 3], [x, y, 0.412 + z], atol=1e-14)
+
+
+def test_planar_arm_has_its_lengths_and_limits() -> None:
+    """The published arm's millimetres and degrees, in metres and rad."""
+    arm = urdf_ik.load("planar_2r")
+    np.testing.assert_allclose(np.rad2deg(arm.limits), [(-105, 99), (-145, 25.5)], atol=1e-12)
+    np.testing.assert_allclose(arm.fk([0, 0])[:3, 3], [0.066 + 0.130, 0, 0], atol=1e-15)
+    np.testing.assert_allclose(arm.fk([PI / 2, -PI / 2])[:3, 3], [0.130, 0.066, 0], atol=1e-15)
+
+
+def test_scara_axes_are_parallel() -> None:
+    """All axes are vertical, the quill's point down, and the tool stays upright wherever it goes."""
+    arm = urdf_ik.load("scara_rrpr")
+    np.testing.assert_allclose(arm.chain.H[:, 2], [1, 1, -1, -1], atol=1e-15)
+    poses = arm.fk(draw(arm, 20))
+    np.testing.assert_allclose(poses[:, :3, 2], np.tile([0, 0, -1], (20, 1)), atol=1e-15)
+
+
+def test_srs_arm_has_two_centres() -> None:
+    """Axes 1, 2, 3 meet 0.36 m above the base, axes 5, 6, 7 meet in the wrist, 0.82 m above that when stretched out."""
+    structure = urdf_ik.load("srs_7r").structure
+    centres = {triple.first: triple.point for triple in structure.triples if triple.relation == "meet"}
+    np.testing.assert_allclose(centres[1], [0, 0, 0.36], atol=1e-12)
+    np.testing.assert_allclose(centres[5], [0, 0, 0.36 + 0.42 + 0.40], atol=1e-12)

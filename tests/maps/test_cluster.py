@@ -1,0 +1,165 @@
+"""Chunks on Dask's workers: the same bytes as without, whatever happens to the workers; bad input in words."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import socket
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from test_folder import contents
+
+import urdf_ik
+from urdf_ik.maps import engine
+from urdf_ik.maps.engine import dask_workers
+from urdf_ik.maps.engine.store_folder import finished
+
+distributed = pytest.importorskip("distributed")
+MAP = {"voxel": 0.5, "orientations": 30, "block": 250}
+
+
+@pytest.fixture(scope="module")
+def client() -> Iterator[Any]:
+    """Two worker processes."""
+    with engine.connect(workers=2) as made:
+        made.wait_for_workers(2, timeout=60)
+        yield made
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """The files of a map that this process made."""
+    path = tmp_path_factory.mktemp("whole") / "map.zarr"
+    made(path)
+    return contents(path)
+
+
+def made(path: Path, **options: Any) -> urdf_ik.maps.workspaces.StoredMap:
+    """A map of 1000 voxels in 125 blocks."""
+    return urdf_ik.maps.workspace(urdf_ik.load("zyyzyz_6r"), **MAP, store=path, **options)
+
+
+def after(path: Path, chunks: int, act: Callable[[], object]) -> threading.Thread:
+    """Do something when a store holds so many chunks."""
+
+    def watch() -> None:
+        deadline = time.monotonic() + 60.0
+        while time.monotonic() < deadline:
+            if path.exists() and len(finished(path)) >= chunks:
+                act()
+                return
+            time.sleep(0.002)
+
+    thread = threading.Thread(target=watch)
+    thread.start()
+    return thread
+
+
+def pid_of_a_worker(client: Any) -> int:
+    """Process id of one of the workers."""
+    return int(next(iter(client.run(os.getpid).values())))
+
+
+def test_workers_make_the_same_bytes(tmp_path: Path, client: Any, whole: dict[str, str]) -> None:
+    """Two workers, and a run that this process began and they went on with."""
+    made(tmp_path / "map.zarr", client=client)
+    assert contents(tmp_path / "map.zarr") == whole
+
+
+def test_a_worker_that_is_killed_loses_nothing(tmp_path: Path, client: Any, whole: dict[str, str]) -> None:
+    """SIGKILL to a worker in the middle: the map is whole, and its bytes are the same."""
+    path = tmp_path / "map.zarr"
+    pid = pid_of_a_worker(client)
+    killing = after(path, 20, lambda: os.kill(pid, signal.SIGKILL))
+    made(path, client=client)
+    killing.join()
+    assert contents(path) == whole
+    with pytest.raises(ProcessLookupError):
+        os.kill(pid, 0)
+
+
+def test_a_worker_that_hangs_holds_nothing_up(
+    tmp_path: Path, client: Any, whole: dict[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A worker that is stopped keeps its chunks for itself: another one makes them, too, and the map is whole."""
+    monkeypatch.setattr(dask_workers, "PATIENCE", 2.0)
+    monkeypatch.setattr(dask_workers, "ANSWER_WITHIN", 1.0)
+    client.wait_for_workers(2, timeout=60)
+    path = tmp_path / "map.zarr"
+    pid = pid_of_a_worker(client)
+    stopping = after(path, 20, lambda: os.kill(pid, signal.SIGSTOP))
+    try:
+        made(path, client=client)
+    finally:
+        stopping.join()
+        with contextlib.suppress(ProcessLookupError):  # the scheduler may have given it up
+            os.kill(pid, signal.SIGCONT)
+    assert contents(path) == whole
+
+
+def test_few_chunks_are_under_way(tmp_path: Path, client: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """However many chunks there are, a few for each thread are with the scheduler."""
+    most = 0
+    hand_out = dask_workers._Run._hand_out
+
+    def counted(run: Any) -> None:
+        nonlocal most
+        hand_out(run)
+        most = max(most, len(run._under_way))
+
+    monkeypatch.setattr(dask_workers._Run, "_hand_out", counted)
+    made(tmp_path / "map.zarr", client=client)
+    assert 0 < most <= max(dask_workers.LEAST_AHEAD, 2 * dask_workers.AHEAD)
+
+
+def test_a_worker_with_another_version_is_refused(tmp_path: Path, client: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The version and the instruction set of this process differ from those of the workers."""
+    ours = engine.versions()
+    for change, words in (
+        ({"urdf-ik": "9.9"}, rf"worker at .* has urdf-ik {urdf_ik.__version__}, and this process 9\.9"),
+        ({"instructions": "v1"}, r"worker at .* computes with .* and this process with v1.*URDF_IK_ISA"),
+    ):
+        monkeypatch.setattr(dask_workers, "versions", lambda change=change: {**ours, **change})
+        with pytest.raises(urdf_ik.JobError, match=words):
+            made(tmp_path / "map.zarr", client=client)
+
+
+def test_a_scheduler_that_does_not_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nobody listens there, somebody listens who is no scheduler, or it is no address."""
+    monkeypatch.setattr(dask_workers, "ANSWER_WITHIN", 0.5)
+    with socket.socket() as silent:
+        silent.bind(("127.0.0.1", 0))
+        silent.listen()
+        listening = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
+        for address in (listening, "tcp://127.0.0.1:9", "nonsense"):
+            with pytest.raises(urdf_ik.JobError, match=r"no scheduler answers at .* within 0\.5 s"):
+                engine.connect(address)
+
+
+def test_what_is_no_client_is_refused(tmp_path: Path) -> None:
+    """An address in place of a client, no workers, workers without a store."""
+    with pytest.raises(urdf_ik.ArgumentError, match=r"distributed\.Client"):
+        made(tmp_path / "map.zarr", client="tcp://127.0.0.1:8786")
+    with pytest.raises(urdf_ik.ArgumentError, match="store"):
+        urdf_ik.maps.workspace(urdf_ik.load("planar_2r"), client=object())
+    with pytest.raises(urdf_ik.ArgumentError, match="from 1 to"):
+        engine.connect(workers=0)
+
+
+def test_a_scheduler_that_goes_away_loses_no_finished_chunk(tmp_path: Path, whole: dict[str, str]) -> None:
+    """The run ends in words; the next one, in this process, goes on with what was kept."""
+    path = tmp_path / "map.zarr"
+    other = engine.connect(workers=1)
+    closing = after(path, 20, other.cluster.close)
+    with pytest.raises(urdf_ik.JobError, match=r"scheduler at .* is gone"):
+        made(path, client=other)
+    closing.join()
+    other.close()
+    assert 20 <= len(finished(path)) < made(path).blocks.count
+    assert contents(path) == whole

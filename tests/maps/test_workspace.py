@@ -1,0 +1,416 @@
+"""Workspaces: planar regions against their formulas and draws, maps against ``arm.ik`` pose by pose."""
+
+from __future__ import annotations
+
+import json
+import tracemalloc
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from command import call, succeed
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+import urdf_ik
+from urdf_ik.maps import workspaces
+from urdf_ik.maps.workspaces import arcs, grid
+from urdf_ik.maps.workspaces.orientations import directions, rotations
+
+Array = NDArray[np.float64]
+
+TWO_LINKS = """<robot name="two"><link name="base"/><link name="a"/><link name="b"/><link name="tip"/>
+<joint name="one" type="revolute"><parent link="base"/><child link="a"/><origin xyz="{x} {y} 0" rpy="{roll} 0 {yaw}"/>
+<axis xyz="0 0 {first}"/><limit lower="{limits[0]}" upper="{limits[1]}" effort="1" velocity="1"/></joint>
+<joint name="two" type="revolute"><parent link="a"/><child link="b"/><origin xyz="{l1} 0 0" rpy="0 0 {bend}"/>
+<axis xyz="0 0 {second}"/><limit lower="{limits[2]}" upper="{limits[3]}" effort="1" velocity="1"/></joint>
+<joint name="end" type="fixed"><parent link="b"/><child link="tip"/><origin xyz="{l2} 0 0"/></joint></robot>"""
+
+
+def two_links(rng: np.random.Generator, widest: float = 7.0) -> urdf_ik.Arm:
+    """Two turning joints in the x, y plane with random base, links, axis signs and limits."""
+    lower, width = rng.uniform(-4.0, 2.0, 2), rng.uniform(0.3, widest, 2)
+    text = TWO_LINKS.format(
+        x=rng.uniform(-1, 1),
+        y=rng.uniform(-1, 1),
+        roll=rng.choice([0.0, np.pi]),
+        yaw=rng.uniform(-3, 3),
+        bend=rng.uniform(-3, 3),
+        first=rng.choice([-1, 1]),
+        second=rng.choice([-1, 1]),
+        l1=rng.uniform(0.3, 1.0),
+        l2=rng.uniform(0.3, 1.0),
+        limits=[lower[0], lower[0] + width[0], lower[1], lower[1] + width[1]],
+    )
+    return urdf_ik.load(text, "base", "tip")
+
+
+def side_of_elbow(arm: urdf_ik.Arm, q: Array) -> Array:
+    """Positive where the elbow is left of the line from the first axis to the tip, by forward kinematics alone."""
+    plane = arm.plane
+    assert plane is not None
+    poses = arm.link_poses(q)
+    first, elbow, tip = (poses[link][..., :3, 3] @ plane.axes.T for link in _links(arm))
+    line, arm_1 = tip - first, elbow - first
+    return line[..., 0] * arm_1[..., 1] - line[..., 1] * arm_1[..., 0]
+
+
+def _links(arm: urdf_ik.Arm) -> tuple[str, str, str]:
+    one, two = (next(j for j in arm.model.joints if j.name == name) for name in arm.joint_names)
+    return one.child, two.child, arm.tip
+
+
+@settings(max_examples=15)
+@given(seed=st.integers(0, 2**31))
+def test_planar_regions_are_what_joint_vectors_within_the_limits_reach(seed: int) -> None:
+    """The tip of every joint vector drawn is in the region of its elbow; points of a region have one that gives it."""
+    rng = np.random.default_rng(seed)
+    arm = two_links(rng)
+    region = workspaces.planar(arm)
+    q = rng.uniform(*arm.limits.T, (400, 2))
+    points = arm.plane.coordinates(arm.fk(q))[:, :2]
+    np.testing.assert_allclose(region.tip(q), points, atol=1e-12)
+    side = side_of_elbow(arm, q)
+    left = side > 0.0
+    clear = np.abs(side) > 1e-6
+    assert region.reaches(points[clear & left], "elbow left").all()
+    assert region.reaches(points[clear & ~left], "elbow right").all()
+    reach = region.lengths.sum()
+    anywhere = region.centre + rng.uniform(-reach, reach, (400, 2))
+    found = arm.ik(anywhere, task="planar position").within_limits()
+    for column, name in enumerate(found.branches):
+        np.testing.assert_array_equal(region.reaches(anywhere, name), found.valid[:, column])
+        q = region.joints(anywhere, name)
+        there = ~np.isnan(q[:, 0])
+        np.testing.assert_allclose(region.tip(q[there]), anywhere[there], atol=1e-9)
+        np.testing.assert_array_equal(side_of_elbow(arm, q[there]) > 0, np.full(there.sum(), name == "elbow left"))
+
+
+@settings(max_examples=15)
+@given(seed=st.integers(0, 2**31))
+def test_areas_are_those_of_a_count_of_points(seed: int) -> None:
+    """Area inside the arcs = share of a fine lattice that is reached, for each region, the union and the overlap."""
+    arm = two_links(np.random.default_rng(seed))
+    region = workspaces.planar(arm)
+    reach = 1.01 * region.lengths.sum()
+    n = 300
+    line = (np.arange(n) + 0.5) / n * 2.0 * reach - reach
+    points = region.centre + np.stack(np.meshgrid(line, line), axis=-1)
+    cell = (2.0 * reach / n) ** 2
+    left, right = (region.reaches(points, name) for name in workspaces.ELBOWS)
+    for part, inside in (
+        (region.regions["elbow left"], left),
+        (region.regions["elbow right"], right),
+        (region.boundary, left | right),
+        (region.overlap, left & right),
+    ):
+        # A lattice is off by no more than the cells that the boundary crosses.
+        crossed = sum(arc.length for arc in part.arcs) / (2.0 * reach / n) + 4.0
+        assert abs(part.area - inside.sum() * cell) <= 1.5 * crossed * cell
+
+
+@settings(max_examples=15)
+@given(seed=st.integers(0, 2**31))
+def test_arcs_separate_inside_from_outside(seed: int) -> None:
+    """A little to the left of every arc the arm reaches, a little to the right it does not; the outlines are closed."""
+    arm = two_links(np.random.default_rng(seed), widest=3.0)
+    region = workspaces.planar(arm)
+    step = 1e-5 * region.lengths.sum()
+    for part, reaches in (
+        (region.boundary, lambda p: region.reaches(p)),
+        (region.overlap, lambda p: region.reaches(p, "elbow left") & region.reaches(p, "elbow right")),
+    ):
+        for arc in part.arcs:
+            if arc.length < 100.0 * step:
+                continue
+            points = arc.points(41)[10:31:10]
+            inward = np.sign(arc.sweep) * (arc.centre - points) / arc.radius
+            assert reaches(points + step * inward).all()
+            assert not reaches(points - step * inward).any()
+        for loop in part.loops(3):
+            assert np.linalg.norm(loop[0] - loop[-1]) < 1e-6 * region.lengths.sum()
+
+
+@pytest.mark.parametrize("n", [2.5, 1, -1, 10**8, 10**400, None])
+def test_outlines_have_a_number_of_points(n: Any) -> None:
+    """Of arcs and of whole outlines, even of a region that has none."""
+    boundary = workspaces.planar(urdf_ik.load("planar_2r")).boundary
+    for ask in (boundary.arcs[0].points, boundary.loops, arcs.Region(()).loops):
+        with pytest.raises(urdf_ik.ArgumentError, match="a whole number from 2 to 100000 is needed"):
+            ask(n)
+
+
+def test_the_bundled_two_link_arm_has_the_published_region() -> None:
+    """Areas by l1 l2 |cos b - cos a| times the range of joint 1; two solutions near the outer edge only."""
+    arm = urdf_ik.load("planar_2r")
+    region = workspaces.planar(arm)
+    swing = np.ptp(arm.limits[0])
+    left, right = (region.regions[name].area for name in workspaces.ELBOWS)
+    assert left == pytest.approx(swing * 0.066 * 0.130 * (1.0 - np.cos(np.deg2rad(145.0))), rel=1e-12)
+    assert right == pytest.approx(swing * 0.066 * 0.130 * (1.0 - np.cos(np.deg2rad(25.5))), rel=1e-12)
+    assert region.overlap.area == pytest.approx(left + right - region.boundary.area, rel=1e-9)
+    rng = np.random.default_rng(0)
+    points = rng.uniform(-0.2, 0.2, (20000, 2))
+    twice = np.sum([region.reaches(points, name) for name in workspaces.ELBOWS], axis=0) == 2
+    solved = arm.ik(points, task="planar position").within_limits().count
+    np.testing.assert_array_equal(twice, solved == 2)
+    assert np.linalg.norm(points[twice], axis=1).min() > 0.1916
+
+
+def test_the_bundled_two_link_arm_by_brute_force() -> None:
+    """A fine grid of joint vectors through forward kinematics: no tip outside the regions, no part without a tip."""
+    arm = urdf_ik.load("planar_2r")
+    region = workspaces.planar(arm)
+    lines = [np.linspace(*limits, 700) for limits in arm.limits]
+    q = np.stack(np.meshgrid(*lines), axis=-1).reshape(-1, 2)
+    tips, left = arm.plane.coordinates(arm.fk(q))[:, :2], side_of_elbow(arm, q) > 0.0
+    cell, count = 0.004, 100  # a grid of squares of 4 mm over 400 mm; tips are at most 1.1 mm apart
+    corners = cell * (np.arange(count + 1) - count / 2)
+    lattice = np.stack(np.meshgrid(corners, corners, indexing="ij"), axis=-1)
+    for name, mine in (("elbow left", left), ("elbow right", ~left), (None, np.ones(len(q), dtype=bool))):
+        points = tips[mine]
+        off_edge = np.abs(np.linalg.norm(points - region.centre, axis=1) - region.lengths.sum()) > 1e-9
+        assert region.reaches(points[off_edge], name).all()
+        hit = np.zeros((count, count), dtype=bool)
+        hit[tuple(np.floor(points / cell + count / 2).astype(int).T)] = True
+        reached = region.reaches(lattice, name)
+        whole = reached[1:, 1:] & reached[1:, :-1] & reached[:-1, 1:] & reached[:-1, :-1]
+        assert hit[whole].all()
+    assert whole.sum() > 2500
+
+
+def test_without_limits_the_region_is_a_ring() -> None:
+    """Joints that turn all the way round reach the ring between the links' difference and sum, in two ways."""
+    text = TWO_LINKS.format(
+        x=0, y=0, roll=0, yaw=0, bend=0, first=1, second=1, l1=0.7, l2=0.4, limits=[-3.2, 3.2, -4, 4]
+    )
+    region = workspaces.planar(urdf_ik.load(text, "base", "tip"))
+    for part in (region.boundary, region.overlap, *region.regions.values()):
+        assert sorted(round(arc.radius, 12) for arc in part.arcs) == [0.3, 1.1]
+        assert part.area == pytest.approx(np.pi * (1.1**2 - 0.3**2))
+
+
+def test_an_arm_of_another_build_has_no_exact_region() -> None:
+    """The error names the joints and the way that is open."""
+    with pytest.raises(urdf_ik.ArgumentError, match=r"zyyzyz_6r.*maps.workspace"):
+        workspaces.planar(urdf_ik.load("zyyzyz_6r"))
+
+
+def test_samples_are_rotations_and_directions_and_well_spread() -> None:
+    """Determinant one, unit length; no two near each other, and the gaps are those of an even spread."""
+    R = rotations(300)
+    np.testing.assert_allclose(R @ np.swapaxes(R, 1, 2), np.broadcast_to(np.eye(3), R.shape), atol=1e-14)
+    assert (np.linalg.det(R) > 0.0).all()
+    cosines = 0.5 * (np.einsum("aij,bij->ab", R, R) - 1.0)
+    apart = np.arccos(np.clip(cosines - 3.0 * np.eye(300), -1.0, 1.0))
+    # 300 balls of this radius fill the volume pi^2 of all rotations: (angle - sin(angle)) / pi = 1 / 300.
+    nearest = apart.min(axis=1)
+    assert nearest.min() > 0.35 and nearest.max() < 0.9
+    d = directions(200)
+    np.testing.assert_allclose(np.linalg.norm(d, axis=1), 1.0)
+    assert np.linalg.norm(d.mean(axis=0)) < 1e-2
+    np.testing.assert_array_equal(rotations(300), R)
+
+
+@pytest.mark.parametrize("name", ["zyyzyz_6r", "puma_560", "positioning_3r", "scara_rrpr", "planar_2r"])
+def test_counts_are_those_of_ik(name: str) -> None:
+    """Every pose of the map, taken one by one: solutions, within limits, branches, manipulability, margin."""
+    arm = urdf_ik.load(name)
+    size = arm.chain.size
+    found = workspaces.workspace(arm, 0.35 * size, 6, manipulability=True, margin=True)
+    assert found.reached.any() and not found.reached.all()
+    rng = np.random.default_rng(1)
+    places = np.argwhere(found.counts >= 0)
+    chosen = np.concatenate([places[rng.permutation(len(places))[:60]], np.argwhere(found.counts > 0)[:40]])
+    for i, j, k, s in chosen:
+        centre = np.array([found.grid.coordinates(axis)[place] for axis, place in enumerate((i, j, k))])
+        target = target_of(arm, centre, found.samples[s])
+        solutions = arm.ik(target, task=arm.task)
+        inside = solutions.within_limits()
+        assert found.solutions[i, j, k, s] == len(solutions)
+        assert found.within[i, j, k, s] == found.counts[i, j, k, s] == len(inside)
+        if not len(inside):
+            assert np.isnan(found.manipulability[i, j, k, s]) and np.isnan(found.margin[i, j, k, s])
+            continue
+        part = "translation" if arm.task in ("position", "planar position") else "all"
+        best = arm.manipulability(inside.to_array(), part).max()
+        assert found.manipulability[i, j, k, s] == pytest.approx(best, rel=1e-6, abs=1e-9)
+        lower, upper = arm.limits.T
+        q = inside.to_array()
+        share = np.minimum(q - lower, upper - q) / (0.5 * (upper - lower))
+        assert found.margin[i, j, k, s] == pytest.approx(share.min(axis=1).max(), abs=1e-6)
+    for i, j, k in np.argwhere(found.reached)[:3]:
+        centre = np.array([found.grid.coordinates(axis)[place] for axis, place in enumerate((i, j, k))])
+        targets = np.array([target_of(arm, centre, sample) for sample in found.samples])
+        solved = arm.ik(targets, task=arm.task).within_limits()
+        np.testing.assert_array_equal(found.branch_poses[i, j, k], solved.valid.sum(axis=0))
+
+
+def target_of(arm: urdf_ik.Arm, centre: Array, sample: Array) -> Array:
+    """The target of a voxel's centre and one sample."""
+    if arm.task == "pose":
+        T = np.eye(4)
+        T[:3, :3], T[:3, 3] = sample, centre
+        return T
+    return np.concatenate([centre[:2] if arm.task.startswith("planar") else centre, sample])
+
+
+def test_the_map_does_not_depend_on_chunks_or_threads() -> None:
+    """Any number of poses at a time, and of threads, gives the same arrays."""
+    arm = urdf_ik.load("zyyzyz_6r")
+    one = workspaces.workspace(arm, 0.9, 300, margin=True)
+    for options in ({"chunk": 1}, {"chunk": 1777}, {"chunk": 10**6, "threads": 2}):
+        other = workspaces.workspace(arm, 0.9, 300, margin=True, **options)
+        for name in ("solutions", "within", "branch_poses", "margin"):
+            np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+
+
+def test_solutions_in_collision_are_left_out() -> None:
+    """The free ones are those that the filter of the solutions leaves."""
+    arm = urdf_ik.load("zyyzyz_6r")
+    bounds = [[0.2, -0.3, 0.2], [0.8, 0.3, 1.4]]
+    found = workspaces.workspace(arm, 0.6, 10, bounds=bounds, collision_free=True)
+    assert found.about.counted == "free" and found.grid.shape == (1, 1, 2)
+    targets = np.zeros((2, 10, 4, 4))
+    targets[..., :3, :3], targets[..., 3, 3] = found.samples, 1.0
+    targets[..., :3, 3] = found.grid.centres(slice(0, 2))[:, None]
+    free = arm.ik(targets).within_limits().collision_free().count
+    np.testing.assert_array_equal(found.free[0, 0], free)
+    assert free.sum() < found.within.sum()
+
+
+def test_a_file_gives_the_map_back(tmp_path: Path) -> None:
+    """Every array, the header and the grid; the header is JSON with the arm's numbers, and there is no pickle."""
+    arm = urdf_ik.load("zyyzyz_6r")
+    path = tmp_path / "map.npz"
+    found = workspaces.workspace(arm, 0.8, 7, manipulability=True, margin=True, output=path)
+    again = workspaces.read(path)
+    assert again.about == found.about and again.grid.shape == found.grid.shape
+    for name in ("samples", "solutions", "within", "branch_poses", "manipulability", "margin"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(found, name))
+    assert again.free is None and [each.name for each in tmp_path.iterdir()] == ["map.npz"]
+    with np.load(path, allow_pickle=False) as file:
+        header = json.loads(str(file["header"]))
+    assert header["version"] == 2 and header["base"] == arm.base and header["tip"] == arm.tip
+    assert header["limits"] == arm.limits.tolist() and len(header["urdf_sha256"]) == 64
+    assert header["grid"]["voxel"] == 0.8 and header["made_by"] == urdf_ik.__version__
+    other = workspaces.workspace(urdf_ik.load("puma_560"), 1.0, 1)
+    assert other.about.urdf_sha256 != found.about.urdf_sha256
+
+
+def test_files_that_are_no_maps_are_refused(tmp_path: Path) -> None:
+    """Text, another npz, a cut-off map, another version, an array of the wrong shape: one kind of error, in words."""
+    found = workspaces.workspace(urdf_ik.load("positioning_3r"), 0.4)
+    good = tmp_path / "good.npz"
+    found.save(good)
+    with np.load(good) as file:
+        arrays = {name: file[name] for name in file.files}
+    header = json.loads(str(arrays["header"]))
+    (tmp_path / "text.npz").write_text("no map")
+    (tmp_path / "cut.npz").write_bytes(good.read_bytes()[:-100])
+    np.savez(tmp_path / "other.npz", a=np.zeros(3))
+    np.savez(tmp_path / "version.npz", **{**arrays, "header": np.array(json.dumps({**header, "version": 3}))})
+    np.savez(tmp_path / "shape.npz", **{**arrays, "solutions": arrays["solutions"][1:]})
+    np.savez(tmp_path / "pickle.npz", **{**arrays, "header": np.array({"a": 1}, dtype=object)})
+    for name in ("text", "cut", "other", "version", "shape", "pickle", "missing"):
+        with pytest.raises(urdf_ik.ArgumentError, match=f"{name}.npz"):
+            workspaces.read(tmp_path / f"{name}.npz")
+    with pytest.raises(urdf_ik.ArgumentError, match="cannot write"):
+        found.save(tmp_path / "nowhere" / "map.npz")
+
+
+def test_questions_to_a_map() -> None:
+    """Slices are layers, a ray ends where the arm does, shares are counts, the volume is that of the voxels."""
+    arm = urdf_ik.load("positioning_3r")
+    found = workspaces.workspace(arm, 0.05)
+    layer = found.slice("z", 0.41, "solutions")
+    k = int((0.41 - found.grid.lower[2]) / 0.05)
+    np.testing.assert_array_equal(np.nan_to_num(layer.values), found.counts[:, :, k, 0])
+    assert layer.axes == ("x", "y") and abs(layer.at - 0.41) <= 0.025
+    stretches = found.reach([1.0, 0.0, 0.0], [0.0, 0.0, 0.4])
+    assert abs(stretches[-1, 1] - 0.8) <= 0.05 * 1.01
+    assert (stretches[:, 0] < stretches[:, 1]).all()
+    assert not len(found.reach([1.0, 0.0, 0.0], [5.0, 0.0, 0.0]))
+    shares = found.branch_shares()
+    for b, name in enumerate(found.about.branches):
+        assert shares[name].voxels == pytest.approx(found.branch_poses[..., b].sum() / found.reached.sum())
+    assert found.volume == pytest.approx(found.reached.sum() * 0.05**3)
+    for question in (
+        lambda: found.slice("w"),
+        lambda: found.slice("z", 9.0),
+        lambda: found.values("beauty"),
+        lambda: found.values("margin"),
+        lambda: found.reach([0.0, 0.0, 0.0]),
+        lambda: found.reach([1.0, 0.0]),
+    ):
+        with pytest.raises(urdf_ik.ArgumentError):
+            question()
+
+
+def test_a_map_of_a_planar_arm_agrees_with_the_exact_region() -> None:
+    """Voxel centres are reached where the region says so, by each branch."""
+    arm = urdf_ik.load("planar_2r")
+    found, region = workspaces.workspace(arm, 0.01), workspaces.planar(arm)
+    x, y = np.meshgrid(found.grid.coordinates(0), found.grid.coordinates(1), indexing="ij")
+    for b, name in enumerate(found.about.branches):
+        np.testing.assert_array_equal(found.branch_poses[:, :, 0, b], region.reaches(np.stack([x, y], -1), name))
+
+
+def test_memory_stays_within_the_answers_and_a_chunk() -> None:
+    """Ten times the poses take no more memory but for the answers' own."""
+    arm = urdf_ik.load("zyyzyz_6r")
+    workspaces.workspace(arm, 1.0, 10)
+
+    def peak(orientations: int) -> tuple[int, int]:
+        tracemalloc.start()
+        found = workspaces.workspace(arm, 0.4, orientations)
+        most = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        return most - found.solutions.nbytes - found.within.nbytes - found.branch_poses.nbytes, found.solutions.size
+
+    (small, _), (great, poses) = peak(10), peak(100)
+    chunk = workspaces.CHUNK * 8 * 6 * 8
+    assert great < small + 2 * chunk
+    assert great < 10 * chunk < poses * 8 * 6 * 8
+
+
+def test_a_map_that_does_not_fit_is_refused_before_any_work(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Too much memory, too full a disk: an error with the numbers, and nothing was solved."""
+    arm = urdf_ik.load("zyyzyz_6r")
+    monkeypatch.setattr(arm, "ik", lambda *_, **__: pytest.fail("it was solved"))
+    with pytest.raises(urdf_ik.ArgumentError, match=r"4600 x 4600 x 4600 voxels.*GiB of memory.*are free"):
+        workspaces.workspace(arm, 0.001)
+    monkeypatch.setattr(grid.capacity, "free_disk", lambda _: 2**20)
+    with pytest.raises(urdf_ik.ArgumentError, match=r"on the disk.*1 MiB free"):
+        workspaces.workspace(arm, 0.1, output=tmp_path / "map.npz")
+    for wrong in ({"voxel": 0.0}, {"orientations": 0}, {"chunk": 0}, {"bounds": [[0, 0, 0], [1, 1, 0]]}):
+        with pytest.raises(urdf_ik.ArgumentError):
+            workspaces.workspace(arm, **wrong)
+
+
+def test_arms_with_seven_joints_are_mapped_at_a_value_of_their_parameter() -> None:
+    """The header holds the value; counts are those of ``ik`` there."""
+    arm = urdf_ik.load("srs_7r")
+    found = workspaces.workspace(arm, 0.5, 5, redundancy=0.4, within_limits=False)
+    assert found.about.redundancy == 0.4 and found.about.counted == "solutions"
+    i, j, k, s = np.argwhere(found.counts > 0)[0]
+    centre = np.array([found.grid.coordinates(axis)[place] for axis, place in enumerate((i, j, k))])
+    assert found.counts[i, j, k, s] == len(arm.ik(target_of(arm, centre, found.samples[s]), redundancy=0.4))
+
+
+def test_the_command_prints_regions_and_maps(tmp_path: Path) -> None:
+    """Exact areas of the two-link arm; a map's sums, its file, JSON; errors with their status."""
+    text = succeed("workspace", "planar_2r", "--degrees")
+    assert "elbow left" in text and "0.055573" in text and "255.0000" in text
+    data = json.loads(succeed("workspace", "planar_2r", "-f", "json"))
+    assert data["regions"]["elbow right"]["area"] == pytest.approx(0.0029759, rel=1e-4)
+    path = tmp_path / "map.npz"
+    text = succeed("workspace", "zyyzyz_6r", "--voxel", "0.6", "--orientations", "5", "-o", str(path))
+    found = workspaces.read(path)
+    assert f"solutions: {found.solutions.sum()}" in text and "shoulder front" in text
+    data = json.loads(succeed("workspace", "zyyzyz_6r", "--voxel", "0.6", "--orientations", "5", "-f", "json"))
+    assert data["poses"]["reached"] == (found.counts > 0).sum()
+    result = call("workspace", "zyyzyz_6r", "--voxel", "0.0001")
+    assert result.exit_code == 2 and "of memory" in result.stderr

@@ -1,0 +1,189 @@
+"""Names of arms: every one leads to a URDF that holds its chain, and a name that does not says what would."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+from lxml import etree
+
+import urdf_ik
+from urdf_ik.errors import ArgumentError, ChainError
+from urdf_ik.model import catalogue, downloads
+
+
+def movable_joints(path: Path, base: str, tip: str) -> list[str]:
+    """Names of the joints that move tip against base, going up from the tip."""
+    joints = {joint.find("child").get("link"): joint for joint in etree.parse(path).getroot().findall("joint")}
+    names = []
+    link = tip
+    while link != base:
+        joint = joints[link]
+        if joint.get("type") != "fixed":
+            names.append(joint.get("name"))
+        link = joint.find("parent").get("link")
+    return names
+
+
+@pytest.mark.parametrize("name", catalogue.names())
+def test_every_name_leads_to_a_chain(name: str) -> None:
+    """The file exists, and between its base and its tip are two to seven movable joints."""
+    entry = catalogue.resolve(name)
+    assert entry.name == name
+    assert entry.path.is_absolute() and entry.path.suffix == ".urdf"
+    assert entry.base is not None and entry.tip is not None
+    assert 2 <= len(movable_joints(entry.path, entry.base, entry.tip)) <= 7
+
+
+@pytest.mark.parametrize("name", catalogue.EXAMPLE_ROBOT_DATA)
+def test_meshes_lie_in_the_package_folders(name: str) -> None:
+    """Every mesh that the URDF names is a file below one of the entry's package folders."""
+    entry = catalogue.resolve(name)
+    addresses = {mesh.get("filename") for mesh in etree.parse(entry.path).iter("mesh")}
+    inside = [address.removeprefix("package://") for address in addresses]
+    assert all(any((folder / path).is_file() for folder in entry.package_dirs) for path in inside)
+    # The arms are drawn with meshes, but for a pendulum of two links.
+    assert addresses or name == "twodof"
+
+
+def test_ur3_is_not_the_robot_without_links() -> None:
+    """The name ur3 gives the arm, where example-robot-data's own ur3.urdf has no links."""
+    path = catalogue.resolve("ur3").path
+    assert etree.parse(path.with_name("ur3.urdf")).getroot().find("link") is None
+    assert len(etree.parse(path).getroot().findall("joint")) > 6
+
+
+def test_bundled_arms_are_all_named() -> None:
+    """Every URDF of the bundled folder has a name, and bundled names come first."""
+    folder = catalogue.resolve("zyyzyz_6r").path.parent
+    files = {path.stem for path in folder.glob("*.urdf")}
+    assert files == set(catalogue.BUNDLED) == set(catalogue.names()[: len(files)])
+
+
+def test_bundled_arms_are_described() -> None:
+    """Every bundled arm says in a few words what it is, and no two say the same."""
+    words = {name: catalogue.resolve(name).description for name in catalogue.BUNDLED}
+    assert all(10 < len(text) < 100 for text in words.values())
+    assert len(set(words.values())) == len(words)
+
+
+@pytest.mark.parametrize(
+    ("name", "nearest"),
+    [("zyyzyz", "zyyzyz_6r"), ("UR5", "ur5"), ("ur5_arm", "ur5"), ("pand", "panda"), ("baxter_lef", "baxter_left")],
+)
+def test_unknown_name_lists_the_nearest(name: str, nearest: str) -> None:
+    """A name with a slip in it is refused, and the message holds the name that was meant."""
+    with pytest.raises(ArgumentError, match=rf"'{name}'; nearest: .*\b{nearest}\b"):
+        catalogue.resolve(name)
+
+
+def test_unknown_name_that_is_near_to_none_lists_all() -> None:
+    """A name that resembles nothing is refused with the whole catalogue."""
+    with pytest.raises(ArgumentError) as caught:
+        catalogue.resolve("q" * 12)
+    assert all(name in str(caught.value) for name in catalogue.names())
+
+
+@pytest.mark.parametrize("installed", ["not at all", "without a list of files", "with other files"])
+def test_missing_package_says_how_to_install_it(installed: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without example-robot-data its names say how to install it, and bundled names still work."""
+
+    def files(distribution: str) -> list[metadata.PackagePath] | None:
+        if installed == "not at all":
+            raise metadata.PackageNotFoundError(distribution)
+        return None if installed == "without a list of files" else [metadata.PackagePath("share/else/package.xml")]
+
+    monkeypatch.setattr(metadata, "files", files)
+    with pytest.raises(ArgumentError, match=r"'ur5' .* example-robot-data.*pip install 'urdf-ik\[robots\]'"):
+        catalogue.resolve("ur5")
+    assert catalogue.resolve("dh_6r").path.is_file()
+
+
+def test_outdated_package_says_how_to_upgrade_it(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Where the installed package lacks the arm, the message names the missing file and the upgrade."""
+    monkeypatch.setattr(catalogue, "_example_robot_data_share", lambda: tmp_path)
+    with pytest.raises(ArgumentError, match=r"ur5_robot\.urdf is missing: .*\[robots\]' --upgrade"):
+        catalogue.resolve("ur5")
+
+
+@pytest.fixture
+def described(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+    """The models of robot_descriptions, each downloaded from a repository on this machine; gives its cache."""
+    repositories = pytest.importorskip("robot_descriptions._repositories").REPOSITORIES
+    share = catalogue._example_robot_data_share()
+    assert share is not None
+    upstream = tmp_path / "upstream"
+    folder = upstream / "robots" / "panda_description"
+    shutil.copytree(share / "example-robot-data/robots/panda_description/urdf", folder / "urdf")
+    git = ["git", "-C", str(upstream), "-c", "user.name=n", "-c", "user.email=e@example.org", "-c", "commit.gpgsign=no"]
+    for arguments in (["init", "-q"], ["add", "-A"], ["commit", "-qm", "models"]):
+        subprocess.run([*git, *arguments], check=True)
+    head = subprocess.run([*git, "rev-parse", "HEAD"], check=True, capture_output=True, text=True).stdout.strip()
+    monkeypatch.setattr(repositories["example-robot-data"], "url", str(upstream))
+    monkeypatch.setattr(repositories["example-robot-data"], "commit", head)
+    monkeypatch.setattr(repositories["Universal_Robots_ROS2_Description"], "url", str(tmp_path / "nothing"))
+    monkeypatch.setenv("ROBOT_DESCRIPTIONS_CACHE", str(tmp_path / "cache"))
+    for name in ("panda_description", "ur10e_description"):
+        monkeypatch.delitem(sys.modules, f"robot_descriptions.{name}", raising=False)
+    return tmp_path / "cache"
+
+
+def test_a_described_robot_is_downloaded_once(described: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A model of robot_descriptions is not here, is downloaded when it is asked for, and is the same arm as by file."""
+    with monkeypatch.context() as patch:
+        patch.setattr(catalogue, "_example_robot_data_share", lambda: None)
+        assert not catalogue.is_here("panda_description")
+        arm = urdf_ik.load("panda_description")
+        assert catalogue.is_here("panda_description") and described in Path(arm.model.source).parents
+    same = urdf_ik.load("panda")
+    assert (arm.base, arm.tip, arm.joint_names) == (same.base, same.tip, same.joint_names)
+    assert (arm.fk([0.1] * arm.dof) == same.fk([0.1] * arm.dof)).all()
+
+
+def test_what_cannot_be_downloaded_says_so(described: Path) -> None:
+    """Without the repository the message says what was tried; the short name leads to the same model."""
+    for name in ("ur10e", "ur10e_description"):
+        with pytest.raises(ArgumentError, match=r"'ur10e_description' is a model of .*and cannot.* here: ur10"):
+            urdf_ik.load(name)
+    assert not catalogue.is_here("ur10e")
+
+
+@pytest.mark.parametrize("name", ["panda", "tiago", "ur10"])
+def test_what_example_robot_data_has_is_not_downloaded(name: str, described: Path) -> None:
+    """The name that robot_descriptions has, or had, for an installed arm is that arm, in an empty cache."""
+    assert catalogue.is_here(f"{name}_description")
+    assert catalogue.resolve(f"{name}_description") == catalogue.resolve(name)
+    assert not described.exists()
+
+
+def test_the_ending_does_not_hide_the_nearest_name() -> None:
+    """A name that is wrong by a letter is compared without its ending, too."""
+    with pytest.raises(ArgumentError, match=r"nearest: .*puma_560"):
+        catalogue.resolve("puma560_description")
+
+
+def test_without_robot_descriptions_the_nearest_name_is_still_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the package is not installed an unknown name brings its installation along."""
+    monkeypatch.setattr(downloads, "_descriptions", dict)
+    with pytest.raises(ArgumentError, match=r"no arm is called 'ur10e'; nearest: .*ur10.*pip install"):
+        catalogue.resolve("ur10e")
+
+
+@pytest.mark.parametrize("name", catalogue.EXAMPLE_ROBOT_DATA)
+def test_the_chain_that_is_meant_is_never_another(name: str) -> None:
+    """Without base and tip: the catalogue's joints, those before them included, or a doubt that lists them."""
+    entry = catalogue.resolve(name)
+    model = urdf_ik.model.urdf.read(entry.path)
+    wanted = {joint.name for joint in model.path_between(entry.base, entry.tip) if joint.type != "fixed"}
+    try:
+        base, tip = model.resolve_chain()
+    except ChainError:
+        assert any(wanted <= {*each.before, *each.joints} for each in model.chains())
+        return
+    found = [joint for joint in model.path_between(base, tip) if joint.type != "fixed" and joint.mimic is None]
+    above = {joint.name for joint in model.path_between(base, entry.base)}
+    assert {joint.name for joint in found} - above == wanted - above

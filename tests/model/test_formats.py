@@ -1,0 +1,259 @@
+"""Files that are no plain URDF: xacro, MJCF, gzip, and ROS packages; each held against Pinocchio or MuJoCo."""
+
+from __future__ import annotations
+
+import gzip
+import sys
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pinocchio
+import pytest
+
+import urdf_ik
+from urdf_ik.errors import MissingPackage, UrdfError
+from urdf_ik.model.urdf import read, resolve_mesh
+
+XACRO = """<?xml version="1.0"?>
+<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="made">
+  <xacro:arg name="length" default="0.3"/>
+  <xacro:property name="half" value="${pi / 2}"/>
+  <xacro:include filename="$(find arm_parts)/urdf/link.xacro"/>
+  <link name="base"/>
+  <xacro:part name="1" parent="base" z="$(arg length)" roll="${half}"/>
+  <xacro:part name="2" parent="link_1" z="${2 * 0.2}" roll="0.1"/>
+</robot>
+"""
+PART = """<robot xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:macro name="part" params="name parent z roll">
+    <link name="link_${name}">
+      <visual><geometry><mesh filename="package://arm_parts/meshes/link.stl"/></geometry></visual>
+    </link>
+    <joint name="joint_${name}" type="revolute">
+      <parent link="${parent}"/><child link="link_${name}"/>
+      <origin xyz="0 0 ${z}" rpy="${roll} 0 0"/><axis xyz="0 1 0"/>
+      <limit lower="-2" upper="2" effort="1" velocity="1"/>
+    </joint>
+  </xacro:macro>
+</robot>
+"""
+
+
+@pytest.fixture
+def workspace(tmp_path: Path) -> Path:
+    """Two ROS packages: the arm, and the parts that it includes."""
+    for name, file, text in (("arm", "arm.urdf.xacro", XACRO), ("arm_parts", "link.xacro", PART)):
+        folder = tmp_path / "share" / name
+        (folder / "urdf").mkdir(parents=True)
+        (folder / "urdf" / file).write_text(text)
+        (folder / "package.xml").write_text(f"<package><name>{name}</name></package>")
+    (tmp_path / "share/arm_parts/meshes").mkdir()
+    (tmp_path / "share/arm_parts/meshes/link.stl").write_text("solid")
+    return tmp_path
+
+
+def test_a_xacro_is_what_it_expands_to(workspace: Path) -> None:
+    """Forward kinematics are Pinocchio's of the URDF that stands in the macros, with the default and with another."""
+    for given, length in ((None, 0.3), ({"length": 0.75}, 0.75)):
+        file = workspace / "share/arm/urdf/arm.urdf.xacro"
+        arm = urdf_ik.load(file, mesh_roots=[workspace / "share"], xacro_args=given)
+        plain = "".join(
+            f'<link name="link_{k}"/><joint name="joint_{k}" type="revolute"><parent link="{parent}"/>'
+            f'<child link="link_{k}"/><origin xyz="0 0 {z}" rpy="{roll!r} 0 0"/><axis xyz="0 1 0"/>'
+            '<limit lower="-2" upper="2" effort="1" velocity="1"/></joint>'
+            for k, parent, z, roll in ((1, "base", length, np.pi / 2), (2, "link_1", 0.4, 0.1))
+        )
+        model = pinocchio.buildModelFromXML(f'<robot name="made"><link name="base"/>{plain}</robot>')
+        data = model.createData()
+        q = np.array([0.4, -0.7])
+        pinocchio.framesForwardKinematics(model, data, q)
+        np.testing.assert_allclose(arm.fk(q), data.oMf[model.getFrameId("link_2")].homogeneous, atol=1e-15)
+        assert arm.limits.tolist() == [[-2.0, 2.0]] * 2
+
+
+@pytest.mark.parametrize("variable", ["AMENT_PREFIX_PATH", "ROS_PACKAGE_PATH"])
+def test_packages_are_found_by_the_environment(variable: str, workspace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """$(find package) and package:// lead to the folders that ROS 2 or ROS 1 would find."""
+    for each in ("AMENT_PREFIX_PATH", "ROS_PACKAGE_PATH"):
+        monkeypatch.delenv(each, raising=False)
+    file = workspace / "share/arm/urdf/arm.urdf.xacro"
+    with pytest.raises(UrdfError, match=r"no ROS package 'arm_parts' \(give the folder.*AMENT_PREFIX_PATH"):
+        read(file)
+    monkeypatch.setenv(variable, f"{workspace / 'nowhere'}:{workspace}")
+    mesh = resolve_mesh(read(file), "package://arm_parts/meshes/link.stl")
+    assert mesh == workspace / "share/arm_parts/meshes/link.stl"
+    with pytest.raises(UrdfError, match="not found; searched .*ROS_PACKAGE_PATH"):
+        resolve_mesh(read(file), "package://arm_pars/meshes/link.stl")
+    with pytest.raises(UrdfError, match="leads outside"):
+        resolve_mesh(read(file), "package://arm_parts/../../secret.stl")
+
+
+def test_a_package_is_known_by_its_manifest(workspace: Path) -> None:
+    """A URDF in a package finds the package's meshes, whatever its folder is called."""
+    package = (workspace / "share/arm_parts").rename(workspace / "checkout-2")
+    (package / "urdf/tiny.urdf").write_text('<robot name="tiny"><link name="base"/></robot>')
+    model = read(package / "urdf/tiny.urdf")
+    for name in ("package://arm_parts/meshes/link.stl", "../meshes/link.stl"):
+        assert resolve_mesh(model, name) == package / "meshes/link.stl"
+
+
+@pytest.mark.parametrize(
+    ("text", "given", "words"),
+    [
+        ('<xacro:arg name="a" default="1"/>', {"b": 2}, r"it has no argument 'b'.*its arguments: a"),
+        ("<link name='$(arg tool)'/>", None, "xacro cannot expand it.*tool.*--xacro-arg NAME:=VALUE"),
+        ("<link name='${nothing}'/>", None, "xacro cannot expand it.*nothing"),
+        ("<link name='a'", None, "xacro cannot expand it"),
+    ],
+)
+def test_a_broken_xacro_says_what_is_missing(
+    text: str, given: dict[str, object] | None, words: str, tmp_path: Path
+) -> None:
+    """Unknown arguments, arguments without a value, unknown names and malformed XML are told apart."""
+    file = tmp_path / "broken.xacro"
+    file.write_text(f'<robot name="x" xmlns:xacro="http://www.ros.org/wiki/xacro">{text}<link name="b"/></robot>')
+    with pytest.raises(UrdfError, match=words):
+        read(file, xacro_args=given)
+
+
+def test_a_xacro_under_another_name_says_how_it_is_expanded(tmp_path: Path) -> None:
+    """A .urdf that holds xacro is not run by itself: the message says how, and that works."""
+    file = tmp_path / "arm.urdf"
+    file.write_text(XACRO.replace("$(find arm_parts)/urdf/", ""))
+    (tmp_path / "link.xacro").write_text(PART)
+    with pytest.raises(UrdfError, match=r"end the file's name in \.xacro, or give xacro_args \(--xacro-arg"):
+        read(file)
+    assert len(read(file, xacro_args={}).joints) == 2
+
+
+def test_missing_packages_say_how_to_install_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without xacro or mujoco their files name the extra that brings them."""
+    for name in ("mujoco", "xacro"):
+        monkeypatch.setitem(sys.modules, name, None)
+    (tmp_path / "arm.xacro").write_text(XACRO)
+    with pytest.raises(MissingPackage, match=r"pip install 'urdf-ik\[xacro\]'"):
+        read(tmp_path / "arm.xacro")
+    (tmp_path / "arm.xml").write_text("<mujoco/>")
+    with pytest.raises(MissingPackage, match=r"pip install 'urdf-ik\[mjcf\]'"):
+        read(tmp_path / "arm.xml")
+
+
+def test_gzip_is_unpacked(tmp_path: Path) -> None:
+    """A compressed URDF is the URDF, as a file and as bytes; a damaged one and one that never ends are refused."""
+    text = b'<robot name="tiny"><link name="base"/></robot>'
+    (tmp_path / "tiny.urdf.gz").write_bytes(gzip.compress(text))
+    assert read(tmp_path / "tiny.urdf.gz").links == read(gzip.compress(text)).links == ("base",)
+    with pytest.raises(UrdfError, match="damaged gzip data"):
+        read(gzip.compress(text)[:-20])
+    with pytest.raises(UrdfError, match="more than 8 MiB"):
+        read(gzip.compress(b" " * (65 * 2**20)))
+
+
+MJCF = """<mujoco model="m">
+  <compiler angle="degree" meshdir="assets"/>
+  <asset>
+    <mesh name="there" file="there.obj" scale="1 1 2"/><mesh file="gone.stl"/>
+    <texture name="t" type="2d" file="gone.png"/><material name="skin" texture="t"/>
+  </asset>
+  <worldbody>
+    <geom type="plane" size="1 1 1"/>
+    <body name="b1" pos="0 0 1" euler="0 90 30">
+      <joint name="j1" axis="0 1 1" range="-90 90" pos="0.1 0.3 0" ref="20"/>
+      <geom type="mesh" mesh="gone" material="skin"/>
+      <geom type="capsule" size="0.1" fromto="0 0 0 0.2 0 1"/>
+      <body name="b2" pos="0 0 1" quat="0.3 0.4 0.5 0.6">
+        <joint name="slide" type="slide" axis="1 0 0" range="-1 1" ref="0.2"/>
+        <joint name="j3" pos="0.1 0 0.1"/>
+        <geom type="mesh" mesh="there" pos="0.1 0 0" euler="10 20 30"/>
+        <body pos="0.1 0.2 0.3">
+          <joint name="j4" axis="0 0 1"/>
+          <geom size="0.1"/>
+          <site name="end" pos="0.1 0 0" euler="20 30 40"/>
+        </body>
+      </body>
+    </body>
+  </worldbody>
+  <equality><joint joint1="j3" joint2="j1" polycoef="0.1 2 0 0 0"/></equality>
+</mujoco>
+"""
+OBJ = "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+
+
+@pytest.fixture
+def mjcf(tmp_path: Path) -> Path:
+    """A model with a reference angle, anchors, two joints in a body, an equality and a mesh that is not there."""
+    (tmp_path / "assets").mkdir()
+    (tmp_path / "assets/there.obj").write_text(OBJ)
+    (tmp_path / "m.xml").write_text(MJCF)
+    return tmp_path / "m.xml"
+
+
+def test_a_mujoco_model_moves_as_in_mujoco(mjcf: Path) -> None:
+    """The site's pose is that of mj_kinematics at the same joint values, the equality kept; limits are the ranges."""
+    mujoco = pytest.importorskip("mujoco")
+    arm = urdf_ik.load(mjcf, tip="end")
+    assert (arm.base, arm.joint_names) == ("world", ("j1", "slide", "j4"))
+    np.testing.assert_allclose(arm.limits[:2], [[-np.pi / 2, np.pi / 2], [-1.0, 1.0]])
+    text = MJCF.replace('<mesh file="gone.stl"/>', "").replace('file="gone.png"', 'builtin="flat" width="9" height="9"')
+    text = text.replace('<geom type="mesh" mesh="gone" material="skin"/>', "")
+    (mjcf.parent / "whole.xml").write_text(text)
+    model = mujoco.MjModel.from_xml_path(str(mjcf.parent / "whole.xml"))
+    data = mujoco.MjData(model)
+    at = {name: int(model.joint(name).qposadr[0]) for name in ("j1", "slide", "j3", "j4")}
+    for q in np.random.default_rng(0).uniform(-1.0, 1.0, (50, 3)):
+        data.qpos[[at["j1"], at["slide"], at["j4"]]] = q
+        data.qpos[at["j3"]] = 0.1 + 2.0 * (q[0] - np.deg2rad(20.0))
+        mujoco.mj_kinematics(model, data)
+        expected = np.eye(4)
+        expected[:3, 3], expected[:3, :3] = data.site("end").xpos, data.site("end").xmat.reshape(3, 3)
+        np.testing.assert_allclose(arm.fk(q), expected, atol=1e-14)
+
+
+def test_shapes_of_a_mujoco_model_lie_where_they_do_there(mjcf: Path) -> None:
+    """A mesh's vertices are in the body where MuJoCo has them; what a URDF cannot hold or is not there is reported."""
+    mujoco = pytest.importorskip("mujoco")
+    model = read(mjcf)
+    body = next(link for link in model.robot.robot.links if link.name == "b2")
+    shape = body.collisions[0]
+    vertices = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]]) * shape.geometry.mesh.scale
+    ours = vertices @ shape.origin[:3, :3].T + shape.origin[:3, 3]
+    text = MJCF.replace('<mesh file="gone.stl"/>', "").replace('file="gone.png"', 'builtin="flat" width="9" height="9"')
+    (mjcf.parent / "whole.xml").write_text(text.replace('<geom type="mesh" mesh="gone" material="skin"/>', ""))
+    theirs = mujoco.MjModel.from_xml_path(str(mjcf.parent / "whole.xml"))
+    geom = next(k for k in range(theirs.ngeom) if theirs.geom_type[k] == mujoco.mjtGeom.mjGEOM_MESH)
+    R = np.zeros(9)
+    mujoco.mju_quat2Mat(R, theirs.geom_quat[geom])
+    there = theirs.mesh_vert @ R.reshape(3, 3).T + theirs.geom_pos[geom]
+    near = np.linalg.norm(ours[:, None] - there[None], axis=-1).min(axis=1)
+    assert near.max() < 1e-6  # MuJoCo keeps vertices in single precision
+    assert resolve_mesh(model, shape.geometry.mesh.filename) == mjcf.parent / "assets/there.obj"
+    assert [error.problem for error in model.left_out] == [
+        "mesh 'gone': its file is not there",
+        "a URDF has no shape for a plane",
+    ]
+
+
+def test_mujoco_models_are_read_from_files_only(mjcf: Path) -> None:
+    """Text may not send MuJoCo's own parser to other files; a broken model brings MuJoCo's words along."""
+    pytest.importorskip("mujoco")
+    with pytest.raises(UrdfError, match="a MuJoCo model as text .save it"):
+        read(MJCF)
+    mjcf.write_text("<mujoco><worldbody><bodi/></worldbody></mujoco>")
+    with pytest.raises(UrdfError, match="MuJoCo refuses the model: .*bodi"):
+        read(mjcf)
+
+
+@pytest.mark.parametrize(
+    ("name", "axis", "says"), [("j\uffff", "0 0 1", "cannot be written as a URDF"), ("j", "-1e308 0 1", "zero axis")]
+)
+def test_what_no_urdf_can_hold_is_refused(name: str, axis: str, says: str, tmp_path: Path) -> None:
+    """Names and axes that MuJoCo takes: an error of ours, and no warning about its inertia."""
+    pytest.importorskip("mujoco")
+    joint = f'<joint name="{name}" type="hinge" axis="{axis}"/>'
+    text = f'<mujoco><worldbody><body name="b"><geom size=".1"/>{joint}</body></worldbody></mujoco>'
+    (tmp_path / "arm.xml").write_text(text, encoding="utf-8")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(UrdfError, match=says):
+            read(tmp_path / "arm.xml")

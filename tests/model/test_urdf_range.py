@@ -1,0 +1,128 @@
+"""Numbers of a URDF that are out of range: refused with the element, or read without overflow."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from lxml import etree
+
+import urdf_ik
+from urdf_ik import ArgumentError, PoseError, UrdfError
+
+ARM = """<robot name="r"><link name="a"/><link name="b"/><link name="c"/><link name="d"/>
+<joint name="i" type="revolute"><parent link="a"/><child link="b"/><axis xyz="{axis}"/>
+<limit lower="{lower}" upper="{upper}" effort="1" velocity="{velocity}"/></joint>
+<joint name="j" type="continuous"><parent link="b"/><child link="c"/><origin xyz="{xyz}" rpy="{rpy}"/>
+<axis xyz="0 0 1"/>
+</joint><joint name="k" type="fixed"><parent link="c"/><child link="d"/><origin xyz="0.5 0 0"/></joint></robot>"""
+SANE = {"axis": "0 0 1", "lower": "-1", "upper": "1", "xyz": "1 0 0", "rpy": "0 0 0", "velocity": "1"}
+
+
+def text(**changed: str) -> str:
+    """The arm with other numbers."""
+    return ARM.format(**{**SANE, **changed})
+
+
+@pytest.mark.parametrize("value", ["1e16", "-1e155", "1e200", "1e308", "-1.7e308"])
+@pytest.mark.parametrize("where", ["xyz", "rpy"])
+def test_lengths_and_angles_that_are_too_large_are_refused(value: str, where: str) -> None:
+    """At each place of a joint's origin, with the joint named."""
+    for place in range(3):
+        numbers = ["0", "0", "0"]
+        numbers[place] = value
+        with pytest.raises(UrdfError, match="beyond 1e") as refused:
+            urdf_ik.load(text(**{where: " ".join(numbers)}))
+        assert refused.value.element == '<origin> of <joint name="j">' and refused.value.line == 4
+
+
+@pytest.mark.parametrize(
+    "shape", ['box size="1e160 1 1"', 'sphere radius="1e155"', 'cylinder radius="1e155" length="1"',
+              'capsule radius="1" length="1e16"', 'mesh filename="a.stl" scale="1 1 1e200"']
+)  # fmt: skip
+def test_shapes_that_are_too_large_are_left_out_by_name(shape: str) -> None:
+    """They have no part in the arm's motion; who asks what it touches is told which shape is missing, and why."""
+    body = '<link name="{}"><collision><geometry><{}/></geometry></collision></link>'
+    xml = text().replace('<link name="a"/>', body.format("a", 'box size="1 1 1"'))
+    arm = urdf_ik.load(xml.replace('<link name="d"/>', body.format("d", shape)))
+    with pytest.raises(UrdfError, match=r"is beyond 1e\+15") as refused:
+        arm.clearance([0.0, 0.0])
+    assert refused.value.element == f'<{shape.split()[0]}> of <collision> of <link name="d">'
+
+
+@pytest.mark.parametrize("value", ["1e-30", "5e-324", "-1e-200"])
+def test_lengths_that_are_lost_beside_the_others_are_refused(value: str) -> None:
+    """Neither zero nor anything that a double keeps beside the arm's size; a small arm is no matter."""
+    with pytest.raises(UrdfError, match="no digit beside") as refused:
+        urdf_ik.load(text(xyz=f"0 {value} 0"))
+    assert refused.value.element == '<origin> of <joint name="j">'
+    assert urdf_ik.load(text(xyz=f"1 {value} 0")).dof == 2  # a component may be what rounding left
+    assert urdf_ik.load(text(xyz="1e-9 0 0").replace("0.5 0 0", "1e-9 0 0")).dof == 2
+    assert urdf_ik.load(text(xyz="0 0 0")).dof == 2
+
+
+def test_speeds_out_of_range() -> None:
+    """Too slow to move is refused with the joint named; what programs write for no limit is none."""
+    for value in ("1e-16", "5e-324"):
+        with pytest.raises(UrdfError, match=f"velocity='{value}' is below 1e-15") as refused:
+            urdf_ik.load(text(velocity=value))
+        assert refused.value.element == '<limit> of <joint name="i">'
+    for value in ("0", "1e16", "1e308"):
+        assert urdf_ik.load(text(velocity=value)).velocity_limits[0] == np.inf
+    assert urdf_ik.load(text(velocity="1e15")).velocity_limits[0] == 1e15
+
+
+@pytest.mark.parametrize("value", ["1e16", "-1e300", "1e-16", "5e-324", "-1e-200"])
+def test_factors_of_mimics_out_of_range_are_refused(value: str) -> None:
+    """With the joint that mimics named; 0 is a factor."""
+    follows = '<axis xyz="0 0 1"/>\n<mimic joint="i" multiplier="{}"/></joint>'
+    xml = text().replace('<axis xyz="0 0 1"/>\n</joint>', follows.format(value))
+    with pytest.raises(UrdfError, match="multiplier="):
+        urdf_ik.load(xml)
+    assert urdf_ik.load(xml.replace(value, "0")).dof == 1
+
+
+@pytest.mark.parametrize("scale", ["1e308", "1e155", "1e-5", "1e-11"])
+def test_axes_of_any_length_are_directions(scale: str) -> None:
+    """Normalised without overflow."""
+    arm, unit = urdf_ik.load(text(axis=f"{scale} {scale} -{scale}")), urdf_ik.load(text(axis="1 1 -1"))
+    np.testing.assert_allclose(arm.fk([0.4, 0.5]), unit.fk([0.4, 0.5]), atol=1e-15)
+
+
+@pytest.mark.parametrize("name", ["planar_2r", "positioning_3r", "zyyzyz_6r", "srs_7r", "puma_560", "scara_rrpr"])
+@pytest.mark.parametrize("value", [1.1e15, 1e155, -1e200, 1e308])
+def test_targets_out_of_range_are_refused(name: str, value: float) -> None:
+    """Single, in a batch, and near the edge of it: an error with the index; 1e15 m is out of reach."""
+    arm = urdf_ik.load(name)
+    q = np.full(arm.dof, 0.1)
+    T = arm.fk(q)
+    for row in range(3):
+        bad = T.copy()
+        bad[row, 3] = value
+        for targets in (bad, bad.tolist(), np.stack([T, T, bad])):
+            with pytest.raises(PoseError, match="are taken"):
+                arm.ik(targets)
+        with pytest.raises(PoseError):
+            arm.explain(bad)
+    far = T.copy()
+    far[0, 3] = 0.9e15
+    assert not arm.ik(far).count
+    q[-1] = value
+    for call in (arm.fk, arm.jacobian, arm.link_poses, lambda x: arm.ik(T, x), lambda x: arm.ik_nearest(T, x)):
+        with pytest.raises(ArgumentError, match="are taken"):
+            call(q)
+
+
+def test_limits_that_stand_for_none_leave_the_redundancy_parameter_where_postures_are() -> None:
+    """Of a first joint up to 1e15 rad the middle would be 5e14, an angle without a digit: solutions missed by 15 mm."""
+    arm = urdf_ik.load("panda")
+    model = etree.fromstring(arm.model.xml)
+    name = arm.redundancy.joint  # type: ignore[union-attr]
+    (limit,) = model.xpath(f"joint[@name='{name}']/limit")
+    limit.set("upper", "1e15")
+    wide = urdf_ik.load(etree.tostring(model).decode(), arm.base, arm.tip)
+    assert wide.redundancy is not None and wide.redundancy.default == 0.0
+    T = wide.fk([0.3, 0.2, -0.4, -1.9, 0.5, 1.6, 0.0])
+    reached = wide.fk(wide.ik(T).to_array())
+    assert len(reached) and np.abs(reached - T).max() < 1e-9
+    with pytest.raises(ArgumentError, match="up to 1e"):
+        wide.ik(T, redundancy=5e14)

@@ -1,0 +1,147 @@
+"""Waypoint files: every documented form is read as the same poses, and what is wrong is named with its place."""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import urdf_ik
+from urdf_ik import ArgumentError
+from urdf_ik.support import number_files
+
+pin.seed(4)
+SE3 = [pin.SE3.Random() for _ in range(5)]
+T = np.array([each.homogeneous for each in SE3])
+XYZ = T[:, :3, 3]
+QUAT = np.array([pin.SE3ToXYZQUAT(each)[[6, 3, 4, 5]] for each in SE3])
+RPY = np.array([pin.rpy.matrixToRpy(each.rotation) for each in SE3])
+ROTVEC = np.array([pin.log3(each.rotation) for each in SE3])
+
+
+def table(header: str, *columns: np.ndarray, mark: str = ",") -> bytes:
+    """A CSV."""
+    rows = [mark.join(map(repr, row)) for row in np.hstack(columns).tolist()]
+    return "\n".join([header, *rows, ""]).encode()
+
+
+def numpy_file(**arrays: np.ndarray) -> bytes:
+    """An .npz, or an .npy of the array ``alone``."""
+    out = io.BytesIO()
+    if "alone" in arrays:
+        np.save(out, arrays["alone"])
+    else:
+        np.savez(out, **arrays)
+    return out.getvalue()
+
+
+FORMS: dict[str, Callable[[], bytes]] = {
+    "scalar first": lambda: table("x,y,z,qw,qx,qy,qz", XYZ, QUAT),
+    "scalar last": lambda: table("x,y,z,qx,qy,qz,qw", XYZ, QUAT[:, [1, 2, 3, 0]]),
+    "other order, capitals, more columns": lambda: table("i,QW,QX,QY,QZ,X,Y,Z", XYZ[:, :1], QUAT, XYZ),
+    "roll, pitch, yaw": lambda: table("x,y,z,roll,pitch,yaw", XYZ, RPY),
+    "axis times angle": lambda: table("x;y;z;rx;ry;rz", XYZ, ROTVEC, mark=";"),
+    "tabs, byte order mark": lambda: b"\xef\xbb\xbf" + table("x\ty\tz\tqw\tqx\tqy\tqz", XYZ, QUAT, mark="\t"),
+    "comments, blank lines": lambda: b"# a seam\n\n" + table("x y z roll pitch yaw", XYZ, RPY, mark=" ") + b"\n# end\n",
+    "matrices row by row": lambda: table("", T.reshape(-1, 16)),
+    "json list": lambda: json.dumps(T.tolist()).encode(),
+    "json object": lambda: json.dumps({"name": "seam", "waypoints": T.tolist()}).encode(),
+    "json objects": lambda: json.dumps({"poses": [{"q": [1], "pose": each.tolist()} for each in T]}).encode(),
+    "npy": lambda: numpy_file(alone=T),
+    "npz": lambda: numpy_file(poses=T, q=XYZ),
+    "npz, the only array": lambda: numpy_file(seam=T),
+}
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_every_form_is_read_as_the_same_poses(form: str, tmp_path: Path) -> None:
+    """Pinocchio's poses come back from a path and from an open file, whatever the file is called."""
+    file = tmp_path / "seam.data"
+    file.write_bytes(FORMS[form]())
+    with file.open("rb") as opened:
+        for source in (file, str(file), opened):
+            np.testing.assert_allclose(urdf_ik.read_waypoints(source), T, rtol=0.0, atol=1e-12)
+
+
+def test_angles_of_a_csv_may_be_degrees() -> None:
+    """Roll, pitch and yaw are rad unless degrees are asked for; quaternions have no unit."""
+    data = table("x,y,z,roll,pitch,yaw", XYZ, np.rad2deg(RPY))
+    np.testing.assert_allclose(urdf_ik.read_waypoints(io.BytesIO(data), degrees=True), T, rtol=0.0, atol=1e-12)
+    data = table("x,y,z,qw,qx,qy,qz", XYZ, QUAT)
+    np.testing.assert_allclose(urdf_ik.read_waypoints(io.BytesIO(data), degrees=True), T, rtol=0.0, atol=1e-12)
+
+
+GOOD = "0,0,0,1,0,0,0\n"
+HEADER = "x,y,z,qw,qx,qy,qz\n"
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"", ("is empty", "accepted: CSV")),
+        (b"# nothing\n", ("nothing but comments",)),
+        (HEADER, ("line 1", "no waypoint after it")),
+        (GOOD, ("line 1", "7 numbers and no header", "x,y,z,qw,qx,qy,qz")),
+        ("x,y,qw,qx,qy,qz\n" + GOOD, ("line 1", "no column z")),
+        ("x,y,z\n1,2,3\n", ("line 1", "no orientation", "roll,pitch,yaw")),
+        ("x,y,z,x,roll,pitch,yaw\n" + GOOD, ("line 1", "names x twice")),
+        ("x,y,z,qw,qx,qy,qz,rx,ry,rz\n" + GOOD, ("line 1", "more than one orientation")),
+        ("# seam\n" + HEADER + GOOD + "0,0,0,1,0,east,0\n", ("line 4", "column qy", "'east'")),
+        (HEADER + GOOD + "0,nan,0,1,0,0,0\n", ("line 3", "column y", "'nan'")),
+        (HEADER + GOOD + "0,0,0,1,0,0\n", ("line 3", "6 values", "7 are needed")),
+        (HEADER + GOOD + "0,0,0,0,0,0,0\n", ("line 3", "the length 0")),
+        (HEADER + GOOD + "0.5,0.4,0.3,10,0,0,0\n", ("line 3", "qw,qx,qy,qz = 10,0,0,0", "the length 10")),
+        (",".join(["1"] * 16), ("line 1", "last row")),
+        ('{"targets": []}', ("targets", "poses or waypoints")),
+        ('{"poses": []}', ("shape",)),
+        ("[[1, 2", ("line 1", "Expecting")),
+        (json.dumps([np.eye(4).tolist(), "up"]), ("waypoint 1", '"up"', "4x4")),
+        (json.dumps([np.eye(4).tolist(), [1, 2]]), ("waypoint 1", "[1, 2]")),
+        (json.dumps([np.eye(4).tolist(), np.diag([1, 1, -1, 1]).tolist()]), ("[1]", "reflection")),
+        (b"\x93NUMPY\x01", ("damaged",)),
+        (numpy_file(a=T, b=T), ("a, b", "poses or waypoints or T")),
+        (numpy_file(alone=XYZ), ("shape (5, 3)", "matrices (m, 4, 4)")),
+        (numpy_file(alone=np.array(["a"])), ("no real number",)),
+        (b"\xff\xfe\x00", ("neither text nor",)),
+        (HEADER + GOOD + "0" * 140000 + ",0,0,1,0,0,0\n", ("line 3", "field limit")),
+        (HEADER + '"0,0,0,1,0,0,0\n' + GOOD, ("line 3", "1 values", "7 are needed")),
+        (json.dumps([np.eye(4).tolist(), [["0"] * 4] * 4]), ("waypoint 1", '"0" is no number')),
+        ("[" + "1" * 5000 + "]", ("digits",)),
+        (numpy_file(alone=T)[:60].replace(b"(5, 4, 4)", b"(9**9,4,)") + b"'", ("damaged",)),
+    ],
+)
+def test_what_is_wrong_is_named_with_its_place(content: str | bytes, words: tuple[str, ...], tmp_path: Path) -> None:
+    """Every message begins with the file, and names the line, the column, the value, or what would be valid."""
+    file = tmp_path / "seam.csv"
+    file.write_bytes(content.encode() if isinstance(content, str) else content)
+    with pytest.raises(ArgumentError) as caught:
+        urdf_ik.read_waypoints(file)
+    message = str(caught.value)
+    assert message.startswith(str(file))
+    assert all(word in message for word in words), message
+
+
+def test_a_file_that_is_not_there() -> None:
+    """The system's own words, and the name."""
+    with pytest.raises(ArgumentError, match=r"cannot read no/seam\.csv: No such file"):
+        urdf_ik.read_waypoints("no/seam.csv")
+
+
+def test_there_is_a_limit_to_what_is_read(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Of a file, of an open one, and of what a compressed one unpacks to: named in the error, and no more is read."""
+    monkeypatch.setattr(number_files, "MAX_BYTES", 2**20)
+    large = tmp_path / "seam.csv"
+    large.write_bytes(table("x,y,z,qw,qx,qy,qz", XYZ, QUAT) + b" " * 2**20)
+    packed = tmp_path / "seam.npz"
+    np.savez_compressed(packed, np.zeros((2**14, 4, 4)))
+    assert packed.stat().st_size < 2**14
+    with large.open("rb") as opened:
+        for source, words in ((large, "larger than 1 MiB"), (opened, "larger than 1 MiB"), (packed, "unpacks to more")):
+            with pytest.raises(ArgumentError, match=words):
+                urdf_ik.read_waypoints(source)
+        assert opened.tell() == 2**20 + 1

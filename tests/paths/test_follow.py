@@ -1,0 +1,245 @@
+"""Paths followed: all branches and turns, no jump, proven between the waypoints."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from lxml import etree
+from paths import ALL_KINDS, check, cost_of, described, distance_to_box, joint_path, smooth
+
+import urdf_ik
+from urdf_ik.support.angles import TURN
+
+SIX = ("zyyzyz_6r", "ur5", "puma_560", "dh_6r", "z1")
+SEVEN = ("panda", "srs_7r")
+
+
+@pytest.mark.parametrize("name", SIX)
+@pytest.mark.parametrize("seed", range(4))
+def test_a_moved_joint_path_is_found_and_costs_no_more(name: str, seed: int) -> None:
+    """A moved joint path is found and costs no more."""
+    arm = urdf_ik.load(name)
+    q = joint_path(arm, 60, seed)
+    plan = arm.follow(arm.fk(q), collisions=False)
+    check(arm, plan)
+    assert plan.cost <= (np.diff(q, axis=0) ** 2).sum() * (1.0 + 1e-6)
+
+
+@pytest.mark.parametrize("kind", ALL_KINDS)
+def test_members_of_every_family_follow_a_moved_joint_path(kind: str) -> None:
+    """Members of every family follow a moved joint path, and find none that costs more."""
+    for seed in range(2):
+        arm = described(kind, seed)
+        q = smooth(arm, np.random.default_rng(seed))[::5]
+        plan = arm.follow(arm.fk(q), collisions=False)
+        assert plan.found, (seed, plan.explain())
+        assert plan.cost <= cost_of(q) * (1.0 + 1e-6)
+
+
+@pytest.mark.parametrize("cost", ["l1", "l2", "max"])
+def test_the_cost_is_what_was_asked_for(cost: str) -> None:
+    """The cost is what was asked for."""
+    arm = urdf_ik.load("ur5")
+    plan = arm.follow(arm.fk(joint_path(arm, 40, 3)), cost=cost, collisions=False)
+    steps = np.abs(np.diff(plan.q, axis=0))
+    total = {"l1": steps.sum(), "l2": (steps**2).sum(), "max": steps.max(axis=1).sum()}[cost]
+    assert plan.cost == pytest.approx(total, rel=1e-9)
+
+
+def test_time_at_the_velocity_limits_is_a_cost() -> None:
+    """Time at the velocity limits is a cost."""
+    arm = urdf_ik.load("ur5")
+    limits = {joint.name: joint.velocity for joint in arm.model.joints}
+    v = np.array([limits[name] for name in arm.joint_names])
+    plan = arm.follow(arm.fk(joint_path(arm, 40, 3)), cost="time", collisions=False)
+    assert plan.cost == pytest.approx((np.abs(np.diff(plan.q, axis=0)) / v).max(axis=1).sum(), rel=1e-9)
+
+
+@pytest.mark.parametrize("name", SEVEN)
+@pytest.mark.parametrize("seed", range(2))
+def test_seven_joints_follow_a_moved_joint_path(name: str, seed: int) -> None:
+    """Seven joints follow a moved joint path."""
+    arm = urdf_ik.load(name)
+    q = joint_path(arm, 60, seed)
+    plan = arm.follow(arm.fk(q), collisions=False)
+    check(arm, plan)
+    assert plan.cost <= 1.5 * (np.diff(q, axis=0) ** 2).sum()
+
+
+def test_across_half_a_turn() -> None:
+    """Joints pass pi without a jump where their limits allow it."""
+    arm = urdf_ik.load("ur5")
+    q = np.tile([3.0, -1.2, 1.1, 3.0, 1.2, -3.0], (41, 1)) + np.linspace(0.0, 0.6, 41)[:, None] * [1, 0, 0, 1, 0, -1]
+    plan = arm.follow(arm.fk(q), start=q[0], end=q[-1], collisions=False)
+    check(arm, plan)
+    assert np.abs(plan.q - q).max() < 1e-6
+
+
+def test_turns_that_run_into_a_limit() -> None:
+    """The last joint turns once and a half: only one of its images has room for that."""
+    arm = urdf_ik.load("ur5")
+    q = np.tile([0.4, -1.2, 1.1, 0.3, 1.2, 0.0], (181, 1))
+    q[:, 5] = np.linspace(-1.0, -1.0 + 3.0 * np.pi, 181) - 4.0
+    assert abs(q[:, 5]).max() < 2.0 * np.pi
+    plan = arm.follow(arm.fk(q), collisions=False)
+    check(arm, plan)
+    turned = plan.q[-1, 5] - plan.q[0, 5]
+    assert turned == pytest.approx(3.0 * np.pi, abs=1e-6)
+    with_room = q.copy()
+    with_room[:, 5] = np.linspace(-1.0, -1.0 + 4.2 * np.pi, 181)
+    stopped = arm.follow(arm.fk(with_room), collisions=False)
+    assert not stopped.found
+    assert arm.joint_names[5] in stopped.explain()
+    assert "360" in stopped.explain()
+
+
+@pytest.mark.parametrize(
+    ("turns", "given", "found"), [(8.0, False, True), (4.0, True, True), (8.0, True, False), (12.0, False, False)]
+)
+def test_limits_of_many_turns(turns: float, given: bool, found: bool) -> None:
+    """A joint with 10.4 turns inside its limits is wound no further, nor from another turn than the start's."""
+    model = etree.fromstring(urdf_ik.load("zyyzyz_6r").model.xml)
+    (limit,) = model.xpath("joint[@name='joint_6']/limit")
+    limit.set("lower", str(-5.2 * TURN))
+    limit.set("upper", str(5.2 * TURN))
+    arm = urdf_ik.load(etree.tostring(model).decode())
+    q = np.tile([0.5, -0.7, -1.4, -1.8, 0.8, 1.6], (int(24 * turns), 1))
+    q[:, 5] += np.linspace(0.0, turns * TURN, len(q))
+    plan = arm.follow(arm.fk(q), start=q[0] if given else None, collisions=False)
+    assert plan.found == found
+    if not found:
+        assert "joint_6 turns" in plan.explain()
+        assert "limits" in plan.explain()
+        return
+    check(arm, plan)
+    assert not given or np.array_equal(plan.q[0], q[0])
+    for other in plan.alternatives:
+        check(arm, other)
+
+
+def test_coarse_waypoints_are_refined() -> None:
+    """Coarse waypoints are refined."""
+    arm = urdf_ik.load("ur5")
+    T0 = arm.fk([0.3, -1.2, 1.4, -0.4, 1.2, 0.5])
+    T1 = T0.copy()
+    T1[:3, 3] += [-0.3, 0.3, 0.1]
+    plan = arm.follow(urdf_ik.line(T0, T1, 5), collisions=False)
+    check(arm, plan)
+    assert len(plan.q) == 5
+    assert len(plan.motion) > 5
+    assert (np.diff(plan.place) > 0.0).all()
+
+
+def test_a_start_and_an_end_are_kept() -> None:
+    """A start and an end are kept."""
+    arm = urdf_ik.load("zyyzyz_6r")
+    q = joint_path(arm, 30, 5)
+    T = arm.fk(q)
+    for solution in arm.ik(T[0]).within_limits():
+        plan = arm.follow(T, start=solution.q, collisions=False)
+        assert not plan.found or np.array_equal(plan.q[0], solution.q)
+    plan = arm.follow(T, end=q[-1], collisions=False)
+    check(arm, plan)
+    assert np.array_equal(plan.q[-1], q[-1])
+
+
+def test_alternatives_are_the_best_from_each_branch() -> None:
+    """Alternatives are the best from each branch."""
+    arm = urdf_ik.load("ur5")
+    plan = arm.follow(arm.fk(joint_path(arm, 30, 1, size=0.1)), collisions=False)
+    assert plan.alternatives[0].cost == plan.cost
+    starts = [each.branches[0] for each in plan.alternatives]
+    assert len(set(starts)) == len(starts) > 1
+    for each in plan.alternatives:
+        check(arm, each)
+        assert each.cost >= plan.cost
+
+
+@pytest.mark.parametrize(("seed", "waypoint"), [(0, 15), (1, 15), (3, 25)])
+def test_an_obstacle_is_gone_round_by_another_branch(seed: int, waypoint: int) -> None:
+    """A box by the elbow of the cheapest branch, met at the middle of the path or late on it."""
+    arm = urdf_ik.load("zyyzyz_6r")
+    T = arm.fk(joint_path(arm, 30, seed, size=0.15))
+    free = arm.follow(T)
+    elbow, size = arm.link_poses(free.q[waypoint])["link_3"], 0.12
+    assert distance_to_box(arm, size, elbow, free.motion) < 0.0
+    world = urdf_ik.World()
+    world.add("box", urdf_ik.Box((size, size, size)), elbow)
+    plan = arm.follow(T, world=world)
+    check(arm, plan)
+    assert distance_to_box(arm, size, elbow, plan.motion) > 0.0
+    assert plan.cost > 1.02 * free.cost
+    assert set(plan.branches).isdisjoint(free.branches)
+
+
+def test_reconfigurations_are_as_few_as_possible() -> None:
+    """The last joint would have to turn beyond its limits: one change of turn is enough."""
+    arm = urdf_ik.load("ur5")
+    q = np.tile([0.4, -1.2, 1.1, 0.3, 1.2, 0.0], (181, 1))
+    q[:, 5] = np.linspace(-6.0, -6.0 + 4.5 * np.pi, 181)
+    plan = arm.follow(arm.fk(q), reconfigure=True, collisions=False)
+    assert plan.found
+    assert len(plan.changes) == 1
+    change = plan.changes[0]
+    assert 0 < change.waypoint < 181
+    assert np.abs(np.diff(plan.q, axis=0)).max(axis=1).argmax() == change.waypoint - 1
+
+
+def test_no_step_is_larger_than_allowed() -> None:
+    """No step is larger than allowed."""
+    arm = urdf_ik.load("ur5")
+    q = joint_path(arm, 40, 6)
+    most = np.abs(np.diff(q, axis=0)).max(axis=0) * 1.01
+    plan = arm.follow(arm.fk(q), max_step=most, collisions=False)
+    check(arm, plan)
+    assert (np.abs(np.diff(plan.q, axis=0)) <= most * (1.0 + 1e-6)).all()
+    assert not arm.follow(arm.fk(q), max_step=most / 50.0, collisions=False).found
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"start": [0.0] * 6}, "start is no solution of waypoint 0"),
+        ({"cost": "cheap"}, "'l1', 'l2', 'max', 'time'"),
+        ({"max_step": -1.0}, "max_step is -1.0"),
+        ({"max_step": 5e-324}, "between 1e-15 and 1e"),
+        ({"max_step": 1e300}, "between 1e-15 and 1e"),
+        ({"weights": 1e-200}, "zero, or a number between 1e-15 and 1e"),
+        ({"weights": np.inf}, "weights is inf"),
+        ({"margin": -0.1}, "margin=-0.1 given; a finite number of m of at least 0 is needed"),
+        ({"weights": [1.0, 2.0]}, "weights is"),
+        ({"tolerance": 0.0}, "tolerance is 0.0"),
+        ({"margins": np.nan}, "margins=nan"),
+    ],
+)
+def test_settings_that_make_no_sense(options: dict[str, object], words: str) -> None:
+    """Settings that make no sense."""
+    arm = urdf_ik.load("zyyzyz_6r")
+    T = arm.fk(joint_path(arm, 5, 0))
+    with pytest.raises(urdf_ik.ArgumentError, match=words.replace("(", r"\(")):
+        arm.follow(T, **options)
+
+
+def test_waypoints_that_make_no_sense() -> None:
+    """Waypoints that make no sense."""
+    arm = urdf_ik.load("zyyzyz_6r")
+    T = arm.fk(joint_path(arm, 5, 0))
+    with pytest.raises(urdf_ik.ArgumentError, match="no waypoint"):
+        arm.follow(T[:0])
+    with pytest.raises(urdf_ik.ArgumentError, match="shape"):
+        arm.follow(T[None])
+    T[3, 0, 3] = np.nan
+    with pytest.raises(urdf_ik.PoseError, match="3"):
+        arm.follow(T)
+    outside = [9.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    with pytest.raises(urdf_ik.ArgumentError, match="outside the limits"):
+        arm.follow(arm.fk(outside)[None], start=outside)
+
+
+def test_a_single_waypoint_is_a_path() -> None:
+    """A single waypoint is a path."""
+    arm = urdf_ik.load("zyyzyz_6r")
+    plan = arm.follow(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]), collisions=False)
+    assert plan.found
+    assert plan.cost == 0.0
+    assert len(plan.alternatives) > 1

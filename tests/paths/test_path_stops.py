@@ -1,0 +1,122 @@
+"""What stops a path: out of reach, a limit in the way, a contact; named with its waypoint, branch by branch."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from lxml import etree
+from paths import described, joint_path, smooth
+
+import urdf_ik
+from urdf_ik.support.angles import TURN
+
+
+def test_a_waypoint_out_of_reach_is_named() -> None:
+    """A waypoint out of reach is named."""
+    arm = urdf_ik.load("ur5")
+    T = arm.fk(joint_path(arm, 40, 1, size=0.1))
+    T[23:, :3, 3] += [3.0, 0.0, 0.0]
+    plan = arm.follow(T, collisions=False)
+    assert not plan.found
+    assert len(plan.q) == 0
+    assert (plan.stops[0].branch, plan.stops[0].waypoint, plan.stops[0].cause) == ("every branch", 23, "reach")
+    assert {stop.waypoint for stop in plan.stops} == {23}
+    assert "reach" in plan.explain()
+
+
+def test_a_limit_in_the_way_of_every_branch_is_named() -> None:
+    """A limit in the way of every branch is named."""
+    arm = urdf_ik.load("puma_560")
+    q = np.tile([0.0, -0.6, 0.4, 0.3, 0.8, 0.5], (81, 1))
+    low, high = arm.limits[0]
+    q[:, 0] = np.linspace(0.0, high + 0.3, 81)
+    plan = arm.follow(arm.fk(q), collisions=False)
+    assert not plan.found
+    own = [stop for stop in plan.stops if stop.cause == "limit"]
+    assert own
+    assert any(arm.joint_names[0] in stop.reason for stop in own)
+    first_outside = int(np.argmax(q[:, 0] > high))
+    assert first_outside in {stop.waypoint for stop in own}
+
+
+@pytest.mark.parametrize("kind", ["wrist, 2||3", "2||3||4, 1x2, 5x6", "general", "imperfect"])
+def test_each_branch_is_stopped_where_its_limit_is(kind: str) -> None:
+    """The first joint turns the whole way and more: each branch ends where its own would leave the limits."""
+    arm = described(kind, 2)
+    low, high = arm.limits[0]
+    low, high = (low, high) if np.isfinite(high - low) else (-3.0, 3.0)
+    q = np.tile(smooth(arm, np.random.default_rng(1))[0], (int((high - low + 1.0) / 0.03), 1))
+    turned = 0.03 * np.arange(len(q))
+    q[:, 0] = q[0, 0] + turned
+    plan = arm.follow(arm.fk(q), collisions=False)
+    if not np.isfinite(arm.limits[0]).all():
+        assert plan.found
+        return
+    assert not plan.found
+    begins: dict[str, int] = {}
+    for solution in arm.ik(arm.fk(q[0])).within_limits():
+        images = solution.q[0] + 2.0 * np.pi * np.arange(-3, 4)
+        inside = images[(images >= low - 1e-9) & (images <= high + 1e-9)]
+        begins[solution.branch] = int((inside.min() + turned <= high + 1e-9).sum())
+    own = {stop.branch: stop for stop in plan.stops if stop.branch != "every branch"}
+    assert {name: stop.waypoint for name, stop in own.items()} == begins
+    assert all(stop.cause == "limit" and arm.joint_names[0] in stop.reason for stop in own.values())
+
+
+@pytest.mark.parametrize("room", [0.01, 0.4])
+def test_no_motion_passes_through_what_is_outside_the_limits(room: float) -> None:
+    """The last joint's limits leave a gap of twice the room at half a turn: none of its images crosses it."""
+    model = etree.fromstring(urdf_ik.load("zyyzyz_6r").model.xml)
+    for limit in model.xpath("joint/limit"):
+        limit.set("lower", str(-np.pi + room))
+        limit.set("upper", str(np.pi - room))
+    arm = urdf_ik.load(etree.tostring(model).decode())
+    q = np.tile([0.5, -0.7, -1.4, -1.8, 0.8, 1.6], (120, 1))
+    q[:, 5] += np.linspace(0.0, TURN, len(q))
+    plan = arm.follow(arm.fk(q), collisions=False)
+    assert not plan.found
+    assert {stop.cause for stop in plan.stops} == {"limit"}
+    assert all("joint_6" in stop.reason for stop in plan.stops)
+
+
+@pytest.mark.parametrize("kind", ["wrist, general", "2||3||4", "general", "imperfect"])
+def test_one_waypoint_out_of_reach_is_named(kind: str) -> None:
+    """One waypoint out of reach, those before and after it well inside."""
+    arm = described(kind, 1)
+    T = arm.fk(smooth(arm, np.random.default_rng(4))[::10])
+    T[37, :3, 3] += [4.0 * arm.chain.size, 0.0, 0.0]
+    plan = arm.follow(T, collisions=False)
+    assert not plan.found
+    assert (plan.stops[0].branch, plan.stops[0].waypoint, plan.stops[0].cause) == ("every branch", 37, "reach")
+
+
+def test_contact_is_named_for_every_branch_that_meets_it_first() -> None:
+    """Each branch's explanation names the first contact on its way, although other branches are cheaper."""
+    arm = urdf_ik.load("zyyzyz_6r")
+    T = arm.fk(joint_path(arm, 30, 4, size=0.2))
+    free = arm.follow(T, collisions=False)
+    world = urdf_ik.World()
+    world.add("crate", urdf_ik.Box((0.3, 0.3, 0.3)), T[18])
+    model = arm.collision_model.in_world(world)
+    stops = {stop.branch: stop for stop in arm.follow(T, world=world).stops}
+    for other in free.alternatives:
+        if len(set(other.branches)) > 1:
+            continue
+        stop = stops[other.branches[0]]
+        assert stop.cause == "contact"
+        assert stop.waypoint == np.flatnonzero(model.in_collision(other.q))[0]
+        assert "crate" in stop.reason
+
+
+def test_a_box_across_the_path_is_named() -> None:
+    """A box across the path is named."""
+    arm = urdf_ik.load("zyyzyz_6r")
+    q = joint_path(arm, 30, 4, size=0.2)
+    T = arm.fk(q)
+    if not arm.collision_model.has_geometry:
+        pytest.fail("the bundled arm has collision shapes")
+    world = urdf_ik.World()
+    world.add("crate", urdf_ik.Box((0.3, 0.3, 0.3)), T[18])
+    plan = arm.follow(T, world=world)
+    assert not plan.found
+    assert any(stop.cause == "contact" and "crate" in stop.reason for stop in plan.stops)

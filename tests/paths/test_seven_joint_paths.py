@@ -1,0 +1,143 @@
+"""Paths of arms with seven joints: narrow windows, obstacles, given ends, the least sum of squares."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from paths import check, distance_to_box, joint_path
+
+import urdf_ik
+from urdf_ik.paths import settings
+from urdf_ik.paths.planner import assembly, redundant, smoothing
+
+
+def narrow_path(arm: urdf_ik.Arm, seed: int, room: float = 4e-3) -> tuple[np.ndarray, np.ndarray]:
+    """A joint path (m, 7) of which two joints are near limits that the self-motion runs into on either side."""
+    rng = np.random.default_rng(seed)
+    low, high = arm.limits.T
+    while True:
+        q = rng.uniform(low + 0.3 * (high - low), high - 0.3 * (high - low))
+        a, b = rng.choice(7, 2, replace=False)
+        q[a], q[b] = high[a] - room, low[b] + room
+        idle = np.linalg.svd(arm.jacobian(q))[2][-1]
+        # Both joints move the same way with a speed that counts, and the others are well inside.
+        if idle[a] * idle[b] > 0.05 and np.linalg.svd(arm.jacobian(q))[1][5] > 0.05:
+            break
+    move = np.linalg.pinv(arm.jacobian(q)) @ np.array([0.01, 0.005, -0.01, 0.0, 0.0, 0.0])
+    path = q + np.linspace(0.0, 0.1, 6)[:, None] * move
+    return path, arm.fk(path)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_window_narrower_than_the_grid_is_found(seed: int) -> None:
+    """Near two limits, the self-motion leaves the parameter less than a step of the first grid."""
+    arm = urdf_ik.load("panda")
+    _, T = narrow_path(arm, seed)
+    check(arm, arm.follow(T, collisions=False))
+
+
+@pytest.mark.parametrize("name", ["panda", "srs_7r"])
+def test_given_ends_are_kept(name: str) -> None:
+    """A start and an end, whose values of the parameter are on no grid."""
+    arm = urdf_ik.load(name)
+    q = joint_path(arm, 50, 3)
+    plan = arm.follow(arm.fk(q), start=q[0], end=q[-1], collisions=False)
+    check(arm, plan)
+    assert np.array_equal(plan.q[0], q[0])
+    assert np.array_equal(plan.q[-1], q[-1])
+
+
+@pytest.mark.parametrize("seed", [0, 4])
+def test_an_obstacle_is_gone_round(seed: int) -> None:
+    """A box that the elbow would pass through half way: between the same two ends, the parameter takes it round."""
+    arm = urdf_ik.load("srs_7r")
+    T = arm.fk(joint_path(arm, 30, seed, size=0.4))
+    free = arm.follow(T)
+    ends = {"start": free.q[0], "end": free.q[-1]}
+    elbow, size = arm.link_poses(free.q[15])["link_4"], 0.06
+    assert distance_to_box(arm, size, elbow, free.motion) < -0.01
+    for end in (0, -1):
+        assert distance_to_box(arm, size, elbow, free.q[[end, end]]) > 0.01
+    world = urdf_ik.World()
+    world.add("box", urdf_ik.Box((size, size, size)), elbow)
+    plan = arm.follow(T, world=world, **ends)
+    check(arm, plan)
+    assert distance_to_box(arm, size, elbow, plan.motion) > 0.0
+    assert np.array_equal(plan.q[[0, -1]], free.q[[0, -1]])
+    assert plan.cost > 1.05 * arm.follow(T, **ends).cost
+
+
+@pytest.mark.parametrize("seed", [2, 10])
+def test_the_way_keeps_a_margin_from_an_obstacle(seed: int) -> None:
+    """A box where the elbow would be: another plan, which keeps the margin that was asked for, and costs more."""
+    arm = urdf_ik.load("srs_7r")
+    T = arm.fk(joint_path(arm, 30, seed, size=0.15))
+    free = arm.follow(T)
+    elbow, size, margin = arm.link_poses(free.q[15])["link_4"], 0.1, 0.01
+    assert distance_to_box(arm, size, elbow, free.motion) < 0.0
+    world = urdf_ik.World()
+    world.add("box", urdf_ik.Box((size, size, size)), elbow)
+    plan = arm.follow(T, world=world, margin=margin)
+    check(arm, plan)
+    assert distance_to_box(arm, size, elbow, plan.motion) >= margin
+    assert plan.cost > free.cost
+
+
+@pytest.mark.parametrize("name", ["srs_7r", "panda"])
+def test_steps_that_are_too_short_for_the_path_are_named(name: str) -> None:
+    """Waypoints farther apart than the joints may step: each branch says so, from any start and from a given one."""
+    arm = urdf_ik.load(name)
+    q = joint_path(arm, 12, 1, size=0.15)
+    for start in (None, q[0]):
+        plan = arm.follow(arm.fk(q), start=start, max_step=1e-3, collisions=False)
+        assert not plan.found
+        assert {(stop.waypoint, stop.cause) for stop in plan.stops} == {(1, "limit")}
+        assert "max_step" in plan.explain()
+
+
+def test_smoothing_finds_the_least_sum_of_squares() -> None:
+    """At the end the sum does not change, to first order, with any value; and it is less than before."""
+    arm = urdf_ik.load("srs_7r")
+    q = joint_path(arm, 40, 2, size=0.2)
+    T = arm.fk(q)
+    asked = settings.read(
+        arm, T, start=None, end=None, obstacles=None, cost="l2", weights=None, max_step=None, tolerance=None,
+        margins=0.0, reconfigure=False,
+    )  # fmt: skip
+    whole = assembly.Refined(T, np.arange(40.0), np.ones(39))
+    value = np.unwrap(arm.redundancy_of(q))
+    better, moved = smoothing.smoothed(asked, whole, q, value)
+    before, after = ((np.diff(each, axis=0) ** 2).sum() for each in (q, better))
+    assert after < before
+    assert np.abs(arm.fk(better) - T).max() < 1e-9
+    t = smoothing._derivative(asked, whole, better, moved)
+    gaps = np.diff(better, axis=0)
+    gradient = np.concatenate([[0.0], (t[1:] * gaps).sum(axis=1)]) - np.append((t[:-1] * gaps).sum(axis=1), 0.0)
+    low, high = arm.limits.T
+    loose = ((better > low + 1e-3) & (better < high - 1e-3)).all(axis=1)
+    assert np.abs(gradient[loose]).max() < 1e-3 * np.abs(t).max() * np.abs(gaps).max() * 40
+
+
+def test_the_grid_is_finer_where_the_limits_leave_little() -> None:
+    """The Panda's limits leave few solutions of a pose, those of an arm without limits many."""
+    arm = urdf_ik.load("panda")
+    T = arm.fk(joint_path(arm, 10, 0))
+    asked = settings.read(
+        arm, T, start=None, end=None, obstacles=None, cost="l2", weights=None, max_step=None, tolerance=None,
+        margins=0.0, reconfigure=False,
+    )  # fmt: skip
+    whole = assembly.Refined(T, np.arange(10.0), np.ones(9))
+    count = redundant._values(asked, whole)
+    assert redundant.FEWEST < count <= redundant.MOST
+
+
+@pytest.mark.parametrize("count", [1, 2, 5])
+def test_waypoints_that_stay_where_they_are(count: int) -> None:
+    """One waypoint, or the same one several times: the arm does not move."""
+    for name in ("srs_7r", "zyyzyz_6r"):
+        arm = urdf_ik.load(name)
+        T = np.repeat(arm.fk(joint_path(arm, 3, 1))[:1], count, axis=0)
+        plan = arm.follow(T, collisions=False)
+        check(arm, plan)
+        assert len(plan.q) == count
+        assert np.abs(np.diff(plan.q, axis=0)).max(initial=0.0) < 1e-9

@@ -1,0 +1,151 @@
+"""What a tracker takes, what it answers with, and what it refuses."""
+
+from __future__ import annotations
+
+import math
+import pickle
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from arms_mimic import linkage
+from cases import from_catalogue
+from tracking import DT, Q0, Array, arm_of, path, run, vectors
+
+import urdf_ik
+from urdf_ik.errors import ArgumentError, PoseError, UnsupportedArm
+
+
+def test_answers_are_copies() -> None:
+    """Nothing that a caller does to an answer changes the tracker, or another answer."""
+    arm = arm_of("zyyzyz_6r")
+    tracker = arm.tracker(Q0, DT)
+    step = tracker.step(arm.fk(Q0))
+    q = step.q
+    q[:] = 9.0
+    np.testing.assert_allclose(step.q, Q0, atol=1e-12)
+    np.testing.assert_allclose(tracker.q, Q0, atol=1e-12)
+    tracker.q[:] = 9.0
+    assert tracker.step(arm.fk(Q0)).status == "ok"
+
+
+def test_a_copy_goes_on_by_itself() -> None:
+    """A pickled tracker stands where the first one stood, answers as it would, and does not move with it."""
+    arm = arm_of("zyyzyz_6r")
+    tracker = arm.tracker(Q0, DT)
+    tracker.step(arm.fk(Q0 + 1e-3))
+    again = pickle.loads(pickle.dumps(tracker))
+    T = arm.fk(Q0 + 2e-3)
+    first = tracker.step(T)
+    np.testing.assert_array_equal(again.q, Q0 + 1e-3 if first.status != "ok" else again.q)
+    np.testing.assert_array_equal(again.step(T).q, first.q)
+
+
+def test_poses_of_any_kind() -> None:
+    """A pinocchio.SE3, a list of rows and an array of another layout are poses."""
+    arm = arm_of("zyyzyz_6r")
+    T = arm.fk(Q0 + 1e-3)
+    for pose in (pin.SE3(T), T.tolist(), np.asfortranarray(T), T.astype(np.float32).astype(np.float64)):
+        step = arm.tracker(Q0, DT).step(pose)
+        assert step.status == "ok"
+        np.testing.assert_allclose(step.q, Q0 + 1e-3, atol=1e-6)
+
+
+def test_reset_begins_anew() -> None:
+    """After a reset the tracker is where it was put, at the speed that it was given."""
+    arm = arm_of("zyyzyz_6r")
+    tracker = arm.tracker(Q0, DT)
+    tracker.step(arm.fk(Q0 + 0.001))
+    tracker.reset(Q0 + 0.1, velocity=np.full(6, 0.01))
+    np.testing.assert_array_equal(tracker.q, Q0 + 0.1)
+    np.testing.assert_array_equal(tracker.velocity, np.full(6, 0.01))
+    assert tracker.step(arm.fk(Q0 + 0.1)).status == "ok"
+
+
+def test_threads_with_a_tracker_each() -> None:
+    """Trackers in several threads at once answer as they do one after the other."""
+    arm = arm_of("zyyzyz_6r")
+    paths = [path(arm, seed, cycles=300) for seed in range(6)]
+
+    def follow(Q: Array) -> Array:
+        return vectors(run(arm.tracker(Q[0], DT), arm.fk(Q)))
+
+    with ThreadPoolExecutor(3) as pool:
+        for together, alone in zip(pool.map(follow, paths), map(follow, paths), strict=True):
+            np.testing.assert_array_equal(together, alone)
+
+
+def test_velocity_limits_come_from_the_urdf() -> None:
+    """Left out, the limits are those that the URDF states; one number is for all joints."""
+    case = from_catalogue("ur5")
+    stated = {joint.name: joint.velocity for joint in case.arm.model.joints}
+    tracker = case.arm.tracker(np.zeros(6), DT)
+    np.testing.assert_array_equal(tracker.velocity_limits, [stated[name] for name in case.arm.joint_names])
+    np.testing.assert_array_equal(case.arm.tracker(np.zeros(6), DT, velocity=0.5).velocity_limits, np.full(6, 0.5))
+
+
+@pytest.mark.parametrize("dt", [0.0, -0.1, math.nan, math.inf, "fast", None])
+def test_a_cycle_has_a_length(dt: object) -> None:
+    """A cycle of no length, or of none that is a number, is refused in words."""
+    with pytest.raises(ArgumentError, match="dt="):
+        arm_of("zyyzyz_6r").tracker(Q0, dt)  # type: ignore[arg-type]
+
+
+def test_a_start_that_does_not_fit_is_refused() -> None:
+    """A start of another size, not finite, or outside the limits."""
+    arm = arm_of("zyyzyz_6r")
+    for bad, words in (
+        (Q0[:5], "6"),
+        (np.stack([Q0, Q0]), "one joint vector"),
+        (Q0 * np.nan, "finite"),
+        (Q0 + [0, 0, 0, 0, 5, 0], "'joint_5' is at 5.7, outside"),
+    ):
+        with pytest.raises(ArgumentError, match=words):
+            arm.tracker(bad, DT)
+
+
+def test_limits_that_make_no_sense_are_refused() -> None:
+    """Speeds of zero, below it, not a number, or too few of them; rates and margins below zero."""
+    arm = arm_of("zyyzyz_6r")
+    for bad in (0.0, -1.0, math.nan, [1.0, 2.0], "fast"):
+        with pytest.raises(ArgumentError, match="velocity"):
+            arm.tracker(Q0, DT, velocity=bad)
+        with pytest.raises(ArgumentError, match="acceleration"):
+            arm.tracker(Q0, DT, acceleration=bad)
+    with pytest.raises(ArgumentError, match="recentring"):
+        arm.tracker(Q0, DT, recentring=-1.0)
+    with pytest.raises(ArgumentError, match="margin"):
+        arm.tracker(Q0, DT, margin=-1.0)
+
+
+def test_what_is_no_pose_is_refused_and_moves_nothing() -> None:
+    """NaN, a reflection, a batch, words: PoseError, and the tracker stands where it stood."""
+    arm = arm_of("zyyzyz_6r")
+    tracker = arm.tracker(Q0, DT)
+    tracker.step(arm.fk(Q0))
+    q = tracker.q
+    for bad in (
+        np.full((4, 4), np.nan),
+        np.diag([1.0, 1.0, -1.0, 1.0]),
+        np.eye(3),
+        np.stack([np.eye(4)] * 2),
+        "pose",
+        None,
+    ):
+        with pytest.raises(PoseError):
+            tracker.step(bad)
+        np.testing.assert_array_equal(tracker.q, q)
+    assert tracker.step(arm.fk(Q0)).status == "ok"
+
+
+def test_arms_that_are_not_tracked_say_why() -> None:
+    """Joints that mimic others, and more than seven joints."""
+    arm = urdf_ik.load(linkage("any axes", 0), base="base", tip="tool")
+    with pytest.raises(UnsupportedArm, match="mimic"):
+        arm.tracker(np.zeros(arm.dof), DT)
+
+
+def test_a_tracker_names_its_arm() -> None:
+    """What a notebook shows of it."""
+    assert repr(arm_of("zyyzyz_6r").tracker(Q0, 0.01)) == "<Tracker of 'zyyzyz_6r': 100 cycles a second>"

@@ -1,0 +1,320 @@
+"""Pictures: what is drawn and how it is called, valid files; never how it looks."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from command import call, succeed
+from pictures import is_png, stick_lines
+
+import urdf_ik
+from urdf_ik.maps import workspaces
+from urdf_ik.model import catalogue, link_shapes
+from urdf_ik.show import plot
+from urdf_ik.show.plot import axes as draw
+from urdf_ik.show.plot import figures
+
+Q = (0.3, -0.5, 0.8, 0.4, 0.7, -0.2)
+
+
+def test_the_stick_runs_through_the_links_frames(arm: urdf_ik.Arm) -> None:
+    """From the base's origin to the tip's position, one point a link; the shapes are those of the URDF."""
+    figure = plot.arm(arm, Q)
+    (axes,) = figure.axes
+    (line,) = stick_lines(axes)
+    points = np.array(line.get_data_3d()).T
+    links = figures.chain_links(arm)
+    assert (links[0], links[-1]) == (arm.base, arm.tip) and len(points) == len(links)
+    np.testing.assert_allclose(points, [arm.link_poses(Q)[link][:3, 3] for link in links])
+    shapes = sum(len(arm.model.robot.link_map[link].visuals) for link in arm.model.links)
+    assert len(axes.collections) == shapes > 5
+    assert len(plot.arm(arm, Q, shapes=False).axes[0].collections) == 0
+    assert axes.get_title() == arm.name
+
+
+def test_triangles_lie_on_the_shapes() -> None:
+    """Box corners at half the edges, cylinder and sphere points at the radius, wherever the link is."""
+    # A link each, all carried by the only joint.
+    shape = '<visual><origin xyz="0.1 0 0" rpy="0 0 1"/><geometry>{}</geometry></visual>'
+    text = "".join(
+        f'<link name="{name}">{shape.format(inside)}</link>'
+        for name, inside in (
+            ("base", '<box size="1 2 3"/>'),
+            ("mid", '<cylinder radius="0.2" length="0.6"/>'),
+            ("tip", '<sphere radius="0.3"/>'),
+        )
+    )
+    joints = (
+        '<joint name="a" type="revolute"><parent link="base"/><child link="mid"/><origin xyz="0 0 1"/>'
+        '<axis xyz="0 1 0"/>'
+        '<limit lower="-3" upper="3" effort="1" velocity="1"/></joint>'
+        '<joint name="b" type="fixed"><parent link="mid"/><child link="tip"/><origin xyz="0 0 0.5"/></joint>'
+    )
+    arm = urdf_ik.load(f'<robot name="shapes">{text}{joints}</robot>', "base", "tip")
+    q = np.array([0.7])
+    poses = arm.link_poses(q)
+    found = {}
+    bodies = figures.bodies(arm)
+    for body, triangles in zip(bodies.shapes, figures.placed(arm, bodies, q), strict=True):
+        T = poses[body.link] @ arm.model.robot.link_map[body.link].visuals[0].origin
+        found[body.link] = (triangles.reshape(-1, 3) - T[:3, 3]) @ T[:3, :3]
+    np.testing.assert_allclose(np.abs(found["base"]), np.broadcast_to([0.5, 1.0, 1.5], found["base"].shape))
+    np.testing.assert_allclose(np.linalg.norm(found["tip"], axis=1), 0.3)
+    radii = np.hypot(*found["mid"][:, :2].T)
+    assert np.all(np.isclose(radii, 0.2) | np.isclose(radii, 0.0)) and np.isclose(radii, 0.2).any()
+    np.testing.assert_allclose(np.abs(found["mid"][:, 2]), 0.3)
+
+
+MESHES = """<robot name="meshes"><link name="base">
+<visual><geometry><mesh filename="ball.stl" scale="2 2 2"/></geometry>
+</visual><visual><geometry><mesh filename="nowhere.stl"/></geometry></visual></link><link name="tip"/>
+<joint name="a" type="revolute"><parent link="base"/><child link="tip"/><origin xyz="0 0 1"/><axis xyz="0 1 0"/>
+<limit lower="-3" upper="3" effort="1" velocity="1"/></joint></robot>"""
+
+
+def test_meshes_are_drawn_with_few_faces_and_missing_ones_named(tmp_path: Path) -> None:
+    """A ball of 20480 faces is drawn with a few hundred, all near its surface; a mesh that is not there is reported."""
+    trimesh.creation.icosphere(subdivisions=5, radius=0.2).export(tmp_path / "ball.stl")
+    (tmp_path / "meshes.urdf").write_text(MESHES)
+    arm = urdf_ik.load(tmp_path / "meshes.urdf")
+    (ball,), missing = figures.bodies(arm)
+    assert 100 < len(ball.triangles) <= link_shapes.COARSE
+    radii = np.linalg.norm(ball.triangles.reshape(-1, 3), axis=1)
+    assert np.abs(radii - 0.4).max() < 0.05
+    assert len(missing) == 1 and "nowhere.stl" in missing[0]
+    figure = plot.arm(arm)
+    assert len(figure.axes[0].collections) == 1
+    assert figure.get_supxlabel().startswith("1 shape not drawn; ") and "nowhere.stl" in figure.get_supxlabel()
+
+
+def test_a_mesh_is_simplified_whatever_it_is_like() -> None:
+    """A point, a flat one, loose triangles: never more faces than asked for, none outside; a small one stays."""
+    rng = np.random.default_rng(0)
+    loose = rng.normal(size=(3000, 3))
+    flat = loose * [1.0, 1.0, 0.0]
+    for vertices in (loose, flat, 0.0 * loose, loose + 1e6):
+        mesh = trimesh.Trimesh(vertices, np.arange(3000).reshape(-1, 3), process=False)
+        small = link_shapes.simplified(mesh, 100)
+        assert len(small.faces) <= 100
+        if len(small.faces):
+            assert (small.bounds[0] >= mesh.bounds[0] - 1e-6).all() and (small.bounds[1] <= mesh.bounds[1] + 1e-6).all()
+    cube = trimesh.creation.box([1, 1, 1])
+    assert link_shapes.simplified(cube, 12) is cube
+
+
+def test_every_branch_is_drawn_in_its_colour_with_its_name(arm: urdf_ik.Arm) -> None:
+    """Side by side: one picture a solution, titled; overlaid: one line each, all in the legend; colours by branch."""
+    solutions = arm.ik(arm.fk(Q))
+    colours = draw.colours(arm.structure.branches)
+    assert len(set(colours.values())) == 8
+    apart, together = plot.branches(solutions), plot.branches(solutions, overlaid=True)
+    assert [axes.get_title().replace("\n", ", ") for axes in apart.axes] == [one.branch for one in solutions]
+    (overlaid,) = together.axes
+    lines = stick_lines(overlaid)
+    assert [line.get_label() for line in lines] == [one.branch for one in solutions]
+    assert [text.get_text() for text in together.legends[0].get_texts()] == [one.branch for one in solutions]
+    for axes, one, line in zip(apart.axes, solutions, lines, strict=True):
+        (single,) = stick_lines(axes)
+        assert single.get_color() == line.get_color() == colours[one.branch]
+        np.testing.assert_allclose(np.array(single.get_data_3d())[:, -1], solutions.poses[:3, 3], atol=1e-9)
+    # The same branch has the same colour when others are missing.
+    few = solutions.within_limits(tol=-1.0)
+    for axes, one in zip(plot.branches(few).axes, few, strict=True):
+        assert stick_lines(axes)[0].get_color() == colours[one.branch]
+
+
+def test_solutions_of_a_position_are_drawn_with_their_own_frames() -> None:
+    """Of an arm that controls a position: every stick ends there, and the frame at its tip is that of the solution."""
+    arm, point = urdf_ik.load("positioning_3r"), np.array([0.3, 0.2, 0.4])
+    solutions = arm.ik(point, task="position")
+    apart, together = plot.branches(solutions), plot.branches(solutions, overlaid=True)
+    assert "4 solutions of one position" in apart.get_suptitle()
+    for axes, one in zip(apart.axes, solutions, strict=True):
+        (stick,) = stick_lines(axes)
+        np.testing.assert_allclose(np.array(stick.get_data_3d())[:, -1], point, atol=1e-9)
+        frame = [np.array(line.get_data_3d()).T for line in axes.lines if line is not stick]
+        directions = np.array([(end - start) / np.linalg.norm(end - start) for start, end in frame])
+        np.testing.assert_allclose(directions.T, arm.fk(one.q)[:3, :3], atol=1e-9)
+    assert len(stick_lines(together.axes[0])) == len(solutions) == 4
+
+
+def test_out_of_reach_there_is_nothing_to_draw(arm: urdf_ik.Arm) -> None:
+    """The error tells why."""
+    nothing = arm.ik(urdf_ik.pose([0.0, 0.0, 9.0]))
+    for picture in (plot.branches, plot.limits):
+        with pytest.raises(urdf_ik.ArgumentError, match="wrist centre"):
+            picture(nothing)
+
+
+def test_all_turns_of_all_solutions_are_marked() -> None:
+    """Marks of a joint = its different values among the solutions with all their turns; bars = the limits."""
+    arm = urdf_ik.load("dh_6r")
+    solutions = arm.ik(urdf_ik.pose([0.5, 0.11, 0.26], quat_xyzw=[0, 0, 0.8, 0.6]))
+    (axes,) = plot.limits(solutions, degrees=False).axes
+    marked = np.concatenate([np.stack(line.get_data(), axis=-1) for line in axes.lines if line.get_marker() == "o"])
+    turned = solutions.turns().to_array()
+    for i in range(arm.dof):
+        mine = np.unique(marked[np.rint(marked[:, 1]) == i, 0].round(9))
+        np.testing.assert_allclose(mine, np.unique(turned[:, i].round(9)), atol=1e-8)
+    bars = [(bar.get_x(), bar.get_x() + bar.get_width()) for bar in axes.patches]
+    np.testing.assert_allclose(bars, arm.limits)
+    assert [text.get_text() for text in axes.get_yticklabels()] == list(arm.joint_names)
+
+
+def test_values_without_a_turn_inside_are_crossed(arm: urdf_ik.Arm) -> None:
+    """A solution out of limits has a cross at each joint that has no image inside."""
+    T = arm.fk([0.1, 0.2, 0.3, 0.4, 2.15, 0.3])
+    solutions = arm.ik(T)
+    out = sum(int((np.abs(one.q) > arm.limits[:, 1] + 1e-9).sum()) for one in solutions)
+    assert out > 0
+    (axes,) = plot.limits(solutions).axes
+    assert sum(len(line.get_xdata()) for line in axes.lines if line.get_marker() == "x") == out
+
+
+def test_joints_that_slide_have_a_scale_of_their_own() -> None:
+    """Turning joints in degrees above, sliding ones in m below; each mark is a solution, each bar the limits."""
+    arm = urdf_ik.load("stanford_rrprrr")
+    solutions = arm.ik(arm.fk([0.3, 0.8, 0.4, 0.5, 0.6, 0.7]))
+    turning, sliding = plot.limits(solutions).axes
+    assert (turning.get_xlabel(), sliding.get_xlabel()) == ("joint value [deg]", "joint value [m]")
+    (k,) = np.flatnonzero(arm.chain.prismatic)
+    assert [text.get_text() for text in sliding.get_yticklabels()] == [arm.joint_names[k]]
+    (bar,) = sliding.patches
+    np.testing.assert_allclose([bar.get_x(), bar.get_x() + bar.get_width()], arm.limits[k])
+    marks = np.sort(np.concatenate([line.get_xdata() for line in sliding.lines]))
+    np.testing.assert_allclose(marks, np.sort(solutions.to_array()[:, k]))
+    assert len(turning.patches) == arm.dof - 1
+
+
+def test_names_are_no_formulas(tmp_path: Path) -> None:
+    """Dollar signs in a robot's and its joints' names, and in a lost mesh's, are drawn and not read."""
+    text = catalogue.resolve("planar_2r").path.read_text().replace("joint_1", "$x^$").replace("joint_2", "$y_$")
+    mesh = '<visual><geometry><mesh filename="a$b^$.stl"/></geometry></visual><visual>'
+    text = re.sub('<robot name="[^"]*"', r'<robot name="$\\frac$"', text.replace("<visual>", mesh, 1))
+    arm = urdf_ik.load(text)
+    solutions = arm.ik([0.1, 0.1], task="planar position")
+    figures = [plot.arm(arm), plot.branches(solutions), plot.limits(solutions), plot.sliders(arm, window=False).figure]
+    for figure in [*figures, plot.planar_workspace(workspaces.planar(arm))]:
+        plot.save(figure, tmp_path / "picture.png")
+
+
+def test_a_limit_beyond_all_measure_is_none() -> None:
+    """Joints limited to +-1e9 are marked once a solution, where the solution is, on a bar across the picture."""
+    text = catalogue.resolve("planar_2r").path.read_text()
+    arm = urdf_ik.load(re.sub('lower="[^"]*" upper="[^"]*"', 'lower="-1e9" upper="1e9"', text))
+    solutions = arm.ik([0.1, 0.1], task="planar position")
+    (axes,) = plot.limits(solutions, degrees=False).axes
+    marks = np.concatenate([line.get_xdata() for line in axes.lines])
+    np.testing.assert_allclose(np.sort(marks), np.sort(solutions.to_array().ravel()))
+    assert np.abs(axes.get_xlim()).max() < 10.0
+
+
+def test_any_number_of_branches_has_colours_of_its_own() -> None:
+    """All different, none as light as the paper, and the same for the same names."""
+    for count in (1, 8, 10, 11, 16, 96):
+        names = [f"solution {k}" for k in range(count)]
+        colours = draw.colours(names)
+        assert len({tuple(colour) for colour in colours.values()}) == count
+        lightness = [0.5 * (max(colour[:3]) + min(colour[:3])) for colour in colours.values()]
+        assert max(lightness) < 0.75
+        assert colours == draw.colours(names)
+
+
+def test_the_planar_workspace_has_both_regions_and_their_overlap() -> None:
+    """Four labelled patches whose outlines are the regions' arcs, and the arm from axis to tip."""
+    region = workspaces.planar(urdf_ik.load("planar_2r"))
+    q = [0.5, -1.0]
+    (axes,) = plot.planar_workspace(region, q).axes
+    assert [patch.get_label() for patch in axes.patches] == ["elbow left", "elbow right", "both elbows", "boundary"]
+    corners = axes.patches[-1].get_path().vertices
+    for arc in region.boundary.arcs:
+        gaps = np.linalg.norm(corners - arc.points(2)[:1], axis=1)
+        assert gaps.min() < 1e-12
+    (line,) = axes.lines
+    np.testing.assert_allclose(np.array(line.get_data()).T[-1], region.tip(q))
+    assert axes.get_xlabel() == "x [m]"
+
+
+def test_a_layer_shows_the_maps_numbers(arm: urdf_ik.Arm) -> None:
+    """The image holds the slice, at its place, with the value's name beside the colours."""
+    found = workspaces.workspace(arm, 0.5, 8)
+    figure = plot.workspace_slice(found, "y", 0.0, "solutions")
+    axes, bar = figure.axes
+    (image,) = axes.images
+    layer = found.slice("y", 0.0, "solutions")
+    np.testing.assert_array_equal(np.ma.filled(image.get_array(), np.nan), layer.values.T)
+    assert tuple(image.get_extent()) == layer.extent
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("x [m]", "z [m]")
+    assert bar.get_ylabel() == "mean number of solutions"
+
+
+def test_pictures_are_written_as_their_names_say(tmp_path: Path, arm: urdf_ik.Arm) -> None:
+    """PNG, SVG and PDF are what they claim to be; another ending, or a folder that is not there, is an error."""
+    figure = plot.arm(arm, shapes=False)
+    for suffix, check in (
+        (".png", is_png),
+        (".svg", is_svg),
+        (".pdf", lambda data: data.startswith(b"%PDF-") and b"%%EOF" in data[-20:]),
+    ):
+        path = tmp_path / f"picture{suffix}"
+        plot.save(figure, path)
+        assert check(path.read_bytes())
+    with pytest.raises(urdf_ik.ArgumentError, match=r"picture\.bmp.*\.png, \.svg, \.pdf"):
+        plot.save(figure, tmp_path / "picture.bmp")
+    with pytest.raises(urdf_ik.ArgumentError, match="cannot write"):
+        plot.save(figure, tmp_path / "nowhere" / "picture.png")
+    for dpi in (0.5, 9.0, 1e4):
+        with pytest.raises(urdf_ik.ArgumentError, match="of at least 10 and at most 1200 is needed"):
+            plot.save(figure, tmp_path / "picture.png", dpi=dpi)
+
+
+def is_svg(data: bytes) -> bool:
+    """Whether it is XML with <svg> at its root."""
+    return ElementTree.fromstring(data).tag == "{http://www.w3.org/2000/svg}svg"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("zyyzyz_6r",),
+        ("zyyzyz_6r", "branches"),
+        ("zyyzyz_6r", "overlay", "--shapes", "--q", ",".join(map(str, Q))),
+        ("dh_6r", "limits", "--xyz", "0.5,0.11,0.26", "--quat-xyzw", "0,0,0.8,0.6"),
+        ("planar_2r", "workspace", "--q", "30,-40", "--degrees"),
+        ("positioning_3r", "workspace", "--axis", "y", "--show", "manipulability"),
+        ("planar_2r", "sliders"),
+    ],
+)
+def test_the_command_writes_every_picture(arguments: tuple[str, ...], tmp_path: Path) -> None:
+    """A PNG file, and not a word."""
+    path = tmp_path / "picture.png"
+    assert succeed("plot", *arguments, "-o", str(path)) == ""
+    assert is_png(path.read_bytes())
+
+
+def test_the_command_cuts_a_saved_map(tmp_path: Path) -> None:
+    """`workspace -o` and `plot --map` go together; a layer outside the map, or a map of another arm, is an error."""
+    path, picture = str(tmp_path / "map.npz"), str(tmp_path / "picture.svg")
+    succeed("workspace", "zyyzyz_6r", "--voxel", "0.6", "--orientations", "5", "-o", path)
+    succeed("plot", "zyyzyz_6r", "workspace", "--map", path, "--at", "1", "-o", picture)
+    assert is_svg(Path(picture).read_bytes())
+    result = call("plot", "zyyzyz_6r", "workspace", "--map", path, "--at", "50", "-o", picture)
+    assert result.exit_code == 2 and "outside the map" in result.stderr
+    result = call("plot", "puma_560", "workspace", "--map", path, "-o", picture)
+    assert result.exit_code == 2 and "zyyzyz_6r" in result.stderr
+
+
+def test_nothing_else_brings_matplotlib() -> None:
+    """The rooms of the workspace, and the other commands, load without it."""
+    code = (
+        "import sys, urdf_ik, urdf_ik.maps.workspaces, urdf_ik.cli, urdf_ik.cli.chunked.workspace; "
+        "sys.exit(any(name.split('.')[0] == 'matplotlib' for name in sys.modules))"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -1,0 +1,48 @@
+"""The picture of intervals: bars and ends where they are; never how it looks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command import succeed
+from matplotlib.collections import LineCollection
+from pictures import is_png
+
+import urdf_ik
+from urdf_ik.show import plot
+
+Q = [0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]
+
+
+def test_bars_and_ends_are_where_the_intervals_are() -> None:
+    """Each interval is a bar from end to end in the row of its branch, in degrees or rad."""
+    arm = urdf_ik.load("srs_7r")
+    found = arm.intervals(arm.fk(Q))
+    for degrees, scale in ((True, 180.0 / np.pi), (False, 1.0)):
+        (axes,) = plot.intervals(found, degrees=degrees).axes
+        names = [label.get_text() for label in axes.get_yticklabels()]
+        bars = [each for each in axes.collections if isinstance(each, LineCollection)]
+        drawn = set()
+        for bar in bars:
+            points = np.concatenate(bar.get_segments())
+            drawn.add((names[int(points[0, 1])], *np.round([points[:, 0].min(), points[:, 0].max()], 6)))
+        for each in found:
+            assert (each.branch, *np.round([scale * each.low, scale * each.high], 6)) in drawn
+
+
+def test_a_batch_and_a_pose_out_of_reach() -> None:
+    """A batch is refused in words; without intervals the picture is empty."""
+    arm = urdf_ik.load("srs_7r")
+    with pytest.raises(urdf_ik.ArgumentError, match="single pose"):
+        plot.intervals(arm.intervals(arm.fk([Q, Q])))
+    (axes,) = plot.intervals(arm.intervals(urdf_ik.pose([50.0, 0.0, 0.0]))).axes
+    assert not axes.collections
+
+
+def test_command(tmp_path: Path) -> None:
+    """``urdf-ik plot ROBOT intervals`` writes it."""
+    picture = tmp_path / "intervals.png"
+    succeed("plot", "srs_7r", "intervals", "--q", ",".join(map(str, Q)), "-o", str(picture))
+    assert is_png(picture.read_bytes())

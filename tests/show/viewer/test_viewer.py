@@ -1,0 +1,427 @@
+"""The viewer without a browser: what it shows, where it listens, how it ends, what it answers to bad input."""
+
+from __future__ import annotations
+
+import os
+import re
+import select
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import urllib.request
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import urdf_ik
+from urdf_ik import Arm, Singular, UrdfIkError
+from urdf_ik.cli import app
+from urdf_ik.ik.redundancy.bars import bars
+from urdf_ik.model import catalogue
+from urdf_ik.show.viewer import address, panel, strip
+from urdf_ik.show.viewer import state as states
+from urdf_ik.show.viewer.latest import Latest
+from urdf_ik.support import palette
+
+pytest.importorskip("viser", reason="pip install viser")
+
+from urdf_ik.show.viewer import Viewer  # noqa: E402
+
+BARE = """<robot name="bare"><link name="a"/><link name="b"/><link name="c"/><link name="d"/>
+<joint name="one" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+<joint name="two" type="continuous"><parent link="b"/><child link="c"/><origin xyz="1 0 0"/><axis xyz="0 0 1"/></joint>
+<joint name="end" type="fixed"><parent link="c"/><child link="d"/><origin xyz="0.7 0 0"/></joint></robot>"""
+LOST_MESH = BARE.replace(
+    '<link name="b"/>',
+    '<link name="b"><visual><geometry><box size="0.1 0.1 0.1"/></geometry></visual>'
+    '<visual><geometry><mesh filename="package://nowhere/b.stl"/></geometry></visual></link>',
+)
+PATIENCE = 120.0
+
+
+@pytest.fixture(scope="module")
+def arm() -> Arm:
+    """The arm that most tests show."""
+    return urdf_ik.load("zyyzyz_6r")
+
+
+def test_it_starts_where_there_is_much_to_see(arm: Arm) -> None:
+    """The first state has every branch inside the limits, the arm stands at one of them, the target at its tip."""
+    state = states.start(arm)
+    assert len(state.ghosts) == 8 and not any(ghost.outside for ghost in state.ghosts)
+    assert state.chosen is not None and not state.reason
+    assert np.abs(arm.fk(state.q) - state.target).max() < 1e-12
+
+
+def test_ghosts_are_the_solutions_with_their_marks() -> None:
+    """Every solution of random targets is a ghost; its marks are what limits, collision check and solver say."""
+    arm = urdf_ik.load("puma_560")
+    state = states.start(arm)
+    rng = np.random.default_rng(3)
+    seen: set[str] = set()
+    for _ in range(60):
+        T = arm.fk(rng.uniform(*np.clip(arm.limits.T, -np.pi, np.pi)))
+        state = states.with_target(state, T)
+        assert [ghost.branch for ghost in state.ghosts] == [one.branch for one in arm.ik(T)]
+        for ghost in state.ghosts:
+            assert np.abs(arm.fk(ghost.q) - T).max() < 1e-8
+            out = bool(((ghost.q < arm.limits[:, 0] - 1e-9) | (ghost.q > arm.limits[:, 1] + 1e-9)).any())
+            assert ghost.outside == out
+            assert ghost.colliding == arm.collision_model.in_collision(ghost.q)
+            seen.update(ghost.marks)
+    assert "limits" in seen
+
+
+def test_a_singular_solution_says_so(arm: Arm) -> None:
+    """With the wrist stretched, the marks name the wrist."""
+    state = states.start(arm)
+    q = state.q.copy()
+    q[4] = 0.0
+    marks = {mark for ghost in states.with_joints(state, q).ghosts for mark in ghost.marks}
+    assert "singular: wrist" in marks
+    assert any(ghost.singular & Singular.WRIST for ghost in states.with_joints(state, q).ghosts)
+
+
+def test_the_arm_follows_the_target_to_the_nearest_solution(arm: Arm) -> None:
+    """Small moves of the target are small moves of the arm, and it stands at a solution inside its limits."""
+    state = states.start(arm)
+    for _ in range(20):
+        T = state.target.copy()
+        T[:3, 3] += [0.002, -0.001, 0.001]
+        after = states.with_target(state, T)
+        assert after.chosen is not None and not after.ghosts[after.chosen].outside
+        assert np.abs(after.q - state.q).max() < 0.05
+        state = after
+
+
+def test_a_target_out_of_reach_leaves_the_arm_and_says_why(arm: Arm) -> None:
+    """No ghost, the arm where it was, and a reason with the number that is out of range."""
+    state = states.start(arm)
+    far = state.target.copy()
+    far[0, 3] = 9.0
+    after = states.with_target(state, far)
+    assert after.ghosts == () and after.chosen is None
+    assert np.array_equal(after.q, state.q)
+    assert after.reason == arm.ik(far).explain() and "reach 2.1 m" in after.reason
+
+
+def test_solutions_outside_the_limits_are_shown_and_explained() -> None:
+    """Where every solution is outside the limits the ghosts stay, marked, and the reason names the joint."""
+    arm = urdf_ik.load(BARE)
+    state = states.start(arm)
+    after = states.with_target(state, arm.fk([2.9, 0.5]))
+    assert len(after.ghosts) == 2 and all(ghost.marks == ("limits",) for ghost in after.ghosts)
+    assert np.array_equal(after.q, state.q)
+    assert "none inside the joint limits" in after.reason and "'one'" in after.reason
+
+
+def test_choosing_a_branch_moves_the_arm_only(arm: Arm) -> None:
+    """The arm stands at the solution of the branch; target and ghosts are the same; an empty branch changes nothing."""
+    state = states.start(arm)
+    for k, ghost in enumerate(state.ghosts):
+        after = states.with_branch(state, ghost.column)
+        assert after.chosen == k and after.target is state.target and after.ghosts is state.ghosts
+    assert states.with_branch(state, 99) is state
+
+
+def test_seven_joints_have_a_redundancy_parameter() -> None:
+    """Its value follows the joints, and setting it keeps the tip while the arm moves."""
+    arm = urdf_ik.load("srs_7r")
+    state = states.start(arm)
+    assert state.redundancy == pytest.approx(float(arm.redundancy_of(state.q)), abs=1e-12)
+    assert state.chosen is not None
+    after = states.with_redundancy(state, state.redundancy + 0.1)
+    assert after.chosen is not None and np.abs(after.q - state.q).max() > 1e-3
+    assert np.abs(arm.fk(after.q) - state.target).max() < 1e-8
+
+
+def test_the_intervals_stand_under_the_slider() -> None:
+    """A bar of the strip covers exactly the values at which its branch has solutions inside the limits."""
+    arm = urdf_ik.load("srs_7r")
+    state = states.start(arm)
+    assert state.intervals is not None
+    names, drawn = bars(state.intervals)
+    values = np.linspace(-np.pi, np.pi, 200)
+    kept = arm.ik(state.target, redundancy=values).within_limits().valid
+    for row, name in enumerate(names):
+        covered = np.zeros(len(values), dtype=bool)
+        for bar in drawn:
+            covered |= (bar.row == row) & (values >= bar.value[0]) & (values <= bar.value[-1])
+        np.testing.assert_array_equal(covered, kept[:, arm.structure.branches.index(name)])
+    page = ElementTree.fromstring(strip.drawn(state).replace("&middot;", "-"))
+    assert len(page.findall(".//title")) == len(drawn)
+    moved = states.with_redundancy(state, 0.5)
+    assert moved.intervals is state.intervals and strip.drawn(moved) != strip.drawn(state)
+    assert states.with_joints(state, state.q + 0.05).intervals is not state.intervals
+    assert strip.drawn(states.start(urdf_ik.load("zyyzyz_6r"))) == ""
+
+
+@pytest.mark.parametrize("name", [name for name in catalogue.BUNDLED if name != "zyyzyz_6r"])
+def test_every_bundled_arm_stands_at_a_solution(name: str) -> None:
+    """Arms with any number of joints start at a solution of their own target; one that no solver takes says so."""
+    arm = urdf_ik.load(name)
+    state = states.start(arm)
+    if not arm.structure.family:
+        assert "no solver" in state.reason
+    else:
+        assert state.chosen is not None and not state.reason
+
+
+def test_a_newer_request_takes_the_place_of_an_older_one() -> None:
+    """While one is being done, only the last of each kind waits, and all kinds get their turn."""
+    done: list[str] = []
+    begun, go_on = threading.Event(), threading.Event()
+    latest = Latest()
+
+    def first() -> None:
+        begun.set()
+        go_on.wait(PATIENCE)
+        done.append("first")
+
+    latest.put("target", first)
+    assert begun.wait(PATIENCE)
+    for text in ("old", "older", "new"):
+        latest.put("target", lambda text=text: done.append(text))
+    latest.put("branch", lambda: done.append("branch"))
+    go_on.set()
+    assert latest.settle(PATIENCE)
+    latest.close()
+    assert done == ["first", "new", "branch"]
+
+
+def test_the_page_is_served_where_it_says(viewer: Viewer) -> None:
+    """On 127.0.0.1, at the printed port, and on no other interface."""
+    assert re.fullmatch(rf"http://127\.0\.0\.1:{viewer.port}/[\w-]{{32}}/", viewer.url)
+    with urllib.request.urlopen(viewer.url, timeout=PATIENCE) as answer:
+        assert answer.status == 200
+    with pytest.raises(OSError), socket.create_connection(("127.0.0.2", viewer.port), timeout=5.0):
+        pass
+
+
+def test_the_scene_follows_the_state(viewer: Viewer) -> None:
+    """Bodies stand where the links are, ghosts where the solutions' links are, the others are scaled to nothing."""
+    T = viewer.state.target.copy()
+    T[:3, 3] += 0.03
+    viewer.move_target(T)
+    viewer.choose(viewer.state.ghosts[0].column)
+    assert viewer.settle(PATIENCE)
+    state, drawing = viewer.state, viewer.drawing
+    poses = state.arm.link_poses(state.q)
+    for link, handle in drawing._bodies:
+        assert np.allclose(handle.position, poses[link][:3, 3])
+    for link, handle in drawing._ghosts:
+        places, shown = [poses[link]], []  # a link that is where another one is drawn is left out
+        for k, ghost in enumerate(state.ghosts):
+            there = state.arm.link_poses(ghost.q)[link]
+            if k != state.chosen and not any(np.allclose(there, place, rtol=0.0, atol=1e-6) for place in places):
+                places.append(there)
+                shown.append(ghost.column)
+                assert np.allclose(handle.batched_positions[ghost.column], there[:3, 3], atol=1e-6)
+        assert np.flatnonzero(handle.batched_scales).tolist() == shown
+    counts = [np.count_nonzero(handle.batched_scales) for _, handle in drawing._ghosts]
+    assert (min(counts), max(counts)) == (0, 3)  # the tool is where it must be; two elbows, the wrist up or down
+    assert viewer.panel.branches[0].label.startswith("● ")
+    assert np.allclose(drawing.target.position, state.target[:3, 3])
+    viewer.move_joint(0, state.q[0] + 0.2)
+    assert viewer.settle(PATIENCE)
+    assert [slider.value for slider in viewer.panel.sliders] == pytest.approx(viewer.state.q, abs=6e-4)
+    assert np.allclose(drawing.target.position, viewer.state.target[:3, 3])
+
+
+@pytest.mark.parametrize("name", ["zyyzyz_6r", "planar_2r", "srs_7r"])
+def test_the_camera_sees_the_arm_left_of_the_panel(name: str) -> None:
+    """All frames of the arm and its ghosts are in front of the camera, in the view, and left of the panel."""
+    arm = urdf_ik.load(name)
+    with Viewer(arm, port=0) as viewer:
+        camera, state = viewer.server.initial_camera, viewer.state
+        ahead = (camera.look_at - camera.position) / np.linalg.norm(camera.look_at - camera.position)
+        right = np.cross(ahead, [0.0, 0.0, 1.0])
+        right /= np.linalg.norm(right)
+        poses = arm.link_poses(np.stack([state.q, *(ghost.q for ghost in state.ghosts)]))
+        points = np.concatenate([pose[:, :3, 3] for pose in poses.values()]) - camera.position
+        depth = points @ ahead
+        half = np.tan(0.5 * camera.fov)
+        assert (depth > 0.0).all()
+        assert (np.abs(points @ np.cross(right, ahead)) < 0.95 * half * depth).all()
+        across = points @ right / (half * depth)  # -1.6 to 0.45 is what a usual window shows beside the panel
+        assert across.min() > -1.5 and across.max() < 0.5
+
+
+@pytest.mark.parametrize("aspect", [360 / 760, 480 / 760, 0.9])
+@pytest.mark.parametrize("name", ["zyyzyz_6r", "planar_2r", "srs_7r"])
+def test_the_camera_of_a_narrow_window_sees_the_arm_above_the_panel(name: str, aspect: float) -> None:
+    """All frames of the arm and its ghosts are in the window, and above its lower half, where the panel is."""
+    arm = urdf_ik.load(name)
+    with Viewer(arm, port=0) as viewer:
+        state, fov = viewer.state, viewer.server.initial_camera.fov
+        position, look_at = viewer.drawing.camera(state, fov, aspect)
+        ahead = (look_at - position) / np.linalg.norm(look_at - position)
+        right = np.cross(ahead, [0.0, 0.0, 1.0])
+        right /= np.linalg.norm(right)
+        poses = arm.link_poses(np.stack([state.q, *(ghost.q for ghost in state.ghosts)]))
+        points = np.concatenate([pose[:, :3, 3] for pose in poses.values()]) - position
+        depth, half = points @ ahead, np.tan(0.5 * fov)
+        assert (depth > 0.0).all()
+        assert (np.abs(points @ right) < aspect * half * depth).all()
+        up = points @ np.cross(right, ahead) / (half * depth)
+        assert up.min() > 0.0 and up.max() < 1.0
+
+
+def test_all_sixteen_colours_are_seen_on_either_background() -> None:
+    """The contrast to the page, as WCAG 2.1 measures it, is 1.9 or more in a light page and 2.9 in a dark one."""
+
+    def luminance(colour: tuple[float, ...]) -> float:
+        linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in colour]
+        return float(np.dot(linear, [0.2126, 0.7152, 0.0722]))
+
+    for dark, page, least in ((False, luminance((1.0,) * 3), 1.9), (True, luminance((36 / 255,) * 3), 2.9)):
+        shades = palette.colours(16, dark)
+        assert len(set(shades)) == 16
+        for colour in shades:
+            low, high = sorted([luminance(colour), page])
+            assert (high + 0.05) / (low + 0.05) >= least
+
+
+def test_buttons_hold_names_and_marks() -> None:
+    """The whole name where it fits, with the dot of the one chosen; else its last words, and always all marks."""
+    branch = "shoulder front, elbow down, wrist noflip"
+    assert panel._label(branch, (), True) == f"● {branch}"
+    assert panel._label(branch, ("limits",), False) == f"{branch} (limits)"
+    crowded = panel._label(branch, ("limits", "collision", "singular: wrist"), True)
+    assert crowded == "● front, down, noflip (limits; collision; singular: wrist)"
+    assert panel._label("solution 16", ("limits",), False) == "solution 16 (limits)"
+
+
+def test_a_notebook_shows_the_page(viewer: Viewer) -> None:
+    """As a frame with the page's true address, of the height that was asked for."""
+    pytest.importorskip("IPython")
+    assert f'src="{viewer.url}"' in viewer._repr_html_()
+    assert 'height="300"' in viewer.show(300)._repr_html_()
+
+
+def test_another_arm_takes_the_place(viewer: Viewer) -> None:
+    """Sliders and branches are those of the new arm; what was asked of the old one is forgotten."""
+    viewer.open("srs_7r")
+    assert viewer.settle(PATIENCE) and viewer.state.arm.name == "srs_7r"
+    assert len(viewer.panel.sliders) == 7 and len(viewer.panel.redundancies) == 1
+    viewer.open(BARE.encode())
+    assert viewer.settle(PATIENCE) and viewer.state.arm.name == "bare"
+    assert len(viewer.panel.sliders) == 2 and not viewer.panel.redundancies
+    assert not viewer.drawing.has_shapes and viewer.drawing._lines
+
+
+def test_what_is_wrong_with_an_arm_is_said_and_the_old_one_stays(viewer: Viewer, arm: Arm) -> None:
+    """A name that the catalogue lacks gives the nearest; a broken URDF its line; an ambiguous tip the candidates."""
+    broken = BARE.replace('parent link="b"', 'parent link="x"').encode()
+    forked = BARE.replace("</robot>", '<link name="e"/><joint name="f" type="fixed"><origin xyz="1 0 0"/>'
+                          '<parent link="c"/><child link="e"/></joint></robot>').encode()  # fmt: skip
+    for source, answer in (
+        ("zyyzyz", "nearest: zyyzyz_6r"),
+        ("no/such.urdf", "no/such.urdf"),
+        (broken, "link 'x' is not declared"),
+        (forked, "candidates: c, d, e"),
+        (b"", "empty"),
+    ):
+        viewer.open(source)
+        assert viewer.settle(PATIENCE)
+        assert answer in viewer.message
+        assert viewer.state.arm is arm
+
+
+def test_shapes_that_cannot_be_read_are_named() -> None:
+    """An arm without shapes is drawn as lines; one whose mesh is missing is drawn without it, and says so."""
+    with Viewer(urdf_ik.load(BARE), port=0) as viewer:
+        assert not viewer.drawing.has_shapes and "drawn as frames and lines" in viewer.message
+        assert "no link has a collision shape" in viewer.state.note
+        viewer.move_joint(0, 0.4)
+        assert viewer.settle(PATIENCE)
+        points = viewer.drawing._lines[0].points
+        assert np.allclose(points[-1, 1], viewer.state.target[:3, 3], atol=1e-6)
+        viewer.open(LOST_MESH.encode())
+        assert viewer.settle(PATIENCE)
+        assert viewer.drawing.has_shapes and "package://nowhere/b.stl" in viewer.message
+        assert "frames and lines are drawn, too" in viewer.message and viewer.drawing._lines
+        mesh = '<visual><geometry><mesh filename="package://nowhere/b.stl"/></geometry></visual>'
+        viewer.open(LOST_MESH.replace(mesh, 9 * mesh).encode())
+        assert viewer.settle(PATIENCE)
+        assert len(viewer.message.splitlines()) < 8 and viewer.message.endswith("and 7 more")
+
+
+def test_a_port_in_use_is_refused_and_a_free_one_found(arm: Arm, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A port that was asked for and is taken is an error with its number; without one the next free port is taken."""
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        other.listen()
+        port = other.getsockname()[1]
+        with pytest.raises(UrdfIkError, match=f"port {port} on 127.0.0.1 is in use"):
+            Viewer(arm, port=port)
+        monkeypatch.setattr(address, "DEFAULT_PORT", port)
+        with Viewer(arm) as viewer:
+            assert viewer.port > port and f":{viewer.port}/" in viewer.url
+
+
+@pytest.mark.parametrize(
+    ("host", "port", "words"),
+    [("127.0.0.1", 70000, "port 70000"), ("192.0.2.1", None, "192.0.2.1"), ("no.such.host.invalid", 0, "no.such"),
+     ("a" * 64, None, "no host name"), ("a\0b", None, "a.x00b"), ("127.0.0.1", True, "port True"),
+     ("127.0.0.1", 80.5, "port 80.5")],
+)
+def test_an_address_that_is_none_is_refused(host: str, port: int | None, words: str) -> None:
+    """Ports out of range, and hosts that are not this machine, before viser looks for ports in vain."""
+    with pytest.raises(UrdfIkError, match=words):
+        address.check(host, port)
+
+
+def test_the_printed_address_can_be_typed() -> None:
+    """What listens everywhere is reached at 127.0.0.1; an IPv6 address stands in brackets."""
+    assert address.url("0.0.0.0", 8080) == "http://127.0.0.1:8080"
+    assert address.url("::1", 8080) == "http://[::1]:8080"
+    assert address.is_local("127.0.0.1") and address.is_local("localhost")
+    assert not address.is_local("0.0.0.0") and not address.is_local("192.168.0.2")
+
+
+def test_ctrl_c_ends_it_cleanly() -> None:
+    """The command prints its true address, serves the page, and ends with status 0 and nothing on stderr."""
+    command = [sys.executable, "-m", "urdf_ik.cli", "view", "zyyzyz_6r", "--port", "0"]
+    with subprocess.Popen(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONUNBUFFERED": "1"},
+        # Tests that run in the background of a script have to ignore Ctrl-C, and so are their children.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    ) as running:
+        assert running.stdout is not None and running.stderr is not None
+        try:
+            ready, _, _ = select.select([running.stdout], [], [], PATIENCE)
+            assert ready, "nothing was printed"
+            line = running.stdout.readline()
+            found = re.search(r"http://127\.0\.0\.1:\d+/[\w-]+/", line)
+            assert found is not None, line
+            with urllib.request.urlopen(found[0], timeout=PATIENCE) as answer:
+                assert answer.status == 200
+            running.send_signal(signal.SIGINT)
+            out, err = running.communicate(timeout=PATIENCE)
+        finally:
+            running.kill()
+    assert (running.returncode, out, err) == (0, "", "")
+
+
+def test_the_command_writes_the_scene_as_one_page(tmp_path: Path) -> None:
+    """-o writes HTML that holds the scene, and ends; an address or a name that is wrong ends with status 2."""
+    assert "urdf-ik view ur5" in CliRunner().invoke(app, ["view", "--help"]).output
+    file = tmp_path / "arm.html"
+    done = CliRunner().invoke(app, ["view", "zyyzyz_6r", "-o", str(file)], catch_exceptions=False)
+    assert done.exit_code == 0, done.output
+    page = file.read_text()
+    assert page.lstrip().lower().startswith("<!doctype html") and "__VISER_EMBED_DATA__=" in page
+    for arguments in (["zyyzyz_6", "--port", "0"], ["zyyzyz_6r", "--host", "192.0.2.1"]):
+        wrong = CliRunner().invoke(app, ["view", *arguments], catch_exceptions=False)
+        assert wrong.exit_code == 2 and wrong.stderr.startswith("Error: ")

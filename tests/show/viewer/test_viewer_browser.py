@@ -1,0 +1,351 @@
+"""The viewer's page in a real browser: Chromium without a screen, drawing in software, against a running viewer.
+
+What the page does is read from the viewer's state; that it shows it, from pixels that change. URDF_IK_SCREENSHOT=FILE
+keeps a picture of the page.
+"""
+
+from __future__ import annotations
+
+import http.server
+import io
+import os
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from browser import CHROMIUM, INSTALL, PATIENCE, SOFTWARE
+from numpy.typing import NDArray
+
+import urdf_ik
+from urdf_ik.model import catalogue
+
+playwright = pytest.importorskip("playwright.sync_api", reason=INSTALL)
+pytest.importorskip("viser", reason=INSTALL)
+
+from PIL import Image  # noqa: E402  it comes with viser
+
+from urdf_ik.show.viewer import Viewer  # noqa: E402
+
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason=INSTALL)
+
+WIDTH, HEIGHT, PANEL = 900, 560, 420
+ARM = "zyyzyz_6r"
+
+
+class Seen:
+    """A viewer and the page that shows it."""
+
+    def __init__(self, viewer: Viewer, page: Any) -> None:
+        self.viewer, self.page = viewer, page
+        page.set_default_timeout(1000.0 * PATIENCE)
+
+    def enter(self) -> None:
+        """Let the page show the viewer."""
+        self.page.goto(self.viewer.url)
+        self.wait(lambda: len(self.viewer.server.get_clients()) == 1, "the page connects, and no other is there")
+        close = self.page.locator(".mantine-Notification-closeButton")  # that it is drawn in software
+        if close.count():
+            close.first.click()
+
+    @contextmanager
+    def away(self) -> Iterator[Any]:
+        """The page for something else: two at once would have to be drawn without a GPU."""
+        try:
+            yield self.page
+        finally:
+            self.enter()
+
+    def wait(self, what: Callable[[], Any], why: str) -> None:
+        """Let the page run until ``what()`` is true."""
+        end = time.monotonic() + PATIENCE
+        while time.monotonic() < end:
+            if what():
+                return
+            self.page.wait_for_timeout(100)
+        pytest.fail(f"waited {PATIENCE:g} s in vain: {why}")
+
+    def pixels(self) -> NDArray[np.int_]:
+        """The scene (h, w, 3) as drawn when nothing moves any more, without the panel."""
+        self.viewer.settle(PATIENCE)
+        area = {"x": 0, "y": 0, "width": WIDTH - PANEL, "height": HEIGHT}
+        last: NDArray[np.int_] | None = None
+        for _ in range(40):
+            self.page.wait_for_timeout(300)
+            shot = np.array(Image.open(io.BytesIO(self.page.screenshot(clip=area))).convert("RGB"), dtype=np.int_)
+            if last is not None and changed(shot, last) < 20:
+                return shot
+            last = shot
+        assert last is not None
+        return last
+
+    def project(self, point: NDArray[np.float64]) -> tuple[float, float]:
+        """Where in the page a point of the scene [m] is drawn."""
+        (client,) = self.viewer.server.get_clients().values()
+        camera = client.camera
+        R = urdf_ik.pose(np.zeros(3), quat_wxyz=camera.wxyz)[:3, :3]
+        x, y, z = R.T @ (point - camera.position)
+        focal = 0.5 * HEIGHT / np.tan(0.5 * camera.fov)
+        return WIDTH / 2 + focal * x / z, HEIGHT / 2 + focal * y / z
+
+    def restart(self, home: NDArray[np.float64]) -> None:
+        """Put the arm where it was at first, and wait until the page shows that."""
+        if self.viewer.state.arm.name != ARM:
+            self.viewer.open(ARM)
+            assert self.viewer.settle(PATIENCE)
+        for index, value in enumerate(home):
+            self.viewer.move_joint(index, value)
+        assert self.viewer.settle(PATIENCE)
+        values = "all => all.map(each => Number(each.getAttribute('aria-valuenow')))"
+        thumbs = self.page.get_by_role("slider")
+        self.wait(lambda: thumbs.evaluate_all(values) == home.round(3).tolist(), "the sliders are at home")
+
+
+def changed(first: NDArray[np.int_], second: NDArray[np.int_]) -> int:
+    """Pixels that differ by more than rounding and smoothing do."""
+    return int((np.abs(first - second).max(axis=-1) > 24).sum())
+
+
+@pytest.fixture(scope="module")
+def opened() -> Iterator[Seen]:
+    """One browser and one viewer for all tests."""
+    with Viewer(urdf_ik.load(ARM), port=0) as viewer, playwright.sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=CHROMIUM, args=list(SOFTWARE))
+        page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
+        seen = Seen(viewer, page)
+        seen.enter()
+        yield seen
+        browser.close()
+
+
+@pytest.fixture(scope="module")
+def home(opened: Seen) -> NDArray[np.float64]:
+    """Where the arm stands at first."""
+    return opened.viewer.state.q
+
+
+@pytest.fixture
+def seen(opened: Seen, home: NDArray[np.float64]) -> Seen:
+    """The page, showing the arm as it is at first."""
+    opened.restart(home)
+    return opened
+
+
+def test_the_arm_and_its_ghosts_appear(seen: Seen) -> None:
+    """All eight branches are listed with their marks, the arm and seven ghosts are drawn."""
+    seen.page.get_by_text("8 solutions").wait_for()
+    for ghost in seen.viewer.state.ghosts:
+        seen.page.get_by_role("button", name=ghost.branch).wait_for()
+    whole = seen.pixels()
+    if picture := os.environ.get("URDF_IK_SCREENSHOT"):
+        Image.open(io.BytesIO(seen.page.screenshot())).quantize(160).save(picture, optimize=True)
+    far = seen.viewer.state.target.copy()
+    far[0, 3] = 50.0
+    seen.viewer.move_target(far)
+    without_ghosts = seen.pixels()
+    assert changed(whole, without_ghosts) > 1000
+    seen.viewer.drawing.root.visible = False
+    empty = seen.pixels()
+    seen.viewer.drawing.root.visible = True
+    assert changed(without_ghosts, empty) > 1000
+
+
+def test_dragging_the_target_moves_the_ghosts(seen: Seen) -> None:
+    """A pull at the handle of the target's z axis moves the target along it, the solutions and the arm with it."""
+    before, first = seen.viewer.state, seen.pixels()
+    length = 0.3 * before.arm.chain.size  # of the handles
+    start, along = before.target[:3, 3], before.target[:3, :3]
+    # The axis that is seen longest: one that points at the camera cannot be pulled.
+    ends = [seen.project(start + 0.6 * length * along[:, k]) for k in range(3)]
+    centre = np.array(seen.project(start))
+    axis = int(np.argmax([np.linalg.norm(np.array(end) - centre) for end in ends]))
+    mouse, (x, y) = seen.page.mouse, ends[axis]
+    pull = (np.array([x, y]) - centre) / np.linalg.norm(np.array([x, y]) - centre)
+    mouse.move(x, y)
+    seen.page.wait_for_timeout(500)
+    mouse.down()
+    for step in range(1, 9):
+        mouse.move(*(np.array([x, y]) - 6.0 * step * pull))
+        seen.page.wait_for_timeout(60)
+    mouse.up()
+    seen.wait(lambda: seen.viewer.state is not before, "the target is dragged")
+    assert seen.viewer.settle(PATIENCE)
+    after = seen.viewer.state
+    moved = after.target[:3, 3] - start
+    assert np.linalg.norm(moved) > 0.02
+    assert np.allclose(np.cross(moved, along[:, axis]), 0.0, atol=1e-4)
+    assert after.ghosts
+    for ghost in after.ghosts:
+        assert np.abs(after.arm.fk(ghost.q) - after.target).max() < 1e-8
+    assert after.chosen is not None
+    assert changed(first, seen.pixels()) > 500
+
+
+def test_a_slider_moves_the_arm_and_the_target(seen: Seen) -> None:
+    """The first joint's slider pushed to its end turns the arm there, and the target with it."""
+    before, first = seen.viewer.state, seen.pixels()
+    thumb = seen.page.get_by_role("slider").first
+    thumb.focus()
+    thumb.press("End")
+    seen.wait(lambda: abs(seen.viewer.state.q[0] - seen.viewer.panel.sliders[0].max) < 1e-9, "the slider moves")
+    assert seen.viewer.settle(PATIENCE)
+    after = seen.viewer.state
+    assert np.array_equal(after.q[1:], before.q[1:])
+    assert np.abs(after.arm.fk(after.q) - after.target).max() < 1e-12
+    assert np.allclose(seen.viewer.drawing.target.position, after.target[:3, 3])
+    assert changed(first, seen.pixels()) > 500
+
+
+def test_choosing_a_branch_moves_the_arm_to_it(seen: Seen) -> None:
+    """A click on a branch puts the arm there and leaves the target."""
+    before, first = seen.viewer.state, seen.pixels()
+    other = next(k for k, ghost in enumerate(before.ghosts) if "elbow up" in ghost.branch and k != before.chosen)
+    seen.page.get_by_role("button", name=before.ghosts[other].branch, exact=True).click()
+    seen.wait(lambda: seen.viewer.state.chosen == other, "the branch is chosen")
+    assert np.array_equal(seen.viewer.state.target, before.target)
+    seen.page.get_by_role("button", name=f"● {before.ghosts[other].branch}").wait_for()
+    assert changed(first, seen.pixels()) > 200
+
+
+def test_another_urdf_loads_from_a_file(seen: Seen) -> None:
+    """A URDF given to the page replaces the arm."""
+    first, page = seen.pixels(), seen.page
+    page.get_by_text("Another arm").click()
+    with page.expect_file_chooser() as chooser:
+        page.get_by_role("button", name="URDF from this computer").click()
+    chooser.value.set_files(catalogue.resolve("puma_560").path)
+    seen.wait(lambda: seen.viewer.state.arm.name == "puma_560", "the file is shown")
+    page.get_by_text("puma_560").first.wait_for()
+    assert changed(first, seen.pixels()) > 1000
+
+
+def test_the_catalogue_brings_seven_joints_and_their_slider(seen: Seen) -> None:
+    """A name chosen from the list replaces the arm; the redundancy slider turns the elbow and leaves the tip."""
+    page = seen.page
+    chosen = page.locator(".mantine-Select-input:visible")
+    if not chosen.count():
+        page.get_by_text("Another arm").click()
+    chosen.click()
+    page.get_by_role("option", name="srs_7r", exact=True).click()
+    seen.wait(lambda: seen.viewer.state.arm.name == "srs_7r", "the arm of the catalogue is shown")
+    page.get_by_text("srs_7r").first.wait_for()
+    first, before = seen.pixels(), seen.viewer.state
+    assert isinstance(before.redundancy, float)
+    thumb = page.get_by_role("slider").first
+    seen.wait(lambda: thumb.get_attribute("aria-valuenow") == f"{round(before.redundancy, 3):g}", "the slider is there")
+    page.get_by_role("img", name="Values at which each branch has solutions").wait_for()
+    thumb.focus()
+    for _ in range(150):
+        thumb.press("ArrowRight")
+    wanted = before.redundancy + 0.15
+    seen.wait(lambda: abs(seen.viewer.state.redundancy - wanted) < 1e-3, "the redundancy parameter follows")
+    assert seen.viewer.settle(PATIENCE)
+    after = seen.viewer.state
+    assert np.array_equal(after.target, before.target) and np.abs(after.q - before.q).max() > 0.01
+    assert np.abs(after.arm.fk(after.q) - after.target).max() < 1e-8
+    assert changed(first, seen.pixels()) > 200
+
+
+def test_the_camera_follows_another_arm(seen: Seen) -> None:
+    """After an arm of 3 m one of 0.2 m fills the page, too."""
+    seen.viewer.open("planar_2r")
+    seen.wait(lambda: seen.viewer.state.arm.name == "planar_2r", "the small arm is shown")
+
+    def spread() -> float:
+        points = [seen.project(pose[:3, 3]) for pose in seen.viewer.state.arm.link_poses(seen.viewer.state.q).values()]
+        return float(np.ptp(np.array(points), axis=0).max())
+
+    seen.wait(lambda: 0.1 * HEIGHT < spread() < HEIGHT, "the camera has moved")
+
+
+@contextmanager
+def served(text: str) -> Iterator[str]:
+    """The address on this machine of a page, as a notebook has one; other frames may not show local servers."""
+
+    class Page(http.server.BaseHTTPRequestHandler):
+        def do_GET(self) -> None:
+            self.send_response(http.HTTPStatus.OK)
+            self.send_header("Content-Type", "text/html")
+            self.end_headers()
+            self.wfile.write(text.encode())
+
+        def log_message(self, *args: Any, **named: Any) -> None:
+            pass
+
+    with http.server.HTTPServer(("127.0.0.1", 0), Page) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_port}/"
+        server.shutdown()
+
+
+def test_a_notebook_holds_the_page(seen: Seen) -> None:
+    """The frame that a notebook is given draws the arm and its panel within another page."""
+    text = f"<html><body>{seen.viewer._repr_html_()}</body></html>"
+    with served(text) as address, seen.away() as page:
+        page.goto(address)
+        page.frame_locator("iframe").get_by_text("8 solutions").wait_for()
+        drawn = seen.pixels()
+    assert changed(drawn, np.broadcast_to(drawn[0, -1], drawn.shape)) > 5000
+
+
+def test_a_target_out_of_reach_says_why(seen: Seen) -> None:
+    """No ghost is left, the arm stays, and the page gives the number that is out of range."""
+    before = seen.viewer.state
+    far = before.target.copy()
+    far[:3, 3] += 2.0 * before.arm.chain.size
+    seen.viewer.move_target(far)
+    seen.page.get_by_text("No solution").wait_for()
+    seen.page.get_by_text("reach 2.1 m").wait_for()
+    assert not seen.viewer.state.ghosts and np.array_equal(seen.viewer.state.q, before.q)
+    assert seen.page.get_by_role("button", name="elbow up").count() == 0
+
+
+def test_the_scene_is_saved_as_a_page_that_needs_no_viewer(seen: Seen, tmp_path: Path) -> None:
+    """The file that the page offers draws the arm by itself."""
+    with seen.page.expect_download() as download:
+        seen.page.get_by_role("button", name="Save the scene as HTML").click()
+    file = tmp_path / download.value.suggested_filename
+    download.value.save_as(file)
+    assert file.name == f"{ARM}.html"
+    asked: list[str] = []
+    with seen.away() as page:
+        page.goto("about:blank")
+
+        def note(request: Any) -> None:
+            asked.append(request.url)
+
+        page.on("request", note)
+        page.goto(file.as_uri())
+        drawn = seen.pixels()
+        page.remove_listener("request", note)
+    assert not [url for url in asked if url.startswith(("http:", "https:", "ws:"))]
+    assert changed(drawn, np.broadcast_to(drawn[0, -1], drawn.shape)) > 5000
+
+
+def test_a_plan_is_played_and_its_ends_are_chosen(seen: Seen) -> None:
+    """The play button moves the arm along the path and the slider with it; an end's button goes there."""
+    viewer, page = seen.viewer, seen.page
+    start = viewer.state.target
+    end = start.copy()
+    end[:3, 3] += [0.0, 0.3, 0.0]
+    plan = viewer.state.arm.follow(urdf_ik.line(start, end, 20))
+    first = seen.pixels()
+    viewer.show_plan(plan)
+    page.get_by_role("button", name="Play", exact=True).click()
+    seen.wait(lambda: viewer.place == 19.0, "the plan is played")
+    page.get_by_role("button", name="Play", exact=True).wait_for()
+    assert viewer.settle(PATIENCE) and np.allclose(viewer.state.q, plan.q[-1])
+    assert changed(first, seen.pixels()) > 500
+    end[1, 3] += 5.0
+    missed = viewer.state.arm.follow(urdf_ik.line(start, end, 60))
+    assert not missed.found
+    viewer.show_plan(missed)
+    stop = missed.stops[-1]
+    page.get_by_role("button", name=f"ends before {stop.waypoint}, {stop.cause}").last.click()
+    seen.wait(lambda: viewer.place == stop.waypoint - 1, "the end is shown")
+    viewer.show_plan(None)
+    assert viewer.settle(PATIENCE)

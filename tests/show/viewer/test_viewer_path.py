@@ -1,0 +1,232 @@
+"""The viewer with a plan and a world: what it shows at each waypoint, without a browser."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command import ARM, call, succeed
+from seams import blocked_plan, seam
+
+import urdf_ik
+from urdf_ik import Arm, Box, Capsule, Cylinder, HalfSpace, Mesh, Plan, Points, Sphere, World
+from urdf_ik.errors import ArgumentError
+from urdf_ik.model import link_shapes
+from urdf_ik.show.viewer import playback
+from urdf_ik.show.viewer import state as states
+
+pytest.importorskip("viser", reason="pip install viser")
+
+from urdf_ik.show.viewer import Viewer  # noqa: E402
+from urdf_ik.show.viewer.surroundings import triangles  # noqa: E402
+
+PATIENCE = 60.0
+
+
+@pytest.fixture(scope="module")
+def arm() -> Arm:
+    """The arm of all plans here."""
+    return urdf_ik.load(ARM)
+
+
+@pytest.fixture(scope="module")
+def plan(arm: Arm) -> Plan:
+    """One that was found."""
+    return arm.follow(seam())
+
+
+@pytest.fixture(scope="module")
+def blocked(arm: Arm) -> Plan:
+    """One that was not, for a box on the way."""
+    return blocked_plan(arm)
+
+
+def wait(what: Callable[[], bool]) -> None:
+    """Until that is so."""
+    end = time.monotonic() + PATIENCE
+    while not what():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.02)
+
+
+def test_the_arm_stands_where_the_plan_puts_it(arm: Arm, plan: Plan) -> None:
+    """At a waypoint the plan's joint vector, and half way to the next one the middle of the motion between them."""
+    track, state = playback.track(plan), states.start(arm)
+    for place in (0, 7, 29):
+        assert np.allclose(playback.at(track, state, place).q, plan.q[place], rtol=0.0, atol=1e-12)
+    assert len(plan.motion) == len(plan.q)  # nothing was put between
+    half = playback.at(track, state, 7.5)
+    assert np.allclose(half.q, 0.5 * (plan.q[7] + plan.q[8]), rtol=0.0, atol=1e-12)
+    assert np.allclose(arm.fk(half.q), half.target) and half.ghosts
+    assert np.array_equal(playback.at(track, state, 99.0).q, playback.at(track, state, 29.0).q)
+
+
+def test_without_a_plan_the_target_goes_along_the_path(arm: Arm, blocked: Plan) -> None:
+    """The target is the waypoint; each end is the last waypoint that a branch reaches, and the arm goes to it there."""
+    assert not blocked.found
+    track, state = playback.track(blocked), states.start(arm, blocked.obstacles.model.world)
+    assert np.array_equal(playback.at(track, state, 4.2).target, blocked.poses[4])
+    assert sum(len(stops) for stops in track.ends.values()) == len(blocked.stops)
+    assert track.reached == max(track.ends) < track.last
+    for waypoint, stops in track.ends.items():
+        for stop in stops:
+            assert stop.waypoint == waypoint + 1
+            here = playback.first_of(track, state, stop)
+            assert here.chosen is not None and here.ghosts[here.chosen].branch == stop.branch
+            assert np.array_equal(here.target, blocked.poses[waypoint])
+
+
+def test_what_no_branch_gets_past_is_marked_where_it_is(arm: Arm) -> None:
+    """Out of reach for every branch: the waypoint itself is an end, and nothing beyond the branches' own is reached."""
+    far = seam()
+    far[20:, 2, 3] += 5.0
+    plan = arm.follow(far)
+    track = playback.track(plan)
+    named = [stop for stop in plan.stops if stop.branch in arm.structure.branches]
+    assert track.reached == max(stop.waypoint for stop in named) - 1
+    for stop in plan.stops:
+        place = stop.waypoint - 1 if stop in named else stop.waypoint
+        assert stop in track.ends[place]
+        here = playback.first_of(track, states.start(arm), stop)
+        assert np.array_equal(here.target, far[place])
+    with Viewer(arm, port=0, plan=plan) as viewer:
+        labels = [button.label for button in viewer._path[0].ends]
+    assert all(f"at {s.waypoint}" in x or f"before {s.waypoint}" in x for s, x in zip(plan.stops, labels, strict=True))
+
+
+def test_a_world_marks_the_solutions_that_touch_it(arm: Arm, blocked: Plan) -> None:
+    """At the box every solution inside the limits collides; without the world it does not."""
+    world = blocked.obstacles.model.world
+    inside = [
+        [ghost.colliding for ghost in states.with_target(states.start(arm, each), blocked.poses[15]).ghosts]
+        for each in (world, None)
+    ]
+    assert all(inside[0]) and not all(inside[1])
+
+
+def test_a_player_passes_the_path_and_ends() -> None:
+    """Places rise from where it begins to the last waypoint; once stopped it says nothing more."""
+    track = playback.Track(None, np.zeros((11, 3)), 10, {})
+    places: list[float] = []
+    ended: list[bool] = []
+    player = playback.Player(places.append, lambda: ended.append(True))
+    player.start(track, 8.0)
+    wait(lambda: bool(ended))
+    assert not player.playing and places[-1] == 10.0 and places[0] > 8.0 and places == sorted(places)
+    player.start(track, 10.0)  # from the end it begins anew
+    wait(lambda: len(places) > 30 or places[-1] < 9.0)
+    player.stop()
+    count = len(places) + 1
+    time.sleep(3.0 * playback.FRAME)
+    assert len(places) <= count and len(ended) == 1
+
+
+def test_the_page_plays_a_plan(arm: Arm, plan: Plan, blocked: Plan) -> None:
+    """Slider, arm and path belong to the plan; another plan takes its place; another arm takes it away."""
+    with Viewer(arm, port=0, plan=plan) as viewer:
+        panel, drawing = viewer._path
+        assert np.allclose(viewer.state.q, plan.q[0]) and panel.slider.max == 29.0 and not panel.ends
+        assert np.allclose(drawing.line.points[:, 0], plan.poses[:-1, :3, 3], atol=1e-6) and not drawing.ends
+        viewer.go_to(12)
+        assert viewer.settle(PATIENCE) and np.allclose(viewer.state.q, plan.q[12])
+        assert panel.slider.value == 12.0 and viewer.place == 12
+        viewer.go_to(28.5)
+        assert viewer.settle(PATIENCE)
+        viewer.play()
+        assert panel.button.label == "Pause"
+        wait(lambda: panel.button.label == "Play")
+        assert viewer.settle(PATIENCE) and np.allclose(viewer.state.q, plan.q[-1]) and panel.slider.value == 29.0
+        viewer.play()
+        viewer.play()
+        assert panel.button.label == "Play"
+        viewer.show_plan(blocked)
+        assert viewer.settle(PATIENCE)
+        panel, drawing = viewer._path
+        assert len(panel.ends) == len(blocked.stops) and sorted(drawing.ends) == sorted(viewer.track.ends)
+        for waypoint, ball in drawing.ends.items():
+            assert np.allclose(ball.position, blocked.poses[waypoint, :3, 3])
+        viewer._show_end(blocked.stops[-1])
+        assert viewer.settle(PATIENCE) and panel.slider.value == blocked.stops[-1].waypoint - 1
+        viewer.open("srs_7r")
+        assert viewer.settle(PATIENCE) and viewer.track is None
+        viewer.play()  # nothing to play
+        with pytest.raises(ArgumentError, match="one of zyyzyz_6r"):
+            viewer.show_plan(plan)
+
+
+def test_obstacles_stand_where_the_world_puts_them(arm: Arm, blocked: Plan, tmp_path: Path) -> None:
+    """Every kind of shape is in the scene; what is moved or removed in the world is so there with the next view."""
+    world = World()
+    box = tmp_path / "box.stl"
+    triangles(Box((0.1, 0.2, 0.3)), 1.0).export(box)
+    shapes = [Box(0.1), Sphere(0.1), Cylinder(0.1, 0.4), Capsule(0.1, 0.4), HalfSpace((0, 0, 1)), Mesh(box, 2.0),
+              Points(np.eye(3), 0.05)]  # fmt: skip
+    for k, shape in enumerate(shapes):
+        world.add(type(shape).__name__, shape, urdf_ik.pose([0.0, 5.0, float(k)]))
+    with Viewer(arm, port=0, world=world) as viewer:
+        handles = viewer.obstacles.handles
+        assert list(handles) == list(world.names) and not viewer.obstacles.missing
+        for each in world:
+            assert np.allclose(handles[each.name].position, each.pose[:3, 3])
+        assert np.allclose(np.ptp(handles["Mesh"].vertices, axis=0), (0.2, 0.4, 0.6), atol=1e-6)
+        world.move("Sphere", urdf_ik.pose([1.0, 2.0, 3.0]))
+        world.remove("Box")
+        viewer.move_joint(0, 0.1)
+        assert viewer.settle(PATIENCE)
+        assert np.allclose(handles["Sphere"].position, (1.0, 2.0, 3.0)) and "Box" not in handles
+    with Viewer(arm, port=0, plan=blocked) as viewer:  # the world of a plan comes with it
+        assert list(viewer.obstacles.handles) == ["box"]
+
+
+def test_a_plan_of_another_arm_is_refused(plan: Plan) -> None:
+    """As its joint vectors mean nothing there."""
+    with pytest.raises(ArgumentError, match="one of zyyzyz_6r, not of the arm"):
+        Viewer(urdf_ik.load("dh_6r"), port=0, plan=plan)
+
+
+@pytest.mark.parametrize(
+    ("shape", "size", "middle"),
+    [
+        (Box((1, 2, 3)), (1, 2, 3), (0, 0, 0)),
+        (Sphere(0.5), (1, 1, 1), (0, 0, 0)),
+        (Cylinder(0.5, 3), (1, 1, 3), (0, 0, 0)),
+        (Capsule(0.5, 3), (1, 1, 4), (0, 0, 0)),
+        (HalfSpace((0, 2, 0), 0.7), (8, 0.01, 8), (0, 0.695, 0)),
+    ],
+)
+def test_shapes_are_drawn_in_their_size(shape: object, size: tuple[float, ...], middle: tuple[float, ...]) -> None:
+    """Centred as coal has them; a half-space is a plate whose top is the plane."""
+    low, high = triangles(shape, 2.0).bounds
+    assert np.allclose(high - low, size, atol=0.01) and np.allclose(0.5 * (low + high), middle, atol=0.01)
+
+
+def test_a_links_capsule_is_centred_too() -> None:
+    """As a URDF's capsule is, whatever trimesh takes for its origin."""
+    shape = '<visual><geometry><capsule radius="0.5" length="3"/></geometry></visual>'
+    model = urdf_ik.load(
+        f'<robot name="c"><link name="a"/><link name="b">{shape}</link><joint name="j" type="continuous">'
+        '<parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint></robot>'
+    ).model
+    for coarse in (True, False):
+        (body,) = link_shapes.read(model, coarse=coarse).bodies
+        assert np.allclose(body.mesh.bounds[:, 2], (-2.0, 2.0), atol=0.01)
+
+
+def test_the_command_takes_a_path_and_a_world(arm: Arm, tmp_path: Path) -> None:
+    """The scene that `view` writes has the path; what is wrong with a file is said as `path` says it."""
+    np.save(tmp_path / "seam.npy", seam())
+    (tmp_path / "cell.urdf").write_text(
+        '<robot name="cell"><link name="post"><collision><origin xyz="1.5 1.5 0.5"/><geometry><cylinder radius="0.05" '
+        'length="1"/></geometry></collision></link></robot>'
+    )
+    page = tmp_path / "page.html"
+    path = ("-w", str(tmp_path / "seam.npy"), "--world", str(tmp_path / "cell.urdf"))
+    succeed("view", ARM, *path, "-o", str(page))
+    with_path = page.stat().st_size
+    succeed("view", ARM, "-o", str(page))
+    assert with_path > page.stat().st_size
+    assert call("view", ARM, "-w", "no/seam.csv", "-o", str(page)).exit_code == 2
+    assert call("view", ARM, "--world", "no/cell.urdf", "-o", str(page)).exit_code == 3

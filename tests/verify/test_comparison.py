@@ -1,0 +1,267 @@
+"""Two arms compared: what must be zero is zero, and a change of known size is found at its size."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+from arms import industrial, ur_like
+from typer.testing import CliRunner
+
+import urdf_ik
+from urdf_ik import Arm, Comparison, DHTable, UrdfIkError
+from urdf_ik.cli import app
+from urdf_ik.model import catalogue
+
+ARM = "zyyzyz_6r"
+TEXT = catalogue.resolve(ARM).path.read_text()
+
+
+def edited(*changes: tuple[str, str]) -> Arm:
+    """The bundled arm with parts of its URDF replaced, each of which occurs once."""
+    text = TEXT
+    for old, new in changes:
+        assert text.count(old) == 1, (old, text.count(old))
+        text = text.replace(old, new)
+    return urdf_ik.load(text)
+
+
+def compared(other: Arm, n: int = 60) -> Comparison:
+    """The bundled arm against another one."""
+    return urdf_ik.compare(urdf_ik.load(ARM), other, n=n)
+
+
+def differing(comparison: Comparison) -> set[str]:
+    """Names of the facts of the structure that differ."""
+    return {fact.what for fact in comparison.structure if not fact.same}
+
+
+def joint(name: str) -> str:
+    """The element of one joint in the bundled arm's URDF."""
+    found = re.search(rf'<joint name="{name}".*?</joint>', TEXT, re.DOTALL)
+    assert found is not None
+    return found[0]
+
+
+@pytest.mark.parametrize("name", [ARM, "planar_2r", "positioning_3r", "scara_rrpr", "srs_7r"])
+def test_an_arm_against_itself_differs_in_nothing(name: str) -> None:
+    """Every difference is zero, to the last digit, and every pose is answered alike."""
+    arm, again = urdf_ik.load(name), urdf_ik.load(name)
+    found = urdf_ik.compare(arm, again, n=40, seed=3)
+    assert not differing(found)
+    assert all(change.angle == change.distance == 0.0 and not change.flipped for change in found.axes)
+    assert found.tip == (0.0, 0.0)
+    assert len(found.axes) == len(found.limits) == arm.dof
+    assert all(change.same for change in found.limits)
+    assert found.farthest[0] == found.farthest[1]
+    assert [reach.made_by for reach in found.reach] == ["A", "B"]
+    for reach in found.reach:
+        assert reach.solved == reach.within_limits == (40, 40)
+        assert reach.solutions[0] == reach.solutions[1] >= 40
+        assert reach.same_number == 40
+    assert sum(branch.poses for branch in found.branches) == found.reach[0].solutions[0]
+    assert all(set(branch.worst) == {0.0} and branch.unmatched == 0 for branch in found.branches)
+    assert found.tool is not None
+    assert found.tool.joint_vectors == found.reach[0].solutions[0]
+    assert found.tool.position == found.tool.rotation == (0.0, 0.0, 0.0)
+
+
+def test_a_tool_moved_by_3_mm_is_3_mm_off_everywhere() -> None:
+    """Along any direction of its own frame, at every joint vector; the axes stay where they are."""
+    table = DHTable.from_chain(urdf_ik.load(ARM).chain, name=ARM)
+    shift = np.eye(4)
+    shift[:3, 3] = 0.003 * np.array([2.0, -1.0, 2.0]) / 3.0
+    moved = _with_tool(table, table.tool @ shift)
+    found = compared(moved)
+    assert found.tool is not None
+    assert found.tool.joint_vectors == 480
+    np.testing.assert_allclose(found.tool.position, 0.003, atol=1e-9)
+    np.testing.assert_allclose(found.tool.rotation, 0.0, atol=1e-9)
+    assert found.tip == pytest.approx((0.003, 0.0), abs=1e-9)
+    assert max(change.distance for change in found.axes) < 1e-9
+    assert "3 " in str(found.sections()[-1])
+
+
+def test_a_tool_turned_by_2_degrees_is_2_degrees_off() -> None:
+    """A turn about the tip leaves its position."""
+    table = DHTable.from_chain(urdf_ik.load(ARM).chain, name=ARM)
+    c, s = math.cos(math.radians(2.0)), math.sin(math.radians(2.0))
+    turn = np.eye(4)
+    turn[:2, :2] = [[c, -s], [s, c]]
+    found = compared(_with_tool(table, table.tool @ turn))
+    assert found.tool is not None
+    np.testing.assert_allclose(found.tool.rotation, math.radians(2.0), atol=1e-9)
+    assert found.tool.position[2] < 1e-9
+
+
+def _with_tool(table: DHTable, tool: np.ndarray) -> Arm:
+    rows = np.stack([table.alpha, table.a, table.d, table.theta], axis=1)
+    same = {key: getattr(table, key) for key in ("joint_types", "joint_names", "limits", "base", "name")}
+    return urdf_ik.load(DHTable.from_array(rows, table.convention, tool=tool, **same).to_urdf())
+
+
+def test_a_link_that_is_1_mm_longer() -> None:
+    """All axes beyond it that lie across it move by 1 mm, and so does the tool; the reach grows by as much."""
+    arm = urdf_ik.load(ARM)
+    element = joint("joint_3")
+    origin = re.search(r'xyz="([^"]*)"', element)
+    assert origin is not None
+    x, y, z = map(float, origin[1].split())
+    longer = edited((element, element.replace(origin[0], f'xyz="{x} {y} {z + 0.001}"')))
+    found = compared(longer)
+    np.testing.assert_allclose([change.distance for change in found.axes[:2]], 0.0, atol=1e-12)
+    across = np.linalg.norm(np.cross(arm.chain.H, [0.0, 0.0, 1.0]), axis=1)
+    np.testing.assert_allclose([change.distance for change in found.axes[2:]], 0.001 * across[2:], atol=1e-12)
+    assert found.tool is not None
+    np.testing.assert_allclose(found.tool.position, 0.001, atol=1e-12)
+    assert found.tip == pytest.approx((0.001, 0.0), abs=1e-12)
+    assert found.farthest[1] - found.farthest[0] == pytest.approx(0.001, abs=2e-4)
+    assert differing(found) == {"axes 2 and 3"}
+    # Solving on the arm as it is instead moves the joints by about 1 mm over the length of a link.
+    assert all(0.0 < branch.median[1] < 0.02 for branch in found.branches)
+    assert all(branch.matched == "name" for branch in found.branches)
+
+
+def test_limits_that_changed() -> None:
+    """One row differs, with the numbers of both; poses that need what was taken away are lost within limits."""
+    element = joint("joint_2")
+    limits = re.search(r'lower="([^"]*)" upper="([^"]*)"', element)
+    assert limits is not None
+    narrow = edited((element, element.replace(limits[0], 'lower="-0.5" upper="0.25"')))
+    found = compared(narrow)
+    changed = [change for change in found.limits if not change.same]
+    assert [change.joint for change in changed] == ["joint_2"]
+    assert changed[0].a == (float(limits[1]), float(limits[2]))
+    assert changed[0].b == (-0.5, 0.25)
+    for reach in found.reach:
+        assert reach.solved == (60, 60)
+        assert reach.same_number == 60
+    assert found.reach[0].within_limits[0] == 60 > found.reach[0].within_limits[1]
+    assert found.tool is not None and found.tool.position[2] == 0.0
+
+
+@pytest.mark.parametrize("number", [1, 3, 6])
+def test_an_axis_that_was_flipped(number: int) -> None:
+    """It is called flipped; to reach the same poses its joint has the other sign, and the others the same values."""
+    element = joint(f"joint_{number}")
+    axis = re.search(r'<axis xyz="([^"]*)"', element)
+    assert axis is not None
+    other = " ".join(str(-float(value)) for value in axis[1].split())
+    flipped = edited((element, element.replace(axis[0], f'<axis xyz="{other}"')))
+    found = compared(flipped)
+    assert [change.joint for change in found.axes if change.flipped] == [f"joint_{number}"]
+    assert found.axes[number - 1].angle == pytest.approx(math.pi)
+    assert found.tip == (0.0, 0.0)
+    arm = urdf_ik.load(ARM)
+    for reach in found.reach:
+        assert reach.same_number == 60
+    for branch in found.branches:
+        assert branch.matched == "nearest"
+        others = np.delete(branch.worst, number - 1)
+        assert others.max() < 1e-6, branch.branch
+        assert branch.median[number - 1] > 0.1
+    q = np.array([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
+    mirrored = q.copy()
+    mirrored[number - 1] *= -1.0
+    np.testing.assert_allclose(arm.fk(q), flipped.fk(mirrored), atol=1e-12)
+
+
+def test_joints_of_other_names_are_paired_by_order() -> None:
+    """Names alone change nothing that is measured."""
+    renamed = urdf_ik.load(TEXT.replace('"joint_', '"axis_'))
+    found = compared(renamed, n=20)
+    assert [(change.joint, change.joint_b) for change in found.axes[:2]] == [
+        ("joint_1", "axis_1"),
+        ("joint_2", "axis_2"),
+    ]
+    assert found.tool is not None and found.tool.position[2] == 0.0
+
+
+def test_arms_of_other_families_are_matched_by_the_nearest_solution() -> None:
+    """Where a branch's name is unknown to the other arm, its nearest solution counts; no difference exceeds pi."""
+    a, b = urdf_ik.load(ur_like().urdf), urdf_ik.load(industrial().urdf)
+    found = urdf_ik.compare(a, b, n=30)
+    assert "family" in differing(found)
+    assert found.branches
+    for branch in found.branches:
+        assert branch.matched == ("name" if branch.branch in b.structure.branches else "nearest")
+        assert branch.poses == 0 or max(branch.worst) <= math.pi
+
+
+@pytest.mark.parametrize(
+    ("task", "rows"),
+    [
+        ("planar position", [[0, 0.4, 0, 0], [0, 0.3, 0, 0]]),
+        ("planar pose", [[0, 0.4, 0, 0], [0, 0.3, 0, 0], [0, 0.2, 0, 0]]),
+        ("position", [[90, 0, 0.3, 0], [0, 0.4, 0, 0], [0, 0.3, 0, 0]]),
+        ("position and axis", [[90, 0, 0.3, 0], [0, 0.4, 0, 0], [0, 0.3, 0, 0], [90, 0, 0, 90], [0, 0, 0.1, 0]]),
+        ("pose", [[90, 0, 0.3, 0], [0, 0.4, 0, 0], [90, 0, 0, 90], [-90, 0, 0.3, 0], [90, 0, 0, 0], [0, 0, 0.1, 0]]),
+    ],
+)
+def test_what_an_arm_controls_of_a_pose_is_a_target_for_it(task: str, rows: list[list[float]]) -> None:
+    """The joint vector that made a pose is found again from what its task takes of the pose."""
+    arm = urdf_ik.load(DHTable.from_array(rows, "standard", degrees=True).to_urdf())
+    assert arm.task == task
+    Q = np.random.default_rng(5).uniform(-2.0, 2.0, (20, arm.dof))
+    found = arm.ik(arm.control.target_of(arm.fk(Q)), task=task)
+    assert np.abs(found.nearest(Q).q[:, 0] - Q).max() < 1e-6
+
+
+def test_what_cannot_be_compared_is_said() -> None:
+    """Other numbers of joints leave structure and reach; a joint that slides is no joint that turns."""
+    six, seven = urdf_ik.load("puma_560"), urdf_ik.load("srs_7r")
+    found = urdf_ik.compare(six, seven, n=20)
+    assert found.axes == found.limits == found.branches == ()
+    assert found.tool is None
+    assert len(found.reach) == 2
+    assert found.reach[1].solved[1] == 20
+    words = " ".join(found.notes)
+    assert "A has 6 joints and B has 7" in words
+    assert "infinitely many" in words
+    stanford = urdf_ik.compare(six, urdf_ik.load("stanford_rrprrr"), n=20)
+    assert "'joint_3' of B slides" in " ".join(stanford.notes)
+    few = urdf_ik.compare(urdf_ik.load("positioning_3r"), urdf_ik.load("planar_2r"), n=20)
+    assert "the position, B for the planar position" in " ".join(few.notes)
+
+
+def test_an_arm_that_is_not_solved_is_compared_as_far_as_it_goes() -> None:
+    """Joint vectors that were drawn take the place of solutions: the tool's error needs no inverse kinematics."""
+    text = """<robot name="two"><link name="a"/><link name="b"/><link name="c"/>
+    <joint name="one" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>
+    <joint name="two" type="continuous"><parent link="b"/><child link="c"/><origin xyz="0 0 1"/><axis xyz="0 0 1"/>
+    </joint></robot>"""
+    found = urdf_ik.compare(urdf_ik.load(text), urdf_ik.load(text.replace('"0 0 1"/><axis', '"0 0 1.5"/><axis')), n=10)
+    assert found.reach == found.branches == ()
+    assert found.tool is not None
+    np.testing.assert_allclose(found.tool.position, 0.5, atol=1e-12)
+    assert found.tool.joint_vectors == 10
+    assert any(note.startswith("reach") for note in found.notes)
+
+
+def test_numbers_that_make_no_sense_are_refused() -> None:
+    """No poses, or a negative seed."""
+    arm = urdf_ik.load("planar_2r")
+    with pytest.raises(UrdfIkError, match="n=0"):
+        urdf_ik.compare(arm, arm, n=0)
+    with pytest.raises(UrdfIkError, match="seed=-1"):
+        urdf_ik.compare(arm, arm, seed=-1)
+
+
+def test_the_command_prints_what_the_package_finds() -> None:
+    """The JSON is that of the package, the table the same cells as its text; each arm has its own base and tip."""
+    arms = ("planar_2r", "planar_2r_unit")
+    found = urdf_ik.compare(*map(urdf_ik.load, arms), n=20)
+    words = ["compare", *arms, "-n", "20", "--base-a", "base_link", "--tip-b", "tool0"]
+    table = CliRunner().invoke(app, words, env={"COLUMNS": "100"}, catch_exceptions=False)
+    assert table.exit_code == 0
+    shown = [line.split() for line in table.stdout.splitlines() if "--" not in line and line]
+    assert shown == [line.split() for line in str(found).splitlines() if "--" not in line and line]
+    answer = CliRunner().invoke(app, [*words, "-f", "json"], catch_exceptions=False)
+    assert json.loads(answer.stdout) == json.loads(found.to_json())
+    assert json.loads(answer.stdout)["tool"]["position"][2] == found.tool.position[2]
+    wrong = CliRunner().invoke(app, ["compare", *arms, "--tip-a", "hand"])
+    assert wrong.exit_code == 3
+    assert "hand" in wrong.stderr
