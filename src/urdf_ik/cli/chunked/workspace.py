@@ -36,7 +36,7 @@ def run(arm: Arm, angles: Angles, output: Path | None, places: Places, as_json: 
     places.check()
     given = {name: value for name, value in options.items() if value is not None and value is not False}
     asked = bool(given) or output is not None or places.store is not None
-    if arm.dof == 2 and arm.plane is not None and not arm.chain.prismatic.any() and not asked:
+    if arm.dof == 2 and arm.solver.control.plane is not None and not arm.chain.prismatic.any() and not asked:
         region = workspaces.planar(arm)
         console.write(_region_json(region) if as_json else _region_text(region, angles), None)
         return

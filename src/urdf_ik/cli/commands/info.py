@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from urdf_ik.cli import console, tables
-from urdf_ik.ik.cuspidality import in_words
+from urdf_ik.ik.cuspidality import in_words, is_cuspidal
 from urdf_ik.kinematics.structure import AxisPair, AxisTriple
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ def as_json(arm: Arm, angles: Angles) -> str:
             "base": arm.base,
             "tip": arm.tip,
             "units": {"angle": angles.unit, "length": "m"},
-            "locked": arm.locked,
+            "locked": dict(arm.chain.locked),
             "joints": [
                 {"name": name, "type": kind, "axis": axis, "lower": lower, "upper": upper}
                 for name, kind, axis, (lower, upper) in zip(
@@ -68,7 +68,7 @@ def as_json(arm: Arm, angles: Angles) -> str:
                 "task": arm.task,
                 "method": structure.method or None,
                 "exact": structure.is_exact if structure.family else None,
-                "cuspidal": arm.cuspidal,
+                "cuspidal": is_cuspidal(arm.solver),
                 "max_solutions": structure.max_solutions,
                 "branches": structure.branches,
             },
@@ -106,7 +106,7 @@ def as_text(arm: Arm, angles: Angles) -> str:
         ("source", arm.model.source),
         ("chain", f"{arm.base} to {arm.tip}, {arm.dof} joint{'s' if arm.dof > 1 else ''}"),
         *[("mimics", str(follower)) for follower in arm.chain.followers],
-        *[("locked", f"{name} at {_held(arm, name, value, angles)}") for name, value in arm.locked.items()],
+        *[("locked", f"{name} at {_held(arm, name, value, angles)}") for name, value in dict(arm.chain.locked).items()],
     ]
     solver = [("family", structure.family or _UNSOLVED)]
     branches = []
@@ -117,7 +117,7 @@ def as_text(arm: Arm, angles: Angles) -> str:
             ("solver", structure.method),
             ("solutions", structure.solutions_in_words()),
             ("imperfection", structure.imperfection_in_words()),
-            *([("cuspidal", in_words(arm.cuspidal))] if structure.is_6r else []),
+            *([("cuspidal", in_words(is_cuspidal(arm.solver)))] if structure.is_6r else []),
             *([] if arm.redundancy is None else [("redundancy", str(arm.redundancy))]),
         ]
         branches = [f"{'branches' if i == 0 else '':<14}{line}" for i, line in enumerate(_columns(structure.branches))]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import typer
 
+from urdf_ik.arm import arm_of
 from urdf_ik.cli import console, tables
 from urdf_ik.cli.errors import Status
 from urdf_ik.cli.paths import followed
@@ -82,14 +83,14 @@ def run(
 
 def text_of(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[Plan, ...]) -> str:
     """The plan in a few lines and a table of its joints; what stops each branch where there is no plan."""
-    plan, arm = found.plan, found.plan.arm
+    plan, arm = found.plan, arm_of(found.plan.solver)
     count = len(plan.poses)
     head = f"{arm.name}: {arm.base} to {arm.tip}, {count} waypoint{'' if count == 1 else 's'} from {found.source}"
     lines: list[Table | str] = [head]
     if found.world is not None:
         lines.append(f"world: {', '.join(found.world.names)}")
     if plan.obstacles is None:
-        why = arm.collision_model.missing if not arm.collision_model.has_geometry else "as asked"
+        why = arm.cell.collisions.missing if not arm.cell.collisions.has_geometry else "as asked"
         lines.append(f"contacts were not checked: {why}")
     took = f"in {found.seconds:.2f} s"
     if not plan.found:
@@ -112,7 +113,7 @@ def text_of(found: Followed, angles: Angles, in_time: Timed | None, others: tupl
 def _facts(found: Followed, angles: Angles, in_time: Timed | None) -> list[str]:
     """Lines of a heading and a number."""
     plan = found.plan
-    arm, changes = plan.arm, len(plan.changes)
+    arm, changes = arm_of(plan.solver), len(plan.changes)
     kinds = {"l1": "sum of |dq|", "l2": "sum of dq^2", "max": "sum of the largest |dq|", "time": "s"}
     used = list(dict.fromkeys(plan.branches))
     facts = [("branch" if len(used) == 1 else "branches", "; ".join(used))]
@@ -149,7 +150,7 @@ def _facts(found: Followed, angles: Angles, in_time: Timed | None) -> list[str]:
 
 def _joints(plan: Plan, angles: Angles) -> Table:
     digits = 2 if angles.degrees else 4
-    q, limits = angles.shown(plan.q), angles.shown(plan.arm.limits.T).T
+    q, limits = angles.shown(plan.q), angles.shown(plan.solver.limits.T).T
     steps = np.abs(np.diff(q, axis=0)).max(axis=0, initial=0.0)
     rows = [
         [
@@ -158,7 +159,7 @@ def _joints(plan: Plan, angles: Angles) -> Table:
             *(tables.number(float(x), digits) for x in (q[0, k], q[-1, k], q[:, k].min(), q[:, k].max(), steps[k])),
             *(tables.number(float(x), digits) if np.isfinite(x) else "none" for x in limits[k]),
         ]
-        for k, name in enumerate(plan.arm.joint_names)
+        for k, name in enumerate(plan.solver.joint_names)
     ]
     header = ["joint", "unit", "first", "last", "least", "most", "step", "lower", "upper"]
     return tables.grid(header, rows, left=["joint", "unit"])
@@ -168,8 +169,8 @@ def _short(plan: Plan, angles: Angles) -> list[str]:
     step, (room, _, joint) = _largest_step(plan), _limit_room(plan)
     clearance = plan.margins.clearance
     return [
-        "-" if step is None else _shown(plan.arm, step[1], abs(np.diff(plan.q, axis=0)[step]), angles),
-        "-" if joint is None else _shown(plan.arm, joint, room, angles),
+        "-" if step is None else _shown(arm_of(plan.solver), step[1], abs(np.diff(plan.q, axis=0)[step]), angles),
+        "-" if joint is None else _shown(arm_of(plan.solver), joint, room, angles),
         "-" if np.isnan(clearance).all() else f"{np.nanmin(clearance):.4f}",
     ]
 
@@ -185,7 +186,7 @@ def _largest_step(plan: Plan) -> tuple[int, int] | None:
 
 def _limit_room(plan: Plan) -> tuple[float, int, int | None]:
     """The least room to a limit [rad or m], its waypoint and its joint; without a joint where none has a limit."""
-    low, high = plan.arm.limits.T
+    low, high = plan.solver.limits.T
     room = np.minimum(plan.q - low, high - plan.q)
     k, joint = np.unravel_index(int(np.argmin(room)), room.shape)
     return float(room[k, joint]), int(k), int(joint) if np.isfinite(room[k, joint]) else None
@@ -199,7 +200,7 @@ def _shown(arm: Arm, joint: int, value: float, angles: Angles) -> str:
 
 def json_of(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[Plan, ...]) -> str:
     """The plan with its margins, or what stops each branch."""
-    plan, arm = found.plan, found.plan.arm
+    plan, arm = found.plan, arm_of(found.plan.solver)
     data: dict[str, Any] = {
         "robot": arm.name,
         "base": arm.base,
