@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from urdf_ik.cell.allowed_collisions import Table
     from urdf_ik.cell.collision_model import ALWAYS, SAMPLES, SEED, CollisionModel
-    from urdf_ik.cell.queries import Nearest
+    from urdf_ik.cell.collision_queries import Nearest
     from urdf_ik.cell.swept_motions import Motions
     from urdf_ik.cell.world import Obstacle, World
 
@@ -29,7 +29,7 @@ __all__ = [
 
 _MODULE = {
     "Motions": "swept_motions",
-    "Nearest": "queries",
+    "Nearest": "collision_queries",
     "Obstacle": "world",
     "Table": "allowed_collisions",
     "World": "world",

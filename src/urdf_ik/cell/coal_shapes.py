@@ -1,7 +1,8 @@
-"""The collision shapes of a URDF as Pinocchio and coal hold them, meshes only from where they may come from."""
+"""Coal's geometry of the shapes of an arm and of a world, with the balls, boxes and convex hulls that hold them."""
 
 from __future__ import annotations
 
+import weakref
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -11,7 +12,8 @@ import pinocchio as pin
 from lxml import etree
 from scipy import spatial
 
-from urdf_ik.cell.shapes import Capsule, HalfSpace, Sphere, reason_of
+from urdf_ik.cell.obstacle_tree import cell_codes
+from urdf_ik.cell.shapes import SPECK, Capsule, HalfSpace, Points, Sphere, cloud, reason_of
 from urdf_ik.errors import UrdfError
 from urdf_ik.model import meshes
 from urdf_ik.model.urdf import resolve_mesh
@@ -26,6 +28,9 @@ if TYPE_CHECKING:
 
 BALLS = 4
 """Balls by which each shape of an arm is covered."""
+
+PIECE = 4096
+"""Most points of a piece of a cloud: coal's tree of a piece is built when a query first comes near it."""
 
 
 def build(model: UrdfModel, pin_model: Any) -> Any:
@@ -131,7 +136,7 @@ class Solid(NamedTuple):
 
     Attributes:
         exact: the shape.
-        hull: its convex hull, of which a query takes a hundredth of the time; None where the shape itself is queried.
+        hull: its convex hull, which a query takes a hundredth of the time for; None where there is none.
     """
 
     exact: Any
@@ -177,6 +182,65 @@ def rounded_box(shape: Shape, geometry: Any) -> RoundedBox:
     geometry.computeLocalAABB()
     box = geometry.aabb_local
     return RoundedBox(np.eye(4), np.array(box.min_), np.array(box.max_), shape.inflation)
+
+
+class Pieces:
+    """A shape of a world, cut into pieces where it is a large cloud; coal's geometry of a piece is made when asked for.
+
+    Attributes:
+        frame: (4, 4) of the pieces' boxes in the shape's frame.
+        low: (n, 3) m, the least coordinates of the boxes.
+        high: (n, 3) m, their greatest ones.
+        radius: m, by which the boxes are rounded.
+    """
+
+    def __init__(self, shape: Shape) -> None:
+        """Cut a shape.
+
+        Raises:
+            ArgumentError: a mesh is not there, or cannot be read.
+        """
+        self._solids: dict[int, Solid] = {}
+        self._points: list[Array] = []
+        if isinstance(shape, Points) and len(shape.points) > PIECE:
+            order = np.argsort(cell_codes(shape.points), kind="stable")
+            self._points = np.split(shape.points[order], range(PIECE, len(order), PIECE))
+            self.frame, self.radius = np.eye(4), shape.inflation
+            self.low = np.array([points.min(axis=0) for points in self._points])
+            self.high = np.array([points.max(axis=0) for points in self._points]) + SPECK
+            return
+        exact = shape.geometry()
+        self._solids[0] = solid(exact)
+        self.frame, low, high, self.radius = rounded_box(shape, exact)
+        self.low, self.high = low[None], high[None]
+
+    @property
+    def count(self) -> int:
+        """Number of pieces."""
+        return len(self.low)
+
+    def solid(self, piece: int) -> Solid:
+        """Coal's geometry of a piece, in the shape's frame."""
+        if piece not in self._solids:
+            self._solids[piece] = solid(cloud(self._points[piece]))
+        return self._solids[piece]
+
+
+_PIECES: dict[int, tuple[weakref.ref[Shape], Pieces]] = {}
+
+
+def pieces_of(shape: Shape) -> Pieces:
+    """The pieces of a shape, made once and kept as long as the shape is.
+
+    Raises:
+        ArgumentError: a mesh is not there, or cannot be read.
+    """
+    key = id(shape)
+    if key not in _PIECES:
+        pieces = Pieces(shape)
+        _PIECES[key] = weakref.ref(shape, lambda _: _PIECES.pop(key, None)), pieces
+        return pieces
+    return _PIECES[key][1]
 
 
 def _corners(triangle: Any) -> tuple[int, int, int]:
