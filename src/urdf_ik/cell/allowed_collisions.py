@@ -99,7 +99,7 @@ def always_colliding(check: LinkCheck, share: float, samples: int, seed: int) ->
 
 def with_obstacles(arm: ArmShapes, names: Sequence[str]) -> tuple[dict[Pair, str], list[Pair]]:
     """Pairs of a link and an obstacle that may touch, as the link cannot move against the base; all such pairs."""
-    moves = dict(zip(arm.links, arm.bodies.path.any(axis=1).tolist(), strict=True))
+    moves = dict(zip(arm.links, arm.bodies.moves.tolist(), strict=True))
     pairs = [(link, name) for link in moves for name in names]
     return {pair: RIGID for pair in pairs if not moves[pair[0]]}, pairs
 
@@ -112,10 +112,11 @@ def exceptions(
     Returns:
         Pairs of a shape that moves and an obstacle that may touch; of one that does not move and one that must not.
     """
-    excepted, added = [], []
+    excepted: list[tuple[int, str]] = []
+    added: list[tuple[int, str]] = []
     for (link, obstacle), must_not in changes.items():
         if obstacle not in links:
-            for i, moves in enumerate(arm.bodies.path.any(axis=1)):
+            for i, moves in enumerate(arm.bodies.moves.tolist()):
                 if arm.links[i] == link and moves != must_not:
                     (excepted if moves else added).append((i, obstacle))
     return excepted, added

@@ -69,7 +69,9 @@ class ArmShapes:
         self.solids = [coal_shapes.solid(each.geometry) for each in objects]
         one = [coal_shapes.one_ball(each.geometry) for each in objects]
         several = [coal_shapes.covering_balls(each.geometry) for each in objects]
-        self.ball_centres = np.array([offset.act(centre) for offset, (centre, _) in zip(self.offsets, one, strict=True)])
+        self.ball_centres = np.array(
+            [offset.act(centre) for offset, (centre, _) in zip(self.offsets, one, strict=True)]
+        )
         covering = [[offset.act(c) for c in balls] for offset, (balls, _) in zip(self.offsets, several, strict=True)]
         self.bodies = Bodies(
             chain,
@@ -208,7 +210,7 @@ class CoalCheck:
             bodies,
             [(pair.first, pair.second) for pair in links.pairs],
             self.index,
-            np.flatnonzero(bodies.path.any(axis=1)).tolist(),
+            np.flatnonzero(bodies.moves).tolist(),
             [(shape, slot) for shape, name in excepted for slot in self.index.slots_of(name)],
             [(shape, slot) for shape, name in added for slot in self.index.slots_of(name)],
         )

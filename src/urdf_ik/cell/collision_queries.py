@@ -150,7 +150,11 @@ class CollisionQueries:
 
         def place(pair: Pair) -> tuple[int, int, int]:
             first, second = pair
-            return self._rank[first], self._rank.get(second, len(self._rank)), 0 if second in self._rank else found[pair]
+            return (
+                self._rank[first],
+                self._rank.get(second, len(self._rank)),
+                0 if second in self._rank else found[pair],
+            )
 
         return tuple(sorted(found, key=place))
 

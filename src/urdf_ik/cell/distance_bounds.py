@@ -1,7 +1,7 @@
 """Lower bounds on distances, many joint vectors at a time, from balls about the shapes and boxes about the obstacles.
 
-Coal is asked only about pairs whose bound leaves the answer open. Pairs of two links are few, and each is bounded. Pairs
-of a link and an obstacle are never listed one by one: the index of the obstacles gives those that are near.
+Coal is asked only about pairs whose bound leaves the answer open. Pairs of two links are few, and each is bounded.
+Pairs of a link and an obstacle are never listed one by one: the index of the obstacles gives those that are near.
 """
 
 from __future__ import annotations
@@ -182,7 +182,9 @@ class DistanceBounds:
 
     # ------------------------------------------------------------ pairs of a link and an obstacle
 
-    def near(self, centres: Array, extra: Array, most: Indices | None = None) -> tuple[Indices, Indices, NDArray[np.bool_]]:
+    def near(
+        self, centres: Array, extra: Array, most: Indices | None = None
+    ) -> tuple[Indices, Indices, NDArray[np.bool_]]:
         """Pairs with obstacles whose distance, by one ball about each shape, may be ``extra`` or less.
 
         Args:
@@ -243,7 +245,12 @@ class DistanceBounds:
         return np.asarray(gaps - self._bodies.radii[shapes])
 
     def in_reach(
-        self, placed: Placed, reaches: Array, margin: float, given: tuple[Indices, Indices], listed: NDArray[np.bool_],
+        self,
+        placed: Placed,
+        reaches: Array,
+        margin: float,
+        given: tuple[Indices, Indices],
+        listed: NDArray[np.bool_],
         may_be_crowded: float,
     ) -> Open:
         """Obstacles that links may come to within a margin on a motion; see :meth:`links_in_reach`.
@@ -276,7 +283,7 @@ class DistanceBounds:
         return Open(rows[still], pairs[still], closer[still], crowded)
 
     def _from_obstacles(self, points: Array, slots: Indices) -> Array:
-        """(e, m) m from points (e, m, 3) in the base link to the obstacles' pieces in slots (e,), not above 0 inside."""
+        """(e, m) m from points (e, m, 3) in the base link to the pieces in slots (e,), not above zero inside."""
         holds = self._index.holds(slots)
         local = points @ holds["rotation"] - holds["origin"][:, None]
         below = holds["low"][:, None] - local

@@ -1,8 +1,8 @@
 """The obstacles of a world at one moment, found by place: a tree of those that stand, a short list of those that move.
 
 A change of the world makes a new index, which shares the tree with the last one. What was moved or added since the tree
-was made stands in the list, which every query looks through; what was moved or removed is no longer present in the tree.
-Where the list has grown too long, the next index has a new tree.
+was made stands in the list, which every query looks through. What was moved or removed is no longer present in the
+tree. Where the list has grown too long, the next index has a new tree.
 """
 
 from __future__ import annotations
@@ -106,7 +106,7 @@ class ObstacleIndex:
 
     def __len__(self) -> int:
         """Number of obstacles."""
-        return len(self._loose.entries) + sum(self._present[first] for first, _ in self._fixed.slots.values())
+        return len(self._loose.entries) + sum(bool(self._present[first]) for first, _ in self._fixed.slots.values())
 
     def changed(self, names: Mapping[str, Standing | None], every: Iterable[Standing]) -> ObstacleIndex:
         """The index after some obstacles were moved, added or removed.
@@ -150,7 +150,7 @@ class ObstacleIndex:
     def standing(self, slot: int) -> Standing:
         """The obstacle that the piece in a slot is part of."""
         part, at = self._at(slot)
-        return part.entries[part.holds["entry"][at]]
+        return part.entries[int(part.holds["entry"][at])]
 
     def solid(self, slot: int) -> Solid:
         """Coal's geometry of the piece in a slot."""

@@ -108,7 +108,7 @@ class BoxTree:
         return Found(point, self._order[node], crowded)
 
     def nearby(self, points: Array, present: NDArray[np.bool_]) -> Indices:
-        """(p,) a box near each point (p, 3), mostly the nearest; -1 where none of those looked at is ``present`` (n,)."""
+        """(p,) a ``present`` (n,) box near each point (p, 3), mostly the nearest; -1 where none was found."""
         node = np.zeros(len(points), dtype=np.intp)
         each = np.arange(len(points))
         for low, high in reversed(self._levels[1:]):

@@ -108,8 +108,15 @@ class _Pieces(NamedTuple):
         """The pieces ``which`` (m,)."""
         number = np.cumsum(which) - 1
         kept = which[self.piece]
-        own = [each[which] for each in self[:5]]
-        return _Pieces(*own, number[self.piece[kept]], self.pair[kept])
+        return _Pieces(
+            self.motion[which],
+            self.start[which],
+            self.end[which],
+            self.links[which],
+            self.listed[which],
+            number[self.piece[kept]],
+            self.pair[kept],
+        )
 
 
 def check_margin(margin: float) -> float:
@@ -199,9 +206,8 @@ def _halved(
     pieces = pieces._replace(piece=piece[order], pair=open_pair[order])
     left = pieces._replace(end=middle).some(rest & (start < first[motion]))
     right = pieces._replace(start=middle).some(rest & (middle < first[motion]))
-    both = [np.concatenate(each) for each in zip(left[:5], right[:5], strict=True)]
-    later = np.concatenate([left.piece, right.piece + len(left.motion)])
-    return _Pieces(*both, later, np.concatenate([left.pair, right.pair]))
+    right = right._replace(piece=right.piece + len(left.motion))
+    return _Pieces._make(np.concatenate(each) for each in zip(left, right, strict=True))
 
 
 class _Contact(NamedTuple):

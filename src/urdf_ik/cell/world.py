@@ -293,7 +293,7 @@ class World:
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__init__()  # type: ignore[misc]
         for each in state["obstacles"]:
-            self._standing[each.name] = Standing(*each, self._added)
+            self._standing[each.name] = Standing(each.name, each.shape, each.pose, self._added)
             self._added += 1
         self._version = state["version"]
 
