@@ -35,9 +35,6 @@ if TYPE_CHECKING:
 QUERY_ERROR = 1e-5
 """What a distance of coal may be too large by [m]: its iterations stop at 1e-6."""
 
-ALL = 512
-"""Up to as many pairs with obstacles are all bounded for a distance; of more, those nearer than a first guess."""
-
 
 class ShapePair(NamedTuple):
     """Two shapes of links that must not touch: the links' names, and the shapes' places among the arm's."""
@@ -284,8 +281,11 @@ class CoalCheck:
         bounds, every = self.bounds, range(self.bounds.among_links)
         for part, placed in bounds.chunks(q):
             links = bounds.links_closest(placed)
-            row, pair = self._world_pairs(q[part], placed, links)
-            least = bounds.gaps(placed, row, pair).min(axis=1, initial=np.inf)
+            row = pair = np.zeros(0, dtype=np.intp)
+            least = np.zeros(0)
+            if bounds.has_obstacles:
+                row, pair = self._world_pairs(q[part], placed, links)
+                least = bounds.gaps(placed, row, pair).min(axis=1)
             ends = np.searchsorted(row, np.arange(len(links) + 1)).tolist()
             for i, among_links in enumerate(links):
                 own = slice(ends[i], ends[i + 1])
@@ -312,19 +312,19 @@ class CoalCheck:
     def _world_pairs(self, q: Array, placed: Placed, links: Array) -> tuple[Indices, Indices]:
         """Rows and pairs with obstacles, the nearest of each row among them."""
         bounds, k, S = self.bounds, len(placed.centres), len(self.links.arm.links)
+        if not self.index.has_tree:
+            return bounds.every(k)
         limit = np.full((k, S), np.inf)
-        if bounds.has_obstacles and self.index.count * S > ALL:
-            row, pair = bounds.nearby(placed.centres)
-            gaps = bounds.gaps(placed, row, pair).min(axis=1, initial=np.inf)
-            for i in range(k):
-                placing = self.links.place(q[i])
-                if links.shape[1]:
-                    limit[i] = self.distance(placing, int(links[i].argmin()))
-                mine = np.flatnonzero(row == i)
-                if len(mine):
-                    limit[i] = np.minimum(limit[i], self.distance(placing, int(pair[mine[gaps[mine].argmin()]])))
-            limit = np.maximum(limit, 0.0) + QUERY_ERROR
-        row, pair, _ = bounds.near(placed.centres, limit)
+        row, pair = bounds.nearby(placed.centres)
+        gaps = bounds.gaps(placed, row, pair).min(axis=1, initial=np.inf)
+        for i in range(k):
+            placing = self.links.place(q[i])
+            if links.shape[1]:
+                limit[i] = self.distance(placing, int(links[i].argmin()))
+            mine = np.flatnonzero(row == i)
+            if len(mine):
+                limit[i] = np.minimum(limit[i], self.distance(placing, int(pair[mine[gaps[mine].argmin()]])))
+        row, pair, _ = bounds.near(placed.centres, np.maximum(limit, 0.0) + QUERY_ERROR)
         return row, pair
 
     def _solids(self, placing: Placing, pair: int) -> Iterator[tuple[Any, Any, float, tuple[Any, Any]]]:

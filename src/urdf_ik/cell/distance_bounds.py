@@ -112,7 +112,9 @@ class DistanceBounds:
     def near_in_rows(self, placed: Placed, margin: float) -> Iterator[tuple[int, list[int]]]:
         """Each row in which pairs may be apart by no more than a margin [m], with these pairs."""
         links = self.links_near(placed, margin)
-        row, pair, _ = self.near(placed.centres, np.full(placed.centres.shape[:2], margin))
+        row = pair = np.zeros(0, dtype=np.intp)
+        if self.has_obstacles:
+            row, pair, _ = self.near(placed.centres, np.full(placed.centres.shape[:2], margin))
         if len(row):
             close = self.gaps(placed, row, pair).min(axis=1) <= margin
             row, pair = row[close], pair[close]
@@ -218,6 +220,15 @@ class DistanceBounds:
         order = np.lexsort((pair, row))
         return row[order], pair[order], crowded
 
+    def every(self, k: int) -> tuple[Indices, Indices]:
+        """Rows and pairs with obstacles in k rows, all that are checked; of an index that has no tree."""
+        first = self.among_links + self._moving * self._index.count
+        pair = (first[:, None] + np.arange(self._index.count)).reshape(-1)
+        if len(self._excepted):
+            pair = pair[~np.isin(pair, self._excepted)]
+        pair = np.concatenate([pair, self._added])
+        return np.repeat(np.arange(k), len(pair)), np.tile(pair, k)
+
     def nearby(self, centres: Array) -> tuple[Indices, Indices]:
         """Rows and pairs with obstacles, a few of each row, that are likely to be its nearest."""
         k, moving = len(centres), self._moving
@@ -263,6 +274,9 @@ class DistanceBounds:
             listed: (k,) bool: of the other rows all pairs are looked at.
             may_be_crowded: m; rows that may come closer by more may be left crowded.
         """
+        if not self.has_obstacles:
+            none = np.zeros(0, dtype=np.intp)
+            return Open(none, none, np.zeros(0), np.zeros(len(listed), dtype=np.bool_))
         both = reaches.sum(axis=3)  # (k, S, m): obstacles stand still, and only joints before the shape count
         most = both.max(axis=2)
         rows, pairs = given
@@ -270,7 +284,7 @@ class DistanceBounds:
         kept = self.least(placed.centres, rows, pairs) <= margin + most[rows, shapes]
         rows, pairs = rows[kept], pairs[kept]
         crowded = np.zeros(len(listed), dtype=np.bool_)
-        if self.has_obstacles and not listed.all():
+        if not listed.all():
             others = np.flatnonzero(~listed)
             limit = np.where(most[others].max(axis=1) > may_be_crowded, CROWDED, np.iinfo(np.intp).max)
             row, pair, full = self.near(placed.centres[others], margin + most[others], limit)
