@@ -270,11 +270,21 @@ class Mesh(Shape):
         """A ``coal.BVHModelOBBRSS`` of the file's triangles."""
         import coal
 
+        return self.loaded(coal.NODE_TYPE.BV_OBBRSS)
+
+    def loaded(self, volumes: Any) -> Any:
+        """Coal's model of the file's triangles with bounding volumes of this kind, a ``coal.NODE_TYPE``.
+
+        Raises:
+            ArgumentError: the file is not there, or cannot be read.
+        """
+        import coal
+
         path = self.file()
         name = quoted(str(path), 200)
         try:
             meshes.check(path, [Path(folder) for folder in self.package_dirs] or [path.parent], "Mesh")
-            mesh = coal.MeshLoader().load(str(path), np.array(self.scale))
+            mesh = coal.MeshLoader(volumes).load(str(path), np.array(self.scale))
             meshes.check_vertices(mesh.vertices(), path, "Mesh")
         except UrdfError as error:
             raise ArgumentError(f"Mesh {name}: {error.problem} ({error.hint})") from None
