@@ -127,8 +127,7 @@ def test_balls_hold_their_shapes(name: str) -> None:
 def test_hulls_are_never_farther_apart_than_their_meshes() -> None:
     """Distances of hulls are those of meshes or less, for all pairs of an arm's meshes in many places."""
     objects = [
-        (each.geometry, hull(each.geometry))
-        for each in ARMS["ur5"].collision_model._arm.geometry.geometryObjects
+        (each.geometry, hull(each.geometry)) for each in ARMS["ur5"].collision_model._arm.geometry.geometryObjects
     ]
     meshes = [(mesh, convex) for mesh, convex in objects if convex is not None]
     assert len(meshes) > 3

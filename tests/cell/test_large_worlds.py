@@ -9,14 +9,16 @@ import copy
 import os
 import pickle
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import coal
 import numpy as np
 import pinocchio as pin
 import pytest
+import trimesh
 
 import urdf_ik
-from urdf_ik import Box, Capsule, Cylinder, HalfSpace, Points, Sphere, World, pose
+from urdf_ik import Box, Capsule, Cylinder, HalfSpace, Mesh, Points, Sphere, World, pose
 from urdf_ik.cell import CollisionModel, coal_shapes, distance_bounds
 from urdf_ik.cell.obstacle_index import FEW
 from urdf_ik.cell.obstacle_tree import BoxTree
@@ -238,6 +240,25 @@ def test_a_cloud_in_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
     np.testing.assert_allclose(answers[0][0], answers[1][0], atol=1e-9)
     np.testing.assert_array_equal(answers[0][1], answers[1][1])
     assert answers[0][2] == answers[1][2]
+
+
+def test_a_mesh_in_pieces(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """A mesh that is cut into pieces gives the distances and verdicts of the same mesh in one."""
+    arm, rng = urdf_ik.load("ur5"), np.random.default_rng(14)
+    trimesh.creation.icosphere(subdivisions=4, radius=0.4).export(tmp_path / "ball.stl")
+    q = rng.uniform(-2.0, 2.0, (12, 6))
+    answers = []
+    for size in (2**22, 0):
+        monkeypatch.setattr(coal_shapes, "LARGE_FILE", size)
+        monkeypatch.setattr(coal_shapes, "PIECE", 100)
+        world = World()
+        world.add("ball", Mesh(tmp_path / "ball.stl", scale=0.9), pose([0.5, 0.3, 0.4], rpy=[0.1, 0.2, 0.3]))
+        model = arm.collision_model.in_world(world)
+        answers.append((model.distance(q), model.in_collision(q, 0.02)))
+        assert model._now().check.index.count == (1 if size else 52)
+    np.testing.assert_allclose(answers[0][0], answers[1][0], atol=1e-9)
+    np.testing.assert_array_equal(answers[0][1], answers[1][1])
+    assert np.any(answers[0][0] == 0.0) and np.any(answers[0][0] < np.asarray(arm.clearance(q)))
 
 
 def test_boxes_found_by_the_tree() -> None:

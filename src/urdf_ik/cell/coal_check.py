@@ -253,15 +253,30 @@ class CoalCheck:
         shape, slot = divmod(pair - self.bounds.among_links, self.index.count)
         return self.links.arm.solids[shape].hull is not None or self.index.solid(slot).hull is not None
 
-    def nearest(self, placing: Placing, pairs: Sequence[int], least: Sequence[float]) -> tuple[int | None, float]:
+    def nearest(
+        self,
+        placing: Placing,
+        pairs: Sequence[int],
+        least: Sequence[float],
+        known: dict[tuple[int, bool], float] | None = None,
+    ) -> tuple[int | None, float]:
         """The nearest of some pairs and its distance [m], zero in collision.
 
         Args:
             placing: where the shapes are.
             pairs: numbers of pairs.
             least: m, lower bounds on their distances.
+            known: distances of pairs, or of their hulls where the flag is set, that were asked before at this placing;
+                those that are asked now are added.
         """
         best, nearest = np.inf, None
+        known = {} if known is None else known
+
+        def distance(pair: int, hulls: bool) -> float:
+            if (pair, hulls) not in known:
+                known[pair, hulls] = self.distance(placing, pair, hulls)
+            return known[pair, hulls]
+
         # Bound, whether it is that of the hulls, place in the order of pairs, pair.
         waiting = [(bound, False, self.rank(pair), pair) for pair, bound in zip(pairs, least, strict=True)]
         heapq.heapify(waiting)
@@ -270,27 +285,47 @@ class CoalCheck:
             if bound >= best:
                 break
             if not of_hulls and self.has_hulls(pair):
-                found = self.distance(placing, pair, hulls=True)
-                heapq.heappush(waiting, (max(bound, found - QUERY_ERROR), True, rank, pair))
-            elif (found := max(self.distance(placing, pair), 0.0)) < best:
+                heapq.heappush(waiting, (max(bound, distance(pair, True) - QUERY_ERROR), True, rank, pair))
+            elif (found := max(distance(pair, False), 0.0)) < best:
                 best, nearest = found, pair
         return nearest, best
 
     def nearest_of_each(self, q: Array) -> Iterator[tuple[int | None, float]]:
         """:meth:`nearest` of all pairs, for each of the joint vectors (k, n)."""
-        bounds, every = self.bounds, range(self.bounds.among_links)
+        bounds = self.bounds
         for part, placed in bounds.chunks(q):
             links = bounds.links_closest(placed)
+            k = len(links)
+            known: list[dict[tuple[int, bool], float]] = [{} for _ in range(k)]
             row = pair = np.zeros(0, dtype=np.intp)
-            least = np.zeros(0)
-            if bounds.has_obstacles:
-                row, pair = self._world_pairs(q[part], placed, links)
-                least = bounds.gaps(placed, row, pair).min(axis=1)
-            ends = np.searchsorted(row, np.arange(len(links) + 1)).tolist()
-            for i, among_links in enumerate(links):
-                own = slice(ends[i], ends[i + 1])
-                pairs, limits = [*every, *pair[own].tolist()], [*among_links.tolist(), *least[own].tolist()]
-                yield self.nearest(self.links.place(q[part.start + i]), pairs, limits)
+            if bounds.has_obstacles and not self.index.has_tree:
+                row, pair = bounds.every(k)
+            elif bounds.has_obstacles:
+                # No obstacle is of interest that is farther away than the nearest of a few.
+                guess = self._each(q[part], placed, links, *bounds.nearby(placed.centres), known)
+                limit = np.array([distance for _, distance in guess]) + QUERY_ERROR
+                row, pair, _ = bounds.near(placed.centres, np.repeat(limit[:, None], placed.centres.shape[1], axis=1))
+            yield from self._each(q[part], placed, links, row, pair, known)
+
+    def _each(
+        self,
+        q: Array,
+        placed: Placed,
+        links: Array,
+        row: Indices,
+        pair: Indices,
+        known: Sequence[dict[tuple[int, bool], float]],
+    ) -> Iterator[tuple[int | None, float]]:
+        """:meth:`nearest` of the links, whose bounds are (k, A), and of some pairs with obstacles, for q (k, n)."""
+        order = np.argsort(row, kind="stable")
+        row, pair = row[order], pair[order]
+        least = self.bounds.gaps(placed, row, pair).min(axis=1) if len(row) else np.zeros(0)
+        ends = np.searchsorted(row, np.arange(len(q) + 1)).tolist()
+        for i, among_links in enumerate(links):
+            own = slice(ends[i], ends[i + 1])
+            pairs = [*range(len(among_links)), *pair[own].tolist()]
+            limits = [*among_links.tolist(), *least[own].tolist()]
+            yield self.nearest(self.links.place(q[i]), pairs, limits, known[i])
 
     def pairs_at(self, link_poses: Mapping[str, Array], touching: bool) -> tuple[list[int], Placing]:
         """Pairs that may be the nearest, or may be touching, with every link at the pose (4, 4) that is given."""
@@ -308,24 +343,6 @@ class CoalCheck:
             _, found, _ = bounds.near(centres, np.full(centres.shape[:2], limit + QUERY_ERROR))
             pairs += found.tolist()
         return pairs, placing
-
-    def _world_pairs(self, q: Array, placed: Placed, links: Array) -> tuple[Indices, Indices]:
-        """Rows and pairs with obstacles, the nearest of each row among them."""
-        bounds, k, S = self.bounds, len(placed.centres), len(self.links.arm.links)
-        if not self.index.has_tree:
-            return bounds.every(k)
-        limit = np.full((k, S), np.inf)
-        row, pair = bounds.nearby(placed.centres)
-        gaps = bounds.gaps(placed, row, pair).min(axis=1, initial=np.inf)
-        for i in range(k):
-            placing = self.links.place(q[i])
-            if links.shape[1]:
-                limit[i] = self.distance(placing, int(links[i].argmin()))
-            mine = np.flatnonzero(row == i)
-            if len(mine):
-                limit[i] = np.minimum(limit[i], self.distance(placing, int(pair[mine[gaps[mine].argmin()]])))
-        row, pair, _ = bounds.near(placed.centres, np.maximum(limit, 0.0) + QUERY_ERROR)
-        return row, pair
 
     def _solids(self, placing: Placing, pair: int) -> Iterator[tuple[Any, Any, float, tuple[Any, Any]]]:
         """Coal's geometries of a link and an obstacle, by how much the latter is grown, and where they are.
