@@ -2,8 +2,8 @@
 
     python benchmarks/worlds.py [--boxes 10 1000 100000] [--large]
 
-The boxes, 5 cm on a side, fill a hall of 20 m x 20 m x 6 m but for a ball of 1.3 m about the arm's base. Each time is the
-median of many calls, in ms. ``--large`` adds a cloud of 10 million points and a mesh of 2 million triangles.
+The boxes, 5 cm on a side, fill a hall of 20 m x 20 m x 6 m but for a ball of 1.3 m about the arm's base. Each time is
+the median of many calls, in ms. ``--large`` adds a cloud of 10 million points and a mesh of 2 million triangles.
 """
 
 from __future__ import annotations

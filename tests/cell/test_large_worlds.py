@@ -28,6 +28,12 @@ from urdf_ik.cell.swept_motions import TOUCH
 Array = np.ndarray
 
 
+# A bar 1 m long that turns about z: no pair of links is checked.
+BAR = """<robot name="bar"><link name="base"/><link name="bar"><collision><origin xyz="0.5 0 0" rpy="0 0 0"/>
+<geometry><box size="1 0.02 0.02"/></geometry></collision></link><joint name="turn" type="continuous">
+<parent link="base"/><child link="bar"/><axis xyz="0 0 1"/></joint></robot>"""
+
+
 def random_shape(rng: np.random.Generator, size: float) -> Shape:
     """A shape of any kind that is finite and no mesh."""
     a, b = rng.uniform(0.3, 1.0, 2) * size
@@ -165,6 +171,28 @@ def test_a_moved_obstacle_leaves_the_tree_alone(monkeypatch: pytest.MonkeyPatch)
     assert arm.nearest_pair(q, world).links[1] == "one more"  # type: ignore[union-attr]
     world.remove("one more")
     assert arm.clearance(q, world) > 0.0
+
+
+def test_the_nearest_obstacle_after_all_near_ones_are_removed() -> None:
+    """An arm of one link whose near obstacles were all removed, or may be touched, finds the next one, far away."""
+    arm, world = urdf_ik.load(BAR), World()
+    for i in range(300):
+        world.add(f"near {i}", Sphere(0.01), pose([1.5 + 1e-3 * (i % 30), 1e-3 * (i // 30), 0.0]))
+    for i in range(300):
+        world.add(f"far {i}", Sphere(0.01), pose([20.0 + i, 0.0, 0.0]))
+    model = arm.collision_model.in_world(world)
+    assert model.distance([0.0]) == pytest.approx(0.49, abs=1e-5)
+    for i in range(60):
+        world.remove(f"near {i}")
+    assert model._now().check.index.has_tree
+    assert model.distance([0.0]) == pytest.approx(np.hypot(0.5, 0.0) - 0.01, abs=1e-3)
+    for i in range(60, 300):
+        world.remove(f"near {i}")
+    assert model.distance([0.0]) == pytest.approx(18.99, abs=1e-5)
+    allowed = model.allow("bar", "far 0").allow("bar", "far 1")
+    assert allowed.distance([0.0]) == pytest.approx(20.99, abs=1e-5)
+    assert allowed.nearest_pair([0.0]).links == ("bar", "far 2")  # type: ignore[union-attr]
+    assert allowed.distance_with(arm.link_poses([0.0])) == pytest.approx(20.99, abs=1e-5)
 
 
 def test_how_often_coal_is_asked_does_not_grow(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,6 +18,7 @@ from urdf_ik.cell.bodies import Bodies
 from urdf_ik.cell.distance_bounds import DistanceBounds
 from urdf_ik.cell.obstacle_index import index_of
 from urdf_ik.cell.reference import Reference
+from urdf_ik.support.tolerances import LARGEST
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -34,6 +35,10 @@ if TYPE_CHECKING:
 
 QUERY_ERROR = 1e-5
 """What a distance of coal may be too large by [m]: its iterations stop at 1e-6."""
+
+
+REACH = 0.1
+"""Where no pair near a link is known, obstacles are sought within this [m], then within four times as much, and on."""
 
 
 class ShapePair(NamedTuple):
@@ -302,7 +307,7 @@ class CoalCheck:
                 row, pair = bounds.every(k)
             elif bounds.has_obstacles:
                 # No obstacle is of interest that is farther away than the nearest of a few.
-                guess = self._each(q[part], placed, links, *bounds.nearby(placed.centres), known)
+                guess = self._each(q[part], placed, links, *self._likely(placed.centres), known)
                 limit = np.array([distance for _, distance in guess]) + QUERY_ERROR
                 row, pair, _ = bounds.near(placed.centres, np.repeat(limit[:, None], placed.centres.shape[1], axis=1))
             yield from self._each(q[part], placed, links, row, pair, known)
@@ -327,10 +332,14 @@ class CoalCheck:
             limits = [*among_links.tolist(), *least[own].tolist()]
             yield self.nearest(self.links.place(q[i]), pairs, limits, known[i])
 
-    def pairs_at(self, link_poses: Mapping[str, Array], touching: bool) -> tuple[list[int], Placing]:
-        """Pairs that may be the nearest, or may be touching, with every link at the pose (4, 4) that is given."""
+    def pairs_at(self, link_poses: Mapping[str, Array], touching: bool) -> tuple[list[int], list[float], Placing]:
+        """Pairs that may be the nearest, or may be touching, with every link at the pose (4, 4) that is given.
+
+        Returns:
+            The pairs, lower bounds on their distances [m], and where the shapes are.
+        """
         bounds, arm, placing = self.bounds, self.links.arm, self.links.place_at(link_poses)
-        pairs = list(range(bounds.among_links))
+        pairs, least = list(range(bounds.among_links)), [-np.inf] * bounds.among_links
         if bounds.has_obstacles:
             links = np.stack([link_poses[link] for link in arm.links])
             centres = np.einsum("sij,sj->si", links[:, :3, :3], arm.ball_centres) + links[:, :3, 3]
@@ -338,11 +347,28 @@ class CoalCheck:
             centres = ((centres - base[:3, 3]) @ np.linalg.inv(base[:3, :3]).T)[None]
             limit = 0.0
             if not touching:
-                _, near = bounds.nearby(centres)
-                limit = self.nearest(placing, [*pairs, *near.tolist()], [-np.inf] * (len(pairs) + len(near)))[1]
-            _, found, _ = bounds.near(centres, np.full(centres.shape[:2], limit + QUERY_ERROR))
+                _, likely = self._likely(centres)
+                limit = self.nearest(placing, [*pairs, *likely.tolist()], [*least, *[-np.inf] * len(likely)])[1]
+            row, found, _ = bounds.near(centres, np.full(centres.shape[:2], limit + QUERY_ERROR))
             pairs += found.tolist()
-        return pairs, placing
+            least += (bounds.least(centres, row, found) - QUERY_ERROR).tolist()
+        return pairs, least, placing
+
+    def _likely(self, centres: Array) -> tuple[Indices, Indices]:
+        """Rows and pairs with obstacles, a few of each row, that are likely to be its nearest.
+
+        A row may lack one where it has pairs of links, which bound its distance as well.
+        """
+        row, pair = self.bounds.nearby(centres)
+        reach = REACH
+        while not self.bounds.among_links and reach < LARGEST:
+            lost = np.setdiff1d(np.arange(len(centres)), row)
+            if not len(lost):
+                break
+            more, found, _ = self.bounds.near(centres[lost], np.full((len(lost), centres.shape[1]), reach))
+            row, pair = np.concatenate([row, lost[more]]), np.concatenate([pair, found])
+            reach *= 4.0
+        return row, pair
 
     def _solids(self, placing: Placing, pair: int) -> Iterator[tuple[Any, Any, float, tuple[Any, Any]]]:
         """Coal's geometries of a link and an obstacle, by how much the latter is grown, and where they are.

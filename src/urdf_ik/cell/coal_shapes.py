@@ -188,7 +188,7 @@ def rounded_box(shape: Shape, geometry: Any) -> RoundedBox:
 
 
 class Pieces:
-    """A shape of a world, cut into pieces where it is a large cloud or mesh; coal's trees of these are made when needed.
+    """A shape of a world, cut into pieces where it is a large cloud or mesh. Coal's trees are made when needed.
 
     Attributes:
         frame: (4, 4) of the pieces' boxes in the shape's frame.

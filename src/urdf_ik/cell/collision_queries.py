@@ -313,9 +313,9 @@ class CollisionQueries:
         stack = np.stack([np.broadcast_to(pose, (*batch, 4, 4)) for pose in poses], axis=-3)
         out = np.full(batch, otherwise)
         for index in finite(stack.reshape(*batch, -1)):
-            pairs, placing = check.pairs_at(dict(zip(needed, stack[index], strict=True)), otherwise is False)
+            pairs, least, placing = check.pairs_at(dict(zip(needed, stack[index], strict=True)), otherwise is False)
             if otherwise is False:
                 out[index] = any(check.touches(placing, pair) for pair in pairs)
             else:
-                out[index] = check.nearest(placing, pairs, [-np.inf] * len(pairs))[1]
+                out[index] = check.nearest(placing, pairs, least)[1]
         return out.item() if out.ndim == 0 else out
