@@ -243,6 +243,9 @@ def test_a_crowded_piece_is_cut_and_changes_nothing(monkeypatch: pytest.MonkeyPa
     listed = model.motions_free(q0, q1)
     monkeypatch.setattr(distance_bounds, "CROWDED", 3)
     crowded = model.motions_free(q0, q1)
+    touching = model.in_collision(q0, 0.3)
+    monkeypatch.undo()
+    np.testing.assert_array_equal(model.in_collision(q0, 0.3), touching)
     np.testing.assert_array_equal(listed.share, crowded.share)
     assert listed.pairs == crowded.pairs
 

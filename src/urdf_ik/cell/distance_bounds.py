@@ -25,7 +25,9 @@ CHUNK = 128
 """Joint vectors whose bounds are computed at once: few enough to stay in the processor's cache."""
 
 CROWDED = 4096
-"""Nodes of a level of the obstacles' tree from which on a piece of a motion is cut before its obstacles are listed."""
+"""Nodes of a level of the obstacles' tree from which on a row is crowded.
+
+A piece of a motion is then cut before its obstacles are listed, and a joint vector is looked at alone."""
 
 
 class Open(NamedTuple):
@@ -111,16 +113,21 @@ class DistanceBounds:
 
     def near_in_rows(self, placed: Placed, margin: float) -> Iterator[tuple[int, list[int]]]:
         """Each row in which pairs may be apart by no more than a margin [m], with these pairs."""
-        links = self.links_near(placed, margin)
+        links, k = self.links_near(placed, margin), len(placed.centres)
         row = pair = np.zeros(0, dtype=np.intp)
+        crowded = np.zeros(k, dtype=np.bool_)
+        extra = np.full(placed.centres.shape[:2], margin)
         if self.has_obstacles:
-            row, pair, _ = self.near(placed.centres, np.full(placed.centres.shape[:2], margin))
+            row, pair, crowded = self.near(placed.centres, extra, np.full(k, CROWDED))
         if len(row):
             close = self.gaps(placed, row, pair).min(axis=1) <= margin
             row, pair = row[close], pair[close]
-        ends = np.searchsorted(row, np.arange(len(links) + 1)).tolist()
-        for i in np.flatnonzero(links.any(axis=1) | (np.diff(ends) > 0)).tolist():
-            yield i, [*np.flatnonzero(links[i]).tolist(), *pair[ends[i] : ends[i + 1]].tolist()]
+        ends = np.searchsorted(row, np.arange(k + 1)).tolist()
+        for i in np.flatnonzero(links.any(axis=1) | (np.diff(ends) > 0) | crowded).tolist():
+            own = pair[ends[i] : ends[i + 1]]
+            if crowded[i]:  # one row at a time, for the memory's sake
+                _, own, _ = self.near(placed.centres[i : i + 1], extra[i : i + 1])
+            yield i, [*np.flatnonzero(links[i]).tolist(), *own.tolist()]
 
     # ------------------------------------------------------------ pairs of two links
 
