@@ -2,7 +2,7 @@
 
 A query goes through these modules: ``collision_model`` decides which pairs are checked (``allowed_collisions``),
 ``collision_queries`` takes the joint vectors, ``distance_bounds`` leaves few pairs open (``bodies``: balls about the
-links; ``obstacle_index`` and ``obstacle_tree``: what is near), and ``coal_check`` asks coal about these
+links; ``obstacles``: what is near), and ``coal_check`` asks coal about these
 (``coal_shapes``: its geometry). ``swept_motions`` proves whole motions free in the same way.
 
 Shapes and worlds are described without Pinocchio and coal; the modules that use these are imported with their first

@@ -16,7 +16,7 @@ import pinocchio as pin
 from urdf_ik.cell import coal_shapes
 from urdf_ik.cell.bodies import Bodies
 from urdf_ik.cell.distance_bounds import DistanceBounds
-from urdf_ik.cell.obstacle_index import index_of
+from urdf_ik.cell.obstacles.index import index_of
 from urdf_ik.cell.reference import Reference
 from urdf_ik.support.tolerances import LARGEST
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.cell.bodies import Placed
-    from urdf_ik.cell.obstacle_index import ObstacleIndex
+    from urdf_ik.cell.obstacles.index import ObstacleIndex
     from urdf_ik.kinematics.chain import Chain
 
     Array = NDArray[np.float64]

@@ -12,7 +12,7 @@ import pinocchio as pin
 from lxml import etree
 from scipy import spatial
 
-from urdf_ik.cell.obstacle_tree import cell_codes
+from urdf_ik.cell.obstacles.tree import cell_codes
 from urdf_ik.cell.shapes import SPECK, Capsule, HalfSpace, Mesh, Points, Sphere, cloud, reason_of
 from urdf_ik.errors import UrdfError
 from urdf_ik.model import meshes

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.cell.bodies import Bodies, Placed
-    from urdf_ik.cell.obstacle_index import ObstacleIndex
+    from urdf_ik.cell.obstacles.index import ObstacleIndex
 
     Array = NDArray[np.float64]
     Indices = NDArray[np.intp]

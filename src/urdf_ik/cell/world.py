@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from lxml import etree
 
-from urdf_ik.cell.obstacle_index import ObstacleIndex, Standing, index_of
+from urdf_ik.cell.obstacles.index import ObstacleIndex, Standing, index_of
 from urdf_ik.cell.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from urdf_ik.errors import ArgumentError, PoseError, UrdfError, listed, printable
 from urdf_ik.model import meshes, poses, urdf

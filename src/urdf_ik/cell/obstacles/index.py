@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from urdf_ik.cell.obstacle_tree import SLACK, BoxTree, Found
+from urdf_ik.cell.obstacles.tree import SLACK, BoxTree, Found
 from urdf_ik.cell.shapes import Box, Capsule, Cylinder, Sphere
 
 if TYPE_CHECKING:
