@@ -1,6 +1,12 @@
 """Collision and distance of an arm's links, with themselves and with a world, through Pinocchio and coal.
 
-Shapes and worlds are described without either; the modules that use them are imported with their first name.
+A query goes through these modules: ``collision_model`` decides which pairs are checked (``allowed_collisions``),
+``collision_queries`` takes the joint vectors, ``distance_bounds`` leaves few pairs open (``bodies``: balls about the
+links; ``obstacles``: what is near), and ``coal_check`` asks coal about these
+(``coal_shapes``: its geometry). ``swept_motions`` proves whole motions free in the same way.
+
+Shapes and worlds are described without Pinocchio and coal; the modules that use these are imported with their first
+name.
 """
 
 from __future__ import annotations
@@ -11,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from urdf_ik.cell.allowed_collisions import Table
     from urdf_ik.cell.collision_model import ALWAYS, SAMPLES, SEED, CollisionModel
-    from urdf_ik.cell.queries import Nearest
+    from urdf_ik.cell.collision_queries import Nearest
     from urdf_ik.cell.swept_motions import Motions
     from urdf_ik.cell.world import Obstacle, World
 
@@ -29,7 +35,7 @@ __all__ = [
 
 _MODULE = {
     "Motions": "swept_motions",
-    "Nearest": "queries",
+    "Nearest": "collision_queries",
     "Obstacle": "world",
     "Table": "allowed_collisions",
     "World": "world",

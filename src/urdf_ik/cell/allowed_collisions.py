@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik.cell.coal_scene import ShapePair
+from urdf_ik.cell.coal_check import ShapePair
 from urdf_ik.errors import ArgumentError, listed, printable
 from urdf_ik.support.text import aligned, nearest, quoted
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Collection, Mapping, Sequence
 
-    from urdf_ik.cell.coal_scene import ArmShapes, Scene
+    from urdf_ik.cell.coal_check import ArmShapes, LinkCheck
 
     Pair = tuple[str, str]
 
@@ -77,54 +77,73 @@ def among_links(arm: ArmShapes, rank: Mapping[str, int], excused: set[Pair]) -> 
     return allowed, others
 
 
-def always_colliding(scene: Scene, share: float, samples: int, seed: int) -> set[Pair]:
+def always_colliding(check: LinkCheck, share: float, samples: int, seed: int) -> set[Pair]:
     """Pairs of links that touch in this share of random joint vectors; one that cannot reach it is dropped early."""
-    lower, upper = scene.arm.reference.ranges.T
+    lower, upper = check.arm.reference.ranges.T
     rng = np.random.default_rng(seed)
-    free = dict.fromkeys((pair.names for pair in scene.pairs), 0)
+    free = dict.fromkeys((pair.names for pair in check.pairs), 0)
     tolerated = round((1.0 - share) * samples)
     for _ in range(samples):
         watched = {names for names, count in free.items() if count <= tolerated}
         if not watched:
             return set()
-        shapes = scene.place(rng.uniform(lower, upper))
+        placing = check.place(rng.uniform(lower, upper))
         touching: set[Pair] = set()
-        for k, pair in enumerate(scene.pairs):
-            if pair.names in watched and pair.names not in touching and scene.touches(shapes, k):
+        for k, pair in enumerate(check.pairs):
+            if pair.names in watched and pair.names not in touching and check.touches(placing, k):
                 touching.add(pair.names)
         for names in watched - touching:
             free[names] += 1
     return {names for names, count in free.items() if count <= tolerated}
 
 
-def with_obstacles(arm: ArmShapes, names: Sequence[str]) -> tuple[dict[Pair, str], list[ShapePair]]:
-    """Pairs of a link and an obstacle that may touch, as the link cannot move against the base; all pairs of shapes."""
-    moves = arm.bodies.path.sum(axis=1) > 0
-    pairs = [
-        ShapePair((link, name), i, len(arm.links) + o)
-        for i, link in enumerate(arm.links)
-        for o, name in enumerate(names)
-    ]
-    return {pair.names: RIGID for pair in pairs if not moves[pair.first]}, pairs
+def with_obstacles(arm: ArmShapes, names: Sequence[str]) -> tuple[dict[Pair, str], list[Pair]]:
+    """Pairs of a link and an obstacle that may touch, as the link cannot move against the base; all such pairs."""
+    moves = dict(zip(arm.links, arm.bodies.moves.tolist(), strict=True))
+    pairs = [(link, name) for link in moves for name in names]
+    return {pair: RIGID for pair in pairs if not moves[pair[0]]}, pairs
+
+
+def exceptions(
+    arm: ArmShapes, changes: Mapping[Pair, bool], links: Collection[str]
+) -> tuple[list[tuple[int, str]], list[tuple[int, str]]]:
+    """How a user's changes differ from "every shape that moves is checked against every obstacle".
+
+    Returns:
+        Pairs of a shape that moves and an obstacle that may touch; of one that does not move and one that must not.
+    """
+    excepted: list[tuple[int, str]] = []
+    added: list[tuple[int, str]] = []
+    for (link, obstacle), must_not in changes.items():
+        if obstacle not in links:
+            for i, moves in enumerate(arm.bodies.moves.tolist()):
+                if arm.links[i] == link and moves != must_not:
+                    (excepted if moves else added).append((i, obstacle))
+    return excepted, added
 
 
 def made(
-    allowed: Mapping[Pair, str], pairs: Sequence[ShapePair], changes: Mapping[Pair, bool], rank: Mapping[str, int]
-) -> tuple[Table, list[ShapePair]]:
-    """The table after a user's changes, and the pairs of shapes that it leaves to check, in its order."""
+    allowed: Mapping[Pair, str], pairs: Collection[Pair], changes: Mapping[Pair, bool], rank: Mapping[str, int]
+) -> Table:
+    """The table after a user's changes.
+
+    Args:
+        allowed: pairs that may touch, to the reason.
+        pairs: all pairs.
+        changes: pairs that a user changed, to whether they must not touch.
+        rank: every link and then every obstacle, to its place.
+    """
     reasons = {pair: why for pair, why in allowed.items() if not changes.get(pair, False)}
-    there = {pair.names for pair in pairs}
+    there = set(pairs)
     reasons |= {pair: reasons.get(pair, USER) for pair, may in changes.items() if not may and pair in there}
 
     def place(pair: Pair) -> tuple[int, int]:
         return rank[pair[0]], rank[pair[1]]
 
-    checked = [pair for pair in pairs if pair.names not in reasons]
-    table = Table(
+    return Table(
         MappingProxyType({pair: reasons[pair] for pair in sorted(reasons, key=place)}),
-        tuple(sorted(dict.fromkeys(pair.names for pair in checked), key=place)),
+        tuple(sorted((pair for pair in there if pair not in reasons), key=place)),
     )
-    return table, checked
 
 
 def ordered(a: str, b: str, rank: Mapping[str, int]) -> Pair:

@@ -49,6 +49,7 @@ class Bodies:
         ball_radii: (S,) m, of the single balls.
         radii: (S, m) m, of the others.
         path: (S, J) whether joint j is between the base and the shape.
+        moves: (S,) whether the joint vector moves the shape against the base.
     """
 
     def __init__(
@@ -86,6 +87,7 @@ class Bodies:
         self._slides = np.array([step.joint.prismatic for step in steps], dtype=np.bool_)
         self._order, path = self._paths()
         self.path = path[self.body]
+        self.moves: NDArray[np.bool_] = np.asarray(self.path.any(axis=1))
 
     def _paths(self) -> tuple[list[int], NDArray[np.bool_]]:
         """The joints in the order in which they are met from the base on; (G, J) those from the base to each body."""

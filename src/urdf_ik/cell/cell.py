@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik.cell.collision_model import CollisionModel
-    from urdf_ik.cell.queries import Nearest
+    from urdf_ik.cell.collision_queries import Nearest
     from urdf_ik.cell.reference import Reference
     from urdf_ik.cell.swept_motions import Motions
     from urdf_ik.cell.world import World

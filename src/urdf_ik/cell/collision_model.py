@@ -5,9 +5,9 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from urdf_ik.cell import allowed_collisions, geometry
-from urdf_ik.cell.coal_scene import ArmShapes, Scene
-from urdf_ik.cell.queries import Questions, Seen
+from urdf_ik.cell import allowed_collisions, coal_shapes
+from urdf_ik.cell.coal_check import ArmShapes, CoalCheck, LinkCheck
+from urdf_ik.cell.collision_queries import CollisionQueries, Seen
 from urdf_ik.cell.reference import Reference
 from urdf_ik.errors import ArgumentError, UrdfError
 from urdf_ik.kinematics.chain import from_urdf
@@ -17,7 +17,7 @@ from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable, Collection, Mapping
+    from collections.abc import Callable, Collection, Iterable, Mapping
 
     from urdf_ik.cell.allowed_collisions import Table
     from urdf_ik.cell.world import World
@@ -35,7 +35,7 @@ SEED = 0
 """Seed of these joint vectors: the same URDF gives the same pairs."""
 
 
-class CollisionModel(Questions):
+class CollisionModel(CollisionQueries):
     """The collision shapes of a URDF and of a world, and which pairs of them must not touch.
 
     Joints outside the chain stay at zero; a joint that mimics another follows it. Meshes are surfaces: one that lies
@@ -93,26 +93,26 @@ class CollisionModel(Questions):
         self._reference = Reference(model, base, tip, locked=locked)
         self.joint_names = self._reference.joint_names
         self.world: World | None = None
-        self._links = model.links
+        self._rank = {link: i for i, link in enumerate(model.links)}
         self._changes: dict[Pair, bool] = {}
         self._error: UrdfError | None = None
         self._seen: Seen | None = None
+        self._link_check: LinkCheck | None = None
         # The model that ``in_world`` made last: the same world is asked about again and again.
         self._last: CollisionModel | None = None
         disabled = () if srdf is None else srdf_reader.disabled_pairs(srdf, model.links)
         try:
-            shapes = geometry.build(model, self._reference.pin_model)
+            shapes = coal_shapes.build(model, self._reference.pin_model)
         except UrdfError as error:
             self._error = error
             return
         chain = from_urdf(model, base, tip).lock(locked or {})
         self._arm = ArmShapes(self._reference, chain, shapes)
-        rank = {link: i for i, link in enumerate(model.links)}
-        excused = {allowed_collisions.ordered(*pair, rank) for pair in disabled}
-        self._allowed, self._pairs = allowed_collisions.among_links(self._arm, rank, excused)
+        excused = {allowed_collisions.ordered(*pair, self._rank) for pair in disabled}
+        self._allowed, self._pairs = allowed_collisions.among_links(self._arm, self._rank, excused)
         if samples:
             kept = [pair for pair in self._pairs if pair.names not in self._allowed]
-            always = allowed_collisions.always_colliding(Scene(self._arm, (), kept), ALWAYS, samples, seed)
+            always = allowed_collisions.always_colliding(LinkCheck(self._arm, kept), ALWAYS, samples, seed)
             self._allowed.update(dict.fromkeys(always, allowed_collisions.ALWAYS_COLLIDE))
 
     def __reduce__(self) -> tuple[Callable[..., CollisionModel], tuple[Any, ...]]:
@@ -139,12 +139,12 @@ class CollisionModel(Questions):
 
         Reasons are 'rigid', 'adjacent', 'srdf', 'always' and 'allowed'.
         """
-        return MappingProxyType({}) if self._error else self._now().table.allowed
+        return MappingProxyType({}) if self._error else self._table().allowed
 
     @property
     def checked_pairs(self) -> tuple[Pair, ...]:
         """Pairs that must not touch, two links or a link and an obstacle."""
-        return () if self._error else self._now().table.checked
+        return () if self._error else self._table().checked
 
     def table(self) -> Table:
         """The allowed-collision table, to be read and printed; :meth:`allow` and :meth:`check` change it.
@@ -161,7 +161,7 @@ class CollisionModel(Questions):
             link_1     link_2  allowed: adjacent
         """
         self._require_geometry()
-        return self._now().table
+        return self._table()
 
     def in_world(self, world: World | None) -> CollisionModel:
         """This model among the obstacles of a world, which may be changed later; itself where ``world`` is None.
@@ -182,6 +182,8 @@ class CollisionModel(Questions):
         inputs.kind(world, "snapshot", "world", "a urdf_ik.World", ArgumentError)
         last = self._last
         if last is None or last.world is not world:
+            if self._error is None:
+                self._links()  # made once for all worlds
             last = self._copy()
             last.world = world
             self._last = last
@@ -286,34 +288,46 @@ class CollisionModel(Questions):
     def _changed(self, first: str, second: str, must_not: bool) -> CollisionModel:
         self._require_geometry()
         obstacles = () if self.world is None else self.world.names
-        rank = self._rank(obstacles)
+        rank = self._ranks(obstacles)
         pair = allowed_collisions.named(first, second, rank, [*dict.fromkeys(self._arm.links), *obstacles])
         if pair[0] in obstacles:
             both = f"{quoted(first)} and {quoted(second)}"
             raise ArgumentError(f"{both} are both obstacles, which stand still; a pair has a link")
         out = self._copy()
-        out._changes = {**self._changes, pair: must_not}
+        out._changes, out._link_check = {**self._changes, pair: must_not}, None
         return out
 
-    def _rank(self, obstacles: tuple[str, ...]) -> dict[str, int]:
-        rank = {name: i for i, name in enumerate((*self._links, *obstacles))}
-        if len(rank) < len(self._links) + len(obstacles):
-            same = next(name for name in obstacles if name in self._links)
-            raise ArgumentError(f"the obstacle {quoted(same)} has the name of a link of the arm; give it another")
-        return rank
+    def _ranks(self, obstacles: Iterable[str]) -> dict[str, int]:
+        """Every link and then every obstacle, to its place."""
+        return {name: i for i, name in enumerate((*self._rank, *obstacles))}
+
+    def _table(self) -> Table:
+        """The table of the world as it is, all pairs listed."""
+        names = self._now().check.index.names()
+        allowed, pairs = allowed_collisions.with_obstacles(self._arm, names)
+        pairs += [pair.names for pair in self._pairs]
+        return allowed_collisions.made({**self._allowed, **allowed}, pairs, self._changes, self._ranks(names))
 
     def _now(self) -> Seen:
-        """The scene and the table of the world as it is."""
+        """What is checked in the world as it is."""
         seen, world = self._seen, self.world
         if seen is None or (world is not None and seen.version != world.version):
-            version, obstacles = (0, ()) if world is None else world.snapshot()
-            names = tuple(each.name for each, _ in obstacles)
-            rank = self._rank(names)
-            allowed, pairs = allowed_collisions.with_obstacles(self._arm, names)
-            every, pairs = {**self._allowed, **allowed}, [*self._pairs, *pairs]
-            made, checked = allowed_collisions.made(every, pairs, self._changes, rank)
-            self._seen = seen = Seen(version, Scene(self._arm, obstacles, checked), made)
+            version, index = (0, None) if world is None else world.snapshot()
+            if index is not None and (same := next((link for link in self._rank if index.slots_of(link)), None)):
+                raise ArgumentError(f"the obstacle {quoted(same)} has the name of a link of the arm; give it another")
+            excepted, added = allowed_collisions.exceptions(self._arm, self._changes, self._rank)
+            self._seen = seen = Seen(version, CoalCheck(self._links(), index, excepted, added))
         return seen
+
+    def _links(self) -> LinkCheck:
+        """The check of links against each other, which no world changes."""
+        check = self._link_check
+        if check is None:
+            names = {pair.names for pair in self._pairs}
+            checked = set(allowed_collisions.made(self._allowed, names, self._changes, self._rank).checked)
+            kept = [pair for pair in self._pairs if pair.names in checked]
+            self._link_check = check = LinkCheck(self._arm, kept)
+        return check
 
 
 def _restored(

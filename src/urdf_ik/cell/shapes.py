@@ -21,7 +21,6 @@ from urdf_ik.support.text import quoted
 from urdf_ik.support.tolerances import LARGEST
 
 if TYPE_CHECKING:
-
     from collections.abc import Sequence
 
     from numpy.typing import ArrayLike, NDArray
@@ -271,11 +270,21 @@ class Mesh(Shape):
         """A ``coal.BVHModelOBBRSS`` of the file's triangles."""
         import coal
 
+        return self.loaded(coal.NODE_TYPE.BV_OBBRSS)
+
+    def loaded(self, volumes: Any) -> Any:
+        """Coal's model of the file's triangles with bounding volumes of this kind, a ``coal.NODE_TYPE``.
+
+        Raises:
+            ArgumentError: the file is not there, or cannot be read.
+        """
+        import coal
+
         path = self.file()
         name = quoted(str(path), 200)
         try:
             meshes.check(path, [Path(folder) for folder in self.package_dirs] or [path.parent], "Mesh")
-            mesh = coal.MeshLoader().load(str(path), np.array(self.scale))
+            mesh = coal.MeshLoader(volumes).load(str(path), np.array(self.scale))
             meshes.check_vertices(mesh.vertices(), path, "Mesh")
         except UrdfError as error:
             raise ArgumentError(f"Mesh {name}: {error.problem} ({error.hint})") from None
@@ -331,18 +340,24 @@ class Points(Frozen, Shape):
 
         An octree would take every point for a cube as large as its cells.
         """
-        import coal
+        return cloud(self.points)
 
-        mesh = coal.BVHModelOBBRSS()
-        mesh.beginModel(len(self.points), 3 * len(self.points))
-        vertices, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
-        for i, corners in enumerate(self.points[:, None] + SPECK * np.eye(3)):
-            for corner in corners:
-                vertices.append(corner)
-            triangles.append(coal.Triangle(3 * i, 3 * i + 1, 3 * i + 2))
-        mesh.addSubModel(vertices, triangles)
-        mesh.endModel()
-        return mesh
+
+def cloud(points: Array) -> Any:
+    """A ``coal.BVHModelOBBRSS`` of points (k, 3), each a triangle within ``SPECK`` of it.
+
+    Example:
+        >>> cloud(np.eye(3)).num_tris
+        3
+    """
+    import coal
+
+    mesh = coal.BVHModelOBBRSS()
+    mesh.beginModel(len(points), 3 * len(points))
+    mesh.addVertices((points[:, None] + SPECK * np.eye(3)).reshape(-1, 3))
+    mesh.addTriangles(np.arange(3 * len(points)).reshape(-1, 3))
+    mesh.endModel()
+    return mesh
 
 
 def reason_of(error: Exception) -> str:

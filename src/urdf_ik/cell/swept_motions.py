@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from urdf_ik.cell.coal_scene import QUERY_ERROR
+from urdf_ik.cell.coal_check import QUERY_ERROR
 from urdf_ik.errors import ArgumentError, printable
 from urdf_ik.support import inputs
 
@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from urdf_ik.cell.coal_scene import Scene
+    from urdf_ik.cell.coal_check import CoalCheck
+    from urdf_ik.cell.distance_bounds import Open
 
     Array = NDArray[np.float64]
     Pair = tuple[str, str]
@@ -83,19 +84,39 @@ class Motions:
 
 
 class _Pieces(NamedTuple):
-    """Pieces of motions.
+    """Pieces of motions, with the pairs that are not yet proven free on them.
 
     Attributes:
         motion: (m,) which motion.
         start: (m,) share of the motion at which the piece begins.
         end: (m,) share at which it ends.
-        open: (m, P) pairs that are not yet proven free on it.
+        links: (m, A) pairs of two links that are open.
+        listed: (m,) whether its open pairs with obstacles are listed; if not, all of them are open.
+        piece: (e,) piece of each listed pair.
+        pair: (e,) the listed pairs.
     """
 
     motion: NDArray[np.intp]
     start: Array
     end: Array
-    open: NDArray[np.bool_]
+    links: NDArray[np.bool_]
+    listed: NDArray[np.bool_]
+    piece: NDArray[np.intp]
+    pair: NDArray[np.intp]
+
+    def some(self, which: NDArray[np.bool_]) -> _Pieces:
+        """The pieces ``which`` (m,)."""
+        number = np.cumsum(which) - 1
+        kept = which[self.piece]
+        return _Pieces(
+            self.motion[which],
+            self.start[which],
+            self.end[which],
+            self.links[which],
+            self.listed[which],
+            number[self.piece[kept]],
+            self.pair[kept],
+        )
 
 
 def check_margin(margin: float) -> float:
@@ -121,59 +142,113 @@ def check_length(q0: Array, q1: Array, names: Sequence[str]) -> None:
         )
 
 
-def motions(scene: Scene, q0: Array, q1: Array, margin: float) -> Motions:
+def motions(check: CoalCheck, q0: Array, q1: Array, margin: float) -> Motions:
     """Which of the motions from q0 (k, n) to q1 (k, n) are free; see :class:`Motions`."""
-    k, P = len(q0), len(scene.pairs)
+    k = len(q0)
     first, pair = np.full(k, np.inf), np.full(k, -1, dtype=np.intp)
-    pieces = _Pieces(np.arange(k), np.zeros(k), np.ones(k), np.ones((k, P), dtype=np.bool_))
+    none = np.zeros(0, dtype=np.intp)
+    links = np.ones((k, check.bounds.among_links), dtype=np.bool_)
+    listed = np.full(k, not check.bounds.has_obstacles)
+    pieces = _Pieces(np.arange(k), np.zeros(k), np.ones(k), links, listed, none, none)
     while len(pieces.motion):
-        pieces = _halved(scene, q0, q1, margin, pieces, first, pair)
+        pieces = _halved(check, q0, q1, margin, pieces, first, pair)
     free = np.isinf(first)
-    names: list[Pair | None] = [None if at < 0 else scene.pairs[at].names for at in pair]
+    names: list[Pair | None] = [None if at < 0 else check.names(at) for at in pair.tolist()]
     return Motions(free, np.where(free, np.nan, first), names)
 
 
 def _halved(
-    scene: Scene, q0: Array, q1: Array, margin: float, pieces: _Pieces, first: Array, pair: NDArray[np.intp]
+    check: CoalCheck, q0: Array, q1: Array, margin: float, pieces: _Pieces, first: Array, pair: NDArray[np.intp]
 ) -> _Pieces:
     """What is left to prove after a look at the middle of each piece; contacts go into ``first`` and ``pair``."""
-    before = pieces.start < first[pieces.motion]
-    motion, start, end = pieces.motion[before], pieces.start[before], pieces.end[before]
-    still = pieces.open[before]
+    pieces = pieces.some(pieces.start < first[pieces.motion])
+    motion, start, end = pieces.motion, pieces.start, pieces.end
     middle, half = 0.5 * (start + end), 0.5 * (end - start)
     way = q1[motion] - q0[motion]
     q = q0[motion] + middle[:, None] * way
     travel = half[:, None] * np.abs(way)
-    for part, placed in scene.chunks(q):
-        still[part], closer = scene.within_reach(placed, travel[part], margin, still[part])
-        for i, row in enumerate(closer, part.start):
-            if not still[i].any() or row[still[i]].max() > STRIDE or middle[i] >= first[motion[i]]:
+    rest = np.zeros(len(motion), dtype=np.bool_)
+    found: list[tuple[NDArray[np.intp], NDArray[np.intp]]] = []
+    for part, placed in check.bounds.chunks(q):
+        reaches = check.bounds.reaches(placed, travel[part])
+        links, links_closer = check.bounds.links_in_reach(placed, reaches, margin, pieces.links[part])
+        mine = slice(*np.searchsorted(pieces.piece, [part.start, part.start + len(links)]))
+        given = pieces.piece[mine] - part.start, pieces.pair[mine]
+        world = check.bounds.in_reach(placed, reaches, margin, given, pieces.listed[part], STRIDE)
+        farthest = np.where(links, links_closer, 0.0).max(axis=1, initial=0.0)
+        np.maximum.at(farthest, world.row, world.closer)
+        farthest[world.crowded] = np.inf
+        rest[part] = links.any(axis=1) | world.crowded
+        rest[part.start + world.row] = True
+        still = np.ones(len(world.row), dtype=np.bool_)
+        asked = rest[part] & (farthest <= STRIDE)
+        order = np.argsort(world.row, kind="stable")
+        ends = np.searchsorted(world.row[order], np.arange(len(links) + 1)).tolist()
+        for row in np.flatnonzero(asked).tolist():
+            i = part.start + row
+            if middle[i] >= first[motion[i]]:
                 continue
-            contact = _contact(scene, q[i], row, still[i], margin)
+            own = order[ends[row] : ends[row + 1]]
+            contact = _contact(check, q[i], margin, links[row], links_closer[row], world, own, still)
             if contact is not None:
                 # Where the whole half piece lies within TOUCH of the contact, there is nothing left to find.
-                at_start = row[contact] <= TOUCH
-                first[motion[i]], pair[motion[i]] = start[i] if at_start else middle[i], contact
-    rest = still.any(axis=1)
-    left, right = rest & (start < first[motion]), rest & (middle < first[motion])
-    return _Pieces(
-        np.concatenate([motion[left], motion[right]]),
-        np.concatenate([start[left], middle[right]]),
-        np.concatenate([middle[left], end[right]]),
-        np.concatenate([still[left], still[right]]),
-    )
+                first[motion[i]] = start[i] if contact.closer <= TOUCH else middle[i]
+                pair[motion[i]] = contact.pair
+        pieces.links[part] = links
+        rest[part] = links.any(axis=1) | world.crowded
+        rest[part.start + world.row[still]] = True
+        # From the first look of coal's on, what it closed must stay closed.
+        pieces.listed[part] |= asked
+        kept = still & pieces.listed[part][world.row]
+        found.append((part.start + world.row[kept], world.pair[kept]))
+    piece, open_pair = (np.concatenate(each) for each in zip(*found, strict=True)) if found else (motion, motion)
+    order = np.lexsort((open_pair, piece))
+    pieces = pieces._replace(piece=piece[order], pair=open_pair[order])
+    left = pieces._replace(end=middle).some(rest & (start < first[motion]))
+    right = pieces._replace(start=middle).some(rest & (middle < first[motion]))
+    right = right._replace(piece=right.piece + len(left.motion))
+    return _Pieces._make(np.concatenate(each) for each in zip(left, right, strict=True))
 
 
-def _contact(scene: Scene, q: Array, closer: Array, still: NDArray[np.bool_], margin: float) -> int | None:
-    """Ask coal about the pairs ``still`` open at the middle q (n,) of a piece, and close those that are proven free.
+class _Contact(NamedTuple):
+    """A pair in contact, and by how much it can come closer on the piece [m]."""
+
+    pair: int
+    closer: float
+
+
+def _contact(
+    check: CoalCheck,
+    q: Array,
+    margin: float,
+    links: NDArray[np.bool_],
+    links_closer: Array,
+    world: Open,
+    own: NDArray[np.intp],
+    still: NDArray[np.bool_],
+) -> _Contact | None:
+    """Ask coal about the open pairs at the middle q (n,) of a piece, and close those that are proven free.
+
+    Args:
+        check: coal's check.
+        q: the joint vector.
+        margin: m.
+        links: (A,) pairs of two links that are open.
+        links_closer: (A,) m by which they can come closer on the piece.
+        world: open pairs with obstacles, of this piece and of others.
+        own: those of this piece.
+        still: (e,) which of ``world`` are open.
 
     Returns:
         A pair in contact, if there is one.
     """
-    shapes = scene.place(q)
-    for k in np.flatnonzero(still).tolist():
-        if not scene.touches(shapes, k, margin + closer[k] + QUERY_ERROR):
-            still[k] = False
-        elif scene.touches(shapes, k, margin + TOUCH):
-            return k
+    placing = check.links.place(q)
+    asked = [(pair, pair, links, float(links_closer[pair])) for pair in np.flatnonzero(links).tolist()]
+    ranked = sorted(own.tolist(), key=lambda each: check.rank(int(world.pair[each])))
+    asked += [(int(world.pair[each]), each, still, float(world.closer[each])) for each in ranked]
+    for pair, at, is_open, closer in asked:
+        if not check.touches(placing, pair, margin + closer + QUERY_ERROR):
+            is_open[at] = False
+        elif check.touches(placing, pair, margin + TOUCH):
+            return _Contact(pair, closer)
     return None

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
+from collections import Counter
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from lxml import etree
 
+from urdf_ik.cell.obstacles.index import ObstacleIndex, Standing, index_of
 from urdf_ik.cell.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from urdf_ik.errors import ArgumentError, PoseError, UrdfError, listed, printable
 from urdf_ik.model import meshes, poses, urdf
@@ -23,9 +26,14 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from urdf_ik.cell.geometry import Solid
-
     Array = NDArray[np.float64]
+
+
+SHOWN = 8
+"""Obstacles that the text of a world names."""
+
+ORTHOGONAL = 4e-16
+"""Greatest entry of ``|R^T R - I|`` up to which a rotation is left as it is: a few roundings."""
 
 
 class Obstacle(NamedTuple):
@@ -69,9 +77,12 @@ class World:
     """
 
     def __init__(self) -> None:
-        self._obstacles: dict[str, Obstacle] = {}
-        self._solids: dict[int, Solid] = {}
+        self._standing: dict[str, Standing] = {}
+        self._added = 0  # how many were ever added
         self._version = 0
+        self._index: ObstacleIndex | None = None
+        # What was added, moved or removed since the index was made.
+        self._stale: set[str] = set()
         self._lock = forks.lock()
 
     @classmethod
@@ -109,16 +120,15 @@ class World:
         if broken := [error for error in model.left_out if "<collision>" in (error.element or "")]:
             raise broken[0]
         placed = _link_poses(model)
-        world = cls()
+        world, shapes = cls(), Counter[str]()
         for body in etree.fromstring(model.xml).iterfind("link/collision"):
             link = body.getparent().get("name")
-            taken = sum(name == link or name.startswith(f"{link}/") for name in world._obstacles)
+            name = next(name for name in _numbered(link, shapes[link]) if name not in world)
+            shapes[link] += 1
             origin = body.find("origin")
             offset = np.eye(4) if origin is None else poses.pose(_row(origin, "xyz"), rpy=_row(origin, "rpy"))
             try:
-                world.add(
-                    f"{link}/{taken}" if taken else link, _shape(body.find("geometry")[0], model), placed[link] @ offset
-                )
+                world.add(name, _shape(body.find("geometry")[0], model), placed[link] @ offset)
             except ArgumentError as error:
                 raise ArgumentError(f"{model.source}: link {quoted(link)}: {error}") from None
         if not world:
@@ -128,22 +138,24 @@ class World:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the obstacles, in the order in which they were added."""
-        return tuple(self._obstacles)
+        return tuple(self._standing)
 
     def __len__(self) -> int:
-        return len(self._obstacles)
+        return len(self._standing)
 
     def __iter__(self) -> Iterator[Obstacle]:
-        return iter(tuple(self._obstacles.values()))
+        return iter([Obstacle(*each[:3]) for each in tuple(self._standing.values())])
 
     def __contains__(self, name: object) -> bool:
-        return isinstance(name, str) and name in self._obstacles
+        return isinstance(name, str) and name in self._standing
 
     def __getitem__(self, name: str) -> Obstacle:
-        return self._obstacles[self._known(name)]
+        return Obstacle(*self._standing[self._known(name)][:3])
 
     def __repr__(self) -> str:
-        return f"World({', '.join(f'{each.name}: {type(each.shape).__name__}' for each in self)})"
+        shown = [f"{each.name}: {type(each.shape).__name__}" for each in self][:SHOWN]
+        more = [f"and {len(self) - SHOWN} more"] if len(self) > SHOWN else []
+        return f"World({', '.join(shown + more)})"
 
     def add(self, name: str, shape: Shape, pose: Any = None) -> None:
         """Put a shape into the world.
@@ -173,11 +185,11 @@ class World:
         if isinstance(shape, Mesh):
             shape.file()
         with self._lock:
-            if name in self._obstacles:
+            if name in self._standing:
                 there = f"there is an obstacle {quoted(name)} already"
                 raise ArgumentError(f"{there}; World.move moves it, World.remove removes it")
-            self._obstacles[name] = Obstacle(name, shape, placed)
-            self._version += 1
+            self._put(name, Standing(name, shape, placed, self._added))
+            self._added += 1
 
     def move(self, name: str, pose: Any) -> None:
         """Put an obstacle elsewhere.
@@ -200,8 +212,7 @@ class World:
         """
         placed = _pose(pose)
         with self._lock:
-            self._obstacles[name] = self._obstacles[self._known(name)]._replace(pose=placed)
-            self._version += 1
+            self._put(name, self._standing[self._known(name)]._replace(pose=placed))
 
     def remove(self, name: str) -> None:
         """Take an obstacle out of the world.
@@ -218,9 +229,8 @@ class World:
             ()
         """
         with self._lock:
-            gone = self._obstacles.pop(self._known(name))
-            if all(each.shape is not gone.shape for each in self._obstacles.values()):
-                self._solids.pop(id(gone.shape), None)
+            del self._standing[self._known(name)]
+            self._stale.add(name)
             self._version += 1
 
     @property
@@ -253,8 +263,8 @@ class World:
             found.update(pose.tobytes())
         return found.hexdigest()
 
-    def snapshot(self) -> tuple[int, tuple[tuple[Obstacle, Solid], ...]]:
-        """The world as it is now: its version, and every obstacle with coal's geometry of its shape.
+    def snapshot(self) -> tuple[int, ObstacleIndex]:
+        """The world as it is now: its version, and its obstacles by place. Later changes do not change the index.
 
         Raises:
             ArgumentError: a mesh cannot be read.
@@ -263,28 +273,39 @@ class World:
             >>> import urdf_ik
             >>> world = urdf_ik.World()
             >>> world.add("ball", urdf_ik.Sphere(0.1))
-            >>> version, solids = world.snapshot()
-            >>> [obstacle.name for obstacle, _ in solids]
+            >>> version, index = world.snapshot()
+            >>> index.names()
             ['ball']
         """
-        from urdf_ik.cell.geometry import solid
-
         with self._lock:
-            for each in self._obstacles.values():
-                if id(each.shape) not in self._solids:
-                    self._solids[id(each.shape)] = solid(each.shape.geometry())
-            return self._version, tuple((each, self._solids[id(each.shape)]) for each in self._obstacles.values())
+            if self._index is None:
+                self._index = index_of(self._standing.values())
+            elif self._stale:
+                stale = {name: self._standing.get(name) for name in self._stale}
+                self._index = self._index.changed(stale, self._standing.values())
+            self._stale.clear()
+            return self._version, self._index
 
     def __getstate__(self) -> dict[str, Any]:
-        return {"_obstacles": dict(self._obstacles), "_version": self._version}
+        with self._lock:
+            return {"obstacles": tuple(self), "version": self._version}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__init__()  # type: ignore[misc]
-        self.__dict__.update(state)
+        for each in state["obstacles"]:
+            self._standing[each.name] = Standing(each.name, each.shape, each.pose, self._added)
+            self._added += 1
+        self._version = state["version"]
+
+    def _put(self, name: str, standing: Standing) -> None:
+        """Keep an obstacle as it stands now; the lock is held."""
+        self._standing[name] = standing
+        self._stale.add(name)
+        self._version += 1
 
     def _known(self, name: str) -> str:
         if name not in self:
-            close = nearest(printable(name), self._obstacles)
+            close = nearest(printable(name), self._standing)
             hint = (
                 f"did you mean {' or '.join(map(quoted, close))}?"
                 if close
@@ -298,10 +319,15 @@ def _pose(pose: Any) -> Array:
     checked = poses.check_poses(pose)
     if checked.ndim != 2:
         raise PoseError(f"an array of shape {checked.shape} given; an obstacle has a single pose (4, 4)")
+    rotation = checked[:3, :3]
     # A rotation that is off by rounding would shear the shape.
-    out = poses.project_rotation(checked)
-    out.setflags(write=False)
-    return out
+    is_exact = np.abs(rotation.T @ rotation - np.eye(3)).max() <= ORTHOGONAL
+    return frozen(checked.copy() if is_exact else poses.project_rotation(checked))
+
+
+def _numbered(link: str, first: int) -> Iterator[str]:
+    """Names for a link's shape: the link's own for its first one, then with a number behind it."""
+    return (f"{link}/{number}" if number else link for number in itertools.count(first))
 
 
 def _link_poses(model: urdf.UrdfModel) -> dict[str, Array]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from urdf_ik.cell import swept_motions
-from urdf_ik.cell.coal_scene import ArmShapes, Scene
+from urdf_ik.cell.coal_check import ArmShapes, CoalCheck
 from urdf_ik.cell.reference import Reference, finite
 from urdf_ik.errors import ArgumentError, PoseError, UrdfError, printable
 from urdf_ik.model.poses import as_pose_array
@@ -17,9 +17,10 @@ from urdf_ik.support.text import quoted
 from urdf_ik.support.tolerances import LARGEST
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import ArrayLike, NDArray
 
-    from urdf_ik.cell.allowed_collisions import Table
     from urdf_ik.cell.swept_motions import Motions
 
     Array = NDArray[np.float64]
@@ -41,23 +42,23 @@ class Nearest(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """What a model looks at while the world's version stays the same."""
+    """What a model checks while the world's version stays the same."""
 
     version: int
-    scene: Scene
-    table: Table
+    check: CoalCheck
 
 
-class Questions:
-    """What is asked about a :class:`urdf_ik.cell.CollisionModel`, whatever decides which pairs are checked."""
+class CollisionQueries:
+    """The queries of a :class:`urdf_ik.cell.CollisionModel`, whatever decides which pairs are checked."""
 
     joint_names: tuple[str, ...]
     _reference: Reference
     _arm: ArmShapes
+    _rank: dict[str, int]
     _error: UrdfError | None
 
     def _now(self) -> Seen:
-        """The scene and the table of the world as it is."""
+        """What is checked in the world as it is."""
         raise NotImplementedError
 
     def in_collision(self, q: ArrayLike, margin: float = 0.0) -> bool | NDArray[np.bool_]:
@@ -84,18 +85,15 @@ class Questions:
             (False, True)
         """
         margin = swept_motions.check_margin(margin)
-        Q, places, scene = self._rows(q)
+        Q, places, check = self._rows(q)
         if not places.all():
             row = np.argwhere(~places)[0].tolist()
             raise ArgumentError(
                 f"joint vector{row or ''} is not finite, or beyond {LARGEST:g}; what touches at it cannot be known"
             )
         out = np.zeros(len(Q), dtype=np.bool_)
-        for part, placed in scene.chunks(Q):
-            near = scene.near(placed, margin)
-            for i in np.flatnonzero(near.any(axis=1)):
-                shapes = scene.place(Q[part.start + i])
-                out[part.start + i] = any(scene.touches(shapes, int(k), margin) for k in np.flatnonzero(near[i]))
+        for row, touching in self._touching(check, Q, margin):
+            out[row] = next(touching, None) is not None
         whole = np.zeros(places.shape, dtype=np.bool_)
         whole[places] = out
         return bool(whole) if whole.ndim == 0 else whole
@@ -120,11 +118,8 @@ class Questions:
             >>> round(urdf_ik.load("zyyzyz_6r").cell.collisions.in_world(world).distance([0.0] * 6), 3)
             0.03
         """
-        Q, places, scene = self._rows(q)
-        out = np.empty(len(Q))
-        for part, placed in scene.chunks(Q):
-            for i, least in enumerate(scene.closest(placed), part.start):
-                out[i] = scene.nearest(scene.place(Q[i]), least)[1]
+        Q, places, check = self._rows(q)
+        out = np.array([distance for _, distance in check.nearest_of_each(Q)])
         whole = np.full(places.shape, np.nan)
         whole[places] = out
         return float(whole) if whole.ndim == 0 else whole
@@ -149,14 +144,19 @@ class Questions:
             >>> urdf_ik.load("zyyzyz_6r").cell.collisions.in_world(world).colliding_pairs([0.0] * 6)
             (('link_1', 'ball'),)
         """
-        Q, scene, checked = self._one(q)
-        found = set()
-        for part, placed in scene.chunks(Q):
-            shapes = scene.place(Q[part.start])
-            for k in np.flatnonzero(scene.near(placed, 0.0)[0]):
-                if scene.touches(shapes, int(k)):
-                    found.add(scene.pairs[k].names)
-        return tuple(pair for pair in checked if pair in found)
+        Q, check = self._one(q)
+        (_, touching) = next(self._touching(check, Q, 0.0), (0, iter(())))
+        found = {check.names(pair): check.rank(pair)[1] for pair in touching}
+
+        def place(pair: Pair) -> tuple[int, int, int]:
+            first, second = pair
+            return (
+                self._rank[first],
+                self._rank.get(second, len(self._rank)),
+                0 if second in self._rank else found[pair],
+            )
+
+        return tuple(sorted(found, key=place))
 
     def nearest_pair(self, q: ArrayLike) -> Nearest | None:
         """What comes closest to each other, of that which must not touch.
@@ -179,11 +179,10 @@ class Questions:
             >>> pair.links, round(pair.distance, 3)
             (('link_6', 'ceiling'), 0.03)
         """
-        Q, scene, _ = self._one(q)
-        for part, placed in scene.chunks(Q):
-            k, distance = scene.nearest(scene.place(Q[part.start]), scene.closest(placed)[0])
-            if k is not None:
-                return Nearest(scene.pairs[k].names, distance)
+        Q, check = self._one(q)
+        for pair, distance in check.nearest_of_each(Q):
+            if pair is not None:
+                return Nearest(check.names(pair), distance)
         return None
 
     def motions_free(self, q0: ArrayLike, q1: ArrayLike, margin: float = 0.0) -> Motions:
@@ -217,7 +216,7 @@ class Questions:
             if (bad := inputs.first_bad(array)) is not None:
                 raise ArgumentError(f"{name}{list(bad)} is {array[bad]:g}; {inputs.why_bad(array[bad])}")
         swept_motions.check_length(start, end, self.joint_names)
-        return swept_motions.motions(self._now().scene, start, end, margin)
+        return swept_motions.motions(self._now().check, start, end, margin)
 
     def in_collision_with(self, link_poses: Mapping[str, ArrayLike]) -> bool | NDArray[np.bool_]:
         """:meth:`in_collision`, with every link where the caller says instead of where Pinocchio puts it.
@@ -269,30 +268,36 @@ class Questions:
         if self._error is not None:
             raise self._error.with_traceback(None)
 
-    def _rows(self, q: ArrayLike) -> tuple[Array, NDArray[np.bool_], Scene]:
-        """The finite joint vectors (k, n), the places (...) that they come from, and the scene."""
+    def _rows(self, q: ArrayLike) -> tuple[Array, NDArray[np.bool_], CoalCheck]:
+        """The finite joint vectors (k, n), the places (...) that they come from, and the check."""
         self._require_geometry()
         Q = self._reference.vectors(q)
         places = np.asarray((np.abs(Q) <= LARGEST).all(axis=-1))
         rows = np.ascontiguousarray(Q[places]).reshape(int(places.sum()), Q.shape[-1])  # there may be no joints
-        return rows, places, self._now().scene
+        return rows, places, self._now().check
 
-    def _one(self, q: ArrayLike) -> tuple[Array, Scene, tuple[Pair, ...]]:
-        """A joint vector as (1, n), the scene and its pairs."""
+    def _one(self, q: ArrayLike) -> tuple[Array, CoalCheck]:
+        """A joint vector as (1, n), and the check."""
         self._require_geometry()
         Q = self._reference.vectors(q)
         if Q.ndim != 1:
             raise ArgumentError(f"one joint vector ({len(self.joint_names)},) is needed, not shape {Q.shape}")
         if inputs.first_bad(Q) is not None:
             raise ArgumentError(f"the joint vector {quoted(Q)} is not finite; what is near at it cannot be known")
-        now = self._now()
-        return Q[None], now.scene, now.table.checked
+        return Q[None], self._now().check
+
+    def _touching(self, check: CoalCheck, Q: Array, margin: float) -> Iterator[tuple[int, Iterator[int]]]:
+        """Rows of Q (k, n) in which something may touch, each with the pairs that do."""
+        for part, placed in check.bounds.chunks(Q):
+            for i, pairs in check.bounds.near_in_rows(placed, margin):
+                placing = check.links.place(Q[part.start + i])
+                yield part.start + i, (pair for pair in pairs if check.touches(placing, pair, margin))
 
     def _each_placing(self, link_poses: Mapping[str, ArrayLike], otherwise: Any) -> Any:
         """Whether each set of link poses collides, or the distances, whichever ``otherwise`` stands for."""
         self._require_geometry()
-        scene = self._now().scene
-        needed = dict.fromkeys([*self._arm.links, *([self._reference.base] if scene.places else [])])
+        check = self._now().check
+        needed = dict.fromkeys([*self._arm.links, *([self._reference.base] if check.index.count else [])])
         if not isinstance(link_poses, Mapping):
             raise PoseError(f"{quoted(link_poses)} given; poses by the names of their links are needed, {{name: T}}")
         if absent := sorted(set(needed) - set(link_poses)):
@@ -307,11 +312,10 @@ class Questions:
                 raise PoseError(f"the pose of link {quoted(link)} is not finite: {T[bad]}", bad[:-2] or None)
         stack = np.stack([np.broadcast_to(pose, (*batch, 4, 4)) for pose in poses], axis=-3)
         out = np.full(batch, otherwise)
-        every = range(len(scene.pairs))
         for index in finite(stack.reshape(*batch, -1)):
-            shapes = scene.place_at(dict(zip(needed, stack[index], strict=True)))
+            pairs, least, placing = check.pairs_at(dict(zip(needed, stack[index], strict=True)), otherwise is False)
             if otherwise is False:
-                out[index] = any(scene.touches(shapes, k) for k in every)
+                out[index] = any(check.touches(placing, pair) for pair in pairs)
             else:
-                out[index] = scene.nearest(shapes, np.full(len(every), -np.inf))[1]
+                out[index] = check.nearest(placing, pairs, least)[1]
         return out.item() if out.ndim == 0 else out

@@ -1,7 +1,8 @@
-"""The collision shapes of a URDF as Pinocchio and coal hold them, meshes only from where they may come from."""
+"""Coal's geometry of the shapes of an arm and of a world, with the balls, boxes and convex hulls that hold them."""
 
 from __future__ import annotations
 
+import weakref
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -11,7 +12,8 @@ import pinocchio as pin
 from lxml import etree
 from scipy import spatial
 
-from urdf_ik.cell.shapes import Capsule, HalfSpace, Sphere, reason_of
+from urdf_ik.cell.obstacles.tree import cell_codes
+from urdf_ik.cell.shapes import SPECK, Capsule, HalfSpace, Mesh, Points, Sphere, cloud, reason_of
 from urdf_ik.errors import UrdfError
 from urdf_ik.model import meshes
 from urdf_ik.model.urdf import resolve_mesh
@@ -26,6 +28,12 @@ if TYPE_CHECKING:
 
 BALLS = 4
 """Balls by which each shape of an arm is covered."""
+
+PIECE = 4096
+"""Most points or triangles of a piece: coal's tree of a piece is built when a query first comes near it."""
+
+LARGE_FILE = 2**22
+"""Size of a mesh's file from which on it is cut into pieces [bytes]."""
 
 
 def build(model: UrdfModel, pin_model: Any) -> Any:
@@ -87,7 +95,7 @@ def covering_balls(geometry: Any) -> tuple[Array, Array]:
             radii[:] = radius
         return centres, radii
     vertices = np.array(geometry.vertices())
-    corners = vertices[np.array([list(_corners(geometry.tri_indices(i))) for i in range(geometry.num_tris)])]
+    corners = vertices[_triangles(geometry)]
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     side = int(np.argmax(high - low))
     middle = corners.mean(axis=1)[:, side]
@@ -131,7 +139,7 @@ class Solid(NamedTuple):
 
     Attributes:
         exact: the shape.
-        hull: its convex hull, of which a query takes a hundredth of the time; None where the shape itself is queried.
+        hull: its convex hull, which a query takes a hundredth of the time for; None where there is none.
     """
 
     exact: Any
@@ -179,5 +187,89 @@ def rounded_box(shape: Shape, geometry: Any) -> RoundedBox:
     return RoundedBox(np.eye(4), np.array(box.min_), np.array(box.max_), shape.inflation)
 
 
-def _corners(triangle: Any) -> tuple[int, int, int]:
-    return triangle[0], triangle[1], triangle[2]
+class Pieces:
+    """A shape of a world, cut into pieces where it is a large cloud or mesh. Coal's trees are made when needed.
+
+    Attributes:
+        frame: (4, 4) of the pieces' boxes in the shape's frame.
+        low: (n, 3) m, the least coordinates of the boxes.
+        high: (n, 3) m, their greatest ones.
+        radius: m, by which the boxes are rounded.
+    """
+
+    def __init__(self, shape: Shape) -> None:
+        """Cut a shape.
+
+        Raises:
+            ArgumentError: a mesh is not there, or cannot be read.
+        """
+        self._solids: dict[int, Solid] = {}
+        self._points, self._triangles = np.zeros((0, 3)), np.zeros((0, 3), dtype=np.intp)
+        self.frame, self.radius = np.eye(4), shape.inflation
+        if isinstance(shape, Points) and len(shape.points) > PIECE:
+            self._points = shape.points[np.argsort(cell_codes(shape.points), kind="stable")]
+            starts = np.arange(0, len(self._points), PIECE)
+            self.low = np.minimum.reduceat(self._points, starts)
+            self.high = np.maximum.reduceat(self._points, starts) + SPECK
+            return
+        if isinstance(shape, Mesh) and shape.file().stat().st_size > LARGE_FILE:
+            # Boxes that are parallel to the axes take a fifth of the memory of coal's usual volumes.
+            mesh = shape.loaded(coal.NODE_TYPE.BV_AABB)
+            self._points, triangles = np.array(mesh.vertices()), _triangles(mesh)
+            corners = self._points[triangles]
+            order = np.argsort(cell_codes(corners.mean(axis=1)), kind="stable")
+            self._triangles, starts = triangles[order], np.arange(0, len(order), PIECE)
+            self.low = np.minimum.reduceat(corners.min(axis=1)[order], starts)
+            self.high = np.maximum.reduceat(corners.max(axis=1)[order], starts)
+            return
+        exact = shape.geometry()
+        self._solids[0] = solid(exact)
+        self.frame, low, high, self.radius = rounded_box(shape, exact)
+        self.low, self.high = low[None], high[None]
+
+    @property
+    def count(self) -> int:
+        """Number of pieces."""
+        return len(self.low)
+
+    def solid(self, piece: int) -> Solid:
+        """Coal's geometry of a piece, in the shape's frame."""
+        if piece not in self._solids:
+            part = slice(piece * PIECE, (piece + 1) * PIECE)
+            exact = surface(self._points, self._triangles[part]) if len(self._triangles) else cloud(self._points[part])
+            self._solids.setdefault(piece, solid(exact))
+        return self._solids[piece]
+
+
+def surface(vertices: Array, triangles: NDArray[np.intp]) -> Any:
+    """A ``coal.BVHModelOBBRSS`` of some triangles (t, 3) of a mesh with these vertices (v, 3) [m]."""
+    used, corners = np.unique(triangles, return_inverse=True)
+    mesh = coal.BVHModelOBBRSS()
+    mesh.beginModel(len(triangles), len(used))
+    mesh.addVertices(vertices[used])
+    mesh.addTriangles(corners.reshape(-1, 3))
+    mesh.endModel()
+    return mesh
+
+
+def _triangles(mesh: Any) -> NDArray[np.intp]:
+    """(t, 3) vertices of the triangles of a mesh of coal's."""
+    numbers = (each[corner] for each in map(mesh.tri_indices, range(mesh.num_tris)) for corner in range(3))
+    return np.fromiter(numbers, np.intp, 3 * mesh.num_tris).reshape(-1, 3)
+
+
+_PIECES: dict[int, tuple[weakref.ref[Shape], Pieces]] = {}
+
+
+def pieces_of(shape: Shape) -> Pieces:
+    """The pieces of a shape, made once and kept as long as the shape is.
+
+    Raises:
+        ArgumentError: a mesh is not there, or cannot be read.
+    """
+    key = id(shape)
+    if key not in _PIECES:
+        pieces = Pieces(shape)
+        _PIECES[key] = weakref.ref(shape, lambda _: _PIECES.pop(key, None)), pieces
+        return pieces
+    return _PIECES[key][1]

@@ -1,0 +1,387 @@
+"""Coal's check of one pair of shapes: whether they touch, and how far they are apart.
+
+The arm's shapes are placed by Pinocchio; an obstacle is placed when a pair with it is asked about.
+"""
+
+from __future__ import annotations
+
+import heapq
+import threading
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import coal
+import numpy as np
+import pinocchio as pin
+
+from urdf_ik.cell import coal_shapes
+from urdf_ik.cell.bodies import Bodies
+from urdf_ik.cell.distance_bounds import DistanceBounds
+from urdf_ik.cell.obstacles.index import index_of
+from urdf_ik.cell.reference import Reference
+from urdf_ik.support.tolerances import LARGEST
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterator, Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from urdf_ik.cell.bodies import Placed
+    from urdf_ik.cell.obstacles.index import ObstacleIndex
+    from urdf_ik.kinematics.chain import Chain
+
+    Array = NDArray[np.float64]
+    Indices = NDArray[np.intp]
+    Pair = tuple[str, str]
+
+QUERY_ERROR = 1e-5
+"""What a distance of coal may be too large by [m]: its iterations stop at 1e-6."""
+
+
+REACH = 0.1
+"""Where no pair near a link is known, obstacles are sought within this [m], then within four times as much, and on."""
+
+
+class ShapePair(NamedTuple):
+    """Two shapes of links that must not touch: the links' names, and the shapes' places among the arm's."""
+
+    names: Pair
+    first: int
+    second: int
+
+
+class ArmShapes:
+    """The collision shapes of a URDF, which no world changes.
+
+    Attributes:
+        reference: Pinocchio's model.
+        geometry: Pinocchio's geometry model, without pairs.
+        links: link of each shape.
+        offsets: from the link to its shape.
+        solids: the shapes with their hulls.
+        bodies: how the shapes move with the joint vector.
+        ball_centres: (S, 3) m of the single balls that hold the shapes, each in its link's frame.
+    """
+
+    def __init__(self, reference: Reference, chain: Chain, shapes: Any) -> None:
+        self.reference, self.geometry = reference, shapes
+        frames, objects = reference.pin_model.frames, shapes.geometryObjects
+        self.links = [frames[each.parentFrame].name for each in objects]
+        # Pinocchio keeps a shape's place from the movable joint that carries the link.
+        self.offsets = [frames[each.parentFrame].placement.actInv(each.placement) for each in objects]
+        self.solids = [coal_shapes.solid(each.geometry) for each in objects]
+        one = [coal_shapes.one_ball(each.geometry) for each in objects]
+        several = [coal_shapes.covering_balls(each.geometry) for each in objects]
+        self.ball_centres = np.array(
+            [offset.act(centre) for offset, (centre, _) in zip(self.offsets, one, strict=True)]
+        )
+        covering = [[offset.act(c) for c in balls] for offset, (balls, _) in zip(self.offsets, several, strict=True)]
+        self.bodies = Bodies(
+            chain,
+            self.links,
+            (self.ball_centres, np.array([radius for _, radius in one])),
+            (np.array(covering), np.array([radii for _, radii in several])),
+        )
+
+
+class Placing(NamedTuple):
+    """Where the shapes are: Pinocchio's geometry data with those of the arm, and the base link as ``pinocchio.SE3``."""
+
+    shapes: Any
+    base: Any
+
+
+class _Work(threading.local):
+    """Scratch memory, one a thread."""
+
+    def __init__(self, model: Any, shapes: Any) -> None:
+        self.data = model.createData()
+        self.geometry = shapes.createData()
+        self.request = coal.CollisionRequest()
+        # Pinocchio's own requests start each query from the end of the last one: answers would depend, in the seventh
+        # digit, on what was asked before. Fresh ones do not.
+        for k in range(len(self.geometry.distanceRequests)):
+            self.geometry.distanceRequests[k] = coal.DistanceRequest()
+
+
+class LinkCheck:
+    """Pinocchio's geometry model of an arm with convex hulls, and the pairs of links that must not touch.
+
+    No world is part of it: all worlds share it.
+
+    Attributes:
+        arm: the arm's shapes.
+        pairs: the pairs of links.
+    """
+
+    def __init__(self, arm: ArmShapes, pairs: Sequence[ShapePair]) -> None:
+        """Build the model of pairs of shapes."""
+        self.arm, self.pairs = arm, tuple(pairs)
+        shapes = arm.geometry.copy()
+        shapes.removeAllCollisionPairs()
+        hull_of = list(range(shapes.ngeoms))
+        for i, solid in enumerate(arm.solids):
+            if solid.hull is not None:
+                whole = shapes.geometryObjects[i]
+                hull_of[i] = shapes.addGeometryObject(
+                    pin.GeometryObject(f"hull/{whole.name}", whole.parentJoint, whole.placement, solid.hull)
+                )
+        for pair in self.pairs:
+            shapes.addCollisionPair(pin.CollisionPair(pair.first, pair.second))
+        # For each pair the index of the pair of its hulls in the model, -1 where neither shape has one.
+        self._hulls: list[int] = []
+        for pair in self.pairs:
+            first, second = hull_of[pair.first], hull_of[pair.second]
+            differs = (first, second) != (pair.first, pair.second)
+            self._hulls.append(len(shapes.collisionPairs) if differs else -1)
+            if differs:
+                shapes.addCollisionPair(pin.CollisionPair(first, second))
+        self._hull_of = [(i, hull) for i, hull in enumerate(hull_of) if i != hull]
+        self._model = shapes
+        self._work = _Work(arm.reference.pin_model, shapes)
+        self._base = arm.reference.pin_model.frames[arm.reference.base_frame]
+
+    def place(self, q: Array) -> Placing:
+        """The calling thread's geometry data with every shape where Pinocchio puts it at ``q`` (n,)."""
+        work, reference = self._work, self.arm.reference
+        configuration = reference.configuration(q)
+        pin.updateGeometryPlacements(reference.pin_model, work.data, self._model, work.geometry, configuration)
+        return Placing(work.geometry, work.data.oMi[self._base.parentJoint] * self._base.placement)
+
+    def place_at(self, link_poses: Mapping[str, Array]) -> Placing:
+        """The same, with every link at the pose (4, 4) that is given, the base link's too where there are obstacles."""
+        shapes = self._work.geometry
+        se3 = {link: pin.SE3(pose[:3, :3], pose[:3, 3]) for link, pose in link_poses.items()}
+        for i, (link, offset) in enumerate(zip(self.arm.links, self.arm.offsets, strict=True)):
+            shapes.oMg[i] = se3[link] * offset
+        for i, hull in self._hull_of:
+            shapes.oMg[hull] = shapes.oMg[i]
+        return Placing(shapes, se3.get(self.arm.reference.base))
+
+    @property
+    def request(self) -> Any:
+        """The calling thread's request to coal, whose margin is to be set."""
+        return self._work.request
+
+    def has_hulls(self, pair: int) -> bool:
+        """Whether one of the shapes of a pair has a hull."""
+        return self._hulls[pair] >= 0
+
+    def touches(self, placing: Placing, pair: int, margin: float = 0.0) -> bool:
+        """Whether a pair of links comes within a margin [m]; its hulls are asked first."""
+        request, hulls = self._work.request, self._hulls[pair]
+        request.security_margin = margin
+        if hulls >= 0 and not pin.computeCollision(self._model, placing.shapes, hulls, request):
+            return False
+        return bool(pin.computeCollision(self._model, placing.shapes, pair, request))
+
+    def distance(self, placing: Placing, pair: int, hulls: bool) -> float:
+        """How far a pair of links is apart [m], not above zero in collision; of its hulls, no more than that."""
+        number = self._hulls[pair] if hulls else pair
+        return float(pin.computeDistance(self._model, placing.shapes, number).min_distance)
+
+
+class CoalCheck:
+    """Pairs of an arm's shapes and of a world's obstacles that must not touch, by their numbers in ``bounds``.
+
+    It does not change; it may be asked from any number of threads.
+
+    Attributes:
+        links: the pairs of links.
+        index: the obstacles.
+        bounds: lower bounds on distances; they number the pairs.
+    """
+
+    def __init__(
+        self,
+        links: LinkCheck,
+        index: ObstacleIndex | None = None,
+        excepted: Collection[tuple[int, str]] = (),
+        added: Collection[tuple[int, str]] = (),
+    ) -> None:
+        """Put the obstacles beside the arm.
+
+        Args:
+            links: the arm's own pairs.
+            index: the obstacles. Every shape that the joint vector moves is checked against all of them.
+            excepted: pairs of a shape that moves and an obstacle that are not checked.
+            added: pairs of a shape that does not move and an obstacle that are checked.
+        """
+        self.links, self.index = links, index_of(()) if index is None else index
+        bodies = links.arm.bodies
+        self.bounds = DistanceBounds(
+            bodies,
+            [(pair.first, pair.second) for pair in links.pairs],
+            self.index,
+            np.flatnonzero(bodies.moves).tolist(),
+            [(shape, slot) for shape, name in excepted for slot in self.index.slots_of(name)],
+            [(shape, slot) for shape, name in added for slot in self.index.slots_of(name)],
+        )
+
+    def names(self, pair: int) -> Pair:
+        """Names of the two links of a pair, or of its link and its obstacle."""
+        if pair < self.bounds.among_links:
+            return self.links.pairs[pair].names
+        shape, slot = divmod(pair - self.bounds.among_links, self.index.count)
+        return self.links.arm.links[shape], self.index.standing(slot).name
+
+    def rank(self, pair: int) -> tuple[int, int, int]:
+        """The place of a pair in the order in which pairs are asked, whatever the world went through before."""
+        if pair < self.bounds.among_links:
+            return -1, pair, 0
+        shape, slot = divmod(pair - self.bounds.among_links, self.index.count)
+        return shape, self.index.standing(slot).serial, slot
+
+    def touches(self, placing: Placing, pair: int, margin: float = 0.0) -> bool:
+        """Whether a pair comes within a margin [m]; its hulls are asked first."""
+        if pair < self.bounds.among_links:
+            return self.links.touches(placing, pair, margin)
+        request = self.links.request
+        for first, second, grown, at in self._solids(placing, pair):
+            request.security_margin = margin + grown
+            if not coal.collide(first, at[0], second, at[1], request, coal.CollisionResult()):
+                return False
+        return True
+
+    def distance(self, placing: Placing, pair: int, hulls: bool = False) -> float:
+        """How far a pair is apart [m], not above zero in collision; of its hulls, no more than that."""
+        if pair < self.bounds.among_links:
+            return self.links.distance(placing, pair, hulls)
+        first, second, grown, at = next(self._solids(placing, pair)) if hulls else [*self._solids(placing, pair)][-1]
+        result = coal.DistanceResult()
+        coal.distance(first, at[0], second, at[1], coal.DistanceRequest(), result)
+        return float(result.min_distance) - grown
+
+    def has_hulls(self, pair: int) -> bool:
+        """Whether one of the shapes of a pair has a hull."""
+        if pair < self.bounds.among_links:
+            return self.links.has_hulls(pair)
+        shape, slot = divmod(pair - self.bounds.among_links, self.index.count)
+        return self.links.arm.solids[shape].hull is not None or self.index.solid(slot).hull is not None
+
+    def nearest(
+        self,
+        placing: Placing,
+        pairs: Sequence[int],
+        least: Sequence[float],
+        known: dict[tuple[int, bool], float] | None = None,
+    ) -> tuple[int | None, float]:
+        """The nearest of some pairs and its distance [m], zero in collision.
+
+        Args:
+            placing: where the shapes are.
+            pairs: numbers of pairs.
+            least: m, lower bounds on their distances.
+            known: distances of pairs, or of their hulls where the flag is set, that were asked before at this placing;
+                those that are asked now are added.
+        """
+        best, nearest = np.inf, None
+        known = {} if known is None else known
+
+        def distance(pair: int, hulls: bool) -> float:
+            if (pair, hulls) not in known:
+                known[pair, hulls] = self.distance(placing, pair, hulls)
+            return known[pair, hulls]
+
+        # Bound, whether it is that of the hulls, place in the order of pairs, pair.
+        waiting = [(bound, False, self.rank(pair), pair) for pair, bound in zip(pairs, least, strict=True)]
+        heapq.heapify(waiting)
+        while waiting and best > 0.0:
+            bound, of_hulls, rank, pair = heapq.heappop(waiting)
+            if bound >= best:
+                break
+            if not of_hulls and self.has_hulls(pair):
+                heapq.heappush(waiting, (max(bound, distance(pair, True) - QUERY_ERROR), True, rank, pair))
+            elif (found := max(distance(pair, False), 0.0)) < best:
+                best, nearest = found, pair
+        return nearest, best
+
+    def nearest_of_each(self, q: Array) -> Iterator[tuple[int | None, float]]:
+        """:meth:`nearest` of all pairs, for each of the joint vectors (k, n)."""
+        bounds = self.bounds
+        for part, placed in bounds.chunks(q):
+            links = bounds.links_closest(placed)
+            k = len(links)
+            known: list[dict[tuple[int, bool], float]] = [{} for _ in range(k)]
+            row = pair = np.zeros(0, dtype=np.intp)
+            if bounds.has_obstacles and not self.index.has_tree:
+                row, pair = bounds.every(k)
+            elif bounds.has_obstacles:
+                # No obstacle is of interest that is farther away than the nearest of a few.
+                guess = self._each(q[part], placed, links, *self._likely(placed.centres), known)
+                limit = np.array([distance for _, distance in guess]) + QUERY_ERROR
+                row, pair, _ = bounds.near(placed.centres, np.repeat(limit[:, None], placed.centres.shape[1], axis=1))
+            yield from self._each(q[part], placed, links, row, pair, known)
+
+    def _each(
+        self,
+        q: Array,
+        placed: Placed,
+        links: Array,
+        row: Indices,
+        pair: Indices,
+        known: Sequence[dict[tuple[int, bool], float]],
+    ) -> Iterator[tuple[int | None, float]]:
+        """:meth:`nearest` of the links, whose bounds are (k, A), and of some pairs with obstacles, for q (k, n)."""
+        order = np.argsort(row, kind="stable")
+        row, pair = row[order], pair[order]
+        least = self.bounds.gaps(placed, row, pair).min(axis=1) if len(row) else np.zeros(0)
+        ends = np.searchsorted(row, np.arange(len(q) + 1)).tolist()
+        for i, among_links in enumerate(links):
+            own = slice(ends[i], ends[i + 1])
+            pairs = [*range(len(among_links)), *pair[own].tolist()]
+            limits = [*among_links.tolist(), *least[own].tolist()]
+            yield self.nearest(self.links.place(q[i]), pairs, limits, known[i])
+
+    def pairs_at(self, link_poses: Mapping[str, Array], touching: bool) -> tuple[list[int], list[float], Placing]:
+        """Pairs that may be the nearest, or may be touching, with every link at the pose (4, 4) that is given.
+
+        Returns:
+            The pairs, lower bounds on their distances [m], and where the shapes are.
+        """
+        bounds, arm, placing = self.bounds, self.links.arm, self.links.place_at(link_poses)
+        pairs, least = list(range(bounds.among_links)), [-np.inf] * bounds.among_links
+        if bounds.has_obstacles:
+            links = np.stack([link_poses[link] for link in arm.links])
+            centres = np.einsum("sij,sj->si", links[:, :3, :3], arm.ball_centres) + links[:, :3, 3]
+            base = link_poses[arm.reference.base]
+            centres = ((centres - base[:3, 3]) @ np.linalg.inv(base[:3, :3]).T)[None]
+            limit = 0.0
+            if not touching:
+                _, likely = self._likely(centres)
+                limit = self.nearest(placing, [*pairs, *likely.tolist()], [*least, *[-np.inf] * len(likely)])[1]
+            row, found, _ = bounds.near(centres, np.full(centres.shape[:2], limit + QUERY_ERROR))
+            pairs += found.tolist()
+            least += (bounds.least(centres, row, found) - QUERY_ERROR).tolist()
+        return pairs, least, placing
+
+    def _likely(self, centres: Array) -> tuple[Indices, Indices]:
+        """Rows and pairs with obstacles, a few of each row, that are likely to be its nearest.
+
+        A row may lack one where it has pairs of links, which bound its distance as well.
+        """
+        row, pair = self.bounds.nearby(centres)
+        reach = REACH
+        while not self.bounds.among_links and reach < LARGEST:
+            lost = np.setdiff1d(np.arange(len(centres)), row)
+            if not len(lost):
+                break
+            more, found, _ = self.bounds.near(centres[lost], np.full((len(lost), centres.shape[1]), reach))
+            row, pair = np.concatenate([row, lost[more]]), np.concatenate([pair, found])
+            reach *= 4.0
+        return row, pair
+
+    def _solids(self, placing: Placing, pair: int) -> Iterator[tuple[Any, Any, float, tuple[Any, Any]]]:
+        """Coal's geometries of a link and an obstacle, by how much the latter is grown, and where they are.
+
+        The hulls come first, where there are any, then the shapes.
+        """
+        shape, slot = divmod(pair - self.bounds.among_links, self.index.count)
+        one, other = self.links.arm.solids[shape], self.index.solid(slot)
+        obstacle = self.index.standing(slot)
+        place, at = placing.shapes.oMg[shape], placing.base * pin.SE3(obstacle.pose)
+        transforms = coal.Transform3s(place.rotation, place.translation), coal.Transform3s(at.rotation, at.translation)
+        grown = obstacle.shape.inflation
+        if one.hull is not None or other.hull is not None:
+            hulls = one.exact if one.hull is None else one.hull, other.exact if other.hull is None else other.hull
+            yield *hulls, grown, transforms
+        yield one.exact, other.exact, grown, transforms

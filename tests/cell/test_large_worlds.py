@@ -1,0 +1,376 @@
+"""Worlds of many obstacles: the same answers as pair by pair, whatever the world went through, and no work that grows.
+
+The oracle asks coal about every pair of a link's shape and an obstacle, one by one, without bounds, hulls or a tree.
+"""
+
+from __future__ import annotations
+
+import copy
+import os
+import pickle
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import coal
+import numpy as np
+import pinocchio as pin
+import pytest
+import trimesh
+
+import urdf_ik
+from urdf_ik import Box, Capsule, Cylinder, HalfSpace, Mesh, Points, Sphere, World, pose
+from urdf_ik.cell import CollisionModel, coal_shapes, distance_bounds
+from urdf_ik.cell.obstacles.index import FEW
+from urdf_ik.cell.obstacles.tree import BoxTree
+from urdf_ik.cell.shapes import Shape
+from urdf_ik.cell.swept_motions import TOUCH
+
+Array = np.ndarray
+
+
+# A bar 1 m long that turns about z: no pair of links is checked.
+BAR = """<robot name="bar"><link name="base"/><link name="bar"><collision><origin xyz="0.5 0 0" rpy="0 0 0"/>
+<geometry><box size="1 0.02 0.02"/></geometry></collision></link><joint name="turn" type="continuous">
+<parent link="base"/><child link="bar"/><axis xyz="0 0 1"/></joint></robot>"""
+
+
+def random_shape(rng: np.random.Generator, size: float) -> Shape:
+    """A shape of any kind that is finite and no mesh."""
+    a, b = rng.uniform(0.3, 1.0, 2) * size
+    return [
+        lambda: Box((a, b, 0.5 * size)),
+        lambda: Sphere(a),
+        lambda: Cylinder(0.5 * a, b),
+        lambda: Capsule(0.3 * a, b),
+        lambda: Box((0.001, 3.0 * b, 3.0 * b)),
+        lambda: Points(rng.normal(size=(20, 3)) * b, 0.01),
+    ][int(rng.integers(6))]()
+
+
+def random_pose(rng: np.random.Generator, reach: float) -> Array:
+    """A pose in a ball shell about the base."""
+    at = rng.normal(size=3)
+    return pose(rng.uniform(0.4, 2.5) * reach * at / np.linalg.norm(at), rpy=rng.uniform(-3, 3, 3))
+
+
+def random_world(rng: np.random.Generator, count: int, reach: float) -> World:
+    """``count`` obstacles of all kinds, and a floor."""
+    world = World()
+    for i in range(count):
+        world.add(f"o{i}", random_shape(rng, 0.1 * reach), random_pose(rng, reach))
+    world.add("floor", HalfSpace((0.0, 0.1, 1.0), -0.7 * reach))
+    return world
+
+
+def pairwise(model: CollisionModel, world: World, q: Array) -> dict[tuple[str, str], float]:
+    """Distance of every checked pair of a link and an obstacle, each by coal alone, to the names."""
+    reference, arm = model._reference, model._arm
+    plain, shapes = reference.pin_model, arm.geometry
+    data, placed = plain.createData(), shapes.createData()
+    pin.updateGeometryPlacements(plain, data, shapes, placed, reference.configuration(q))
+    frame = plain.frames[reference.base_frame]
+    base = data.oMi[frame.parentJoint] * frame.placement
+    out: dict[tuple[str, str], float] = {}
+    checked = set(model.checked_pairs)
+    for each in world:
+        place, solid = base * pin.SE3(each.pose), each.shape.geometry()
+        there = coal.Transform3s(place.rotation, place.translation)
+        for link, shape, at in zip(arm.links, shapes.geometryObjects, placed.oMg, strict=True):
+            if (link, each.name) in checked:
+                here = coal.Transform3s(at.rotation, at.translation)
+                result = coal.DistanceResult()
+                coal.distance(shape.geometry, here, solid, there, coal.DistanceRequest(), result)
+                apart = max(result.min_distance - each.shape.inflation, 0.0)
+                out[link, each.name] = min(apart, out.get((link, each.name), np.inf))
+    return out
+
+
+@pytest.mark.parametrize(("name", "reach"), [("ur5", 0.9), ("zyyzyz_6r", 2.0), ("scara_rrpr", 0.8)])
+@pytest.mark.parametrize("count", [5, 3 * FEW])
+def test_the_same_as_pair_by_pair(name: str, reach: float, count: int) -> None:
+    """Distances, verdicts, margins and colliding pairs are those of all pairs, one by one, with a tree and without."""
+    arm, rng = urdf_ik.load(name), np.random.default_rng(count)
+    world = random_world(rng, count, reach)
+    # Allowed pairs are honoured; so are pairs of a link that stands still, which are checked where a user says so.
+    model = arm.cell.collisions.in_world(world)
+    model = model.allow(*model.checked_pairs[-1]).allow(*model.checked_pairs[-2])
+    still = [pair for pair, why in model.allowed_pairs.items() if why == "rigid" and pair[1] == "o1"]
+    for pair in still[:1]:
+        model = model.check(*pair)
+    assert model._now().check.index.has_tree == (count > FEW)
+    hits = []
+    for q in rng.uniform(-2.0, 2.0, (12, arm.dof)):
+        apart = pairwise(model, world, q)
+        own = arm.cell.collisions.distance(q)
+        least = min(own, min(apart.values()))
+        assert model.distance(q) == pytest.approx(least, abs=5e-6)
+        assert model.in_collision(q) == (least == 0.0)
+        if least:
+            assert model.in_collision(q, least + 1e-5)
+            assert not model.in_collision(q, least - 1e-5)
+        among = set(arm.cell.collisions.colliding_pairs(q))
+        touching = {pair for pair, distance in apart.items() if distance == 0.0}
+        found = model.colliding_pairs(q)
+        assert set(found) == touching | among
+        assert list(found) == [pair for pair in model.checked_pairs if pair in touching | among]
+        assert model.distance_with(arm.link_poses(q)) == pytest.approx(least, abs=5e-6)
+        assert model.in_collision_with(arm.link_poses(q)) == (least == 0.0)
+        hits.append(least == 0.0)
+    assert any(hits) or count < FEW
+
+
+def test_a_world_that_was_changed_answers_like_a_new_one() -> None:
+    """Moved, removed and added obstacles, few and many, leave the answers of a world that was made as it is now."""
+    arm, rng = urdf_ik.load("zyyzyz_6r"), np.random.default_rng(5)
+    world = random_world(rng, 400, 2.0)
+    q = rng.uniform(-2.0, 2.0, (15, 6))
+    arm.clearance(q[0], world)
+    for changes in (1, 1, 30, 300, 7):
+        for _ in range(changes):
+            name = str(rng.choice(world.names))
+            match int(rng.integers(3)):
+                case 0:
+                    world.move(name, random_pose(rng, 2.0))
+                case 1:
+                    world.remove(name)
+                case 2:
+                    world.add(f"n{world.version}", random_shape(rng, 0.2), random_pose(rng, 2.0))
+        fresh = World()
+        for each in world:
+            fresh.add(*each)
+        model, other = (arm.cell.collisions.in_world(each) for each in (world, fresh))
+        assert model.checked_pairs == other.checked_pairs
+        np.testing.assert_array_equal(model.distance(q), other.distance(q))
+        np.testing.assert_array_equal(model.in_collision(q, 0.05), other.in_collision(q, 0.05))
+        assert [model.colliding_pairs(x) for x in q] == [other.colliding_pairs(x) for x in q]
+        assert [model.nearest_pair(x) for x in q] == [other.nearest_pair(x) for x in q]
+        ends = q + rng.uniform(-0.3, 0.3, q.shape)
+        ours, theirs = model.motions_free(q, ends), other.motions_free(q, ends)
+        np.testing.assert_array_equal(ours.share, theirs.share)
+        assert ours.pairs == theirs.pairs
+
+
+def test_a_moved_obstacle_leaves_the_tree_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Moving one of a thousand bodies a hundred times, adding one and removing one builds no new tree."""
+    arm, rng = urdf_ik.load("ur5"), np.random.default_rng(6)
+    world = World()
+    for i in range(1000):
+        world.add(f"b{i}", Box(0.05), random_pose(rng, 2.0))
+    q = np.array([0.3, -1.2, 1.0, -0.5, 0.7, 0.1])
+    arm.clearance(q, world)
+
+    def refuse(*_: object) -> None:
+        raise AssertionError("a tree was built")
+
+    monkeypatch.setattr(BoxTree, "__init__", refuse)
+    for _ in range(100):
+        world.move("b7", random_pose(rng, 2.0))
+        arm.clearance(q, world)
+    world.add("one more", Sphere(0.1), arm.fk(q))
+    assert arm.clearance(q, world) == 0.0
+    assert arm.cell.nearest_pair(q, world).links[1] == "one more"  # type: ignore[union-attr]
+    world.remove("one more")
+    assert arm.clearance(q, world) > 0.0
+
+
+def test_the_nearest_obstacle_after_all_near_ones_are_removed() -> None:
+    """An arm of one link whose near obstacles were all removed, or may be touched, finds the next one, far away."""
+    arm, world = urdf_ik.load(BAR), World()
+    for i in range(300):
+        world.add(f"near {i}", Sphere(0.01), pose([1.5 + 1e-3 * (i % 30), 1e-3 * (i // 30), 0.0]))
+    for i in range(300):
+        world.add(f"far {i}", Sphere(0.01), pose([20.0 + i, 0.0, 0.0]))
+    model = arm.cell.collisions.in_world(world)
+    assert model.distance([0.0]) == pytest.approx(0.49, abs=1e-5)
+    for i in range(60):
+        world.remove(f"near {i}")
+    assert model._now().check.index.has_tree
+    assert model.distance([0.0]) == pytest.approx(np.hypot(0.5, 0.0) - 0.01, abs=1e-3)
+    for i in range(60, 300):
+        world.remove(f"near {i}")
+    assert model.distance([0.0]) == pytest.approx(18.99, abs=1e-5)
+    allowed = model.allow("bar", "far 0").allow("bar", "far 1")
+    assert allowed.distance([0.0]) == pytest.approx(20.99, abs=1e-5)
+    assert allowed.nearest_pair([0.0]).links == ("bar", "far 2")  # type: ignore[union-attr]
+    assert allowed.distance_with(arm.link_poses([0.0])) == pytest.approx(20.99, abs=1e-5)
+
+
+def test_how_often_coal_is_asked_does_not_grow(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a world of 20,000 boxes around a free space, a clearance asks coal about as few pairs as among 200."""
+    arm, rng = urdf_ik.load("ur5"), np.random.default_rng(7)
+    asked: list[int] = []
+    distance = coal.distance
+    monkeypatch.setattr(coal, "distance", lambda *args: (asked.append(1), distance(*args))[1])
+    counts = []
+    q = np.array([0.3, -1.2, 1.0, -0.5, 0.7, 0.1])
+    for count in (200, 20_000):
+        world = World()
+        for i in range(count):
+            at = rng.normal(size=3)
+            world.add(f"b{i}", Box(0.05), pose(rng.uniform(1.2, 6.0) * at / np.linalg.norm(at)))
+        asked.clear()
+        assert arm.clearance(q, world) > 0.0
+        counts.append(len(asked))
+    assert counts[1] <= counts[0] + 20
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_motions_through_many_obstacles(seed: int) -> None:
+    """No sample of a motion that is called free touches; the first contact of the others is one, within two TOUCH."""
+    arm, rng = urdf_ik.load("zyyzyz_6r"), np.random.default_rng(seed)
+    world = World()
+    for i in range(500):
+        world.add(f"b{i}", random_shape(rng, 0.1), random_pose(rng, 2.5))
+    model = arm.cell.collisions.in_world(world)
+    q0 = rng.uniform(-2.0, 2.0, (200, 6))
+    q0 = q0[~np.asarray(model.in_collision(q0, 1e-3))][:25]
+    q1 = q0 + rng.uniform(-1.0, 1.0, q0.shape) * rng.choice([0.1, 0.5, 2.0], (len(q0), 1))
+    found = model.motions_free(q0, q1)
+    for a, b, free, share in zip(q0, q1, found.free, found.share, strict=True):
+        end = b if free else a + (share - 1e-9) * (b - a)
+        assert not np.any(model.in_collision(a + np.linspace(0.0, 1.0, 60)[:, None] * (end - a)))
+        assert free or model.in_collision(a + share * (b - a), 2.1 * TOUCH)
+    assert 0 < found.free.sum() < len(q0)
+
+
+def test_a_crowded_piece_is_cut_and_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Motions whose obstacles are too many to be listed at first get the answers that a list gives."""
+    arm, rng = urdf_ik.load("zyyzyz_6r"), np.random.default_rng(8)
+    world = random_world(rng, 500, 2.5)
+    model = arm.cell.collisions.in_world(world)
+    q0 = rng.uniform(-2.0, 2.0, (40, 6))
+    q1 = q0 + rng.uniform(-1.0, 1.0, q0.shape)
+    listed = model.motions_free(q0, q1)
+    monkeypatch.setattr(distance_bounds, "CROWDED", 3)
+    crowded = model.motions_free(q0, q1)
+    touching = model.in_collision(q0, 0.3)
+    monkeypatch.undo()
+    np.testing.assert_array_equal(model.in_collision(q0, 0.3), touching)
+    np.testing.assert_array_equal(listed.share, crowded.share)
+    assert listed.pairs == crowded.pairs
+
+
+def test_a_cloud_in_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A cloud that is cut into pieces gives the distances, verdicts and names of the same cloud in one."""
+    arm, rng = urdf_ik.load("ur5"), np.random.default_rng(9)
+    points = rng.uniform(-1.0, 1.0, (4000, 3))
+    points = points[np.linalg.norm(points, axis=1) > 0.7]
+    q = rng.uniform(-2.0, 2.0, (10, 6))
+    answers = []
+    for piece in (10**6, 50):
+        monkeypatch.setattr(coal_shapes, "PIECE", piece)
+        world = World()
+        world.add("scan", Points(points, 0.01), pose([0.1, 0.0, 0.2], rpy=[0.1, 0.2, 0.3]))
+        model = arm.cell.collisions.in_world(world)
+        assert len(model._now().check.index) == 1
+        answers.append((model.distance(q), model.in_collision(q), [model.colliding_pairs(each) for each in q]))
+        world.move("scan", pose([50.0, 0.0, 0.0]))
+        np.testing.assert_array_equal(model.distance(q), arm.clearance(q))
+        world.remove("scan")
+        np.testing.assert_array_equal(model.distance(q), arm.clearance(q))
+    np.testing.assert_allclose(answers[0][0], answers[1][0], atol=1e-9)
+    np.testing.assert_array_equal(answers[0][1], answers[1][1])
+    assert answers[0][2] == answers[1][2]
+
+
+def test_a_mesh_in_pieces(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """A mesh that is cut into pieces gives the distances and verdicts of the same mesh in one."""
+    arm, rng = urdf_ik.load("ur5"), np.random.default_rng(14)
+    trimesh.creation.icosphere(subdivisions=4, radius=0.4).export(tmp_path / "ball.stl")
+    q = rng.uniform(-2.0, 2.0, (12, 6))
+    answers = []
+    for size in (2**22, 0):
+        monkeypatch.setattr(coal_shapes, "LARGE_FILE", size)
+        monkeypatch.setattr(coal_shapes, "PIECE", 100)
+        world = World()
+        world.add("ball", Mesh(tmp_path / "ball.stl", scale=0.9), pose([0.5, 0.3, 0.4], rpy=[0.1, 0.2, 0.3]))
+        model = arm.cell.collisions.in_world(world)
+        answers.append((model.distance(q), model.in_collision(q, 0.02)))
+        assert model._now().check.index.count == (1 if size else 52)
+    np.testing.assert_allclose(answers[0][0], answers[1][0], atol=1e-9)
+    np.testing.assert_array_equal(answers[0][1], answers[1][1])
+    assert np.any(answers[0][0] == 0.0) and np.any(answers[0][0] < np.asarray(arm.clearance(q)))
+
+
+def test_boxes_found_by_the_tree() -> None:
+    """The tree finds the boxes that a look at every one finds; boxes that are all at one place, too."""
+    rng = np.random.default_rng(10)
+    for count, spread in ((1, 1.0), (15, 1.0), (16, 1.0), (17, 1.0), (1000, 10.0), (300, 0.0)):
+        low = rng.uniform(-1, 1, (count, 3)) * spread
+        high = low + rng.exponential(0.3, (count, 3))
+        tree = BoxTree(low, high)
+        points, radii = rng.uniform(-1.5, 1.5, (40, 3)) * (spread + 0.1), rng.exponential(0.5, 40)
+        radii[3] = np.inf
+        gaps = np.linalg.norm(np.maximum(np.maximum(low - points[:, None], points[:, None] - high), 0.0), axis=2)
+        found = tree.within(points, radii, np.arange(40), None)
+        expected = set(zip(*(each.tolist() for each in np.nonzero(gaps <= radii[:, None])), strict=True))
+        assert set(zip(found.point.tolist(), found.box.tolist(), strict=True)) == expected
+        near = tree.nearby(points, np.ones(count, dtype=np.bool_))
+        assert np.all(near >= 0)
+        assert np.all(tree.nearby(points, np.zeros(count, dtype=np.bool_)) == -1)
+
+
+def test_copies_of_a_large_world() -> None:
+    """A world that was asked can be pickled and copied; the copies answer the same and go their own ways."""
+    arm, rng = urdf_ik.load("ur5"), np.random.default_rng(11)
+    world = random_world(rng, 3 * FEW, 0.9)
+    q = rng.uniform(-2.0, 2.0, (5, 6))
+    model = arm.cell.collisions.in_world(world)
+    expected = model.distance(q)
+    for again in (pickle.loads(pickle.dumps(world)), copy.deepcopy(world), copy.copy(world)):
+        assert (again.names, again.version, again.digest()) == (world.names, world.version, world.digest())
+        assert not again["o1"].pose.flags.writeable
+        np.testing.assert_array_equal(arm.cell.collisions.in_world(again).distance(q), expected)
+        again.add("at the tip", Sphere(0.2), arm.fk(q[0]))
+        assert arm.clearance(q[0], again) == 0.0
+        np.testing.assert_array_equal(model.distance(q), expected)
+    for same in (pickle.loads(pickle.dumps(model)), copy.deepcopy(model), copy.copy(model)):
+        np.testing.assert_array_equal(same.distance(q), expected)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="a fork is needed")
+def test_a_large_world_after_a_fork() -> None:
+    """A child that was forked after a query has the parent's answers, and may change its world."""
+    arm, rng = urdf_ik.load("ur5"), np.random.default_rng(12)
+    world = random_world(rng, 3 * FEW, 0.9)
+    q = rng.uniform(-2.0, 2.0, (5, 6))
+    expected = np.asarray(arm.clearance(q, world))
+    child = os.fork()
+    if not child:
+        same = np.array_equal(arm.clearance(q, world), expected)
+        world.add("at the tip", Sphere(0.2), arm.fk(q[0]))
+        os._exit(0 if same and arm.clearance(q[0], world) == 0.0 else 1)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+
+
+def test_one_large_world_from_many_threads() -> None:
+    """While one thread moves an obstacle to and fro, each answer is that of one of its two places."""
+    arm, rng = urdf_ik.load("zyyzyz_6r"), np.random.default_rng(13)
+    world = random_world(rng, 3 * FEW, 2.0)
+    world.add("shuttle", Box(0.3))
+    q = rng.uniform(-2.0, 2.0, (6, 6))
+    model = arm.cell.collisions.in_world(world)
+    places = [arm.fk(q[0]), pose([9.0, 0.0, 0.0])]
+    expected = []
+    for place in places:
+        world.move("shuttle", place)
+        expected.append(np.asarray(model.distance(q)))
+
+    def ask(k: int) -> bool:
+        if k % 4 == 0:
+            world.move("shuttle", places[k // 4 % 2])
+        got = model.distance(q)
+        return any(np.array_equal(got, each) for each in expected)
+
+    with ThreadPoolExecutor(8) as pool:
+        assert all(pool.map(ask, range(80)))
+
+
+def test_the_text_of_a_large_world_is_short() -> None:
+    """A world of 20,000 obstacles is printed in one line."""
+    world = World()
+    ball = Sphere(0.1)
+    for i in range(20_000):
+        world.add(f"b{i}", ball)
+    assert len(repr(world)) < 200
+    assert repr(world).endswith("b7: Sphere, and 19992 more)")
