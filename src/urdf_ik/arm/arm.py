@@ -9,12 +9,13 @@ from urdf_ik.arm import changes
 from urdf_ik.arm.html import html
 from urdf_ik.cell.cell import Cell
 from urdf_ik.errors import ArgumentError
-from urdf_ik.ik import preparation, solve
+from urdf_ik.ik import preparation
 from urdf_ik.ik.explanation import explain
 from urdf_ik.ik.nearest import nearest
 from urdf_ik.ik.redundancy import values
 from urdf_ik.ik.redundancy.interval_search import intervals
 from urdf_ik.ik.redundancy.sweep import sweep
+from urdf_ik.ik.solve import for_task, solve
 from urdf_ik.ik.solutions import limits
 from urdf_ik.kinematics import velocity
 from urdf_ik.paths.tracker import Tracker
@@ -132,13 +133,6 @@ class Arm:
         """How far (..., n) rad or m are from the joint limits: (...), the least joint's share of half its range.
 
         1 in the middle of all ranges, 0 at a limit, negative outside; see :func:`urdf_ik.ik.solutions.limits.margin`.
-
-        Example:
-            >>> import urdf_ik
-            >>> arm = urdf_ik.load("scara_rrpr")
-            >>> middle = arm.limits.mean(axis=1)
-            >>> (arm.limit_margin([middle, arm.limits[:, 1]]).round(6) + 0.0).tolist()
-            [1.0, 0.0]
         """
         return limits.margin(self.chain.check(q), self.limits)
 
@@ -200,19 +194,12 @@ class Arm:
         Example:
             >>> import urdf_ik
             >>> arm = urdf_ik.load("zyyzyz_6r")
-            >>> for solution in arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])):
-            ...     print(solution.branch)
-            shoulder front, elbow up, wrist noflip
-            shoulder front, elbow up, wrist flip
-            shoulder front, elbow down, wrist noflip
-            shoulder front, elbow down, wrist flip
-            shoulder back, elbow up, wrist noflip
-            shoulder back, elbow up, wrist flip
-            shoulder back, elbow down, wrist noflip
-            shoulder back, elbow down, wrist flip
+            >>> s = arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))
+            >>> s.q.shape, s[0].branch
+            ((8, 6), 'shoulder front, elbow up, wrist noflip')
         """
-        solver = self.solver if task is None else solve.for_task(self.solver, preparation.check_task(task))
-        return solve.solve(solver, T, q_ref, redundancy, threads)
+        solver = self.solver if task is None else for_task(self.solver, preparation.check_task(task))
+        return solve(solver, T, q_ref, redundancy, threads)
 
     def ik_nearest(self, T: Any, q_ref: ArrayLike, *, task: str | None = None, **options: Any) -> IKSolutions:
         """The joint vector nearest to ``q_ref``: of all solutions, and over all values of a redundancy parameter.
@@ -241,7 +228,7 @@ class Arm:
             >>> arm.ik_nearest(arm.fk(q), q).q.round(6).tolist()
             [[0.3, -0.5, 0.8, 0.4, 0.7, -0.2]]
         """
-        solver = self.solver if task is None else solve.for_task(self.solver, preparation.check_task(task))
+        solver = self.solver if task is None else for_task(self.solver, preparation.check_task(task))
         return nearest(solver, T, q_ref, **options)
 
     def explain(self, T: Any, redundancy: ArrayLike | None = None) -> str:

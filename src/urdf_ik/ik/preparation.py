@@ -74,6 +74,7 @@ def prepare(
             is_general=member.family.by_elimination and chain.n == 6,
             by_quadratics=member.by_quadratics,
         )
+    core = None if member is None else member.solver
     solver = Solver(
         name=name,
         chain=chain,
@@ -82,7 +83,8 @@ def prepare(
         task=task,
         targets=targets,
         member=member,
-        core=None if member is None else member.solver,
+        core=core,
+        single=core if targets is None else None,
         branches=() if member is None else member.branches,
         free_axis=free_axis,
         given=given,

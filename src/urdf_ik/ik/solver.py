@@ -40,6 +40,7 @@ class Solver:
         targets: what reads targets of a task other than 'pose'; None for poses.
         member: the arm as a member of its family; None where no solver takes it.
         core: the compiled solver; None where no solver takes the arm.
+        single: the compiled solver where targets are poses: it takes a single pose without detours.
         branches: names of the columns of a pose's solutions.
         free_axis: a line in the tip about which it may be turned.
         given: names of joints whose values are redundancy parameters because the user chose them.
@@ -58,6 +59,7 @@ class Solver:
     targets: Targets | None
     member: Plan | None
     core: _core.Solver | None
+    single: _core.Solver | None
     branches: tuple[str, ...]
     free_axis: FreeAxis | None
     given: tuple[str, ...]
@@ -66,11 +68,6 @@ class Solver:
     remake: Callable[..., Solver]
     why_none: Callable[[Solver, Array, Array | None], str]
     by_task: dict[str, Solver] = field(default_factory=dict)
-
-    @cached_property
-    def single(self) -> _core.Solver | None:
-        """The compiled solver where targets are poses: it takes a single pose without detours."""
-        return self.core if self.targets is None else None
 
     @property
     def joint_names(self) -> tuple[str, ...]:
