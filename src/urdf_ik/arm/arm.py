@@ -15,8 +15,8 @@ from urdf_ik.ik.nearest import nearest
 from urdf_ik.ik.redundancy import values
 from urdf_ik.ik.redundancy.interval_search import intervals
 from urdf_ik.ik.redundancy.sweep import sweep
-from urdf_ik.ik.solve import for_task, solve
 from urdf_ik.ik.solutions import limits
+from urdf_ik.ik.solve import for_task, solve
 from urdf_ik.kinematics import velocity
 from urdf_ik.paths.tracker import Tracker
 
@@ -162,15 +162,13 @@ class Arm:
     ) -> IKSolutions:
         """Every joint vector that brings the tip to ``T``.
 
-        Each solution was verified against the URDF as written: position and rotation errors are below 1e-9 m
-        and rad. A pose out of reach gives an empty answer, which :meth:`IKSolutions.explain` explains. At a
-        singularity that leaves a joint free, the answer holds one representative, marked in ``singular``: the
-        free joint (of the shoulder or the wrist) stands at zero, or near ``q_ref`` where that is given.
+        Each solution was verified against the URDF as written: position and rotation errors are below 1e-9 m and rad.
+        :meth:`IKSolutions.explain` explains an empty answer. At a singularity that leaves a joint free, the answer
+        holds one representative, marked in ``singular``: the free joint stands at zero, or near ``q_ref``.
 
         Args:
             T: (..., 4, 4) pose of the tip in the base [m], a ``pinocchio.SE3`` or a list of them. A rotation that is
-                off by rounding (up to 1e-5) is replaced by the nearest one. The answer keeps a stack of poses by
-                reference, for ``explain``; a single pose is copied.
+                off by rounding (up to 1e-5) is replaced by the nearest one. The answer keeps a stack by reference.
             q_ref: (n,) rad, joint vector near which representatives of a continuum are chosen.
             redundancy: (...) rad or m, values of the redundancy parameter, which broadcast against the poses:
                 ``ik(T[:, None], redundancy=values)`` solves every pose at every value. Default:

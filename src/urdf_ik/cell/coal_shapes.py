@@ -214,7 +214,7 @@ class Pieces:
             return
         if isinstance(shape, Mesh) and shape.file().stat().st_size > LARGE_FILE:
             # Boxes that are parallel to the axes take a fifth of the memory of coal's usual volumes.
-            mesh = shape.loaded(coal.NODE_TYPE.BV_AABB)
+            mesh = shape._loaded(coal.NODE_TYPE.BV_AABB)
             self._points, triangles = np.array(mesh.vertices()), _triangles(mesh)
             corners = self._points[triangles]
             order = np.argsort(cell_codes(corners.mean(axis=1)), kind="stable")

@@ -270,9 +270,9 @@ class Mesh(Shape):
         """A ``coal.BVHModelOBBRSS`` of the file's triangles."""
         import coal
 
-        return self.loaded(coal.NODE_TYPE.BV_OBBRSS)
+        return self._loaded(coal.NODE_TYPE.BV_OBBRSS)
 
-    def loaded(self, volumes: Any) -> Any:
+    def _loaded(self, volumes: Any) -> Any:
         """Coal's model of the file's triangles with bounding volumes of this kind, a ``coal.NODE_TYPE``.
 
         Raises:
