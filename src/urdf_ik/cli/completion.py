@@ -1,4 +1,4 @@
-"""What a shell offers when a robot is typed."""
+"""Shell completion of a robot: names and files."""
 
 from __future__ import annotations
 

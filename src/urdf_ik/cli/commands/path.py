@@ -1,16 +1,28 @@
-"""What ``urdf-ik path`` does: follow waypoints, print the plan or what stops it, and write it."""
+"""Follow a path: the cheapest joint motion through all waypoints, over all branches and turns.
+
+The motion is proven between the waypoints and free of contacts. Where there is none, the answer says for every start
+branch how far it gets and what stops it there. The status is 1 when there is no plan.
+
+Examples:
+    urdf-ik path zyyzyz_6r --waypoints seam.csv --out plan.csv --timed motion.csv
+    urdf-ik path my_arm.urdf --tip tool0 -w seam.csv --world cell.urdf --margin 0.01 --reconfigure
+    urdf-ik fk zyyzyz_6r --q 0,1,1,0,1,0 --q 0.2,1,1,0,1,0 -f csv | urdf-ik path zyyzyz_6r -w -
+"""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
+from typer import Option
 
-from urdf_ik.cli import console, tables
+from urdf_ik.cli import console, options, tables
+from urdf_ik.cli.arm_options import ArmOptions, angles_of
 from urdf_ik.cli.errors import Status
-from urdf_ik.cli.paths import followed
+from urdf_ik.cli.options import ReportFormat
+from urdf_ik.cli.path_options import PathOptions, followed
 from urdf_ik.errors import ArgumentError, escaped
 from urdf_ik.support import files
 
@@ -18,9 +30,8 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from urdf_ik.arm import Arm
-    from urdf_ik.cli.chosen_arm import ChosenArm, TypedPath
     from urdf_ik.cli.console import Angles
-    from urdf_ik.cli.paths import Followed
+    from urdf_ik.cli.path_options import Followed
     from urdf_ik.paths import Plan
     from urdf_ik.paths.timing import Timed
 
@@ -29,34 +40,41 @@ SUFFIXES = (".csv", ".json", ".npz")
 _FREE = {None: "not checked", True: "free", False: "hits"}
 
 
-def run(
-    chosen: ChosenArm,
-    typed: TypedPath,
+def command(
     *,
-    degrees: bool,
-    alternatives: bool,
-    as_json: bool,
-    output: Path | None,
-    timed: Path | None,
+    path: PathOptions,
+    alternatives: Annotated[bool, Option("--alternatives", help="The best plan from every start branch, too.")] = False,
+    chosen: ArmOptions,
+    degrees: options.Degrees = False,
+    printed_as: options.TextFormat = ReportFormat.TABLE,
+    output: Annotated[
+        Path | None,
+        Option("--out", "--output", "-o", metavar="FILE", help="Write the plan: .csv, .json or .npz; rad, m."),
+    ] = None,
+    timed: Annotated[
+        Path | None,
+        Option(
+            metavar="FILE",
+            help="Write it in time, too, as fast as velocity and acceleration allow: .csv, .json or .npz; s, rad, m.",
+        ),
+    ] = None,
 ) -> None:
-    """Print the plan, and write it where that is asked for.
+    """Print the plan, or what stops it, and write the plan to a file.
 
     Raises:
         typer.BadParameter: options that make no sense.
         typer.Exit: there is no plan.
         UrdfIkError: a file that cannot be read or written.
     """
-    from urdf_ik.cli.chosen_arm import angles_of
-
     for file, option in ((output, "--out"), (timed, "--timed")):
         if file is not None and file.suffix.lower() not in SUFFIXES:
             kinds = ", ".join(SUFFIXES)
             raise console.usage(f"{files.name_of(file)}: plans are written as {kinds}; name the file so", option)
         if file is not None:
             files.writable(file)
-    arm = chosen.load()
+    arm = chosen.load(degrees)
     angles = angles_of(arm, degrees)
-    found = followed(arm, angles, typed, chosen)
+    found = followed(arm, angles, path, chosen)
     plan = found.plan
     in_time, untimed = None, None
     try:
@@ -64,7 +82,7 @@ def run(
     except ArgumentError as error:  # the plan is worth having without its times
         untimed = error
     others = plan.alternatives if alternatives else ()
-    if as_json:
+    if printed_as is ReportFormat.JSON:
         console.write(json_of(found, angles, in_time, others), None)
     else:
         console.write(text_of(found, angles, in_time, others), None)

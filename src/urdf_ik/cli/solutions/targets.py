@@ -1,4 +1,4 @@
-"""Where the poses of ``urdf-ik ik`` come from: typed, planted, read, drawn, or the arm's example."""
+"""Target poses: typed, of a joint vector, from a file, random, or the arm's example."""
 
 from __future__ import annotations
 
@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik.cli import console, free_value
+from urdf_ik.cli import console
+from urdf_ik.cli.solutions.redundancy import own_values
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
-    from urdf_ik.cli.chosen_arm import TypedPose
     from urdf_ik.cli.console import Angles
+    from urdf_ik.cli.options import Pose
 
 ORIENTATIONS: Mapping[str, tuple[str, ...]] = {
     "--quat-xyzw": ("x", "y", "z", "w"),
@@ -41,23 +42,23 @@ class Target:
 
 
 @dataclass(frozen=True)
-class Asked:
+class TargetOptions:
     """The target options as typed; None where one was not given."""
 
-    typed: TypedPose
+    typed: Pose
     q: Sequence[str]
     poses: str | None
     random: int | None
     seed: int
 
 
-def target(arm: Arm, asked: Asked, angles: Angles) -> Target:
+def target(arm: Arm, asked: TargetOptions, angles: Angles) -> Target:
     """The poses that were asked for.
 
     Raises:
         typer.BadParameter: options that exclude each other, or values that are no pose.
     """
-    oriented = [option for option, text in asked.typed.orientations.items() if text is not None]
+    oriented = [option for option, text in _orientations(asked.typed).items() if text is not None]
     given = {
         "--xyz": asked.typed.xyz is not None or bool(oriented),
         "--q": bool(asked.q),
@@ -103,7 +104,12 @@ def spread(arm: Arm, target: Target, typed: str | None, angles: Angles) -> Targe
     return replace(target, poses=poses, redundancy=np.concatenate([values] * len(target.poses)))
 
 
-def _typed(typed: TypedPose, oriented: Sequence[str], angles: Angles) -> Target:
+def _orientations(typed: Pose) -> dict[str, str | None]:
+    """Each orientation by its option."""
+    return {option: getattr(typed, option.removeprefix("--").replace("-", "_")) for option in ORIENTATIONS}
+
+
+def _typed(typed: Pose, oriented: Sequence[str], angles: Angles) -> Target:
     from urdf_ik.model.poses import pose
 
     if typed.xyz is None:
@@ -116,7 +122,7 @@ def _typed(typed: TypedPose, oriented: Sequence[str], angles: Angles) -> Target:
         )
     option = oriented[0]
     position = console.numbers(typed.xyz, "--xyz", ("x", "y", "z"))
-    values = console.numbers(str(typed.orientations[option]), option, ORIENTATIONS[option])
+    values = console.numbers(str(_orientations(typed)[option]), option, ORIENTATIONS[option])
     if angles.degrees and not option.startswith("--quat"):
         values = np.deg2rad(values)
     T = pose(position, **{option.removeprefix("--").replace("-", "_"): values})
@@ -130,7 +136,7 @@ def _planted(arm: Arm, typed: Sequence[str], angles: Angles) -> Target:
 
 def _of_vectors(arm: Arm, q: NDArray[np.float64], note: str) -> Target:
     """The poses of joint vectors (N, n), with what the redundancy parameter is there."""
-    return Target(arm.fk(q), note, free_value.own_values(arm, q))
+    return Target(arm.fk(q), note, own_values(arm, q))
 
 
 def _example(arm: Arm, angles: Angles, seed: int) -> Target:
@@ -139,7 +145,7 @@ def _example(arm: Arm, angles: Angles, seed: int) -> Target:
     lower, upper = arm.limits.T
     rounded = np.round(q, 1)
     q = np.where((rounded >= lower) & (rounded <= upper), rounded, q)
-    solutions = arm.ik(arm.fk(q), redundancy=free_value.own_values(arm, q))
+    solutions = arm.ik(arm.fk(q), redundancy=own_values(arm, q))
     regular = (solutions.valid & (solutions.singular == 0)).sum(axis=-1)
     inside = solutions.within_limits().valid.sum(axis=-1)
     best = int(np.lexsort((-inside, -regular))[0])
