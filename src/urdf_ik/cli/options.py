@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import functools
 import inspect
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -145,8 +145,10 @@ def _record(hint: Any) -> tuple[Any, str] | None:
     return kind, next((f"_{mark.letter}" for mark in marks if isinstance(mark, OneOf)), "")
 
 
-def _parameters(record: Any, suffix: str) -> Iterator[inspect.Parameter]:
+@functools.cache
+def _parameters(record: Any, suffix: str) -> tuple[inspect.Parameter, ...]:
     """The options of a record."""
+    parameters = []
     hints = get_type_hints(record, include_extras=True)
     for field in fields(record):
         hint = hints[field.name]
@@ -159,7 +161,8 @@ def _parameters(record: Any, suffix: str) -> Iterator[inspect.Parameter]:
             hint = Annotated[kind, option]
         default = inspect.Parameter.empty if field.default is MISSING else field.default
         name, keyword = field.name + suffix, inspect.Parameter.KEYWORD_ONLY
-        yield inspect.Parameter(name, keyword, default=default, annotation=hint)
+        parameters.append(inspect.Parameter(name, keyword, default=default, annotation=hint))
+    return tuple(parameters)
 
 
 def _is_argument(hint: Any) -> bool:

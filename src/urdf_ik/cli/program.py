@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
 import sys
 from collections.abc import Iterator, Mapping
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 import typer
@@ -23,16 +25,27 @@ class _CommandFiles(Mapping[str, Any]):
     """The commands by name; reading one imports its file."""
 
     def __getitem__(self, name: str) -> Any:
-        module = import_module(f"urdf_ik.cli.commands.{COMMANDS[name]}")
-        one = typer.Typer(add_completion=False, **_STYLE)
-        one.command(name, help=_help(module.__doc__ or ""))(options.expanded(module.command))
-        return typer.main.get_command(one)
+        return _command(name, COMMANDS[name])
 
     def __iter__(self) -> Iterator[str]:
         return iter(COMMANDS)
 
     def __len__(self) -> int:
         return len(COMMANDS)
+
+
+@functools.cache
+def _command(name: str, file: str) -> Any:
+    module = import_module(f"urdf_ik.cli.commands.{file}")
+    one = typer.Typer(add_completion=False, **_STYLE)
+    one.command(name, help=_help(module.__doc__ or ""))(options.expanded(module.command))
+    return typer.main.get_command(one)
+
+
+def _summary(file: str) -> str:
+    """The first line of a command's docstring, which is the first line of its file."""
+    with Path(__file__).parent.joinpath("commands", *file.split(".")).with_suffix(".py").open(encoding="utf-8") as text:
+        return text.readline().strip().strip('"').removesuffix(".")
 
 
 def _help(docstring: str) -> str:
@@ -46,6 +59,15 @@ class Commands(TyperGroup):
 
     def __init__(self, **attributes: Any) -> None:
         super().__init__(**attributes | {"commands": _CommandFiles()})
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Names of the commands, in the order of the help; no file is imported for them."""
+        return list(COMMANDS)
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """List the commands with the first line of each file; no file is imported for them."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, _summary(file)) for name, file in COMMANDS.items()])
 
     def make_context(self, *args: Any, **kwargs: Any) -> Any:
         """Read what stands before the command."""
