@@ -69,7 +69,7 @@ def main() -> None:
     for kinds, task in (("RR", "planar position"), ("RR", "pose"), ("RRR", "pose"), ("RRPR", "pose"), ("PRRR", "pose")):
         arm = parallel_arm(kinds)
         poses = arm.fk(rng.uniform(-2.5, 2.5, (options.poses, arm.dof)))
-        targets = np.ascontiguousarray(arm.plane.coordinates(poses)[:, :2]) if task != "pose" else poses
+        targets = np.ascontiguousarray(arm.solver.control.plane.coordinates(poses)[:, :2]) if task != "pose" else poses
         solutions = arm.ik(targets, task=task)
         q, flags = solutions._q, solutions._info
         to_q, to_flags = np.empty_like(q), np.empty_like(flags)

@@ -184,7 +184,7 @@ def in_a_cell(name: str, m: int, count: int, repeats: int, seed: int) -> str:
     arm = urdf_ik.load(name)
     Q = joint_path(name, m, seed)
     T, world = arm.fk(Q), boxes(arm, Q, count, seed)
-    model = Obstacles(arm.collision_model.in_world(world), 0.0)
+    model = Obstacles(arm.cell.collisions.in_world(world), 0.0)
     best, needed, asked = math.inf, math.inf, {}
     for _ in range(repeats):
         with clocked() as spent:

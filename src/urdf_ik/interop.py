@@ -128,7 +128,7 @@ def pink_configuration(arm: Arm, q: ArrayLike) -> Any:
     except ImportError:
         raise MissingPackage("pink is not installed: pip install 'urdf-ik[interop]'") from None
     inputs.arm(arm)
-    model = arm.pinocchio_model
+    model = arm.cell.reference.pin_model
     return pink.Configuration(model, model.createData(), arm.to_pinocchio(_one(arm, q)))
 
 

@@ -233,15 +233,15 @@ def test_solutions_belong_to_their_arm() -> None:
     target = short.oracle.pose(Q)
     for case in (short, tall, short):
         assert_exact(case, case.arm.ik(target), target)
-        assert case.arm.ik(target).arm is case.arm
+        assert case.arm.ik(target).solver is case.arm.solver
 
 
 def test_the_stick_of_an_arm_runs_either_way() -> None:
     """Between any two links the drawn stick is the same bones: from the tool it runs backwards, and turned."""
     text = industrial().urdf
     forward, back = urdf_ik.load(text, "base", "tool"), urdf_ik.load(text, "tool", "base")
-    bones = stick(forward, Q)
+    bones = stick(forward.chain, Q)
     seen_from_tip = np.linalg.inv(Oracle(text).pose(Q))
     np.testing.assert_allclose(
-        stick(back, Q[::-1])[::-1], bones @ seen_from_tip[:3, :3].T + seen_from_tip[:3, 3], atol=1e-13
+        stick(back.chain, Q[::-1])[::-1], bones @ seen_from_tip[:3, :3].T + seen_from_tip[:3, 3], atol=1e-13
     )

@@ -75,17 +75,17 @@ def test_without_a_value_it_is_the_arm() -> None:
     batch = arm.ik(T, redundancy=values)
     for k in range(40):
         np.testing.assert_array_equal(arm.ik(T[k], redundancy=values[k]).q, batch.q[k])
-    assert arm.fixed is plain
+    assert arm.solver.fixed is plain.solver
     again = pickle.loads(pickle.dumps(arm))
     np.testing.assert_array_equal(again.ik(T, redundancy=values).q, batch.q)
-    assert again.fixed.redundancy is None
+    assert again.solver.fixed.parameter is None
 
 
 @pytest.mark.parametrize("name", ["ur5", "zyyzyz_6r"])
 def test_the_nearest_solution_is_no_farther_than_a_dense_scan_finds(name: str) -> None:
     """Of 3600 rotations none has a nearer solution inside the limits, and the answer reaches position and direction."""
     arm = urdf_ik.load(name).with_free_axis("z")
-    assert arm.free_axis is not None
+    assert arm.solver.free_axis is not None
     reference = Reference(arm.model, arm.base, arm.tip)
     q, near = vectors(arm, 8, 2), vectors(arm, 8, 3)
     T = reference.pose(q)
@@ -95,7 +95,7 @@ def test_the_nearest_solution_is_no_farther_than_a_dense_scan_finds(name: str) -
         every = scan.turns().q
         least = np.nanmin(np.linalg.norm(every - near[k], axis=-1))
         assert np.linalg.norm(found.q[k, 0] - near[k]) <= least + 1e-9
-        far, off = arm.free_axis.apart(reference.pose(found.q[k, 0]), T[k])
+        far, off = arm.solver.free_axis.apart(reference.pose(found.q[k, 0]), T[k])
         assert max(far, off) < 1e-9
         np.testing.assert_allclose(arm.redundancy_of(found.q[k, 0], T[k]), found.redundancy[k], atol=1e-9)
 
@@ -108,8 +108,8 @@ def test_an_axis_that_is_the_last_joints_moves_only_that_joint() -> None:
     # The description's tool0 lies on joint 6's axis; its z is that axis.
     straight = q.copy()
     straight[:, 5] += 0.3
-    assert arm.free_axis is not None
-    far, off = arm.free_axis.apart(reference.pose(q), reference.pose(straight))
+    assert arm.solver.free_axis is not None
+    far, off = arm.solver.free_axis.apart(reference.pose(q), reference.pose(straight))
     assert max(far.max(), off.max()) < 1e-11
     before, after = arm.ik(arm.fk(q)), arm.ik(arm.fk(q), redundancy=0.3)
     np.testing.assert_allclose(after.q[..., :5], before.q[..., :5], atol=1e-9)
@@ -122,7 +122,7 @@ def test_seven_joints_have_two_parameters() -> None:
     """The rotation first, the arm's own value second; both are read back, and the pose is right by Pinocchio."""
     case = from_catalogue("panda")
     arm = case.arm.with_free_axis("z", at=(0.0, 0.0, 0.1))
-    assert [each.kind for each in arm.redundancies] == ["free axis", case.arm.redundancy.kind]
+    assert [each.kind for each in arm.solver.parameters] == ["free axis", case.arm.redundancy.kind]
     q = vectors(arm, 20, 5)
     v = np.random.default_rng(6).uniform(-1.0, 1.0, 20)
     T = case.oracle.poses(q) @ np.linalg.inv(turned("z", (0.0, 0.0, 0.1), v))
@@ -165,7 +165,7 @@ def test_what_it_cannot_be() -> None:
         with pytest.raises(ArgumentError, match="its 4 joints do not reach every pose, .* six joints or more"):
             few.with_free_axis("z")
     with pytest.raises(ArgumentError, match=r"free_axis='z' given; an axis, as Arm.with_free_axis makes it, is needed"):
-        urdf_ik.Arm(arm.model, arm.chain, free_axis="z")  # type: ignore[arg-type]
+        urdf_ik.Arm.of(arm.model, arm.chain, free_axis="z")  # type: ignore[arg-type]
     with pytest.raises(ArgumentError, match="without a free axis"):
         free.for_task("position")
     with pytest.raises(ArgumentError, match="does not reach"):

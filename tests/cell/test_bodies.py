@@ -50,14 +50,14 @@ ARMS = arms()
 def test_bodies_stand_where_pinocchio_puts_them(name: str) -> None:
     """The balls' centres are those of Pinocchio's placements, in the base link."""
     arm = ARMS[name]
-    scene = arm.collision_model._now().scene
-    frames = arm._pinocchio.pin_model.frames
+    scene = arm.cell.collisions._now().scene
+    frames = arm.cell.reference.pin_model.frames
     balls = [one_ball(each.geometry)[0] for each in scene.arm.geometry.geometryObjects]
     for q in np.random.default_rng(0).uniform(-2, 2, (10, arm.dof)):
         placed = scene.arm.bodies.place(q[None])
         shapes = scene.place(q)
-        to_base = scene._work.data.oMi[frames[arm._pinocchio.base_frame].parentJoint]
-        to_base = (to_base * frames[arm._pinocchio.base_frame].placement).inverse()
+        to_base = scene._work.data.oMi[frames[arm.cell.reference.base_frame].parentJoint]
+        to_base = (to_base * frames[arm.cell.reference.base_frame].placement).inverse()
         for i, ball in enumerate(balls):
             np.testing.assert_allclose(placed.centres[0, i], (to_base * shapes.oMg[i]).act(ball), atol=1e-9)
 
@@ -66,7 +66,7 @@ def test_bodies_stand_where_pinocchio_puts_them(name: str) -> None:
 def test_no_point_goes_farther_than_it_may(name: str) -> None:
     """On the way from the middle of a motion, no point of a ball leaves its place by more than the joints' bounds."""
     arm, rng = ARMS[name], np.random.default_rng(1)
-    bodies = arm.collision_model._now().scene.arm.bodies
+    bodies = arm.cell.collisions._now().scene.arm.bodies
     S, m = bodies.radii.shape
     tightest = 0.0
     for _ in range(40):
@@ -95,7 +95,7 @@ def test_no_point_goes_farther_than_it_may(name: str) -> None:
 def test_balls_hold_their_shapes(name: str) -> None:
     """Every point of a shape's surface lies in one of its balls, and in its one ball."""
     rng = np.random.default_rng(2)
-    for each in ARMS[name].collision_model._now().scene.arm.geometry.geometryObjects:
+    for each in ARMS[name].cell.collisions._now().scene.arm.geometry.geometryObjects:
         shape = each.geometry
         if isinstance(shape, coal.BVHModelBase):
             vertices = np.array(shape.vertices())
@@ -130,7 +130,7 @@ def test_hulls_are_never_farther_apart_than_their_meshes() -> None:
     """Distances of hulls are those of meshes or less, for all pairs of an arm's meshes in many places."""
     objects = [
         (each.geometry, hull(each.geometry))
-        for each in ARMS["ur5"].collision_model._now().scene.arm.geometry.geometryObjects
+        for each in ARMS["ur5"].cell.collisions._now().scene.arm.geometry.geometryObjects
     ]
     meshes = [(mesh, convex) for mesh, convex in objects if convex is not None]
     assert len(meshes) > 3

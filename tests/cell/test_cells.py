@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 import urdf_ik
 from urdf_ik import ChainError
+from urdf_ik.arm import with_positioner
 from urdf_ik.cell.reference import Reference
 
 Array = NDArray[np.float64]
@@ -22,10 +23,10 @@ def vectors(arm: urdf_ik.Arm, count: int, seed: int = 0) -> Array:
 
 def check(arm: urdf_ik.Arm, seed: int = 0) -> None:
     """Planted joint vectors are found at their own values; every solution is exact."""
-    reference = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
+    reference = Reference(arm.model, arm.base, arm.tip, locked=dict(arm.chain.locked))
     q = vectors(arm, 40, seed)
     T = reference.pose(q)
-    found = arm.ik(T, redundancy=arm.redundancy_of(q) if arm.redundancies else None)
+    found = arm.ik(T, redundancy=arm.redundancy_of(q) if arm.solver.parameters else None)
     position, rotation = reference.errors(found.q, T[:, None])
     assert np.nanmax(position) < 1e-9
     assert np.nanmax(rotation) < 1e-9
@@ -68,7 +69,7 @@ def test_poses_in_the_workpiece() -> None:
     """The chain from the workpiece to the torch: two parameters, and the tip in the workpiece is Pinocchio's."""
     arm = urdf_ik.load("positioner_6r", base="workpiece")
     assert arm.dof == 8
-    assert [each.joint for each in arm.redundancies] == ["turn", "tilt"]
+    assert [each.joint for each in arm.solver.parameters] == ["turn", "tilt"]
     check(arm)
     model = pin.buildModelFromUrdf(str(arm.model.path))
     data = model.createData()
@@ -78,7 +79,7 @@ def test_poses_in_the_workpiece() -> None:
         part, torch = (data.oMf[model.getFrameId(name, pin.FrameType.BODY)] for name in ("workpiece", "torch"))
         np.testing.assert_allclose(arm.fk(x), part.actInv(torch).homogeneous, atol=1e-13)
     held = urdf_ik.load("positioner_6r", base="workpiece", locked={"tilt": 0.4})
-    assert [each.joint for each in held.redundancies] == ["turn"]
+    assert [each.joint for each in held.solver.parameters] == ["turn"]
     check(held)
 
 
@@ -93,7 +94,7 @@ def test_the_other_arm_stands_where_it_is() -> None:
     held = dict(zip(right.joint_names, map(float, theirs[0]), strict=True))
     crossed = left.with_locked(held)
     assert crossed.joint_names == left.joint_names
-    assert crossed.locked == held
+    assert dict(crossed.chain.locked) == held
     reference = Reference(crossed.model, crossed.base, crossed.tip, locked=held)
     links, expected = crossed.link_poses(ours[0]), reference.link_poses(ours[0])
     assert max(np.abs(links[name] - expected[name]).max() for name in links) < 1e-12
@@ -103,7 +104,7 @@ def test_the_other_arm_stands_where_it_is() -> None:
     assert (np.asarray(crossed.clearance(ours)) == 0.0).all()
     back = crossed.with_locked(dict.fromkeys(right.joint_names, 0.0))
     np.testing.assert_allclose(back.clearance(ours), left.clearance(ours), atol=1e-9)
-    assert urdf_ik.load("dual_6r", locked=held).locked == held
+    assert urdf_ik.load("dual_6r", locked=held).chain.locked == tuple(held.items())
 
 
 def test_joints_that_cannot_be_held() -> None:
@@ -118,7 +119,7 @@ def test_a_positioner_of_another_file() -> None:
     """Poses in the frame of its tip, by Pinocchio on the joined URDF and from the two files' own poses."""
     table, arm = urdf_ik.load("planar_2r"), urdf_ik.load("puma_560")
     at = urdf_ik.pose([0.5, 0.1, 0.2], rpy=[0.1, -0.3, 0.7])
-    cell = arm.with_positioner(table, at, name="table")
+    cell = with_positioner(arm, table, at, name="table")
     assert (cell.base, cell.tip, cell.dof) == ("table_tool0", "tool0", 8)
     assert cell.joint_names == ("table_joint_2", "table_joint_1", *arm.joint_names)
     check(cell)
@@ -126,4 +127,4 @@ def test_a_positioner_of_another_file() -> None:
     carried = at @ table.fk(q[:, 1::-1])
     np.testing.assert_allclose(carried @ cell.fk(q), arm.fk(q[:, 2:]), atol=1e-12)
     with pytest.raises(urdf_ik.ArgumentError, match="twice"):
-        cell.with_positioner(table, at, name="table")
+        with_positioner(cell, table, at, name="table")

@@ -122,7 +122,7 @@ def test_an_arm_without_joints_is_asked_like_any_other() -> None:
     still, expected = arm.with_locked(values), arm.clearance([0.1] * 6)
     assert still.clearance([]) == pytest.approx(expected, abs=1e-6)
     np.testing.assert_array_equal(still.clearance(np.zeros((2, 3, 0))), np.full((2, 3), still.clearance([])))
-    assert still.collision_model.in_collision(np.zeros((2, 0))).tolist() == [False, False]
+    assert still.cell.collisions.in_collision(np.zeros((2, 0))).tolist() == [False, False]
     assert still.motion_is_free([], [])
     assert still.motion_is_free(np.zeros((3, 0)), []).free.tolist() == [True] * 3
 

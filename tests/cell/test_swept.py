@@ -38,7 +38,7 @@ def test_a_thin_wall_between_two_samples() -> None:
     """A wall of 0.1 mm between the ends of a motion is seen, however few joint vectors would miss it."""
     arm, world = urdf_ik.load(BAR), World()
     world.add("wall", Box((0.5, 1e-4, 1.0)), pose([0.8, 0.0, 0.0]))
-    body = arm.collision_model.in_world(world)
+    body = arm.cell.collisions.in_world(world)
     q0, q1 = np.array([-1.1]), np.array([0.7])
     assert not touches(body, q0, q1, 10)
     motion = arm.motion_is_free(q0, q1, world)
@@ -102,7 +102,7 @@ def test_a_motion_that_stands_still_or_begins_in_contact() -> None:
 def test_links_of_the_arm_itself() -> None:
     """A pin that sweeps through the first bar on its way round is a contact of two links."""
     arm = urdf_ik.load(TWO)
-    body = arm.collision_model
+    body = arm.cell.collisions
     assert body.checked_pairs == (("one", "pin"),)
     # Folded back, the pin is at the first joint; unfolded again, on the other side.
     q0, q1 = np.array([0.0, np.pi - 0.3, 0.0]), np.array([0.0, np.pi + 0.3, 0.0])
@@ -144,7 +144,7 @@ def test_no_free_motion_touches(name: str, reach: float) -> None:
     frees = []
     for _ in range(4):
         world = random_world(rng, reach, 3)
-        body = arm.collision_model.in_world(world)
+        body = arm.cell.collisions.in_world(world)
         starts = rng.uniform(-np.pi, np.pi, (60, arm.dof))
         starts = starts[~np.asarray(body.in_collision(starts, 1e-3))][:15]
         ends = starts + rng.uniform(-1.0, 1.0, starts.shape) * rng.choice([0.05, 0.3, 1.0], (len(starts), 1))
@@ -166,7 +166,7 @@ def test_almost_every_motion_that_is_free_is_called_free() -> None:
     """Short motions that no sample brings within a millimetre of anything are all called free."""
     arm, rng = urdf_ik.load("zyyzyz_6r"), np.random.default_rng(9)
     world = random_world(rng, 2.0, 6)
-    body = arm.collision_model.in_world(world)
+    body = arm.cell.collisions.in_world(world)
     q0 = rng.uniform(-np.pi, np.pi, (100, 6))
     q1 = q0 + rng.uniform(-0.1, 0.1, q0.shape)
     clear = np.array([not touches(body, a, b, 50, 1e-3) for a, b in zip(q0, q1, strict=True)])
@@ -206,19 +206,19 @@ def test_bad_motions() -> None:
     with pytest.raises(ArgumentError, match="finite"):
         arm.motion_is_free(q, np.full(6, np.nan))
     with pytest.raises(ArgumentError, match="finite"):
-        arm.collision_model.motions_free(q[None], np.full((1, 6), np.inf))
+        arm.cell.collisions.motions_free(q[None], np.full((1, 6), np.inf))
     with pytest.raises(ArgumentError, match=r"both must be \(k, 6\)"):
-        arm.collision_model.motions_free(q, q)
+        arm.cell.collisions.motions_free(q, q)
     with pytest.raises(ArgumentError, match=r"margin=-0\.1"):
         arm.motion_is_free(q, q, margin=-0.1)
     with pytest.raises(ArgumentError, match=r"q0\[0, 2\] is 1e\+155; numbers of at most 1e\+15 are taken"):
-        arm.collision_model.motions_free([[0.0, 0.0, 1e155, 0.0, 0.0, 0.0]], q[None])
+        arm.cell.collisions.motions_free([[0.0, 0.0, 1e155, 0.0, 0.0, 0.0]], q[None])
 
 
 def test_a_motion_of_a_million_turns_is_refused() -> None:
     """The pieces to be proven grow with the way: a motion is as long as says its limit, and none needs longer."""
     arm = urdf_ik.load(BAR)
     assert arm.motion_is_free([0.0], [LONGEST])
-    for ask in (arm.motion_is_free, arm.collision_model.motions_free):
+    for ask in (arm.motion_is_free, arm.cell.collisions.motions_free):
         with pytest.raises(ArgumentError, match=r"motion 1: joint turn goes from -0.5 to 1e\+09; .* at most 10000"):
             ask([[0.0], [-0.5]], [[1.0], [1e9]])

@@ -68,7 +68,7 @@ def test_it_is_written_and_read_again(tmp_path: Path) -> None:
     arm = from_catalogue("zyyzyz_6r").arm.with_tool(
         TOOLS["oblique"], [Box((0.1, 0.2, 0.3)), (Sphere(0.05), urdf_ik.pose([0, 0, 0.2]))], name="gripper"
     )
-    arm.write_urdf(tmp_path / "with_tool.urdf")
+    arm.model.write(tmp_path / "with_tool.urdf")
     again = urdf_ik.load(tmp_path / "with_tool.urdf", arm.base, arm.tip, mesh_roots=arm.model.package_dirs)
     q = vectors(arm, 10)
     np.testing.assert_array_equal(again.fk(q), arm.fk(q))
@@ -109,7 +109,7 @@ def test_shapes_lie_where_they_were_put(kind: str, tmp_path: Path) -> None:
     )  # fmt: skip
     for centre in TOOLS.values():
         new = arm.with_tool(centre, [(shape, placed)], name="torch")
-        table = new.collision_model.in_world(world)
+        table = new.cell.collisions.in_world(world)
         for pair in table.checked_pairs:
             table = table if pair == ("torch", "ball") else table.allow(*pair)
         assert table.checked_pairs == (("torch", "ball"),)
@@ -121,11 +121,11 @@ def test_what_a_tool_may_touch() -> None:
     """What it is mounted on, as any link: rigidly joined links, and one joint further; the links before are checked."""
     arm = from_catalogue("ur5").arm
     new = arm.with_tool(urdf_ik.pose([0, 0, 0.3]), Cylinder(0.05, 0.2))
-    allowed, checked = new.collision_model.allowed_pairs, new.collision_model.checked_pairs
+    allowed, checked = new.cell.collisions.allowed_pairs, new.cell.collisions.checked_pairs
     assert allowed["wrist_3_link", "tool"] == "rigid"
     assert allowed["wrist_2_link", "tool"] == "adjacent"
     assert ("forearm_link", "tool") in checked and ("base_link", "tool") in checked
-    before = arm.collision_model
+    before = arm.cell.collisions
     assert {pair: why for pair, why in allowed.items() if "tool" not in pair} == dict(before.allowed_pairs)
     assert [pair for pair in checked if "tool" not in pair] == list(before.checked_pairs)
 
@@ -135,11 +135,11 @@ def test_a_long_tool_hits_the_arm() -> None:
     arm = from_catalogue("ur5").arm
     new = arm.with_tool(urdf_ik.pose([0, 0, 1.5]), [(Cylinder(0.02, 1.5), urdf_ik.pose([0, 0, 0.75]))])
     q = vectors(arm, 500, 3)
-    free, held = ~arm.collision_model.in_collision(q), ~new.collision_model.in_collision(q)
+    free, held = ~arm.cell.collisions.in_collision(q), ~new.cell.collisions.in_collision(q)
     assert not (held & ~free).any()
     hit = np.flatnonzero(free & ~held)
     assert len(hit) > 5
-    assert all("tool" in pair for k in hit for pair in new.collision_model.colliding_pairs(q[k]))
+    assert all("tool" in pair for k in hit for pair in new.cell.collisions.colliding_pairs(q[k]))
 
 
 def test_tools_are_stacked() -> None:
@@ -149,7 +149,7 @@ def test_tools_are_stacked() -> None:
     both = first.with_tool(TOOLS["right angle"], [Sphere(0.05)], name="gripper")
     q = vectors(arm, 5)
     np.testing.assert_allclose(both.fk(q), arm.fk(q) @ TOOLS["oblique"] @ TOOLS["right angle"], atol=1e-13)
-    assert both.collision_model.allowed_pairs["changer", "gripper"] == "rigid"
+    assert both.cell.collisions.allowed_pairs["changer", "gripper"] == "rigid"
     with pytest.raises(ArgumentError, match="'changer' already"):
         first.with_tool(np.eye(4), name="changer")
 
@@ -158,7 +158,7 @@ def test_what_the_arm_had_stays(tmp_path: Path) -> None:
     """Base, held joints, task, the SRDF, changes of the table, and the arm itself; the copy that was pickled, too."""
     arm = urdf_ik.load("panda", base="panda_link1", locked={"panda_joint4": -1.2})
     new = arm.with_tool(TOOLS["oblique"], Box(0.05), name="torch")
-    assert (new.base, new.locked, new.joint_names) == ("panda_link1", {"panda_joint4": -1.2}, arm.joint_names)
+    assert (new.base, dict(new.chain.locked), new.joint_names) == ("panda_link1", {"panda_joint4": -1.2}, arm.joint_names)
     q = vectors(arm, 5)
     np.testing.assert_allclose(new.fk(q), arm.fk(q) @ TOOLS["oblique"], atol=1e-13)
     copy = pickle.loads(pickle.dumps(new))
@@ -167,15 +167,14 @@ def test_what_the_arm_had_stays(tmp_path: Path) -> None:
 
     two = urdf_ik.load("planar_2r").for_task("planar position")
     longer = two.with_tool(urdf_ik.pose([0.05, 0.0, 0.0]))
-    target = longer.control.target_of(longer.fk([0.3, -0.9]))
+    target = longer.solver.control.target_of(longer.fk([0.3, -0.9]))
     assert longer.ik(target).count == 2
 
     ur = urdf_ik.load("ur5")
     srdf = '<robot name="ur5"><disable_collisions link1="forearm_link" link2="base_link"/></robot>'
-    ur.collision_model = CollisionModel(ur.model, ur.base, ur.tip, srdf=srdf.encode()).allow(
-        "upper_arm_link", "wrist_1_link"
-    )
-    kept = ur.with_tool(np.eye(4), Box(0.05)).collision_model.allowed_pairs
+    model = CollisionModel(ur.model, ur.base, ur.tip, srdf=srdf.encode()).allow("upper_arm_link", "wrist_1_link")
+    ur = ur.with_cell(ur.cell.with_collisions(model))
+    kept = ur.with_tool(np.eye(4), Box(0.05)).cell.collisions.allowed_pairs
     assert kept["base_link", "forearm_link"] == "srdf"
     assert kept["upper_arm_link", "wrist_1_link"] == "allowed"
     assert "tool" not in ur.model.links

@@ -305,7 +305,7 @@ def test_the_table_is_read_printed_and_changed(ball: CollisionModel) -> None:
 def test_the_table_among_links() -> None:
     """Neighbours can be checked, checked pairs allowed; links that stand still may touch the world."""
     arm = urdf_ik.load("zyyzyz_6r")
-    body = arm.collision_model
+    body = arm.cell.collisions
     neighbours = next(pair for pair, why in body.allowed_pairs.items() if why == "adjacent")
     assert neighbours in body.check(*neighbours).checked_pairs
     pair = body.checked_pairs[0]
@@ -331,8 +331,8 @@ def test_same_as_pinocchio_without_shortcuts(name: str, tmp_path: Path) -> None:
     for i, (shape, _) in enumerate(solids(tmp_path).values()):
         at = [0.0, 0.0, -1.0] if isinstance(shape, HalfSpace) else rng.uniform(-1.0, 1.0, 3) + [0.0, 0.0, 0.4]
         world.add(f"o{i}", shape, pose(at, rpy=np.zeros(3) if isinstance(shape, HalfSpace) else rng.uniform(-3, 3, 3)))
-    body = arm.collision_model.in_world(world)
-    plain = arm._pinocchio.pin_model
+    body = arm.cell.collisions.in_world(world)
+    plain = arm.cell.reference.pin_model
     shapes = pin.buildGeomFromUrdf(
         plain, str(arm.model.path), pin.GeometryType.COLLISION, package_dirs=list(arm.model.package_dirs)
     )
@@ -375,8 +375,8 @@ def test_the_base_need_not_be_the_root() -> None:
         world, reverse = World(), World()
         world.add("it", Sphere(0.2), pose(there))
         reverse.add("it", Sphere(0.2), np.linalg.inv(arm.fk(one)) @ pose(there))
-        pairs = arm.collision_model.in_world(world).checked_pairs
-        body = back.collision_model.in_world(reverse)
+        pairs = arm.cell.collisions.in_world(world).checked_pairs
+        body = back.cell.collisions.in_world(reverse)
         for link, _ in [pair for pair in body.checked_pairs if pair[1] == "it" and pair not in pairs]:
             body = body.allow(link, "it")
         for link, _ in [pair for pair in pairs if pair[1] == "it" and pair not in body.checked_pairs]:
@@ -389,7 +389,7 @@ def test_placed_by_link_poses_in_a_world() -> None:
     arm = urdf_ik.load("zyyzyz_6r")
     world = World()
     world.add("box", Box(0.8), pose([1.0, 0.5, 1.0]))
-    body = arm.collision_model.in_world(world)
+    body = arm.cell.collisions.in_world(world)
     q = np.random.default_rng(8).uniform(-3, 3, (20, 6))
     turn = pose([1.0, -2.0, 0.5], rpy=[0.3, -1.0, 2.0])
     poses = {link: turn @ T for link, T in arm.link_poses(q).items()}
@@ -403,7 +403,7 @@ def test_solutions_free_of_a_world() -> None:
     world = World()
     world.add("table", HalfSpace((0.0, 0.0, 1.0), 0.0))
     s = arm.ik(arm.fk([0.1, -1.0, 1.2, 0.3, 0.4, 0.5]))
-    body = arm.collision_model.in_world(world)
+    body = arm.cell.collisions.in_world(world)
     free = s.collision_free(world)
     np.testing.assert_array_equal(free.valid[s.valid], ~np.asarray(body.in_collision(s.q[s.valid])))
     assert 0 < free.count < s.collision_free().count
@@ -420,7 +420,7 @@ def test_bad_questions(ball: CollisionModel) -> None:
     with pytest.raises(ArgumentError, match="finite"):
         arm.clearance([0.0, 0.0, 0.0, 0.0, 0.0, math.nan])
     bare = urdf_ik.load(BALL.replace(f'<collision><geometry><sphere radius="{RADIUS}"/></geometry></collision>', ""))
-    for ask in (bare.clearance, bare.nearest_pair):
+    for ask in (bare.clearance, bare.cell.nearest_pair):
         with pytest.raises(UrdfError, match="no link has a collision shape"):
             ask([0.0, 0.0, 0.0], World())
     with pytest.raises(UrdfError, match="no link has a collision shape"):

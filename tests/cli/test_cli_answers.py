@@ -133,7 +133,7 @@ def test_filters_keep_what_they_say() -> None:
     for pose, chosen in zip(everything, within, strict=True):
         distance = [np.abs((np.array(one["q"]) - Q + np.pi) % (2 * np.pi) - np.pi).max() for one in pose]
         assert chosen == ([pose[int(np.argmin(distance))]] if min(distance) <= 1.2 else [])
-    speeds = urdf_ik.load(ARM).velocity_limits
+    speeds = urdf_ik.load(ARM).solver.velocity_limits
     for pose, chosen in zip(everything, kept("--nearest", TYPED, "--metric", "time"), strict=True):
         seconds = [(np.abs((np.array(one["q"]) - Q + np.pi) % (2 * np.pi) - np.pi) / speeds).max() for one in pose]
         assert chosen == [pose[int(np.argmin(seconds))]]
@@ -210,7 +210,7 @@ def test_obstacles_of_a_world_count_as_collisions(tmp_path: Path) -> None:
     """With --world the marks and what --collision-free keeps are those of the library among the same obstacles."""
     arm = urdf_ik.load(ARM)
     solutions = arm.ik(urdf_ik.pose([1.2, 0.4, 0.9], rpy=[0.0, 1.57, 0.3]))
-    untouched = next(one for one in solutions if not arm.collision_model.in_collision(one.q))
+    untouched = next(one for one in solutions if not arm.cell.collisions.in_collision(one.q))
     elbow = " ".join(map(str, arm.link_poses(untouched.q)["link_3"][:3, 3]))
     cell = tmp_path / "cell.urdf"
     cell.write_text(
@@ -219,9 +219,9 @@ def test_obstacles_of_a_world_count_as_collisions(tmp_path: Path) -> None:
     )
     world = urdf_ik.World.from_urdf(cell)
     typed = ("ik", ARM, "--xyz", "1.2,0.4,0.9", "--rpy", "0,1.57,0.3", "--world", str(cell), "-f", "json")
-    among = arm.collision_model.in_world(world)
+    among = arm.cell.collisions.in_world(world)
     free = [not among.in_collision(one.q) for one in solutions]
-    assert free != [not arm.collision_model.in_collision(one.q) for one in solutions]
+    assert free != [not arm.cell.collisions.in_collision(one.q) for one in solutions]
     told = strict_json(call(*typed).stdout)["poses"]
     assert [each["collision_free"] for each in told[0]["solutions"]] == free
     kept = strict_json(call(*typed, "--collision-free").stdout)["poses"]

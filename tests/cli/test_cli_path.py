@@ -56,12 +56,12 @@ def test_the_table_holds_what_the_plan_holds(file: str) -> None:
     assert f"branch            {plan.branches[0]}" in text
     steps = np.abs(np.diff(plan.q, axis=0))
     k, joint = np.unravel_index(np.argmax(steps), steps.shape)
-    assert f"{steps.max():.4f} rad of {plan.arm.joint_names[joint]} to waypoint {k + 1}" in text
+    assert f"{steps.max():.4f} rad of {plan.solver.joint_names[joint]} to waypoint {k + 1}" in text
     margins = plan.margins
     assert f"{margins.limits.min():.4f} rad of" in text
     assert f"{margins.clearance.min():.4f} m between" in text
     assert f"at least {margins.manipulability.min():.4g}, at waypoint {margins.manipulability.argmin()}" in text
-    for name, first, last in zip(plan.arm.joint_names, plan.q[0], plan.q[-1], strict=True):
+    for name, first, last in zip(plan.solver.joint_names, plan.q[0], plan.q[-1], strict=True):
         (row,) = [line.split() for line in text.splitlines() if line.startswith(f"{name} ")]
         assert float(row[2]) == pytest.approx(first, abs=6e-5) and float(row[3]) == pytest.approx(last, abs=6e-5)
 

@@ -121,7 +121,7 @@ def test_a_tracker_stays_finite(family: str, seed: int) -> None:
         assert np.isfinite(step.q).all()
         assert (step.q >= arm.limits[:, 0] - CONTRACT).all()
         assert (step.q <= arm.limits[:, 1] + CONTRACT).all()
-        assert (np.abs(step.q - before) <= 0.01 * np.minimum(arm.velocity_limits, 1e3) + CONTRACT).all()
+        assert (np.abs(step.q - before) <= 0.01 * np.minimum(arm.solver.velocity_limits, 1e3) + CONTRACT).all()
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -193,7 +193,7 @@ def test_best_by_manipulability() -> None:
 def test_best_of_a_planar_arm() -> None:
     """An arm that controls a position only is rated by the translation: that of two links is l1 l2 |sin q2|."""
     arm = urdf_ik.load("planar_2r_unit")
-    s = arm.ik(arm.control.target_of(arm.fk([0.4, 1.1])), task="planar position")
+    s = arm.ik(arm.solver.control.target_of(arm.fk([0.4, 1.1])), task="planar position")
     np.testing.assert_allclose(s.scores("manipulability")[s.valid], np.abs(np.sin(s.to_array()[:, 1])), atol=1e-12)
 
 
@@ -219,7 +219,7 @@ def test_every_arm_takes_the_same_options(choice: dict[str, Any]) -> None:
     )
     two = urdf_ik.load("planar_2r")
     options = {key: value for key, value in choice.items() if np.isscalar(value)}
-    target = two.control.target_of(two.fk([0.3, -0.8]))
+    target = two.solver.control.target_of(two.fk([0.3, -0.8]))
     for asked in (two, two.for_task("planar position")):
         found = asked.ik_nearest(target, [0.3, -0.8], task="planar position", **options)
         np.testing.assert_allclose(found[0].q, [0.3, -0.8], atol=1e-9)

@@ -13,7 +13,7 @@ from cases import Case, described, from_catalogue, member
 from numpy.typing import NDArray
 
 import urdf_ik
-from urdf_ik.ik.cuspidality import keeps_its_sign, nonsingular_change
+from urdf_ik.ik.cuspidality import is_cuspidal, keeps_its_sign, nonsingular_change
 
 Array = NDArray[np.float64]
 
@@ -41,8 +41,8 @@ def case(name: str) -> Case:
 def test_known_cuspidal_arms(name: str) -> None:
     """Wenger's orthogonal arm, Kinova's JACO and Fanuc's CRX: the path joins two solutions and meets no singularity."""
     arm, oracle = case(name).arm, case(name).oracle
-    assert arm.cuspidal is True
-    path = nonsingular_change(arm)
+    assert is_cuspidal(arm.solver) is True
+    path = nonsingular_change(arm.solver)
     assert path is not None
     start, end = path[0], path[-1]
     assert np.abs(np.remainder(start - end + np.pi, 2.0 * np.pi) - np.pi).max() > 1e-3
@@ -59,16 +59,16 @@ def test_known_cuspidal_arms(name: str) -> None:
 def test_named_arms_that_are_not_cuspidal(name: str) -> None:
     """Arms solved by quadratics are proven not cuspidal, and the search finds no path that would contradict that."""
     arm = from_catalogue(name).arm
-    assert arm.cuspidal is False
-    assert nonsingular_change(arm) is None
+    assert is_cuspidal(arm.solver) is False
+    assert nonsingular_change(arm.solver) is None
 
 
 @pytest.mark.parametrize("kind", QUADRATIC)
 def test_the_search_finds_nothing_where_there_is_nothing(kind: str) -> None:
     """Random members of the families with a proof: no path, from either end."""
     arm = member(kind, 4).arm
-    assert arm.cuspidal is False
-    assert nonsingular_change(arm) is None
+    assert is_cuspidal(arm.solver) is False
+    assert nonsingular_change(arm.solver) is None
 
 
 def test_branches_of_quadratics_differ_in_the_signs_of_their_factors() -> None:
@@ -89,7 +89,7 @@ def test_a_perturbed_arm_is_never_called_proven() -> None:
     axes[2] = rotation(X, 1e-3) @ axes[2]
     arm = described(from_screws("off", "2||3||4", axes, described_arm.points, described_arm.points[-1] + 0.1)).arm
     assert not arm.structure.is_exact
-    assert arm.cuspidal is not False
+    assert is_cuspidal(arm.solver) is not False
 
 
 def test_an_arm_that_is_singular_everywhere_is_not_cuspidal_by_rounding() -> None:
@@ -125,6 +125,6 @@ def test_a_move_across_a_singularity_is_refused() -> None:
 def test_unsolved_arms_are_left_open_and_pickled_ones_can_be_asked() -> None:
     """Two joints: None, at no cost. An arm that travelled between processes can be asked."""
     text = serial_urdf("two", [(np.zeros(3), (0, 0, 0)), (Z, (0, 0, 0)), (X, (0, 0, 0))], [Z, X, None])
-    assert urdf_ik.load(text, base="base", tip="tool").cuspidal is None
+    assert is_cuspidal(urdf_ik.load(text, base="base", tip="tool").solver) is None
     arm = pickle.loads(pickle.dumps(from_catalogue("zyyzyz_6r").arm))
-    assert arm.cuspidal is False
+    assert is_cuspidal(arm.solver) is False

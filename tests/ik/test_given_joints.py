@@ -74,14 +74,14 @@ def test_eight_and_nine_joints() -> None:
     for n in (8, 9):
         text = skew(n)
         arm, oracle = urdf_ik.load(text, "base", "tool"), Oracle(text)
-        assert len(arm.redundancies) == n - 6
+        assert len(arm.solver.parameters) == n - 6
         check(arm, oracle, n, 4)
     text = skew(8)
     arm = urdf_ik.load(text, "base", "tool", redundancy=("joint_2", "joint_1"))
-    assert {each.joint for each in arm.redundancies} == {"joint_1", "joint_2"}
+    assert {each.joint for each in arm.solver.parameters} == {"joint_1", "joint_2"}
     check(arm, Oracle(text), 1, 3)
     middle = urdf_ik.load(text, "base", "tool", redundancy="joint_4")
-    assert middle.redundancies[0].joint == "joint_4"
+    assert middle.solver.parameters[0].joint == "joint_4"
     check(middle, Oracle(text), 2, 2)
 
 
@@ -100,9 +100,9 @@ def test_names_that_cannot_be_given() -> None:
         seven.with_redundancy("joint_3").with_free_axis("z")
     for given in (range(10**15), 5, np.zeros(3), ["joint_1", 2], "joint_1"):
         with pytest.raises(ArgumentError, match="names of joints are needed"):
-            urdf_ik.Arm(seven.model, seven.chain, given=given)  # type: ignore[arg-type]
+            urdf_ik.Arm.of(seven.model, seven.chain, given=given)  # type: ignore[arg-type]
     with pytest.raises(ArgumentError, match=r"task=\['pose'\] given; one of 'pose', "):
-        urdf_ik.Arm(seven.model, seven.chain, task=["pose"])  # type: ignore[arg-type]
+        urdf_ik.Arm.of(seven.model, seven.chain, task=["pose"])  # type: ignore[arg-type]
 
 
 def test_the_reason_says_why_that_end() -> None:

@@ -124,9 +124,9 @@ def test_a_tip_that_turns_about_the_last_axis(axis: str | list[float], lower: fl
     text = Path(urdf_ik.load("puma_560").model.source).read_text()
     assert limit in text
     arm = urdf_ik.load(text.replace(limit, f'lower="{lower}" upper="{upper}"')).with_free_axis(axis)
-    assert arm.free_axis is not None
+    assert arm.solver.free_axis is not None
     rng = np.random.default_rng(8)
-    T = arm.fk(rng.uniform(*arm.limits.T, (30, 6))) @ arm.free_axis.rotation(rng.uniform(-3.0, 3.0, 30))
+    T = arm.fk(rng.uniform(*arm.limits.T, (30, 6))) @ arm.solver.free_axis.rotation(rng.uniform(-3.0, 3.0, 30))
     values = np.linspace(-np.pi, np.pi, 721)[1:]
     found = arm.intervals(T)
     for each, pose in ((found[i], T[i]) for i in range(30)):
@@ -225,7 +225,7 @@ def test_free_axis() -> None:
     rng = np.random.default_rng(7)
     q = near_limits(arm, rng, 40)
     turned = rng.uniform(-np.pi, np.pi, 40)
-    T = arm.fk(q) @ free.free_axis.rotation(-turned)
+    T = arm.fk(q) @ free.solver.free_axis.rotation(-turned)
     for pose, value in zip(T, turned, strict=True):
         assert any(value in interval for interval in free.intervals(pose))
     nearest = free.ik_nearest(T, q)

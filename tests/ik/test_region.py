@@ -84,7 +84,7 @@ def test_several_parameters() -> None:
         np.testing.assert_allclose(own.q[:, 0], q, atol=1e-6)
         near = inside(arm, rng, 1)[0]
         found = arm.ik_nearest(T[0], near)
-        low, high = np.array([parameter.range for parameter in arm.redundancies]).T
+        low, high = np.array([parameter.range for parameter in arm.solver.parameters]).T
         every = arm.ik(T[0], redundancy=rng.uniform(low, high, (20000, 2))).nearest(near, within_limits=True)
         least = np.nanmin(np.linalg.norm(every.q[:, 0] - near, axis=1))
         assert np.linalg.norm(found.q[0] - near) <= least + 1e-7

@@ -13,7 +13,7 @@ from arms_closed_forms import KINDS as CLOSED_FORMS
 from cases import described
 
 import urdf_ik
-from urdf_ik.ik.cuspidality import nonsingular_change
+from urdf_ik.ik.cuspidality import is_cuspidal, nonsingular_change
 from urdf_ik.ik.families import Family, every, registry, spherical_wrist
 from urdf_ik.kinematics.structure import Structure
 from urdf_ik.model import catalogue
@@ -63,8 +63,8 @@ def test_an_arm_whose_joints_follow_from_quadratics_has_no_nonsingular_change(ki
     arm = described(random_arm(kind, 4, kinds=CLOSED_FORMS)).arm
     assert arm.structure.by_quadratics == ("position" not in arm.structure.branches[0])
     if arm.structure.by_quadratics:
-        assert arm.cuspidal is False
-        assert nonsingular_change(arm) is None
+        assert is_cuspidal(arm.solver) is False
+        assert nonsingular_change(arm.solver) is None
 
 
 def test_a_toy_family_is_added_by_a_record_and_a_row(monkeypatch: pytest.MonkeyPatch) -> None:

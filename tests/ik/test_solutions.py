@@ -31,8 +31,8 @@ class Chain(namedtuple("Chain", "joint_types")):
 
 
 Nearest = namedtuple("Nearest", "links distance")
-FakeArm = namedtuple(
-    "FakeArm", "name joint_names limits dof chain explain collision_model redundancy redundancies", defaults=((),)
+FakeSolver = namedtuple(
+    "FakeSolver", "name joint_names limits dof chain why_none contacts parameters", defaults=((),)
 )
 
 
@@ -56,20 +56,20 @@ class Hits:
         return self if world is None else world
 
 
-def explain(T: Array, redundancy: float | None = None) -> str:
-    """What the fake arm says of a pose."""
+def why_none(solver: Any, T: Array, redundancy: float | None = None) -> str:
+    """What the fake solver says of a pose."""
     return f"x = {T[0, 3]:g} m is out of reach"
 
 
 KINDS = ("revolute", "prismatic", "continuous")
 LIMITS = np.array([[-2 * PI, 2 * PI], [-0.5, 0.5], [-np.inf, np.inf]])
 BRANCHES = ("front", "front, flip", "back", "back, flip")
-ARM: Any = FakeArm("fake", ("turn", "slide", "spin"), LIMITS, 3, Chain(KINDS), explain, Hits(), None)
+ARM: Any = FakeSolver("fake", ("turn", "slide", "spin"), LIMITS, 3, Chain(KINDS), why_none, Hits())
 
 
 def arm_with(limits: object, kinds: tuple[str, ...] = KINDS) -> Any:
     """The fake arm with other limits."""
-    return ARM._replace(limits=np.array(limits, dtype=np.float64), chain=Chain(kinds), collision_model=Hits())
+    return ARM._replace(limits=np.array(limits, dtype=np.float64), chain=Chain(kinds), contacts=Hits())
 
 
 def made(q: object, arm: Any = ARM, x: object = 0.0, flags: int = 0) -> IKSolutions:
@@ -175,7 +175,7 @@ def test_pickle() -> None:
     """Solutions, filtered ones too, survive pickling where their arm does."""
     picked = ONE.turns().nearest([0, 0, 0])
     for s in (ONE, picked):
-        bare = s.arm._replace(collision_model=None)
+        bare = s.solver._replace(contacts=None)
         got = pickle.loads(pickle.dumps(IKSolutions(bare, s.poses, s.q, s._info, s.branches)))
         np.testing.assert_array_equal(got.q, s.q)
         np.testing.assert_array_equal(got.valid, s.valid)
@@ -346,7 +346,7 @@ def test_collision_free_asks_about_the_solutions_only() -> None:
     assert s.valid.tolist() == [True, False, False, True]
     assert np.isnan(s.q[2]).all()
     assert s.filters == ("collision",)
-    assert np.isfinite(np.concatenate(arm.collision_model.asked)).all()
+    assert np.isfinite(np.concatenate(arm.contacts.asked)).all()
     assert made(ONE.q, arm).collision_free(margin=0.7).valid.tolist() == [True, False, False, False]
     other: Any = Hits()
     made(np.stack([ONE.q, -ONE.q]), arm).collision_free(other)

@@ -13,7 +13,6 @@ from arms_few import BUILDS, apart, axes_and_points, case_of, draw, few, few_urd
 from cases import Case, from_catalogue, rows
 from numpy.typing import NDArray
 
-import urdf_ik
 from urdf_ik.errors import ArgumentError, PoseError
 from urdf_ik.ik.tasks import TASKS
 
@@ -28,8 +27,8 @@ def target_of(case: Case, q: Array) -> Array:
     if arm.task == "position":
         return T[:3, 3]
     if arm.task == "position and axis":
-        return np.concatenate([T[:3, 3], T[:3, :3] @ arm.control.aimed])
-    planar: Array = arm.plane.coordinates(T)
+        return np.concatenate([T[:3, 3], T[:3, :3] @ arm.solver.control.aimed])
+    planar: Array = arm.solver.control.plane.coordinates(T)
     return planar[:2] if arm.task == "planar position" else planar
 
 
@@ -47,14 +46,14 @@ def test_an_arm_knows_its_task(name: str) -> None:
     for seed in range(3):
         arm = few(name, seed).arm
         assert arm.task == BUILDS[name].task
-        assert (arm.plane is not None) == name.endswith("planar") or name == "PP"
+        assert (arm.solver.control.plane is not None) == name.endswith("planar") or name == "PP"
 
 
 def test_six_joints_control_the_pose() -> None:
     """With six joints the task is the pose, and it is the only one."""
     arm = from_catalogue("zyyzyz_6r").arm
     assert arm.task == "pose"
-    assert arm.plane is None
+    assert arm.solver.control.plane is None
     T = arm.fk(np.full(6, 0.3))
     np.testing.assert_array_equal(arm.ik(T, task="pose").q, arm.ik(T).q)
     for task in TASKS[1:]:
@@ -175,18 +174,18 @@ def test_coordinates_of_the_plane() -> None:
         points = np.array([0.3 * first, 0.5 * first + 0.1 * second, 0.9 * first, 1.1 * first])
         urdf = few_urdf("RRR", np.array([normal, normal, -normal]), points[:3], points[3], rng, aligned=True)
         case = case_of(urdf)
-        np.testing.assert_allclose(case.arm.plane.axes, [first, second], atol=1e-12)
+        np.testing.assert_allclose(case.arm.solver.control.plane.axes, [first, second], atol=1e-12)
         T = case.oracle.pose(np.array([0.2, -0.5, 0.9]))
-        x, y, angle = case.arm.plane.coordinates(T)
+        x, y, angle = case.arm.solver.control.plane.coordinates(T)
         np.testing.assert_allclose([x, y], [T[:3, 3] @ first, T[:3, 3] @ second], atol=1e-12)
-        ahead = T[:3, :3] @ case.arm.plane.heading
+        ahead = T[:3, :3] @ case.arm.solver.control.plane.heading
         assert angle == pytest.approx(math.atan2(ahead @ second, ahead @ first))
     tilted = rotation(X, 0.4) @ Z
     points = np.array([0 * X, 0.4 * X, 0.8 * X])
     arm = case_of(few_urdf("RR", np.array([tilted, tilted]), points[:2], points[2], rng, aligned=True)).arm
-    np.testing.assert_allclose(arm.plane.axes[0], X, atol=1e-12)
-    np.testing.assert_allclose(arm.plane.normal, tilted, atol=1e-12)
-    np.testing.assert_allclose(np.cross(*arm.plane.axes), arm.plane.normal, atol=1e-12)
+    np.testing.assert_allclose(arm.solver.control.plane.axes[0], X, atol=1e-12)
+    np.testing.assert_allclose(arm.solver.control.plane.normal, tilted, atol=1e-12)
+    np.testing.assert_allclose(np.cross(*arm.solver.control.plane.axes), arm.solver.control.plane.normal, atol=1e-12)
 
 
 def test_known_two_link_arm() -> None:
@@ -223,7 +222,7 @@ def test_the_last_axis_is_not_aimed() -> None:
     axes[4], tool = Z, points[4] + 0.3 * Z
     case = case_of(few_urdf("RRRRR", axes, points, tool, rng, aligned=True))
     assert case.arm.task == "position and axis"
-    np.testing.assert_array_equal(case.arm.control.aimed, X)
+    np.testing.assert_array_equal(case.arm.solver.control.aimed, X)
     q = draw(case, rng, 1)[0]
     assert apart(case, rows(case.arm.ik(target_of(case, q), task="position and axis")), q).min() < 1e-6
 
@@ -278,5 +277,5 @@ def test_targets_are_kept_and_pickled() -> None:
     np.testing.assert_array_equal(solutions.poses, kept)
     far = pickle.loads(pickle.dumps(case.arm.for_task("position"))).ik(target)
     assert far.explain() == case.arm.ik(target, task="position").explain() != ""
-    assert isinstance(far.arm, urdf_ik.Arm)
-    assert case.arm.for_task("pose") is case.arm
+    assert far.solver.task == "position"
+    assert case.arm.for_task("pose").solver is case.arm.solver

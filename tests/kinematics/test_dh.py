@@ -366,7 +366,7 @@ def test_chain_that_has_no_table() -> None:
 def test_links_can_be_seen_and_collided(name: str) -> None:
     """Every link has a visual; links that touch are neither neighbours nor parts of one wrist, and some do touch."""
     arm = urdf_ik.load(DHTable.from_chain(urdf_ik.load(name).chain).to_urdf())
-    body = arm.collision_model
+    body = arm.cell.collisions
     assert body.has_geometry
     text = arm.model.xml.decode()
     assert text.count("<collision>") >= 4

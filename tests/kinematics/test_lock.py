@@ -36,7 +36,7 @@ def test_the_rest_moves_as_pinocchio_says(locked: dict[str, float]) -> None:
     arm = urdf_ik.load(TEXT, "base", "tool", locked=locked)
     free = [k for k, name in enumerate(NAMES) if name not in locked]
     assert arm.joint_names == tuple(NAMES[k] for k in free)
-    assert arm.locked == locked
+    assert dict(arm.chain.locked) == locked
     assert arm.dof == len(free)
     np.testing.assert_array_equal(arm.limits, whole.limits[free])
     for q in np.random.default_rng(0).uniform(-0.5, 0.5, (5, 7)):
@@ -105,7 +105,7 @@ def test_the_cross_check_holds_with_held_joints() -> None:
     arm = urdf_ik.load(text, "base", "tool", locked={"joint_1": 0.8})
     assert crosscheck.check(arm, n=10, collision=False).passed
     again = pickle.loads(pickle.dumps(arm))
-    assert again.locked == arm.locked
+    assert again.chain.locked == arm.chain.locked
     q = np.linspace(-1.0, 1.0, 6)
     np.testing.assert_array_equal(again.fk(q), arm.fk(q))
 
@@ -125,6 +125,6 @@ def test_collision_with_a_held_joint() -> None:
     whole = CollisionModel(arm.model, arm.base, arm.tip)
     for q in np.random.default_rng(0).uniform(-2.0, 2.0, (10, 5)):
         full = np.insert(q, 2, 1.2)
-        shared = set(arm.collision_model.checked_pairs) & set(whole.checked_pairs)
-        ours = {pair for pair in arm.collision_model.colliding_pairs(q) if pair in shared}
+        shared = set(arm.cell.collisions.checked_pairs) & set(whole.checked_pairs)
+        ours = {pair for pair in arm.cell.collisions.colliding_pairs(q) if pair in shared}
         assert ours == {pair for pair in whole.colliding_pairs(full) if pair in shared}

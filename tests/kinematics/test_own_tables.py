@@ -86,7 +86,7 @@ def test_readers_take_it_without_a_word(name: str, capfd: pytest.CaptureFixture[
 def test_contacts_are_collisions(name: str) -> None:
     """No pair of links touches in nearly every posture, and at most a small part of the postures has contacts."""
     arm = urdf_ik.load(name)
-    body = arm.collision_model
+    body = arm.cell.collisions
     assert "always" not in body.allowed_pairs.values()
     share = float(np.mean(body.in_collision(draw(arm, 300))))
     # Planar arms and the SCARA cannot reach themselves.

@@ -23,17 +23,17 @@ def test_they_are_pinocchios(name: str) -> None:
     arm = urdf_ik.load(name)
     model = Reference(arm.model, arm.base, arm.tip).pin_model
     expected = [model.velocityLimit[model.joints[model.getJointId(joint)].idx_v] for joint in arm.joint_names]
-    np.testing.assert_array_equal(arm.velocity_limits, expected)
-    assert not arm.velocity_limits.flags.writeable
+    np.testing.assert_array_equal(arm.solver.velocity_limits, expected)
+    assert not arm.solver.velocity_limits.flags.writeable
 
 
 @pytest.mark.parametrize(("written", "read"), [("2.5", 2.5), ("0", np.inf)])
 def test_what_is_not_given_is_infinite(written: str, read: float) -> None:
     """A joint without a limit has no greatest speed, nor has one whose speed was left at zero."""
     arm = urdf_ik.load(TEXT.format(written))
-    np.testing.assert_array_equal(arm.velocity_limits, [read, np.inf, 0.25])
-    np.testing.assert_array_equal(urdf_ik.load(TEXT.format(written), locked={"j2": 0.3}).velocity_limits, [read, 0.25])
-    np.testing.assert_array_equal(urdf_ik.load(TEXT.format(written), "c", "base").velocity_limits, [0.25, np.inf, read])
+    np.testing.assert_array_equal(arm.solver.velocity_limits, [read, np.inf, 0.25])
+    np.testing.assert_array_equal(urdf_ik.load(TEXT.format(written), locked={"j2": 0.3}).solver.velocity_limits, [read, 0.25])
+    np.testing.assert_array_equal(urdf_ik.load(TEXT.format(written), "c", "base").solver.velocity_limits, [0.25, np.inf, read])
 
 
 @pytest.mark.parametrize("name", LINKAGES)
@@ -41,7 +41,7 @@ def test_no_axis_is_faster_than_its_own_limit(name: str) -> None:
     """At the greatest speed of each joint no joint of the URDF that follows it exceeds its own, and one reaches it."""
     arm = urdf_ik.load(linkage(name, 0), "base", "tool")
     allowed = {joint.name: joint.velocity for joint in arm.model.joints}
-    for joint, speed in zip(arm.joint_names, arm.velocity_limits, strict=True):
+    for joint, speed in zip(arm.joint_names, arm.solver.velocity_limits, strict=True):
         followed = [each for each in arm.chain.followers if each.driver == joint and each.multiplier]
         shares = [speed / allowed[joint], *(speed * abs(each.multiplier) / allowed[each.name] for each in followed)]
         assert max(shares) == pytest.approx(1.0)

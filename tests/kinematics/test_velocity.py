@@ -83,7 +83,7 @@ def test_condition_is_numpys(arm: urdf_ik.Arm, part: str, length: float | None) 
     Q = drawn(arm, 6)
     J = scaled(arm, Q, length or arm.chain.size)[..., ROWS[part], :]
     s = np.linalg.svd(J, compute_uv=False)
-    found = arm.condition_number(Q, part, length)
+    found = velocity.condition_number(arm.chain, Q, part, length)
     lost = s[:, -1] < 1e-14
     assert np.all(found[lost] > 1e13)
     np.testing.assert_allclose(found[~lost], s[~lost, 0] / s[~lost, -1], rtol=1e-9)
@@ -116,7 +116,7 @@ def test_gains_and_directions(arm: urdf_ik.Arm) -> None:
     """Each motion gives its twist with its gain; gains fall; directions are at right angles without units."""
     Q = drawn(arm, 2, 3)
     L = arm.chain.size
-    found = arm.singular_directions(Q)
+    found = velocity.singular_directions(arm.chain, Q)
     n, k = arm.dof, min(arm.dof, 6)
     assert found.twists.shape == (2, 3, 6, 6) and found.motions.shape == (2, 3, n, n)
     J = Reference(arm.model, arm.base, arm.tip).jacobian(Q)
@@ -141,7 +141,7 @@ def test_gains_and_directions(arm: urdf_ik.Arm) -> None:
 def test_straight_wrist() -> None:
     """With q5 = 0, axes 4 and 6 are one: turning them against each other does nothing, and one turn is lost."""
     arm = urdf_ik.load("zyyzyz_6r")
-    found = arm.singular_directions([0.3, -0.5, 0.8, 0.4, 0.0, -0.2])
+    found = velocity.singular_directions(arm.chain, [0.3, -0.5, 0.8, 0.4, 0.0, -0.2])
     (idle,) = found.idle_motions
     np.testing.assert_allclose(np.abs(idle), [0, 0, 0, math.sqrt(0.5), 0, math.sqrt(0.5)], atol=1e-12)
     assert idle[3] * idle[5] < 0
@@ -151,15 +151,15 @@ def test_straight_wrist() -> None:
     without_unit = lost / np.array([*[arm.chain.size] * 3, 1, 1, 1])
     np.testing.assert_allclose(without_unit @ J, 0.0, atol=1e-14)
     assert found.gains[-1] < 1e-15 < 1e-3 < found.gains[-2]
-    near = arm.singular_directions([0.3, -0.5, 0.8, 0.4, 0.01, -0.2])
+    near = velocity.singular_directions(arm.chain, [0.3, -0.5, 0.8, 0.4, 0.01, -0.2])
     assert not near.idle.any() and len(near.lost_twists) == 0
-    assert arm.singular_directions([0.3, -0.5, 0.8, 0.4, 0.01, -0.2], tolerance=0.1).idle.any()
+    assert velocity.singular_directions(arm.chain, [0.3, -0.5, 0.8, 0.4, 0.01, -0.2], tolerance=0.1).idle.any()
 
 
 def test_stretched_planar_arm() -> None:
     """A straight two-link arm cannot move along itself."""
     arm = urdf_ik.load("planar_2r_unit")
-    table = arm.singular_directions([0.0, 0.0], length=1.0)
+    table = velocity.singular_directions(arm.chain, [0.0, 0.0], length=1.0)
     assert table.lost.sum() == 4
     # Nothing lost has a part across the arm with the turn that goes with it; along the arm all is lost.
     along = np.array([1.0, 0, 0, 0, 0, 0])
@@ -178,10 +178,10 @@ def test_undamped_velocities_are_the_pseudoinverse(arm: urdf_ik.Arm) -> None:
     units = np.array([L, L, L, 1, 1, 1])
     expected = np.einsum("...ij,...j->...i", np.linalg.pinv(scaled(arm, Q, L)), twists / units)
     expected = expected * np.where(arm.chain.prismatic, L, 1.0)
-    np.testing.assert_allclose(arm.joint_velocities(Q, twists, damping=0), expected, rtol=1e-8, atol=1e-10)
+    np.testing.assert_allclose(velocity.joint_velocities(arm.chain, Q, twists, damping=0), expected, rtol=1e-8, atol=1e-10)
     J = Reference(arm.model, arm.base, arm.tip).jacobian(Q)
     possible = np.einsum("...ij,...j->...i", J, np.random.default_rng(4).normal(size=(5, arm.dof)))
-    done = np.einsum("...ij,...j->...i", J, arm.joint_velocities(Q, possible, damping=0))
+    done = np.einsum("...ij,...j->...i", J, velocity.joint_velocities(arm.chain, Q, possible, damping=0))
     np.testing.assert_allclose(done, possible, atol=1e-10)
 
 
@@ -192,7 +192,7 @@ def test_damped_velocities_minimise_what_they_should(arm: urdf_ik.Arm, weighted:
     weights = rng.uniform(0.2, 5, arm.dof)
     weights = weights / weights.mean() if weighted else np.ones(arm.dof)
     Q, V, L = drawn(arm, 4), rng.normal(size=(4, 6)), arm.chain.size
-    rates = arm.joint_velocities(Q, V, damping=0.3, weights=7.0 * weights if weighted else None)
+    rates = velocity.joint_velocities(arm.chain, Q, V, damping=0.3, weights=7.0 * weights if weighted else None)
     x = rates / np.where(arm.chain.prismatic, L, 1.0)
     J = scaled(arm, Q, L)
     rest = np.einsum("...ij,...j->...i", J, x) - V / np.array([L, L, L, 1, 1, 1])
@@ -206,18 +206,18 @@ def test_damping_by_the_smallest_singular_value() -> None:
     q = np.array([0.3, -0.5, 0.8, 0.4, 0.0, -0.2])
     for bend in (0.0, 1e-12, 1e-6, 1e-3):
         q[4] = bend
-        assert np.abs(arm.joint_velocities(q, twist)).max() <= np.linalg.norm(twist) / DEFAULT.damping
+        assert np.abs(velocity.joint_velocities(arm.chain, q, twist)).max() <= np.linalg.norm(twist) / DEFAULT.damping
     q[4] = 1e-6
-    assert np.abs(arm.joint_velocities(q, twist, damping=0)).max() > 1e4
+    assert np.abs(velocity.joint_velocities(arm.chain, q, twist, damping=0)).max() > 1e4
     # Continuous across the border where the damping begins.
     bends = np.linspace(0.0, 1.0, 2001)
     Q = np.tile(q, (len(bends), 1))
     Q[:, 4] = bends
-    smallest = arm.singular_directions(Q).gains[:, -1]
+    smallest = velocity.singular_directions(arm.chain, Q).gains[:, -1]
     assert smallest[0] < DEFAULT.damped < smallest[-1]
-    rates = arm.joint_velocities(Q, twist)
+    rates = velocity.joint_velocities(arm.chain, Q, twist)
     free = smallest >= DEFAULT.damped
-    np.testing.assert_allclose(rates[free], arm.joint_velocities(Q[free], twist, damping=0), rtol=1e-10, atol=1e-12)
+    np.testing.assert_allclose(rates[free], velocity.joint_velocities(arm.chain, Q[free], twist, damping=0), rtol=1e-10, atol=1e-12)
     assert np.abs(np.diff(rates, axis=0)).max() < 0.1 * np.abs(rates).max()
 
 
@@ -225,8 +225,8 @@ def test_heavy_joints_move_less() -> None:
     """Of a redundant arm the heavy joint moves less, and the twist is still done."""
     arm = urdf_ik.load("srs_7r")
     q, twist = drawn(arm), [0.1, 0, 0.2, 0, 0.3, 0]
-    light = arm.joint_velocities(q, twist, damping=0)
-    heavy = arm.joint_velocities(q, twist, damping=0, weights=[1, 1, 1000, 1, 1, 1, 1])
+    light = velocity.joint_velocities(arm.chain, q, twist, damping=0)
+    heavy = velocity.joint_velocities(arm.chain, q, twist, damping=0, weights=[1, 1, 1000, 1, 1, 1, 1])
     assert abs(heavy[2]) < 0.02 * abs(light[2])
     np.testing.assert_allclose(arm.jacobian(q) @ heavy, twist, atol=1e-12)
 
@@ -239,7 +239,7 @@ def test_speed_limits_keep_the_direction() -> None:
         np.array([[1.0, 0, 0.5, 0, 2.0, 0], [1e-3, 0, 0, 0, 0, 0]]),
     )
     limits = np.array([1, 1, 0.2, 1.5, 1.5, 2])
-    free, held = arm.joint_velocities(Q, twist), arm.joint_velocities(Q, twist, limits=limits)
+    free, held = velocity.joint_velocities(arm.chain, Q, twist), velocity.joint_velocities(arm.chain, Q, twist, limits=limits)
     np.testing.assert_allclose((np.abs(held[0]) / limits).max(), 1.0, rtol=1e-12)
     np.testing.assert_allclose(held[0] / held[0, 1], free[0] / free[0, 1], rtol=1e-12)
     np.testing.assert_array_equal(held[1], free[1])
@@ -249,7 +249,7 @@ def test_part_of_a_twist() -> None:
     """Three joints give any velocity of the tip when its turning does not matter."""
     arm = urdf_ik.load("positioning_3r")
     Q, v = drawn(arm, 4, 1), np.random.default_rng(2).normal(size=(3, 3))
-    rates = arm.joint_velocities(Q, v, part="translation", damping=0)
+    rates = velocity.joint_velocities(arm.chain, Q, v, part="translation", damping=0)
     assert rates.shape == (4, 3, 3)
     done = np.einsum("aij,abj->abi", arm.jacobian(Q[:, 0])[:, :3], rates)
     np.testing.assert_allclose(done, np.broadcast_to(v, (4, 3, 3)), atol=1e-10)
@@ -259,9 +259,9 @@ def test_arm_without_joints() -> None:
     """Nothing moves, every twist is lost, and nothing raises."""
     arm = urdf_ik.load(serial_urdf("fixed", [((0, 0, 1), (0, 0, 0))], [None]), "base", "tool")
     assert arm.manipulability(np.zeros(0)) == 0
-    assert arm.condition_number(np.zeros((2, 0))).tolist() == [np.inf, np.inf]
-    assert arm.joint_velocities(np.zeros((2, 0)), np.ones(6)).shape == (2, 0)
-    assert arm.singular_directions(np.zeros(0)).lost.all()
+    assert velocity.condition_number(arm.chain, np.zeros((2, 0))).tolist() == [np.inf, np.inf]
+    assert velocity.joint_velocities(arm.chain, np.zeros((2, 0)), np.ones(6)).shape == (2, 0)
+    assert velocity.singular_directions(arm.chain, np.zeros(0)).lost.all()
 
 
 @pytest.mark.parametrize(
@@ -289,15 +289,15 @@ def test_refusals(options: dict[str, object], words: list[str]) -> None:
     arm = urdf_ik.load("zyyzyz_6r")
     given = {"q": np.zeros(6), "twist": np.ones(6), **options}
     with pytest.raises(ArgumentError) as caught:
-        arm.joint_velocities(given.pop("q"), given.pop("twist"), **given)  # type: ignore[arg-type]
+        velocity.joint_velocities(arm.chain, given.pop("q"), given.pop("twist"), **given)  # type: ignore[arg-type]
     assert all(word in str(caught.value) for word in words), str(caught.value)
 
 
 def test_joint_vectors_are_checked() -> None:
     """An invalid joint vector is refused as everywhere."""
     arm = urdf_ik.load("zyyzyz_6r")
-    for use in (arm.manipulability, arm.condition_number, arm.singular_directions):
+    for use in (velocity.manipulability, velocity.condition_number, velocity.singular_directions):
         with pytest.raises(ArgumentError):
-            use(np.zeros(5))
+            use(arm.chain, np.zeros(5))
     with pytest.raises(ArgumentError, match="tolerance=-1"):
-        arm.singular_directions(np.zeros(6), tolerance=-1)
+        velocity.singular_directions(arm.chain, np.zeros(6), tolerance=-1)

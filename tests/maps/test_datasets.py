@@ -56,7 +56,7 @@ def test_what_the_samples_say_is_so(arm: urdf_ik.Arm) -> None:
         assert found.within[k, found.branch[k]]
         gains = found.singular_values[k]
         assert (np.diff(gains) <= 0.0).all()
-        assert found.collision is not None and found.collision[k] == arm.collision_model.in_collision(found.q[k])
+        assert found.collision is not None and found.collision[k] == arm.cell.collisions.in_collision(found.q[k])
     np.testing.assert_array_equal(found.within, arm.ik(found.T).within_limits().valid)
 
 
@@ -168,6 +168,6 @@ def test_pairs_that_may_touch_travel_with_the_drawing(arm: urdf_ik.Arm) -> None:
     import pickle
 
     changed = urdf_ik.load("zyyzyz_6r")
-    changed.collision_model = changed.collision_model.allow(*changed.collision_model.checked_pairs[0])
+    changed = changed.with_cell(changed.cell.allow(*changed.cell.collisions.checked_pairs[0]))
     drawing = Drawing(changed, 10, 0, None, True, 10, 1)
-    assert pickle.loads(pickle.dumps(drawing)).pairs == drawing.pairs != arm.collision_model.checked_pairs
+    assert pickle.loads(pickle.dumps(drawing)).pairs == drawing.pairs != arm.cell.collisions.checked_pairs

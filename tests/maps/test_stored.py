@@ -157,7 +157,7 @@ def test_obstacles_count_and_travel_with_the_question(arm: urdf_ik.Arm, tmp_path
     world.add("wall", urdf_ik.Box((0.1, 3.0, 3.0)), urdf_ik.pose([1.4, 0.0, 0.0]))
     options: dict[str, Any] = {"voxel": 1.1, "orientations": 2, "collision_free": True, "clearance": True}
     changed = urdf_ik.load("zyyzyz_6r")
-    changed.collision_model = changed.collision_model.allow(*changed.collision_model.checked_pairs[0])
+    changed = changed.with_cell(changed.cell.allow(*changed.cell.collisions.checked_pairs[0]))
     found = workspaces.workspace(changed, **options, world=world)
     for place in np.argwhere(found.solutions > 0)[::7]:
         target = np.eye(4)
@@ -169,7 +169,7 @@ def test_obstacles_count_and_travel_with_the_question(arm: urdf_ik.Arm, tmp_path
         if len(q):
             assert found.clearance[tuple(place)] == pytest.approx(changed.clearance(q, world).max(), rel=1e-6)
     asked = filling.Question(changed, found.grid, found.samples, ("solutions", "within", "free"), world, None, 1, 99)
-    assert pickle.loads(pickle.dumps(asked)).pairs == asked.pairs != arm.collision_model.checked_pairs
+    assert pickle.loads(pickle.dumps(asked)).pairs == asked.pairs != arm.cell.collisions.checked_pairs
     path = tmp_path / "map.zarr"
     workspaces.workspace(changed, **options, world=world, store=path)
     world.move("wall", urdf_ik.pose([1.3, 0.0, 0.0]))

@@ -49,7 +49,7 @@ def two_links(rng: np.random.Generator, widest: float = 7.0) -> urdf_ik.Arm:
 
 def side_of_elbow(arm: urdf_ik.Arm, q: Array) -> Array:
     """Positive where the elbow is left of the line from the first axis to the tip, by forward kinematics alone."""
-    plane = arm.plane
+    plane = arm.solver.control.plane
     assert plane is not None
     poses = arm.link_poses(q)
     first, elbow, tip = (poses[link][..., :3, 3] @ plane.axes.T for link in _links(arm))
@@ -70,7 +70,7 @@ def test_planar_regions_are_what_joint_vectors_within_the_limits_reach(seed: int
     arm = two_links(rng)
     region = workspaces.planar(arm)
     q = rng.uniform(*arm.limits.T, (400, 2))
-    points = arm.plane.coordinates(arm.fk(q))[:, :2]
+    points = arm.solver.control.plane.coordinates(arm.fk(q))[:, :2]
     np.testing.assert_allclose(region.tip(q), points, atol=1e-12)
     side = side_of_elbow(arm, q)
     left = side > 0.0
@@ -165,7 +165,7 @@ def test_the_bundled_two_link_arm_by_brute_force() -> None:
     region = workspaces.planar(arm)
     lines = [np.linspace(*limits, 700) for limits in arm.limits]
     q = np.stack(np.meshgrid(*lines), axis=-1).reshape(-1, 2)
-    tips, left = arm.plane.coordinates(arm.fk(q))[:, :2], side_of_elbow(arm, q) > 0.0
+    tips, left = arm.solver.control.plane.coordinates(arm.fk(q))[:, :2], side_of_elbow(arm, q) > 0.0
     cell, count = 0.004, 100  # a grid of squares of 4 mm over 400 mm; tips are at most 1.1 mm apart
     corners = cell * (np.arange(count + 1) - count / 2)
     lattice = np.stack(np.meshgrid(corners, corners, indexing="ij"), axis=-1)

@@ -83,7 +83,7 @@ def refused(folder: Path, name: str, content: str | bytes, words: str) -> None:
     (folder / "arm.urdf").write_text(ARM.format(mesh=name))
     arm = urdf_ik.load(folder / "arm.urdf")
     with pytest.raises(UrdfError, match=words):
-        arm.collision_model.in_collision([0.0, 0.0])
+        arm.cell.collisions.in_collision([0.0, 0.0])
     world = World()
     world.add("m", Mesh(str(folder / name)))
     with pytest.raises(ArgumentError, match=words):
@@ -129,7 +129,7 @@ def test_a_pipe_is_not_waited_for(folder: Path) -> None:
     os.mkfifo(folder / "pipe.stl")
     (folder / "arm.urdf").write_text(ARM.format(mesh="pipe.stl"))
     with pytest.raises(UrdfError, match="not found"):
-        urdf_ik.load(folder / "arm.urdf").collision_model.in_collision([0.0, 0.0])
+        urdf_ik.load(folder / "arm.urdf").cell.collisions.in_collision([0.0, 0.0])
     with pytest.raises(ArgumentError, match="no file"):
         Mesh(folder / "pipe.stl").file()
 

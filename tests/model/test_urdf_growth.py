@@ -151,7 +151,7 @@ def test_names_are_quoted_short_and_as_they_can_be_shown(name: str) -> None:
         lambda: urdf_ik.load(row(2, name=name)).fk([0.0]),
         lambda: urdf_ik.load(row(2).replace("l2", name), tip="x"),
         lambda: World().move(name, [0]), lambda: urdf_ik.load(row(2)).for_task(name), lambda: urdf_ik.load(name),
-        lambda: urdf_ik.load("planar_2r").collision_model.allow(name, name), lambda: urdf_ik.DHTable.read(name),
+        lambda: urdf_ik.load("planar_2r").cell.collisions.allow(name, name), lambda: urdf_ik.DHTable.read(name),
         lambda: urdf_ik.read_waypoints(name), lambda: urdf_ik.maps.workspaces.read(name),
         lambda: urdf_ik.Mesh(name).file(),
         lambda: urdf_ik.load("planar_2r").ik([0, 0], task=name), lambda: urdf_ik.Sphere(name),

@@ -67,8 +67,8 @@ def test_speeds_out_of_range() -> None:
             urdf_ik.load(text(velocity=value))
         assert refused.value.element == '<limit> of <joint name="i">'
     for value in ("0", "1e16", "1e308"):
-        assert urdf_ik.load(text(velocity=value)).velocity_limits[0] == np.inf
-    assert urdf_ik.load(text(velocity="1e15")).velocity_limits[0] == 1e15
+        assert urdf_ik.load(text(velocity=value)).solver.velocity_limits[0] == np.inf
+    assert urdf_ik.load(text(velocity="1e15")).solver.velocity_limits[0] == 1e15
 
 
 @pytest.mark.parametrize("value", ["1e16", "-1e300", "1e-16", "5e-324", "-1e-200"])

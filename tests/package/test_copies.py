@@ -13,6 +13,7 @@ import pytest
 import urdf_ik
 from urdf_ik import errors
 from urdf_ik.cell.reference import Reference
+from urdf_ik.kinematics import velocity
 from urdf_ik.maps import workspaces
 
 Q = [0.3, -0.5, 0.8, 0.4, 0.7, -0.2]
@@ -33,25 +34,25 @@ def objects() -> dict[str, Any]:
     world.add("ball", urdf_ik.Sphere(0.3), urdf_ik.pose([2.4, 0.0, 1.6]))
     found = six.ik(T)
     plan = six.follow(urdf_ik.line(T, six.fk(np.array(Q) + 0.02), 4), world=world)
-    model = six.collision_model.in_world(world).allow("link_1", "ball")
+    model = six.cell.collisions.in_world(world).allow("link_1", "ball")
     grid = workspaces.workspace(two, voxel=0.1, orientations=2)
     tracker = six.tracker(Q, dt=0.01)
     return {
         "arm": six, "seven joints": seven, "mimicking": mimicking(), "task": two.for_task("planar position"),
         "locked": urdf_ik.load("zyyzyz_6r", locked={"joint_1": 0.2}), "free axis": six.with_free_axis("z"),
         "tool": six.with_tool(urdf_ik.pose([0, 0, 0.1]), [urdf_ik.Box((0.1, 0.1, 0.1))]), "chain": six.chain,
-        "coupled chain": mimicking().chain, "model": six.model, "joint": six.model.joints[0], "plane": two.plane,
-        "structure": six.structure, "control": two.control, "redundancy": seven.redundancy, "solutions": found,
+        "coupled chain": mimicking().chain, "model": six.model, "joint": six.model.joints[0], "plane": two.solver.control.plane,
+        "structure": six.structure, "control": two.solver.control, "redundancy": seven.redundancy, "solutions": found,
         "batch": six.ik(np.stack([T, T])), "within limits": found.within_limits(), "turns": found.turns(),
         "solution": found[0], "sweep": seven.sweep(seven_T, 4), "world": world, "obstacle": world["ball"],
         "shapes": (urdf_ik.Box(0.1), urdf_ik.HalfSpace((0, 0, 1)), urdf_ik.Mesh("a.stl")),
         "points": urdf_ik.Points([[0, 0, 1]], 0.1), "collision model": model, "table": model.table(),
-        "nearest": six.nearest_pair(Q), "motions": six.motion_is_free(Q, np.array(Q) + 0.1), "plan": plan,
+        "nearest": six.cell.nearest_pair(Q), "motions": six.motion_is_free(Q, np.array(Q) + 0.1), "plan": plan,
         "timed": plan.timed(1.0, 1.0), "no plan": six.follow(urdf_ik.line(T, urdf_ik.pose([9, 0, 0]), 3)),
         "tracker": tracker, "step": tracker.step(T), "table of an arm": urdf_ik.DHTable.from_chain(six.chain),
         "comparison": urdf_ik.compare(two, two, n=2), "report": urdf_ik.verify.crosscheck.check(two, n=2), "map": grid,
         "slice": grid.slice(), "region": workspaces.planar(two), "reference": Reference(six.model),
-        "singular directions": six.singular_directions(Q), "entry": urdf_ik.model.catalogue.resolve("planar_2r"),
+        "singular directions": velocity.singular_directions(six.chain, Q), "entry": urdf_ik.model.catalogue.resolve("planar_2r"),
     }  # fmt: skip
 
 
@@ -108,8 +109,8 @@ def test_copies_answer_as_before(way: str) -> None:
     assert dict(again.allowed_pairs) == dict(model.allowed_pairs) and again.checked_pairs == model.checked_pairs
     assert again.distance(Q) == model.distance(Q) and again.world.names == ("ball",)
     arm = copy.copy(OBJECTS["arm"])
-    arm.collision_model = model
-    assert "ball" in {name for pair in WAYS[way](arm).collision_model.checked_pairs for name in pair}
+    arm.cell.collisions = model
+    assert "ball" in {name for pair in WAYS[way](arm).cell.collisions.checked_pairs for name in pair}
     assert [plan.cost for plan in WAYS[way](OBJECTS["plan"]).alternatives] == [
         plan.cost for plan in OBJECTS["plan"].alternatives
     ]

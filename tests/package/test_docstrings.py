@@ -36,6 +36,7 @@ WITHOUT_EXAMPLE = {
     "urdf_ik.interop.add_to_viser": "adds to the scene of a page on a port",
     "urdf_ik.show.plot.slider_panel.interact": "sliders of a notebook, which has to be open",
     "urdf_ik.show.plot.slider_panel.show": "opens a window, and waits until somebody closes it",
+    "urdf_ik.arm.arm.Arm.of": "load is shown instead: it reads the model and the chain that this takes",
     "urdf_ik.show.viewer.page.Viewer": "serves a page on a port, for a browser",
 }
 

@@ -15,6 +15,7 @@ from urdf_ik import (
     UrdfIkError,
     interop,
 )
+from urdf_ik.arm import with_positioner
 from urdf_ik.ik import (
     cuspidality,
 )
@@ -72,10 +73,10 @@ TAKES: dict[str, Callable[[Any], Any]] = {
     "places": MAP.grid.places, "best places": PLACES.places, "base": PLACES.base, "scores": PLACES.values,
     "interval": INTERVALS.samples, "best of intervals": INTERVALS.best, "nearest of intervals": INTERVALS.nearest,
     "within limits": lambda x: SEVEN.intervals(T7, x), "locked": SIX.with_locked,
-    "positioner": lambda x: SIX.with_positioner(x, np.eye(4)), "axis": SIX.with_free_axis,
+    "positioner": lambda x: with_positioner(SIX, x, np.eye(4)), "axis": SIX.with_free_axis,
     "reconfigure": lambda x: SIX.follow(LINE, reconfigure=x), "collisions": lambda x: SIX.follow(LINE, collisions=x),
     "region": lambda x: SEVEN.ik_nearest(T7, Q7, region=zero(x)), "Region": urdf_ik.Region,
-    "cone": lambda x: urdf_ik.Region(cone=x), "pairs": SIX.collision_model.checking,
+    "cone": lambda x: urdf_ik.Region(cone=x), "pairs": SIX.cell.collisions.checking,
     "package folders": lambda x: urdf_ik.Mesh("x.stl", package_dirs=zero(x)),
     "arguments of a xacro": lambda x: urdf_ik.load("a.xacro", xacro_args=zero(x)),
     "chain": lambda x: urdf_ik.load("<robot/>" if x is None else SIX.model.xml, chain=x),

@@ -19,7 +19,7 @@ FIRST_CALLS = """
     def work():
         arm = urdf_ik.load("zyyzyz_6r")
         q = [0.3, -0.5, 0.8, 0.4, 0.7, -0.2]
-        assert len(arm.ik(arm.fk(q))) == 8 and arm.cuspidal is False and not arm.collision_model.in_collision(q)
+        assert len(arm.ik(arm.fk(q))) == 8 and is_cuspidal(arm.solver) is False and not arm.cell.collisions.in_collision(q)
         world = urdf_ik.World()
         world.add("ball", urdf_ik.Sphere(0.1), urdf_ik.pose([3.0, 0.0, 0.0]))
         assert arm.clearance(q, world) > 0.0 and len(arm.to_pinocchio(q)) == 6
@@ -42,7 +42,7 @@ PROCESSES = """
     import urdf_ik
 
     def work(arm, q):
-        return len(arm.ik(arm.fk(q), threads=2)), arm.collision_model.in_collision(q)
+        return len(arm.ik(arm.fk(q), threads=2)), arm.cell.collisions.in_collision(q)
 
     if __name__ == "__main__":
         arm = urdf_ik.load("zyyzyz_6r")

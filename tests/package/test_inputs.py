@@ -13,6 +13,8 @@ import pytest
 
 import urdf_ik
 from urdf_ik import UrdfIkError
+from urdf_ik.arm import with_positioner
+from urdf_ik.kinematics import velocity
 from urdf_ik.model import poses
 from urdf_ik.support import inputs
 
@@ -34,9 +36,9 @@ ARRAYS: dict[str, tuple[Callable[[Any], Any], Any]] = {
     "weights": (lambda w: SIX.ik_nearest(T6, Q6, weights=w), Q6**2),
     "within": (lambda w: SIX.ik_nearest(T6, Q6, within=w), np.ones(6)), "nearest": (SOLUTIONS.nearest, Q6),
     "redundancy_of": (SEVEN.redundancy_of, Q7), "sweep": (lambda T: SEVEN.sweep(T, 4), T7),
-    "manipulability": (SIX.manipulability, Q6), "twist": (lambda v: SIX.joint_velocities(Q6, v), np.ones(6)),
+    "manipulability": (SIX.manipulability, Q6), "twist": (lambda v: velocity.joint_velocities(SIX.chain, Q6, v), np.ones(6)),
     "to_pinocchio": (SIX.to_pinocchio, Q6), "from_pinocchio": (SIX.from_pinocchio, Q6),
-    "clearance": (SIX.clearance, Q6), "in_collision": (SIX.collision_model.in_collision, Q6),
+    "clearance": (SIX.clearance, Q6), "in_collision": (SIX.cell.collisions.in_collision, Q6),
     "motion_is_free": (lambda q: SIX.motion_is_free(q, Q6), Q6), "pose": (urdf_ik.pose, [0.1, 0.2, 0.3]),
     "rotation vector": (lambda r: urdf_ik.pose([0, 0, 0], rotvec=r), [0.1, 0.2, 0.3]),
     "to_rpy": (urdf_ik.model.poses.to_rpy, T6),
@@ -55,9 +57,9 @@ NUMBERS: dict[str, tuple[Callable[[Any], Any], float]] = {
     "locked": (lambda x: urdf_ik.load("zyyzyz_6r", locked={"joint_1": x}), 0.3),
     "explain, redundancy": (lambda x: SEVEN.explain(T7, x), 0.3), "tolerance": (SOLUTIONS.within_limits, 0.1),
     "turns": (SOLUTIONS.turns, 0.1), "margin": (lambda x: SOLUTIONS.collision_free(margin=x), 0.1),
-    "in_collision, margin": (lambda x: SIX.collision_model.in_collision(Q6, x), 0.1),
-    "length": (lambda x: SIX.condition_number(Q6, length=x), 0.5), "dt": (lambda x: SIX.tracker(Q6, dt=x), 0.01),
-    "damping": (lambda x: SIX.joint_velocities(Q6, np.ones(6), damping=x), 0.1),
+    "in_collision, margin": (lambda x: SIX.cell.collisions.in_collision(Q6, x), 0.1),
+    "length": (lambda x: velocity.condition_number(SIX.chain, Q6, length=x), 0.5), "dt": (lambda x: SIX.tracker(Q6, dt=x), 0.01),
+    "damping": (lambda x: velocity.joint_velocities(SIX.chain, Q6, np.ones(6), damping=x), 0.1),
     "Sphere": (urdf_ik.Sphere, 0.1), "step": (lambda x: urdf_ik.polyline(CORNERS, x), 0.05),
     "blend": (lambda x: urdf_ik.polyline(CORNERS, 0.05, blend=x), 0.01),
     "voxel": (lambda x: urdf_ik.maps.workspace(TWO, voxel=x, orientations=2), 0.2),
@@ -274,7 +276,7 @@ def test_lists_in_lists_are_named_without_being_written(tmp_path: Path) -> None:
     """A thousand million numbers that share one list, where a name or a path is wanted."""
     many: list[Any] = [[[0.0] * 1000] * 1000] * 1000
     calls: tuple[Callable[[Any], Any], ...] = (
-        urdf_ik.DHTable.read, urdf_ik.load, SIX.write_urdf, urdf_ik.World().__getitem__, SIX.for_task,
+        urdf_ik.DHTable.read, urdf_ik.load, SIX.model.write, urdf_ik.World().__getitem__, SIX.for_task,
         lambda name: SIX.with_tool(np.eye(4), name=name),
     )  # fmt: skip
     for call in calls:
@@ -286,7 +288,7 @@ def test_lists_in_lists_are_named_without_being_written(tmp_path: Path) -> None:
 def test_a_name_that_no_disk_holds_is_refused(tmp_path: Path) -> None:
     """Half of a surrogate pair, as half-read names have."""
     with pytest.raises(UrdfIkError, match="cannot write"):
-        SIX.write_urdf(tmp_path / "\ud800.urdf")
+        SIX.model.write(tmp_path / "\ud800.urdf")
     with pytest.raises(UrdfIkError, match="name too long"):
         urdf_ik.maps.workspace(TWO, 0.2, 2, store=tmp_path / ("x" * 300))
 
@@ -294,7 +296,7 @@ def test_a_name_that_no_disk_holds_is_refused(tmp_path: Path) -> None:
 def test_an_arm_is_no_chain() -> None:
     """Both have forward kinematics; only the one can be what the other is made of."""
     with pytest.raises(urdf_ik.ArgumentError, match="a chain, as"):
-        urdf_ik.Arm(SIX.model, SIX)  # type: ignore[arg-type]
+        urdf_ik.Arm.of(SIX.model, SIX)  # type: ignore[arg-type]
 
 
 def test_a_seed_may_be_a_number_of_numpy() -> None:
@@ -307,15 +309,15 @@ GROUP = '<robot name="r"><group name="g"><chain base_link="base_link" tip_link="
 URDF = SIX.model.xml.decode()
 # What takes a name, a word or an object of this package, and none of those below.
 NAMES: dict[str, Callable[[Any], Any]] = {
-    "positioner": lambda x: SIX.with_positioner(TWO, np.eye(4), name=x), "tool": lambda x: SIX.with_tool(T6, name=x),
+    "positioner": lambda x: with_positioner(SIX, TWO, np.eye(4), name=x), "tool": lambda x: SIX.with_tool(T6, name=x),
     "group": lambda x: urdf_ik.load(URDF, srdf=GROUP, chain=x),
     "base": lambda x: urdf_ik.load(URDF, srdf=GROUP, base=x),
     "xacro argument": lambda x: urdf_ik.load(URDF, xacro_args={"a": 1, 2.5 if isinstance(x, float) else 3: x}),
     "report": lambda x: urdf_ik.verify.testing.verdict(x, "Jacobian"),
     "property": lambda x: urdf_ik.verify.testing.verdict(REPORT, x),
-    "redundancy": lambda x: SEVEN.with_redundancy(x), "given": lambda x: urdf_ik.Arm(SEVEN.model, SEVEN.chain, given=x),
-    "task": lambda x: urdf_ik.Arm(SIX.model, SIX.chain, task=x), "axis": SIX.with_free_axis,
-    "free_axis": lambda x: urdf_ik.Arm(SIX.model, SIX.chain, free_axis=x), "pairs": SIX.collision_model.checking,
+    "redundancy": lambda x: SEVEN.with_redundancy(x), "given": lambda x: urdf_ik.Arm.of(SEVEN.model, SEVEN.chain, given=x),
+    "task": lambda x: urdf_ik.Arm.of(SIX.model, SIX.chain, task=x), "axis": SIX.with_free_axis,
+    "free_axis": lambda x: urdf_ik.Arm.of(SIX.model, SIX.chain, free_axis=x), "pairs": SIX.cell.collisions.checking,
     "self_collision": lambda x: SIX.tracker(Q6, 0.01, self_collision=x),
     "cuspidality": urdf_ik.ik.cuspidality.is_cuspidal,
     "client": lambda x: urdf_ik.maps.engine.run(lambda k: {}, None, client=x),  # type: ignore[arg-type,return-value]

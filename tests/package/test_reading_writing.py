@@ -28,7 +28,7 @@ OLD = b"what was there before"
 WRITERS: dict[str, Callable[[Path], Any]] = {
     "a.csv": PLAN.to_csv, "a.json": PLAN.to_json, "a.npz": PLAN.to_npz, "t.csv": lambda p: PLAN.timed().to_csv(p),
     "t.json": lambda p: PLAN.timed().to_json(p), "t.npz": lambda p: PLAN.timed().to_npz(p),
-    "arm.urdf": SCARA.write_urdf, "arm.png": lambda p: plot.save(plot.arm(SCARA), p),
+    "arm.urdf": SCARA.model.write, "arm.png": lambda p: plot.save(plot.arm(SCARA), p),
     "arm.svg": lambda p: plot.save(plot.arm(SCARA), p),
     "map.npz": lambda p: urdf_ik.maps.workspace(urdf_ik.load("planar_2r"), 0.1, 4).save(p),
 }  # fmt: skip

@@ -26,9 +26,9 @@ def random_line(arm: urdf_ik.Arm, seed: int, count: int = 25) -> np.ndarray:
 def check(arm: urdf_ik.Arm, plan: Plan) -> None:
     """By Pinocchio point and axis are where they must be at the waypoints, and between them within the tolerance."""
     assert plan.found, plan.explain()
-    assert arm.free_axis is not None
+    assert arm.solver.free_axis is not None
     reference = Reference(arm.model, arm.base, arm.tip)
-    far, off = arm.free_axis.apart(reference.pose(plan.q), plan.poses)
+    far, off = arm.solver.free_axis.apart(reference.pose(plan.q), plan.poses)
     assert max(far.max(), off.max()) < 1e-8
     low, high = arm.limits.T
     assert (plan.motion >= low - 1e-9).all()
@@ -43,7 +43,7 @@ def check(arm: urdf_ik.Arm, plan: Plan) -> None:
                 for k, p in zip(first, place, strict=True)
             ]
         )
-        far, off = arm.free_axis.apart(reference.pose(q), ideal)
+        far, off = arm.solver.free_axis.apart(reference.pose(q), ideal)
         assert far.max() < plan.tolerance[0] + 1e-4
         assert off.max() < plan.tolerance[1] + 1e-3
 

@@ -97,7 +97,7 @@ def test_contact_is_named_for_every_branch_that_meets_it_first() -> None:
     free = arm.follow(T, collisions=False)
     world = urdf_ik.World()
     world.add("crate", urdf_ik.Box((0.3, 0.3, 0.3)), T[18])
-    model = arm.collision_model.in_world(world)
+    model = arm.cell.collisions.in_world(world)
     stops = {stop.branch: stop for stop in arm.follow(T, world=world).stops}
     for other in free.alternatives:
         if len(set(other.branches)) > 1:
@@ -113,7 +113,7 @@ def test_a_box_across_the_path_is_named() -> None:
     arm = urdf_ik.load("zyyzyz_6r")
     q = joint_path(arm, 30, 4, size=0.2)
     T = arm.fk(q)
-    if not arm.collision_model.has_geometry:
+    if not arm.cell.collisions.has_geometry:
         pytest.fail("the bundled arm has collision shapes")
     world = urdf_ik.World()
     world.add("crate", urdf_ik.Box((0.3, 0.3, 0.3)), T[18])

@@ -19,11 +19,11 @@ def seam(count: int = 12) -> np.ndarray:
 def check(arm: urdf_ik.Arm, plan: Plan) -> None:
     """At the waypoints by Pinocchio, inside the limits, and proven within the tolerance between."""
     assert plan.found, plan.explain()
-    reference = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
-    if arm.free_axis is None:
+    reference = Reference(arm.model, arm.base, arm.tip, locked=dict(arm.chain.locked))
+    if arm.solver.free_axis is None:
         assert np.abs(reference.pose(plan.q) - plan.poses).max() < 1e-8
     else:
-        assert max(off.max() for off in arm.free_axis.apart(reference.pose(plan.q), plan.poses)) < 1e-8
+        assert max(off.max() for off in arm.solver.free_axis.apart(reference.pose(plan.q), plan.poses)) < 1e-8
     low, high = arm.limits.T
     assert (plan.motion >= low - 1e-9).all()
     assert (plan.motion <= high + 1e-9).all()

@@ -62,10 +62,10 @@ def test_other_tasks_are_followed(name: str, task: str) -> None:
     arm = urdf_ik.load(name)
     assert arm.task == task
     Q = path(arm, 5, span=0.3)
-    targets = arm.control.target_of(arm.fk(Q))
+    targets = arm.solver.control.target_of(arm.fk(Q))
     tracker = arm.for_task(task).tracker(Q[0], DT)
     steps = [tracker.step(target) for target in targets]
-    reached = arm.control.target_of(arm.fk(vectors(steps)))
+    reached = arm.solver.control.target_of(arm.fk(vectors(steps)))
     assert statuses(steps) == {"ok": len(Q)}
     assert np.abs(reached - targets).max() <= EXACT
 

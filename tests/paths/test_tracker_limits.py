@@ -147,6 +147,6 @@ def test_a_motion_into_an_obstacle_is_held() -> None:
     steps = run(tracker, T)
     assert (steps[-1].status, steps[-1].why) == ("held", "collision")
     assert steps[-1].distance > 0.01
-    assert not arm.collision_model.in_world(world).in_collision(steps[-1].q)
+    assert not arm.cell.collisions.in_world(world).in_collision(steps[-1].q)
     world.remove("wall")
     assert run(tracker, np.repeat(T[-1:], 100, axis=0))[-1].status == "ok"

@@ -206,7 +206,7 @@ def test_what_an_arm_controls_of_a_pose_is_a_target_for_it(task: str, rows: list
     arm = urdf_ik.load(DHTable.from_array(rows, "standard", degrees=True).to_urdf())
     assert arm.task == task
     Q = np.random.default_rng(5).uniform(-2.0, 2.0, (20, arm.dof))
-    found = arm.ik(arm.control.target_of(arm.fk(Q)), task=task)
+    found = arm.ik(arm.solver.control.target_of(arm.fk(Q)), task=task)
     assert np.abs(found.nearest(Q).q[:, 0] - Q).max() < 1e-6
 
 

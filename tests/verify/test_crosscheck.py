@@ -15,6 +15,7 @@ from arms import KINDS, random_arm
 from rich.console import Console
 
 import urdf_ik
+from urdf_ik.arm import with_positioner
 from urdf_ik.cell.reference import Reference
 from urdf_ik.errors import UnsupportedArm, UrdfError, UrdfIkError
 from urdf_ik.verify.crosscheck import Report, Row, check, replay
@@ -101,9 +102,9 @@ def test_random_members_of_every_family_pass(kind: str) -> None:
 
 def test_arms_with_two_redundancy_parameters_pass() -> None:
     """A free axis on seven joints, and a positioner of two on six: poses are solved at the values of both."""
-    table = loaded("zyyzyz_6r").with_positioner(loaded("planar_2r"), np.eye(4))
+    table = with_positioner(loaded("zyyzyz_6r"), loaded("planar_2r"), np.eye(4))
     for arm in (urdf_ik.load("srs_7r").with_free_axis("z"), table):
-        assert len(arm.redundancies) == 2
+        assert len(arm.solver.parameters) == 2
         report = check(arm, 20, seed=2)
         assert report.passed, str(report)
         assert tuple(row.name for row in report.rows) == ROWS

@@ -17,7 +17,7 @@ namespace {
 
 // The numbers are those of one pose: 16 of the target, then the joint vectors, then a byte of flags for each.
 struct Answer {
-    PyObject_HEAD PyObject *arm, *branches, *origin, *step, *redundancy;
+    PyObject_HEAD PyObject *solver, *branches, *origin, *step, *redundancy;
     PyObject *poses, *q, *info;  // arrays; null: not asked for yet
     double* numbers;
     npy_intp columns, joints;
@@ -57,7 +57,7 @@ template <PyObject* Answer::* field> int set(PyObject* self, PyObject* value, vo
 int traverse(PyObject* object, visitproc visit, void* arg) {
     Answer* self = (Answer*)object;
     for (PyObject* each :
-         {self->arm, self->branches, self->origin, self->step, self->redundancy, self->poses, self->q, self->info}) {
+         {self->solver, self->branches, self->origin, self->step, self->redundancy, self->poses, self->q, self->info}) {
         Py_VISIT(each);
     }
     Py_VISIT(Py_TYPE(object));
@@ -67,7 +67,7 @@ int traverse(PyObject* object, visitproc visit, void* arg) {
 int clear(PyObject* object) {
     Answer* self = (Answer*)object;
     for (PyObject** each :
-         {&self->arm, &self->branches, &self->origin, &self->step, &self->redundancy, &self->poses, &self->q, &self->info}) {
+         {&self->solver, &self->branches, &self->origin, &self->step, &self->redundancy, &self->poses, &self->q, &self->info}) {
         Py_CLEAR(*each);
     }
     return 0;
@@ -83,7 +83,7 @@ void destroy(PyObject* object) {
 }
 
 PyMemberDef members[] = {
-    {"arm", T_OBJECT, offsetof(Answer, arm), 0, "The arm that was solved."},
+    {"solver", T_OBJECT, offsetof(Answer, solver), 0, "The solver that made them."},
     {"_branches", T_OBJECT, offsetof(Answer, branches), 0, nullptr},
     {"_origin", T_OBJECT, offsetof(Answer, origin), 0, nullptr},
     {"step", T_OBJECT, offsetof(Answer, step), 0, "How they were made from other solutions; None: solved."},
@@ -119,7 +119,7 @@ template <int D> const double* numbers_of(nb::handle object, const npy_intp (&sh
 
 }  // namespace
 
-nb::object solve_one(const Solver& solver, nb::handle kind, nb::handle arm, nb::handle branches, nb::handle T, nb::handle q_ref) {
+nb::object solve_one(const Solver& solver, nb::handle kind, nb::handle owner, nb::handle branches, nb::handle T, nb::handle q_ref) {
     const double* target = numbers_of(T, {4, 4});
     const double* reference = q_ref.is_none() ? nullptr : numbers_of(q_ref, {solver.joints});
     PyTypeObject* type = (PyTypeObject*)kind.ptr();
@@ -136,7 +136,7 @@ nb::object solve_one(const Solver& solver, nb::handle kind, nb::handle arm, nb::
     double* q = self->numbers + TARGET;
     const Batch batch = {self->numbers, 1, reference, nullptr, q, (std::uint8_t*)(q + count)};
     if (solver.solve(batch) >= 0) return nb::none();
-    self->arm = Py_NewRef(arm.ptr()), self->branches = Py_NewRef(branches.ptr());
+    self->solver = Py_NewRef(owner.ptr()), self->branches = Py_NewRef(branches.ptr());
     return made;
 }
 

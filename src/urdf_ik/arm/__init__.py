@@ -1,8 +1,9 @@
-"""Arm: what :func:`load` returns. It joins reading, chain, structure, family and solutions."""
+"""The record that users hold, and ``load``, which makes it."""
 
 from __future__ import annotations
 
-from urdf_ik.arm.arm import Arm
+from urdf_ik.arm.arm import Arm, arm_of
 from urdf_ik.arm.loading import load
+from urdf_ik.arm.positioner import with_positioner
 
-__all__ = ["Arm", "load"]
+__all__ = ["Arm", "arm_of", "load", "with_positioner"]

@@ -1,53 +1,60 @@
-"""The arm: its kinematics, its solutions, and what it reaches of higher rooms when asked."""
+"""Arm: a URDF, its chain, its solver and its cell, as one record."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from functools import cached_property
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Self
 
-import numpy as np
-
-from urdf_ik.arm.freedom import Free
 from urdf_ik.arm.html import html
-from urdf_ik.errors import ArgumentError, PoseError, UnsupportedArm
-from urdf_ik.ik import families
-from urdf_ik.ik.families import Plan, RedundantPlan
-from urdf_ik.ik.families.wrappers import axis_free
-from urdf_ik.ik.redundancy import nearest, region_search, sweep
-from urdf_ik.ik.refusals import check_free_axis, check_given, unsupported
-from urdf_ik.ik.solutions import IKSolutions
-from urdf_ik.ik.solutions.representatives import near_each
-from urdf_ik.ik.tasks import TASKS, Targets
-from urdf_ik.kinematics.chain.redundancy import spread
-from urdf_ik.kinematics.structure import Structure, analyse
-from urdf_ik.model.poses import as_pose_array, check_poses
+from urdf_ik.cell import tool
+from urdf_ik.cell.cell import Cell
+from urdf_ik.errors import ArgumentError
+from urdf_ik.ik import preparation, solve
+from urdf_ik.ik.explanation import explain
+from urdf_ik.ik.nearest import nearest
+from urdf_ik.ik.redundancy import values
+from urdf_ik.ik.redundancy.interval_search import intervals
+from urdf_ik.ik.redundancy.sweep import sweep
+from urdf_ik.ik.solutions import limits
+from urdf_ik.kinematics import velocity
+from urdf_ik.kinematics.chain import from_urdf, velocity_limits
+from urdf_ik.paths.follow import follow
+from urdf_ik.paths.tracker import Tracker
 from urdf_ik.support import inputs
-from urdf_ik.support.angles import shortest
-from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
-    from urdf_ik._core import Solver
-    from urdf_ik.ik.redundancy import Region
-    from urdf_ik.ik.solutions.distances import Metric
+    from urdf_ik.cell.swept_motions import Motions
+    from urdf_ik.cell.tool import Shapes
+    from urdf_ik.cell.world import World
+    from urdf_ik.ik.redundancy import Intervals, Sweep
+    from urdf_ik.ik.solutions import IKSolutions
+    from urdf_ik.ik.solver import Solver
     from urdf_ik.kinematics.chain import Chain
     from urdf_ik.kinematics.chain.free_axis import FreeAxis
+    from urdf_ik.kinematics.chain.redundancy import Redundancy
+    from urdf_ik.kinematics.structure import Structure
     from urdf_ik.model.urdf import UrdfModel
+    from urdf_ik.paths import Plan
 
     Array = NDArray[np.float64]
 
-_LINE = 8  # numbers in a cache line
 
+@dataclass(frozen=True, eq=False, repr=False)
+class Arm:
+    """A serial arm, read from a URDF and ready to be solved; :func:`urdf_ik.load` makes it.
 
-class Arm(Free):
-    """A serial arm, read from a URDF and ready to be solved.
+    Joint vectors are rad or m, base to tip. Poses (4, 4) are those of the tip link in the base link [m].
 
     Attributes:
         model: the URDF as it was read.
         chain: screw axes of the joints from base to tip.
-        structure: relations of the axes, family, method and branches; ``str()`` reads like a sentence.
+        solver: the structure of the axes, the family and the compiled solver; see :class:`urdf_ik.ik.solver.Solver`.
+        cell: self-collision, worlds and Pinocchio's reference; see :class:`urdf_ik.cell.cell.Cell`.
 
     Example:
         >>> import urdf_ik
@@ -56,120 +63,174 @@ class Arm(Free):
         (6, 'pose', '6R spherical wrist, 2||3 and 1x2')
     """
 
-    def __init__(
-        self,
+    model: UrdfModel
+    chain: Chain
+    solver: Solver
+    cell: Cell
+
+    @classmethod
+    def of(
+        cls,
         model: UrdfModel,
         chain: Chain,
         task: str = "pose",
         free_axis: FreeAxis | None = None,
-        given: tuple[str, ...] = (),
-    ) -> None:
-        """Analyse the chain and prepare its solver.
-
-        Args:
-            model: the URDF.
-            chain: the joints from base to tip.
-            task: what ``ik`` takes as target where it is not said there; see :meth:`ik`.
-            free_axis: a line in the tip about which it may be turned; see :meth:`with_free_axis`.
-            given: names of joints whose values are the redundancy parameters; see :meth:`with_redundancy`.
+        given: Any = (),
+        cell: Cell | None = None,
+    ) -> Self:
+        """The arm of a URDF and one of its chains; see :func:`urdf_ik.ik.preparation.prepare` for the settings.
 
         Raises:
-            ChainError: one of ``given`` is no joint of the chain.
-            ArgumentError: more joints are given than a pose leaves free, or ``free_axis`` is no axis.
-            ArgumentError: there is no such task, or the arm cannot control it, or its tip cannot turn about an axis.
-            UnsupportedArm: no solver takes this arm for a task other than 'pose'.
+            ArgumentError: ``model`` or ``chain`` is something else, or a setting does not fit.
+            ChainError: one of ``given`` is not a joint of the chain.
+            UnsupportedArm: no solver takes this arm with these settings.
         """
         inputs.kind(model, "joints", "model", "a URDF, as urdf_ik.load(...).model is,")
         inputs.kind(chain, "image_turns", "chain", "a chain, as urdf_ik.load(...).chain is,")
-        super().__init__(model, chain, free_axis)
-        given = check_given(self.name, chain, given)
-        if not isinstance(task, str):
-            raise ArgumentError(f"task={quoted(task)} given; one of {', '.join(map(repr, TASKS))} is needed")
-        self.structure: Structure = analyse(chain)
-        self._by_task: dict[str, Arm] = {task: self}
-        self._core: Solver | None = None
-        self._task, self._given = task, given
-        # How targets of a task other than a pose are read.
-        self._targets: Targets | None = None if task == "pose" else Targets(self.name, chain, self.control, task)
-        plan = self._targets.plan(self.structure) if self._targets else families.choose(self.structure, chain, given)
-        if plan is None and given:
-            raise UnsupportedArm(f"{self.name}: no solver for the other joints with {', '.join(given)} given")
-        if free_axis is not None:
-            check_free_axis(self.name, chain, free_axis, plan, self.task if task == "pose" else task)
-        if plan is not None and free_axis is not None:
-            plan = axis_free.prepare(chain, plan, free_axis)
-        self._plan: Plan | None = plan
-        if plan is not None:
-            self.structure = replace(
-                self.structure,
-                family=plan.name,
-                reason=plan.reason,
-                method=plan.method,
-                branches=plan.branches,
-                imperfection=plan.imperfection,
-                error=plan.error,
-                is_general=plan.family.by_elimination and chain.n == 6,
-                by_quadratics=plan.by_quadratics,
-            )
-            self._core = plan.solver
-            self._branches, self._shape = plan.branches, (1, len(plan.branches), chain.n)
-        # The solver where targets are poses: it takes a single one without detours.
-        self._of_single_poses = None if self._targets else self._core
+        cell = Cell(model, chain) if cell is None else cell
+        speeds = velocity_limits(model, chain)
+        return cls(model, chain, preparation.prepare(model.name, chain, speeds, cell, task, free_axis, given), cell)
 
-    def _repr_html_(self) -> str:
-        return html(self)
+    @property
+    def name(self) -> str:
+        """The robot's name in the URDF."""
+        return self.model.name
 
-    def __repr__(self) -> str:
-        return f"<Arm {self.name!r}: {self.base} to {self.tip}, {self.structure.family or f'{self.dof} joints'}>"
+    @property
+    def base(self) -> str:
+        """Base link; poses are expressed in it."""
+        return self.chain.base
 
-    def __reduce__(self) -> tuple[type[Arm], tuple[Any, ...], dict[str, Any] | None]:
-        # The collision model is built when it is asked for; only what a user changed of it must not be lost.
-        own = self.__dict__.get("collision_model")
-        kept = {"collision_model": own} if own is not None and own.is_changed else None
-        return Arm, (self.model, self.chain, self._task, self._free_axis, self._given), kept
+    @property
+    def tip(self) -> str:
+        """Tip link, whose pose is solved for."""
+        return self.chain.tip
 
-    def _again(self, **changed: Any) -> Self:
-        make: Any = type(self)
-        settings: dict[str, Any] = {"free_axis": self._free_axis, "given": self._given, **changed}
-        model, chain = settings.pop("model", self.model), settings.pop("chain", self.chain)
-        made: Self = make(model, chain, self._task, **settings)
-        return made
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Movable joints, base to tip."""
+        return self.chain.joint_names
 
-    def for_task(self, task: str) -> Arm:
-        """This arm, its ``ik`` and ``explain`` taking targets of a task; see :meth:`ik`.
+    @property
+    def dof(self) -> int:
+        """Number of movable joints."""
+        return self.chain.n
 
-        Raises:
-            ArgumentError: there is no such task, or the arm cannot control it.
-            UnsupportedArm: no solver takes this arm.
+    @property
+    def limits(self) -> Array:
+        """(n, 2) rad or m; a continuous joint has (-inf, inf)."""
+        return self.chain.limits
+
+    @property
+    def structure(self) -> Structure:
+        """Relations of the axes, family, method and branches; ``str()`` reads like a sentence."""
+        return self.solver.structure
+
+    @property
+    def task(self) -> str:
+        """What the arm can control: 'pose', 'position', 'position and axis', 'planar position' or 'planar pose'."""
+        return self.solver.control.task
+
+    @property
+    def redundancy(self) -> Redundancy | None:
+        """The redundancy parameter of an arm with seven joints or a free axis; None where a pose leaves nothing free.
+
+        The first one of an arm with several; ``arm.solver.parameters`` holds all.
+        """
+        return self.solver.parameter
+
+    def fk(self, q: ArrayLike) -> Array:
+        """Pose of the tip in the base: (..., n) rad or m to (..., 4, 4); see :meth:`Chain.fk`.
 
         Example:
             >>> import urdf_ik
-            >>> arm = urdf_ik.load("planar_2r").for_task("planar position")
-            >>> len(arm.ik([0.1, 0.1]))
-            2
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> (arm.fk([0.0, 0.0, 0.1, 0.0])[:3, 3].round(6) + 0.0).tolist()
+            [0.6, 0.0, 0.23]
         """
-        if not isinstance(task, str):
-            raise ArgumentError(f"task={quoted(task)} given; one of {', '.join(map(repr, TASKS))} is needed")
-        if task not in self._by_task:
-            if self._free_axis is not None:
-                raise ArgumentError(
-                    f"{self.name}: with {self._free_axis} free, targets are poses, of which the rotation about it does "
-                    f"not matter; {quoted(task)} is a task of the arm without a free axis"
-                )
-            self._by_task[task] = arm = Arm(self.model, self.chain, task)
-            arm._by_task = self._by_task
-        return self._by_task[task]
+        return self.chain.fk(q)
 
-    @cached_property
-    def cuspidal(self) -> bool | None:
-        """Whether the arm can change from one solution of a pose to another without crossing a singularity.
+    def jacobian(self, q: ArrayLike) -> Array:
+        """Geometric Jacobian at the tip in base axes: (..., n) to (..., 6, n); see :meth:`Chain.jacobian`.
 
-        False and True are proven, joint limits aside; None where neither a proof nor a path was found, and where no
-        solver takes the arm. Found when first asked for, which takes up to a second; see :mod:`urdf_ik.ik.cuspidality`.
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("planar_2r")
+            >>> (arm.jacobian([0.0, 0.0]).round(6) + 0.0)[[0, 1, 5]].tolist()
+            [[0.0, 0.0], [0.196, 0.13], [1.0, 1.0]]
         """
-        from urdf_ik.ik.cuspidality import is_cuspidal
+        return self.chain.jacobian(q)
 
-        return is_cuspidal(self)
+    def link_poses(self, q: ArrayLike) -> dict[str, Array]:
+        """Pose of every link in the base: (..., n) to (..., 4, 4) each; see :meth:`Chain.link_poses`.
+
+        Example:
+            >>> import urdf_ik
+            >>> poses = urdf_ik.load("scara_rrpr").link_poses([0.0, 0.0, 0.1, 0.0])
+            >>> (poses["link_2"][:3, 3].round(6) + 0.0).tolist()
+            [0.325, 0.0, 0.38]
+        """
+        return self.chain.link_poses(q)
+
+    def manipulability(self, q: ArrayLike, part: str = "all") -> Array:
+        """Yoshikawa's manipulability: (..., n) to (...); see :func:`urdf_ik.kinematics.velocity.manipulability`.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("planar_2r_unit")
+            >>> arm.manipulability([[0.0, 0.5], [0.0, 1.5]], "translation").round(4).tolist()
+            [0.4794, 0.9975]
+        """
+        return velocity.manipulability(self.chain, q, part)
+
+    def limit_margin(self, q: ArrayLike) -> Array:
+        """How far (..., n) rad or m are from the joint limits: (...), the least joint's share of half its range.
+
+        1 in the middle of all ranges, 0 at a limit, negative outside; see :func:`urdf_ik.ik.solutions.limits.margin`.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> middle = arm.limits.mean(axis=1)
+            >>> (arm.limit_margin([middle, arm.limits[:, 1]]).round(6) + 0.0).tolist()
+            [1.0, 0.0]
+        """
+        return limits.margin(self.chain.check(q), self.limits)
+
+    def to_pinocchio(self, q: ArrayLike) -> Array:
+        """Configurations (..., nq) of Pinocchio's model of the whole URDF: joints by name, continuous ones (cos, sin).
+
+        Joints beside the chain stay at zero; those that mimic others follow them. ``arm.cell.reference.pin_model`` is
+        the ``pinocchio.Model``.
+
+        Raises:
+            ArgumentError: the last dimension of ``q`` (..., n) is not n, or a value is not finite.
+            UrdfError: Pinocchio refuses the URDF.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> arm.to_pinocchio([0.1, 0.2, 0.3, 0.4, 0.5, 0.6]).tolist()
+            [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
+        """
+        return self.cell.reference.configurations(self.chain.check(q))
+
+    def from_pinocchio(self, q_pin: ArrayLike) -> Array:
+        """Joint vectors (..., n) rad or m of configurations (..., nq), the inverse of :meth:`to_pinocchio`.
+
+        Angles of continuous joints come back in (-pi, pi].
+
+        Raises:
+            ArgumentError: the last dimension is not nq, or a value is not finite.
+            UrdfError: Pinocchio refuses the URDF.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> arm.from_pinocchio(arm.to_pinocchio([0.3, 0.5, 0.1, 0.2])).round(6).tolist()
+            [0.3, 0.5, 0.1, 0.2]
+        """
+        return self.cell.reference.joint_vectors(q_pin)
 
     def ik(
         self,
@@ -188,35 +249,33 @@ class Arm(Free):
         free joint (of the shoulder or the wrist) stands at zero, or near ``q_ref`` where that is given.
 
         Args:
-            T: (..., 4, 4) pose of the tip in the base [m], a ``pinocchio.SE3`` or a list of them. A rotation
-                that is off by rounding (up to 1e-5) is replaced by the nearest one. The answer keeps a stack
-                of poses by reference, for ``explain``; a single pose is copied.
+            T: (..., 4, 4) pose of the tip in the base [m], a ``pinocchio.SE3`` or a list of them. A rotation that is
+                off by rounding (up to 1e-5) is replaced by the nearest one. The answer keeps a stack of poses by
+                reference, for ``explain``; a single pose is copied.
             q_ref: (n,) rad, joint vector near which representatives of a continuum are chosen.
-            redundancy: (...) rad or m, values of the redundancy parameter of an arm with seven joints or a free axis,
-                which broadcast against the poses: ``ik(T[:, None], redundancy=values)`` solves every pose at every
-                value. Default: ``self.redundancy.default``. (..., k) for an arm with k parameters.
+            redundancy: (...) rad or m, values of the redundancy parameter, which broadcast against the poses:
+                ``ik(T[:, None], redundancy=values)`` solves every pose at every value. Default:
+                ``self.redundancy.default``. (..., k) for an arm with k parameters.
             threads: number of threads that share a batch.
             task: what ``T`` is; default: a pose. An arm with few joints controls less, and takes that as target too,
                 see :attr:`task`: 'position' (..., 3) m in the base; 'position and axis' (..., 6), position and a
                 direction in the base for the tip's z axis (its x axis, else y, where the joints do not control z: see
-                ``arm.control.aimed``), or a pair of these; 'planar position' (..., 2) m and 'planar pose' (..., 3) m,
-                m, rad in the arm's plane, see :attr:`plane`.
+                ``arm.solver.control.aimed``), or a pair of these; 'planar position' (..., 2) m and 'planar pose'
+                (..., 3) m, m, rad in the arm's plane, see ``arm.solver.control.plane``.
 
         Returns:
-            The solutions, (..., B, n), one column a branch. Those of seven joints are all there are at the value that
-            is given, and ``singular`` says where the Jacobian drops rank while it is kept.
+            The solutions, (..., B, n), one column a branch. Those of seven joints are all that exist at the given
+            value, and ``singular`` says where the Jacobian drops rank while it is kept.
 
         Raises:
-            PoseError: a target is no pose, or no target of the task; the error holds its index in the batch.
-            ArgumentError: ``q_ref`` or ``redundancy`` does not fit.
-            ArgumentError: there is no such task, or the arm cannot control it.
+            PoseError: a target is not finite, or is no pose.
+            ArgumentError: ``q_ref``, ``redundancy``, ``threads`` or ``task`` does not fit.
             UnsupportedArm: no solver takes this arm.
 
         Example:
             >>> import urdf_ik
             >>> arm = urdf_ik.load("zyyzyz_6r")
-            >>> s = arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))
-            >>> for solution in s.within_limits():
+            >>> for solution in arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])):
             ...     print(solution.branch)
             shoulder front, elbow up, wrist noflip
             shoulder front, elbow up, wrist flip
@@ -227,123 +286,27 @@ class Arm(Free):
             shoulder back, elbow down, wrist noflip
             shoulder back, elbow down, wrist flip
         """
-        if task is not None and not (isinstance(task, str) and task == self._task):
-            return self.for_task(task).ik(T, q_ref, redundancy=redundancy, threads=threads)
-        single: Any = self._of_single_poses
-        if (
-            single is not None
-            and redundancy is None
-            and type(threads) is int
-            and threads == 1
-            and T is not None
-            and (q_ref is None or type(T) is np.ndarray)
-        ):
-            solutions: IKSolutions | None  # which the compiled core makes; None where the target is a batch or no array
-            if q_ref is None:
-                solutions = single.one(IKSolutions, self, self._branches, T)
-            else:
-                solutions = single.one_near(IKSolutions, self, self._branches, T, self._reference(q_ref))
-            if solutions is not None:
-                return solutions
-        if self._plan is None:
-            raise unsupported(self.name, self.chain, self.structure)
-        threads = inputs.threads(threads)
-        if self._targets is not None:
-            if redundancy is not None:
-                raise UnsupportedArm(f"{self.name}: targets of the task {self._task!r} leave nothing free")
-            return self._ik_of_task(self._targets, T, q_ref, threads)
-        if type(T) is np.ndarray and T.shape == (4, 4) and T.dtype == np.float64:
-            # A copy, so that the answer does not change when the caller's array does.
-            target = T.copy()
-        else:
-            target = as_pose_array(T)
-            target = target.copy() if target is T and target.ndim == 2 else target
-        reference = None if q_ref is None else self._reference(q_ref)
-        values = None
-        if redundancy is not None:
-            target, values = spread(self._redundant_plan().parameters, target, redundancy)
-        batch = target.shape[:-2]
-        stack = target.reshape(-1, 4, 4)
-        q, flags = self._room(len(stack))
+        solver = self.solver if task is None else solve.for_task(self.solver, preparation.check_task(task))
+        return solve.solve(solver, T, q_ref, redundancy, threads)
 
-        if self._fill(stack, values, reference, q, flags, threads) >= 0:
-            self._refuse(target)
-        q, flags = q.reshape(*batch, *q.shape[1:]), flags.reshape(*batch, flags.shape[1])
-        return IKSolutions(self, target, q, flags, self._branches, redundancy=values)
-
-    def _ik_of_task(self, targets: Targets, T: Any, q_ref: ArrayLike | None, threads: int) -> IKSolutions:
-        """The solutions of targets of a task."""
-        target = targets.read(T)
-        batch = target.shape[:-1]
-        stack = targets.for_solver(target.reshape(-1, target.shape[-1]))
-        reference = None if q_ref is None else self._reference(q_ref)
-        q, flags = self._room(len(stack))
-        if self._fill(stack, None, reference, q, flags, threads) >= 0:
-            raise PoseError(f"a target for the task {targets.task!r} is not finite, or its direction has no length")
-        q, flags = q.reshape(*batch, *q.shape[1:]), flags.reshape(*batch, flags.shape[1])
-        return IKSolutions(self, target, q, flags, self._branches)
-
-    def _room(self, m: int) -> tuple[Array, NDArray[np.uint8]]:
-        """Arrays for the answers of m poses: joint vectors (m, B, n) that begin at a cache line, and flags (m, B).
-
-        Stores across cache lines cost a batch half of its speed.
-        """
-        size = m * self._shape[1] * self._shape[2]
-        numbers = np.empty(size + _LINE)
-        start = -(numbers.__array_interface__["data"][0] // numbers.itemsize) % _LINE
-        q = numbers[start : start + size].reshape(m, *self._shape[1:])
-        return q, np.empty((m, self._shape[1]), np.uint8)
-
-    def _fill(
-        self,
-        stack: Array,
-        values: Array | None,
-        q_ref: Array | None,
-        q: Array,
-        flags: NDArray[np.uint8],
-        threads: int,
-    ) -> int:
-        """Solve targets (m, ...), at these values of the redundancy parameter; index of the first bad one or -1."""
-        assert self._core is not None  # an arm without a solver is refused before
-        return self._core.solve(stack, q_ref, q, flags, None if values is None else values.reshape(-1), threads)
-
-    def ik_nearest(
-        self,
-        T: Any,
-        q_ref: ArrayLike,
-        *,
-        metric: Metric = "l2",
-        weights: ArrayLike | None = None,
-        within: ArrayLike | None = None,
-        within_limits: bool = True,
-        region: Region | None = None,
-        threads: int = 1,
-        task: str | None = None,
-    ) -> IKSolutions:
+    def ik_nearest(self, T: Any, q_ref: ArrayLike, *, task: str | None = None, **options: Any) -> IKSolutions:
         """The joint vector nearest to ``q_ref``: of all solutions, and over all values of a redundancy parameter.
 
         Args:
             T: as in ``ik``.
             q_ref: (n,), or one for each pose (..., n), rad or m.
-            metric: 'l2', 'max' or 'time', the distance; see :meth:`IKSolutions.nearest`, also for the next three.
-            weights: (n,) of the joints in the distance.
-            within: rad or m that no joint may be further away, one number or one a joint.
-            within_limits: whether only what lies inside the joint limits counts.
-            region: how far the tip may be from ``T``, see :class:`urdf_ik.Region`; the ``poses`` of the answer are
-                those that were chosen in it. The optimum is local, see
-                :mod:`urdf_ik.ik.redundancy.region_search`; so it is for an arm with several redundancy parameters.
-            threads: number of threads that share the work.
             task: what ``T`` is; see ``ik``.
+            **options: ``metric``, ``weights``, ``within``, ``within_limits`` (True), ``region`` and ``threads``: see
+                :func:`urdf_ik.ik.nearest.nearest`.
 
         Returns:
-            One column a pose; of a continuum what ``ik`` gives near ``q_ref``, its free joint there. With seven
-            joints, ``redundancy`` holds the values of the parameter, of all in :meth:`intervals`, to 1e-8.
+            One column a pose; of a continuum what ``ik`` gives near ``q_ref``. With seven joints, ``redundancy`` holds
+            the values of the parameter, of all in :meth:`intervals`, to 1e-8. With a region, ``poses`` holds the
+            targets that were chosen in it.
 
         Raises:
             PoseError: a target is no pose.
-            ArgumentError: ``q_ref``, ``weights`` or ``within`` does not fit.
-            ArgumentError: there is no such metric, or ``within`` is negative.
-            ArgumentError: there is no such task, or the arm cannot control it.
+            ArgumentError: ``q_ref``, ``task`` or an option does not fit.
             UnsupportedArm: no solver takes this arm.
 
         Example:
@@ -353,27 +316,8 @@ class Arm(Free):
             >>> arm.ik_nearest(arm.fk(q), q).q.round(6).tolist()
             [[0.3, -0.5, 0.8, 0.4, 0.7, -0.2]]
         """
-        if task is not None and not (isinstance(task, str) and task == self._task):
-            arm = self.for_task(task)
-            return arm.ik_nearest(
-                T, q_ref, metric=metric, weights=weights, within=within, within_limits=within_limits, threads=threads
-            )
-        options: Any = {"metric": metric, "weights": weights, "within": within, "within_limits": within_limits}
-        if region is not None or len(self.redundancies) > 1:
-            if self._plan is None:
-                raise unsupported(self.name, self.chain, self.structure)
-            if self._targets is not None:
-                raise ArgumentError(f"{self.name}: a region is one of poses, not of the task {self._task!r}")
-            if region is not None and self._free_axis is not None:
-                raise ArgumentError(f"{self.name}: {self._free_axis} is free; a region has rotation=pi for that")
-            return region_search.nearest(self, T, q_ref, region, threads=threads, **options)
-        if isinstance(self._plan, RedundantPlan):
-            return nearest.nearest(self, self._plan, T, q_ref, threads=threads, **options)
-        reference = self.chain.check(q_ref)
-        near = reference if reference.ndim == 1 else None
-        solutions = self.ik(T, near, threads=threads)
-        solutions = near_each(solutions, reference) if near is None else solutions
-        return solutions.nearest(reference, **options)
+        solver = self.solver if task is None else solve.for_task(self.solver, preparation.check_task(task))
+        return nearest(solver, T, q_ref, **options)
 
     def explain(self, T: Any, redundancy: ArrayLike | None = None) -> str:
         """Why the single pose ``T`` (4, 4) has no solution inside the joint limits, with what is out of range.
@@ -397,42 +341,341 @@ class Arm(Free):
             >>> arm.explain(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))
             ''
         """
-        found = self.ik(T, redundancy=redundancy)
-        if not found.shape and found.count:
-            why = found.within_limits().explain()
-            elsewhere = why and redundancy is None and len(self.redundancies) == 1
-            return "" if elsewhere and len(self.intervals(T)) else why
-        if self._targets is not None:
-            target = self._targets.read(T)
-            if target.ndim != 1:
-                raise PoseError(f"an array of shape {target.shape} given; explain takes a single target")
-            assert self._plan is not None  # a task without a solver is refused when it is chosen
-            return self._plan.explain(self._targets.poses(target[None])[0])
-        target = check_poses(T)
-        if target.ndim != 2:
-            raise PoseError(f"an array of shape {target.shape} given; explain takes a single pose (4, 4)")
-        if self._plan is None:
-            raise unsupported(self.name, self.chain, self.structure)
-        if redundancy is None and not isinstance(self._plan, RedundantPlan):
-            return self._plan.explain(target)
-        plan = self._redundant_plan()
-        if len(plan.parameters) == 1:
-            return sweep.explanation(self, plan, target, redundancy)
-        _, values = spread(plan.parameters, target, plan.defaults if redundancy is None else redundancy)
-        if values.ndim != 1:
-            raise ArgumentError(
-                f"redundancy of shape {values.shape} given; explain takes one value of each of the "
-                f"{len(plan.parameters)} parameters"
-            )
-        return plan.explain_at(target, values)
+        return explain(self.solver, T, redundancy)
 
-    def _reference(self, q_ref: ArrayLike) -> Array:
-        q = self.chain.check(q_ref)
-        if q.shape != (self.dof,):
-            raise ArgumentError(f"q_ref of shape {q.shape} given; one joint vector ({self.dof},) is needed")
-        return np.where(self.chain.prismatic, q, shortest(q))  # turns do not matter to an answer in (-pi, pi]
+    def intervals(
+        self, T: Any, within_limits: bool = True, world: World | None = None, *, threads: int = 1
+    ) -> Intervals:
+        """Where along the redundancy parameter each branch has solutions, and what ends them.
 
-    def _refuse(self, T: Array) -> None:
-        """Raise the error that says what is wrong with the first bad pose."""
-        check_poses(T)
-        raise PoseError("a rotation that is neither orthonormal nor near it")
+        The curves of solutions are followed from a grid of values; their ends are computed to 1e-9. For exact S-R-S
+        arms, and for a free axis that is that of the last joint, they are roots in closed form.
+        :mod:`urdf_ik.ik.redundancy.interval_search` says how, and what may be missed between two values of the grid.
+
+        Args:
+            T: (..., 4, 4) poses of the tip in the base [m], or a ``pinocchio.SE3``.
+            within_limits: only solutions inside the joint limits count.
+            world: only solutions count that touch neither it nor the arm itself.
+            threads: number of threads that share the solving.
+
+        Returns:
+            Of a single pose a sequence of :class:`urdf_ik.Interval`, by branch and by value; of a batch,
+            ``intervals[i]`` are those of one pose.
+
+        Raises:
+            PoseError: a target is no pose.
+            UnsupportedArm: the arm has no redundancy parameter, or several.
+            UrdfError: a world is given, and the URDF's collision shapes are missing or cannot be read.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("srs_7r")
+            >>> first = arm.intervals(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]))[0]
+            >>> round(first.low, 6), round(first.high, 6), str(first.ends[0])
+            (-2.588603, -1.49593, "lower limit of joint 'joint_3'")
+        """
+        return intervals(self.solver, T, within_limits=within_limits, world=world, threads=threads)
+
+    def sweep(self, T: Any, n: int = 64, *, within_limits: bool = False, threads: int = 1) -> Sweep:
+        """The solutions of one pose at ``n`` values of the redundancy parameter, and where there are any.
+
+        Args:
+            T: (4, 4) pose of the tip in the base [m], or a ``pinocchio.SE3``.
+            n: number of values, shared among the intervals in which there are solutions by their lengths.
+            within_limits: only solutions inside the joint limits count.
+            threads: number of threads that share the work.
+
+        Raises:
+            PoseError: ``T`` is no pose, or more than one.
+            UnsupportedArm: the arm has no redundancy parameter.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("srs_7r")
+            >>> sweep = arm.sweep(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]), n=16)
+            >>> sweep.solutions.q.shape, sweep.intervals.round(3).tolist()
+            ((16, 8, 7), [[-3.142, 3.142]])
+        """
+        return sweep(self.solver, T, n, within_limits=within_limits, threads=threads)
+
+    def redundancy_of(self, q: ArrayLike, T: Any = None) -> Array:
+        """Values of the redundancy parameters at joint vectors: ``ik`` finds them again at these.
+
+        Args:
+            q: (..., n) rad or m.
+            T: (..., 4, 4) m, the poses that they are to reach, which say what the rotation about a free axis is;
+                default: the poses that the tip has, so that this rotation is zero. Other parameters follow from ``q``.
+
+        Returns:
+            (...) of one parameter, (..., k) of k of them.
+
+        Raises:
+            ArgumentError: ``q`` does not fit, or does not reach ``T``, whatever the rotation about the free axis.
+            PoseError: ``T`` holds an invalid pose.
+            UnsupportedArm: the arm has no such parameter.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("srs_7r")
+            >>> q = [0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]
+            >>> value = arm.redundancy_of(q)
+            >>> arm.ik(arm.fk(q), redundancy=value).nearest(q).to_array().round(6).tolist()
+            [[0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]]
+        """
+        return values.redundancy_of(self.solver, q, T)
+
+    def clearance(self, q: ArrayLike, world: World | None = None) -> float | Array:
+        """Least distance between links that must not touch, and between them and the obstacles of a world.
+
+        Args:
+            q: (..., n) rad or m.
+            world: the obstacles; default: none, only the arm itself.
+
+        Returns:
+            A float for one joint vector, else (...) [m]: 0 in collision, infinite where nothing can collide.
+
+        Raises:
+            ArgumentError: ``q`` does not fit; an obstacle's mesh cannot be read, or it has the name of a link.
+            UrdfError: the URDF has no collision shapes, or not all of them were found.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm, world = urdf_ik.load("zyyzyz_6r"), urdf_ik.World()
+            >>> world.add("ceiling", urdf_ik.HalfSpace((0, 0, -1), -3.33))
+            >>> round(float(arm.clearance([0.0] * 6, world)), 3)
+            0.03
+        """
+        return self.cell.clearance(q, world)
+
+    def motion_is_free(self, q0: ArrayLike, q1: ArrayLike, world: World | None = None, margin: float = 0.0) -> Motions:
+        """Whether straight motions in joint space are free of contact from end to end: proven, not sampled.
+
+        Each joint goes from its value in ``q0`` to its value in ``q1``, in proportion to the others, turns included.
+        A motion that is not called free has a contact, or comes within 0.1 mm of one
+        (``urdf_ik.cell.swept_motions.TOUCH``), where no finite number of distances can prove it free.
+
+        Args:
+            q0: (..., n) rad or m.
+            q1: (..., n) rad or m; the leading dimensions broadcast against those of ``q0``.
+            world: the obstacles; default: none, only the arm itself.
+            margin: m that the bodies must stay apart.
+
+        Returns:
+            Its ``free`` (...) says which motions are; ``share`` (...) and ``pairs`` describe the first contact of
+            the others. Of a single motion, the result itself is true or false.
+
+        Raises:
+            ArgumentError: the arrays do not fit the arm or each other, a joint goes farther than 10000 rad or m, or
+                ``margin`` or an obstacle is invalid.
+            UrdfError: the URDF has no collision shapes, or not all of them were found.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm, world = urdf_ik.load("scara_rrpr"), urdf_ik.World()
+            >>> world.add("post", urdf_ik.Cylinder(0.05, 2.0), urdf_ik.pose([0.5, 0.0, 0.0]))
+            >>> motion = arm.motion_is_free([-1.0, 0.0, 0.1, 0.0], [1.0, 0.0, 0.1, 0.0], world)
+            >>> bool(motion), round(float(motion.share), 2), motion.pairs
+            (False, 0.42, [('link_2', 'post')])
+        """
+        return self.cell.motion_is_free(q0, q1, world, margin)
+
+    def follow(self, T: Any, **settings: Any) -> Plan:
+        """The cheapest joint motion along a path, over all branches and turns, without a jump.
+
+        From waypoint to waypoint the joints move linearly, and the tip is proven to keep within a tolerance of the
+        straight segment; where it would not, waypoints are put in between, and ``Plan.motion`` holds them. Values of a
+        redundancy parameter are searched on a grid first, and then on finer ones around the way found.
+
+        Args:
+            T: (m, 4, 4) m, waypoints; see :func:`urdf_ik.line`, :func:`urdf_ik.arc`, :func:`urdf_ik.polyline`.
+            **settings: ``start``, ``end``, ``world``, ``margin``, ``collisions``, ``cost``, ``weights``, ``margins``,
+                ``max_step``, ``tolerance`` and ``reconfigure``: see :func:`urdf_ik.paths.follow.follow`.
+
+        Returns:
+            See :class:`urdf_ik.Plan`; where ``found`` is false, ``explain()`` says how far each branch gets.
+
+        Raises:
+            ArgumentError: waypoints, ``start``, ``end`` or a setting do not fit.
+            PoseError: a waypoint is no pose.
+            UrdfError: a world is given, and the arm has no collision shapes.
+            UnsupportedArm: no solver takes this arm.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> T0 = arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
+            >>> T1 = T0.copy()
+            >>> T1[1, 3] += 0.2
+            >>> plan = arm.follow(urdf_ik.line(T0, T1, 50))
+            >>> plan.found, len(plan.q), len(set(plan.branches))
+            (True, 50, 1)
+        """
+        return follow(self.solver, self.cell, T, **settings)
+
+    def tracker(self, q0: ArrayLike, dt: float, **options: Any) -> Tracker:
+        """A tracker of targets, one each cycle of ``dt`` s, from ``q0`` on: see :class:`urdf_ik.paths.Tracker`.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> tracker = arm.tracker([0.3, -0.5, 0.8, 0.4, 0.7, -0.2], dt=0.004)
+            >>> tracker.step(arm.fk([0.301, -0.5, 0.8, 0.4, 0.7, -0.2])).status
+            'ok'
+        """
+        return Tracker(self.solver, q0, dt, **options)
+
+    def with_tool(self, pose: Any, shapes: Shapes = (), name: str = "tool") -> Self:
+        """This arm with a tool at its tip: a new arm whose tip is the tool's centre point, and whose tool collides.
+
+        The tool is a link of the new arm's URDF, fixed to the present tip, so that Pinocchio sees it too, and
+        ``arm.model.write`` writes it. Tools may be stacked. Base, locked joints, task and changes of the
+        allowed-collision table stay. A tool may touch the links that any link in its place may touch.
+
+        Args:
+            pose: (4, 4) of the tool's centre point in the present tip link [m], or a ``pinocchio.SE3``.
+            shapes: what the tool is made of, each a shape or a pair (shape, pose in the present tip link [m]):
+                ``Box``, ``Sphere``, ``Cylinder``, ``Capsule`` and ``Mesh``.
+            name: of the tool's link.
+
+        Raises:
+            PoseError: an invalid pose.
+            ArgumentError: the URDF has a link of this name, a shape is invalid, or the tip has a free axis.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> body = (urdf_ik.Cylinder(0.03, 0.2), urdf_ik.pose([0.0, 0.0, 0.1]))
+            >>> torch = arm.with_tool(urdf_ik.pose([0.0, 0.05, 0.25], rpy=[0.5, 0.0, 0.0]), [body], name="torch")
+            >>> torch.tip, len(torch.ik(torch.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])))
+            ('torch', 8)
+        """
+        model = tool.with_tool(self.model, preparation.fixed_tip(self.solver), pose, shapes, name)
+        return self._again(model=model, chain=from_urdf(model, self.base, name).lock(dict(self.chain.locked)))
+
+    def with_free_axis(self, axis: Any, at: ArrayLike | None = None) -> Self:
+        """This arm, its tip free to turn about an axis: a new arm with one redundancy parameter more.
+
+        For tools that are round: welding, spraying, drilling, gripping a cylinder. The parameter's value v [rad] says
+        how far the tip is turned from the target: ``ik(T, redundancy=v)`` solves the target turned by v about the axis,
+        ``T @ arm.solver.free_axis.rotation(v)``; ``ik(T)`` is v = 0. ``ik_nearest`` and ``follow`` choose the rotation.
+        Mount a tool first: the axis belongs to the tip link. An arm with seven joints has two parameters then, this
+        one first, and takes values ``redundancy=(..., 2)``.
+
+        Args:
+            axis: 'x', 'y' or 'z' of the tip, or a direction (3,) in the tip's frame.
+            at: (3,) m, a point on the axis in the tip's frame; default: the tip's origin.
+
+        Raises:
+            ArgumentError: an invalid axis, the arm has a free axis already, a joint in its middle is given, or it
+                has less than six joints or controls less than a pose.
+            UnsupportedArm: no solver takes this arm.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("puma_560").with_free_axis("z")
+            >>> T = arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
+            >>> s = arm.ik(T, redundancy=0.5)
+            >>> arm.redundancy_of(s.to_array(), T).round(6).tolist()
+            [0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5]
+        """
+        return replace(self, solver=preparation.with_free_axis(self.solver, axis, at))
+
+    def with_redundancy(self, *joints: str) -> Self:
+        """This arm, the values of these joints being its redundancy parameters: a new arm.
+
+        A rail, the joint of a positioner, or any other of seven joints or more. An end joint costs what the six others
+        cost. One in the middle makes another arm of every value, prepared when the value is first asked for: a
+        fraction of a millisecond for closed forms, up to a second for an elimination. ``arm.structure.reason`` says
+        which parameter an arm has by itself, and why.
+
+        Args:
+            joints: names, as many as a pose leaves free, or fewer, to which others are added.
+                ``arm.solver.parameters`` says in which order ``ik`` takes their values.
+
+        Raises:
+            ChainError: the chain has no such joint; the error lists those it has.
+            ArgumentError: more joints than a pose leaves free.
+            UnsupportedArm: no solver takes the other joints, or joints mimic others.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("srs_7r").with_redundancy("joint_1")
+            >>> arm.redundancy.joint, arm.redundancy.kind
+            ('joint_1', 'locked joint')
+        """
+        return replace(self, solver=self.solver.again(given=joints))
+
+    def with_locked(self, values: Mapping[str, float]) -> Self:
+        """This arm, joints being held at these values [rad or m]: a new arm of the other joints.
+
+        Joints of the chain become part of the fixed geometry; those beside it, such as the joints of a second arm,
+        stand there as obstacles. Joints that are held already stay held, unless ``values`` names them anew.
+
+        Raises:
+            ChainError: the URDF has no such joint; the error lists those that it has.
+            ArgumentError: a value is not a finite number.
+
+        Example:
+            >>> import urdf_ik
+            >>> left = urdf_ik.load("dual_6r", tip="left_tool0")
+            >>> q = [-1.2, 0.4, -2.6, 2.3, -0.9, -2.5]
+            >>> crossed = left.with_locked({"right_joint_1": 1.6, "right_joint_2": 0.4, "right_joint_3": -2.6})
+            >>> bool(left.clearance(q) > 0.02), float(crossed.clearance(q))
+            (True, 0.0)
+        """
+        given = inputs.mapping(values, "values", "a value for each joint by name")
+        chain = from_urdf(self.model, self.base, self.tip).lock({**dict(self.chain.locked), **given})
+        return self._again(chain=chain)
+
+    def with_cell(self, cell: Cell) -> Self:
+        """This arm in another cell: a new arm with other allowed collisions.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> arm.with_cell(arm.cell.allow("link_4", "link_6")).cell.nearest_pair([0.0] * 6).links
+            ('link_3', 'link_5')
+        """
+        return replace(self, cell=cell, solver=self.solver.again(contacts=cell))
+
+    def for_task(self, task: str) -> Self:
+        """This arm, its ``ik`` and ``explain`` taking targets of a task; see :meth:`ik`.
+
+        Raises:
+            ArgumentError: there is no such task, or the arm cannot control it.
+            UnsupportedArm: no solver takes this arm.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("planar_2r").for_task("planar position")
+            >>> len(arm.ik([0.1, 0.1]))
+            2
+        """
+        return replace(self, solver=solve.for_task(self.solver, preparation.check_task(task)))
+
+    def _again(self, model: UrdfModel | None = None, chain: Chain | None = None) -> Self:
+        """This arm with another URDF or chain, and with the settings that it has."""
+        model, chain = model or self.model, chain or self.chain
+        of = self.solver
+        return type(self).of(model, chain, of.task, of.free_axis, of.given, self.cell.moved_to(model, chain))
+
+    def _repr_html_(self) -> str:
+        return html(self.solver)
+
+    def __repr__(self) -> str:
+        return f"<Arm {self.name!r}: {self.base} to {self.tip}, {self.structure.family or f'{self.dof} joints'}>"
+
+
+def arm_of(solver: Solver) -> Arm:
+    """The arm whose solver made solutions, intervals or a plan.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("planar_2r")
+        >>> arm_of(arm.ik(arm.fk([0.1, 0.2])).solver).model is arm.model
+        True
+    """
+    cell = solver.contacts
+    if not isinstance(cell, Cell):
+        raise ArgumentError(f"{solver.name}: a solver that was prepared without a cell belongs to no arm")
+    return Arm(cell.model, solver.chain, solver, cell)

@@ -1,28 +1,31 @@
-"""An arm as HTML, which a notebook shows."""
+"""An arm as HTML, for notebooks."""
 
 from __future__ import annotations
 
 from html import escape
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdf_ik.ik.solutions.tables import stick_picture, table
 from urdf_ik.support.palette import colours
 
+if TYPE_CHECKING:
+    from urdf_ik.ik.solver import Solver
 
-def html(arm: Any) -> str:
+
+def html(solver: Solver) -> str:
     """Joints and limits, how it is solved, and a small picture of it nearest to zero within its limits."""
-    kinds = arm.chain.joint_types
+    kinds = solver.chain.joint_types
     rows = [
         [str(k + 1), name, kind, _bound(lower), _bound(upper), "m" if kind == "prismatic" else "rad"]
-        for k, (name, kind, (lower, upper)) in enumerate(zip(arm.joint_names, kinds, arm.limits, strict=True))
+        for k, (name, kind, (lower, upper)) in enumerate(zip(solver.joint_names, kinds, solver.limits, strict=True))
     ]
-    structure = arm.structure
+    structure = solver.structure
     solved = f"{structure.family}: {structure.solutions_in_words()}" if structure.family else "no solver takes it"
-    title = f"{arm.name}: {arm.base} to {arm.tip}"
-    q = np.clip(np.zeros(arm.dof), *arm.limits.T)
-    picture = stick_picture(arm, q[None], colours(1))
+    title = f"{solver.name}: {solver.chain.base} to {solver.chain.tip}"
+    q = np.clip(np.zeros(solver.dof), *solver.limits.T)
+    picture = stick_picture(solver.chain, q[None], colours(1))
     joints = table(["#", "joint", "type", "lower", "upper", "unit"], rows)
     return f"<div><p><b>{escape(title)}</b><br/>{escape(solved)}</p>{picture}{joints}</div>"
 

@@ -76,7 +76,7 @@ def load(
     elif chain is not None:
         raise ArgumentError(f"chain={quoted(chain)} and tip={quoted(tip)} say the same; give one of them")
     given: Any = (redundancy,) if isinstance(redundancy, str) else redundancy
-    return Arm(model, from_urdf(model, base, tip).lock({} if locked is None else locked), given=given)
+    return Arm.of(model, from_urdf(model, base, tip).lock({} if locked is None else locked), given=given)
 
 
 def read(

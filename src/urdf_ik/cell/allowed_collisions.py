@@ -34,7 +34,7 @@ class Table:
 
     Example:
         >>> import urdf_ik
-        >>> table = urdf_ik.load("planar_2r").collision_model.table()
+        >>> table = urdf_ik.load("planar_2r").cell.collisions.table()
         >>> table.checked, table.allowed["base_link", "link_1"]
         ((('base_link', 'link_2'),), 'adjacent')
     """

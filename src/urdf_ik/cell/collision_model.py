@@ -154,7 +154,7 @@ class CollisionModel(Questions):
 
         Example:
             >>> import urdf_ik
-            >>> print(urdf_ik.load("planar_2r").collision_model.table())
+            >>> print(urdf_ik.load("planar_2r").cell.collisions.table())
             first      second
             base_link  link_2  checked
             base_link  link_1  allowed: adjacent
@@ -173,7 +173,7 @@ class CollisionModel(Questions):
             >>> import urdf_ik
             >>> world = urdf_ik.World()
             >>> world.add("floor", urdf_ik.HalfSpace((0, 0, 1)))
-            >>> model = urdf_ik.load("planar_2r").collision_model
+            >>> model = urdf_ik.load("planar_2r").cell.collisions
             >>> len(model.in_world(world).checked_pairs) - len(model.checked_pairs)
             2
         """
@@ -200,7 +200,7 @@ class CollisionModel(Questions):
 
         Example:
             >>> import urdf_ik
-            >>> model = urdf_ik.load("zyyzyz_6r").collision_model
+            >>> model = urdf_ik.load("zyyzyz_6r").cell.collisions
             >>> pair = model.checked_pairs[0]
             >>> model.allow(*pair).allowed_pairs[pair]
             'allowed'
@@ -220,7 +220,7 @@ class CollisionModel(Questions):
 
         Example:
             >>> import urdf_ik
-            >>> model = urdf_ik.load("zyyzyz_6r").collision_model
+            >>> model = urdf_ik.load("zyyzyz_6r").cell.collisions
             >>> pair = next(iter(model.allowed_pairs))
             >>> pair in model.checked_pairs, pair in model.check(*pair).checked_pairs
             (False, True)
@@ -236,7 +236,7 @@ class CollisionModel(Questions):
 
         Example:
             >>> import urdf_ik
-            >>> model = urdf_ik.load("zyyzyz_6r").collision_model
+            >>> model = urdf_ik.load("zyyzyz_6r").cell.collisions
             >>> model.checking(model.checked_pairs[:3]).checked_pairs == model.checked_pairs[:3]
             True
         """
@@ -267,7 +267,7 @@ class CollisionModel(Questions):
             >>> import urdf_ik
             >>> arm = urdf_ik.load("zyyzyz_6r")
             >>> longer = arm.with_tool(urdf_ik.pose([0.0, 0.0, 0.1]), [urdf_ik.Sphere(0.02)], name="probe")
-            >>> model = arm.collision_model.rebuilt(longer.model, longer.base, longer.tip, None)
+            >>> model = arm.cell.collisions.rebuilt(longer.model, longer.base, longer.tip, None)
             >>> any("probe" in pair for pair in model.checked_pairs)
             True
         """

@@ -31,7 +31,7 @@ class Nearest(NamedTuple):
 
     Example:
         >>> import urdf_ik
-        >>> links, distance = urdf_ik.load("planar_2r").nearest_pair([0.0, 0.0])
+        >>> links, distance = urdf_ik.load("planar_2r").cell.nearest_pair([0.0, 0.0])
         >>> links, distance > 0.0
         (('base_link', 'link_2'), True)
     """
@@ -79,7 +79,7 @@ class Questions:
             >>> import urdf_ik
             >>> world = urdf_ik.World()
             >>> world.add("ceiling", urdf_ik.HalfSpace((0, 0, -1), -3.33))
-            >>> model = urdf_ik.load("zyyzyz_6r").collision_model.in_world(world)
+            >>> model = urdf_ik.load("zyyzyz_6r").cell.collisions.in_world(world)
             >>> model.in_collision([0.0] * 6), model.in_collision([0.0] * 6, margin=0.05)
             (False, True)
         """
@@ -117,7 +117,7 @@ class Questions:
             >>> import urdf_ik
             >>> world = urdf_ik.World()
             >>> world.add("ceiling", urdf_ik.HalfSpace((0, 0, -1), -3.33))
-            >>> round(urdf_ik.load("zyyzyz_6r").collision_model.in_world(world).distance([0.0] * 6), 3)
+            >>> round(urdf_ik.load("zyyzyz_6r").cell.collisions.in_world(world).distance([0.0] * 6), 3)
             0.03
         """
         Q, places, scene = self._rows(q)
@@ -146,7 +146,7 @@ class Questions:
             >>> import urdf_ik
             >>> world = urdf_ik.World()
             >>> world.add("ball", urdf_ik.Sphere(0.1), urdf_ik.pose([0.0, 0.0, 1.0]))
-            >>> urdf_ik.load("zyyzyz_6r").collision_model.in_world(world).colliding_pairs([0.0] * 6)
+            >>> urdf_ik.load("zyyzyz_6r").cell.collisions.in_world(world).colliding_pairs([0.0] * 6)
             (('link_1', 'ball'),)
         """
         Q, scene, checked = self._one(q)
@@ -175,7 +175,7 @@ class Questions:
             >>> import urdf_ik
             >>> world = urdf_ik.World()
             >>> world.add("ceiling", urdf_ik.HalfSpace((0, 0, -1), -3.33))
-            >>> pair = urdf_ik.load("zyyzyz_6r").collision_model.in_world(world).nearest_pair([0.0] * 6)
+            >>> pair = urdf_ik.load("zyyzyz_6r").cell.collisions.in_world(world).nearest_pair([0.0] * 6)
             >>> pair.links, round(pair.distance, 3)
             (('link_6', 'ceiling'), 0.03)
         """
@@ -202,7 +202,7 @@ class Questions:
 
         Example:
             >>> import urdf_ik
-            >>> model = urdf_ik.load("zyyzyz_6r").collision_model
+            >>> model = urdf_ik.load("zyyzyz_6r").cell.collisions
             >>> model.motions_free([[0.0] * 6], [[0.3, 0.2, 0.1, 0.0, 0.0, 0.0]]).free.tolist()
             [True]
         """
@@ -235,7 +235,7 @@ class Questions:
         Example:
             >>> import urdf_ik
             >>> arm = urdf_ik.load("zyyzyz_6r")
-            >>> arm.collision_model.in_collision_with(arm.link_poses([0.0] * 6))
+            >>> arm.cell.collisions.in_collision_with(arm.link_poses([0.0] * 6))
             False
         """
         hits: bool | NDArray[np.bool_] = self._each_placing(link_poses, False)
@@ -258,7 +258,7 @@ class Questions:
         Example:
             >>> import urdf_ik
             >>> arm, q = urdf_ik.load("zyyzyz_6r"), [0.3, -0.5, 0.8, 0.4, 0.7, -0.2]
-            >>> model = arm.collision_model
+            >>> model = arm.cell.collisions
             >>> round(model.distance_with(arm.link_poses(q)) - model.distance(q), 6) + 0.0
             0.0
         """

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from lxml import etree
 
 from urdf_ik.cell.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from urdf_ik.errors import ArgumentError, PoseError
-from urdf_ik.kinematics.chain import from_urdf
 from urdf_ik.model import poses, urdf
 from urdf_ik.model.xml import require_name
 from urdf_ik.support.text import quoted
@@ -21,7 +20,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from urdf_ik.arm.kinematics import Kinematics
     from urdf_ik.model.urdf import UrdfModel
 
     Array = NDArray[np.float64]
@@ -30,31 +28,14 @@ if TYPE_CHECKING:
 Shapes = Sequence[Shape | tuple[Shape, Any]] | Shape
 """What a tool is made of: shapes, each alone or with its pose in the link that the tool is mounted on."""
 
-AnyArm = TypeVar("AnyArm", bound="Kinematics")
 
-
-def with_tool(arm: AnyArm, pose: Any, shapes: Shapes, name: str) -> AnyArm:
-    """See :meth:`urdf_ik.Arm.with_tool`."""
-    if arm.free_axis is not None:
-        raise ArgumentError(
-            f"{arm.name}: {arm.free_axis} is free, and a tool would move the tip away from it; mount the tool first, "
-            "then say which of its axes is free: arm.with_tool(...).with_free_axis(...)"
-        )
+def with_tool(model: UrdfModel, mount: str, pose: Any, shapes: Shapes, name: str) -> UrdfModel:
+    """A URDF with a tool at the link ``mount``; see :meth:`urdf_ik.Arm.with_tool`."""
     centre = _one_pose(pose, "the tool's centre point")
     given = [shapes] if isinstance(shapes, Shape) else shapes
     if not isinstance(given, list | tuple):
         raise ArgumentError(f"shapes={quoted(shapes)} given; a list of shapes, or of pairs (shape, pose), is needed")
-    bodies = [_placed(each) for each in given]
-    model = _written(arm.model, arm.tip, name, centre, bodies)
-    # Made again as a copy of it would be, which keeps the task, from another URDF.
-    parts: Any = arm.__reduce__()
-    make, (_, _, *rest), _ = parts
-    new: AnyArm = make(model, from_urdf(model, arm.base, name).lock(arm.locked), *rest)
-    # The allowed-collision table is only taken along where somebody changed it: the others are built when asked for.
-    own = arm.__dict__.get("collision_model")
-    if own is not None and own.is_changed:
-        new.collision_model = own.rebuilt(model, new.base, new.tip, new.locked)  # type: ignore[attr-defined]
-    return new
+    return _written(model, mount, name, centre, [_placed(each) for each in given])
 
 
 def _written(model: UrdfModel, mount: str, name: str, centre: Array, bodies: list[tuple[Shape, Array]]) -> UrdfModel:

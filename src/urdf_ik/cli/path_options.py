@@ -74,6 +74,7 @@ class Followed:
     """A plan and its inputs.
 
     Attributes:
+        arm: the arm that follows the path.
         plan: found or not.
         source: the file of the waypoints, as a message calls it.
         world: its obstacles, or None.
@@ -81,6 +82,7 @@ class Followed:
         seconds: time that the search took [s].
     """
 
+    arm: Arm
     plan: Plan
     source: str
     world: World | None
@@ -131,4 +133,4 @@ def followed(arm: Arm, angles: Angles, typed: PathOptions, chosen: ArmOptions) -
             tolerance=tolerance,
             reconfigure=bool(typed.reconfigure),
         )
-    return Followed(plan, console.place(typed.waypoints), world, cost, progress.seconds)
+    return Followed(arm, plan, console.place(typed.waypoints), world, cost, progress.seconds)

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.ik.solve import solve
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import shortest
 
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from urdf_ik.ik.solutions.solved_arm import SolvingArm
+    from urdf_ik.ik.solver import Solver
     from urdf_ik.kinematics.chain import Chain
 
     Array = NDArray[np.float64]
@@ -45,22 +46,22 @@ _CLEAR, _LEAST = 1e-9, 1e-12  # of the polynomial's greatest coefficient, and as
 _DISTINCT = 1e-3  # rad
 
 
-def is_cuspidal(arm: SolvingArm) -> bool | None:
+def is_cuspidal(solver: Solver) -> bool | None:
     """Whether an arm can change solutions without crossing a singularity; None where that is not known.
 
     Example:
         >>> import urdf_ik
         >>> arm = urdf_ik.load("zyyzyz_6r")
-        >>> is_cuspidal(arm)
+        >>> is_cuspidal(arm.solver)
         False
     """
-    inputs.arm(arm)
-    structure = arm.structure
-    if not structure.is_6r or not structure.family or arm.chain.axes is not arm.chain:
+    inputs.kind(solver, "single", "solver", "the solver of an arm, arm.solver,")
+    structure = solver.structure
+    if not structure.is_6r or not structure.family or solver.chain.axes is not solver.chain:
         return None
     if structure.by_quadratics:
         return False
-    return True if nonsingular_change(arm) is not None else None
+    return True if nonsingular_change(solver) is not None else None
 
 
 def in_words(cuspidal: bool | None) -> str:
@@ -77,20 +78,20 @@ def in_words(cuspidal: bool | None) -> str:
     return "no: every change from one solution of a pose to another crosses a singularity"
 
 
-def nonsingular_change(arm: SolvingArm) -> Array | None:
+def nonsingular_change(solver: Solver) -> Array | None:
     """A path that proves an arm of six turning joints cuspidal.
 
     Args:
-        arm: an arm with a solver.
+        solver: of an arm of six turning joints.
 
     Returns:
         (k, 6) rad, joint vectors from one solution of a pose to another, each a move of one of the joints 2 to 5 away
         from the one before, but for the last, which moves joints 1 and 6; None where none was found.
     """
-    inputs.arm(arm)
-    grid = _Grid(arm.chain)
-    T = arm.fk(np.random.default_rng(0).uniform(-np.pi, np.pi, (_POSES, 6)))
-    solutions = arm.ik(T)
+    inputs.kind(solver, "single", "solver", "the solver of an arm, arm.solver,")
+    grid = _Grid(solver.chain)
+    T = solver.chain.fk(np.random.default_rng(0).uniform(-np.pi, np.pi, (_POSES, 6)))
+    solutions = solve(solver, T)
     for q, valid in zip(np.asarray(solutions.q), np.asarray(solutions.valid), strict=True):
         by_region: dict[int, tuple[Array, list[Array]]] = {}
         for x in q[valid]:

@@ -61,7 +61,7 @@ class Control:
         Example:
             >>> import urdf_ik
             >>> arm = urdf_ik.load("positioning_3r")
-            >>> (arm.control.target_of(arm.fk([0.0, 0.0, 0.0])).round(6) + 0.0).tolist()
+            >>> (arm.solver.control.target_of(arm.fk([0.0, 0.0, 0.0])).round(6) + 0.0).tolist()
             [0.8, 0.0, 0.4]
         """
         if self.task == "pose":
@@ -173,8 +173,8 @@ class Targets:
         words = {
             "position": "x, y, z [m] in the base",
             "position and axis": "x, y, z [m] and a direction, or a pair (position, direction)",
-            "planar position": "x, y [m] in the arm's plane, see Arm.plane",
-            "planar pose": "x, y [m] and angle [rad] in the arm's plane, see Arm.plane",
+            "planar position": "x, y [m] in the arm's plane, see Arm.solver.control.plane",
+            "planar pose": "x, y [m] and angle [rad] in the arm's plane, see Arm.solver.control.plane",
         }[self.task]
         target = _numbers(T, self.task, words)
         if target.ndim == 0 or target.shape[-1] != width:

@@ -47,7 +47,7 @@ class SingularDirections:
 
     Example:
         >>> import urdf_ik
-        >>> found = urdf_ik.load("planar_2r").singular_directions([0.0, 0.0])
+        >>> found = singular_directions(urdf_ik.load("planar_2r").chain, [0.0, 0.0])
         >>> found.lost_twists.shape, found.idle.tolist()
         ((4, 6), [False, False])
     """

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError
+from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
 from urdf_ik.paths import settings as settings_of
 from urdf_ik.paths import waypoints
@@ -24,8 +25,9 @@ from urdf_ik.support.angles import TURN, shortest
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from urdf_ik.arm import Arm
     from urdf_ik.cell import World
+    from urdf_ik.cell.cell import Cell
+    from urdf_ik.ik.solver import Solver
     from urdf_ik.paths.plan import Plan
     from urdf_ik.paths.planner.nodes import Nodes
     from urdf_ik.paths.settings import Settings
@@ -35,7 +37,8 @@ if TYPE_CHECKING:
 
 
 def follow(
-    arm: Arm,
+    solver: Solver,
+    cell: Cell,
     T: Any,
     *,
     start: Any = None,
@@ -52,9 +55,9 @@ def follow(
 ) -> Plan:
     """See :meth:`urdf_ik.Arm.follow`."""
     path = waypoints.read(T)
-    arm.ik(path[:0])  # refuses an arm that no solver takes
+    solver.require_member()
     settings = settings_of.read(
-        arm, path, start=start, end=end, obstacles=_obstacles(arm, world, margin, collisions), cost=cost,
+        solver, path, start=start, end=end, obstacles=_obstacles(cell, world, margin, collisions), cost=cost,
         weights=weights, max_step=max_step, tolerance=tolerance, margins=margins, reconfigure=reconfigure,
     )  # fmt: skip
     plan = _within_limits(settings, _plan(settings, path))
@@ -71,7 +74,7 @@ def _within_limits(settings: Settings, plan: Plan) -> Plan:
     The graph takes joints with many turns inside their limits for joints without limits (``Joints.counted``).
     """
     joints = settings.joints
-    loose = (joints.turn > 0.0) & (joints.counted == 0) & np.isfinite(settings.arm.limits).any(axis=1)
+    loose = (joints.turn > 0.0) & (joints.counted == 0) & np.isfinite(settings.solver.limits).any(axis=1)
     if not plan.found or not loose.any():
         return plan
     if _first_beyond(settings, plan) is None:
@@ -87,14 +90,14 @@ def _within_limits(settings: Settings, plan: Plan) -> Plan:
 
 def _first_beyond(settings: Settings, plan: Plan) -> Stop | None:
     """Where a plan, turned back to ``start`` by whole turns, first leaves the joint limits; None where it does not."""
-    low, high = settings.arm.limits.T
+    low, high = settings.solver.limits.T
     turned = 0.0 if settings.start is None else settings.start - plan.q[0]
     q = plan.motion + turned
     beyond = (q < low - LIMIT_TOLERANCE) | (q > high + LIMIT_TOLERANCE)
     if not beyond.any():
         return None
     row, k = np.argwhere(beyond)[0]
-    name, turns = settings.arm.joint_names[k], (q[:, k].max() - q[:, k].min()) / TURN
+    name, turns = settings.solver.joint_names[k], (q[:, k].max() - q[:, k].min()) / TURN
     return Stop(
         plan.branches[0], int(np.ceil(plan.place[row])), "limit",
         f"{name} turns {turns:.4g} times, and its limits {np.degrees(low[k]):.4g}° and {np.degrees(high[k]):.4g}° have "
@@ -104,21 +107,21 @@ def _first_beyond(settings: Settings, plan: Plan) -> Stop | None:
 
 def _plan(settings: Settings, path: Array) -> Plan:
     """The plan of these settings, found or not."""
-    if len(settings.arm.redundancies) > 1:
+    if len(settings.solver.parameters) > 1:
         return several_parameters.plan(settings, path, _plan)
-    if settings.arm.free_axis is not None:
+    if settings.solver.free_axis is not None:
         return _with_free_axis(settings, path)
-    if settings.arm.redundancy is not None:
+    if settings.solver.parameter is not None:
         return redundant.plan(settings, path)
-    arm, joints = settings.arm, settings.joints
+    solver, joints = settings.solver, settings.joints
     refined = cut_coarse(settings, path)
-    nodes = node_sets.with_representatives(arm, joints, refined.T, _nodes(settings, refined.T))
+    nodes = node_sets.with_representatives(solver, joints, refined.T, _nodes(settings, refined.T))
     graph = priced(settings, refined, nodes.layers(refined.T))
-    search = Search(arm, graph, settings.tolerance, settings.obstacles, reconfigure=settings.reconfigure)
+    search = Search(solver, graph, settings.tolerance, settings.obstacles, reconfigure=settings.reconfigure)
     way = search.best()
     if way is not None:
         return made(settings, path, refined, search, way)
-    graph.prove(arm, np.arange(len(graph.end)), settings.tolerance)
+    graph.prove(solver, np.arange(len(graph.end)), settings.tolerance)
     return not_found(settings, path, stops_of(settings, search, refined.T, refined.place))
 
 
@@ -139,38 +142,38 @@ def _held(settings: Settings, path: Array) -> Plan | None:
 
     None where there is none, or start and end differ in it.
     """
-    arm, axis = settings.arm, settings.arm.free_axis
+    solver, axis = settings.solver, settings.solver.free_axis
     assert axis is not None  # only such arms are asked
     given = [(q, T) for q, T in ((settings.start, path[0]), (settings.end, path[-1])) if q is not None]
-    values = [arm.nearest_values(q[None], T[None])[0, 0] for q, T in given]
+    values = [nearest_values(solver, q[None], T[None])[0, 0] for q, T in given]
     if values and abs(shortest(values[0] - values[-1])) > settings_of.AT_WAYPOINT:
         return None
     turned = path @ axis.rotation(values[0] if values else 0.0)
-    plan = _plan(replace(settings, arm=arm.fixed), turned)
-    return replace(plan, arm=arm, poses=path) if plan.found else None
+    plan = _plan(replace(settings, solver=solver.fixed), turned)
+    return replace(plan, solver=solver, poses=path) if plan.found else None
 
 
 def _nodes(settings: Settings, T: Array) -> Nodes:
     """Solutions at waypoints; at the first and the last the joint vector that is given for it, if one is."""
-    arm, joints = settings.arm, settings.joints
-    found = node_sets.solved(arm, joints, T, np.arange(len(T)), None)
+    solver, joints = settings.solver, settings.joints
+    found = node_sets.solved(solver, joints, T, np.arange(len(T)), None)
     for given, where in ((settings.start, 0), (settings.end, len(T) - 1)):
         if given is None:
             continue
         here = np.flatnonzero(found.at == where)
         apart = np.abs(joints.step(found.q[here], given)).max(axis=1)
         column = int(found.column[here[np.argmin(apart)]]) if len(here) else 0
-        found = found.chosen(found.at != where) + node_sets.at_vector(arm, joints, given, where, 0.0, column)
+        found = found.chosen(found.at != where) + node_sets.at_vector(solver, joints, given, where, 0.0, column)
     return found
 
 
-def _obstacles(arm: Arm, world: World | None, margin: float, collisions: bool) -> Obstacles | None:
+def _obstacles(cell: Cell, world: World | None, margin: float, collisions: bool) -> Obstacles | None:
     margin = inputs.number(margin, "margin", ArgumentError, low=0.0, unit="m")
     if not inputs.flag(collisions, "collisions", ArgumentError):
         if world is not None:
             raise ArgumentError("collisions=False given with a world; leave one of the two out")
         return None
-    model = arm.collision_model
+    model = cell.collisions
     if world is None:
         return Obstacles(model, margin) if model.has_geometry else None
     return Obstacles(model.in_world(world), margin)

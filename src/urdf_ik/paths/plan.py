@@ -12,6 +12,7 @@ import numpy as np
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions import limits
+from urdf_ik.kinematics import velocity
 from urdf_ik.support import files
 from urdf_ik.support.text import json_text
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from urdf_ik.arm import Arm
+    from urdf_ik.ik.solver import Solver
     from urdf_ik.paths.planner.obstacles import Obstacles
     from urdf_ik.paths.timing import Timed
 
@@ -98,7 +99,7 @@ class Plan:
     """Joint vectors along a path, or the reason why there is no plan.
 
     Attributes:
-        arm: the arm.
+        solver: the solver of the arm that moves.
         poses: (m, 4, 4) m, the waypoints.
         found: whether there is a plan.
         q: (m, n) rad or m, one joint vector a waypoint; (0, n) where there is no plan.
@@ -122,7 +123,7 @@ class Plan:
         (True, (10, 4), ())
     """
 
-    arm: Arm
+    solver: Solver
     poses: Array
     q: Array
     branches: tuple[str, ...] = ()
@@ -167,11 +168,11 @@ class Plan:
     @cached_property
     def margins(self) -> Margins:
         """Room to limits, obstacles and singularities along the plan."""
-        room = limits.room(self.q, self.arm.limits)
+        room = limits.room(self.q, self.solver.limits)
         clearance = np.full(len(self.q), np.nan)
         if self.obstacles is not None and self.found:
             clearance = np.asarray(self.obstacles.model.distance(self.q))
-        return Margins(room, clearance, self.arm.manipulability(self.q))
+        return Margins(room, clearance, velocity.manipulability(self.solver.chain, self.q))
 
     def explain(self) -> str:
         """Why there is no plan: a line for each branch of the first waypoint, the one that gets farthest first.
@@ -230,7 +231,7 @@ class Plan:
         self._require()
         text = io.StringIO()
         rows = csv.writer(text)
-        rows.writerow(["waypoint", "branch", *self.arm.joint_names])
+        rows.writerow(["waypoint", "branch", *self.solver.joint_names])
         for k, (branch, q) in enumerate(zip(self.branches, self.q, strict=True)):
             rows.writerow([k, branch, *(repr(float(x)) for x in q)])
         files.write(path, text.getvalue().encode(), ArgumentError)
@@ -251,10 +252,10 @@ class Plan:
         """
         text = json_text(
             {
-                "arm": self.arm.name,
-                "base": self.arm.base,
-                "tip": self.arm.tip,
-                "joints": list(self.arm.joint_names),
+                "arm": self.solver.name,
+                "base": self.solver.chain.base,
+                "tip": self.solver.chain.tip,
+                "joints": list(self.solver.joint_names),
                 "found": self.found,
                 "cost": self.cost if self.found else None,
                 "q": self.q.tolist(),
@@ -285,22 +286,22 @@ class Plan:
         self._require()
         held = {
             "q": self.q, "poses": self.poses, "branches": np.array(self.branches), "motion": self.motion,
-            "joints": np.array(self.arm.joint_names), "place": self.place,
+            "joints": np.array(self.solver.joint_names), "place": self.place,
         }  # fmt: skip
         files.write(path, lambda file: np.savez(file, allow_pickle=False, **held), ArgumentError)
 
     def __str__(self) -> str:
         if not self.found:
-            return f"no plan for {self.arm.name} along {len(self.poses)} waypoints\n{self.explain()}"
+            return f"no plan for {self.solver.name} along {len(self.poses)} waypoints\n{self.explain()}"
         changes = f", {len(self.changes)} reconfigurations" if self.changes else ""
         step = np.abs(np.diff(self.q, axis=0)).max(initial=0.0)
         return (
-            f"{len(self.q)} waypoints of {self.arm.name}: {self.branches[0]} to {self.branches[-1]}{changes}, "
+            f"{len(self.q)} waypoints of {self.solver.name}: {self.branches[0]} to {self.branches[-1]}{changes}, "
             f"cost {self.cost:.6g}, largest step {step:.4f}"
         )
 
     def __repr__(self) -> str:
-        return f"<Plan of {self.arm.name}: {'found' if self.found else 'not found'}, {len(self.poses)} waypoints>"
+        return f"<Plan of {self.solver.name}: {'found' if self.found else 'not found'}, {len(self.poses)} waypoints>"
 
     def _require(self) -> None:
         if not self.found:

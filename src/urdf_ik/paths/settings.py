@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError, printable
+from urdf_ik.ik.nearest import nearest as nearest_solution
 from urdf_ik.paths.planner.graph import COSTS
 from urdf_ik.paths.planner.joint_steps import Joints
 from urdf_ik.paths.planner.straightness import Tolerance
@@ -18,7 +19,7 @@ from urdf_ik.support.text import quoted
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from urdf_ik.arm import Arm
+    from urdf_ik.ik.solver import Solver
     from urdf_ik.paths.planner.obstacles import Obstacles
 
     Array = NDArray[np.float64]
@@ -36,7 +37,7 @@ class Settings:
     """See :meth:`urdf_ik.Arm.follow`.
 
     Attributes:
-        arm: the arm.
+        solver: the arm's solver.
         joints: how its joints turn.
         kind: index of the cost in ``COSTS``.
         weights: (n,).
@@ -50,7 +51,7 @@ class Settings:
         looser: whether a plan may stray ``LOOSER`` times as far where no plan keeps to the tolerance.
     """
 
-    arm: Arm
+    solver: Solver
     joints: Joints
     kind: int
     weights: Array
@@ -71,7 +72,7 @@ class Settings:
 
 
 def read(
-    arm: Arm,
+    solver: Solver,
     T: Array,
     *,
     start: Any,
@@ -89,32 +90,32 @@ def read(
     Raises:
         ArgumentError: one of them makes no sense or does not fit the arm; the message says what would be valid.
     """
-    names = arm.joint_names
+    names = solver.joint_names
     inputs.choice(cost, "cost", (*COSTS, "time"), ArgumentError)
     factors = np.ones(len(names)) if weights is None else each_joint("weights", weights, names, zero=True)
     kind = COSTS.index("max" if cost == "time" else cost)
     if cost == "time":
-        factors = factors / velocities(arm)
+        factors = factors / velocities(solver)
     steps = np.full(len(names), np.inf) if max_step is None else each_joint("max_step", max_step, names)
     margins = inputs.number(margins, "margins", ArgumentError, low=0.0)
     reconfigure = inputs.flag(reconfigure, "reconfigure", ArgumentError)
     return Settings(
-        arm, Joints.of(arm.chain), kind, factors, steps, _tolerance(tolerance),
-        _at_pose(arm, "start", start, T[0], 0), _at_pose(arm, "end", end, T[-1], len(T) - 1),
+        solver, Joints.of(solver.chain), kind, factors, steps, _tolerance(tolerance),
+        _at_pose(solver, "start", start, T[0], 0), _at_pose(solver, "end", end, T[-1], len(T) - 1),
         obstacles, margins, reconfigure, tolerance is None and not reconfigure,
     )  # fmt: skip
 
 
-def velocities(arm: Arm) -> Array:
+def velocities(solver: Solver) -> Array:
     """(n,) rad/s or m/s, the velocity limits that the URDF gives.
 
     Raises:
         ArgumentError: a joint has no velocity limit.
     """
-    limits = arm.velocity_limits
-    if missing := [name for name, limit in zip(arm.joint_names, limits, strict=True) if np.isinf(limit)]:
+    limits = solver.velocity_limits
+    if missing := [name for name, limit in zip(solver.joint_names, limits, strict=True) if np.isinf(limit)]:
         raise ArgumentError(
-            f"{arm.name} has no velocity limit for {', '.join(missing)}: give them, or write "
+            f"{solver.name} has no velocity limit for {', '.join(missing)}: give them, or write "
             '<limit velocity="..."/> in the URDF'
         )
     return limits
@@ -147,27 +148,27 @@ def _tolerance(value: Any) -> Tolerance:
     return Tolerance(float(numbers[0]), min(float(numbers[1]), 1.0))
 
 
-def _at_pose(arm: Arm, name: str, value: Any, T: Array, waypoint: int) -> Array | None:
+def _at_pose(solver: Solver, name: str, value: Any, T: Array, waypoint: int) -> Array | None:
     """A joint vector that is given for a waypoint."""
     if value is None:
         return None
-    q = arm.chain.check(value)
-    if q.shape != (arm.dof,):
-        raise ArgumentError(f"{name} has the shape {q.shape}; one joint vector ({arm.dof},) is needed")
-    reached = arm.fk(q)
-    if arm.free_axis is None:
+    q = solver.chain.check(value)
+    if q.shape != (solver.dof,):
+        raise ArgumentError(f"{name} has the shape {q.shape}; one joint vector ({solver.dof},) is needed")
+    reached = solver.chain.fk(q)
+    if solver.free_axis is None:
         apart = float(np.linalg.norm(reached[:3, 3] - T[:3, 3]))
         turned = float(np.linalg.norm(reached[:3, :3] - T[:3, :3]) / np.sqrt(2.0))
     else:
-        apart, turned = (float(off) for off in arm.free_axis.apart(reached, T))
+        apart, turned = (float(off) for off in solver.free_axis.apart(reached, T))
     if max(apart, turned) > AT_WAYPOINT:
-        nearest = arm.ik_nearest(T, q).q.reshape(-1, arm.dof)
+        nearest = nearest_solution(solver, T, q).q.reshape(-1, solver.dof)
         beside = "" if np.isnan(nearest).any() else f"; its nearest solution is {largest_apart(nearest[0], q):.4g} off"
         raise ArgumentError(
             f"{name} is no solution of waypoint {waypoint}: its pose is {apart:.3g} m and {turned:.3g} rad off{beside}"
         )
-    low, high = arm.limits.T
-    for joint, x, a, b in zip(arm.joint_names, q, low, high, strict=True):
+    low, high = solver.limits.T
+    for joint, x, a, b in zip(solver.joint_names, q, low, high, strict=True):
         if not a - 1e-9 <= x <= b + 1e-9:
             raise ArgumentError(f"{name} is outside the limits: {joint} is {x:.6g}, from {a:.6g} to {b:.6g} is valid")
     return q

@@ -124,19 +124,19 @@ def timed(plan: Any, velocity: Any = None, acceleration: Any = None, *, dt: floa
     if not plan.found or plan.changes:
         raise ArgumentError("only a plan that was found, without reconfigurations, can be timed")
     dt = inputs.number(dt, "dt", ArgumentError, above=0.0, unit="s")
-    arm = plan.arm
-    v = settings.velocities(arm) if velocity is None else settings.each_joint("velocity", velocity, arm.joint_names)
-    a = 2.0 * v if acceleration is None else settings.each_joint("acceleration", acceleration, arm.joint_names)
+    solver = plan.solver
+    v = settings.velocities(solver) if velocity is None else settings.each_joint("velocity", velocity, solver.joint_names)
+    a = 2.0 * v if acceleration is None else settings.each_joint("acceleration", acceleration, solver.joint_names)
     q = plan.motion
     steps = (np.abs(np.diff(q, axis=0)) / v).max(axis=1, initial=0.0)
     # A step that moves nothing takes no time, and a spline needs places that ascend.
     moving = np.concatenate([[True], steps > 0.0])
     if moving.sum() < 2:
         still = np.zeros_like(q[:1])
-        return Timed(np.zeros(1), q[:1].copy(), still, still, "scaled", arm.joint_names)
+        return Timed(np.zeros(1), q[:1].copy(), still, still, "scaled", solver.joint_names)
     place = np.cumsum(np.concatenate([[0.0], steps[steps > 0.0]]))
     way = _scaled if find_spec("toppra") is None else _toppra
-    return replace(way(q[moving], place, v, a, dt), joints=arm.joint_names)
+    return replace(way(q[moving], place, v, a, dt), joints=solver.joint_names)
 
 
 def _toppra(q: Array, place: Array, v: Array, a: Array, dt: float) -> Timed:
@@ -149,8 +149,8 @@ def _toppra(q: Array, place: Array, v: Array, a: Array, dt: float) -> Timed:
         toppra.constraint.JointAccelerationConstraint(np.column_stack([-a, a])),
     ]
     between = np.linspace(place[:-1], place[1:], _GRID_POINTS, endpoint=False)
-    solver = toppra.algorithm.TOPPRA(limits, path, gridpoints=np.append(np.unique(between), place[-1]))
-    found = solver.compute_trajectory(0.0, 0.0)
+    planner = toppra.algorithm.TOPPRA(limits, path, gridpoints=np.append(np.unique(between), place[-1]))
+    found = planner.compute_trajectory(0.0, 0.0)
     if found is None:
         raise ArgumentError(
             "no timing keeps within the limits of velocity and acceleration: the path has a corner; blend it"

@@ -39,7 +39,7 @@ def test_sliders_move_the_arm(name: str) -> None:
     np.testing.assert_allclose(held.q, target)
     (line,) = stick_lines(held.figure.axes[0])
     if name == "planar_2r":
-        np.testing.assert_allclose(np.array(line.get_data())[:, -1], arm.plane.coordinates(arm.fk(target))[:2])
+        np.testing.assert_allclose(np.array(line.get_data())[:, -1], arm.solver.control.plane.coordinates(arm.fk(target))[:2])
         assert len(held.figure.axes[0].patches) == 4
     else:
         np.testing.assert_allclose(np.array(line.get_data_3d())[:, -1], arm.fk(target)[:3, 3], atol=1e-12)
@@ -84,7 +84,7 @@ def test_in_a_notebook_there_is_a_control_for_each_joint() -> None:
     controls[1].value = -90.0
     figure = shown.f(**{control.description.split(" ")[0]: control.value for control in controls})
     (line,) = stick_lines(figure.axes[0])
-    tip = arm.plane.coordinates(arm.fk([np.radians(controls[0].value), -0.5 * np.pi]))[:2]
+    tip = arm.solver.control.plane.coordinates(arm.fk([np.radians(controls[0].value), -0.5 * np.pi]))[:2]
     np.testing.assert_allclose(np.array(line.get_data())[:, -1], tip, atol=1e-12)
 
 

@@ -73,7 +73,7 @@ def test_ghosts_are_the_solutions_with_their_marks() -> None:
             assert np.abs(arm.fk(ghost.q) - T).max() < 1e-8
             out = bool(((ghost.q < arm.limits[:, 0] - 1e-9) | (ghost.q > arm.limits[:, 1] + 1e-9)).any())
             assert ghost.outside == out
-            assert ghost.colliding == arm.collision_model.in_collision(ghost.q)
+            assert ghost.colliding == arm.cell.collisions.in_collision(ghost.q)
             seen.update(ghost.marks)
     assert "limits" in seen
 

@@ -49,6 +49,8 @@ def command(
 
 def as_json(arm: Arm, angles: Angles) -> str:
     """The same facts as data; a limit that is not there is null."""
+    from urdf_ik.ik.cuspidality import is_cuspidal
+
     structure = arm.structure
     angle, distance = structure.imperfection
     limits = angles.shown(arm.limits.T).T
@@ -59,7 +61,7 @@ def as_json(arm: Arm, angles: Angles) -> str:
             "base": arm.base,
             "tip": arm.tip,
             "units": {"angle": angles.unit, "length": "m"},
-            "locked": arm.locked,
+            "locked": dict(arm.chain.locked),
             "joints": [
                 {"name": name, "type": kind, "axis": axis, "lower": lower, "upper": upper}
                 for name, kind, axis, (lower, upper) in zip(
@@ -98,7 +100,7 @@ def as_json(arm: Arm, angles: Angles) -> str:
                 "task": arm.task,
                 "method": structure.method or None,
                 "exact": structure.is_exact if structure.family else None,
-                "cuspidal": arm.cuspidal,
+                "cuspidal": is_cuspidal(arm.solver),
                 "max_solutions": structure.max_solutions,
                 "branches": structure.branches,
             },
@@ -108,7 +110,7 @@ def as_json(arm: Arm, angles: Angles) -> str:
 
 def as_text(arm: Arm, angles: Angles) -> str:
     """Tables and lines for people."""
-    from urdf_ik.ik.cuspidality import in_words
+    from urdf_ik.ik.cuspidality import in_words, is_cuspidal
 
     structure = arm.structure
     unit = angles.unit
@@ -138,7 +140,7 @@ def as_text(arm: Arm, angles: Angles) -> str:
         ("source", arm.model.source),
         ("chain", f"{arm.base} to {arm.tip}, {arm.dof} joint{'s' if arm.dof > 1 else ''}"),
         *[("mimics", str(follower)) for follower in arm.chain.followers],
-        *[("locked", f"{name} at {_held(arm, name, value, angles)}") for name, value in arm.locked.items()],
+        *[("locked", f"{name} at {_held(arm, name, value, angles)}") for name, value in arm.chain.locked],
     ]
     solver = [("family", structure.family or _UNSOLVED)]
     branches = []
@@ -149,7 +151,7 @@ def as_text(arm: Arm, angles: Angles) -> str:
             ("solver", structure.method),
             ("solutions", structure.solutions_in_words()),
             ("imperfection", structure.imperfection_in_words()),
-            *([("cuspidal", in_words(arm.cuspidal))] if structure.is_6r else []),
+            *([("cuspidal", in_words(is_cuspidal(arm.solver)))] if structure.is_6r else []),
             *([] if arm.redundancy is None else [("redundancy", str(arm.redundancy))]),
         ]
         branches = [f"{'branches' if i == 0 else '':<14}{line}" for i, line in enumerate(_columns(structure.branches))]

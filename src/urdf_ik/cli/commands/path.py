@@ -29,7 +29,6 @@ from urdf_ik.support import files
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from urdf_ik.arm import Arm
     from urdf_ik.cli.console import Angles
     from urdf_ik.cli.path_options import Followed
     from urdf_ik.paths import Plan
@@ -100,14 +99,14 @@ def command(
 
 def text_of(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[Plan, ...]) -> str:
     """The plan in a few lines and a table of its joints; what stops each branch where there is no plan."""
-    plan, arm = found.plan, found.plan.arm
+    plan, arm = found.plan, found.arm
     count = len(plan.poses)
     head = f"{arm.name}: {arm.base} to {arm.tip}, {count} waypoint{'' if count == 1 else 's'} from {found.source}"
     lines: list[Table | str] = [head]
     if found.world is not None:
         lines.append(f"world: {', '.join(found.world.names)}")
     if plan.obstacles is None:
-        why = arm.collision_model.missing if not arm.collision_model.has_geometry else "as asked"
+        why = arm.cell.collisions.missing if not arm.cell.collisions.has_geometry else "as asked"
         lines.append(f"contacts were not checked: {why}")
     took = f"in {found.seconds:.2f} s"
     if not plan.found:
@@ -130,7 +129,7 @@ def text_of(found: Followed, angles: Angles, in_time: Timed | None, others: tupl
 def _facts(found: Followed, angles: Angles, in_time: Timed | None) -> list[str]:
     """Lines of a heading and a number."""
     plan = found.plan
-    arm, changes = plan.arm, len(plan.changes)
+    arm, changes = found.arm, len(plan.changes)
     kinds = {"l1": "sum of |dq|", "l2": "sum of dq^2", "max": "sum of the largest |dq|", "time": "s"}
     used = list(dict.fromkeys(plan.branches))
     facts = [("branch" if len(used) == 1 else "branches", "; ".join(used))]
@@ -146,11 +145,11 @@ def _facts(found: Followed, angles: Angles, in_time: Timed | None) -> list[str]:
         k, joint = step
         value = abs(plan.q[k + 1, joint] - plan.q[k, joint])
         facts.append(
-            ("largest step", f"{_shown(arm, joint, value, angles)} of {arm.joint_names[joint]} to waypoint {k + 1}")
+            ("largest step", f"{_shown(joint, value, angles)} of {arm.joint_names[joint]} to waypoint {k + 1}")
         )
     room, at, limited = _limit_room(plan)
     if limited is not None:
-        text = f"{_shown(arm, limited, room, angles)} of {arm.joint_names[limited]} at waypoint {at}"
+        text = f"{_shown(limited, room, angles)} of {arm.joint_names[limited]} at waypoint {at}"
         facts.append(("room to a limit", text))
     margins = plan.margins
     if plan.obstacles is not None and np.isfinite(margins.clearance).any():
@@ -167,7 +166,7 @@ def _facts(found: Followed, angles: Angles, in_time: Timed | None) -> list[str]:
 
 def _joints(plan: Plan, angles: Angles) -> Table:
     digits = 2 if angles.degrees else 4
-    q, limits = angles.shown(plan.q), angles.shown(plan.arm.limits.T).T
+    q, limits = angles.shown(plan.q), angles.shown(plan.solver.limits.T).T
     steps = np.abs(np.diff(q, axis=0)).max(axis=0, initial=0.0)
     rows = [
         [
@@ -176,7 +175,7 @@ def _joints(plan: Plan, angles: Angles) -> Table:
             *(tables.number(float(x), digits) for x in (q[0, k], q[-1, k], q[:, k].min(), q[:, k].max(), steps[k])),
             *(tables.number(float(x), digits) if np.isfinite(x) else "none" for x in limits[k]),
         ]
-        for k, name in enumerate(plan.arm.joint_names)
+        for k, name in enumerate(plan.solver.joint_names)
     ]
     header = ["joint", "unit", "first", "last", "least", "most", "step", "lower", "upper"]
     return tables.grid(header, rows, left=["joint", "unit"])
@@ -186,8 +185,8 @@ def _short(plan: Plan, angles: Angles) -> list[str]:
     step, (room, _, joint) = _largest_step(plan), _limit_room(plan)
     clearance = plan.margins.clearance
     return [
-        "-" if step is None else _shown(plan.arm, step[1], abs(np.diff(plan.q, axis=0)[step]), angles),
-        "-" if joint is None else _shown(plan.arm, joint, room, angles),
+        "-" if step is None else _shown(step[1], abs(np.diff(plan.q, axis=0)[step]), angles),
+        "-" if joint is None else _shown(joint, room, angles),
         "-" if np.isnan(clearance).all() else f"{np.nanmin(clearance):.4f}",
     ]
 
@@ -203,13 +202,13 @@ def _largest_step(plan: Plan) -> tuple[int, int] | None:
 
 def _limit_room(plan: Plan) -> tuple[float, int, int | None]:
     """The least room to a limit [rad or m], its waypoint and its joint; without a joint where none has a limit."""
-    low, high = plan.arm.limits.T
+    low, high = plan.solver.limits.T
     room = np.minimum(plan.q - low, high - plan.q)
     k, joint = np.unravel_index(int(np.argmin(room)), room.shape)
     return float(room[k, joint]), int(k), int(joint) if np.isfinite(room[k, joint]) else None
 
 
-def _shown(arm: Arm, joint: int, value: float, angles: Angles) -> str:
+def _shown(joint: int, value: float, angles: Angles) -> str:
     if not angles.turning[joint]:
         return f"{tables.number(value)} m"
     return f"{tables.number(float(angles.angle(value)), 2 if angles.degrees else 4)} {angles.unit}"
@@ -217,7 +216,7 @@ def _shown(arm: Arm, joint: int, value: float, angles: Angles) -> str:
 
 def json_of(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[Plan, ...]) -> str:
     """The plan with its margins, or what stops each branch."""
-    plan, arm = found.plan, found.plan.arm
+    plan, arm = found.plan, found.arm
     data: dict[str, Any] = {
         "robot": arm.name,
         "base": arm.base,

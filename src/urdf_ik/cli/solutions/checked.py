@@ -102,14 +102,14 @@ def solve(
     if errors:
         from urdf_ik.cell.reference import Reference
 
-        reference = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
+        reference = Reference(arm.model, arm.base, arm.tip, locked=dict(arm.chain.locked))
         position, rotation = np.full(valid.shape, np.nan), np.full(valid.shape, np.nan)
         for start in range(0, len(todo), _BATCH):
             i, b = todo[start : start + _BATCH].T
             position[i, b], rotation[i, b] = reference.errors(q[i, b], poses[i])
             tick(start + len(i), len(todo))
     if collisions:
-        body = arm.collision_model.in_world(world)
+        body = arm.cell.collisions.in_world(world)
         unchecked = body.missing
         if body.has_geometry:
             free = np.zeros(valid.shape, dtype=np.bool_)

@@ -89,15 +89,15 @@ def spread(arm: Arm, target: Target, typed: str | None, angles: Angles) -> Targe
     """
     if typed is None:
         return target
-    count = len(arm.redundancies)
+    count = len(arm.solver.parameters)
     if not count:
         raise console.usage(f"this arm's {arm.dof} joints leave nothing free in a pose", "--redundancy")
     values = console.numbers(typed, "--redundancy", ["value"] * len(typed.replace(",", " ").split()))
     if not len(values) or len(values) % count:
         needed = "a value is needed" if count == 1 else f"{count} values are needed, or so many times as many, one"
-        raise console.usage(f"{needed} of the {'; of the '.join(map(str, arm.redundancies))}", "--redundancy")
+        raise console.usage(f"{needed} of the {'; of the '.join(map(str, arm.solver.parameters))}", "--redundancy")
     if angles.degrees:
-        turns = np.tile([parameter.unit == "rad" for parameter in arm.redundancies], len(values) // count)
+        turns = np.tile([parameter.unit == "rad" for parameter in arm.solver.parameters], len(values) // count)
         values = np.where(turns, np.deg2rad(values), values)
     values = values if count == 1 else values.reshape(-1, count)
     poses = np.repeat(target.poses, len(values), axis=0)

@@ -58,14 +58,14 @@ def bars(found: Intervals) -> tuple[list[str], list[Bar]]:
         >>> len(names), len(drawn) >= 26
         (8, True)
     """
-    arm, every = found.arm, list(found)
-    names = [name for name in arm.structure.branches if any(each.branch == name for each in every)]
-    turning = ~arm.chain.prismatic
+    solver, every = found.solver, list(found)
+    names = [name for name in solver.structure.branches if any(each.branch == name for each in every)]
+    turning = ~solver.chain.prismatic
     drawn = []
     for k, each in enumerate(every):
         value, q = found.samples(k)
-        inmost, _ = limits.image_inmost(q, arm.limits, turning)
-        margin = np.clip(np.nan_to_num(limits.margin(inmost, arm.limits)), 0.0, 1.0)
+        inmost, _ = limits.image_inmost(q, solver.limits, turning)
+        margin = np.clip(np.nan_to_num(limits.margin(inmost, solver.limits)), 0.0, 1.0)
         # What passes half a turn goes on from the other side.
         for turn in (0.0, TURN) if found.parameter.unit == "rad" and each.high > np.pi else (0.0,):
             ends = tuple(

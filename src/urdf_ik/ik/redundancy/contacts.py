@@ -13,9 +13,9 @@ from urdf_ik.support.angles import shortest
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from urdf_ik.ik.contacts import Bodies
     from urdf_ik.ik.redundancy.interval_arrays import Found
     from urdf_ik.ik.redundancy.self_motion import Curves
-    from urdf_ik.ik.solutions.solved_arm import Collisions
 
     Array = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ _ENDS = 36
 """How often the place of a contact is halved: from ``STEP`` to below 1e-11."""
 
 
-def without_contacts(model: Collisions, curves: Curves, T: Array, found: Found) -> Found:
+def without_contacts(model: Bodies, curves: Curves, T: Array, found: Found) -> Found:
     """Cut intervals of poses (m, 4, 4) where bodies touch.
 
     Between two values that are free the straight motion of the joints is proven free, or cut in halves, down to
@@ -59,7 +59,7 @@ class _Piece(NamedTuple):
     ends: tuple[End, End]
 
 
-def _cut(model: Collisions, curves: Curves, T: Array, found: Found, k: int) -> list[_Piece]:
+def _cut(model: Bodies, curves: Curves, T: Array, found: Found, k: int) -> list[_Piece]:
     """The pieces of interval ``k``, of pose T (4, 4), without contacts."""
     part = slice(found.first[k], found.first[k] + found.count[k])
     value, q = _refined(curves, T, found.value[part], found.q[part])
@@ -103,7 +103,7 @@ def _refined(curves: Curves, T: Array, value: Array, q: Array) -> tuple[Array, A
 
 
 def _contact(
-    model: Collisions, curves: Curves, T: Array, value: Array, q: Array, inside: int, outside: int
+    model: Bodies, curves: Curves, T: Array, value: Array, q: Array, inside: int, outside: int
 ) -> tuple[float, Array, End]:
     """The last free value from sample ``inside`` towards ``outside``, its joint vector, and what touches behind it."""
     free, held, joints, touching = value[inside], value[outside], q[inside], q[outside]

@@ -9,19 +9,20 @@ the pose, and from starts all over the joints where there is no closed form.
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from urdf_ik._core import Solver
-from urdf_ik.errors import UnsupportedArm
+from urdf_ik import _core
 from urdf_ik.ik.redundancy import last_axis, swivel
 from urdf_ik.ik.redundancy.contacts import without_contacts
 from urdf_ik.ik.redundancy.interval_arrays import End, Found, joined
 from urdf_ik.ik.redundancy.intervals import Intervals
 from urdf_ik.ik.redundancy.self_motion import Curves
+from urdf_ik.ik.redundancy.values import only_parameter
+from urdf_ik.ik.solve import solve
 from urdf_ik.kinematics.chain.redundancy import SWIVEL
+from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN, wrapped
 
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.ik.families.parts.family import RedundantPlan
-    from urdf_ik.ik.solutions.solved_arm import SolvingArm
+    from urdf_ik.ik.solver import Solver
     from urdf_ik.kinematics.chain.redundancy import Redundancy
 
     Array = NDArray[np.float64]
@@ -57,65 +58,60 @@ _VALUE, _JOINTS = 0, slice(3, 10)
 
 
 def intervals(
-    arm: SolvingArm,
-    plan: RedundantPlan,
-    T: Array,
+    solver: Solver,
+    T: Any,
     *,
-    within_limits: bool,
-    world: Any,
-    threads: int,
+    within_limits: bool = True,
+    world: Any = None,
+    threads: int = 1,
 ) -> Intervals:
     """See :meth:`urdf_ik.Arm.intervals`."""
-    if plan.self_motion is None:
-        raise UnsupportedArm(
-            f"{arm.name}: intervals of the redundancy parameter are not found for arms whose joints mimic others, "
-            "that have several parameters, or whose joints do not move the tip in every way; "
-            "ik(T, redundancy=values) solves at values"
-        )
+    plan, T = only_parameter(solver, "intervals"), as_pose_array(T)
     threads = inputs.threads(threads)
-    curves = Curves(plan.self_motion, plan.parameter, arm.dof < 7, ~arm.chain.prismatic)
+    curves = Curves.of(solver)
     stack = T.reshape(-1, 4, 4)
     bounds = np.tile([-np.inf, np.inf], (7, 1))
     if inputs.flag(within_limits, "within_limits"):
-        bounds[: arm.dof] = arm.limits
+        bounds[: solver.dof] = solver.limits
     parts, open_ = [], np.arange(len(stack))
-    way = last_axis.sense(arm, plan)
+    way = last_axis.sense(solver, plan)
     if len(stack) and (swivel.is_closed(plan) or way):
         closed, open_ = (
-            last_axis.intervals(arm, way, stack, bounds[: arm.dof])
+            last_axis.intervals(solver, way, stack, bounds[: solver.dof])
             if way
-            else swivel.intervals(arm, plan, stack, bounds)
+            else swivel.intervals(solver, plan, stack, bounds)
         )
-        parts.append(closed if world is None and not len(open_) else with_samples(arm, curves, stack, closed))
+        parts.append(closed if world is None and not len(open_) else with_samples(solver, stack, closed))
     for k in range(0, len(open_), _AT_ONCE):
         some = open_[k : k + _AT_ONCE]
-        traced = _found(arm, plan, curves, stack[some], bounds, threads)
+        traced = _found(solver, plan, curves, stack[some], bounds, threads)
         parts.append(replace(traced, pose=some[traced.pose]))
-    found = joined(parts) if parts else _nothing(arm)
+    found = joined(parts) if parts else _nothing(solver)
     if world is not None:
-        found = without_contacts(arm.collision_model.in_world(world), curves, stack, found)
-    return Intervals(arm, T, curves, found, within_limits, partial(with_samples, arm, curves))
+        found = without_contacts(solver.contacts.in_world(world), curves, stack, found)
+    return Intervals(solver, T, found, within_limits, with_samples)
 
 
-def span(arm: SolvingArm, parameter: Redundancy, T: Array) -> tuple[float, float]:
+def span(solver: Solver, parameter: Redundancy, T: Array) -> tuple[float, float]:
     """Least and greatest value that is tried for poses (m, 4, 4)."""
     if parameter.round:
         return -np.pi, np.pi
     low, high = parameter.range
     if np.isfinite(high - low):
         return low, high
-    reach = float(np.linalg.norm(T[:, :3, 3] - arm.chain.P[0], axis=1).max()) + arm.chain.size
+    reach = float(np.linalg.norm(T[:, :3, 3] - solver.chain.P[0], axis=1).max()) + solver.chain.size
     return max(low, -reach), min(high, reach)
 
 
-def with_samples(arm: SolvingArm, curves: Curves, T: Array, found: Found) -> Found:
+def with_samples(solver: Solver, T: Array, found: Found) -> Found:
     """Intervals of poses (m, 4, 4) without samples, with samples at evenly spread values."""
+    curves = Curves.of(solver)
     count = np.maximum(np.ceil((found.high - found.low) / SPREAD).astype(np.intp) + 1, 3)
     first = np.cumsum(count) - count
     of = np.repeat(np.arange(len(count)), count)
     share = (np.arange(count.sum()) - first[of]) / (count[of] - 1)
     value = found.low[of] + share * (found.high - found.low)[of]
-    solutions = arm.ik(T[found.pose[of]], redundancy=curves.parameter.wrapped(value))
+    solutions = solve(solver, T[found.pose[of]], redundancy=curves.parameter.wrapped(value))
     q = solutions.q[np.arange(len(of)), found.column[of]]
     core = [
         curves.samples(T[pose], q[a : a + n], value[a : a + n])
@@ -125,10 +121,10 @@ def with_samples(arm: SolvingArm, curves: Curves, T: Array, found: Found) -> Fou
     return replace(found, first=first, count=count, value=value, q=q, core=rows)
 
 
-def _at_one_value(arm: SolvingArm, curves: Curves, T: Array, value: float, bounds: Array, threads: int) -> Found:
+def _at_one_value(solver: Solver, curves: Curves, T: Array, value: float, bounds: Array, threads: int) -> Found:
     """The intervals of a parameter that has one value only: solutions, as intervals of no width."""
     values = np.full(len(T), value)
-    solutions = arm.ik(T, redundancy=values, threads=threads)
+    solutions = solve(solver, T, redundancy=values, threads=threads)
     kept = solutions.within_limits() if np.isfinite(bounds).any() else solutions
     pose, column = np.nonzero(kept.valid)
     q, one = solutions.q[pose, column], np.full(len(pose), value)
@@ -138,38 +134,38 @@ def _at_one_value(arm: SolvingArm, curves: Curves, T: Array, value: float, bound
     return Found(pose, one, one, column, ends, first, count, one, q, np.concatenate([*core, np.empty((0, 17))]))
 
 
-def _nothing(arm: SolvingArm) -> Found:
+def _nothing(solver: Solver) -> Found:
     """No interval of no pose."""
     none, empty = np.zeros(0, dtype=np.intp), np.zeros(0)
     return Found(
-        none, empty, empty, none, np.empty((0, 2), dtype=object), none, none, empty, np.empty((0, arm.dof)),
+        none, empty, empty, none, np.empty((0, 2), dtype=object), none, none, empty, np.empty((0, solver.dof)),
         np.empty((0, 17)),
     )  # fmt: skip
 
 
-def _found(arm: SolvingArm, plan: RedundantPlan, curves: Curves, T: Array, bounds: Array, threads: int) -> Found:
+def _found(solver: Solver, plan: RedundantPlan, curves: Curves, T: Array, bounds: Array, threads: int) -> Found:
     """The intervals of a few poses, their curves followed."""
     parameter = plan.parameter
     # Where another plan serves every value, there are no branches beyond their ends either.
-    general = plan.family.by_elimination or not isinstance(plan.solver, Solver)
-    low, high = span(arm, parameter, T)
+    general = plan.family.by_elimination or not isinstance(plan.solver, _core.Solver)
+    low, high = span(solver, parameter, T)
     if not parameter.round and high - low < NARROWEST:
-        return _at_one_value(arm, curves, T, 0.5 * (low + high), bounds, threads)
+        return _at_one_value(solver, curves, T, 0.5 * (low + high), bounds, threads)
     grid = np.linspace(low, high, GRID_GENERAL if general else GRID, endpoint=not parameter.round)
-    solutions = arm.ik(T[:, None], redundancy=np.broadcast_to(grid, (len(T), len(grid))), threads=threads)
+    solutions = solve(solver, T[:, None], redundancy=np.broadcast_to(grid, (len(T), len(grid))), threads=threads)
     values = np.broadcast_to(grid[:, None], solutions.valid.shape)
     q = np.ascontiguousarray(curves.seven(solutions.q, values))
     beyond = None
     if not general:
         fine = np.linspace(low, high, FINER * len(grid), endpoint=not parameter.round)
-        beyond = np.ascontiguousarray(_beyond(arm, plan, curves, T, fine))
+        beyond = np.ascontiguousarray(_beyond(solver, plan, curves, T, fine))
     scale = np.ones(7)
-    scale[: arm.dof] = np.where(arm.chain.prismatic, arm.chain.size, np.pi)
+    scale[: solver.dof] = np.where(solver.chain.prismatic, solver.chain.size, np.pi)
     starts = np.random.default_rng(0).uniform(-1.0, 1.0, (STARTS if general else 0, 7)) * scale
     flags = np.ascontiguousarray(solutions.valid.view(np.uint8))
     poses = np.ascontiguousarray(T)
     given = _Given(grid, q, flags, bounds, beyond, max(_OFF, _OFF_BY_ERROR * plan.error), starts)
-    samples, rows = _followed(arm, curves, poses, given)
+    samples, rows = _followed(solver, curves, poses, given)
     numbers = rows.astype(np.intp)
     pose, first, count, column = numbers[:, :4].T
     value, joints = samples[:, _VALUE], curves.joints(samples[:, _JOINTS])
@@ -182,9 +178,9 @@ def _found(arm: SolvingArm, plan: RedundantPlan, curves: Curves, T: Array, bound
         value = value.copy()
         value[samples_of] += np.repeat(turned, count)
         low, high = low + turned, high + turned
-    ends = _ends(arm, numbers[:, 4:6], numbers[:, 6:8])
+    ends = _ends(solver, numbers[:, 4:6], numbers[:, 6:8])
     found = Found(pose, low, high, column, ends, first, count, value, joints, samples)
-    _name(arm, T, found)
+    _name(solver, T, found)
     order = np.lexsort((low, column, pose))
     return found.of(order)
 
@@ -218,7 +214,7 @@ class _Given(NamedTuple):
         return self._replace(q=self.q[one], flags=self.flags[one], beyond=beyond, starts=starts)
 
 
-def _followed(arm: SolvingArm, curves: Curves, T: Array, given: _Given) -> tuple[Array, Array]:
+def _followed(solver: Solver, curves: Curves, T: Array, given: _Given) -> tuple[Array, Array]:
     """Samples and intervals of poses (m, 4, 4) from the core.
 
     A part of a curve that holds no value of the grid is seldom alone: all solutions at a value in its middle are starts
@@ -236,7 +232,7 @@ def _followed(arm: SolvingArm, curves: Curves, T: Array, given: _Given) -> tuple
     parts, tables, first = [samples], [rows[~np.isin(rows[:, 0], again)]], len(samples)
     for i in again.tolist():
         values = curves.parameter.wrapped(unseen[unseen[:, 0] == i, 1])
-        found = arm.ik(T[i], redundancy=values)
+        found = solve(solver, T[i], redundancy=values)
         there = curves.seven(found.q, np.broadcast_to(values[:, None], found.valid.shape))[found.valid]
         more, table, _ = ask(T[i : i + 1], given.of(i, there))
         table[:, 0] = i
@@ -247,39 +243,39 @@ def _followed(arm: SolvingArm, curves: Curves, T: Array, given: _Given) -> tuple
     return np.concatenate(parts), np.concatenate(tables)
 
 
-def _beyond(arm: SolvingArm, plan: RedundantPlan, curves: Curves, T: Array, grid: Array) -> Array:
+def _beyond(solver: Solver, plan: RedundantPlan, curves: Curves, T: Array, grid: Array) -> Array:
     """Joint vectors (m, v, B, 7) of all branches at the values (v,), beyond their ends too; not verified."""
     poses, values = plan.parameter.spread(T[:, None], np.broadcast_to(grid, (len(T), len(grid))))
     branches = len(plan.branches)
-    q = np.full((*values.shape, branches, arm.dof), np.nan)
-    rows = q.reshape(-1, branches, arm.dof)
+    q = np.full((*values.shape, branches, solver.dof), np.nan)
+    rows = q.reshape(-1, branches, solver.dof)
     plan.solver.solve(
         poses.reshape(-1, 4, 4), None, rows, np.zeros(rows.shape[:2], np.uint8), values.reshape(-1), 1, beyond=True
     )
     out = curves.seven(q, np.broadcast_to(values[..., None], q.shape[:-1]))
     if plan.parameter.kind != SWIVEL:
-        given = 6 if curves.appended else arm.joint_names.index(plan.parameter.joint)
+        given = 6 if curves.appended else solver.joint_names.index(plan.parameter.joint)
         out[..., given] = values[..., None]  # branches that are no solution have no value yet
     return out
 
 
-def _ends(arm: SolvingArm, why: NDArray[np.intp], joint: NDArray[np.intp]) -> NDArray[np.object_]:
+def _ends(solver: Solver, why: NDArray[np.intp], joint: NDArray[np.intp]) -> NDArray[np.object_]:
     """Ends (k, 2) as the core gives them: numbers of the cause and of the joint, -1 without one."""
-    table = np.empty((len(_CAUSES), arm.dof + 1), dtype=object)  # the last column: no joint
+    table = np.empty((len(_CAUSES), solver.dof + 1), dtype=object)  # the last column: no joint
     for k, cause in enumerate(_CAUSES):
         limit = cause == "limit"
-        table[k, :-1] = [End(cause, name, upper=k == _UPPER) if limit else None for name in arm.joint_names]
+        table[k, :-1] = [End(cause, name, upper=k == _UPPER) if limit else None for name in solver.joint_names]
         table[k, -1] = None if limit else End(cause)
     ends: NDArray[np.object_] = table[why, joint]
     return ends
 
 
-def _name(arm: SolvingArm, T: Array, found: Found) -> None:
+def _name(solver: Solver, T: Array, found: Found) -> None:
     """Fill in the columns of intervals that hold no value of the grid: those of the solutions in their middles."""
     unknown = np.flatnonzero(found.column < 0)
     if not len(unknown):
         return
     at = found.first[unknown] + found.count[unknown] // 2
-    solutions = arm.ik(T[found.pose[unknown]], redundancy=found.value[at])
+    solutions = solve(solver, T[found.pose[unknown]], redundancy=found.value[at])
     apart = np.abs(wrapped(solutions.q - found.q[at][:, None])).max(axis=-1)
     found.column[unknown] = np.nanargmin(np.where(np.isnan(apart), np.inf, apart), axis=1)

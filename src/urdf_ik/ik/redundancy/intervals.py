@@ -12,8 +12,10 @@ import numpy as np
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.redundancy import self_motion
 from urdf_ik.ik.redundancy.interval_arrays import End, Found
+from urdf_ik.ik.redundancy.self_motion import Curves
 from urdf_ik.ik.solutions import distances
 from urdf_ik.ik.solutions.distances import QUALITIES
+from urdf_ik.ik.solve import solve
 from urdf_ik.support import indices, inputs
 from urdf_ik.support.angles import TURN
 from urdf_ik.support.text import aligned, quoted
@@ -21,10 +23,9 @@ from urdf_ik.support.text import aligned, quoted
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from urdf_ik.ik.redundancy.self_motion import Curves
     from urdf_ik.ik.solutions import IKSolutions
     from urdf_ik.ik.solutions.distances import Metric, Quality
-    from urdf_ik.ik.solutions.solved_arm import SolvingArm
+    from urdf_ik.ik.solver import Solver
     from urdf_ik.kinematics.chain.redundancy import Redundancy
 
     Array = NDArray[np.float64]
@@ -86,15 +87,15 @@ class Intervals:
 
     def __init__(
         self,
-        arm: SolvingArm,
+        solver: Solver,
         T: Array,
-        curves: Curves,
         found: Found,
         within_limits: bool,
-        sampled: Callable[[Array, Found], Found],
+        sampled: Callable[[Solver, Array, Found], Found],
     ) -> None:
         """Keep what was found for poses ``T`` (..., 4, 4); ``sampled`` adds samples to intervals of a stack."""
-        self.arm = arm
+        curves = Curves.of(solver)
+        self.solver = solver
         self.parameter: Redundancy = curves.parameter
         self.within_limits = within_limits
         self._T = T
@@ -102,11 +103,14 @@ class Intervals:
         self._found = found
         self._sampled = sampled
 
+    def __reduce__(self) -> tuple[type[Intervals], tuple[Any, ...]]:
+        return Intervals, (self.solver, self._T, self._found, self.within_limits, self._sampled)
+
     @cached_property
     def _full(self) -> Found:
         """The intervals with samples."""
         found = self._found
-        return found if len(found.value) or not len(found.low) else self._sampled(self._T.reshape(-1, 4, 4), found)
+        return found if len(found.value) or not len(found.low) else self._sampled(self.solver, self._T.reshape(-1, 4, 4), found)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -136,7 +140,7 @@ class Intervals:
             raise ArgumentError(f"index {quoted(index)} leaves more than one pose of a batch of shape {self.shape}")
         found = self._found.of(np.flatnonzero(self._found.pose == place))
         found = replace(found, pose=np.zeros(len(found.low), dtype=np.intp))
-        return Intervals(self.arm, self._T[index], self._curves, found, self.within_limits, self._sampled)
+        return Intervals(self.solver, self._T[index], found, self.within_limits, self._sampled)
 
     def samples(self, k: int) -> tuple[Array, Array]:
         """Growing values (s,) in interval ``k`` of a single pose, from end to end, and joint vectors (s, n) there.
@@ -198,7 +202,7 @@ class Intervals:
             >>> arm.intervals(arm.fk(q)).nearest(q)[0].q.round(6).tolist()
             [0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]
         """
-        reference = distances.reference(q_ref, self.arm.joint_names, self.shape)
+        reference = distances.reference(q_ref, self.solver.joint_names, self.shape)
         inside = self.within_limits
         values = self.nearest_values(reference, metric=metric, weights=weights, within=within, within_limits=inside)
         return self._at(values).nearest(reference, weights, metric=metric, within=within, within_limits=inside)
@@ -226,13 +230,13 @@ class Intervals:
             >>> bool(abs(value - arm.redundancy_of(q)) < 1e-6)
             True
         """
-        measure = distances.measure(self.arm, metric, weights, within)
-        reference = distances.reference(q_ref, self.arm.joint_names, self.shape)
-        each = np.broadcast_to(reference, (*self.shape, self.arm.dof)).reshape(-1, self.arm.dof)
-        bounds = self.arm.limits if within_limits else np.tile([-np.inf, np.inf], (self.arm.dof, 1))
+        measure = distances.measure(self.solver, metric, weights, within)
+        reference = distances.reference(q_ref, self.solver.joint_names, self.shape)
+        each = np.broadcast_to(reference, (*self.shape, self.solver.dof)).reshape(-1, self.solver.dof)
+        bounds = self.solver.limits if within_limits else np.tile([-np.inf, np.inf], (self.solver.dof, 1))
 
         def cost(q: Array, pose: NDArray[np.intp]) -> Array:
-            return self_motion.distance(self.arm, q, each[pose], bounds, measure)
+            return self_motion.distance(self.solver, q, each[pose], bounds, measure)
 
         return self._least(cost)
 
@@ -256,7 +260,7 @@ class Intervals:
         inputs.choice(by, "by", tuple(QUALITIES))
 
         def cost(q: Array, pose: NDArray[np.intp]) -> Array:
-            return -self_motion.quality(self.arm, q, by)
+            return -self_motion.quality(self.solver, q, by)
 
         solutions = self._at(self._least(cost))
         return solutions.within_limits().best(by) if self.within_limits else solutions.best(by)
@@ -275,7 +279,7 @@ class Intervals:
         unit = self.parameter.unit
         rows = [["branch", f"from [{unit}]", "because", f"to [{unit}]", "because"]]
         rows += [[x.branch, f"{x.low:.6f}", str(x.ends[0]), f"{x.high:.6f}", str(x.ends[1])] for x in self]
-        title = f"{self.arm.name}: {len(self)} intervals of the {self.parameter}"
+        title = f"{self.solver.name}: {len(self)} intervals of the {self.parameter}"
         return "\n".join([title, *aligned(rows, left=(0, 2, 4))])
 
     def __str__(self) -> str:
@@ -284,7 +288,7 @@ class Intervals:
     def __repr__(self) -> str:
         of = f"poses {self.shape}, " if self.shape else ""
         inside = " within the limits" if self.within_limits else ""
-        return f"<Intervals of {self.arm.name}: {of}{len(self._found.low)} intervals{inside}>"
+        return f"<Intervals of {self.solver.name}: {of}{len(self._found.low)} intervals{inside}>"
 
     def _least(self, cost: self_motion.Cost) -> Array:
         """(...) the values at which a cost is least; NaN for poses without an interval."""
@@ -295,12 +299,12 @@ class Intervals:
     def _at(self, values: Array) -> IKSolutions:
         """The solutions at values, of poses without one at the default."""
         values = np.where(np.isnan(values), self.parameter.default, self.parameter.wrapped(values))
-        solutions: IKSolutions = self.arm.ik(self._T, redundancy=values)
+        solutions: IKSolutions = solve(self.solver, self._T, redundancy=values)
         return solutions
 
     def _interval(self, k: int) -> Interval:
         found = self._found
-        branch = self.arm.structure.branches[found.column[k]]
+        branch = self.solver.structure.branches[found.column[k]]
         return Interval(branch, float(found.low[k]), float(found.high[k]), tuple(found.ends[k]))
 
     def _single(self, what: str) -> None:

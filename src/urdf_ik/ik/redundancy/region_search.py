@@ -16,7 +16,9 @@ import numpy as np
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.redundancy.interval_search import span
 from urdf_ik.ik.redundancy.region import Region
+from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.ik.solutions import distances, limits
+from urdf_ik.ik.solve import solve
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
@@ -27,7 +29,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik.ik.solutions import IKSolutions
-    from urdf_ik.ik.solutions.solved_arm import SolvingArm
+    from urdf_ik.ik.solver import Solver
 
     Array = NDArray[np.float64]
 
@@ -43,7 +45,7 @@ INSIDE = 1e-8
 
 
 def nearest(
-    arm: SolvingArm,
+    solver: Solver,
     T: Any,
     q_ref: ArrayLike,
     region: Region | None,
@@ -63,40 +65,40 @@ def nearest(
     if inputs.choice(metric, "metric", distances.METRICS) != "l2":
         what = "a region" if region is not None else "several redundancy parameters"
         raise ArgumentError(f"metric={quoted(metric)} given; with {what} the distance is metric='l2'")
-    measure = distances.measure(arm, metric, weights, within)
+    measure = distances.measure(solver, metric, weights, within)
     within_limits, threads = inputs.flag(within_limits, "within_limits"), inputs.threads(threads)
     target = as_pose_array(T)
     shape = target.shape[:-2]
-    reference = arm.chain.check(q_ref)
+    reference = solver.chain.check(q_ref)
     try:
-        reference = np.broadcast_to(reference, (*shape, arm.dof))
+        reference = np.broadcast_to(reference, (*shape, solver.dof))
     except ValueError:
         raise ArgumentError(
             f"q_ref of shape {reference.shape} and poses of shape {shape} given: one joint vector, or one a pose"
         ) from None
-    bounds = arm.limits if within_limits else np.tile([-np.inf, np.inf], (arm.dof, 1))
-    free = arm.free_axis
+    bounds = solver.limits if within_limits else np.tile([-np.inf, np.inf], (solver.dof, 1))
+    free = solver.free_axis
     if region is not None:
         inputs.kind(region, "sampled", "region", "a urdf_ik.Region")
     sought = region or Region()
     if free is not None:
         sought = Region(rotation=np.pi, axis=free)
-    stack, near = target.reshape(-1, 4, 4).copy(), reference.reshape(-1, arm.dof)
-    values = np.tile([parameter.default for parameter in arm.redundancies], (len(stack), 1))
+    stack, near = target.reshape(-1, 4, 4).copy(), reference.reshape(-1, solver.dof)
+    values = np.tile([parameter.default for parameter in solver.parameters], (len(stack), 1))
     for k, (pose, q) in enumerate(zip(stack, near, strict=True)):
-        found = _nearest(arm.fixed, pose, q, sought, bounds, measure.factors, threads)
+        found = _nearest(solver.fixed, pose, q, sought, bounds, measure.factors, threads)
         if found is not None:
-            stack[k] = pose if region is None else sought.clipped(pose, arm.fk(found))
-            values[k] = arm.nearest_values(found[None], stack[k][None])[0] if arm.redundancies else []
-    count = len(arm.redundancies)
+            stack[k] = pose if region is None else sought.clipped(pose, solver.chain.fk(found))
+            values[k] = nearest_values(solver, found[None], stack[k][None])[0] if solver.parameters else []
+    count = len(solver.parameters)
     at = values.reshape(shape if count == 1 else (*shape, count)) if count else None
-    solutions = arm.ik(stack.reshape(*shape, 4, 4), redundancy=at, threads=threads)
+    solutions = solve(solver, stack.reshape(*shape, 4, 4), redundancy=at, threads=threads)
     chosen: IKSolutions = solutions.nearest(reference, weights, metric="l2", within=within, within_limits=within_limits)
     return chosen
 
 
 def _nearest(
-    arm: SolvingArm, T: Array, q_ref: Array, region: Region, bounds: Array, factors: Array, threads: int
+    solver: Solver, T: Array, q_ref: Array, region: Region, bounds: Array, factors: Array, threads: int
 ) -> Array | None:
     """The joint vector (n,) in a region around a pose (4, 4) that is nearest to ``q_ref``; None where none is found."""
     from scipy.optimize import minimize
@@ -105,10 +107,10 @@ def _nearest(
     tight = low > high
     low, high = np.where(tight, bounds[:, 0], low), np.where(tight, bounds[:, 1], high)
     scale = np.sqrt(np.maximum(factors, 1e-6))
-    conditions = _Conditions(arm, T, region)
+    conditions = _Conditions(solver, T, region)
     best: Array | None = None
     least = np.inf
-    for start in _starts(arm, T, q_ref, region, bounds, scale, threads):
+    for start in _starts(solver, T, q_ref, region, bounds, scale, threads):
         answer = minimize(
             lambda q: 0.5 * float(((q - q_ref) * scale) @ ((q - q_ref) * scale)),
             start.clip(low, high),
@@ -119,17 +121,17 @@ def _nearest(
             options={"maxiter": 100, "ftol": 1e-11},
         )
         q = answer.x
-        if answer.fun < least * (1.0 - 1e-9) and region.contains(T, arm.fk(q), 1e-7):
+        if answer.fun < least * (1.0 - 1e-9) and region.contains(T, solver.chain.fk(q), 1e-7):
             best, least = q, float(answer.fun)
     return best
 
 
 def _starts(
-    arm: SolvingArm, T: Array, q_ref: Array, region: Region, bounds: Array, scale: Array, threads: int
+    solver: Solver, T: Array, q_ref: Array, region: Region, bounds: Array, scale: Array, threads: int
 ) -> Array:
     """(k, n) joint vectors from which to search: of all branches of all samples, the nearest, no two alike."""
     spread = region.widths > 0.0
-    parameters = arm.redundancies
+    parameters = solver.parameters
     wide = int(spread.sum()) + len(parameters)
     count = 1 if not wide else min(SAMPLES << (wide - 1), MOST_SAMPLES)
     shares = np.full((count, 6 + len(parameters)), 0.5)
@@ -139,12 +141,12 @@ def _starts(
     poses[0] = T
     values: Any = None
     if parameters:
-        ends = np.array([span(arm, parameter, poses) for parameter in parameters])
+        ends = np.array([span(solver, parameter, poses) for parameter in parameters])
         grid = ends[:, 0] + shares[:, 6:] * (ends[:, 1] - ends[:, 0])
         values = grid if len(parameters) > 1 else grid[:, 0]
-    solutions = arm.ik(poses, redundancy=values, threads=threads)
+    solutions = solve(solver, poses, redundancy=values, threads=threads)
     q = solutions.q[solutions.valid]
-    turning = ~arm.chain.prismatic
+    turning = ~solver.chain.prismatic
     image, inside = limits.image_near(q, q_ref, bounds, turning)
     if not inside.any():
         _, out = limits.excess(q, bounds, turning)
@@ -159,7 +161,7 @@ def _starts(
             chosen.append(each)
             if len(chosen) == STARTS:
                 break
-    return np.array(chosen).reshape(-1, arm.dof)
+    return np.array(chosen).reshape(-1, solver.dof)
 
 
 def _spread(count: int, wide: int) -> Array:
@@ -176,8 +178,8 @@ def _spread(count: int, wide: int) -> Array:
 class _Conditions:
     """What keeps the tip in a region, as functions of the joint vector and their derivatives."""
 
-    def __init__(self, arm: SolvingArm, T: Array, region: Region) -> None:
-        self._arm, self._T, self._region = arm, T, region
+    def __init__(self, solver: Solver, T: Array, region: Region) -> None:
+        self._arm, self._T, self._region = solver, T, region
         self._a = np.array(region.axis.direction)
         self._across = region.across
         low, high = np.array(region.box).T
@@ -203,8 +205,8 @@ class _Conditions:
         return self._last[1]
 
     def _computed(self, q: Array) -> tuple[Array, Array, Array, Array]:
-        arm, region, a = self._arm, self._region, self._a
-        reached, J = arm.fk(q), arm.chain.jacobian(q)
+        solver, region, a = self._arm, self._region, self._a
+        reached, J = solver.chain.fk(q), solver.chain.jacobian(q)
         back = self._T[:3, :3].T
         place, d, turn = region.measured(self._T, reached)
         angular = back @ J[3:]

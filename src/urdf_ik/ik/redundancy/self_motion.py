@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.errors import UnsupportedArm
 from urdf_ik.ik.solutions import distances, limits
+from urdf_ik.kinematics import velocity
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -17,7 +19,7 @@ if TYPE_CHECKING:
     from urdf_ik._core import SelfMotion
     from urdf_ik.ik.redundancy.interval_arrays import Found
     from urdf_ik.ik.solutions.distances import Measure, Quality
-    from urdf_ik.ik.solutions.solved_arm import SolvingArm
+    from urdf_ik.ik.solver import Solver
     from urdf_ik.kinematics.chain.redundancy import Redundancy
 
     Array = NDArray[np.float64]
@@ -48,6 +50,22 @@ class Curves:
     parameter: Redundancy
     appended: bool
     turning: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, solver: Solver) -> Curves:
+        """The curves of an arm with one redundancy parameter.
+
+        Raises:
+            UnsupportedArm: nothing follows its curves.
+        """
+        member = solver.redundant_member
+        if member.self_motion is None:
+            raise UnsupportedArm(
+                f"{solver.name}: intervals of the redundancy parameter are not found for arms whose joints mimic "
+                "others, that have several parameters, or whose joints do not move the tip in every way; "
+                "ik(T, redundancy=values) solves at values"
+            )
+        return cls(member.self_motion, member.parameter, solver.dof < 7, ~solver.chain.prismatic)
 
     def seven(self, q: Array, values: Array) -> Array:
         """Joint vectors (..., n) with the parameter's values (...) behind them where it is none of the joints."""
@@ -132,15 +150,15 @@ def least(curves: Curves, T: Array, found: Found, cost: Cost) -> tuple[Array, Ar
     return value, lowest
 
 
-def distance(arm: SolvingArm, q: Array, q_ref: Array, bounds: Array, measure: Measure) -> Array:
+def distance(solver: Solver, q: Array, q_ref: Array, bounds: Array, measure: Measure) -> Array:
     """(k,) of solutions (k, n): the distance of the nearest image inside the bounds from (k, n), infinite for NaN rows.
 
     Where no image is inside, or none is near enough, by how much, above ``_OUTSIDE`` or ``_BEYOND``.
     """
-    turning = ~arm.chain.prismatic
+    turning = ~solver.chain.prismatic
     image, inside = limits.image_near(q, q_ref, bounds, turning)
-    apart = distances.difference(image, q_ref, np.zeros(arm.dof))
-    cost = _share(arm, measure, apart)
+    apart = distances.difference(image, q_ref, np.zeros(solver.dof))
+    cost = _share(solver, measure, apart)
     if measure.within is not None:
         beyond = measure.beyond(apart)
         cost = np.where(beyond > 0.0, _BEYOND + beyond, cost)
@@ -150,16 +168,16 @@ def distance(arm: SolvingArm, q: Array, q_ref: Array, bounds: Array, measure: Me
     return cost
 
 
-def quality(arm: SolvingArm, q: Array, by: Quality) -> Array:
+def quality(solver: Solver, q: Array, by: Quality) -> Array:
     """(k,) how good solutions (k, n) are, more is better; see :meth:`urdf_ik.IKSolutions.scores`."""
     if by == "manipulability":
-        return arm.manipulability(q, arm.control.part)
+        return velocity.manipulability(solver.chain, q, solver.control.part)
     if by == "clearance":
-        return np.asarray(arm.clearance(q))
-    inmost, _ = limits.image_inmost(q, arm.limits, ~arm.chain.prismatic)
-    return np.nan_to_num(limits.margin(inmost, arm.limits), nan=-np.inf)
+        return np.asarray(solver.contacts.in_world(None).distance(q))
+    inmost, _ = limits.image_inmost(q, solver.limits, ~solver.chain.prismatic)
+    return np.nan_to_num(limits.margin(inmost, solver.limits), nan=-np.inf)
 
 
-def _share(arm: SolvingArm, measure: Measure, apart: Array) -> Array:
+def _share(solver: Solver, measure: Measure, apart: Array) -> Array:
     """The distance (...) as a share of that at which every joint is 1 rad or m away, so that no weights matter here."""
-    return measure.distance(apart) / (float(measure.distance(np.ones(arm.dof))) or 1.0)
+    return measure.distance(apart) / (float(measure.distance(np.ones(solver.dof))) or 1.0)

@@ -12,6 +12,8 @@ import numpy as np
 
 from urdf_ik.errors import ArgumentError, PoseError
 from urdf_ik.ik.redundancy.interval_search import intervals, span
+from urdf_ik.ik.redundancy.values import only_parameter
+from urdf_ik.ik.solve import solve
 from urdf_ik.model.poses import check_poses
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN
@@ -19,9 +21,8 @@ from urdf_ik.support.angles import TURN
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from urdf_ik.ik.families.parts.family import RedundantPlan
     from urdf_ik.ik.solutions import IKSolutions
-    from urdf_ik.ik.solutions.solved_arm import SolvingArm
+    from urdf_ik.ik.solver import Solver
     from urdf_ik.kinematics.chain.redundancy import Redundancy
 
     Array = NDArray[np.float64]
@@ -68,46 +69,48 @@ MOST_VALUES = 1_000_000
 """Values of a sweep at most."""
 
 
-def sweep(arm: SolvingArm, plan: RedundantPlan, T: Any, n: int, within_limits: bool, threads: int) -> Sweep:
+def sweep(solver: Solver, T: Any, n: int = 64, *, within_limits: bool = False, threads: int = 1) -> Sweep:
     """See :meth:`urdf_ik.Arm.sweep`."""
+    plan = only_parameter(solver, "sweep")
     target = check_poses(T)
     if target.ndim != 2:
         raise PoseError(f"an array of shape {target.shape} given; sweep takes a single pose (4, 4)")
     n = inputs.whole(n, "n", low=1, high=MOST_VALUES)
     within_limits, threads = inputs.flag(within_limits, "within_limits"), inputs.threads(threads)
     parameter = plan.parameter
-    low, high = span(arm, parameter, target[None])
+    low, high = span(solver, parameter, target[None])
     if plan.self_motion is None and len(plan.parameters) == 1:
-        found = _on_a_grid(arm, parameter, target, (low, high), within_limits)
+        found = _on_a_grid(solver, parameter, target, (low, high), within_limits)
     else:
-        found = intervals(arm, plan, target, within_limits=within_limits, world=None, threads=threads).merged()
+        found = intervals(solver, target, within_limits=within_limits, threads=threads).merged()
     values = _spread(found if len(found) else np.array([[low, high]]), n, parameter.round)
-    solutions: IKSolutions = arm.ik(target, redundancy=parameter.wrapped(values), threads=threads)
+    solutions: IKSolutions = solve(solver, target, redundancy=parameter.wrapped(values), threads=threads)
     return Sweep(solutions.within_limits() if within_limits else solutions, found, parameter)
 
 
-def explanation(arm: SolvingArm, plan: RedundantPlan, T: Array, value: ArrayLike | None) -> str:
+def explanation(solver: Solver, T: Array, value: ArrayLike | None) -> str:
     """Why the pose ``T`` (4, 4) has no solution at a value of the parameter (None: its default), and where it has."""
+    plan = solver.redundant_member
     parameter = plan.parameter
     given = parameter.check(parameter.default if value is None else value)
     if given.ndim:
         raise ArgumentError(f"redundancy of shape {given.shape} given; explain takes a single value")
     at = float(given)
-    found = sweep(arm, plan, T, 1, within_limits=False, threads=1).intervals
+    found = sweep(solver, T, 1).intervals
     places = ", ".join(f"{low:.4f} to {high:.4f} {parameter.unit}" for low, high in found)
     why = plan.explain_at(T, np.array([at]))
     return f"{why}; " + (f"there are solutions at {places}" if places else "nor at other values")
 
 
 def _on_a_grid(
-    arm: SolvingArm, parameter: Redundancy, T: Array, ends: tuple[float, float], within_limits: bool
+    solver: Solver, parameter: Redundancy, T: Array, ends: tuple[float, float], within_limits: bool
 ) -> Array:
     """(k, 2) from the first to the last of the grid's values in a row at which there are solutions.
 
     For joints that do not move the tip in every way: what they leave free is no curve that could be followed.
     """
     grid = np.linspace(*ends, _GRID)
-    solutions: IKSolutions = arm.ik(T, redundancy=parameter.wrapped(grid))
+    solutions: IKSolutions = solve(solver, T, redundancy=parameter.wrapped(grid))
     good = np.concatenate([[False], (solutions.within_limits() if within_limits else solutions).count > 0, [False]])
     starts, stops = np.flatnonzero(good[1:] & ~good[:-1]), np.flatnonzero(good[:-1] & ~good[1:])
     return np.column_stack([grid[starts], grid[stops - 1]])

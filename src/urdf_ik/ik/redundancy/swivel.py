@@ -15,6 +15,7 @@ import numpy as np
 
 from urdf_ik.ik.redundancy.interval_arrays import End, Found, joined
 from urdf_ik.ik.redundancy.limit_bounds import Bounds
+from urdf_ik.ik.solve import solve
 from urdf_ik.kinematics.chain.redundancy import SWIVEL
 from urdf_ik.support.angles import TURN
 
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.ik.families.parts.family import RedundantPlan
-    from urdf_ik.ik.solutions.solved_arm import SolvingArm
+    from urdf_ik.ik.solver import Solver
 
     Array = NDArray[np.float64]
     Columns = NDArray[np.intp]
@@ -48,7 +49,7 @@ def is_closed(plan: RedundantPlan) -> bool:
     return all(values.get(name, {}).get("square", False) for name, _ in _TRIPLES)
 
 
-def intervals(arm: SolvingArm, plan: RedundantPlan, T: Array, limits: Array) -> tuple[Found, Columns]:
+def intervals(solver: Solver, plan: RedundantPlan, T: Array, limits: Array) -> tuple[Found, Columns]:
     """The intervals of poses (m, 4, 4) inside limits (7, 2), without samples; and the poses that it does not decide.
 
     These are poses near a singularity of a triple at one of the three values, or at the edge of the elbow's reach.
@@ -56,15 +57,15 @@ def intervals(arm: SolvingArm, plan: RedundantPlan, T: Array, limits: Array) -> 
     bounds = Bounds(limits)
     parts, undecided = [], []
     for start in range(0, len(T), _AT_ONCE):
-        found, open_ = _some(arm, plan, T[start : start + _AT_ONCE], bounds)
+        found, open_ = _some(solver, plan, T[start : start + _AT_ONCE], bounds)
         parts.append(replace(found, pose=found.pose + start))
         undecided.append(open_ + start)
     return joined(parts), np.concatenate(undecided)
 
 
-def _some(arm: SolvingArm, plan: RedundantPlan, T: Array, bounds: Bounds) -> tuple[Found, Columns]:
+def _some(solver: Solver, plan: RedundantPlan, T: Array, bounds: Bounds) -> tuple[Found, Columns]:
     """:func:`intervals` of few poses."""
-    solutions = arm.ik(T[:, None], redundancy=np.broadcast_to(_AT, (len(T), 3)))
+    solutions = solve(solver, T[:, None], redundancy=np.broadcast_to(_AT, (len(T), 3)))
     q, valid = solutions.q.reshape(len(T), 3, 2, 2, 2, 7), solutions.valid.all(axis=(1, 2))
     open_ = np.flatnonzero(~valid & solutions.valid.any(axis=(1, 2)))
     # Of each elbow the first branch of shoulder and wrist; both flips share the expressions.
@@ -86,7 +87,7 @@ def _some(arm: SolvingArm, plan: RedundantPlan, T: Array, bounds: Bounds) -> tup
     found = np.setdiff1d(np.flatnonzero(valid), open_)
     E, signs = np.stack(expressions)[:, :, :, found], np.stack(sign)[:, found]
     rows = _Rows(E, signs, np.array(shifts), q[found, 0, 0, :, 0, _ELBOW])
-    return _assembled(arm, found, rows, bounds), open_
+    return _assembled(solver, found, rows, bounds), open_
 
 
 class _Rows:
@@ -189,7 +190,7 @@ def _roots(a: Array, b: Array, c: Array) -> Array:
     return turned
 
 
-def _assembled(arm: SolvingArm, pose: Columns, rows: _Rows, bounds: Bounds) -> Found:
+def _assembled(solver: Solver, pose: Columns, rows: _Rows, bounds: Bounds) -> Found:
     """The intervals of all branches of the poses."""
     breaks = _breaks(rows.E, bounds, rows.shifts)
     K = breaks.shape[-1]
@@ -208,7 +209,7 @@ def _assembled(arm: SolvingArm, pose: Columns, rows: _Rows, bounds: Bounds) -> F
     i_end, b_end, stop = np.nonzero(before & ~inside)
     stop = _paired(8 * i + b, k, 8 * i_end + b_end, stop)
     low, high = breaks[i, b >> 1 & 1, k], breaks[i, b >> 1 & 1, stop]
-    table = np.array([End("limit", name, upper=upper) for name in arm.joint_names for upper in (False, True)])
+    table = np.array([End("limit", name, upper=upper) for name in solver.joint_names for upper in (False, True)])
     ends = np.stack([table[rows.at_limit(bounds, i, b, each)] for each in (low, high)], axis=-1)
     i_whole, b_whole = np.nonzero(inside.all(axis=-1))
     ends = np.concatenate([ends, np.full((len(i_whole), 2), End("none"))])

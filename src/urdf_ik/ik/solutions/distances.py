@@ -17,7 +17,7 @@ from urdf_ik.support.text import quoted
 from urdf_ik.support.tolerances import LARGEST
 
 if TYPE_CHECKING:
-    from urdf_ik.ik.solutions.solved_arm import SolvedArm
+    from urdf_ik.ik.solver import Solver
 
 Array = NDArray[np.float64]
 Metric = Literal["l2", "max", "time"]
@@ -65,7 +65,7 @@ class Measure:
         return np.asarray(out)
 
 
-def measure(arm: SolvedArm, metric: str, weights: ArrayLike | None, within: ArrayLike | None) -> Measure:
+def measure(solver: Solver, metric: str, weights: ArrayLike | None, within: ArrayLike | None) -> Measure:
     """A distance for the joint vectors of an arm.
 
     Raises:
@@ -73,11 +73,11 @@ def measure(arm: SolvedArm, metric: str, weights: ArrayLike | None, within: Arra
             joint, or ``within`` is negative or not a number.
         ArgumentError: ``weights`` or ``within`` do not fit the arm.
     """
-    names = arm.joint_names
+    names = solver.joint_names
     each = np.ones(len(names)) if weights is None else factors(weights, names)
     inputs.choice(metric, "metric", (*METRICS, "time") if "time" not in METRICS else METRICS)
     if metric == "time":
-        speeds = arm.velocity_limits
+        speeds = solver.velocity_limits
         if unknown := [repr(name) for name, speed in zip(names, speeds, strict=True) if np.isinf(speed)]:
             raise ArgumentError(
                 f"metric='time' needs the greatest speed of every joint, and the URDF gives none for "

@@ -25,7 +25,7 @@ def explanation(solutions: KeptSolutions) -> str:
     step = solutions.step
     if step is None:
         at = solutions.redundancy
-        return str(solutions.arm.explain(solutions.poses, at))
+        return str(solutions.solver.why_none(solutions.solver, solutions.poses, at))
     found = "1 solution reaches" if step.parent.count == 1 else f"{step.parent.count} solutions reach"
     if step.how == "within":
         inside = " inside the joint limits" if {"limits", "turns"} & set(step.parent.filters) else ""
@@ -40,14 +40,14 @@ def explanation(solutions: KeptSolutions) -> str:
 def table(solutions: KeptSolutions, degrees: bool = False) -> str:
     """The solutions of a single pose, a line each; a batch in one sentence."""
     degrees = inputs.flag(degrees, "degrees")
-    name = solutions.arm.name
+    name = solutions.solver.name
     how = f" ({', '.join(solutions.filters)})" if solutions.filters else ""
     if solutions.shape:
         count = solutions.count
         return f"{name}: {count.size} poses, {np.count_nonzero(count)} of them solved, {count.sum()} solutions{how}"
     if not solutions.count:
         return f"{name}: no solution{how}: {explanation(solutions)}"
-    kinds = solutions.arm.chain.joint_types
+    kinds = solutions.solver.chain.joint_types
     angle = "deg" if degrees else "rad"
     scale = np.array([np.rad2deg(1.0) if degrees and kind != "prismatic" else 1.0 for kind in kinds])
     rows = [["#", "branch", *(f"q{i + 1} [{'m' if k == 'prismatic' else angle}]" for i, k in enumerate(kinds)), ""]]
@@ -76,29 +76,29 @@ def _touching(step: Step) -> str:
 def _too_far(step: Step) -> str:
     """The solution before that is least far beyond what is allowed, and the joint that is furthest beyond."""
     assert step.apart is not None and step.within is not None
-    arm, apart = step.parent.arm, np.abs(step.apart)
+    solver, apart = step.parent.solver, np.abs(step.apart)
     best = int(np.nanargmin((apart - step.within).max(axis=-1)))
     i = int(np.argmax(apart[best] - step.within))
     far, unit = f"{apart[best, i]:.4g}", "rad" if step.parent.rotary[i] else "m"
     return (
-        f"the closest, {step.parent.names[best]}, has {quoted(arm.joint_names[i])} {far} {unit} from it, where "
+        f"the closest, {step.parent.names[best]}, has {quoted(solver.joint_names[i])} {far} {unit} from it, where "
         f"{step.within[i]:.4g} is allowed"
     )
 
 
 def _out_of_limits(solutions: KeptSolutions, tol: float) -> str:
     """The solution that is least far outside the limits, and its joints that are."""
-    arm = solutions.arm
-    turning = arm.chain.image_turns * ("turns" not in solutions.filters)
-    image, out = limits.excess(solutions.to_array(), arm.limits, turning, tol)
+    solver = solutions.solver
+    turning = solver.chain.image_turns * ("turns" not in solutions.filters)
+    image, out = limits.excess(solutions.to_array(), solver.limits, turning, tol)
     best = int(np.argmin(np.abs(out).max(axis=-1)))
     parts = []
     for i in np.flatnonzero(out[best]):
         unit = "rad" if solutions.rotary[i] else "m"
-        side, limit = ("upper", arm.limits[i, 1]) if out[best, i] > 0.0 else ("lower", arm.limits[i, 0])
+        side, limit = ("upper", solver.limits[i, 1]) if out[best, i] > 0.0 else ("lower", solver.limits[i, 0])
         margin = f", with a margin of {-tol:g} {unit}" if tol < 0.0 else ""
         parts.append(
-            f"{quoted(arm.joint_names[i])} at {image[best, i]:.4f} {unit}, {abs(out[best, i]):.4g} {unit} beyond its "
+            f"{quoted(solver.joint_names[i])} at {image[best, i]:.4f} {unit}, {abs(out[best, i]):.4g} {unit} beyond its "
             f"{side} limit of {limit:.4f} {unit}{margin}"
         )
     return f"the closest, {list(solutions)[best].branch}, has {' and '.join(parts)}"

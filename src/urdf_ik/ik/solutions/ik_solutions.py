@@ -11,6 +11,7 @@ from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions import distances, explanations, limits, tables
 from urdf_ik.ik.solutions.solution import KeptSolutions, Singular, Solution, Step
 from urdf_ik.ik.solutions.turn_names import suffix, turned_branches
+from urdf_ik.kinematics import velocity
 from urdf_ik.support import inputs
 from urdf_ik.support.frozen import frozen
 from urdf_ik.support.text import quoted
@@ -59,7 +60,7 @@ class IKSolutions(KeptSolutions):
             >>> len(s), len(s.within_limits())
             (8, 2)
         """
-        return self._moved_inside(limits.nearest_image(self._q, self.arm.limits, self._turning, tol), tol)
+        return self._moved_inside(limits.nearest_image(self._q, self.solver.limits, self._turning, tol), tol)
 
     def turns(self, tol: float = limits.LIMIT_TOLERANCE) -> IKSolutions:
         """Every +-2 pi image inside the joint limits: up to 8 x 64 for six joints of +-2 pi.
@@ -84,11 +85,11 @@ class IKSolutions(KeptSolutions):
         """
         if "turns" in self.filters:
             return self
-        turned = limits.turns(self._q, self.arm.limits, self.arm.chain.image_turns, tol)
+        turned = limits.turns(self._q, self.solver.limits, self.solver.chain.image_turns, tol)
         columns = np.repeat(np.arange(self._q.shape[-2]), len(turned.ranks))
         info = np.where(turned.valid, self._info[..., columns], np.uint8(0))
         before = self._turns_of(self._q)
-        apart: Array = self.arm.chain.image_turns
+        apart: Array = self.solver.chain.image_turns
         total = [k * apart[i] + before[..., i, None] for i, k in enumerate(turned.steps)]
         branches = turned_branches(self._branches, total, turned.ranks)
         step = Step("turns", self, np.broadcast_to(columns, info.shape), tol)
@@ -112,7 +113,7 @@ class IKSolutions(KeptSolutions):
         columns, names, turning = self._columns("iter_turns()"), self.names, self._turning
         is_turned = "turns" in self.filters
         for column in columns:
-            for q in limits.iter_turns(self._q[column], self.arm.limits, turning, tol):
+            for q in limits.iter_turns(self._q[column], self.solver.limits, turning, tol):
                 name = names[column] if is_turned else names[column] + suffix(self._turns_of(q))
                 yield Solution(frozen(q), name, Singular(int(self._info[column]) >> 1 & 15), int(column))
 
@@ -137,7 +138,7 @@ class IKSolutions(KeptSolutions):
             n: number of columns, at most B.
             metric: 'l2': ``sqrt(sum of weight * difference^2)``; 'max': the greatest ``weight * |difference|``; 'time':
                 the greatest ``weight * |difference| / speed``, seconds at the URDF's velocity limits,
-                ``arm.velocity_limits``.
+                ``arm.solver.velocity_limits``.
             within: rad or m, one number or one a joint, that no joint may be further away; what is beyond is dropped.
             within_limits: whether only what lies inside the joint limits counts, each solution by its image there that
                 is nearest to ``q_ref``; the difference is then the way that the joint has to go. That is the nearest
@@ -155,13 +156,13 @@ class IKSolutions(KeptSolutions):
             >>> arm.ik(arm.fk(q)).nearest(q)[0].q.round(6).tolist()
             [0.3, -0.5, 0.8, 0.4, 0.7, -0.2]
         """
-        reference = distances.reference(q_ref, self.arm.joint_names, self.shape)[..., None, :]
-        measure = distances.measure(self.arm, metric, weights, within)
+        reference = distances.reference(q_ref, self.solver.joint_names, self.shape)[..., None, :]
+        measure = distances.measure(self.solver, metric, weights, within)
         self._require_columns(n, "nearest")
         within_limits = inputs.flag(within_limits, "within_limits")
         kept: IKSolutions = self
         if within_limits:
-            kept = self._moved_inside(limits.image_near(self._q, reference, self.arm.limits, self._turning))
+            kept = self._moved_inside(limits.image_near(self._q, reference, self.solver.limits, self._turning))
         apart = kept._apart(reference, on_circle=not within_limits)
         away = measure.distance(apart)
         if measure.within is not None:
@@ -199,7 +200,7 @@ class IKSolutions(KeptSolutions):
         inputs.choice(by, "by", distances.QUALITIES)
         kept: IKSolutions = self
         if by == "limits":
-            kept = self._moved_inside(limits.image_inmost(self._q, self.arm.limits, self._turning))
+            kept = self._moved_inside(limits.image_inmost(self._q, self.solver.limits, self._turning))
         scores = kept.scores(by, world=world)
         return kept._picked(distances.least_columns(np.where(np.isnan(scores), np.inf, -scores), n), "best")
 
@@ -226,18 +227,18 @@ class IKSolutions(KeptSolutions):
         if world is not None and by != "clearance":
             raise ArgumentError(f"by={quoted(by)} looks at no world; leave it out, or take by='clearance'")
         if by == "limits":
-            return limits.margin(self._q, self.arm.limits)
+            return limits.margin(self._q, self.solver.limits)
         places = np.nonzero(self._info & 1)
         vectors = self._q[places]
         scores = np.full(self._info.shape, np.nan)
         if by == "manipulability":
-            scores[places] = self.arm.manipulability(vectors, self.arm.control.part)
+            scores[places] = velocity.manipulability(self.solver.chain, vectors, self.solver.control.part)
         elif len(vectors):
-            scores[places] = self.arm.clearance(vectors, world)
+            scores[places] = self.solver.contacts.in_world(world).distance(vectors)
         return scores
 
     def collision_free(self, world: Any = None, margin: float = 0.0) -> IKSolutions:
-        """The solutions in which the arm touches neither itself nor an obstacle, by ``arm.collision_model``.
+        """The solutions in which the arm touches neither itself nor an obstacle, by the collision model of ``arm.cell``.
 
         Args:
             world: the :class:`urdf_ik.World` around the arm; default: none, only the arm itself.
@@ -259,7 +260,7 @@ class IKSolutions(KeptSolutions):
         margin = inputs.number(margin, "margin", low=0.0, unit="m")
         q, info = self._q.copy(), self._info.copy()
         places = np.nonzero(info & 1)
-        model = self.arm.collision_model.in_world(world)
+        model = self.solver.contacts.in_world(world)
         hits = np.asarray(model.in_collision(q[places], margin), dtype=np.bool_)
         dropped = tuple(place[hits] for place in places)
         q[dropped], info[dropped] = np.nan, 0
@@ -343,8 +344,8 @@ class IKSolutions(KeptSolutions):
     def __repr__(self) -> str:
         filters = "".join(f", {name}" for name in self.filters)
         if self.shape:
-            return f"<IKSolutions of {self.arm.name}: poses {self.shape}, {self.count.sum()} solutions{filters}>"
-        return f"<IKSolutions of {self.arm.name}: {self.count} in {self._info.shape[-1]} columns{filters}>"
+            return f"<IKSolutions of {self.solver.name}: poses {self.shape}, {self.count.sum()} solutions{filters}>"
+        return f"<IKSolutions of {self.solver.name}: {self.count} in {self._info.shape[-1]} columns{filters}>"
 
     def _require_columns(self, n: int, what: str) -> None:
         inputs.whole(n, f"the n {what} of {self._q.shape[-2]} columns: n", low=1, high=self._q.shape[-2])
@@ -353,8 +354,8 @@ class IKSolutions(KeptSolutions):
         """Differences (..., B, n) from references (..., 1, n); ``on_circle``: joints that turn by the shorter way."""
         turns: Array = np.zeros(len(self.rotary))
         if on_circle:
-            round_for_ever = np.isinf(self.arm.limits).any(axis=1)
-            turns = np.where(round_for_ever, self.arm.chain.image_turns, self._turning)
+            round_for_ever = np.isinf(self.solver.limits).any(axis=1)
+            turns = np.where(round_for_ever, self.solver.chain.image_turns, self._turning)
         return distances.difference(self._q, reference, turns)
 
     def _moved_inside(
@@ -373,4 +374,4 @@ class IKSolutions(KeptSolutions):
         return self._derived(q, info, names, Step(how, self, columns))
 
     def _derived(self, q: Array, info: NDArray[np.uint8], branches: tuple[str, ...], step: Step) -> IKSolutions:
-        return IKSolutions(self.arm, self._poses, q, info, branches, None, step, self._redundancy)
+        return IKSolutions(self.solver, self._poses, q, info, branches, None, step, self._redundancy)

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from urdf_ik.ik.solutions.solved_arm import Collisions, SolvedArm
+    from urdf_ik.ik.contacts import Bodies
+    from urdf_ik.ik.solver import Solver
 
     Array = NDArray[np.float64]
     Columns = NDArray[np.intp]
@@ -106,7 +107,7 @@ class Step(NamedTuple):
     amount: float = 0.0
     apart: Array | None = None
     within: Array | None = None
-    model: Collisions | None = None
+    model: Bodies | None = None
 
     def __reduce__(self) -> tuple[Callable[..., Step], tuple[Any, ...]]:
         return _step, tuple(self)
@@ -127,7 +128,7 @@ class KeptSolutions(Answer):
 
     def __init__(
         self,
-        arm: SolvedArm,
+        solver: Solver,
         T: Array,
         q: Array,
         info: NDArray[np.uint8],
@@ -139,7 +140,7 @@ class KeptSolutions(Answer):
         """Keep the arrays as they are, without a check or a copy.
 
         Args:
-            arm: the arm that was solved.
+            solver: the solver that made them.
             T: (..., 4, 4) m, the poses.
             q: (..., B, n) rad or m, NaN rows where there is no solution.
             info: (..., B), bit 0: valid, bits 1 to 4: ``Singular``; bit 5 of the first column: other solutions of the
@@ -149,7 +150,7 @@ class KeptSolutions(Answer):
             step: how they were made from other solutions; None: solved.
             redundancy: (...) rad or m, each pose's value of the redundancy parameter; None: its default.
         """
-        self.arm = arm
+        self.solver = solver
         self._poses = T
         self._q = q
         self._info = info
@@ -159,7 +160,7 @@ class KeptSolutions(Answer):
         self._redundancy = redundancy
 
     def __reduce__(self) -> tuple[type[Self], tuple[Any, ...]]:
-        whole = (self.arm, self._poses, self._q, self._info, self._branches, self._origin, self.step, self._redundancy)
+        whole = (self.solver, self._poses, self._q, self._info, self._branches, self._origin, self.step, self._redundancy)
         return type(self), whole
 
     @property
@@ -213,7 +214,7 @@ class KeptSolutions(Answer):
         """
         if self._redundancy is not None:
             return frozen(self._redundancy.view())
-        defaults = np.array([parameter.default for parameter in self.arm.redundancies])
+        defaults = np.array([parameter.default for parameter in self.solver.parameters])
         if not len(defaults):
             return None
         return frozen(np.full(self.shape, defaults[0]) if len(defaults) == 1 else np.tile(defaults, (*self.shape, 1)))
@@ -259,7 +260,7 @@ class KeptSolutions(Answer):
     @property
     def rotary(self) -> NDArray[np.bool_]:
         """(n,) true for joints that turn, false for prismatic ones."""
-        return np.array([kind != "prismatic" for kind in self.arm.chain.joint_types], dtype=np.bool_)
+        return np.array([kind != "prismatic" for kind in self.solver.chain.joint_types], dtype=np.bool_)
 
     def to_array(self) -> Array:
         """The valid solutions (k, n) of a single pose.
@@ -321,18 +322,18 @@ class KeptSolutions(Answer):
             step = step._replace(parent=step.parent[place], columns=own, apart=apart)
         at = None if self._redundancy is None else np.asarray(self._redundancy[place])
         return type(self)(
-            self.arm, self._poses[place], self._q[place], self._info[place], self._branches, self._origin, step, at
+            self.solver, self._poses[place], self._q[place], self._info[place], self._branches, self._origin, step, at
         )
 
     @property
     def _turning(self) -> Array:
         """(n,) turns between images that are the same solution: 0 for all where images stand in their own columns."""
-        turns: Array = self.arm.chain.image_turns * ("turns" not in self.filters)
+        turns: Array = self.solver.chain.image_turns * ("turns" not in self.filters)
         return turns
 
     def _turns_of(self, q: Array) -> Array:
         """Turns (..., n) that joint vectors are away from where the solver gives them, (-pi, pi]."""
-        apart = self.arm.chain.image_turns
+        apart = self.solver.chain.image_turns
         turns: Array = apart * np.ceil((q - np.pi * apart) / (TURN * np.where(apart, apart, 1.0)))
         return turns
 

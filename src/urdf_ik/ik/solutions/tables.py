@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from urdf_ik.kinematics.chain import Chain
+
     Array = NDArray[np.float64]
 
 INSTALL = "pip install 'urdf-ik[tables]'"
@@ -36,7 +38,7 @@ def to_frame(solutions: Any) -> Any:
     names = ["pose"] if pose_axes == 1 else [f"pose_{k}" for k in range(pose_axes)]
     columns: dict[str, Any] = {name: places[:, k] for k, name in enumerate(names)}
     columns["branch"] = solutions.names[at]
-    columns |= dict(zip(solutions.arm.joint_names, solutions.q[at].T, strict=True))
+    columns |= dict(zip(solutions.solver.joint_names, solutions.q[at].T, strict=True))
     columns["within_limits"] = _within(solutions)[at]
     columns["singular"] = [str(Singular(int(flags)).name or "") if flags else "" for flags in solutions.singular[at]]
     return pandas.DataFrame(columns)
@@ -50,8 +52,8 @@ def to_xarray(solutions: Any) -> Any:
         raise MissingPackage(f"to_xarray() needs xarray: {INSTALL}") from None
     pose_axes = solutions.valid.ndim - 1
     poses = ["pose"] if pose_axes == 1 else [f"pose_{k}" for k in range(pose_axes)]
-    arm = solutions.arm
-    units = ["m" if kind == "prismatic" else "rad" for kind in arm.chain.joint_types]
+    solver = solutions.solver
+    units = ["m" if kind == "prismatic" else "rad" for kind in solver.chain.joint_types]
     return xarray.Dataset(
         {
             "q": ((*poses, "branch", "joint"), solutions.q),
@@ -62,17 +64,17 @@ def to_xarray(solutions: Any) -> Any:
         },
         coords={
             "branch": list(solutions.branches),
-            "joint": list(arm.joint_names),
+            "joint": list(solver.joint_names),
             "unit": ("joint", units),
         },
-        attrs={"arm": arm.name, "base": arm.base, "tip": arm.tip},
+        attrs={"arm": solver.name, "base": solver.chain.base, "tip": solver.chain.tip},
     )
 
 
 def html(solutions: Any) -> str:
     """A table of the solutions and a small picture of them; of a batch, the number of solutions of its poses."""
-    arm = solutions.arm
-    title = f"{arm.name}: {arm.base} to {arm.tip}"
+    solver = solutions.solver
+    title = f"{solver.name}: {solver.chain.base} to {solver.chain.tip}"
     if solutions.valid.ndim > 1:
         counts = solutions.valid.sum(axis=-1)
         lines = f"{counts.size} poses, {int((counts > 0).sum())} solved, {int(counts.sum())} solutions"
@@ -88,9 +90,9 @@ def html(solutions: Any) -> str:
         values = [f"{value:.4f}" for value in solutions.q[place]]
         flags = str(Singular(int(singular)).name or "").lower().replace("|", ", ") if singular else "-"
         rows.append([_dot(shades[place]), str(k), names[place], *values, "yes" if within[place] else "no", flags])
-    header = ["", "#", "branch", *arm.joint_names, "in limits", "singular"]
+    header = ["", "#", "branch", *solver.joint_names, "in limits", "singular"]
     rest = f"<p>and {len(places) - MOST_ROWS} more</p>" if len(places) > MOST_ROWS else ""
-    picture = stick_picture(arm, solutions.q[places[:MOST_ROWS]], [shades[place] for place in places[:MOST_ROWS]])
+    picture = stick_picture(solver.chain, solutions.q[places[:MOST_ROWS]], [shades[place] for place in places[:MOST_ROWS]])
     count = f"{len(places)} solution{'' if len(places) == 1 else 's'}"
     checked = "free of collisions" if "collision" in solutions.filters else "collisions: s.collision_free()"
     return f"<div><p><b>{escape(title)}</b><br/>{count}; {checked}</p>{picture}{table(header, rows)}{rest}</div>"
@@ -108,9 +110,9 @@ def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
 
-def stick_picture(arm: Any, q: Array, shades: Sequence[tuple[float, float, float]]) -> str:
+def stick_picture(chain: Chain, q: Array, shades: Sequence[tuple[float, float, float]]) -> str:
     """Stick figures (k, n) from the side as SVG, seen along the horizontal direction in which they are widest."""
-    points = stick(arm, q)
+    points = stick(chain, q)
     flat = points.reshape(-1, 3)
     sideways = flat[:, :2] - flat[:, :2].mean(axis=0)
     across = np.linalg.svd(sideways, full_matrices=False)[2][0] if np.ptp(sideways) > 0.0 else np.array([1.0, 0.0])
@@ -127,19 +129,10 @@ def stick_picture(arm: Any, q: Array, shades: Sequence[tuple[float, float, float
     return f'<svg width="{_WIDTH}" height="{_HEIGHT}" role="img" aria-label="the arm from the side">{lines}</svg>'
 
 
-def chain_links(arm: Any) -> tuple[str, ...]:
-    """Links from base to tip."""
-    path = arm.model.path_between(arm.base, arm.tip)
-    links = [arm.base]
-    for joint in path:
-        links.append(joint.child if joint.parent == links[-1] else joint.parent)
-    return tuple(links)
-
-
-def stick(arm: Any, q: Array) -> Array:
+def stick(chain: Chain, q: Array) -> Array:
     """(..., k, 3) m, the frames' origins of the chain's links at ``q`` (..., n), base to tip."""
-    poses = arm.link_poses(q)
-    return np.stack([poses[link][..., :3, 3] for link in chain_links(arm)], axis=-2)
+    poses = chain.link_poses(q)
+    return np.stack([poses[link][..., :3, 3] for link in chain.links], axis=-2)
 
 
 class _Markup(str):

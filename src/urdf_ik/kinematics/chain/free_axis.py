@@ -31,7 +31,7 @@ class FreeAxis(Frozen):
 
     Example:
         >>> import urdf_ik
-        >>> str(urdf_ik.load("puma_560").with_free_axis("z").free_axis)
+        >>> str(urdf_ik.load("puma_560").with_free_axis("z").solver.free_axis)
         "the tip's z axis"
     """
 

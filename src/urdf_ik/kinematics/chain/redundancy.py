@@ -149,7 +149,7 @@ def spread(parameters: tuple[Redundancy, ...], poses: Array, value: ArrayLike) -
     Example:
         >>> import urdf_ik
         >>> arm = urdf_ik.load("srs_7r").with_free_axis("z")
-        >>> poses, values = spread(arm.redundancies, arm.fk([0.1] * 7), [[0.0, 0.5], [0.2, 0.5], [0.4, 0.5]])
+        >>> poses, values = spread(arm.solver.parameters, arm.fk([0.1] * 7), [[0.0, 0.5], [0.2, 0.5], [0.4, 0.5]])
         >>> poses.shape, values.shape
         ((3, 4, 4), (3, 2))
     """

@@ -139,6 +139,29 @@ class Chain(Frozen):
         slides.setflags(write=False)
         return slides
 
+    @property
+    def links(self) -> tuple[str, ...]:
+        """Links from base to tip.
+
+        Example:
+            >>> import urdf_ik
+            >>> urdf_ik.load("planar_2r").chain.links
+            ('base_link', 'link_1', 'link_2', 'tool0')
+        """
+        parent = {joint.child: joint.parent for joint in self.tree}
+
+        def up(link: str) -> list[str]:
+            links = [link]
+            while links[-1] in parent:
+                links.append(parent[links[-1]])
+            return links
+
+        above, below = up(self.base), up(self.tip)
+        shared = next((link for link in above if link in below), None)
+        if shared is None:
+            return self.base, self.tip
+        return *above[: above.index(shared) + 1], *reversed(below[: below.index(shared)])
+
     @cached_property
     def motion(self) -> Any:  # a _core.Chain, of whose answers the generated stub says nothing
         """The compiled chain."""

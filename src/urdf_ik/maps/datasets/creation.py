@@ -123,7 +123,7 @@ def dataset(
         inputs.kind(world, "snapshot", "world", "a urdf_ik.World")
     inputs.callback(progress, "progress")
     if collisions is None:
-        collisions = world is not None or arm.collision_model.has_geometry
+        collisions = world is not None or arm.cell.collisions.has_geometry
     if world is not None and not collisions:
         raise ArgumentError("a world is given with collisions=False; leave one of the two out")
     drawing = Drawing(arm, n, seed, world, collisions, chunk, threads)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.ik.solutions import limits as joint_limits
+from urdf_ik.kinematics import velocity
 from urdf_ik.maps.engine.work import AskedOfAnArm
 from urdf_ik.support.angles import TURN
 
@@ -88,7 +89,7 @@ class Drawing(AskedOfAnArm):
     @property
     def pairs(self) -> tuple[tuple[str, str], ...] | None:
         """Pairs of links that are checked for collision; None where no collision is asked for."""
-        return self.arm.collision_model.checked_pairs if self.collisions else None
+        return self.arm.cell.collisions.checked_pairs if self.collisions else None
 
     @property
     def chunks(self) -> int:
@@ -110,14 +111,14 @@ class Drawing(AskedOfAnArm):
         found = arm.ik(T, redundancy=held, threads=self.threads)
         inside = found.within_limits().valid
         solutions = np.where(found.valid[..., None], found.q, np.nan)
-        touching = arm.collision_model.in_world(self.world).in_collision(q) if self.collisions else None
+        touching = arm.cell.collisions.in_world(self.world).in_collision(q) if self.collisions else None
         return Samples(
             q,
             T,
             solutions,
             np.asarray(inside),
             self._own(q, solutions),
-            arm.singular_directions(q).gains,
+            velocity.singular_directions(arm.chain, q).gains,
             None if touching is None else np.asarray(touching),
         )
 

@@ -40,7 +40,7 @@ class AskedOfAnArm:
             "urdf_sha256": urdf_digest(self.arm),
             "base": self.arm.base,
             "tip": self.arm.tip,
-            "locked": self.arm.locked,
+            "locked": dict(self.arm.chain.locked),
             "pairs_sha256": None if pairs is None else hashlib.sha256(repr(pairs).encode()).hexdigest(),
             "world": None if self.world is None else self.world.digest(),
             "made_by": versions()["urdf-ik"],
@@ -56,7 +56,7 @@ class AskedOfAnArm:
         pairs = state.pop("pairs")
         self.__dict__.update(state)
         if pairs is not None:
-            self.arm.collision_model = self.arm.collision_model.checking(pairs)
+            self.arm = self.arm.with_cell(self.arm.cell.with_collisions(self.arm.cell.collisions.checking(pairs)))
 
 
 def urdf_digest(arm: Arm) -> str:

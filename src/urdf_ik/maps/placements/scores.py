@@ -97,7 +97,7 @@ class Asked(AskedOfAnArm):
     @property
     def pairs(self) -> tuple[tuple[str, str], ...] | None:
         """Pairs of links that are checked for collision; None where no collision is looked for."""
-        return self.arm.collision_model.checked_pairs if self.collisions else None
+        return self.arm.cell.collisions.checked_pairs if self.collisions else None
 
     @property
     def holds(self) -> tuple[str, ...]:
@@ -194,7 +194,7 @@ class Asked(AskedOfAnArm):
     @cached_property
     def _free_values(self) -> Array | None:
         """(v,) or (v, k) values of the redundancy parameters, evenly spread; None for an arm without."""
-        free = self.arm.redundancies
+        free = self.arm.solver.parameters
         if not free:
             return None
         each = [np.linspace(*one.range, FREE_VALUES, endpoint=not one.round) for one in free]

@@ -60,7 +60,7 @@ class Counting:
 
     def keep_free(self, world: World | None, margin: float = 0.0) -> None:
         """Drop solutions in which links come within ``margin`` [m] of each other, or of the obstacles of a world."""
-        model = self._arm.collision_model.in_world(world)
+        model = self._arm.cell.collisions.in_world(world)
         self._keep(~np.asarray(model.in_collision(self.vectors, margin), dtype=np.bool_))
 
     def clearance(self, world: World | None) -> Array:
@@ -69,7 +69,7 @@ class Counting:
 
     def manipulability(self) -> Array:
         """(k,) of the solutions that are left; for positions that of the tip's translation."""
-        return self._arm.manipulability(self.vectors, self._arm.control.part)
+        return self._arm.manipulability(self.vectors, self._arm.solver.control.part)
 
     def margin(self) -> Array:
         """(k,) least distance to a limit as a share of half the joint's range; negative outside, 1 without limits."""

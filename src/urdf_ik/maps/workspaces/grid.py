@@ -219,7 +219,7 @@ def _reach_box(arm: Arm) -> tuple[Array, Array]:
         first -= (first @ chain.H[0]) * chain.H[0]
     reach = float(np.linalg.norm(first) + np.linalg.norm(chain.P[2:], axis=1).sum())
     reach += float(np.abs(chain.limits[chain.prismatic]).max(axis=1, initial=0.0).sum())
-    plane = arm.plane
+    plane = arm.solver.control.plane
     if plane is not None:
         middle = np.append(plane.axes @ middle, 0.0)
     return middle - reach, middle + reach

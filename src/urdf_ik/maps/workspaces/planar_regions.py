@@ -32,7 +32,7 @@ ELBOWS = ("elbow left", "elbow right")
 
 @dataclass(frozen=True, eq=False)
 class PlanarWorkspace(Frozen):
-    """Where the tip of two turning joints can be, in the coordinates of ``arm.plane``.
+    """Where the tip of two turning joints can be, in the coordinates of ``arm.solver.control.plane``.
 
     Attributes:
         name: the robot's name.
@@ -131,7 +131,7 @@ def planar(arm: Arm) -> PlanarWorkspace:
         ([0.066, 0.13], ['elbow left', 'elbow right'])
     """
     inputs.arm(arm, error=ArgumentError)
-    chain, plane = arm.chain, arm.plane
+    chain, plane = arm.chain, arm.solver.control.plane
     if plane is None or chain.n != 2 or chain.prismatic.any():
         kinds = ", ".join(chain.joint_types)
         raise ArgumentError(

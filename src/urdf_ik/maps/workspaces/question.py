@@ -98,7 +98,7 @@ class Question(AskedOfAnArm):
         """Pairs of links that are checked for collision; None where no collision is asked for."""
         if "free" not in self.holds and "clearance" not in self.holds:
             return None
-        return self.arm.collision_model.checked_pairs
+        return self.arm.cell.collisions.checked_pairs
 
     def shape(self, name: str, positions: tuple[int, ...]) -> tuple[int, ...]:
         """Shape of an array at positions of some shape."""
@@ -131,7 +131,7 @@ class Question(AskedOfAnArm):
                 (None if np.isinf(lower) else lower, None if np.isinf(upper) else upper)
                 for lower, upper in arm.limits.tolist()
             ),
-            locked=arm.locked,
+            locked=dict(arm.chain.locked),
             task=arm.task,
             sampled=sampled(arm),
             branches=self.branches,
@@ -208,7 +208,7 @@ def require_map_of(about: About, arm: Arm) -> None:
             f"the map is one of {quoted(about.robot)} from {about.base} to {about.tip}, and the arm is one from "
             f"{arm.base} to {arm.tip}; give the same base and tip"
         )
-    if about.urdf_sha256 != urdf_digest(arm) or about.locked != arm.locked:
+    if about.urdf_sha256 != urdf_digest(arm) or about.locked != dict(arm.chain.locked):
         raise ArgumentError(
             f"the map is one of another URDF of {quoted(about.robot)}, or with other joints held, than the arm "
             f"{quoted(arm.name)}; make it anew: urdf-ik workspace"

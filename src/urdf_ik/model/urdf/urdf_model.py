@@ -20,7 +20,7 @@ from urdf_ik.model.urdf.chains import Candidate, Chains, doubt
 from urdf_ik.model.urdf.checks import MOVABLE
 from urdf_ik.model.urdf.joint import Joint
 from urdf_ik.model.xml import open_source, parse
-from urdf_ik.support import inputs
+from urdf_ik.support import files, inputs
 from urdf_ik.support.text import nearest, quoted
 
 if TYPE_CHECKING:
@@ -77,6 +77,27 @@ class UrdfModel:
         """Folders that meshes may come from: the URDF's own, that of its ROS package, and the mesh roots."""
         own = [] if self.path is None else [self.path.parent, ros_packages.own_package(self.path)]
         return tuple(dict.fromkeys(str(folder) for folder in (*own, *self.mesh_roots) if folder is not None))
+
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Write the URDF, tools included: what was read, without what kinematics and shapes do not need.
+
+        Meshes keep the names that they have in the file that was read. ``urdf_ik.load(path, arm.base, arm.tip,
+        locked=dict(arm.chain.locked), mesh_roots=arm.model.package_dirs)`` gives the same arm again.
+
+        Args:
+            path: the file, which is replaced if it is there. The same text as bytes: ``model.xml``.
+
+        Raises:
+            ArgumentError: it cannot be written.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr").with_tool(urdf_ik.pose([0.0, 0.0, 0.1]), name="gripper")
+            >>> arm.model.write("scara_with_gripper.urdf")
+            >>> urdf_ik.load("scara_with_gripper.urdf", tip=arm.tip).tip
+            'gripper'
+        """
+        files.write(path, self.xml)
 
     def parent_joint(self, link: str) -> Joint | None:
         """The joint that carries ``link``, or None for the root.

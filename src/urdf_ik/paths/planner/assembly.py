@@ -43,7 +43,7 @@ class Refined(NamedTuple):
 
 def not_found(settings: Settings, path: Array, stops: Iterable[Stop]) -> Plan:
     """The plan without joint vectors, which says what stops the path."""
-    return Plan(settings.arm, path, np.empty((0, settings.arm.dof)), stops=tuple(stops), obstacles=settings.obstacles)
+    return Plan(settings.solver, path, np.empty((0, settings.solver.dof)), stops=tuple(stops), obstacles=settings.obstacles)
 
 
 def made(settings: Settings, path: Array, refined: Refined, search: Search, way: Way, *, alone: bool = False) -> Plan:
@@ -51,7 +51,7 @@ def made(settings: Settings, path: Array, refined: Refined, search: Search, way:
     layers = search.graph.layers
     q = way.q
     whole = np.flatnonzero(refined.place == np.round(refined.place))
-    names = settings.arm.structure.branches
+    names = settings.solver.structure.branches
     branches = tuple(names[layers.column[node]] for node in way.nodes[whole])
     changes = []
     for k in np.flatnonzero(way.edges == CHANGE):
@@ -72,7 +72,7 @@ def made(settings: Settings, path: Array, refined: Refined, search: Search, way:
 
     motion, place = way.motion(refined.place)
     return Plan(
-        settings.arm, path, q[whole], branches, way.cost, tuple(changes), (), motion, place, _kept(settings),
+        settings.solver, path, q[whole], branches, way.cost, tuple(changes), (), motion, place, _kept(settings),
         settings.obstacles, None if alone else others,
     )  # fmt: skip
 
@@ -84,7 +84,7 @@ def _kept(settings: Settings) -> tuple[float, float]:
 def priced(settings: Settings, refined: Refined, layers: Layers, mismatch: tuple[float, float] = MISMATCH) -> Graph:
     """A graph with the costs of the settings, steps and nodes."""
     pricing = Pricing(settings.kind, settings.weights, settings.window, refined.pieces)
-    graph = Graph.connected(settings.joints, layers, pricing, mismatch, settings.arm.free_axis)
+    graph = Graph.connected(settings.joints, layers, pricing, mismatch, settings.solver.free_axis)
     if np.isfinite(settings.max_step).any() and len(graph.end):
         _, dq = graph.motion(np.arange(len(graph.end)))
         pieces = refined.pieces[layers.at[graph.start_of(np.arange(len(graph.end)))]]
@@ -99,7 +99,7 @@ def add_margins(settings: Settings, graph: Graph) -> None:
         return
     joints = graph.joints
     q = graph.layers.q[:, None] + joints.digits * joints.turn
-    graph.image_cost = settings.margins * (1.0 - limits.margin(q, settings.arm.limits)) ** 2
+    graph.image_cost = settings.margins * (1.0 - limits.margin(q, settings.solver.limits)) ** 2
 
 
 def cut_coarse(
@@ -108,7 +108,7 @@ def cut_coarse(
     """Longer segments cut into equal pieces."""
     apart = waypoints.twists(path[:-1], path[1:])
     longest = np.maximum(
-        np.linalg.norm(apart[:, :3], axis=1) / (most_move * settings.arm.chain.size),
+        np.linalg.norm(apart[:, :3], axis=1) / (most_move * settings.solver.chain.size),
         np.linalg.norm(apart[:, 3:], axis=1) / most_turn,
     )
     pieces = np.maximum(1, np.ceil(longest - 1e-9)).astype(np.int64)

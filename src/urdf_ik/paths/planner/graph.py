@@ -24,7 +24,7 @@ from urdf_ik.paths.waypoints import twists
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from urdf_ik.arm import Arm
+    from urdf_ik.ik.solver import Solver
     from urdf_ik.kinematics.chain.free_axis import FreeAxis
 
     Array = NDArray[np.float64]
@@ -180,7 +180,7 @@ class Graph:
         owner = np.repeat(np.arange(len(edges)), [len(each) - 1 for each in points])
         return np.vstack([each[:-1] for each in points]), np.vstack([each[1:] for each in points]), owner
 
-    def prove(self, arm: Arm, edges: Ints, tolerance: Tolerance) -> Mask:
+    def prove(self, solver: Solver, edges: Ints, tolerance: Tolerance) -> Mask:
         """Rule out those of the edges (k,) that may stray from the path; (k,) whether each one keeps to it.
 
         Where a linear motion strays, joint vectors are put in between (``bisect``).
@@ -193,13 +193,13 @@ class Graph:
         start, layers = self.start_of(chosen), self.layers
         q, dq = self.motion(chosen)
         at = np.searchsorted(layers.first, start, side="right") - 1
-        turns, free = layers.twists[:, 3:], arm.free_axis
+        turns, free = layers.twists[:, 3:], solver.free_axis
         straight = keeps_straight(self.joints.chain, q, dq, layers.T, at, turns, tolerance, free)
         bent = np.flatnonzero(~straight & (np.abs(dq).max(axis=1) <= refinement.WIDEST))
         if len(bent):
             value = np.column_stack([layers.value[start[bent]], layers.value[self.end[chosen[bent]]]])
             done, between = refinement.bisected(
-                arm, self.joints, q[bent], dq[bent], value, layers.T[at[bent]], layers.T[at[bent] + 1], tolerance
+                solver, self.joints, q[bent], dq[bent], value, layers.T[at[bent]], layers.T[at[bent] + 1], tolerance
             )
             straight[bent[done]] = True
             for k in np.flatnonzero(done):

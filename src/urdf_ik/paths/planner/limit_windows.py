@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik.ik.solutions import limits
+from urdf_ik.ik.solve import solve
 from urdf_ik.paths.planner import nodes as node_sets
 from urdf_ik.paths.planner.nodes import Nodes
 
@@ -25,13 +26,13 @@ def central(settings: Settings, q: Array) -> Array:
     """The images of joint vectors (..., n) that are nearest to the middle of the limits."""
     turn = settings.joints.turn
     step = np.where(turn > 0.0, turn, 1.0)
-    middle = limits.middle(settings.arm.limits)
+    middle = limits.middle(settings.solver.limits)
     return np.asarray(q - np.where(turn > 0.0, np.round((q - middle) / step) * step, 0.0))
 
 
 def room(settings: Settings, q: Array) -> Array:
     """How far joint vectors (k, n) are inside the limits by their best images, negative outside (k,) [rad or m]."""
-    return limits.room(central(settings, q), settings.arm.limits)
+    return limits.room(central(settings, q), settings.solver.limits)
 
 
 def narrow(settings: Settings, T: Array, everything: Nodes, grid: Array) -> Nodes:
@@ -48,11 +49,11 @@ def narrow(settings: Settings, T: Array, everything: Nodes, grid: Array) -> Node
     """
     count = len(grid)
     step = grid[1] - grid[0]
-    branches = len(settings.arm.structure.branches)
+    branches = len(settings.solver.structure.branches)
     table = np.full((len(T), branches, count + 2), -np.inf)
     index = np.searchsorted(grid, everything.value - 0.5 * step) % count
     table[everything.at, everything.column, index + 1] = room(settings, everything.q)
-    parameter = settings.arm.redundancy
+    parameter = settings.solver.parameter
     if parameter is not None and parameter.round:
         table[..., 0], table[..., -1] = table[..., -2], table[..., 1]
     here, before, after = table[..., 1:-1], table[..., :-2], table[..., 2:]
@@ -77,7 +78,7 @@ def narrow(settings: Settings, T: Array, everything: Nodes, grid: Array) -> Node
         best = found[np.arange(len(at)), pick]
     inside = np.flatnonzero(best > 0.0)
     order = inside[np.argsort(at[inside], kind="stable")]
-    kept = node_sets.solved(settings.arm, settings.joints, T, at[order], value[order, None])
+    kept = node_sets.solved(settings.solver, settings.joints, T, at[order], value[order, None])
     wanted = set(zip(at[order].tolist(), column[order].tolist(), strict=True))
     return kept.chosen(
         np.array([pair in wanted for pair in zip(kept.at.tolist(), kept.column.tolist(), strict=True)], dtype=np.bool_)
@@ -86,7 +87,7 @@ def narrow(settings: Settings, T: Array, everything: Nodes, grid: Array) -> Node
 
 def _rooms(settings: Settings, T: Array, at: NDArray[np.int64], column: NDArray[np.int64], values: Array) -> Array:
     """Room (k, v) of one branch each at values (k, v); minus infinity where it has no solution."""
-    solutions = settings.arm.ik(T[at, None], redundancy=values)
+    solutions = solve(settings.solver, T[at, None], redundancy=values)
     rows = np.arange(len(at))
     q, valid = solutions.q[rows, :, column], solutions.valid[rows, :, column]
     out = np.full(values.shape, -np.inf)

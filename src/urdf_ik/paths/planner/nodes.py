@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from urdf_ik.ik.solve import solve
 from urdf_ik.paths.planner.graph import Layers
 from urdf_ik.paths.planner.refinement import WIDEST
 
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from urdf_ik.arm import Arm
+    from urdf_ik.ik.solver import Solver
     from urdf_ik.paths.planner.joint_steps import Joints
 
     Array = NDArray[np.float64]
@@ -70,7 +71,7 @@ def joined(parts: Sequence[Nodes]) -> Nodes:
 
 
 def solved(
-    arm: Arm,
+    solver: Solver,
     joints: Joints,
     T: Array,
     at: Ints,
@@ -83,7 +84,7 @@ def solved(
     """All solutions inside the joint limits.
 
     Args:
-        arm: the arm.
+        solver: the arm's solver.
         joints: how its joints turn.
         T: (m, 4, 4) m, waypoints.
         at: (k,) waypoints to solve.
@@ -92,12 +93,12 @@ def solved(
         centres: (k, n) joint vectors; only solutions near to them are wanted.
         near: rad that a joint that turns may be off them.
     """
-    size = arm.dof * len(arm.structure.branches) * (1 if values is None else values.shape[1])
+    size = solver.dof * len(solver.structure.branches) * (1 if values is None else values.shape[1])
     share = max(1, _NUMBERS // size)
     return joined(
         [
             _solved(
-                arm,
+                solver,
                 joints,
                 T,
                 at[k : k + share],
@@ -112,7 +113,7 @@ def solved(
 
 
 def _solved(
-    arm: Arm,
+    solver: Solver,
     joints: Joints,
     T: Array,
     at: Ints,
@@ -121,23 +122,23 @@ def _solved(
     centres: Array | None,
     near: float,
 ) -> Nodes:
-    solutions = arm.ik(T[at]) if values is None else arm.ik(T[at, None], redundancy=values)
+    solutions = solve(solver, T[at]) if values is None else solve(solver, T[at, None], redundancy=values)
     flags = (solutions.valid | (solutions.singular << np.uint8(1))).reshape(-1)
-    kept, q, counts = joints.choose(solutions.q.reshape(-1, arm.dof), flags, centres, near, outside)
+    kept, q, counts = joints.choose(solutions.q.reshape(-1, solver.dof), flags, centres, near, outside)
     pose, column = np.divmod(kept, solutions.valid.shape[-1])
     row, value = (pose, np.zeros(len(kept))) if values is None else (pose // values.shape[1], values.reshape(-1)[pose])
     return Nodes(at[row], q, counts, column, value, flags[kept] > 1)
 
 
-def at_vector(arm: Arm, joints: Joints, q: Array, at: int, value: float, column: int) -> Nodes:
+def at_vector(solver: Solver, joints: Joints, q: Array, at: int, value: float, column: int) -> Nodes:
     """The one node of a given joint vector (n,): no other of its images counts."""
     return Nodes(
-        np.array([at]), q[None].astype(np.float64), np.ones((1, arm.dof), np.uint8), np.array([column]),
+        np.array([at]), q[None].astype(np.float64), np.ones((1, solver.dof), np.uint8), np.array([column]),
         np.array([value]), np.zeros(1, dtype=np.bool_),
     )  # fmt: skip
 
 
-def with_representatives(arm: Arm, joints: Joints, T: Array, nodes: Nodes) -> Nodes:
+def with_representatives(solver: Solver, joints: Joints, T: Array, nodes: Nodes) -> Nodes:
     """The nodes, and at singular poses those that continue the nodes of the neighbouring waypoints best.
 
     Where a pose leaves a joint free, ``ik`` returns the representative nearest to a reference. Along each singular part
@@ -157,11 +158,11 @@ def with_representatives(arm: Arm, joints: Joints, T: Array, nodes: Nodes) -> No
             # A path that begins or ends on a singular pose does so at one of the solutions there.
             carried = layers[before if 0 <= before < len(T) else waypoints[0]][0].q
             for at in waypoints:
-                carried = _continue(arm, joints, T[at], at, layers[at], carried)
+                carried = _continue(solver, joints, T[at], at, layers[at], carried)
         if first > 0 and last + 1 < len(T):
             a, b = layers[first - 1][0].q, layers[last + 1][0].q
             for at, references in zip(part.tolist(), _straight_ways(joints, a, b, len(part)), strict=True):
-                _continue(arm, joints, T[at], at, layers[at], references)
+                _continue(solver, joints, T[at], at, layers[at], references)
     return joined([part for layer in layers for part in layer])
 
 
@@ -175,12 +176,12 @@ def _straight_ways(joints: Joints, a: Array, b: Array, count: int) -> Array:
     return np.asarray(a + share[:, None, None] * step)
 
 
-def _continue(arm: Arm, joints: Joints, T: Array, at: int, here: list[Nodes], references: Array) -> Array:
+def _continue(solver: Solver, joints: Joints, T: Array, at: int, here: list[Nodes], references: Array) -> Array:
     """Add to a waypoint's nodes the solutions that are nearest to each of the references (k, n); returns these."""
     known = np.concatenate([part.q for part in here])
     carried = references[:0]
     for reference in references:
-        found = _nearest_loose(arm, joints, T, at, reference)
+        found = _nearest_loose(solver, joints, T, at, reference)
         # None can be reached in one motion, or another reference has led there.
         if found is None or np.abs(joints.step(reference, found.q[0])).max() > WIDEST:
             continue
@@ -193,7 +194,7 @@ def _continue(arm: Arm, joints: Joints, T: Array, at: int, here: list[Nodes], re
     return carried
 
 
-def _nearest_loose(arm: Arm, joints: Joints, T: Array, at: int, reference: Array) -> Nodes | None:
+def _nearest_loose(solver: Solver, joints: Joints, T: Array, at: int, reference: Array) -> Nodes | None:
     """Of a pose's singular solutions the nearest to a reference (n,); None where there is none.
 
     The representative that ``ik`` returns is near to its reference, not always the nearest: the reference is moved to
@@ -201,7 +202,7 @@ def _nearest_loose(arm: Arm, joints: Joints, T: Array, at: int, reference: Array
     """
     asked, found = reference, None
     for _ in range(TANGENTS):
-        solutions = arm.ik(T, asked)
+        solutions = solve(solver, T, asked)
         loose = (solutions.singular > 0).astype(np.uint8)
         if not loose.any():
             break
@@ -211,7 +212,7 @@ def _nearest_loose(arm: Arm, joints: Joints, T: Array, at: int, reference: Array
         k = int(np.argmin(np.abs(joints.step(reference, q)).max(axis=1)))
         one = slice(k, k + 1)
         found = Nodes(np.array([at]), q[one], counts[one], column[one], np.zeros(1), np.ones(1, dtype=np.bool_))
-        _, size, directions = np.linalg.svd(arm.jacobian(q[k]), full_matrices=False)
+        _, size, directions = np.linalg.svd(solver.chain.jacobian(q[k]), full_matrices=False)
         free = directions[size <= FREE * size[0]]
         along = free.T @ (free @ joints.step(q[k], reference))
         if np.abs(along).max(initial=0.0) <= SAME:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from urdf_ik.ik.redundancy.interval_search import span
+from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.paths.plan import EVERY_BRANCH, Plan
 from urdf_ik.paths.planner import nodes as node_sets
 from urdf_ik.paths.planner.assembly import Refined, add_margins, cut_coarse, made, not_found, priced
@@ -129,7 +130,7 @@ def _searched(settings: Settings, path: Array) -> Plan:
 
 def _stopped(settings: Settings, path: Array, whole: Refined, search: Search, step: float) -> Plan:
     """What stops each branch: the last grid where it has no way through, else the motions near the way that it has."""
-    layers, names = search.graph.layers, settings.arm.structure.branches
+    layers, names = search.graph.layers, settings.solver.structure.branches
     search.graph.solve(settings.reconfigure)
     stops = stops_of(settings, search, whole.T, whole.place)
     columns = layers.column[: layers.first[1]]
@@ -141,7 +142,7 @@ def _stopped(settings: Settings, path: Array, whole: Refined, search: Search, st
         found = near.best()
         if found is not None:
             return made(settings, path, whole, near, found, alone=True)
-        near.graph.prove(settings.arm, np.arange(len(near.graph.end)), settings.tolerance)
+        near.graph.prove(settings.solver, np.arange(len(near.graph.end)), settings.tolerance)
         stops += tuple(
             stop for stop in stops_of(settings, near, whole.T, whole.place) if stop.branch == names[column]
         )
@@ -160,10 +161,10 @@ def beside(settings: Settings, path: Array, known: Plan) -> Plan | None:
         return None
     share = (place - known.place[right - 1]) / (known.place[right] - known.place[right - 1])
     q = known.motion[right - 1] + share[:, None] * (known.motion[right] - known.motion[right - 1])
-    names = settings.arm.structure.branches
+    names = settings.solver.structure.branches
     column = np.array([names.index(known.branches[k]) for k in np.round(place).astype(np.int64)])
-    value = settings.arm.nearest_values(q, some.T)[:, 0]
-    parameter = settings.arm.redundancy
+    value = nearest_values(settings.solver, q, some.T)[:, 0]
+    parameter = settings.solver.parameter
     turns = parameter is not None and parameter.round
     guide = Guide(q, value, column, np.zeros(len(q) - 1, dtype=np.bool_), np.inf, turns)
     step = float(np.diff(_grid(settings, some, FEWEST)[0, :2])[0])
@@ -182,14 +183,14 @@ def _closed(settings: Settings, refined: Refined, search: Search) -> bool:
         return False
     at = touching[:1]
     grid = _grid(settings, refined, GRIDS[-1])[at]
-    return not search.obstacles.free(node_sets.solved(settings.arm, settings.joints, refined.T, at, grid).q).any()
+    return not search.obstacles.free(node_sets.solved(settings.solver, settings.joints, refined.T, at, grid).q).any()
 
 
 def _some(settings: Settings, refined: Refined) -> Refined:
     """The first and the last waypoint, and some between them, as far apart as a first look allows."""
     apart = twists(refined.T[:-1], refined.T[1:])
     way = np.maximum(
-        np.linalg.norm(apart[:, :3], axis=1) / (APART_MOVE * settings.arm.chain.size),
+        np.linalg.norm(apart[:, :3], axis=1) / (APART_MOVE * settings.solver.chain.size),
         np.linalg.norm(apart[:, 3:], axis=1) / APART_TURN,
     )
     place = np.concatenate([[0.0], np.cumsum(way)])
@@ -202,15 +203,15 @@ def _some(settings: Settings, refined: Refined) -> Refined:
 def _values(settings: Settings, refined: Refined) -> int:
     """How many values the first grid has."""
     at = np.arange(len(refined.T))
-    nodes = node_sets.solved(settings.arm, settings.joints, refined.T, at, _grid(settings, refined, FEWEST))
+    nodes = node_sets.solved(settings.solver, settings.joints, refined.T, at, _grid(settings, refined, FEWEST))
     return int(np.clip(FEWEST * WANTED * len(at) / max(len(nodes.q), 1), FEWEST, MOST))
 
 
 def _grid(settings: Settings, refined: Refined, count: int) -> Array:
     """The same values at every waypoint, (m, count)."""
-    parameter = settings.arm.redundancy
+    parameter = settings.solver.parameter
     assert parameter is not None  # only such arms are planned for here
-    low, high = span(settings.arm, parameter, refined.T)
+    low, high = span(settings.solver, parameter, refined.T)
     values = np.linspace(low, high, count, endpoint=not parameter.round)
     return np.broadcast_to(values, (len(refined.T), count))
 
@@ -219,7 +220,7 @@ def _nodes(settings: Settings, refined: Refined, count: int, *, closely: bool = 
     """The nodes on the first grid of so many values, with those of narrow windows where asked for; the values' step."""
     grid = _grid(settings, refined, count)
     everything = node_sets.solved(
-        settings.arm, settings.joints, refined.T, np.arange(len(refined.T)), grid, outside=closely
+        settings.solver, settings.joints, refined.T, np.arange(len(refined.T)), grid, outside=closely
     )
     nodes = everything.chosen(np.flatnonzero(everything.counts.all(axis=1)))
     if closely:
@@ -231,9 +232,9 @@ def _search(settings: Settings, refined: Refined, nodes: Nodes) -> Search:
     """The search on the first grid, a guide for others: no motion is proven."""
     window = np.where(settings.joints.turn > 0.0, STEPS, np.inf)
     pricing = Pricing(settings.kind, settings.weights, window, refined.pieces)
-    graph = Graph.connected(settings.joints, nodes.layers(refined.T), pricing, LOOSE, settings.arm.free_axis)
+    graph = Graph.connected(settings.joints, nodes.layers(refined.T), pricing, LOOSE, settings.solver.free_axis)
     add_margins(settings, graph)
-    return Search(settings.arm, graph, None, settings.obstacles, reconfigure=settings.reconfigure)
+    return Search(settings.solver, graph, None, settings.obstacles, reconfigure=settings.reconfigure)
 
 
 def _ends(settings: Settings, refined: Refined, nodes: Nodes) -> Nodes:
@@ -241,14 +242,14 @@ def _ends(settings: Settings, refined: Refined, nodes: Nodes) -> Nodes:
     for given, at in ((settings.start, 0), (settings.end, len(refined.T) - 1)):
         if given is None:
             continue
-        value = float(settings.arm.nearest_values(given[None], refined.T[at][None])[0, 0])
+        value = float(nearest_values(settings.solver, given[None], refined.T[at][None])[0, 0])
         here = node_sets.solved(
-            settings.arm, settings.joints, refined.T, np.array([at]), np.array([[value]]), outside=True
+            settings.solver, settings.joints, refined.T, np.array([at]), np.array([[value]]), outside=True
         )
         apart = np.abs(settings.joints.step(here.q, given)).max(axis=1)
         column = int(here.column[np.argmin(apart)]) if len(apart) else 0
         nodes = nodes.chosen(nodes.at != at) + node_sets.at_vector(
-            settings.arm, settings.joints, given, at, value, column
+            settings.solver, settings.joints, given, at, value, column
         )
     return nodes
 
@@ -370,22 +371,22 @@ def _smoothed(settings: Settings, refined: Refined, guide: Guide) -> Guide:
 
 def _guide(settings: Settings, way: Way) -> Guide:
     layers = way.graph.layers
-    parameter = settings.arm.redundancy
+    parameter = settings.solver.parameter
     turns = parameter is not None and parameter.round
     return Guide(way.q, layers.value[way.nodes], layers.column[way.nodes], way.edges == CHANGE, way.cost, turns)
 
 
 def _around(settings: Settings, refined: Refined, guide: Guide, step: float, around: int, last: bool) -> Search:
     """The search on a grid of values around a way."""
-    arm, joints = settings.arm, settings.joints
-    parameter = arm.redundancy
+    solver, joints = settings.solver, settings.joints
+    parameter = solver.parameter
     assert parameter is not None  # only such arms are planned for here
     values = guide.value[:, None] + step * np.arange(-around, around + 1)
     values = parameter.wrapped(values) if parameter.round else np.clip(values, *parameter.range)
     near = min(STEPS, NEAR + 2.0 * around * step)
     at = np.arange(len(refined.T))
-    nodes = _ends(settings, refined, node_sets.solved(arm, joints, refined.T, at, values, centres=guide.q, near=near))
+    nodes = _ends(settings, refined, node_sets.solved(solver, joints, refined.T, at, values, centres=guide.q, near=near))
     graph = priced(settings, refined, nodes.layers(refined.T), MISMATCH if last else LOOSE)
     return Search(
-        settings.arm, graph, settings.tolerance if last else None, settings.obstacles, reconfigure=settings.reconfigure
+        settings.solver, graph, settings.tolerance if last else None, settings.obstacles, reconfigure=settings.reconfigure
     )

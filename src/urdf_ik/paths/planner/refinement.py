@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from urdf_ik.ik.redundancy.values import nearest_values
+from urdf_ik.ik.solve import solve
 from urdf_ik.paths.planner.straightness import keeps_straight
 from urdf_ik.paths.waypoints import interpolated, twists
 from urdf_ik.support.angles import shortest
@@ -18,7 +20,7 @@ from urdf_ik.support.angles import shortest
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from urdf_ik.arm import Arm
+    from urdf_ik.ik.solver import Solver
     from urdf_ik.paths.planner.joint_steps import Joints
     from urdf_ik.paths.planner.straightness import Tolerance
 
@@ -63,12 +65,12 @@ class Pieces(NamedTuple):
 
 
 def bisected(
-    arm: Arm, joints: Joints, q: Array, dq: Array, value: Array, T0: Array, T1: Array, tolerance: Tolerance
+    solver: Solver, joints: Joints, q: Array, dq: Array, value: Array, T0: Array, T1: Array, tolerance: Tolerance
 ) -> tuple[Mask, list[tuple[Array, Array]]]:
     """Joint vectors between the ends of motions, so that every piece keeps to the straight segment.
 
     Args:
-        arm: the arm.
+        solver: the arm's solver.
         joints: how its joints turn.
         q: (k, n) rad or m, where the motions begin.
         dq: (k, n) rad or m, how the joints move.
@@ -91,10 +93,10 @@ def bisected(
         at = pieces.motion
         share = 0.5 * (pieces.start + pieces.end)
         middle = interpolated(T0[at], T1[at], share, turns[at])
-        between = pieces.value[:, 0] + 0.5 * _value_steps(arm, pieces.value)
+        between = pieces.value[:, 0] + 0.5 * _value_steps(solver, pieces.value)
         wanted = pieces.q + 0.5 * pieces.dq
-        values = arm.nearest_values(wanted, middle) if len(arm.redundancies) > 1 else between
-        solutions = arm.ik(middle) if arm.redundancy is None else arm.ik(middle, redundancy=values)
+        values = nearest_values(solver, wanted, middle) if len(solver.parameters) > 1 else between
+        solutions = solve(solver, middle) if solver.parameter is None else solve(solver, middle, redundancy=values)
         off = joints.step(wanted[:, None], solutions.q)
         apart = np.where(solutions.valid, np.abs(off).max(axis=2), np.inf)
         column = np.argmin(apart, axis=1)
@@ -111,24 +113,24 @@ def bisected(
             at, share, pieces.end, c, pieces.q + pieces.dq - c, np.column_stack([between, pieces.value[:, 1]])
         )
         both = left.with_more(right).some(np.tile(good, 2))
-        straight = _straight(arm, both, T0, T1, turns, tolerance)
+        straight = _straight(solver, both, T0, T1, turns, tolerance)
         pieces = both.some(~straight)
         if depth == DEEPEST - 1:
             done[pieces.motion] = False
     ordered = []
     for each in found:
         each.sort(key=lambda pair: pair[0])
-        ordered.append((np.array([s for s, _ in each]), np.array([x for _, x in each]).reshape(-1, arm.dof)))
+        ordered.append((np.array([s for s, _ in each]), np.array([x for _, x in each]).reshape(-1, solver.dof)))
     return done, ordered
 
 
-def _value_steps(arm: Arm, value: Array) -> Array:
+def _value_steps(solver: Solver, value: Array) -> Array:
     """From the first to the second of values (k, 2) of the redundancy parameter; the short way round."""
     steps: Array = value[:, 1] - value[:, 0]
-    return shortest(steps) if arm.redundancy is not None and arm.redundancy.round else steps
+    return shortest(steps) if solver.parameter is not None and solver.parameter.round else steps
 
 
-def _straight(arm: Arm, pieces: Pieces, T0: Array, T1: Array, turns: Array, tolerance: Tolerance) -> Mask:
+def _straight(solver: Solver, pieces: Pieces, T0: Array, T1: Array, turns: Array, tolerance: Tolerance) -> Mask:
     """Which pieces keep to their part of the segment."""
     at = pieces.motion
     ends = np.empty((2 * len(at), 4, 4))
@@ -136,4 +138,4 @@ def _straight(arm: Arm, pieces: Pieces, T0: Array, T1: Array, turns: Array, tole
     ends[1::2] = interpolated(T0[at], T1[at], pieces.end, turns[at])
     turn = np.zeros((max(2 * len(at) - 1, 0), 3))
     turn[0::2] = (pieces.end - pieces.start)[:, None] * turns[at]
-    return keeps_straight(arm.chain, pieces.q, pieces.dq, ends, 2 * np.arange(len(at)), turn, tolerance, arm.free_axis)
+    return keeps_straight(solver.chain, pieces.q, pieces.dq, ends, 2 * np.arange(len(at)), turn, tolerance, solver.free_axis)

@@ -17,7 +17,7 @@ from urdf_ik.paths.planner.graph import CHANGE
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from urdf_ik.arm import Arm
+    from urdf_ik.ik.solver import Solver
     from urdf_ik.paths.planner.graph import Graph, Way
     from urdf_ik.paths.planner.obstacles import Obstacles
     from urdf_ik.paths.planner.straightness import Tolerance
@@ -38,7 +38,7 @@ class Search:
 
     def __init__(
         self,
-        arm: Arm,
+        solver: Solver,
         graph: Graph,
         tolerance: Tolerance | None,
         obstacles: Obstacles | None,
@@ -48,14 +48,14 @@ class Search:
         """Search a graph.
 
         Args:
-            arm: the arm.
+            solver: the arm's solver.
             graph: its costs are changed.
             tolerance: that motions must keep to; None: they are neither proven nor asked about contacts, only joint
                 vectors are.
             obstacles: what to stay clear of.
             reconfigure: whether the branch may be changed, as rarely as possible.
         """
-        self.arm, self.graph = arm, graph
+        self.solver, self.graph = solver, graph
         self.tolerance, self.obstacles, self.reconfigure = tolerance, obstacles, reconfigure
         self.hits = np.zeros(len(graph.layers.q), dtype=np.bool_)
         self.swept = np.zeros(len(graph.end), dtype=np.bool_)
@@ -82,7 +82,7 @@ class Search:
     def _passes(self, way: Way) -> bool:
         edges = way.edges[way.edges != CHANGE]
         if self.tolerance is not None:
-            straight = self.graph.prove(self.arm, edges, self.tolerance)
+            straight = self.graph.prove(self.solver, edges, self.tolerance)
             if not straight.all():
                 self._prove_around(edges[~straight])
                 return False
@@ -98,7 +98,7 @@ class Search:
             np.searchsorted(layers.first, np.searchsorted(first, failed, side="right") - 1, side="right") - 1
         )
         for k in segments:
-            self.graph.prove(self.arm, np.arange(first[layers.first[k]], first[layers.first[k + 1]]), self.tolerance)
+            self.graph.prove(self.solver, np.arange(first[layers.first[k]], first[layers.first[k + 1]]), self.tolerance)
 
     def _clear_nodes(self, nodes: Ints) -> bool:
         """Whether all of these nodes are clear; where some are not, those beside them are asked, too."""
@@ -136,7 +136,7 @@ class Search:
             return True
         assert self.tolerance is not None  # without it no motion is asked about
         around = self._motions_beside(edges[self.swept[edges]])
-        self._sweep(around[self.graph.prove(self.arm, around, self.tolerance)])
+        self._sweep(around[self.graph.prove(self.solver, around, self.tolerance)])
         return False
 
     def _sweep(self, edges: Ints) -> bool:

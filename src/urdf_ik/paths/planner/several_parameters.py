@@ -17,7 +17,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from scipy.linalg import solveh_banded
 
+from urdf_ik.ik import preparation
 from urdf_ik.ik.redundancy.interval_search import span
+from urdf_ik.ik.redundancy.values import nearest_values
+from urdf_ik.ik.solve import solve
 from urdf_ik.kinematics.chain.redundancy import FREE_AXIS, LOCKED_JOINT
 from urdf_ik.paths.plan import EVERY_BRANCH, Plan, Stop
 from urdf_ik.paths.planner.assembly import Refined, cut_coarse, made, priced
@@ -34,7 +37,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from urdf_ik.arm import Arm
+    from urdf_ik.ik.solver import Solver
     from urdf_ik.paths.settings import Settings
 
     Array = NDArray[np.float64]
@@ -65,7 +68,7 @@ class Held(NamedTuple):
         values: (j,) rad or m.
     """
 
-    arm: Arm
+    solver: Solver
     path: Array
     columns: NDArray[np.intp]
     values: Array
@@ -106,14 +109,14 @@ def plan(settings: Settings, path: Array, plan_of_one: Callable[[Settings, Array
     for held in _ways(settings, path):
         one = plan_of_one(_settings(settings, held), held.path)
         if one.found:
-            found.append(replace(one, arm=settings.arm, poses=path, q=held.whole(one.q), motion=held.whole(one.motion),
+            found.append(replace(one, solver=settings.solver, poses=path, q=held.whole(one.q), motion=held.whole(one.motion),
                                  obstacles=settings.obstacles, others=None))  # fmt: skip
         elif stopped is None or stopped.stops[0].waypoint < one.stops[0].waypoint:
             stopped = one
     if not found:
-        nothing = np.empty((0, settings.arm.dof))
+        nothing = np.empty((0, settings.solver.dof))
         stops = (_ends_differ(settings),) if stopped is None else stopped.stops
-        return Plan(settings.arm, path, nothing, stops=stops, obstacles=settings.obstacles)
+        return Plan(settings.solver, path, nothing, stops=stops, obstacles=settings.obstacles)
     found.sort(key=_order)
     if COSTS[settings.kind] == "l2" and not settings.margins:
         better = (_improved(settings, path, each) for each in found[:IMPROVED] if not each.changes and len(each) > 1)
@@ -128,47 +131,47 @@ def _order(each: Plan) -> tuple[int, float]:
 
 
 def _ends_differ(settings: Settings) -> Stop:
-    labels = ", ".join(parameter.label for parameter in settings.arm.redundancies)
+    labels = ", ".join(parameter.label for parameter in settings.solver.parameters)
     return Stop(EVERY_BRANCH, 0, "jump", f"start and end differ in more than one of {labels}; all but one are held")
 
 
 def _ways(settings: Settings, path: Array) -> Iterator[Held]:
     """The arm with all parameters held but one, for each that can be the one, at a few values each."""
-    arm = settings.arm
+    solver = settings.solver
     ends = [(q, T) for q, T in ((settings.start, path[0]), (settings.end, path[-1])) if q is not None]
-    given = [arm.nearest_values(q[None], T[None])[0] for q, T in ends]
-    for left in range(len(arm.redundancies)):
-        others = [k for k in range(len(arm.redundancies)) if k != left]
-        if any(arm.redundancies[k].kind not in (LOCKED_JOINT, FREE_AXIS) for k in others):
+    given = [nearest_values(solver, q[None], T[None])[0] for q, T in ends]
+    for left in range(len(solver.parameters)):
+        others = [k for k in range(len(solver.parameters)) if k != left]
+        if any(solver.parameters[k].kind not in (LOCKED_JOINT, FREE_AXIS) for k in others):
             continue  # a swivel angle is not held
-        choices = [_values(arm, k, given, path) for k in others]
+        choices = [_values(solver, k, given, path) for k in others]
         for values in islice(product(*choices), MOST):
-            yield _held(arm, path, dict(zip(others, values, strict=True)))
+            yield _held(solver, path, dict(zip(others, values, strict=True)))
 
 
-def _values(arm: Arm, k: int, given: list[Array], path: Array) -> list[float]:
+def _values(solver: Solver, k: int, given: list[Array], path: Array) -> list[float]:
     """Values at which a parameter is held: those of the start and the end, where they are given and agree."""
-    parameter = arm.redundancies[k]
+    parameter = solver.parameters[k]
     if given:
         step = given[-1][k] - given[0][k]
         step = shortest(np.asarray(step)) if parameter.unit == "rad" else step
         return [float(given[0][k])] if abs(step) < CLOSE else []
-    low, high = span(arm, parameter, path)
+    low, high = span(solver, parameter, path)
     spread = np.linspace(low, high, VALUES, endpoint=not parameter.round)
     apart = np.abs(spread - parameter.default)
     return [parameter.default, *(float(v) for v in spread[apart > 0.25 * (spread[1] - spread[0])])]
 
 
-def _held(arm: Arm, path: Array, values: dict[int, float]) -> Held:
-    joints = {arm.redundancies[k].joint: v for k, v in values.items() if arm.redundancies[k].kind == LOCKED_JOINT}
-    turned, rest = path, arm
+def _held(solver: Solver, path: Array, values: dict[int, float]) -> Held:
+    joints = {solver.parameters[k].joint: v for k, v in values.items() if solver.parameters[k].kind == LOCKED_JOINT}
+    turned, rest = path, solver
     for k, value in values.items():
-        if arm.redundancies[k].kind == FREE_AXIS and arm.free_axis is not None:
-            rest, turned = arm.fixed, path @ arm.free_axis.rotation(value)
-    columns = np.array(sorted(arm.joint_names.index(name) for name in joints), dtype=np.intp)
+        if solver.parameters[k].kind == FREE_AXIS and solver.free_axis is not None:
+            rest, turned = solver.fixed, path @ solver.free_axis.rotation(value)
+    columns = np.array(sorted(solver.joint_names.index(name) for name in joints), dtype=np.intp)
     if joints:
-        rest = rest.with_locked(joints)
-    return Held(rest, turned, columns, np.array([joints[arm.joint_names[k]] for k in columns]))
+        rest = preparation.with_locked(rest, joints)
+    return Held(rest, turned, columns, np.array([joints[solver.joint_names[k]] for k in columns]))
 
 
 def _settings(settings: Settings, held: Held) -> Settings:
@@ -177,7 +180,7 @@ def _settings(settings: Settings, held: Held) -> Settings:
         model: Any = Seen(obstacles.model, held)
         obstacles = Obstacles(model, obstacles.margin)
     return replace(
-        settings, arm=held.arm, joints=Joints.of(held.arm.chain), obstacles=obstacles,
+        settings, solver=held.solver, joints=Joints.of(held.solver.chain), obstacles=obstacles,
         weights=held.left(settings.weights), max_step=held.left(settings.max_step),
         start=None if settings.start is None else held.left(settings.start),
         end=None if settings.end is None else held.left(settings.end),
@@ -193,7 +196,7 @@ def _improved(settings: Settings, path: Array, known: Plan) -> Plan | None:
     if not good.all():
         return None
     q = _smoothed(settings, whole, q)
-    names = settings.arm.structure.branches
+    names = settings.solver.structure.branches
     column = np.array([names.index(known.branches[k]) for k in np.round(place).astype(np.int64)])
     ones = np.ones(len(q), np.uint8)
     kept, lowest, counts = settings.joints.choose(q, ones)
@@ -203,7 +206,7 @@ def _improved(settings: Settings, path: Array, known: Plan) -> Plan | None:
     for given, at in ((settings.start, 0), (settings.end, len(q) - 1)):
         if given is not None:
             nodes.q[at], nodes.counts[at] = given, 1
-    search = Search(settings.arm, priced(settings, whole, nodes.layers(whole.T)), settings.tolerance,
+    search = Search(settings.solver, priced(settings, whole, nodes.layers(whole.T)), settings.tolerance,
                     settings.obstacles)  # fmt: skip
     way = search.best()
     if way is None or way.cost >= known.cost:
@@ -216,7 +219,7 @@ def _smoothed(settings: Settings, refined: Refined, q: Array) -> Array:
     factor = np.sqrt(settings.weights) * np.sqrt(refined.pieces)[:, None]
     fixed = np.zeros(len(q), dtype=np.bool_)
     fixed[0], fixed[-1] = settings.start is not None, settings.end is not None
-    low, high = settings.arm.limits.T
+    low, high = settings.solver.limits.T
     least = _sum(q, factor)
     for _ in range(ROUNDS):
         N = _idle(settings, refined, q)
@@ -272,23 +275,23 @@ def _newton(q: Array, N: Array, factor: Array) -> Array:
 def _idle(settings: Settings, refined: Refined, q: Array) -> Array:
     """(k, n, j) orthonormal directions in which joint vectors may move while the tip stays where it must."""
     J = _jacobian(settings, refined, q)
-    return np.ascontiguousarray(np.swapaxes(np.linalg.svd(J)[2], 1, 2)[:, :, -len(settings.arm.redundancies) :])
+    return np.ascontiguousarray(np.swapaxes(np.linalg.svd(J)[2], 1, 2)[:, :, -len(settings.solver.parameters) :])
 
 
 def _jacobian(settings: Settings, refined: Refined, q: Array) -> Array:
     """(k, 6, n), without what does not count; lengths as shares of the arm's size."""
-    arm = settings.arm
-    J = arm.chain.jacobian(q)
-    if arm.free_axis is not None:
-        J = arm.free_axis.reduced(refined.T[:, :3, :3], J)
-    return np.concatenate([J[:, :3] / arm.chain.size, J[:, 3:]], axis=1)
+    solver = settings.solver
+    J = solver.chain.jacobian(q)
+    if solver.free_axis is not None:
+        J = solver.free_axis.reduced(refined.T[:, :3, :3], J)
+    return np.concatenate([J[:, :3] / solver.chain.size, J[:, 3:]], axis=1)
 
 
 def _restored(settings: Settings, refined: Refined, q: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Joint vectors (k, n) brought to their waypoints, solved anew, and which of them got there."""
-    arm = settings.arm
-    values: Any = arm.nearest_values(q, refined.T)
-    solutions = arm.ik(refined.T, redundancy=values if values.shape[1] > 1 else values[:, 0])
+    solver = settings.solver
+    values: Any = nearest_values(solver, q, refined.T)
+    solutions = solve(solver, refined.T, redundancy=values if values.shape[1] > 1 else values[:, 0])
     steps = settings.joints.step(q[:, None], solutions.q)
     apart = np.where(solutions.valid, np.abs(steps).max(axis=2), np.inf)
     column = np.argmin(apart, axis=1)

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg import solveh_banded
 
+from urdf_ik.ik.solve import solve
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -113,9 +115,9 @@ def _solved(
     settings: Settings, refined: Refined, near: Array, value: Array, *, inside: bool = True
 ) -> tuple[Array, NDArray[np.bool_]]:
     """The solutions nearest to joint vectors, and whether there is one, inside the limits."""
-    parameter = settings.arm.redundancy
+    parameter = settings.solver.parameter
     assert parameter is not None  # only such arms have values to move
-    solutions = settings.arm.ik(refined.T, redundancy=parameter.wrapped(value))
+    solutions = solve(settings.solver, refined.T, redundancy=parameter.wrapped(value))
     steps = settings.joints.step(near[:, None], solutions.q)
     apart = np.where(solutions.valid, np.abs(steps).max(axis=2), np.inf)
     column = np.argmin(apart, axis=1)
@@ -123,12 +125,12 @@ def _solved(
     found = near + steps[rows, column]
     good = apart[rows, column] < NEAR
     if inside:
-        low, high = settings.arm.limits.T
+        low, high = settings.solver.limits.T
         good &= ((found >= low) & (found <= high)).all(axis=1)
     return found, good
 
 
 def _inside(settings: Settings, value: Array) -> Array:
-    parameter = settings.arm.redundancy
+    parameter = settings.solver.parameter
     assert parameter is not None  # see above
     return value if parameter.round else np.clip(value, *parameter.range)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.ik.explanation import explain
 from urdf_ik.paths.plan import EVERY_BRANCH, Stop
 from urdf_ik.paths.planner import nodes as node_sets
 from urdf_ik.paths.planner.limit_windows import central, room
@@ -14,7 +15,7 @@ from urdf_ik.paths.planner.straightness import keeps_straight
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from urdf_ik.arm import Arm
+    from urdf_ik.ik.solver import Solver
     from urdf_ik.paths.planner.search import Search
     from urdf_ik.paths.settings import Settings
 
@@ -38,7 +39,7 @@ def stops_of(settings: Settings, search: Search, T: Array, place: Array) -> tupl
     """
     graph = search.graph
     layers, states = graph.layers, len(graph.joints.digits)
-    names = settings.arm.structure.branches
+    names = settings.solver.structure.branches
     first = np.arange(layers.first[1])
     exists = (graph.joints.digits < layers.counts[first][:, None]).all(axis=2) & np.isfinite(graph.node_cost[first])[
         :, None
@@ -88,7 +89,7 @@ def _reached(settings: Settings, search: Search, first: NDArray[np.uint64]) -> N
     may have any value has too many nodes for all to be asked.
     """
     graph = search.graph
-    if search.obstacles is None or settings.arm.redundancy is not None:
+    if search.obstacles is None or settings.solver.parameter is not None:
         return graph.reached(first)
     asked = search.hits.copy()
     while True:
@@ -111,25 +112,25 @@ def _out_of_all_reach(settings: Settings, search: Search, T: Array, place: Array
     waypoint = int(np.ceil(place[at]))
     everything = _solutions(settings, T, at, None)
     if not len(everything.q):
-        return (Stop(EVERY_BRANCH, waypoint, "reach", _reach(settings.arm, T[at])),)
+        return (Stop(EVERY_BRANCH, waypoint, "reach", _reach(settings.solver, T[at])),)
     best = int(np.argmax(room(settings, everything.q)))
     limits = _limits(settings, central(settings, everything.q[best]), everything.counts[best] == 0)
     return (Stop(EVERY_BRANCH, waypoint, "limit", f"no solution is inside the limits; of the nearest, {limits}"),)
 
 
-def _reach(arm: Arm, T: Array) -> str:
+def _reach(solver: Solver, T: Array) -> str:
     """Why no value that was looked at has a solution of a pose."""
-    why = arm.explain(T)
-    return f"out of reach: {why}" if why else f"reached only between the values of the {arm.redundancy} looked at"
+    why = explain(solver, T)
+    return f"out of reach: {why}" if why else f"reached only between the values of the {solver.parameter} looked at"
 
 
 def _at_first(settings: Settings, search: Search, T: Array) -> tuple[Stop, ...]:
     """Why there is no way to begin."""
-    arm, graph = settings.arm, search.graph
+    solver, graph = settings.solver, search.graph
     everything = _solutions(settings, T, 0, None)
     if not len(everything.q):
-        return (Stop(EVERY_BRANCH, 0, "reach", _reach(arm, T[0])),)
-    names = arm.structure.branches
+        return (Stop(EVERY_BRANCH, 0, "reach", _reach(solver, T[0])),)
+    names = solver.structure.branches
     stops = []
     here = np.arange(graph.layers.first[1])
     for column in np.unique(everything.column):
@@ -146,14 +147,14 @@ def _at_first(settings: Settings, search: Search, T: Array) -> tuple[Stop, ...]:
 
 def _stop(settings: Settings, search: Search, T: Array, last: int, nodes: Ints, states: Ints) -> tuple[str, str]:
     """Why these states of a waypoint lead to none of the next one: the cause, and the same in words."""
-    arm, graph = settings.arm, search.graph
+    solver, graph = settings.solver, search.graph
     joints = graph.joints
     values = graph.layers.value[nodes]
-    candidates = _solutions(settings, T, last + 1, None if arm.redundancy is None else np.unique(values))
+    candidates = _solutions(settings, T, last + 1, None if solver.parameter is None else np.unique(values))
     if not len(candidates.q):
-        if arm.redundancy is not None and len(_solutions(settings, T, last + 1, _all_values(settings)).q):
-            return "jump", f"its solutions end here: the next waypoint has none at this {arm.redundancy.label}"
-        return "reach", _reach(arm, T[last + 1])
+        if solver.parameter is not None and len(_solutions(settings, T, last + 1, _all_values(settings)).q):
+            return "jump", f"its solutions end here: the next waypoint has none at this {solver.parameter.label}"
+        return "reach", _reach(solver, T[last + 1])
     found = {}
     nearest_jump = np.inf
     for node, state in zip(nodes, states, strict=True):
@@ -162,23 +163,23 @@ def _stop(settings: Settings, search: Search, T: Array, last: int, nodes: Ints, 
         size = np.abs(steps).max(axis=1)
         k = int(np.argmin(size))
         straight = keeps_straight(
-            arm.chain, q[None], steps[k][None], T, np.array([last]), graph.layers.twists[:, 3:],
-            settings.tolerance.times(_LOOSE), arm.free_axis,
+            solver.chain, q[None], steps[k][None], T, np.array([last]), graph.layers.twists[:, 3:],
+            settings.tolerance.times(_LOOSE), solver.free_axis,
         )  # fmt: skip
         if not straight[0]:
             if size[k] < nearest_jump:
                 nearest_jump = float(size[k])
-                joint = arm.joint_names[int(np.argmax(np.abs(steps[k])))]
+                joint = solver.joint_names[int(np.argmax(np.abs(steps[k])))]
                 amount = _value(settings, joint, size[k])
                 found["jump"] = f"its solutions end here: the next waypoint's nearest is a jump of {amount} in {joint}"
             continue
         after = q + steps[k]
-        low, high = arm.limits.T
+        low, high = solver.limits.T
         outside = (after < low - 1e-9) | (after > high + 1e-9)
         if outside.any():
             found["limit"] = _limits(settings, after, outside)
         elif (np.abs(steps[k]) > settings.max_step).any():
-            joint = arm.joint_names[int(np.argmax(np.abs(steps[k]) / settings.max_step))]
+            joint = solver.joint_names[int(np.argmax(np.abs(steps[k]) / settings.max_step))]
             found["limit"] = f"{joint} would have to move more than max_step allows"
         elif search.obstacles is not None:
             found["contact"] = _contact(search, after, q)
@@ -190,22 +191,22 @@ def _stop(settings: Settings, search: Search, T: Array, last: int, nodes: Ints, 
 
 def _solutions(settings: Settings, T: Array, at: int, values: Array | None) -> node_sets.Nodes:
     """All solutions of a waypoint, inside the limits or not."""
-    if settings.arm.redundancy is not None:
+    if settings.solver.parameter is not None:
         values = (_all_values(settings) if values is None else values)[None]
-    return node_sets.solved(settings.arm, settings.joints, T, np.array([at]), values, outside=True)
+    return node_sets.solved(settings.solver, settings.joints, T, np.array([at]), values, outside=True)
 
 
 def _all_values(settings: Settings) -> Array:
-    parameter = settings.arm.redundancy
+    parameter = settings.solver.parameter
     assert parameter is not None  # an arm without one is not asked
     return np.linspace(*parameter.range, 256)
 
 
 def _limits(settings: Settings, q: Array, outside: NDArray[np.bool_]) -> str:
     parts = []
-    low, high = settings.arm.limits.T
+    low, high = settings.solver.limits.T
     for k in np.flatnonzero(outside):
-        joint = settings.arm.joint_names[k]
+        joint = settings.solver.joint_names[k]
         limit = high[k] if abs(q[k] - high[k]) < abs(q[k] - low[k]) else low[k]
         wanted, most = _value(settings, joint, q[k]), _value(settings, joint, limit)
         parts.append(f"{joint} would have to be at {wanted}, its limit is {most}")
@@ -226,5 +227,5 @@ def _contact(search: Search, q: Array, before: Array | None = None) -> str:
 
 
 def _value(settings: Settings, joint: str, x: float) -> str:
-    slides = settings.arm.chain.prismatic[settings.arm.joint_names.index(joint)]
+    slides = settings.solver.chain.prismatic[settings.solver.joint_names.index(joint)]
     return f"{x:.4g} m" if slides else f"{np.degrees(x):.4g}°"

@@ -81,8 +81,8 @@ def keeps_straight(
     Returns:
         (k,) true where it is proven.
     """
-    arm = 0.0 if free is None else float(np.linalg.norm(free.at))
-    position, rotation = curvature(chain, q, dq, np.linalg.norm(turns, axis=1)[at], arm)
+    lever = 0.0 if free is None else float(np.linalg.norm(free.at))
+    position, rotation = curvature(chain, q, dq, np.linalg.norm(turns, axis=1)[at], lever)
     allowed = 2.0 * np.sin(0.5 * tolerance.rotation)
     # Without a sample, the bound may take the whole tolerance.
     straight = (position <= 8.0 * tolerance.position) & (rotation <= 8.0 * allowed)
@@ -104,7 +104,7 @@ def keeps_straight(
     return np.asarray(straight)
 
 
-def curvature(chain: Chain, q: Array, dq: Array, turn: Array, arm: float = 0.0) -> tuple[Array, Array]:
+def curvature(chain: Chain, q: Array, dq: Array, turn: Array, lever: float = 0.0) -> tuple[Array, Array]:
     """Bounds of the second derivatives, see above: of the position [m] and of the rotation, (k,) each.
 
     Args:
@@ -112,19 +112,19 @@ def curvature(chain: Chain, q: Array, dq: Array, turn: Array, arm: float = 0.0) 
         q: (k, n) rad or m.
         dq: (k, n) rad or m.
         turn: (k,) rad that the segment turns by.
-        arm: m from the tip to the point in it whose position counts.
+        lever: m from the tip to the point in it whose position counts.
     """
     axes = chain.axes
     gain = getattr(chain, "gain", None)
     values, steps = (q, np.abs(dq)) if gain is None else (q @ gain.T, np.abs(dq) @ np.abs(gain).T)
     lengths = np.linalg.norm(axes.P[1:], axis=1)
-    lengths[-1] += arm
+    lengths[-1] += lever
     lengths = lengths + np.where(axes.prismatic, np.abs(values) + steps, 0.0)
     # From each axis to the tip: the steps after it, and the slides.
     reach = np.where(axes.prismatic, 1.0, np.cumsum(lengths[:, ::-1], axis=1)[:, ::-1])
     turning = np.where(axes.prismatic, 0.0, steps)
     before = np.cumsum(turning, axis=1) - turning
-    position = (steps * reach * (2.0 * before + turning)).sum(axis=1) + arm * turn * turn
+    position = (steps * reach * (2.0 * before + turning)).sum(axis=1) + lever * turn * turn
     rate = turning.sum(axis=1) + turn
     return position, rate * rate + (turning * before).sum(axis=1) + turn * rate
 

@@ -13,7 +13,7 @@ from urdf_ik.support.text import quoted
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from urdf_ik.arm import Arm
+    from urdf_ik.ik.solver import Solver
 
     Array = NDArray[np.float64]
 
@@ -23,16 +23,16 @@ def positive(name: str, value: float, unit: str, *, zero: bool = False) -> float
     return inputs.number(value, name, ArgumentError, low=0.0, above=None if zero else 0.0, unit=unit)
 
 
-def limits_of(arm: Arm, name: str, value: ArrayLike) -> Array:
+def limits_of(solver: Solver, name: str, value: ArrayLike) -> Array:
     """(n,) numbers above zero, infinite for no limit, from one number or one a joint."""
-    given = inputs.real(value, name, f"one number, or one a joint ({arm.dof},)", ArgumentError)
-    if given.shape not in ((), (1,), (arm.dof,)):
-        raise ArgumentError(f"{name}: one number, or one a joint ({arm.dof},), is needed: {quoted(value)} given")
-    array = np.array(np.broadcast_to(given, (arm.dof,)))
+    given = inputs.real(value, name, f"one number, or one a joint ({solver.dof},)", ArgumentError)
+    if given.shape not in ((), (1,), (solver.dof,)):
+        raise ArgumentError(f"{name}: one number, or one a joint ({solver.dof},), is needed: {quoted(value)} given")
+    array = np.array(np.broadcast_to(given, (solver.dof,)))
     bad = np.flatnonzero(~(array > 0.0))
     if len(bad):
         raise ArgumentError(
-            f"{name}: {array[bad[0]]} for joint {quoted(arm.joint_names[bad[0]])}; a number above 0 is needed (inf: no "
+            f"{name}: {array[bad[0]]} for joint {quoted(solver.joint_names[bad[0]])}; a number above 0 is needed (inf: no "
             "limit)"
         )
     return array

@@ -30,8 +30,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from urdf_ik.arm import Arm
-    from urdf_ik.ik.tasks import Targets
+    from urdf_ik.ik.solver import Solver
 
     Array = NDArray[np.float64]
 
@@ -55,7 +54,7 @@ class Tracker:
     and ``velocity``.
 
     Attributes:
-        arm: the arm.
+        solver: the solver of the arm.
         dt: s, length of a cycle.
         velocity_limits: (n,) rad/s or m/s, infinite where there is none.
         acceleration_limits: (n,) rad/s^2 or m/s^2, infinite where there is none.
@@ -71,11 +70,10 @@ class Tracker:
 
     def __init__(
         self,
-        arm: Arm,
+        solver: Solver,
         q0: ArrayLike,
         dt: float,
         *,
-        targets: Targets | None = None,
         velocity: ArrayLike | None = None,
         acceleration: ArrayLike | None = None,
         recentring: float | None = None,
@@ -86,10 +84,9 @@ class Tracker:
         """Begin at a joint vector.
 
         Args:
-            arm: the arm.
+            solver: the solver of the arm.
             q0: (n,) rad or m, where the joints are, within their limits.
             dt: s, length of a cycle.
-            targets: what reads the targets of a task other than a pose; :meth:`urdf_ik.Arm.tracker` passes it.
             velocity: greatest speed of each joint (n,), or of all, rad/s or m/s; the URDF's where left out, and no
                 limit for a joint of which the URDF states none, or zero.
             acceleration: greatest acceleration of each joint (n,), or of all, rad/s^2 or m/s^2; no limit where left
@@ -107,29 +104,26 @@ class Tracker:
             ArgumentError: a limit of velocity or acceleration is.
             UnsupportedArm: the arm has more than seven joints, joints that mimic others, or a free axis.
         """
-        inputs.arm(arm)
-        chain = arm.chain
+        chain = solver.chain
         if isinstance(chain, CoupledChain):
             raise UnsupportedArm(
-                f"{arm.name}: joints that mimic others ({chain.followers[0]}, ...) are not tracked yet"
+                f"{solver.name}: joints that mimic others ({chain.followers[0]}, ...) are not tracked yet"
             )
         if not 1 <= chain.n <= MOST_JOINTS:
-            raise UnsupportedArm(f"{arm.name}: arms of 1 to {MOST_JOINTS} joints are tracked, and it has {chain.n}")
-        if arm.free_axis is not None:
+            raise UnsupportedArm(f"{solver.name}: arms of 1 to {MOST_JOINTS} joints are tracked, and it has {chain.n}")
+        if solver.free_axis is not None:
             raise UnsupportedArm(
-                f"{arm.name}: {arm.free_axis} is free, and targets are tracked as whole poses; arm.fixed.tracker(...) "
+                f"{solver.name}: {solver.free_axis} is free, and targets are tracked as whole poses; the arm without it "
                 "tracks them with the rotation that they have"
             )
-        if targets is not None:
-            inputs.kind(targets, "for_solver", "targets", "what an arm with a task gives")
-        self.arm = arm
+        self.solver = solver
         self.dt = positive("dt", dt, "s")
-        self.velocity_limits = arm.velocity_limits.copy() if velocity is None else limits_of(arm, "velocity", velocity)
-        self.acceleration_limits = limits_of(arm, "acceleration", np.inf if acceleration is None else acceleration)
+        self.velocity_limits = solver.velocity_limits.copy() if velocity is None else limits_of(solver, "velocity", velocity)
+        self.acceleration_limits = limits_of(solver, "acceleration", np.inf if acceleration is None else acceleration)
         for each in (self.velocity_limits, self.acceleration_limits):
             each.setflags(write=False)
-        self._targets = targets
-        control = arm.control
+        self._targets = solver.targets
+        control = solver.control
         kind = (
             aim.Aim()
             if self._targets is None
@@ -154,10 +148,9 @@ class Tracker:
         self._margin = positive("margin", margin, "m", zero=True)
         self._collision: Any = None
         if inputs.flag(self_collision, "self_collision") or world is not None:
-            model: Any = arm.collision_model
-            self._collision = model.in_world(world)
+            self._collision = solver.contacts.in_world(world)
         self._options = {
-            "targets": targets, "velocity": self.velocity_limits, "acceleration": self.acceleration_limits,
+            "velocity": self.velocity_limits, "acceleration": self.acceleration_limits,
             "recentring": recentring, "world": world, "self_collision": self_collision, "margin": self._margin,
         }  # fmt: skip
         # The whole of a cycle where a pose is followed and no collision is checked.
@@ -165,10 +158,10 @@ class Tracker:
         self.reset(q0)
 
     def __reduce__(self) -> tuple[Callable[..., Tracker], tuple[Any, ...]]:
-        return _restored, (self.arm, self.q, self.velocity, self.dt, self._options)
+        return _restored, (self.solver, self.q, self.velocity, self.dt, self._options)
 
     def __repr__(self) -> str:
-        return f"<Tracker of {self.arm.name!r}: {1.0 / self.dt:g} cycles a second>"
+        return f"<Tracker of {self.solver.name!r}: {1.0 / self.dt:g} cycles a second>"
 
     @property
     def q(self) -> Array:
@@ -197,7 +190,7 @@ class Tracker:
             >>> tracker.q.tolist()
             [0.2, 0.4, 0.1, 0.0]
         """
-        chain, n = self.arm.chain, self.arm.dof
+        chain, n = self.solver.chain, self.solver.dof
         place, speed = chain.check(q), np.zeros(n) if velocity is None else chain.check(velocity)
         for vector in (place, speed):
             if vector.shape != (n,):
@@ -272,9 +265,9 @@ class Tracker:
         return np.ascontiguousarray(poses[0])
 
 
-def _restored(arm: Arm, q: Array, velocity: Array, dt: float, options: dict[str, Any]) -> Tracker:
+def _restored(solver: Solver, q: Array, velocity: Array, dt: float, options: dict[str, Any]) -> Tracker:
     """A tracker that goes on from where another one is."""
-    lower, upper = arm.limits.T
-    tracker = Tracker(arm, np.clip(q, lower, upper), dt, **options)
+    lower, upper = solver.limits.T
+    tracker = Tracker(solver, np.clip(q, lower, upper), dt, **options)
     tracker.reset(tracker.q, velocity)
     return tracker

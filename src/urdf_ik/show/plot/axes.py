@@ -84,7 +84,7 @@ def space(axes: Any, around: tuple[Array, float], *, small: bool = False) -> Any
 
 def stick(axes: Any, arm: Arm, q: Array, colour: Any, label: str | None = None, width: float = 2.0) -> Any:
     """The links of the chain as lines from frame to frame; gives the line."""
-    points = figures.stick(arm, q).T
+    points = figures.stick(arm.chain, q).T
     (line,) = axes.plot(*points, "-o", color=colour, linewidth=width, markersize=1.5 + width, label=label)
     return line
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from urdf_ik.ik.solutions.tables import chain_links, stick
+from urdf_ik.ik.solutions.tables import stick
 from urdf_ik.model import link_shapes
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _DRAWS, _SEED = 200, 0
 
 
-__all__ = ["Bodies", "Body", "bodies", "chain_links", "placed", "stick", "surroundings"]
+__all__ = ["Bodies", "Body", "bodies", "placed", "stick", "surroundings"]
 
 
 class Body(NamedTuple):
@@ -64,4 +64,4 @@ def placed(arm: Arm, found: Bodies, q: Array) -> list[Array]:
 def surroundings(arm: Arm, ranges: Array) -> Array:
     """(k, 3) m, where the frames of the chain's links are at seeded joint vectors within ``ranges`` (n, 2)."""
     draws = np.random.default_rng(_SEED).uniform(ranges[:, 0], ranges[:, 1], (_DRAWS, arm.dof))
-    return stick(arm, draws).reshape(-1, 3)
+    return stick(arm.chain, draws).reshape(-1, 3)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdf_ik.arm import arm_of
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions import limits as joint_limits
 from urdf_ik.show.plot import axes as draw
@@ -51,7 +52,7 @@ def arm(arm: Arm, q: ArrayLike | None = None, *, shapes: bool = True) -> Figure:
     figure = draw.Picture(figsize=(5.0, 5.0), layout="constrained")
     bodies = _bodies(figure, arm, shapes)
     triangles = figures.placed(arm, bodies, at)
-    points = np.concatenate([figures.stick(arm, at), *(body.reshape(-1, 3) for body in triangles)])
+    points = np.concatenate([figures.stick(arm.chain, at), *(body.reshape(-1, 3) for body in triangles)])
     axes = draw.space(figure.add_subplot(projection="3d"), draw.box(points))
     draw.shapes(axes, triangles)
     draw.stick(axes, arm, at, "0.15")
@@ -82,7 +83,7 @@ def branches(solutions: IKSolutions, *, overlaid: bool = False, shapes: bool = F
     if not found:
         raise ArgumentError(f"no solution to draw: {solutions.explain()}")
     owner = _owner(solutions)
-    around = draw.box(figures.stick(owner, np.stack([one.q for one in found])))
+    around = draw.box(figures.stick(owner.chain, np.stack([one.q for one in found])))
     colours = draw.colours(solutions.branches)
     columns = 1 if overlaid else min(_COLUMNS, len(found))
     rows = 1 if overlaid else math.ceil(len(found) / columns)
@@ -295,8 +296,7 @@ def _bodies(figure: Figure, owner: Arm, wanted: bool) -> figures.Bodies:
 
 def _owner(solutions: IKSolutions) -> Arm:
     """The arm that was solved: that of a task's solver, too, has all that is drawn."""
-    owner: Arm = solutions.arm
-    return owner
+    return arm_of(solutions.solver)
 
 
 def _images(owner: Arm, q: Any, joints: Any) -> tuple[Any, Any, Any]:

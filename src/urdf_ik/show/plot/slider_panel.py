@@ -62,7 +62,7 @@ class Stage:
         if self._region is not None:
             self._line.set_data(*draw.links(self._region, q))
         else:
-            self._line.set_data_3d(*figures.stick(self._arm, q).T)
+            self._line.set_data_3d(*figures.stick(self._arm.chain, q).T)
 
 
 class Sliders:
@@ -257,7 +257,7 @@ def ranges(arm: Arm, q: Array) -> list[tuple[float, float]]:
 
 def is_two_links(arm: Arm) -> bool:
     """Whether the exact workspace of two turning joints can be drawn."""
-    return arm.plane is not None and arm.dof == 2 and not arm.chain.prismatic.any()
+    return arm.solver.control.plane is not None and arm.dof == 2 and not arm.chain.prismatic.any()
 
 
 def require_display() -> Any:

@@ -10,6 +10,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from urdf_ik.arm import arm_of
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions import limits as joint_limits
 from urdf_ik.show.plot import axes as draw
@@ -87,7 +88,7 @@ def path(plan: Plan, *, degrees: bool = True) -> Figure:
     """
     inputs.kind(plan, "explain", "plan", "what arm.follow gives", ArgumentError)
     degrees = inputs.flag(degrees, "degrees", ArgumentError)
-    arm, found = plan.arm, background(plan)
+    arm, found = arm_of(plan.solver), background(plan)
     rows = math.ceil(arm.dof / _COLUMNS)
     columns = min(_COLUMNS, arm.dof)
     size = (_WIDE * columns, _HIGH * rows + 0.8 + 0.055 * len(arm.structure.branches))
@@ -115,7 +116,7 @@ def path(plan: Plan, *, degrees: bool = True) -> Figure:
 
 def background(plan: Plan) -> Background:
     """All solutions of a path's waypoints, or of as many as can be drawn, and what forbids them."""
-    arm, parameter = plan.arm, plan.arm.redundancy
+    arm, parameter = arm_of(plan.solver), plan.solver.parameter
     count = len(plan.poses)
     at = np.unique(np.linspace(0, count - 1, min(count, MOST[parameter is not None])).round().astype(np.intp))
     if parameter is None:
@@ -138,10 +139,10 @@ def background(plan: Plan) -> Background:
 
 def _with_others(plan: Plan, at: NDArray[np.intp], grid: Array) -> Array:
     """Values of the first parameter, with those that the others have along the plan, or by default."""
-    arm = plan.arm
-    if len(arm.redundancies) == 1:
+    arm = arm_of(plan.solver)
+    if len(arm.solver.parameters) == 1:
         return grid
-    others = np.tile([parameter.default for parameter in arm.redundancies], (len(at), 1))
+    others = np.tile([parameter.default for parameter in arm.solver.parameters], (len(at), 1))
     own = arm.redundancy_of(plan.q[at], plan.poses[at]) if plan.found else others
     values = np.repeat(own[:, None], len(grid), axis=1)
     values[..., 0] = grid
@@ -156,13 +157,13 @@ def _panel(axes: Any, plan: Plan, found: Background, joint: int, shades: list[An
     room = _ROOM * (high - low)
     bottom, top = low - room, high + room
     axes.set(xlim=(-0.01 * len(plan.poses), 1.01 * max(len(plan.poses) - 1, 1)), ylim=(scale * bottom, scale * top))
-    for limit, side in zip(joint_limits.bounded(plan.arm.limits)[joint], (bottom, top), strict=True):
+    for limit, side in zip(joint_limits.bounded(plan.solver.limits)[joint], (bottom, top), strict=True):
         if np.isfinite(limit):
             axes.axhspan(scale * limit, scale * side, color=_FORBIDDEN, linewidth=0, zorder=0)
             axes.axhline(scale * limit, color="0.3", linewidth=1.0, zorder=3)
     for first, last, colour in _closed(plan, found):
         axes.axvspan(first, last, color=colour, alpha=0.16, linewidth=0, zorder=0)
-    lines, widths, colours = _curves(plan.arm, found, joint, shades, bottom, top)
+    lines, widths, colours = _curves(arm_of(plan.solver), found, joint, shades, bottom, top)
     if len(lines):
         lines[..., 1] *= scale
         axes.add_collection(LineCollection(list(lines), colors=colours, linewidths=widths))
@@ -249,7 +250,7 @@ def _plan(axes: Any, plan: Plan, values: Array) -> None:
 
 def _stops(axes: Any, plan: Plan, found: Background, joint: int, shades: list[Any], scale: float) -> None:
     """Where the ways from each start branch end: a line, and a cross on the branch's own curve where it has one."""
-    names = plan.arm.structure.branches
+    names = plan.solver.structure.branches
     low, high = axes.get_ylim()
     sizes = np.linspace(min(5.0 + 1.2 * len(plan.stops), 12.0), 5.0, len(plan.stops))
     for size, stop in zip(sizes, plan.stops, strict=True):
@@ -258,17 +259,17 @@ def _stops(axes: Any, plan: Plan, found: Background, joint: int, shades: list[An
         # What no branch gets past is marked where it is, a branch's end where it still gets to.
         last = stop.waypoint if column is None else max(stop.waypoint - 1, 0)
         axes.axvline(last, color=colour, linestyle=(0, (1, 2)), linewidth=1.0, zorder=4)
-        if column is None or plan.arm.redundancy is not None:
+        if column is None or plan.solver.parameter is not None:
             continue
         k = int(np.searchsorted(found.at, last))
-        values = scale * (found.q[k, column, joint] + TURN * np.arange(-4, 5) * (not plan.arm.chain.prismatic[joint]))
+        values = scale * (found.q[k, column, joint] + TURN * np.arange(-4, 5) * (not plan.solver.chain.prismatic[joint]))
         values = np.unique(values[(values >= low) & (values <= high)])
         style = {"markeredgecolor": "black", "markeredgewidth": 0.5, "markersize": size, "zorder": 7}
         axes.plot(np.full(len(values), last), values, "X", color=colour, **style)
 
 
 def _title(plan: Plan) -> str:
-    name, count = draw.words(plan.arm.name), len(plan.poses)
+    name, count = draw.words(plan.solver.name), len(plan.poses)
     if not plan.found:
         return f"{name}: no plan along {count} waypoints"
     changes = f", {len(plan.changes)} reconfigurations" if plan.changes else ""
@@ -282,7 +283,7 @@ def _legend(plan: Plan, found: Background, shades: list[Any]) -> list[Any]:
         handles.append(Line2D([], [], color="black", linewidth=1.8, label="the plan"))
     if plan.changes:
         handles.append(Line2D([], [], color="black", linestyle=":", label="change of branch"))
-    names = plan.arm.structure.branches
+    names = plan.solver.structure.branches
     stops = {stop.branch: stop for stop in plan.stops}
     for branch in np.unique(found.branch[found.valid.any(axis=0)]):
         label = names[branch]
@@ -295,9 +296,9 @@ def _legend(plan: Plan, found: Background, shades: list[Any]) -> list[Any]:
         handles.append(Line2D([], [], color="0.4", linestyle="--", linewidth=1.2, label="in contact"))
     if (found.valid & ~found.inside).any():
         handles.append(Line2D([], [], color="0.5", alpha=0.4, linewidth=1.2, label="some joint is outside its limits"))
-    if np.isfinite(joint_limits.bounded(plan.arm.limits)).any():
+    if np.isfinite(joint_limits.bounded(plan.solver.limits)).any():
         handles.append(Patch(color=_FORBIDDEN, label="outside the limits"))
     kinds = {_REACH: "no solution: out of reach", "0.2": "none within the limits", _CONTACT: "all in contact"}
-    which = "" if plan.arm.redundancy is None else ", at the values drawn"
+    which = "" if plan.solver.parameter is None else ", at the values drawn"
     closed = dict.fromkeys(colour for *_, colour in _closed(plan, found))
     return [*handles, *(Patch(color=colour, alpha=0.16, label=kinds[colour] + which) for colour in closed)]

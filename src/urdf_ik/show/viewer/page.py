@@ -221,8 +221,8 @@ class Viewer:
         Raises:
             ArgumentError: the plan is another arm's.
         """
-        if plan is not None and plan.arm is not self.state.arm:
-            raise ArgumentError(f"the plan is one of {plan.arm.name}, not of the arm that is shown")
+        if plan is not None and plan.solver is not self.state.arm.solver:
+            raise ArgumentError(f"the plan is one of {plan.solver.name}, not of the arm that is shown")
         self._latest.put("plan", lambda: self._show_plan(plan))
 
     def show_workspace(

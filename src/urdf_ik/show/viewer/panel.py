@@ -65,10 +65,10 @@ class Panel:
         for column, button in enumerate(self.branches):
             button.on_click(_calling(partial(on_branch, column)))
         self.redundancies, self.strip = [], None
-        if arm.redundancies:
+        if arm.solver.parameters:
             self._folders.append(gui.add_folder("Redundancy"))
             with self._folders[-1]:
-                self.redundancies = [slider_of(gui, f"{p.label} [{p.unit}]", *p.range) for p in arm.redundancies]
+                self.redundancies = [slider_of(gui, f"{p.label} [{p.unit}]", *p.range) for p in arm.solver.parameters]
                 self.strip = gui.add_html("", visible=False)
         for which, slider in enumerate(self.redundancies):
             on_change(slider, partial(on_redundancy, which))

@@ -39,7 +39,7 @@ class PathPanel:
     ) -> None:
         """Add the widgets; the functions are called with what the reader of the page chose."""
         plan = track.plan
-        names = plan.arm.structure.branches
+        names = plan.solver.structure.branches
         shades = dict(zip(names, colours(len(names), dark), strict=True))
         self._folder = gui.add_folder("Path", order=-1.0)
         with self._folder:
@@ -70,7 +70,7 @@ class PathPanel:
 
 def _label(track: Track, stop: Stop) -> str:
     """'shoulder front, elbow up: ends before 34, limit', or with the last words of each part of the name."""
-    if not track.plan.arm.structure.branches.count(stop.branch):
+    if not track.plan.solver.structure.branches.count(stop.branch):
         return f"{stop.branch}: {stop.cause} at {stop.waypoint}"
     tail = f": ends before {stop.waypoint}, {stop.cause}"
     short = ", ".join(part.split(" ")[-1] for part in stop.branch.split(", "))

@@ -62,14 +62,14 @@ def track(plan: Plan) -> Track:
     for stop in plan.stops:
         place = place_of(plan, stop)
         ends[place] = (*ends.get(place, ()), stop)
-        if stop.branch in plan.arm.structure.branches:
+        if stop.branch in plan.solver.structure.branches:
             reached = max(reached, stop.waypoint - 1)
     return Track(plan, plan.poses[:, :3, 3], reached, ends)
 
 
 def place_of(plan: Plan, stop: Stop) -> int:
     """The last waypoint that a branch reaches; of what no branch gets past, the waypoint itself."""
-    return max(stop.waypoint - 1, 0) if stop.branch in plan.arm.structure.branches else stop.waypoint
+    return max(stop.waypoint - 1, 0) if stop.branch in plan.solver.structure.branches else stop.waypoint
 
 
 def at(track: Track, state: State, place: float) -> State:

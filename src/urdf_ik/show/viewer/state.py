@@ -113,9 +113,9 @@ def start(arm: Arm, world: World | None = None) -> State:
         best = draws[np.argmax((solutions.valid & (solutions.singular == 0)).sum(axis=-1))]
     except UnsupportedArm:
         best = draws[0]
-    model = arm.collision_model.in_world(world) if arm.collision_model.has_geometry else None
+    model = arm.cell.collisions.in_world(world) if arm.cell.collisions.has_geometry else None
     if model is None:
-        note = f"Self-collision is not checked: {arm.collision_model.missing}"
+        note = f"Self-collision is not checked: {arm.cell.collisions.missing}"
     here = State(arm, best, arm.fk(best), None, (), "", note, world, model)
     return with_joints(here, best)
 
@@ -137,7 +137,7 @@ def with_redundancy(state: State, value: float, which: int = 0) -> State:
 def with_joints(state: State, q: Array) -> State:
     """The arm moved to ``q`` (n,) rad or m, and the target with it."""
     arm = state.arm
-    values = arm.redundancy_of(q) if arm.redundancies else None
+    values = arm.redundancy_of(q) if arm.solver.parameters else None
     value = float(values) if values is not None and not values.ndim else values
     return _solved(_moved(replace(state, q=q, target=arm.fk(q), redundancy=value)))
 
@@ -157,7 +157,7 @@ def with_branch(state: State, column: int) -> State:
 
 def _moved(state: State) -> State:
     """The intervals of a target that has moved."""
-    if len(state.arm.redundancies) != 1:
+    if len(state.arm.solver.parameters) != 1:
         return state
     try:
         return replace(state, intervals=state.arm.intervals(state.target))
@@ -193,7 +193,7 @@ def _solved(state: State) -> State:
 
 def _solve(state: State) -> IKSolutions:
     arm, T = state.arm, state.target
-    control = arm.control
+    control = arm.solver.control
     if control.task == "pose":
         return arm.ik(T, state.q, redundancy=state.redundancy)
     if control.plane is not None:

@@ -145,7 +145,7 @@ class PathDrawing:
             "/path/line", pieces.astype(np.float32), np.repeat(shades[:, None], 2, axis=1), thickness=4.0,
             thickness_units="screen",
         )  # fmt: skip
-        names = track.plan.arm.structure.branches
+        names = track.plan.solver.structure.branches
         shade_of = dict(zip(names, colours(len(names), dark), strict=True))
         self.ends: dict[int, Any] = {}
         for waypoint, stops in track.ends.items():

@@ -73,7 +73,7 @@ class Voxels:
         )
         self.across = min(reversed(AXES), key=lambda name: found.grid.shape[AXES.index(name)])
         self._values: dict[str, NDArray[np.float32]] = {}
-        plane = arm.plane
+        plane = arm.solver.control.plane
         # A planar arm's map is in the plane's coordinates.
         self._origin = np.zeros(3) if plane is None else plane.origin
         self._axes = np.eye(3) if plane is None else np.vstack([plane.axes, plane.normal])

@@ -36,7 +36,7 @@ class Drawn:
     def __init__(self, arm: Arm, n: int, seed: int) -> None:
         from urdf_ik.cell.reference import Reference  # brings in Pinocchio
 
-        self.reference = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
+        self.reference = Reference(arm.model, arm.base, arm.tip, locked=dict(arm.chain.locked))
         lower, upper = self.reference.ranges.T
         self.arm = arm
         self.q: Array = np.random.default_rng(seed).uniform(lower, upper, (n, arm.dof))
@@ -171,14 +171,14 @@ def apart(one: Array, other: Array) -> tuple[float, float]:
 def _solve(arm: Arm, drawn: Drawn) -> IKSolutions:
     """What ``arm`` answers to the poses of ``drawn``, asked for what it controls."""
     if arm.task != "pose":
-        return arm.for_task(arm.task).ik(arm.control.target_of(drawn.T))
+        return arm.for_task(arm.task).ik(arm.solver.control.target_of(drawn.T))
     if arm.redundancy is None or not (arm is drawn.arm or _same_parameter(arm, drawn.arm)):
         return arm.ik(drawn.T)
     return arm.ik(drawn.T, redundancy=drawn.arm.redundancy_of(drawn.q))
 
 
 def _same_parameter(a: Arm, b: Arm) -> bool:
-    one, other = ([(each.kind, each.joint) for each in arm.redundancies] for arm in (a, b))
+    one, other = ([(each.kind, each.joint) for each in arm.solver.parameters] for arm in (a, b))
     return bool(one) and one == other
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik.errors import UrdfIkError
+from urdf_ik.ik.cuspidality import is_cuspidal
 from urdf_ik.support import inputs
 from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.verify.comparison import answers
@@ -110,7 +111,7 @@ def _structure(a: Arm, b: Arm) -> tuple[Fact, ...]:
             "family": structure.family or "none that is solved",
             "controls": arm.task,
             "solutions at most": str(structure.max_solutions),
-            "cuspidal": words[arm.cuspidal],
+            "cuspidal": words[is_cuspidal(arm.solver)],
         }
         if structure.family:
             facts["exact"] = "yes" if structure.is_exact or structure.is_general else _off(arm)

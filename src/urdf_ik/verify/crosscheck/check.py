@@ -87,7 +87,7 @@ def check(
     n = inputs.poses(n)
     seed = _seed(seed)
     inputs.callback(progress, "progress")
-    reference = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
+    reference = Reference(arm.model, arm.base, arm.tip, locked=dict(arm.chain.locked))
     names = limits(arm, reference)
     tallies, skipped = [names], []
     if tuple(arm.joint_names) != reference.joint_names:
@@ -145,7 +145,7 @@ def replay(arm: Arm, seed: int, index: int) -> tuple[Array, Array]:
     inputs.arm(arm)
     seed = _seed(seed)
     index = inputs.whole(index, "index")
-    reference = Reference(arm.model, arm.base, arm.tip, locked=arm.locked)
+    reference = Reference(arm.model, arm.base, arm.tip, locked=dict(arm.chain.locked))
     q = _draw(reference, seed, index)
     return q, reference.pose(q)
 
@@ -165,7 +165,7 @@ def _collision(arm: Arm, wanted: bool | None, most: int | None) -> tuple[Collisi
     """What compares collision, or None and the reason why nothing does."""
     if wanted is False:
         return None, "not asked for"
-    shapes = CollisionModel(arm.model, arm.base, arm.tip, locked=arm.locked)
+    shapes = CollisionModel(arm.model, arm.base, arm.tip, locked=dict(arm.chain.locked))
     if not shapes.has_geometry:
         if wanted:
             raise UrdfError(shapes.missing, source=arm.model.source)

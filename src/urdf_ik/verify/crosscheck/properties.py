@@ -254,7 +254,7 @@ class Inverse:
         out = np.full(Q.shape[:-1], np.nan)
         known = np.isfinite(Q).all(axis=-1)
         if self._arm.redundancy is not None:
-            gradient = np.full((*Q.shape[:-1], len(self._arm.redundancies), Q.shape[-1]), np.nan)
+            gradient = np.full((*Q.shape[:-1], len(self._arm.solver.parameters), Q.shape[-1]), np.nan)
             gradient[known] = self._gradient(Q[known])
             J = np.concatenate([J, gradient], axis=-2)
         out[known] = np.linalg.svd(J[known], compute_uv=False)[..., -1]

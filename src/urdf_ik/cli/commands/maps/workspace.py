@@ -96,7 +96,7 @@ def command(
         raise console.usage("a map goes into a file or into a store: give --output or --store", "--store")
     work.check()
     asked = bool(given) or output is not None or work.store is not None
-    if arm.dof == 2 and arm.plane is not None and not arm.chain.prismatic.any() and not asked:
+    if arm.dof == 2 and arm.solver.control.plane is not None and not arm.chain.prismatic.any() and not asked:
         region = workspaces.planar(arm)
         console.write(_region_json(region) if as_json else _region_text(region, angles_of(arm, degrees)), None)
         return

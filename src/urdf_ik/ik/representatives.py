@@ -8,6 +8,7 @@ import numpy as np
 
 from urdf_ik.ik.solutions import distances
 from urdf_ik.ik.solutions.ik_solutions import IKSolutions
+from urdf_ik.ik.solve import solve
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -21,13 +22,13 @@ def near_each(solutions: IKSolutions, q_ref: Array) -> IKSolutions:
     Raises:
         ArgumentError: ``q_ref`` does not fit the poses.
     """
-    arm: Any = solutions.arm
-    reference = distances.reference(q_ref, arm.joint_names, solutions.shape)
+    solver = solutions.solver
+    reference = distances.reference(q_ref, solver.joint_names, solutions.shape)
     reference = np.broadcast_to(reference, (*solutions.shape, reference.shape[-1]))
     q, info = solutions._q.copy(), solutions._info.copy()
     values: Any = solutions._redundancy
     for place in map(tuple, np.argwhere(solutions.singular.any(axis=-1))):
         at = {} if values is None else {"redundancy": values[place]}
-        one = arm.ik(solutions._poses[place], np.array(reference[place]), **at)
+        one = solve(solver, solutions._poses[place], np.array(reference[place]), **at)
         q[place], info[place] = one._q, one._info
-    return IKSolutions(arm, solutions._poses, q, info, solutions._branches, redundancy=values)
+    return IKSolutions(solver, solutions._poses, q, info, solutions._branches, redundancy=values)

@@ -1,0 +1,130 @@
+"""Cell: an arm's links as bodies, and Pinocchio's model of its URDF; both are built when they are first needed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from urdf_ik.cell.collision_model import CollisionModel
+    from urdf_ik.cell.queries import Nearest
+    from urdf_ik.cell.reference import Reference
+    from urdf_ik.cell.swept_motions import Motions
+    from urdf_ik.cell.world import World
+    from urdf_ik.kinematics.chain import Chain
+    from urdf_ik.model.urdf import UrdfModel
+
+    Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Cell:
+    """The bodies of an arm, and the reference that its kinematics are compared with.
+
+    Attributes:
+        model: the URDF.
+        chain: the joints from base to tip, with the joints that are locked.
+        changed: a collision model whose allowed-collision table a user changed; None: that of the URDF.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> arm.cell.nearest_pair([0.0] * 6).links
+        ('link_4', 'link_6')
+    """
+
+    model: UrdfModel
+    chain: Chain
+    changed: CollisionModel | None = None
+
+    @cached_property
+    def collisions(self) -> CollisionModel:
+        """Collision and distance of the links through Pinocchio and coal."""
+        if self.changed is not None:
+            return self.changed
+        from urdf_ik.cell.collision_model import CollisionModel
+
+        return CollisionModel(self.model, self.chain.base, self.chain.tip, locked=dict(self.chain.locked))
+
+    @cached_property
+    def reference(self) -> Reference:
+        """Pinocchio's model of the whole URDF, built from the file itself."""
+        from urdf_ik.cell.reference import Reference
+
+        return Reference(self.model, self.chain.base, self.chain.tip, locked=dict(self.chain.locked))
+
+    def in_world(self, world: World | None) -> CollisionModel:
+        """The links among the obstacles of a world; None: the links alone."""
+        return self.collisions.in_world(world)
+
+    def clearance(self, q: ArrayLike, world: World | None = None) -> float | Array:
+        """Least distance between bodies that must not touch [m]; see :meth:`urdf_ik.Arm.clearance`."""
+        return self.in_world(world).distance(self.chain.check(q))
+
+    def nearest_pair(self, q: ArrayLike, world: World | None = None) -> Nearest | None:
+        """The two bodies that come closest to each other at ``q`` (n,), links or a link and an obstacle.
+
+        None where nothing can collide. Raises as :meth:`urdf_ik.Arm.clearance` does.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm, world = urdf_ik.load("zyyzyz_6r"), urdf_ik.World()
+            >>> world.add("ceiling", urdf_ik.HalfSpace((0, 0, -1), -3.33))
+            >>> pair = arm.cell.nearest_pair([0.0] * 6, world)
+            >>> pair.links, round(pair.distance, 3)
+            (('link_6', 'ceiling'), 0.03)
+        """
+        return self.in_world(world).nearest_pair(self.chain.check(q))
+
+    def motion_is_free(self, q0: ArrayLike, q1: ArrayLike, world: World | None = None, margin: float = 0.0) -> Motions:
+        """Whether straight motions in joint space are free of contact; see :meth:`urdf_ik.Arm.motion_is_free`."""
+        start, end = self.chain.check(q0), self.chain.check(q1)
+        try:
+            start, end = np.broadcast_arrays(start, end)
+        except ValueError:
+            raise ArgumentError(
+                f"motions from {start.shape} to {end.shape} given; the shapes do not broadcast"
+            ) from None
+        batch, count = start.shape[:-1], math.prod(start.shape[:-1])
+        flat = self.in_world(world).motions_free(
+            start.reshape(count, self.chain.n), end.reshape(count, self.chain.n), margin
+        )
+        return replace(flat, free=flat.free.reshape(batch), share=flat.share.reshape(batch))
+
+    def with_collisions(self, changed: CollisionModel) -> Cell:
+        """This cell with another collision model of the same arm, such as one with other pairs to check."""
+        return replace(self, changed=changed)
+
+    def allow(self, first: str, second: str) -> Cell:
+        """This cell, two links being allowed to touch; see :meth:`urdf_ik.cell.CollisionModel.allow`.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("zyyzyz_6r")
+            >>> arm = arm.with_cell(arm.cell.allow("link_4", "link_6"))
+            >>> arm.cell.nearest_pair([0.0] * 6).links
+            ('link_3', 'link_5')
+        """
+        return self.with_collisions(self.collisions.allow(first, second))
+
+    def moved_to(self, model: UrdfModel, chain: Chain) -> Cell:
+        """The cell of another URDF, with the changes that a user made to the allowed-collision table of this one."""
+        own = self.__dict__.get("collisions", self.changed)
+        if own is None or not own.is_changed:
+            return Cell(model, chain)
+        return Cell(model, chain, own.rebuilt(model, chain.base, chain.tip, dict(chain.locked)))
+
+    def __reduce__(self) -> tuple[Callable[..., Cell], tuple[Any, ...]]:
+        # The collision model is built when it is needed; only the changes of a user must not be lost.
+        own = self.__dict__.get("collisions", self.changed)
+        return Cell, (self.model, self.chain, own if own is not None and own.is_changed else None)

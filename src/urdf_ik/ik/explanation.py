@@ -1,0 +1,62 @@
+"""Why a target has no solution, in words."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.errors import ArgumentError, PoseError
+from urdf_ik.ik.families import RedundantPlan
+from urdf_ik.ik.redundancy import sweep
+from urdf_ik.ik.redundancy.interval_search import intervals
+from urdf_ik.ik.solve import solve
+from urdf_ik.kinematics.chain.redundancy import spread
+from urdf_ik.model.poses import check_poses
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from urdf_ik.ik.solver import Solver
+
+    Array = NDArray[np.float64]
+
+
+def explain(solver: Solver, T: Any, redundancy: ArrayLike | None = None) -> str:
+    """Why one target has no solution inside the joint limits, '' where it has one; see :meth:`urdf_ik.Arm.explain`."""
+    found = solve(solver, T, redundancy=redundancy)
+    if not found.shape and found.count:
+        why = found.within_limits().explain()
+        elsewhere = why and redundancy is None and len(solver.parameters) == 1
+        return "" if elsewhere and len(intervals(solver, T)) else why
+    return why_none(solver, T, redundancy)
+
+
+def why_none(solver: Solver, T: Any, redundancy: ArrayLike | None = None) -> str:
+    """Why one target has no solution, joint limits aside.
+
+    Raises:
+        PoseError: ``T`` is not one target.
+        UnsupportedArm: no solver takes this arm.
+    """
+    member = solver.require_member()
+    if solver.targets is not None:
+        target = solver.targets.read(T)
+        if target.ndim != 1:
+            raise PoseError(f"an array of shape {target.shape} given; explain takes a single target")
+        return member.explain(solver.targets.poses(target[None])[0])
+    target = check_poses(T)
+    if target.ndim != 2:
+        raise PoseError(f"an array of shape {target.shape} given; explain takes a single pose (4, 4)")
+    if redundancy is None and not isinstance(member, RedundantPlan):
+        return member.explain(target)
+    redundant = solver.redundant_member
+    if len(redundant.parameters) == 1:
+        return sweep.explanation(solver, target, redundancy)
+    _, values = spread(redundant.parameters, target, redundant.defaults if redundancy is None else redundancy)
+    if values.ndim != 1:
+        raise ArgumentError(
+            f"redundancy of shape {values.shape} given; explain takes one value of each of the "
+            f"{len(redundant.parameters)} parameters"
+        )
+    return redundant.explain_at(target, np.asarray(values))

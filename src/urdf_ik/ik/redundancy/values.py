@@ -1,0 +1,89 @@
+"""Values of the redundancy parameters that belong to joint vectors."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.errors import ArgumentError, UnsupportedArm
+from urdf_ik.model.poses import check_poses
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from urdf_ik.ik.families import RedundantPlan
+    from urdf_ik.ik.solver import Solver
+    from urdf_ik.kinematics.chain.free_axis import FreeAxis
+
+    Array = NDArray[np.float64]
+
+REACHED = 1e-6
+"""m and rad: a joint vector whose pose is farther from a target, whatever the rotation about a free axis, misses it."""
+
+
+def redundancy_of(solver: Solver, q: ArrayLike, T: Any = None) -> Array:
+    """Values of the redundancy parameters at joint vectors; see :meth:`urdf_ik.Arm.redundancy_of`."""
+    member = solver.redundant_member
+    Q = solver.chain.check(q)
+    reached = np.asarray(solver.chain.fk(Q))
+    target = reached if T is None else check_poses(T)
+    try:
+        batch = np.broadcast_shapes(Q.shape[:-1], target.shape[:-2])
+    except ValueError:
+        raise ArgumentError(
+            f"joint vectors of shape {Q.shape} and poses of shape {target.shape} given; the shapes do not fit"
+        ) from None
+    target = np.broadcast_to(target, (*batch, 4, 4))
+    if T is not None and solver.free_axis is not None:
+        _require_reached(solver.free_axis, np.broadcast_to(reached, target.shape), target)
+    Q = np.broadcast_to(Q, (*batch, solver.dof))
+    values = member.value_of(Q.reshape(-1, solver.dof), target.reshape(-1, 4, 4))
+    if T is None and solver.free_axis is not None:
+        values[:, 0] = 0.0  # not what rounding makes of it
+    return values.reshape(batch if len(member.parameters) == 1 else (*batch, len(member.parameters)))
+
+
+def nearest_values(solver: Solver, q: Array, T: Array) -> Array:
+    """(m, k) values of the parameters at joint vectors (m, n), whose poses need not be the targets (m, 4, 4).
+
+    The rotation about a free axis is the one that comes nearest.
+    """
+    member = solver.redundant_member
+    Q, target = solver.chain.check(q), check_poses(T)
+    many = (len(Q),) if Q.ndim == 2 else None
+    if many is None or target.shape[:-2] not in ((), many):
+        raise ArgumentError(
+            f"joint vectors of shape {Q.shape} and poses of shape {target.shape} given; (m, {solver.dof}) and "
+            "(m, 4, 4) are needed"
+        )
+    return member.value_of(Q, np.broadcast_to(target, (*many, 4, 4)))
+
+
+def only_parameter(solver: Solver, what: str) -> RedundantPlan:
+    """The member of a family with one redundancy parameter.
+
+    Raises:
+        UnsupportedArm: a pose leaves nothing free, or several values.
+    """
+    member = solver.redundant_member
+    first, *rest = member.parameters
+    if rest:
+        raise UnsupportedArm(
+            f"{solver.name}: {what} takes one redundancy parameter, and this arm has {1 + len(rest)}: "
+            f"{', '.join(each.label for each in (first, *rest))}; hold a joint, arm.with_locked({{...}}), or give "
+            f"the rotation about a free axis: {what}(T @ arm.solver.free_axis.rotation(value)) of the arm without it"
+        )
+    return member
+
+
+def _require_reached(axis: FreeAxis, reached: Array, target: Array) -> None:
+    far, turned = axis.apart(reached, target)
+    if not far.size:
+        return
+    worst = np.unravel_index(np.argmax(np.maximum(far, turned)), far.shape)
+    if max(far[worst], turned[worst]) > REACHED:
+        raise ArgumentError(
+            f"joint vector{[int(k) for k in worst] or ''} does not reach the pose, whatever the rotation about "
+            f"{axis}: it is {far[worst]:.3g} m and {turned[worst]:.3g} rad off"
+        )

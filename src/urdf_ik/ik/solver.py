@@ -1,0 +1,151 @@
+"""Solver: a chain that is ready to be solved, as every function of this room takes it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from urdf_ik.errors import UnsupportedArm
+from urdf_ik.ik.families import RedundantPlan
+from urdf_ik.ik.refusals import unsupported
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from urdf_ik import _core
+    from urdf_ik.ik.contacts import Contacts
+    from urdf_ik.ik.families import Plan
+    from urdf_ik.ik.tasks import Control, Targets
+    from urdf_ik.kinematics.chain import Chain
+    from urdf_ik.kinematics.chain.free_axis import FreeAxis
+    from urdf_ik.kinematics.chain.redundancy import Redundancy
+    from urdf_ik.kinematics.structure import Structure
+
+    Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Solver:
+    """A chain, its family, and the compiled solver that serves it. :func:`urdf_ik.ik.preparation.prepare` makes it.
+
+    Attributes:
+        name: the robot's name, for messages.
+        chain: screw axes of the joints from base to tip.
+        structure: how the axes lie to each other, and how the arm is solved.
+        control: what the joints control of the tip.
+        task: what a target is; 'pose' unless another one was asked for.
+        targets: what reads targets of a task other than 'pose'; None for poses.
+        member: the arm as a member of its family; None where no solver takes it.
+        core: the compiled solver; None where no solver takes the arm.
+        branches: names of the columns of a pose's solutions.
+        free_axis: a line in the tip about which it may be turned.
+        given: names of joints whose values are redundancy parameters because the user chose them.
+        velocity_limits: (n,) rad/s or m/s, the URDF's; infinite where it gives none.
+        contacts: answers whether solutions touch anything.
+        remake: makes this solver again with other settings.
+        why_none: (solver, target, redundancy) -> why a target has no solution.
+        by_task: solvers of the same chain for other tasks, made when they are first asked for.
+    """
+
+    name: str
+    chain: Chain
+    structure: Structure
+    control: Control
+    task: str
+    targets: Targets | None
+    member: Plan | None
+    core: _core.Solver | None
+    branches: tuple[str, ...]
+    free_axis: FreeAxis | None
+    given: tuple[str, ...]
+    velocity_limits: Array
+    contacts: Contacts
+    remake: Callable[..., Solver]
+    why_none: Callable[[Solver, Array, Array | None], str]
+    by_task: dict[str, Solver] = field(default_factory=dict)
+
+    @cached_property
+    def single(self) -> _core.Solver | None:
+        """The compiled solver where targets are poses: it takes a single pose without detours."""
+        return self.core if self.targets is None else None
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Movable joints, base to tip."""
+        return self.chain.joint_names
+
+    @property
+    def dof(self) -> int:
+        """Number of movable joints."""
+        return self.chain.n
+
+    @property
+    def limits(self) -> Array:
+        """(n, 2) rad or m; a continuous joint has (-inf, inf)."""
+        return self.chain.limits
+
+    @property
+    def parameters(self) -> tuple[Redundancy, ...]:
+        """Every redundancy parameter, in the order in which solving takes their values; () for most arms."""
+        return self.member.parameters if isinstance(self.member, RedundantPlan) else ()
+
+    @property
+    def parameter(self) -> Redundancy | None:
+        """The first redundancy parameter; None where a pose leaves nothing free."""
+        return self.parameters[0] if self.parameters else None
+
+    @property
+    def redundant_member(self) -> RedundantPlan:
+        """The member of a family with a redundancy parameter.
+
+        Raises:
+            UnsupportedArm: no solver takes the arm, or a pose leaves nothing free.
+        """
+        if isinstance(self.require_member(), RedundantPlan):
+            return self.member  # type: ignore[return-value]
+        raise UnsupportedArm(
+            f"{self.name}: {self.dof} joints ({', '.join(self.joint_names)}) leave nothing free in a pose; only arms "
+            "with seven, or with a free axis (Arm.with_free_axis), have a redundancy parameter"
+        )
+
+    @cached_property
+    def fixed(self) -> Solver:
+        """This solver without a free axis: the rotation about it counts."""
+        return self if self.free_axis is None else self.again(free_axis=None)
+
+    def require_member(self) -> Plan:
+        """The arm as a member of its family.
+
+        Raises:
+            UnsupportedArm: no solver takes it.
+        """
+        if self.member is None:
+            raise unsupported(self.name, self.chain, self.structure)
+        return self.member
+
+    def again(self, **changed: Any) -> Solver:
+        """This solver with other settings: those of :func:`urdf_ik.ik.preparation.prepare`."""
+        return self.remake(**{**self._settings, **changed})
+
+    @property
+    def _settings(self) -> dict[str, Any]:
+        return {
+            "name": self.name,
+            "chain": self.chain,
+            "velocity_limits": self.velocity_limits,
+            "contacts": self.contacts,
+            "task": self.task,
+            "free_axis": self.free_axis,
+            "given": self.given,
+        }
+
+    def __reduce__(self) -> tuple[Callable[..., Solver], tuple[Any, ...]]:
+        return _remade, (self.remake, self._settings)
+
+
+def _remade(remake: Callable[..., Solver], settings: dict[str, Any]) -> Solver:
+    """A solver as it was before it was pickled or copied: the compiled part is prepared again."""
+    return remake(**settings)
