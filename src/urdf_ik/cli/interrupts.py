@@ -9,7 +9,7 @@ returns to Python late. Three things close these gaps:
   from a half-finished import are not shown.
 - A thread wakes up with the signal, even while the main thread is in compiled code. :data:`GRACE` later it ends the
   process. Stores and files survive that, because they survive a kill.
-- Child processes, such as Dask's workers, are killed with the process, so that none is left to complain.
+- Child processes, such as Dask's workers, do not see Ctrl-C (:func:`deaf_to_ctrl_c`) and are killed with the process.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import Future
 from typing import Any, NoReturn
 
 GRACE = 0.3
@@ -98,6 +99,30 @@ def as_the_usual_end() -> Iterator[None]:
     finally:
         if not _state.came:
             _state.status = INTERRUPTED
+
+
+def deaf_to_ctrl_c(start: Callable[[], Any]) -> Any:
+    """What a call returns whose threads and processes do not get the Ctrl-C of the terminal.
+
+    A terminal sends the signal to every process of the command; Python's default there is a traceback. The call runs in
+    a thread that blocks the signal, because threads and processes inherit that.
+
+    Example:
+        >>> deaf_to_ctrl_c(lambda: 2 + 2)
+        4
+    """
+    found: Future[Any] = Future()
+
+    def act() -> None:
+        if hasattr(signal, "pthread_sigmask"):
+            signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            found.set_result(start())
+        except BaseException as error:
+            found.set_exception(error)
+
+    threading.Thread(target=act, name="urdf-ik start", daemon=True).start()
+    return found.result()
 
 
 def _listen() -> None:

@@ -6,7 +6,7 @@ import copy
 import functools
 import inspect
 from collections.abc import Callable
-from dataclasses import MISSING, dataclass, fields, is_dataclass
+from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
 from enum import StrEnum
 from pathlib import Path
 from typing import IO, Annotated, Any, get_args, get_origin, get_type_hints
@@ -17,6 +17,7 @@ from typer.models import ArgumentInfo
 
 from urdf_ik import __version__
 from urdf_ik.support.inputs import MOST_POSES, MOST_THREADS
+from urdf_ik.support.settings import Form, Setting, settings_of
 
 
 class Format(StrEnum):
@@ -106,6 +107,43 @@ class OneOf:
     letter: str
 
 
+@dataclass(frozen=True)
+class SettingsOf:
+    """Marks a field of a record that holds the settings of another record, as typed, by name.
+
+    Attributes:
+        record: its settings become the options; see :mod:`urdf_ik.support.settings`.
+    """
+
+    record: Any
+
+
+_TYPED: dict[Form, tuple[Any, str]] = {
+    Form.JOINT_VECTOR: (str, "Q1,Q2,..."),
+    Form.NUMBER: (float, "VALUE"),
+    Form.EACH_JOINT: (str, "V|V1,V2,..."),
+    Form.LENGTH_AND_ANGLE: (str, "M,RAD"),
+    Form.FLAG: (bool, ""),
+    Form.WORLD: (Path, "FILE"),
+}
+"""The type and the metavariable of an option for a setting of each form."""
+
+
+def _option(name: str, found: Setting) -> Any:
+    """The option of a setting; None stands for one that is not given."""
+    kind: Any
+    if found.form is Form.CHOICE:
+        kind, metavar = StrEnum(name.title(), {each: each for each in found.choices}), ""
+    else:
+        kind, metavar = _TYPED[found.form]
+    if found.form is Form.NUMBER and found.unit:
+        metavar = found.unit.upper()
+    text = f"{found.help.removesuffix('.')}{f' [{found.unit}]' if found.unit else ''}."
+    if found.form is Form.WORLD:
+        text = f"{text} The collision shapes of a URDF of fixed links, in the base."
+    return Annotated[kind | None, Option(metavar=metavar or None, help=text)]
+
+
 def expanded(command: Callable[..., None]) -> Callable[..., None]:
     """A command with the fields of records in the place of its parameters that are records.
 
@@ -120,8 +158,14 @@ def expanded(command: Callable[..., None]) -> Callable[..., None]:
     def run(**given: Any) -> None:
         made = {}
         for name, (kind, suffix) in records.items():  # type: ignore[misc]
-            typed = {field.name: given[field.name + suffix] for field in fields(kind) if field.init}
-            made[name] = kind(**typed)
+            made[name] = kind(
+                **{
+                    each.name: {one: given[one] for one in settings_of(mark.record)}
+                    if mark
+                    else given[each.name + suffix]
+                    for each, _, mark in _fields(kind)
+                }
+            )
         command(**{name: given[name] for name in own}, **made)
 
     parameters: list[inspect.Parameter] = []
@@ -146,12 +190,24 @@ def _record(hint: Any) -> tuple[Any, str] | None:
 
 
 @functools.cache
+def _fields(record: Any) -> tuple[tuple[Field[Any], Any, SettingsOf | None], ...]:
+    """The fields of a record, each with its annotation and its mark."""
+    hints = get_type_hints(record, include_extras=True)
+    marks = {name: [mark for mark in get_args(hint) if isinstance(mark, SettingsOf)] for name, hint in hints.items()}
+    return tuple((each, hints[each.name], next(iter(marks[each.name]), None)) for each in fields(record))
+
+
+@functools.cache
 def _parameters(record: Any, suffix: str) -> tuple[inspect.Parameter, ...]:
     """The options of a record."""
-    parameters = []
-    hints = get_type_hints(record, include_extras=True)
-    for field in fields(record):
-        hint = hints[field.name]
+    keyword, out = inspect.Parameter.KEYWORD_ONLY, []
+    for each, hint, mark in _fields(record):
+        if mark is not None:
+            out += [
+                inspect.Parameter(name, keyword, default=None, annotation=_option(name, found))
+                for name, found in settings_of(mark.record).items()
+            ]
+            continue
         if suffix:
             kind, option = get_args(hint)
             option, letter = copy.copy(option), suffix[1:].upper()
@@ -159,10 +215,9 @@ def _parameters(record: Any, suffix: str) -> tuple[inspect.Parameter, ...]:
             if isinstance(option, ArgumentInfo):
                 option.metavar = letter
             hint = Annotated[kind, option]
-        default = inspect.Parameter.empty if field.default is MISSING else field.default
-        name, keyword = field.name + suffix, inspect.Parameter.KEYWORD_ONLY
-        parameters.append(inspect.Parameter(name, keyword, default=default, annotation=hint))
-    return tuple(parameters)
+        default = inspect.Parameter.empty if each.default is MISSING else each.default
+        out.append(inspect.Parameter(each.name + suffix, keyword, default=default, annotation=hint))
+    return tuple(out)
 
 
 def _is_argument(hint: Any) -> bool:

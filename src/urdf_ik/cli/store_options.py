@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 from typer import Option
 
-from urdf_ik.cli import console
+from urdf_ik.cli import console, interrupts
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class StoreOptions:
             return
         from urdf_ik.maps import engine
 
-        client = engine.connect(self.scheduler, self.workers)
+        client = interrupts.deaf_to_ctrl_c(lambda: engine.connect(self.scheduler, self.workers))
         try:
             yield client
         except KeyboardInterrupt:

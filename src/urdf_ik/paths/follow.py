@@ -12,6 +12,7 @@ from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
 from urdf_ik.paths import settings as settings_of
 from urdf_ik.paths import waypoints
+from urdf_ik.paths.path_settings import PathSettings
 from urdf_ik.paths.plan import Stop
 from urdf_ik.paths.planner import nodes as node_sets
 from urdf_ik.paths.planner import redundant, several_parameters
@@ -30,45 +31,40 @@ if TYPE_CHECKING:
     from urdf_ik.ik.solver import Solver
     from urdf_ik.paths.plan import Plan
     from urdf_ik.paths.planner.nodes import Nodes
-    from urdf_ik.paths.settings import Settings
+    from urdf_ik.paths.settings import CheckedSettings
 
     Array = NDArray[np.float64]
     Ints = NDArray[np.int64]
 
 
-def follow(
-    solver: Solver,
-    cell: Cell,
-    T: Any,
-    *,
-    start: Any = None,
-    end: Any = None,
-    world: World | None = None,
-    margin: float = 0.0,
-    collisions: bool = True,
-    cost: str = "l2",
-    weights: Any = None,
-    margins: float = 0.0,
-    max_step: Any = None,
-    tolerance: Any = None,
-    reconfigure: bool = False,
-) -> Plan:
-    """See :meth:`urdf_ik.Arm.follow`."""
-    path = waypoints.read(T)
+def follow(solver: Solver, cell: Cell, T: Any, **settings: Any) -> Plan:
+    """The cheapest joint motion along a path: see :meth:`urdf_ik.Arm.follow`.
+
+    Args:
+        solver: the arm's solver.
+        cell: the arm's bodies.
+        T: (m, 4, 4) m, waypoints.
+        **settings: see :class:`urdf_ik.paths.PathSettings`.
+
+    Raises:
+        ArgumentError: waypoints or a setting do not fit.
+        PoseError: a waypoint is not a pose.
+        UrdfError: a world is given, and the arm has no collision shapes.
+        UnsupportedArm: no solver takes this arm.
+    """
+    path, given = waypoints.read(T), PathSettings(**settings)
     solver.require_member()
-    settings = settings_of.read(
-        solver, path, start=start, end=end, obstacles=_obstacles(cell, world, margin, collisions), cost=cost,
-        weights=weights, max_step=max_step, tolerance=tolerance, margins=margins, reconfigure=reconfigure,
-    )  # fmt: skip
-    plan = _within_limits(settings, _plan(settings, path))
-    if plan.found or not settings.looser or all(stop.cause != "jump" for stop in plan.stops):
+    obstacles = _obstacles(cell, given.world, given.margin, given.collisions)
+    checked = settings_of.checked(solver, path, given, obstacles)
+    plan = _within_limits(checked, _plan(checked, path))
+    if plan.found or not checked.looser or all(stop.cause != "jump" for stop in plan.stops):
         return plan
     # Where there is none either, its stops are what matters: a motion that bends too much was not the cause.
-    looser = replace(settings, tolerance=settings.tolerance.times(settings_of.LOOSER))
+    looser = replace(checked, tolerance=checked.tolerance.times(settings_of.LOOSER))
     return _within_limits(looser, _plan(looser, path))
 
 
-def _within_limits(settings: Settings, plan: Plan) -> Plan:
+def _within_limits(settings: CheckedSettings, plan: Plan) -> Plan:
     """The cheapest of a plan and its alternatives that keeps to the joint limits and begins at ``start``.
 
     The graph takes joints with many turns inside their limits for joints without limits (``Joints.counted``).
@@ -88,7 +84,7 @@ def _within_limits(settings: Settings, plan: Plan) -> Plan:
                    motion=plan.motion[:0], place=plan.place[:0], others=None)  # fmt: skip
 
 
-def _first_beyond(settings: Settings, plan: Plan) -> Stop | None:
+def _first_beyond(settings: CheckedSettings, plan: Plan) -> Stop | None:
     """Where a plan, turned back to ``start`` by whole turns, first leaves the joint limits; None where it does not."""
     low, high = settings.solver.limits.T
     turned = 0.0 if settings.start is None else settings.start - plan.q[0]
@@ -105,7 +101,7 @@ def _first_beyond(settings: Settings, plan: Plan) -> Stop | None:
     )  # fmt: skip
 
 
-def _plan(settings: Settings, path: Array) -> Plan:
+def _plan(settings: CheckedSettings, path: Array) -> Plan:
     """The plan of these settings, found or not."""
     if len(settings.solver.parameters) > 1:
         return several_parameters.plan(settings, path, _plan)
@@ -125,7 +121,7 @@ def _plan(settings: Settings, path: Array) -> Plan:
     return not_found(settings, path, stops_of(settings, search, refined.T, refined.place))
 
 
-def _with_free_axis(settings: Settings, path: Array) -> Plan:
+def _with_free_axis(settings: CheckedSettings, path: Array) -> Plan:
     """The cheapest of plans that turn about the free axis and of the one that does not: it never costs more."""
     held = _held(settings, path)
     turning = redundant.plan(settings, path)
@@ -137,7 +133,7 @@ def _with_free_axis(settings: Settings, path: Array) -> Plan:
     return best if best is turning else best.with_others(lambda: (best, *turning.alternatives))
 
 
-def _held(settings: Settings, path: Array) -> Plan | None:
+def _held(settings: CheckedSettings, path: Array) -> Plan | None:
     """The plan that keeps the rotation about a free axis as the start has it, else as the end, else at zero.
 
     None where there is none, or start and end differ in it.
@@ -153,7 +149,7 @@ def _held(settings: Settings, path: Array) -> Plan | None:
     return replace(plan, solver=solver, poses=path) if plan.found else None
 
 
-def _nodes(settings: Settings, T: Array) -> Nodes:
+def _nodes(settings: CheckedSettings, T: Array) -> Nodes:
     """Solutions at waypoints; at the first and the last the joint vector that is given for it, if one is."""
     solver, joints = settings.solver, settings.joints
     found = node_sets.solved(solver, joints, T, np.arange(len(T)), None)

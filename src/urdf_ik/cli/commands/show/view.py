@@ -89,7 +89,7 @@ def command(
         if not plan.found:
             typer.echo(escaped(f"no plan:\n{plan.explain()}"), err=True)
     else:
-        world = read_world(path.world, chosen)
+        world = read_world(path.settings["world"], chosen)
     if output is not None:
         with Viewer(arm, port=0, plan=plan, world=world, dark=dark) as viewer:
             layer.put_in(viewer)
