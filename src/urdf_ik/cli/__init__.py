@@ -1,4 +1,4 @@
-"""The ``urdf-ik`` command: options, one file a command, and what a terminal shows."""
+"""The ``urdf-ik`` command: its options, one file for each command, and text for terminals."""
 
 from __future__ import annotations
 

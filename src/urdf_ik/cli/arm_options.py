@@ -122,7 +122,7 @@ class ArmOptions:
         return self._freed(arm, suffix)
 
     def _freed(self, arm: Arm, suffix: str) -> Arm:
-        """The arm with its free axis, where one is asked for."""
+        """The arm with the free axis of the options, if there is one."""
         if self.free_axis is None:
             if self.free_at is not None:
                 raise console.usage("a point on an axis needs the axis: --free-axis z", f"--free-at{suffix}")

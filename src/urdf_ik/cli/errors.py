@@ -38,14 +38,14 @@ def status_of(error: errors.UrdfIkError) -> Status:
 
 
 def unloaded(error: ImportError) -> str:
-    """What to do about a package that is there and cannot be loaded: pin's wheels need a library of the system."""
+    """Message for a package that is installed and cannot be loaded: pin's wheels need a library of the system."""
     hint = "; on Debian and Ubuntu: apt install libgomp1" if "libgomp" in str(error) else ""
     return f"a package that urdf-ik needs cannot be loaded: {printable(str(error))}{hint}"
 
 
 @contextmanager
 def quoting_little() -> Iterator[None]:
-    """Keep short, and free of orders to the terminal, what Typer's own errors quote of the arguments."""
+    """Shorten the arguments that Typer's own errors quote, and escape control characters in them."""
     try:
         yield
     except Exception as error:
@@ -64,6 +64,6 @@ def unwritten(error: OSError) -> Status:
     if isinstance(error, BrokenPipeError):
         return Status.READER_GONE
     problem = error if error.filename is not None else f"cannot write standard output: {error.strerror or error}"
-    with suppress(OSError):  # nobody can be told
+    with suppress(OSError):  # standard error cannot be written, either
         typer.echo(message(f"Error: {problem}"), err=True)
     return Status.USAGE

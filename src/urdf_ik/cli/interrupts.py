@@ -36,7 +36,7 @@ class _Interrupt:
 
     Attributes:
         came: whether a signal has arrived.
-        raised: whether the main thread has been told.
+        raised: whether the main thread has got its ``KeyboardInterrupt``.
         finished: whether the work is done and only the interpreter has to stop.
         status: exit status after a signal.
     """
@@ -102,7 +102,7 @@ def as_the_usual_end() -> Iterator[None]:
 
 
 def deaf_to_ctrl_c(start: Callable[[], Any]) -> Any:
-    """What a call returns whose threads and processes do not get the Ctrl-C of the terminal.
+    """Call a function whose threads and processes must not get the Ctrl-C of the terminal; returns its result.
 
     A terminal sends the signal to every process of the command; Python's default there is a traceback. The call runs in
     a thread that blocks the signal, because threads and processes inherit that.
@@ -112,9 +112,14 @@ def deaf_to_ctrl_c(start: Callable[[], Any]) -> Any:
         4
     """
     found: Future[Any] = Future()
+    if os.name == "posix":
+        from multiprocessing import resource_tracker
+
+        # The first child process starts it, which would unblock the signal in the thread that starts this child.
+        resource_tracker.ensure_running()
 
     def act() -> None:
-        if hasattr(signal, "pthread_sigmask"):
+        if os.name == "posix":
             signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         try:
             found.set_result(start())
@@ -139,7 +144,7 @@ def _listen() -> None:
 
 
 def _on_signal(number: int, frame: Any) -> None:
-    """Raise the interrupt once: a second one would tear what the first one cleans up."""
+    """Raise the interrupt once: a second one would interrupt the clean-up of the first one."""
     if _state.finished:
         _leave()
     if not _state.raised:
@@ -159,7 +164,7 @@ def _watch(pipe: int) -> None:
 
 def _remember() -> None:
     _state.came = True
-    # An interrupt inside a destructor or a thread is no error to be shown.
+    # The interpreter prints an interrupt inside a destructor or a thread: silence it.
     sys.unraisablehook = lambda *_: None
     threading.excepthook = lambda *_: None
 

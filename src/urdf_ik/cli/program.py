@@ -70,7 +70,7 @@ class Commands(TyperGroup):
             formatter.write_dl([(name, _summary(file)) for name, file in COMMANDS.items()])
 
     def make_context(self, *args: Any, **kwargs: Any) -> Any:
-        """Read what stands before the command."""
+        """Read the options before the command."""
         with quoting_little():
             return super().make_context(*args, **kwargs)
 

@@ -59,7 +59,7 @@ def follow(solver: Solver, cell: Cell, T: Any, **settings: Any) -> Plan:
     plan = _within_limits(checked, _plan(checked, path))
     if plan.found or not checked.looser or all(stop.cause != "jump" for stop in plan.stops):
         return plan
-    # Where there is none either, its stops are what matters: a motion that bends too much was not the cause.
+    # If there is no plan either, report its stops: the tolerance was not the cause.
     looser = replace(checked, tolerance=checked.tolerance.times(settings_of.LOOSER))
     return _within_limits(looser, _plan(looser, path))
 

@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 POSITION, ROTATION = 1e-3, 0.02
-"""m and rad: how far the tip may stray from the straight segment between two waypoints, where nothing else is asked."""
+"""Default tolerance: greatest distance of the tip from the straight segment between two waypoints [m, rad]."""
 LOOSER = 4.0
-"""Factor on both, where no tolerance is asked for and no plan keeps to them."""
+"""Factor on the default tolerance, where no plan keeps to it."""
 AT_WAYPOINT = 1e-6
 """m and rad: a start or an end whose pose is farther from its waypoint does not solve it."""
 
@@ -47,7 +47,7 @@ class CheckedSettings:
         tolerance: from the straight segments.
         start: (n,) joint vector at the first waypoint, or None.
         end: (n,) at the last one, or None.
-        obstacles: what to stay clear of.
+        obstacles: the bodies that the arm must not touch, or None.
         limit_cost: weight of the cost of being near a joint limit.
         reconfigure: whether the branch may be changed.
         looser: whether a plan may stray ``LOOSER`` times as far where no plan keeps to the tolerance.
@@ -83,7 +83,7 @@ def checked(solver: Solver, T: Array, given: PathSettings, obstacles: Obstacles 
         obstacles: the bodies that the arm must not touch.
 
     Raises:
-        ArgumentError: one of them makes no sense or does not fit the arm; the message says what would be valid.
+        ArgumentError: a setting is invalid or does not fit the arm; the message names the valid values.
     """
     names = solver.joint_names
     cost = inputs.choice(given.cost, "cost", COSTS, ArgumentError)

@@ -81,13 +81,13 @@ class Findings:
     """All that was found.
 
     Attributes:
-        versions: of this package, Python and what it needs; '' for what is missing.
+        versions: of this package, Python and the required packages; '' for a missing one.
         machine: processor and system.
         instruction_sets: the one that is used, and those that this build has.
-        extras: versions of what each extra brings; '' for what is missing.
+        extras: versions of each extra's packages; '' for a missing one.
         tests: the solvers against Pinocchio.
         loading: seconds that the packages took to be imported, which the first command of all waits for.
-        seconds: what the tests took then.
+        seconds: time that the tests took after that [s].
     """
 
     versions: dict[str, str]

@@ -58,7 +58,7 @@ def command(
         ),
     ] = None,
 ) -> None:
-    """Print the plan, or what stops it, and write the plan to a file.
+    """Print the plan, or the reasons why there is none, and write the plan to a file.
 
     Raises:
         typer.BadParameter: options that make no sense.
@@ -85,9 +85,9 @@ def command(
         console.write(json_of(found, angles, in_time, others), None)
     else:
         console.write(text_of(found, angles, in_time, others), None)
-    for file, what in ((output, plan), (timed, in_time)):
-        if file is not None and what is not None and (plan.found or file.suffix.lower() == ".json"):
-            getattr(what, f"to_{file.suffix.lower()[1:]}")(file)
+    for file, content in ((output, plan), (timed, in_time)):
+        if file is not None and content is not None and (plan.found or file.suffix.lower() == ".json"):
+            getattr(content, f"to_{file.suffix.lower()[1:]}")(file)
         elif file is not None:
             why = untimed or ("it changes its branch" if plan.found else "there is no plan")
             typer.echo(escaped(f"{file} was not written: {why}"), err=True)
@@ -98,7 +98,7 @@ def command(
 
 
 def text_of(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[Plan, ...]) -> str:
-    """The plan in a few lines and a table of its joints; what stops each branch where there is no plan."""
+    """The plan in a few lines and a table of its joints; or the reason why each branch stops."""
     plan, arm = found.plan, found.arm
     count = len(plan.poses)
     head = f"{arm.name}: {arm.base} to {arm.tip}, {count} waypoint{'' if count == 1 else 's'} from {found.source}"
@@ -215,7 +215,7 @@ def _shown(joint: int, value: float, angles: Angles) -> str:
 
 
 def json_of(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[Plan, ...]) -> str:
-    """The plan with its margins, or what stops each branch."""
+    """The plan with its margins, or the reason why each branch stops."""
     plan, arm = found.plan, found.arm
     data: dict[str, Any] = {
         "robot": arm.name,

@@ -42,12 +42,12 @@ class Robot:
     """An arm that has a name.
 
     Attributes:
-        name: what ``load`` takes.
+        name: argument of ``load``.
         source: 'bundled', 'example-robot-data' or 'robot_descriptions'.
         here: whether it can be loaded without a download or an installation.
-        joints: number of its joints; where it is not here, what its package says, or None.
+        joints: number of its joints; its package's number where it is not here; None if unknown.
         family: how it is solved, '' where it is not here or no solver takes it.
-        note: what it is, or why it is not solved.
+        note: its description, or why it is not solved.
     """
 
     name: str

@@ -38,7 +38,7 @@ class CheckedSolutions:
         turned: (N, B) bool, inside them after whole turns of some joints.
         free: (N, B) bool, free of self-collision.
         hits: the pairs of links that collide, by pose and column.
-        unchecked: why self-collision was not checked although it was asked for, else ''.
+        unchecked: reason why self-collision could not be checked, '' where it was or need not be.
         position_error: (N, B) m, as Pinocchio measures it, NaN where there is no solution.
         rotation_error: (N, B) rad, likewise.
     """

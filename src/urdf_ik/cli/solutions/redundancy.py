@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def own_values(arm: Arm, q: NDArray[np.float64]) -> NDArray[np.float64] | None:
-    """What the redundancy parameter is at joint vectors (N, n); None for an arm without one."""
+    """Redundancy parameters of joint vectors (N, n); None for an arm without one."""
     return None if arm.redundancy is None else arm.redundancy_of(q)
 
 

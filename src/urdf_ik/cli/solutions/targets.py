@@ -52,40 +52,40 @@ class TargetOptions:
     seed: int
 
 
-def target(arm: Arm, asked: TargetOptions, angles: Angles) -> Target:
-    """The poses that were asked for.
+def target(arm: Arm, given: TargetOptions, angles: Angles) -> Target:
+    """The target poses of the options.
 
     Raises:
-        typer.BadParameter: options that exclude each other, or values that are no pose.
+        typer.BadParameter: options that exclude each other, or values that do not make a pose.
     """
-    oriented = [option for option, text in _orientations(asked.typed).items() if text is not None]
-    given = {
-        "--xyz": asked.typed.xyz is not None or bool(oriented),
-        "--q": bool(asked.q),
-        "--poses": asked.poses is not None,
-        "--random": asked.random is not None,
+    oriented = [option for option, text in _orientations(given.typed).items() if text is not None]
+    kinds = {
+        "--xyz": given.typed.xyz is not None or bool(oriented),
+        "--q": bool(given.q),
+        "--poses": given.poses is not None,
+        "--random": given.random is not None,
     }
-    chosen = [option for option, there in given.items() if there]
+    chosen = [option for option, there in kinds.items() if there]
     if len(chosen) > 1:
         raise console.usage(f"{' and '.join(chosen)} exclude each other; give one kind of target")
     if not chosen:
-        return _example(arm, angles, asked.seed)
-    if asked.q:
-        return _planted(arm, asked.q, angles)
-    if asked.poses is not None:
-        poses = console.read_poses(asked.poses, "--poses")
-        return Target(poses, f"poses: {len(poses)} from {console.place(asked.poses)}")
-    if asked.random is not None:
-        note = f"poses: {asked.random} of random joint vectors inside the limits, seed {asked.seed}"
-        return _of_vectors(arm, _draws(arm, asked.random, asked.seed), note)
-    return _typed(asked.typed, oriented, angles)
+        return _example(arm, angles, given.seed)
+    if given.q:
+        return _planted(arm, given.q, angles)
+    if given.poses is not None:
+        poses = console.read_poses(given.poses, "--poses")
+        return Target(poses, f"poses: {len(poses)} from {console.place(given.poses)}")
+    if given.random is not None:
+        note = f"poses: {given.random} of random joint vectors inside the limits, seed {given.seed}"
+        return _of_vectors(arm, _draws(arm, given.random, given.seed), note)
+    return _typed(given.typed, oriented, angles)
 
 
 def spread(arm: Arm, target: Target, typed: str | None, angles: Angles) -> Target:
     """``target`` with the values of the redundancy parameter: each pose at every value typed, else as it is.
 
     Raises:
-        typer.BadParameter: values that are no numbers, or an arm without such a parameter.
+        typer.BadParameter: values that are not numbers, or an arm without such a parameter.
     """
     if typed is None:
         return target
@@ -135,7 +135,7 @@ def _planted(arm: Arm, typed: Sequence[str], angles: Angles) -> Target:
 
 
 def _of_vectors(arm: Arm, q: NDArray[np.float64], note: str) -> Target:
-    """The poses of joint vectors (N, n), with what the redundancy parameter is there."""
+    """The poses of joint vectors (N, n), with the redundancy parameters of these joint vectors."""
     return Target(arm.fk(q), note, own_values(arm, q))
 
 

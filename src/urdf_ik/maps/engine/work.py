@@ -56,7 +56,8 @@ class AskedOfAnArm:
         pairs = state.pop("pairs")
         self.__dict__.update(state)
         if pairs is not None:
-            self.arm = self.arm.with_cell(self.arm.cell.with_collisions(self.arm.cell.collisions.checking(pairs)))
+            cell = self.arm.cell
+            self.__dict__["arm"] = self.arm.with_cell(cell.with_collisions(cell.collisions.checking(pairs)))
 
 
 def urdf_digest(arm: Arm) -> str:

@@ -46,7 +46,9 @@ def not_found(settings: CheckedSettings, path: Array, stops: Iterable[Stop]) -> 
     return Plan(settings.solver, path, np.empty((0, settings.solver.dof)), stops=tuple(stops), obstacles=settings.obstacles)
 
 
-def made(settings: CheckedSettings, path: Array, refined: Refined, search: Search, way: Way, *, alone: bool = False) -> Plan:
+def made(
+    settings: CheckedSettings, path: Array, refined: Refined, search: Search, way: Way, *, alone: bool = False
+) -> Plan:
     """The plan that a way through the graph is; ``alone``: without alternatives."""
     layers = search.graph.layers
     q = way.q
@@ -81,7 +83,9 @@ def _kept(settings: CheckedSettings) -> tuple[float, float]:
     return settings.tolerance.position, settings.tolerance.rotation
 
 
-def priced(settings: CheckedSettings, refined: Refined, layers: Layers, mismatch: tuple[float, float] = MISMATCH) -> Graph:
+def priced(
+    settings: CheckedSettings, refined: Refined, layers: Layers, mismatch: tuple[float, float] = MISMATCH
+) -> Graph:
     """A graph with the costs of the settings, steps and nodes."""
     pricing = Pricing(settings.kind, settings.weights, settings.window, refined.pieces)
     graph = Graph.connected(settings.joints, layers, pricing, mismatch, settings.solver.free_axis)

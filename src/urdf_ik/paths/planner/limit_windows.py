@@ -85,7 +85,9 @@ def narrow(settings: CheckedSettings, T: Array, everything: Nodes, grid: Array) 
     )
 
 
-def _rooms(settings: CheckedSettings, T: Array, at: NDArray[np.int64], column: NDArray[np.int64], values: Array) -> Array:
+def _rooms(
+    settings: CheckedSettings, T: Array, at: NDArray[np.int64], column: NDArray[np.int64], values: Array
+) -> Array:
     """Room (k, v) of one branch each at values (k, v); minus infinity where it has no solution."""
     solutions = solve(settings.solver, T[at, None], redundancy=values)
     rows = np.arange(len(at))

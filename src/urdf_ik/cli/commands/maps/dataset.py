@@ -47,7 +47,7 @@ def command(
     chosen: ArmOptions,
     printed_as: options.TextFormat = ReportFormat.TABLE,
 ) -> None:
-    """Write the samples, and print what the store holds.
+    """Write the samples, and print a summary of the store.
 
     Raises:
         typer.BadParameter: options that exclude each other.

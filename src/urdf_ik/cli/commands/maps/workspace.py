@@ -95,8 +95,8 @@ def command(
     if output is not None and work.store is not None:
         raise console.usage("a map goes into a file or into a store: give --output or --store", "--store")
     work.check()
-    asked = bool(given) or output is not None or work.store is not None
-    if arm.dof == 2 and arm.solver.control.plane is not None and not arm.chain.prismatic.any() and not asked:
+    wants_map = bool(given) or output is not None or work.store is not None
+    if arm.dof == 2 and arm.solver.control.plane is not None and not arm.chain.prismatic.any() and not wants_map:
         region = workspaces.planar(arm)
         console.write(_region_json(region) if as_json else _region_text(region, angles_of(arm, degrees)), None)
         return

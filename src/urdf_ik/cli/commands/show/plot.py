@@ -98,7 +98,7 @@ def command(
     angles = angles_of(arm, degrees)
     target = targets.TargetOptions(typed, () if q is None else (q,), None, None, seed)
     if picture is not Picture.PATH and path.waypoints is not None:
-        raise console.usage(f"{picture.value} is no picture of a path; `urdf-ik plot ROBOT path` is", "--waypoints")
+        raise console.usage(f"{picture.value} does not show a path; `urdf-ik plot ROBOT path` is", "--waypoints")
     if output is None:
         require_display()
     elif output.suffix.lower() not in plot.SUFFIXES:
