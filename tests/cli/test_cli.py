@@ -83,8 +83,8 @@ COMMANDS = ("info", "fk", "ik", "check", "compare", "dh", "workspace", "path", "
         (("info", ARM, "--mesh-root", "no/such"), None, 2, ("--mesh-root", "no/such", "does not exist")),
         (("ik", ARM, "--base", "tool0", "--tip", "tool0"), None, 4, ("no joint moves between 'tool0' and 'tool0'",)),
         (("compare", "-", "-"), TWO_JOINTS, 2, ("standard input already",)),
-        (("compare", ARM, ARM, "--lock-b", "joint_1"), None, 2, ("--lock-b", "'joint_1'")),
-        (("compare", ARM, ARM, "--tool-rpy-b", "0,0"), None, 2, ("--tool-rpy-b", "roll,pitch,yaw")),
+        (("compare", ARM, ARM, "--lock", "B=joint_1"), None, 2, ("--lock", "'joint_1'")),
+        (("compare", ARM, ARM, "--tool-rpy", "B=0,0"), None, 2, ("--tool-rpy", "roll,pitch,yaw")),
         (("info", ARM, "--tool-xyz", "0,0,up"), None, 2, ("--tool-xyz", "'up'")),
         (("dh", "no/such.csv"), None, 2, ("cannot read no/such.csv", "No such file")),
         (

@@ -1,7 +1,7 @@
 """Ctrl-C and SIGTERM at any moment of the command: status 130, no traceback, no half file, no process left.
 
 ``URDF_IK_MOMENTS=200 python -m pytest tests/cli/test_interrupts.py`` takes as many moments as its number, over all
-commands; 18 by default. It prints the longest time to an end.
+commands; 21 by default. It prints the longest time to an end.
 """
 
 from __future__ import annotations
@@ -12,11 +12,13 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 from command import ARM, start, succeed
+
+from urdf_ik.maps import engine
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="the test reads Linux's /proc")
 
@@ -27,9 +29,10 @@ COMMANDS = {
     "workspace": ("workspace", ARM, "--voxel", "0.02", "--store", "map.zarr"),
     "dataset": ("dataset", ARM, "-n", "2000000", "--store", "samples.zarr"),
     "workers": ("dataset", ARM, "-n", "2000000", "--store", "samples.zarr", "--workers", "2"),
+    "scheduler": ("dataset", ARM, "-n", "2000000", "--store", "samples.zarr", "--scheduler", "{scheduler}"),
 }
-MOMENTS = int(os.environ.get("URDF_IK_MOMENTS", "18"))
-LATEST = {"workers": 8.0}  # s after the first line of the command; others: 4
+MOMENTS = int(os.environ.get("URDF_IK_MOMENTS", "21"))
+LATEST = {"workers": 8.0, "scheduler": 6.0}  # s after the first line of the command; others: 4
 PATIENCE = 60.0
 
 
@@ -67,17 +70,26 @@ def is_gone(group: int) -> bool:
     return True
 
 
+@pytest.fixture(scope="module")
+def scheduler() -> Iterator[str]:
+    """The address of a scheduler with one worker that does not belong to the command."""
+    with engine.connect(workers=1) as client:
+        yield client.scheduler.address
+
+
 @pytest.mark.parametrize("name", COMMANDS)
-def test_a_signal_at_any_moment_ends_it(name: str, tmp_path: Path) -> None:
+def test_a_signal_at_any_moment_ends_it(name: str, tmp_path: Path, request: pytest.FixtureRequest) -> None:
     """Over start-up and work, SIGINT to the whole group (a terminal's Ctrl-C) or SIGTERM to the process ends it."""
     rng = random.Random(name)
     longest = 0.0
+    address = request.getfixturevalue("scheduler") if name == "scheduler" else ""
+    words = [word.format(scheduler=address) for word in COMMANDS[name]]
     for k in range(max(1, MOMENTS // len(COMMANDS))):
         place = tmp_path / str(k)
         place.mkdir()
         number = signal.SIGINT if k % 3 else signal.SIGTERM
         wait = rng.uniform(0.0, LATEST.get(name, 4.0))
-        child = start(*COMMANDS[name], cwd=place, start_new_session=True, preexec_fn=by_default)
+        child = start(*words, cwd=place, start_new_session=True, preexec_fn=by_default)
         until(lambda child=child: begun(child))  # type: ignore[misc]
         time.sleep(wait)
         assert child.poll() is None, child.communicate()

@@ -89,12 +89,11 @@ class ArmOptions:
     ] = None
     free_at: Annotated[str | None, Option(metavar="X,Y,Z", help="A point of that axis, in the tip link [m].")] = None
 
-    def load(self, degrees: bool = False, suffix: str = "") -> Arm:
+    def load(self, degrees: bool = False) -> Arm:
         """The arm.
 
         Args:
             degrees: whether the tool's orientation is in degrees.
-            suffix: ending of the option names that errors mention.
 
         Raises:
             typer.BadParameter: standard input is closed, or a lock or a tool's place cannot be understood.
@@ -103,33 +102,33 @@ class ArmOptions:
         from urdf_ik.arm import load
 
         source = self._source()
-        tool = self._tool(degrees, suffix)
+        tool = self._tool(degrees)
         arm = load(
             source,
             base=self.base,
             tip=self.tip,
             chain=self.chain,
             srdf=self.srdf,
-            locked=self._locked(f"--lock{suffix}"),
+            locked=self._locked(),
             redundancy=self.redundancy_joint or (),
             mesh_roots=self.mesh_root or (),
-            xacro_args=self._xacro_args(f"--xacro-arg{suffix}"),
+            xacro_args=self._xacro_args(),
         )
         self._say_which(arm)
         if tool is not None:
             names = ("tool", *(f"tool_{k}" for k in range(2, len(arm.model.links) + 3)))
             arm = arm.with_tool(tool, name=next(name for name in names if name not in arm.model.links))
-        return self._freed(arm, suffix)
+        return self._freed(arm)
 
-    def _freed(self, arm: Arm, suffix: str) -> Arm:
+    def _freed(self, arm: Arm) -> Arm:
         """The arm with the free axis of the options, if there is one."""
         if self.free_axis is None:
             if self.free_at is not None:
-                raise console.usage("a point on an axis needs the axis: --free-axis z", f"--free-at{suffix}")
+                raise console.usage("a point on an axis needs the axis: --free-axis z", "--free-at")
             return arm
         named = self.free_axis.strip() in ("x", "y", "z")
-        axis = self.free_axis.strip() if named else console.numbers(self.free_axis, f"--free-axis{suffix}", _XYZ)
-        at = None if self.free_at is None else console.numbers(self.free_at, f"--free-at{suffix}", _XYZ)
+        axis = self.free_axis.strip() if named else console.numbers(self.free_axis, "--free-axis", _XYZ)
+        at = None if self.free_at is None else console.numbers(self.free_at, "--free-at", _XYZ)
         return arm.with_free_axis(axis, at)
 
     def model(self) -> UrdfModel:
@@ -148,7 +147,7 @@ class ArmOptions:
             raise typer.BadParameter("standard input is closed", param_hint="ROBOT")
         return sys.stdin.buffer if self.robot == "-" else self.robot
 
-    def _locked(self, option: str) -> dict[str, float]:
+    def _locked(self) -> dict[str, float]:
         """Joint names and values [rad or m] of ``NAME=VALUE``; a value that ends in ``deg`` is in degrees."""
         out = {}
         for text in self.lock or ():
@@ -160,15 +159,15 @@ class ArmOptions:
                 name = ""
             if not name:
                 message = f"{quoted(text)} is not NAME=VALUE, such as joint_7=0.5 or joint_7=30deg"
-                raise typer.BadParameter(message, param_hint=option)
+                raise typer.BadParameter(message, param_hint="--lock")
         return out
 
-    def _xacro_args(self, option: str = "--xacro-arg") -> dict[str, str] | None:
+    def _xacro_args(self) -> dict[str, str] | None:
         """Arguments of a xacro; None where there are none, so that only a xacro is read as one."""
         parts = [typed.partition(":=") for typed in self.xacro_arg or ()]
         for (name, given, _), typed in zip(parts, self.xacro_arg or (), strict=True):
             if not (name and given):
-                raise typer.BadParameter(f"{quoted(typed)} is not NAME:=VALUE", param_hint=option)
+                raise typer.BadParameter(f"{quoted(typed)} is not NAME:=VALUE", param_hint="--xacro-arg")
         return {name: value for name, _, value in parts} or None
 
     def _say_which(self, arm: Arm) -> None:
@@ -185,14 +184,14 @@ class ArmOptions:
         rest = f"; `urdf-ik info --chains` lists {others} more" if others else ""
         typer.echo(escaped(f"chain: {arm.base} to {arm.tip} ({meant[0].reason}){also}{rest}"), err=True)
 
-    def _tool(self, degrees: bool, suffix: str) -> NDArray[np.float64] | None:
+    def _tool(self, degrees: bool) -> NDArray[np.float64] | None:
         """Pose of the tool's centre point in the tip link; None without a tool."""
         if self.tool_xyz is None and self.tool_rpy is None:
             return None
         from urdf_ik.model.poses import pose
 
         xyz, rpy = (
-            console.numbers("0,0,0" if typed is None else typed, f"{option}{suffix}", names)
+            console.numbers("0,0,0" if typed is None else typed, option, names)
             for typed, option, names in (
                 (self.tool_xyz, "--tool-xyz", _XYZ),
                 (self.tool_rpy, "--tool-rpy", ("roll", "pitch", "yaw")),

@@ -25,7 +25,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from typing import Any, NoReturn
 
-GRACE = 0.3
+GRACE = 0.25
 """Time between the signal and the end of the process, if the main thread does not get there earlier [s]."""
 INTERRUPTED = 130
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)

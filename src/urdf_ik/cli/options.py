@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import copy
 import functools
 import inspect
 from collections.abc import Callable
-from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
+from dataclasses import MISSING, dataclass, fields, is_dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import IO, Annotated, Any, get_args, get_origin, get_type_hints
+from typing import IO, Annotated, Any, get_args, get_type_hints
 
 import typer
 from typer import Option
@@ -97,14 +96,14 @@ class Pose:
 
 
 @dataclass(frozen=True)
-class OneOf:
-    """Marks a record that a command takes twice: each option ends in ``-letter``.
+class ForEach:
+    """Marks a field of a record that holds the options of another record for several arms, as typed, by name.
 
     Attributes:
-        letter: such as 'a'.
+        record: every option of it can be given once for all arms, or for one arm as ``LETTER=VALUE``.
     """
 
-    letter: str
+    record: Any
 
 
 @dataclass(frozen=True)
@@ -151,27 +150,18 @@ def expanded(command: Callable[..., None]) -> Callable[..., None]:
     declares that option instead of the field, and both get its value.
     """
     hints = get_type_hints(command, include_extras=True)
-    records = {name: _record(hint) for name, hint in hints.items() if _record(hint) is not None}
+    records: dict[str, Any] = {name: hint for name, hint in hints.items() if is_dataclass(hint)}
     own = [name for name in inspect.signature(command).parameters if name not in records]
 
     @functools.wraps(command)
     def run(**given: Any) -> None:
-        made = {}
-        for name, (kind, suffix) in records.items():  # type: ignore[misc]
-            made[name] = kind(
-                **{
-                    each.name: {one: given[one] for one in settings_of(mark.record)}
-                    if mark
-                    else given[each.name + suffix]
-                    for each, _, mark in _fields(kind)
-                }
-            )
+        made = {name: record(**_values(record, given)) for name, record in records.items()}
         command(**{name: given[name] for name in own}, **made)
 
     parameters: list[inspect.Parameter] = []
     for name, parameter in inspect.signature(command).parameters.items():
         if name in records:
-            parameters += [each for each in _parameters(*records[name]) if each.name not in own]  # type: ignore[misc]
+            parameters += [each for each in _parameters(records[name]) if each.name not in own]
         else:
             kind = inspect.Parameter.KEYWORD_ONLY
             parameters.append(parameter.replace(annotation=hints[name], kind=kind))
@@ -180,44 +170,50 @@ def expanded(command: Callable[..., None]) -> Callable[..., None]:
     return run
 
 
-def _record(hint: Any) -> tuple[Any, str] | None:
-    """The record that a parameter stands for, and the ending of its options; None for an option."""
-    marks = get_args(hint)[1:] if get_origin(hint) is Annotated else ()
-    kind = get_args(hint)[0] if marks else hint
-    if not is_dataclass(kind):
-        return None
-    return kind, next((f"_{mark.letter}" for mark in marks if isinstance(mark, OneOf)), "")
+def _values(record: Any, given: dict[str, Any]) -> dict[str, Any]:
+    """The values of a record's fields."""
+    out = {}
+    for name, _, _, inner in hinted_fields(record):
+        out[name] = given[name] if inner is None else {each.name: given[each.name] for each in inner}
+    return out
 
 
 @functools.cache
-def _fields(record: Any) -> tuple[tuple[Field[Any], Any, SettingsOf | None], ...]:
-    """The fields of a record, each with its annotation and its mark."""
+def hinted_fields(record: Any) -> tuple[tuple[str, Any, Any, tuple[inspect.Parameter, ...] | None], ...]:
+    """Name, annotation and default of each field, and the options that it stands for where it is marked."""
     hints = get_type_hints(record, include_extras=True)
-    marks = {name: [mark for mark in get_args(hint) if isinstance(mark, SettingsOf)] for name, hint in hints.items()}
-    return tuple((each, hints[each.name], next(iter(marks[each.name]), None)) for each in fields(record))
+    out = []
+    for each in fields(record):
+        hint, inner = hints[each.name], None
+        for mark in get_args(hint)[1:]:
+            if isinstance(mark, SettingsOf):
+                inner = tuple(_parameter(k, _option(k, found), None) for k, found in settings_of(mark.record).items())
+            if isinstance(mark, ForEach):
+                inner = tuple(_for_each(one) for one in _parameters(mark.record) if not _is_argument(one.annotation))
+        out.append((each.name, hint, inspect.Parameter.empty if each.default is MISSING else each.default, inner))
+    return tuple(out)
 
 
 @functools.cache
-def _parameters(record: Any, suffix: str) -> tuple[inspect.Parameter, ...]:
+def _parameters(record: Any) -> tuple[inspect.Parameter, ...]:
     """The options of a record."""
-    keyword, out = inspect.Parameter.KEYWORD_ONLY, []
-    for each, hint, mark in _fields(record):
-        if mark is not None:
-            out += [
-                inspect.Parameter(name, keyword, default=None, annotation=_option(name, found))
-                for name, found in settings_of(mark.record).items()
-            ]
-            continue
-        if suffix:
-            kind, option = get_args(hint)
-            option, letter = copy.copy(option), suffix[1:].upper()
-            option.help = f"{letter}: {option.help}"
-            if isinstance(option, ArgumentInfo):
-                option.metavar = letter
-            hint = Annotated[kind, option]
-        default = inspect.Parameter.empty if each.default is MISSING else each.default
-        out.append(inspect.Parameter(each.name + suffix, keyword, default=default, annotation=hint))
+    out: list[inspect.Parameter] = []
+    for name, hint, default, inner in hinted_fields(record):
+        out += [_parameter(name, hint, default)] if inner is None else inner
     return tuple(out)
+
+
+def _parameter(name: str, hint: Any, default: Any) -> inspect.Parameter:
+    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=hint)
+
+
+def _for_each(one: inspect.Parameter) -> inspect.Parameter:
+    """An option of one arm as an option of several; a flag holds for all of them."""
+    kind, option = get_args(one.annotation)
+    if kind is bool:
+        return one
+    text = f"{option.help.removesuffix('.').removesuffix('; repeatable')}; for one arm: A=..., B=..."
+    return _parameter(one.name, Annotated[list[str] | None, Option(metavar=option.metavar, help=text)], None)
 
 
 def _is_argument(hint: Any) -> bool:

@@ -3,20 +3,22 @@
 It compares structure, frames, limits, reach, the number of solutions for the same poses and the joint values branch by
 branch, and says how far B's tool is off when B gets A's joint vectors.
 
+An option is for both arms; with a letter it is for one of them: --tip tool0, or --tip B=flange.
+
 Examples:
     urdf-ik compare zyyzyz_6r puma_560
-    urdf-ik compare zyyzyz_6r my_arm.urdf --tip-b tool0 -n 100
+    urdf-ik compare zyyzyz_6r my_arm.urdf --tip B=tool0 -n 100
     urdf-ik compare planar_2r planar_2r_unit -f json
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 from urdf_ik.cli import console, options, tables
-from urdf_ik.cli.arm_options import ArmOptions
 from urdf_ik.cli.options import ReportFormat
 from urdf_ik.cli.progress import Progress
+from urdf_ik.cli.several_arms import SeveralArms
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -26,8 +28,7 @@ if TYPE_CHECKING:
 
 def command(
     *,
-    a: Annotated[ArmOptions, options.OneOf("a")],
-    b: Annotated[ArmOptions, options.OneOf("b")],
+    arms: SeveralArms,
     n: options.Poses = 200,
     seed: options.Seed = 0,
     printed_as: options.TextFormat = ReportFormat.TABLE,
@@ -35,10 +36,9 @@ def command(
     """Print the comparison."""
     from urdf_ik.verify import comparison
 
-    a.without_stdin(b.robot, "B")
-    arms = a.load(suffix="-a"), b.load(suffix="-b")
+    a, b = (each.load() for each in arms.each(most=2))
     with Progress("comparing", "solving") as progress:
-        found = comparison.compare(*arms, n=n, seed=seed, progress=progress.tick)
+        found = comparison.compare(a, b, n=n, seed=seed, progress=progress.tick)
     console.write(found.to_json() if printed_as is ReportFormat.JSON else as_text(found), None)
 
 
