@@ -165,7 +165,7 @@ def test_what_it_cannot_be() -> None:
         with pytest.raises(ArgumentError, match="its 4 joints do not reach every pose, .* six joints or more"):
             few.with_free_axis("z")
     with pytest.raises(ArgumentError, match=r"free_axis='z' given; an axis, as Arm.with_free_axis makes it, is needed"):
-        urdf_ik.Arm.of(arm.model, arm.chain, free_axis="z")  # type: ignore[arg-type]
+        urdf_ik.arm.assemble(arm.model, arm.chain, free_axis="z")  # type: ignore[arg-type]
     with pytest.raises(ArgumentError, match="without a free axis"):
         free.for_task("position")
     with pytest.raises(ArgumentError, match="does not reach"):

@@ -100,9 +100,9 @@ def test_names_that_cannot_be_given() -> None:
         seven.with_redundancy("joint_3").with_free_axis("z")
     for given in (range(10**15), 5, np.zeros(3), ["joint_1", 2], "joint_1"):
         with pytest.raises(ArgumentError, match="names of joints are needed"):
-            urdf_ik.Arm.of(seven.model, seven.chain, given=given)  # type: ignore[arg-type]
+            urdf_ik.arm.assemble(seven.model, seven.chain, given=given)  # type: ignore[arg-type]
     with pytest.raises(ArgumentError, match=r"task=\['pose'\] given; one of 'pose', "):
-        urdf_ik.Arm.of(seven.model, seven.chain, task=["pose"])  # type: ignore[arg-type]
+        urdf_ik.arm.assemble(seven.model, seven.chain, task=["pose"])  # type: ignore[arg-type]
 
 
 def test_the_reason_says_why_that_end() -> None:

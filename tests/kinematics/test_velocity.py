@@ -178,7 +178,8 @@ def test_undamped_velocities_are_the_pseudoinverse(arm: urdf_ik.Arm) -> None:
     units = np.array([L, L, L, 1, 1, 1])
     expected = np.einsum("...ij,...j->...i", np.linalg.pinv(scaled(arm, Q, L)), twists / units)
     expected = expected * np.where(arm.chain.prismatic, L, 1.0)
-    np.testing.assert_allclose(velocity.joint_velocities(arm.chain, Q, twists, damping=0), expected, rtol=1e-8, atol=1e-10)
+    found = velocity.joint_velocities(arm.chain, Q, twists, damping=0)
+    np.testing.assert_allclose(found, expected, rtol=1e-8, atol=1e-10)
     J = Reference(arm.model, arm.base, arm.tip).jacobian(Q)
     possible = np.einsum("...ij,...j->...i", J, np.random.default_rng(4).normal(size=(5, arm.dof)))
     done = np.einsum("...ij,...j->...i", J, velocity.joint_velocities(arm.chain, Q, possible, damping=0))
@@ -217,7 +218,8 @@ def test_damping_by_the_smallest_singular_value() -> None:
     assert smallest[0] < DEFAULT.damped < smallest[-1]
     rates = velocity.joint_velocities(arm.chain, Q, twist)
     free = smallest >= DEFAULT.damped
-    np.testing.assert_allclose(rates[free], velocity.joint_velocities(arm.chain, Q[free], twist, damping=0), rtol=1e-10, atol=1e-12)
+    exact = velocity.joint_velocities(arm.chain, Q[free], twist, damping=0)
+    np.testing.assert_allclose(rates[free], exact, rtol=1e-10, atol=1e-12)
     assert np.abs(np.diff(rates, axis=0)).max() < 0.1 * np.abs(rates).max()
 
 
@@ -239,7 +241,8 @@ def test_speed_limits_keep_the_direction() -> None:
         np.array([[1.0, 0, 0.5, 0, 2.0, 0], [1e-3, 0, 0, 0, 0, 0]]),
     )
     limits = np.array([1, 1, 0.2, 1.5, 1.5, 2])
-    free, held = velocity.joint_velocities(arm.chain, Q, twist), velocity.joint_velocities(arm.chain, Q, twist, limits=limits)
+    free = velocity.joint_velocities(arm.chain, Q, twist)
+    held = velocity.joint_velocities(arm.chain, Q, twist, limits=limits)
     np.testing.assert_allclose((np.abs(held[0]) / limits).max(), 1.0, rtol=1e-12)
     np.testing.assert_allclose(held[0] / held[0, 1], free[0] / free[0, 1], rtol=1e-12)
     np.testing.assert_array_equal(held[1], free[1])

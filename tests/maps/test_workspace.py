@@ -379,7 +379,7 @@ def test_memory_stays_within_the_answers_and_a_chunk() -> None:
 def test_a_map_that_does_not_fit_is_refused_before_any_work(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Too much memory, too full a disk: an error with the numbers, and nothing was solved."""
     arm = urdf_ik.load("zyyzyz_6r")
-    monkeypatch.setattr(arm, "ik", lambda *_, **__: pytest.fail("it was solved"))
+    monkeypatch.setattr(urdf_ik.Arm, "ik", lambda *_, **__: pytest.fail("it was solved"))
     with pytest.raises(urdf_ik.ArgumentError, match=r"4600 x 4600 x 4600 voxels.*GiB of memory.*are free"):
         workspaces.workspace(arm, 0.001)
     monkeypatch.setattr(grid.capacity, "free_disk", lambda _: 2**20)

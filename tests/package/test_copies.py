@@ -41,7 +41,8 @@ def objects() -> dict[str, Any]:
         "arm": six, "seven joints": seven, "mimicking": mimicking(), "task": two.for_task("planar position"),
         "locked": urdf_ik.load("zyyzyz_6r", locked={"joint_1": 0.2}), "free axis": six.with_free_axis("z"),
         "tool": six.with_tool(urdf_ik.pose([0, 0, 0.1]), [urdf_ik.Box((0.1, 0.1, 0.1))]), "chain": six.chain,
-        "coupled chain": mimicking().chain, "model": six.model, "joint": six.model.joints[0], "plane": two.solver.control.plane,
+        "coupled chain": mimicking().chain, "model": six.model, "joint": six.model.joints[0],
+        "plane": two.solver.control.plane,
         "structure": six.structure, "control": two.solver.control, "redundancy": seven.redundancy, "solutions": found,
         "batch": six.ik(np.stack([T, T])), "within limits": found.within_limits(), "turns": found.turns(),
         "solution": found[0], "sweep": seven.sweep(seven_T, 4), "world": world, "obstacle": world["ball"],
@@ -52,7 +53,8 @@ def objects() -> dict[str, Any]:
         "tracker": tracker, "step": tracker.step(T), "table of an arm": urdf_ik.DHTable.from_chain(six.chain),
         "comparison": urdf_ik.compare(two, two, n=2), "report": urdf_ik.verify.crosscheck.check(two, n=2), "map": grid,
         "slice": grid.slice(), "region": workspaces.planar(two), "reference": Reference(six.model),
-        "singular directions": velocity.singular_directions(six.chain, Q), "entry": urdf_ik.model.catalogue.resolve("planar_2r"),
+        "singular directions": velocity.singular_directions(six.chain, Q),
+        "entry": urdf_ik.model.catalogue.resolve("planar_2r"),
     }  # fmt: skip
 
 
@@ -108,8 +110,7 @@ def test_copies_answer_as_before(way: str) -> None:
     model, again = OBJECTS["collision model"], WAYS[way](OBJECTS["collision model"])
     assert dict(again.allowed_pairs) == dict(model.allowed_pairs) and again.checked_pairs == model.checked_pairs
     assert again.distance(Q) == model.distance(Q) and again.world.names == ("ball",)
-    arm = copy.copy(OBJECTS["arm"])
-    arm.cell.collisions = model
+    arm = OBJECTS["arm"].with_cell(OBJECTS["arm"].cell.with_collisions(model))
     assert "ball" in {name for pair in WAYS[way](arm).cell.collisions.checked_pairs for name in pair}
     assert [plan.cost for plan in WAYS[way](OBJECTS["plan"]).alternatives] == [
         plan.cost for plan in OBJECTS["plan"].alternatives

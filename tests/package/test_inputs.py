@@ -36,7 +36,8 @@ ARRAYS: dict[str, tuple[Callable[[Any], Any], Any]] = {
     "weights": (lambda w: SIX.ik_nearest(T6, Q6, weights=w), Q6**2),
     "within": (lambda w: SIX.ik_nearest(T6, Q6, within=w), np.ones(6)), "nearest": (SOLUTIONS.nearest, Q6),
     "redundancy_of": (SEVEN.redundancy_of, Q7), "sweep": (lambda T: SEVEN.sweep(T, 4), T7),
-    "manipulability": (SIX.manipulability, Q6), "twist": (lambda v: velocity.joint_velocities(SIX.chain, Q6, v), np.ones(6)),
+    "manipulability": (SIX.manipulability, Q6),
+    "twist": (lambda v: velocity.joint_velocities(SIX.chain, Q6, v), np.ones(6)),
     "to_pinocchio": (SIX.to_pinocchio, Q6), "from_pinocchio": (SIX.from_pinocchio, Q6),
     "clearance": (SIX.clearance, Q6), "in_collision": (SIX.cell.collisions.in_collision, Q6),
     "motion_is_free": (lambda q: SIX.motion_is_free(q, Q6), Q6), "pose": (urdf_ik.pose, [0.1, 0.2, 0.3]),
@@ -58,7 +59,8 @@ NUMBERS: dict[str, tuple[Callable[[Any], Any], float]] = {
     "explain, redundancy": (lambda x: SEVEN.explain(T7, x), 0.3), "tolerance": (SOLUTIONS.within_limits, 0.1),
     "turns": (SOLUTIONS.turns, 0.1), "margin": (lambda x: SOLUTIONS.collision_free(margin=x), 0.1),
     "in_collision, margin": (lambda x: SIX.cell.collisions.in_collision(Q6, x), 0.1),
-    "length": (lambda x: velocity.condition_number(SIX.chain, Q6, length=x), 0.5), "dt": (lambda x: SIX.tracker(Q6, dt=x), 0.01),
+    "length": (lambda x: velocity.condition_number(SIX.chain, Q6, length=x), 0.5),
+    "dt": (lambda x: SIX.tracker(Q6, dt=x), 0.01),
     "damping": (lambda x: velocity.joint_velocities(SIX.chain, Q6, np.ones(6), damping=x), 0.1),
     "Sphere": (urdf_ik.Sphere, 0.1), "step": (lambda x: urdf_ik.polyline(CORNERS, x), 0.05),
     "blend": (lambda x: urdf_ik.polyline(CORNERS, 0.05, blend=x), 0.01),
@@ -296,7 +298,7 @@ def test_a_name_that_no_disk_holds_is_refused(tmp_path: Path) -> None:
 def test_an_arm_is_no_chain() -> None:
     """Both have forward kinematics; only the one can be what the other is made of."""
     with pytest.raises(urdf_ik.ArgumentError, match="a chain, as"):
-        urdf_ik.Arm.of(SIX.model, SIX)  # type: ignore[arg-type]
+        urdf_ik.arm.assemble(SIX.model, SIX)  # type: ignore[arg-type]
 
 
 def test_a_seed_may_be_a_number_of_numpy() -> None:
@@ -315,9 +317,11 @@ NAMES: dict[str, Callable[[Any], Any]] = {
     "xacro argument": lambda x: urdf_ik.load(URDF, xacro_args={"a": 1, 2.5 if isinstance(x, float) else 3: x}),
     "report": lambda x: urdf_ik.verify.testing.verdict(x, "Jacobian"),
     "property": lambda x: urdf_ik.verify.testing.verdict(REPORT, x),
-    "redundancy": lambda x: SEVEN.with_redundancy(x), "given": lambda x: urdf_ik.Arm.of(SEVEN.model, SEVEN.chain, given=x),
-    "task": lambda x: urdf_ik.Arm.of(SIX.model, SIX.chain, task=x), "axis": SIX.with_free_axis,
-    "free_axis": lambda x: urdf_ik.Arm.of(SIX.model, SIX.chain, free_axis=x), "pairs": SIX.cell.collisions.checking,
+    "redundancy": lambda x: SEVEN.with_redundancy(x),
+    "given": lambda x: urdf_ik.arm.assemble(SEVEN.model, SEVEN.chain, given=x),
+    "task": lambda x: urdf_ik.arm.assemble(SIX.model, SIX.chain, task=x), "axis": SIX.with_free_axis,
+    "free_axis": lambda x: urdf_ik.arm.assemble(SIX.model, SIX.chain, free_axis=x),
+    "pairs": SIX.cell.collisions.checking,
     "self_collision": lambda x: SIX.tracker(Q6, 0.01, self_collision=x),
     "cuspidality": urdf_ik.ik.cuspidality.is_cuspidal,
     "client": lambda x: urdf_ik.maps.engine.run(lambda k: {}, None, client=x),  # type: ignore[arg-type,return-value]

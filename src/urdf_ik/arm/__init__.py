@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from urdf_ik.arm.arm import Arm, arm_of
+from urdf_ik.arm.arm import Arm, arm_of, assemble
 from urdf_ik.arm.loading import load
 from urdf_ik.arm.positioner import with_positioner
 
-__all__ = ["Arm", "arm_of", "load", "with_positioner"]
+__all__ = ["Arm", "arm_of", "assemble", "load", "with_positioner"]

@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
-from urdf_ik.arm.arm import Arm
+from urdf_ik.arm.arm import Arm, assemble
 from urdf_ik.errors import ArgumentError, ChainError
 from urdf_ik.kinematics.chain import from_urdf
 from urdf_ik.model import catalogue, urdf
@@ -76,7 +76,7 @@ def load(
     elif chain is not None:
         raise ArgumentError(f"chain={quoted(chain)} and tip={quoted(tip)} say the same; give one of them")
     given: Any = (redundancy,) if isinstance(redundancy, str) else redundancy
-    return Arm.of(model, from_urdf(model, base, tip).lock({} if locked is None else locked), given=given)
+    return assemble(model, from_urdf(model, base, tip).lock({} if locked is None else locked), given=given)
 
 
 def read(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from urdf_ik.arm.arm import Arm
+from urdf_ik.arm.arm import Arm, assemble
 from urdf_ik.errors import ArgumentError
 from urdf_ik.kinematics.chain import from_urdf
 from urdf_ik.model.merging import joined
@@ -49,4 +49,6 @@ def with_positioner(arm: Arm, positioner: Arm, pose: Any, name: str = "positione
     held = {**dict(arm.chain.locked), **{f"{name}_{joint}": value for joint, value in positioner.chain.locked}}
     chain = from_urdf(model, f"{name}_{positioner.tip}", arm.tip).lock(held)
     of = arm.solver
-    return Arm.of(model, chain, of.task, of.free_axis, of.given, arm.cell.moved_to(model, chain))
+    return assemble(
+        model, chain, task=of.task, free_axis=of.free_axis, given=of.given, cell=arm.cell.moved_to(model, chain)
+    )

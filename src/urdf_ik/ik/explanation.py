@@ -23,7 +23,28 @@ if TYPE_CHECKING:
 
 
 def explain(solver: Solver, T: Any, redundancy: ArrayLike | None = None) -> str:
-    """Why one target has no solution inside the joint limits, '' where it has one; see :meth:`urdf_ik.Arm.explain`."""
+    """Why the single pose ``T`` (4, 4) has no solution inside the joint limits, with what is out of range.
+
+    '' where it has one, with seven joints at any value of the parameter. Limits are named only where there are
+    solutions outside them.
+
+    Args:
+        solver: of the arm.
+        T: the pose.
+        redundancy: the redundancy parameter, (k,) of k of them; default: their defaults.
+
+    Raises:
+        PoseError: ``T`` is no pose, or more than one.
+        UnsupportedArm: no solver takes this arm.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> arm.explain(urdf_ik.pose([0.0, 0.0, 4.0]))
+        'wrist centre 2.8 m from the shoulder (axis 2), reach 2.1 m'
+        >>> arm.explain(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]))
+        ''
+    """
     found = solve(solver, T, redundancy=redundancy)
     if not found.shape and found.count:
         why = found.within_limits().explain()

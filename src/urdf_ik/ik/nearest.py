@@ -32,7 +32,37 @@ def nearest(
     region: Region | None = None,
     threads: int = 1,
 ) -> IKSolutions:
-    """See :meth:`urdf_ik.Arm.ik_nearest`."""
+    """The joint vector nearest to ``q_ref``: of all solutions, and over all values of a redundancy parameter.
+
+    Args:
+        solver: of the arm.
+        T: as in ``ik``.
+        q_ref: (n,), or one for each pose (..., n), rad or m.
+        metric: 'l2', 'max' or 'time', the distance; see :meth:`IKSolutions.nearest`, also for the next three.
+        weights: (n,) of the joints in the distance.
+        within: rad or m that no joint may be further away, one number or one a joint.
+        within_limits: whether only what lies inside the joint limits counts.
+        region: how far the tip may be from ``T``, see :class:`urdf_ik.Region`; the ``poses`` of the answer are
+            those that were chosen in it. The optimum is local, see
+            :mod:`urdf_ik.ik.redundancy.region_search`; so it is for an arm with several redundancy parameters.
+        threads: number of threads that share the work.
+
+    Returns:
+        One column a pose; of a continuum what ``ik`` gives near ``q_ref``, its free joint there. With seven
+        joints, ``redundancy`` holds the values of the parameter, of all in :meth:`intervals`, to 1e-8.
+
+    Raises:
+        PoseError: a target is not a pose.
+        ArgumentError: ``q_ref`` or an option does not fit.
+        UnsupportedArm: no solver takes this arm.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> q = [0.3, -0.5, 0.8, 0.4, 0.7, -0.2]
+        >>> arm.ik_nearest(arm.fk(q), q).q.round(6).tolist()
+        [[0.3, -0.5, 0.8, 0.4, 0.7, -0.2]]
+    """
     options: Any = {"metric": metric, "weights": weights, "within": within, "within_limits": within_limits}
     if region is not None or len(solver.parameters) > 1:
         solver.require_member()

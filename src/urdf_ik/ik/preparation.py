@@ -14,6 +14,7 @@ from urdf_ik.ik.solver import Solver
 from urdf_ik.ik.tasks import TASKS, Targets, control_of
 from urdf_ik.kinematics.chain.free_axis import FreeAxis
 from urdf_ik.kinematics.structure import analyse
+from urdf_ik.support.frozen import frozen
 from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
@@ -85,7 +86,7 @@ def prepare(
         branches=() if member is None else member.branches,
         free_axis=free_axis,
         given=given,
-        velocity_limits=velocity_limits,
+        velocity_limits=frozen(velocity_limits),
         contacts=contacts,
         remake=prepare,
         why_none=why_none,

@@ -38,19 +38,39 @@ if TYPE_CHECKING:
 
 
 def follow(solver: Solver, cell: Cell, T: Any, **settings: Any) -> Plan:
-    """The cheapest joint motion along a path: see :meth:`urdf_ik.Arm.follow`.
+    """The cheapest joint motion along a path, over all branches and turns, without a jump.
+
+    From waypoint to waypoint the joints move linearly, and the tip is proven to keep within a tolerance of the
+    straight segment; where it would not, waypoints are put in between, and ``Plan.motion`` holds them. With a
+    redundancy parameter, its values are searched on a grid first, and then on finer ones around the way found: the
+    plan is the cheapest in that neighbourhood. With a free axis (:meth:`urdf_ik.Arm.with_free_axis`) the rotation
+    about it does not count, and the plan never costs more than the one that keeps it. With several parameters all but
+    one are held at a few values first, and then moved together: see :mod:`urdf_ik.paths.planner.several_parameters`.
 
     Args:
         solver: the arm's solver.
         cell: the arm's bodies.
-        T: (m, 4, 4) m, waypoints.
-        **settings: see :class:`urdf_ik.paths.PathSettings`.
+        T: (m, 4, 4) m, waypoints; see :func:`urdf_ik.line`, :func:`urdf_ik.arc`, :func:`urdf_ik.polyline`.
+        **settings: the fields of :class:`urdf_ik.paths.PathSettings`.
+
+    Returns:
+        See :class:`urdf_ik.Plan`; where ``found`` is false, ``explain()`` says how far each branch gets.
 
     Raises:
-        ArgumentError: waypoints or a setting do not fit.
+        ArgumentError: waypoints or a setting do not fit; the message names the valid values.
         PoseError: a waypoint is not a pose.
         UrdfError: a world is given, and the arm has no collision shapes.
         UnsupportedArm: no solver takes this arm.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> T0 = arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
+        >>> T1 = T0.copy()
+        >>> T1[1, 3] += 0.2
+        >>> plan = follow(arm.solver, arm.cell, urdf_ik.line(T0, T1, 50), max_step=0.1)
+        >>> plan.found, len(plan.q), len(set(plan.branches))
+        (True, 50, 1)
     """
     path, given = waypoints.read(T), PathSettings(**settings)
     solver.require_member()

@@ -18,13 +18,19 @@ COSTS = ("l1", "l2", "max", "time")
 class PathSettings:
     """Settings of a path: the keyword arguments of :meth:`urdf_ik.Arm.follow`, and the options of ``urdf-ik path``."""
 
-    start: Any = setting(None, "Joint vector at the first waypoint.", Form.JOINT_VECTOR, "rad or m")
-    end: Any = setting(None, "Joint vector at the last waypoint.", Form.JOINT_VECTOR, "rad or m")
+    start: Any = setting(
+        None, "Joint vector at the first waypoint; by default the best one.", Form.JOINT_VECTOR, "rad or m"
+    )
+    end: Any = setting(
+        None, "Joint vector at the last waypoint; by default the best one.", Form.JOINT_VECTOR, "rad or m"
+    )
     world: World | None = setting(None, "Obstacles.", Form.WORLD)
     margin: float = setting(
         0.0, "Least distance of the arm's bodies from each other and from obstacles.", Form.NUMBER, "m"
     )
-    collisions: bool = setting(True, "Whether the motion must be free of contacts.", Form.FLAG)
+    collisions: bool = setting(
+        True, "Whether contacts are checked, at the waypoints and all the way between them.", Form.FLAG
+    )
     cost: str = setting(
         "l2",
         "Cost of a step: the sum of |dq| (l1), of dq^2 (l2), the largest |dq| (max), or the time at the URDF's "
@@ -32,8 +38,13 @@ class PathSettings:
         Form.CHOICE,
         choices=COSTS,
     )
-    weights: Any = setting(None, "Factor on each joint's part of the cost.", Form.EACH_JOINT)
-    limit_cost: float = setting(0.0, "Weight of the cost of being near a joint limit.", Form.NUMBER)
+    weights: Any = setting(None, "Factor on |dq| of each joint, on dq^2 for l2; by default 1.", Form.EACH_JOINT)
+    limit_cost: float = setting(
+        0.0,
+        "Weight of a cost at each waypoint: the square of the nearness to a joint limit, 0 in the middle of the range and 1 "
+        "at the limit, of the joint that comes nearest.",
+        Form.NUMBER,
+    )
     max_step: Any = setting(None, "Largest step of a joint between two waypoints.", Form.EACH_JOINT, "rad or m")
     tolerance: Any = setting(
         None,

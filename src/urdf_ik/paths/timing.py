@@ -125,8 +125,9 @@ def timed(plan: Any, velocity: Any = None, acceleration: Any = None, *, dt: floa
         raise ArgumentError("only a plan that was found, without reconfigurations, can be timed")
     dt = inputs.number(dt, "dt", ArgumentError, above=0.0, unit="s")
     solver = plan.solver
-    v = settings.velocities(solver) if velocity is None else settings.each_joint("velocity", velocity, solver.joint_names)
-    a = 2.0 * v if acceleration is None else settings.each_joint("acceleration", acceleration, solver.joint_names)
+    names = solver.joint_names
+    v = settings.velocities(solver) if velocity is None else settings.each_joint("velocity", velocity, names)
+    a = 2.0 * v if acceleration is None else settings.each_joint("acceleration", acceleration, names)
     q = plan.motion
     steps = (np.abs(np.diff(q, axis=0)) / v).max(axis=1, initial=0.0)
     # A step that moves nothing takes no time, and a spline needs places that ascend.

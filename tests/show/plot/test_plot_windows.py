@@ -39,7 +39,8 @@ def test_sliders_move_the_arm(name: str) -> None:
     np.testing.assert_allclose(held.q, target)
     (line,) = stick_lines(held.figure.axes[0])
     if name == "planar_2r":
-        np.testing.assert_allclose(np.array(line.get_data())[:, -1], arm.solver.control.plane.coordinates(arm.fk(target))[:2])
+        tip = arm.solver.control.plane.coordinates(arm.fk(target))[:2]
+        np.testing.assert_allclose(np.array(line.get_data())[:, -1], tip)
         assert len(held.figure.axes[0].patches) == 4
     else:
         np.testing.assert_allclose(np.array(line.get_data_3d())[:, -1], arm.fk(target)[:3, 3], atol=1e-12)

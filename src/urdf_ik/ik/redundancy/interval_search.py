@@ -65,7 +65,35 @@ def intervals(
     world: Any = None,
     threads: int = 1,
 ) -> Intervals:
-    """See :meth:`urdf_ik.Arm.intervals`."""
+    """Where along the redundancy parameter each branch has solutions, and what ends them.
+
+    The curves of solutions are followed from a grid of values; their ends are computed to 1e-9. For exact S-R-S
+    arms, and for a free axis that is that of the last joint, they are roots in closed form.
+    :mod:`urdf_ik.ik.redundancy.interval_search` says how, and what may be missed between two values of the grid.
+
+    Args:
+        solver: of an arm with one redundancy parameter.
+        T: (..., 4, 4) poses of the tip in the base [m], or a ``pinocchio.SE3``.
+        within_limits: only solutions inside the joint limits count.
+        world: only solutions count that touch neither it nor the arm itself.
+        threads: number of threads that share the solving.
+
+    Returns:
+        Of a single pose a sequence of :class:`urdf_ik.Interval`, by branch and by value; of a batch,
+        ``intervals[i]`` are those of one pose.
+
+    Raises:
+        PoseError: a target is no pose.
+        UnsupportedArm: the arm has no redundancy parameter, or several.
+        UrdfError: a world is given, and the URDF's collision shapes are missing or cannot be read.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("srs_7r")
+        >>> first = arm.intervals(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]))[0]
+        >>> round(first.low, 6), round(first.high, 6), str(first.ends[0])
+        (-2.588603, -1.49593, "lower limit of joint 'joint_3'")
+    """
     plan, T = only_parameter(solver, "intervals"), as_pose_array(T)
     threads = inputs.threads(threads)
     curves = Curves.of(solver)

@@ -110,7 +110,9 @@ class Intervals:
     def _full(self) -> Found:
         """The intervals with samples."""
         found = self._found
-        return found if len(found.value) or not len(found.low) else self._sampled(self.solver, self._T.reshape(-1, 4, 4), found)
+        if len(found.value) or not len(found.low):
+            return found
+        return self._sampled(self.solver, self._T.reshape(-1, 4, 4), found)
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -37,7 +37,8 @@ def sense(solver: Solver, plan: RedundantPlan) -> float:
     if solver.chain.prismatic.any() or solver.dof != 6 or len(plan.parameters) != 1:
         return 0.0
     home = np.zeros(solver.dof)
-    J = solver.chain.jacobian(home)[:, -1].reshape(2, 3) @ solver.chain.fk(home)[:3, :3]  # the last joint's twist in the tip
+    # The last joint's twist in the tip.
+    J = solver.chain.jacobian(home)[:, -1].reshape(2, 3) @ solver.chain.fk(home)[:3, :3]
     direction, at = np.array(solver.free_axis.direction), np.array(solver.free_axis.at)
     way = 1.0 if J[1] @ direction > 0.0 else -1.0
     off = np.abs([(J[0] - way * np.cross(at, direction)) / solver.chain.size, J[1] - way * direction]).max()

@@ -70,7 +70,26 @@ MOST_VALUES = 1_000_000
 
 
 def sweep(solver: Solver, T: Any, n: int = 64, *, within_limits: bool = False, threads: int = 1) -> Sweep:
-    """See :meth:`urdf_ik.Arm.sweep`."""
+    """The solutions of one pose at ``n`` values of the redundancy parameter, and where there are any.
+
+    Args:
+        solver: of an arm with one redundancy parameter.
+        T: (4, 4) pose of the tip in the base [m], or a ``pinocchio.SE3``.
+        n: number of values, shared among the intervals in which there are solutions by their lengths.
+        within_limits: only solutions inside the joint limits count.
+        threads: number of threads that share the work.
+
+    Raises:
+        PoseError: ``T`` is no pose, or more than one.
+        UnsupportedArm: the arm has no redundancy parameter.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("srs_7r")
+        >>> sweep = arm.sweep(arm.fk([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]), n=16)
+        >>> sweep.solutions.q.shape, sweep.intervals.round(3).tolist()
+        ((16, 8, 7), [[-3.142, 3.142]])
+    """
     plan = only_parameter(solver, "sweep")
     target = check_poses(T)
     if target.ndim != 2:

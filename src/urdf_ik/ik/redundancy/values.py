@@ -23,7 +23,30 @@ REACHED = 1e-6
 
 
 def redundancy_of(solver: Solver, q: ArrayLike, T: Any = None) -> Array:
-    """Values of the redundancy parameters at joint vectors; see :meth:`urdf_ik.Arm.redundancy_of`."""
+    """Values of the redundancy parameters at joint vectors: ``ik`` finds them again at these.
+
+    Args:
+        solver: of an arm with redundancy parameters.
+        q: (..., n) rad or m.
+        T: (..., 4, 4) m, the poses that they are to reach, which say what the rotation about a free axis is;
+            default: the poses that the tip has, so that this rotation is zero. Other parameters follow from ``q``.
+
+    Returns:
+        (...) of one parameter, (..., k) of k of them.
+
+    Raises:
+        ArgumentError: ``q`` does not fit, or does not reach ``T``, whatever the rotation about the free axis.
+        PoseError: ``T`` holds an invalid pose.
+        UnsupportedArm: the arm has no such parameter.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("srs_7r")
+        >>> q = [0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]
+        >>> value = arm.redundancy_of(q)
+        >>> arm.ik(arm.fk(q), redundancy=value).nearest(q).to_array().round(6).tolist()
+        [[0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1]]
+    """
     member = solver.redundant_member
     Q = solver.chain.check(q)
     reached = np.asarray(solver.chain.fk(Q))

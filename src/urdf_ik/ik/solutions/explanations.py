@@ -98,7 +98,7 @@ def _out_of_limits(solutions: KeptSolutions, tol: float) -> str:
         side, limit = ("upper", solver.limits[i, 1]) if out[best, i] > 0.0 else ("lower", solver.limits[i, 0])
         margin = f", with a margin of {-tol:g} {unit}" if tol < 0.0 else ""
         parts.append(
-            f"{quoted(solver.joint_names[i])} at {image[best, i]:.4f} {unit}, {abs(out[best, i]):.4g} {unit} beyond its "
-            f"{side} limit of {limit:.4f} {unit}{margin}"
+            f"{quoted(solver.joint_names[i])} at {image[best, i]:.4f} {unit}, {abs(out[best, i]):.4g} {unit} beyond "
+            f"its {side} limit of {limit:.4f} {unit}{margin}"
         )
     return f"the closest, {list(solutions)[best].branch}, has {' and '.join(parts)}"

@@ -238,7 +238,7 @@ class IKSolutions(KeptSolutions):
         return scores
 
     def collision_free(self, world: Any = None, margin: float = 0.0) -> IKSolutions:
-        """The solutions in which the arm touches neither itself nor an obstacle, by the collision model of ``arm.cell``.
+        """The solutions in which the arm touches neither itself nor an obstacle, by ``arm.cell.collisions``.
 
         Args:
             world: the :class:`urdf_ik.World` around the arm; default: none, only the arm itself.

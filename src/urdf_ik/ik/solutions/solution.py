@@ -160,8 +160,8 @@ class KeptSolutions(Answer):
         self._redundancy = redundancy
 
     def __reduce__(self) -> tuple[type[Self], tuple[Any, ...]]:
-        whole = (self.solver, self._poses, self._q, self._info, self._branches, self._origin, self.step, self._redundancy)
-        return type(self), whole
+        arrays = (self._poses, self._q, self._info)
+        return type(self), (self.solver, *arrays, self._branches, self._origin, self.step, self._redundancy)
 
     @property
     def q(self) -> Array:

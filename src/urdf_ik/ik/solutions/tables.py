@@ -92,7 +92,8 @@ def html(solutions: Any) -> str:
         rows.append([_dot(shades[place]), str(k), names[place], *values, "yes" if within[place] else "no", flags])
     header = ["", "#", "branch", *solver.joint_names, "in limits", "singular"]
     rest = f"<p>and {len(places) - MOST_ROWS} more</p>" if len(places) > MOST_ROWS else ""
-    picture = stick_picture(solver.chain, solutions.q[places[:MOST_ROWS]], [shades[place] for place in places[:MOST_ROWS]])
+    drawn = places[:MOST_ROWS]
+    picture = stick_picture(solver.chain, solutions.q[drawn], [shades[place] for place in drawn])
     count = f"{len(places)} solution{'' if len(places) == 1 else 's'}"
     checked = "free of collisions" if "collision" in solutions.filters else "collisions: s.collision_free()"
     return f"<div><p><b>{escape(title)}</b><br/>{count}; {checked}</p>{picture}{table(header, rows)}{rest}</div>"

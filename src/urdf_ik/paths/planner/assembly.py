@@ -43,7 +43,8 @@ class Refined(NamedTuple):
 
 def not_found(settings: CheckedSettings, path: Array, stops: Iterable[Stop]) -> Plan:
     """The plan without joint vectors, which says what stops the path."""
-    return Plan(settings.solver, path, np.empty((0, settings.solver.dof)), stops=tuple(stops), obstacles=settings.obstacles)
+    nothing = np.empty((0, settings.solver.dof))
+    return Plan(settings.solver, path, nothing, stops=tuple(stops), obstacles=settings.obstacles)
 
 
 def made(

@@ -385,8 +385,13 @@ def _around(settings: CheckedSettings, refined: Refined, guide: Guide, step: flo
     values = parameter.wrapped(values) if parameter.round else np.clip(values, *parameter.range)
     near = min(STEPS, NEAR + 2.0 * around * step)
     at = np.arange(len(refined.T))
-    nodes = _ends(settings, refined, node_sets.solved(solver, joints, refined.T, at, values, centres=guide.q, near=near))
+    found = node_sets.solved(solver, joints, refined.T, at, values, centres=guide.q, near=near)
+    nodes = _ends(settings, refined, found)
     graph = priced(settings, refined, nodes.layers(refined.T), MISMATCH if last else LOOSE)
     return Search(
-        settings.solver, graph, settings.tolerance if last else None, settings.obstacles, reconfigure=settings.reconfigure
+        settings.solver,
+        graph,
+        settings.tolerance if last else None,
+        settings.obstacles,
+        reconfigure=settings.reconfigure,
     )

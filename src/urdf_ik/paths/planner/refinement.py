@@ -138,4 +138,5 @@ def _straight(solver: Solver, pieces: Pieces, T0: Array, T1: Array, turns: Array
     ends[1::2] = interpolated(T0[at], T1[at], pieces.end, turns[at])
     turn = np.zeros((max(2 * len(at) - 1, 0), 3))
     turn[0::2] = (pieces.end - pieces.start)[:, None] * turns[at]
-    return keeps_straight(solver.chain, pieces.q, pieces.dq, ends, 2 * np.arange(len(at)), turn, tolerance, solver.free_axis)
+    first = 2 * np.arange(len(at))
+    return keeps_straight(solver.chain, pieces.q, pieces.dq, ends, first, turn, tolerance, solver.free_axis)

@@ -109,7 +109,8 @@ def plan(settings: CheckedSettings, path: Array, plan_of_one: Callable[[CheckedS
     for held in _ways(settings, path):
         one = plan_of_one(_settings(settings, held), held.path)
         if one.found:
-            found.append(replace(one, solver=settings.solver, poses=path, q=held.whole(one.q), motion=held.whole(one.motion),
+            found.append(replace(one, solver=settings.solver, poses=path,
+                                 q=held.whole(one.q), motion=held.whole(one.motion),
                                  obstacles=settings.obstacles, others=None))  # fmt: skip
         elif stopped is None or stopped.stops[0].waypoint < one.stops[0].waypoint:
             stopped = one

@@ -32,7 +32,7 @@ def limits_of(solver: Solver, name: str, value: ArrayLike) -> Array:
     bad = np.flatnonzero(~(array > 0.0))
     if len(bad):
         raise ArgumentError(
-            f"{name}: {array[bad[0]]} for joint {quoted(solver.joint_names[bad[0]])}; a number above 0 is needed (inf: no "
-            "limit)"
+            f"{name}: {array[bad[0]]} for joint {quoted(solver.joint_names[bad[0]])}; a number above 0 is needed (inf: "
+            "no limit)"
         )
     return array

@@ -113,12 +113,13 @@ class Tracker:
             raise UnsupportedArm(f"{solver.name}: arms of 1 to {MOST_JOINTS} joints are tracked, and it has {chain.n}")
         if solver.free_axis is not None:
             raise UnsupportedArm(
-                f"{solver.name}: {solver.free_axis} is free, and targets are tracked as whole poses; the arm without it "
-                "tracks them with the rotation that they have"
+                f"{solver.name}: {solver.free_axis} is free, and targets are tracked as whole poses; the arm without "
+                "it tracks them with the rotation that they have"
             )
         self.solver = solver
         self.dt = positive("dt", dt, "s")
-        self.velocity_limits = solver.velocity_limits.copy() if velocity is None else limits_of(solver, "velocity", velocity)
+        own = solver.velocity_limits.copy()
+        self.velocity_limits = own if velocity is None else limits_of(solver, "velocity", velocity)
         self.acceleration_limits = limits_of(solver, "acceleration", np.inf if acceleration is None else acceleration)
         for each in (self.velocity_limits, self.acceleration_limits):
             each.setflags(write=False)

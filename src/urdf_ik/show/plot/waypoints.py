@@ -262,7 +262,8 @@ def _stops(axes: Any, plan: Plan, found: Background, joint: int, shades: list[An
         if column is None or plan.solver.parameter is not None:
             continue
         k = int(np.searchsorted(found.at, last))
-        values = scale * (found.q[k, column, joint] + TURN * np.arange(-4, 5) * (not plan.solver.chain.prismatic[joint]))
+        turns = TURN * np.arange(-4, 5) * (not plan.solver.chain.prismatic[joint])
+        values = scale * (found.q[k, column, joint] + turns)
         values = np.unique(values[(values >= low) & (values <= high)])
         style = {"markeredgecolor": "black", "markeredgewidth": 0.5, "markersize": size, "zorder": 7}
         axes.plot(np.full(len(values), last), values, "X", color=colour, **style)

@@ -1,0 +1,206 @@
+"""An arm with a change: a tool, a free axis, other redundancy parameters, held joints, another task."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from urdf_ik.cell import tool
+from urdf_ik.cell.cell import Cell
+from urdf_ik.ik import preparation, solve
+from urdf_ik.kinematics.chain import from_urdf, velocity_limits
+from urdf_ik.support import inputs
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import ArrayLike
+
+    from urdf_ik.cell.tool import Shapes
+    from urdf_ik.ik.solver import Solver
+    from urdf_ik.kinematics.chain import Chain
+    from urdf_ik.kinematics.chain.free_axis import FreeAxis
+    from urdf_ik.model.urdf import UrdfModel
+
+
+class Parts(NamedTuple):
+    """The fields of an arm; see :class:`urdf_ik.Arm`."""
+
+    model: UrdfModel
+    chain: Chain
+    solver: Solver
+    cell: Cell
+
+
+def assembled(
+    model: UrdfModel,
+    chain: Chain,
+    task: str = "pose",
+    free_axis: FreeAxis | None = None,
+    given: Any = (),
+    cell: Cell | None = None,
+) -> Parts:
+    """The parts of the arm of a URDF and one of its chains.
+
+    Args:
+        model: the URDF.
+        chain: the joints from base to tip.
+        task: what targets are; see :meth:`urdf_ik.Arm.ik`.
+        free_axis: a line in the tip about which it may be turned; see :meth:`urdf_ik.Arm.with_free_axis`.
+        given: names of joints whose values are redundancy parameters; see :meth:`urdf_ik.Arm.with_redundancy`.
+        cell: self-collision and worlds; default: those of the URDF.
+
+    Raises:
+        ArgumentError: ``model`` or ``chain`` is something else, or a setting does not fit.
+        ChainError: one of ``given`` is not a joint of the chain.
+        UnsupportedArm: no solver takes this arm with these settings.
+    """
+    inputs.kind(model, "joints", "model", "a URDF, as urdf_ik.load(...).model is,")
+    inputs.kind(chain, "image_turns", "chain", "a chain, as urdf_ik.load(...).chain is,")
+    cell = Cell(model, chain) if cell is None else cell
+    speeds = velocity_limits(model, chain)
+    return Parts(model, chain, preparation.prepare(model.name, chain, speeds, cell, task, free_axis, given), cell)
+
+
+def with_tool(arm: Parts, pose: Any, shapes: Shapes = (), name: str = "tool") -> Parts:
+    """This arm with a tool at its tip: a new arm whose tip is the tool's centre point, and whose tool collides.
+
+    The tool is a link of the new arm's URDF, fixed to the present tip, so that Pinocchio sees it too, and
+    ``arm.model.write`` writes it. Tools may be stacked. Base, locked joints, task and changes of the
+    allowed-collision table stay. A tool may touch the links that any link in its place may touch.
+
+    Args:
+        arm: its parts.
+        pose: (4, 4) of the tool's centre point in the present tip link [m], or a ``pinocchio.SE3``.
+        shapes: what the tool is made of, each a shape or a pair (shape, pose in the present tip link [m]):
+            ``Box``, ``Sphere``, ``Cylinder``, ``Capsule`` and ``Mesh``.
+        name: of the tool's link.
+
+    Raises:
+        PoseError: an invalid pose.
+        ArgumentError: the URDF has a link of this name, a shape is invalid, or the tip has a free axis.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> body = (urdf_ik.Cylinder(0.03, 0.2), urdf_ik.pose([0.0, 0.0, 0.1]))
+        >>> torch = arm.with_tool(urdf_ik.pose([0.0, 0.05, 0.25], rpy=[0.5, 0.0, 0.0]), [body], name="torch")
+        >>> torch.tip, len(torch.ik(torch.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])))
+        ('torch', 8)
+    """
+    model = tool.with_tool(arm.model, preparation.fixed_tip(arm.solver), pose, shapes, name)
+    return _again(arm, model=model, chain=from_urdf(model, arm.chain.base, name).lock(dict(arm.chain.locked)))
+
+
+def with_free_axis(arm: Parts, axis: Any, at: ArrayLike | None = None) -> Parts:
+    """This arm, its tip free to turn about an axis: a new arm with one redundancy parameter more.
+
+    For tools that are round: welding, spraying, drilling, gripping a cylinder. The parameter's value v [rad] says
+    how far the tip is turned from the target: ``ik(T, redundancy=v)`` solves the target turned by v about the axis,
+    ``T @ arm.solver.free_axis.rotation(v)``; ``ik(T)`` is v = 0. ``ik_nearest`` and ``follow`` choose the rotation.
+    Mount a tool first: the axis belongs to the tip link. An arm with seven joints has two parameters then, this
+    one first, and takes values ``redundancy=(..., 2)``.
+
+    Args:
+        arm: its parts.
+        axis: 'x', 'y' or 'z' of the tip, or a direction (3,) in the tip's frame.
+        at: (3,) m, a point on the axis in the tip's frame; default: the tip's origin.
+
+    Raises:
+        ArgumentError: an invalid axis, the arm has a free axis already, a joint in its middle is given, or it
+            has less than six joints or controls less than a pose.
+        UnsupportedArm: no solver takes this arm.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("puma_560").with_free_axis("z")
+        >>> T = arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
+        >>> s = arm.ik(T, redundancy=0.5)
+        >>> arm.redundancy_of(s.to_array(), T).round(6).tolist()
+        [0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5]
+    """
+    return arm._replace(solver=preparation.with_free_axis(arm.solver, axis, at))
+
+
+def with_redundancy(arm: Parts, *joints: str) -> Parts:
+    """This arm, the values of these joints being its redundancy parameters: a new arm.
+
+    A rail, the joint of a positioner, or any other of seven joints or more. An end joint costs what the six others
+    cost. One in the middle makes another arm of every value, prepared when the value is first asked for: a
+    fraction of a millisecond for closed forms, up to a second for an elimination. ``arm.structure.reason`` says
+    which parameter an arm has by itself, and why.
+
+    Args:
+        arm: its parts.
+        joints: names, as many as a pose leaves free, or fewer, to which others are added.
+            ``arm.solver.parameters`` says in which order ``ik`` takes their values.
+
+    Raises:
+        ChainError: the chain has no such joint; the error lists those it has.
+        ArgumentError: more joints than a pose leaves free.
+        UnsupportedArm: no solver takes the other joints, or joints mimic others.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("srs_7r").with_redundancy("joint_1")
+        >>> arm.redundancy.joint, arm.redundancy.kind
+        ('joint_1', 'locked joint')
+    """
+    return arm._replace(solver=arm.solver.again(given=joints))
+
+
+def with_locked(arm: Parts, values: Mapping[str, float]) -> Parts:
+    """This arm, joints being held at these values [rad or m]: a new arm of the other joints.
+
+    Joints of the chain become part of the fixed geometry; those beside it, such as the joints of a second arm,
+    stand there as obstacles. Joints that are held already stay held, unless ``values`` names them anew.
+
+    Raises:
+        ChainError: the URDF has no such joint; the error lists those that it has.
+        ArgumentError: a value is not a finite number.
+
+    Example:
+        >>> import urdf_ik
+        >>> left = urdf_ik.load("dual_6r", tip="left_tool0")
+        >>> q = [-1.2, 0.4, -2.6, 2.3, -0.9, -2.5]
+        >>> crossed = left.with_locked({"right_joint_1": 1.6, "right_joint_2": 0.4, "right_joint_3": -2.6})
+        >>> bool(left.clearance(q) > 0.02), float(crossed.clearance(q))
+        (True, 0.0)
+    """
+    given = inputs.mapping(values, "values", "a value for each joint by name")
+    chain = from_urdf(arm.model, arm.chain.base, arm.chain.tip).lock({**dict(arm.chain.locked), **given})
+    return _again(arm, chain=chain)
+
+
+def with_cell(arm: Parts, cell: Cell) -> Parts:
+    """This arm in another cell: a new arm with other allowed collisions.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("zyyzyz_6r")
+        >>> arm.with_cell(arm.cell.allow("link_4", "link_6")).cell.nearest_pair([0.0] * 6).links
+        ('link_3', 'link_5')
+    """
+    return arm._replace(cell=cell, solver=arm.solver.again(contacts=cell))
+
+
+def for_task(arm: Parts, task: str) -> Parts:
+    """This arm, its ``ik`` and ``explain`` taking targets of a task; see :meth:`urdf_ik.Arm.ik`.
+
+    Raises:
+        ArgumentError: there is no such task, or the arm cannot control it.
+        UnsupportedArm: no solver takes this arm.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("planar_2r").for_task("planar position")
+        >>> len(arm.ik([0.1, 0.1]))
+        2
+    """
+    return arm._replace(solver=solve.for_task(arm.solver, preparation.check_task(task)))
+
+
+def _again(arm: Parts, model: UrdfModel | None = None, chain: Chain | None = None) -> Parts:
+    """An arm with another URDF or chain, and with the settings that it has."""
+    model, chain = model or arm.model, chain or arm.chain
+    of = arm.solver
+    return assembled(model, chain, of.task, of.free_axis, of.given, arm.cell.moved_to(model, chain))
