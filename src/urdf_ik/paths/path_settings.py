@@ -41,8 +41,8 @@ class PathSettings:
     weights: Any = setting(None, "Factor on |dq| of each joint, on dq^2 for l2; by default 1.", Form.EACH_JOINT)
     limit_cost: float = setting(
         0.0,
-        "Weight of a cost at each waypoint: the square of the nearness to a joint limit, 0 in the middle of the range and 1 "
-        "at the limit, of the joint that comes nearest.",
+        "Weight of a cost at each waypoint: the square of the nearness to a joint limit, 0 in the middle of the range "
+        "and 1 at the limit, of the joint that comes nearest.",
         Form.NUMBER,
     )
     max_step: Any = setting(None, "Largest step of a joint between two waypoints.", Form.EACH_JOINT, "rad or m")
