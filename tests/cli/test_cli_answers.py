@@ -202,7 +202,7 @@ def test_a_tool_at_the_tip() -> None:
     assert angle_distance(vectors(succeed("ik", ARM, "--q", TYPED, "-f", "json", *tool)), Q).min() < 1e-9
     assert "tool" in succeed("info", ARM, "--tool-xyz", "0,0,0.1")
     succeed("check", ARM, "-n", "5", *tool)
-    text = succeed("compare", ARM, ARM, "-n", "5", "--tool-xyz-b", "0,0,0.1")
+    text = succeed("compare", ARM, ARM, "-n", "5", "--tool-xyz", "B=0,0,0.1")
     assert "base_link to tool " in text and "base_link to tool0 " in text
 
 

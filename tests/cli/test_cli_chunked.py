@@ -104,7 +104,7 @@ def test_a_folder_is_checked_in_one_table(tmp_path: Path) -> None:
         (("dataset", ARM, "-n", "5", "--store", "samples"), "something.zarr or something.parquet"),
         (("dataset", ARM, "-n", "5", "--store", "s.zarr", "--workers", "1", "--scheduler", "tcp://x:1"), "--workers"),
         (("check", ARM, "--store", "night"), "a store is for the arms of a folder"),
-        (("check", "{folder}", "--lock", "a=1"), "--lock is for one arm"),
+        (("check", "{folder}", "--lock", "a=1"), "--lock is for an arm"),
     ],
 )
 def test_what_makes_no_sense_is_refused(typed: tuple[str, ...], words: str, targets: Path, tmp_path: Path) -> None:

@@ -16,6 +16,8 @@ from seams import seam
 import urdf_ik
 from urdf_ik.cli import progress
 from urdf_ik.model import catalogue
+from urdf_ik.paths import PathSettings
+from urdf_ik.support.settings import settings_of
 
 Array = NDArray[np.float64]
 SHORT = 0.3, 20  # m, waypoints
@@ -226,3 +228,24 @@ def test_long_work_says_how_long_it_took(capfd: pytest.CaptureFixture[str], monk
     lines = capfd.readouterr().err.splitlines()
     assert 2 <= len(lines) <= 5 and set(lines) <= {"following: 0 s so far", "following: 1 s so far"}
     assert shown.seconds >= 0.5
+
+
+@pytest.mark.parametrize("command", ["path", "plot", "view"])
+def test_every_setting_of_a_path_is_an_option(command: str) -> None:
+    """Each setting of ``follow`` is an option with its help text, and stands in the documentation of the settings."""
+    text = " ".join(succeed(command, "--help", COLUMNS="200").split())
+    for name, setting in settings_of(PathSettings).items():
+        assert f"--{name.replace('_', '-')} " in text and setting.help.removesuffix(".")[:40] in text
+        assert f"{name}: {setting.help.removesuffix('.')}" in str(PathSettings.__doc__)
+
+
+def test_weights_and_steps_of_each_joint_are_those_of_follow(file: str) -> None:
+    """Options with one number, or one for each joint, mean the same as in Python; --degrees is for angles only."""
+    arm = urdf_ik.load(ARM)
+    weights, step = [1.0, 2.0, 1.0, 0.5, 1.0, 0.1], 0.2
+    plan = arm.follow(urdf_ik.read_waypoints(file), weights=weights, max_step=step, limit_cost=0.1)
+    typed = ("--weights", ",".join(map(str, weights)), "--limit-cost", "0.1")
+    for degrees in ((), ("--degrees",)):
+        given = ("--max-step", repr(float(np.rad2deg(step)) if degrees else step))
+        text = succeed("path", ARM, "-w", file, *typed, *given, *degrees)
+        assert f"cost              {plan.cost:.6g} (sum of dq^2)" in text

@@ -31,7 +31,7 @@ ROOMS = ["urdf_ik", *PACKAGES, *(name for name in FILES if name != "urdf_ik._cor
 
 # No example of these can run here: name, or name of the class, to the reason.
 WITHOUT_EXAMPLE = {
-    "urdf_ik.cli.application.main": "the command itself: it reads sys.argv and ends the process",
+    "urdf_ik.cli.main": "the command itself: it reads sys.argv and ends the process",
     "urdf_ik.ik.cuspidality.nonsingular_change": "searches for seconds, and finds nothing on the bundled arms",
     "urdf_ik.interop.ViserArm": "moves what a page on a port shows",
     "urdf_ik.interop.add_to_viser": "adds to the scene of a page on a port",

@@ -209,7 +209,7 @@ def test_no_step_is_larger_than_allowed() -> None:
         ({"margin": -0.1}, "margin=-0.1 given; a finite number of m of at least 0 is needed"),
         ({"weights": [1.0, 2.0]}, "weights is"),
         ({"tolerance": 0.0}, "tolerance is 0.0"),
-        ({"margins": np.nan}, "margins=nan"),
+        ({"limit_cost": np.nan}, "limit_cost=nan"),
     ],
 )
 def test_settings_that_make_no_sense(options: dict[str, object], words: str) -> None:

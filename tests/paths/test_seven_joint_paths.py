@@ -7,7 +7,7 @@ import pytest
 from paths import check, distance_to_box, joint_path
 
 import urdf_ik
-from urdf_ik.paths import settings
+from urdf_ik.paths import PathSettings, settings
 from urdf_ik.paths.planner import assembly, redundant, smoothing
 
 
@@ -100,10 +100,7 @@ def test_smoothing_finds_the_least_sum_of_squares() -> None:
     arm = urdf_ik.load("srs_7r")
     q = joint_path(arm, 40, 2, size=0.2)
     T = arm.fk(q)
-    asked = settings.read(
-        arm, T, start=None, end=None, obstacles=None, cost="l2", weights=None, max_step=None, tolerance=None,
-        margins=0.0, reconfigure=False,
-    )  # fmt: skip
+    asked = settings.checked(arm.solver, T, PathSettings(), None)
     whole = assembly.Refined(T, np.arange(40.0), np.ones(39))
     value = np.unwrap(arm.redundancy_of(q))
     better, moved = smoothing.smoothed(asked, whole, q, value)
@@ -122,10 +119,7 @@ def test_the_grid_is_finer_where_the_limits_leave_little() -> None:
     """The Panda's limits leave few solutions of a pose, those of an arm without limits many."""
     arm = urdf_ik.load("panda")
     T = arm.fk(joint_path(arm, 10, 0))
-    asked = settings.read(
-        arm, T, start=None, end=None, obstacles=None, cost="l2", weights=None, max_step=None, tolerance=None,
-        margins=0.0, reconfigure=False,
-    )  # fmt: skip
+    asked = settings.checked(arm.solver, T, PathSettings(), None)
     whole = assembly.Refined(T, np.arange(10.0), np.ones(9))
     count = redundant._values(asked, whole)
     assert redundant.FEWEST < count <= redundant.MOST

@@ -282,8 +282,7 @@ class Arm:
 
         Args:
             T: (m, 4, 4) m, waypoints; see :func:`urdf_ik.line`, :func:`urdf_ik.arc`, :func:`urdf_ik.polyline`.
-            **settings: ``start``, ``end``, ``world``, ``margin``, ``collisions``, ``cost``, ``weights``, ``margins``,
-                ``max_step``, ``tolerance`` and ``reconfigure``: see :func:`urdf_ik.paths.follow.follow`.
+            **settings: the fields of :class:`urdf_ik.paths.PathSettings`, such as ``world``, ``margin`` and ``cost``.
 
         Returns:
             See :class:`urdf_ik.Plan`; where ``found`` is false, ``explain()`` says how far each branch gets.

@@ -1,4 +1,4 @@
-"""What a shell offers when a robot is typed."""
+"""Shell completion of a robot: names and files."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 
 def robots_and_files(incomplete: str) -> list[str]:
-    """What a shell offers for a robot: names that begin so, and folders and files that can be read.
+    """Completions of a robot: names that begin with the text, folders and robot files.
 
     Example:
         >>> robots_and_files("zyy")

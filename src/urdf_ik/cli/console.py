@@ -1,4 +1,4 @@
-"""What the command line reads and writes: numbers, arrays of poses and joint vectors, and its output."""
+"""Input and output of the commands: typed numbers, files of poses and joint vectors, standard output."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ STDIN = "-"
 
 @dataclass(frozen=True)
 class Angles:
-    """Conversion between the radians of the package and what the user reads and types.
+    """Conversion between the radians of the package and the unit that the user reads and types.
 
     Attributes:
         degrees: angles are shown and typed in degrees.
@@ -63,7 +63,7 @@ def numbers(text: str, option: str, names: Sequence[str]) -> NDArray[np.float64]
     """Numbers typed as ``0.1,0.2,0.3``, one for each of ``names``.
 
     Raises:
-        typer.BadParameter: a value is no finite number, or there are too many or too few.
+        typer.BadParameter: a value is not a finite number, or there are too many or too few.
     """
     parts = text.replace(",", " ").split()
     out = []
@@ -71,7 +71,7 @@ def numbers(text: str, option: str, names: Sequence[str]) -> NDArray[np.float64]
         try:
             out.append(float(part))
         except ValueError:
-            raise usage(f"{quoted(part)} in {quoted(text)} is no number; give {','.join(names)}", option) from None
+            raise usage(f"{quoted(part)} in {quoted(text)} is not a number; give {','.join(names)}", option) from None
     if len(out) != len(names):
         raise usage(f"{quoted(text)} holds {len(out)} values, {len(names)} are needed: {','.join(names)}", option)
     if not np.isfinite(out).all():
@@ -115,7 +115,7 @@ def read_joint_vectors(source: str, option: str, joint_names: Sequence[str]) -> 
 
 
 class Coloured(str):
-    """Text whose orders to the terminal are this package's own: what comes from files is escaped in it already."""
+    """Text with control sequences of this package only; names from files are escaped in it already."""
 
 
 def opened(source: str, option: str) -> str | IO[bytes]:
@@ -146,7 +146,7 @@ def write(text: str | bytes, output: Path | None) -> None:
     Raises:
         ArgumentError: the file cannot be written.
     """
-    # Names in files of unknown origin are no orders to the terminal.
+    # A name in a file of unknown origin must not control the terminal.
     shown = escaped(text) if isinstance(text, str) and not isinstance(text, Coloured) else text
     data = shown.encode(_encoding(), "backslashreplace") if isinstance(shown, str) else shown
     if output is None:
@@ -187,5 +187,5 @@ def _encoding() -> str:
 
 
 def place(source: str) -> str:
-    """What a message calls the place that was read."""
+    """Name of an input file, or of standard input, in messages."""
     return files.STDIN if source == STDIN else source

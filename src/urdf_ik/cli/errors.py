@@ -1,4 +1,4 @@
-"""How ``urdf-ik`` ends: its exit status, and errors as one message instead of a traceback."""
+"""Exit statuses of ``urdf-ik``, and errors as one message instead of a traceback."""
 
 from __future__ import annotations
 
@@ -8,10 +8,8 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from enum import IntEnum
-from typing import Any
 
 import typer
-from typer.core import TyperGroup
 
 from urdf_ik import errors
 from urdf_ik.errors import MOST_OF_A_NAME, message, printable
@@ -39,46 +37,15 @@ def status_of(error: errors.UrdfIkError) -> Status:
     return Status.UNSUPPORTED if isinstance(error, errors.UnsupportedArm) else Status.USAGE
 
 
-class Commands(TyperGroup):
-    """Turns this package's errors into one message on stderr and an exit status."""
-
-    def make_context(self, *args: Any, **kwargs: Any) -> Any:
-        """Read what stands before the command."""
-        with _quoting_little():
-            return super().make_context(*args, **kwargs)
-
-    def invoke(self, ctx: Any) -> Any:
-        """Run the command."""
-        try:
-            with _quoting_little():
-                return super().invoke(ctx)
-        except errors.UrdfIkError as error:
-            typer.echo(f"Error: {error}", err=True)
-            raise typer.Exit(status_of(error)) from None
-        except KeyboardInterrupt as error:
-            # Long work says what is kept.
-            if str(error):
-                typer.echo(f"\n{error}", err=True)
-            raise typer.Exit(Status.INTERRUPTED) from None
-        except MemoryError:
-            typer.echo("Error: not enough memory for that many poses; give fewer at a time", err=True)
-            raise typer.Exit(Status.USAGE) from None
-        except ImportError as error:
-            typer.echo(f"Error: {_unloaded(error)}", err=True)
-            raise typer.Exit(Status.USAGE) from None
-        except OSError as error:
-            raise typer.Exit(unwritten(error)) from None
-
-
-def _unloaded(error: ImportError) -> str:
-    """What to do about a package that is there and cannot be loaded: pin's wheels need a library of the system."""
-    mend = "; on Debian and Ubuntu: apt install libgomp1" if "libgomp" in str(error) else ""
-    return f"a package that urdf-ik needs cannot be loaded: {printable(str(error))}{mend}"
+def unloaded(error: ImportError) -> str:
+    """Message for a package that is installed and cannot be loaded: pin's wheels need a library of the system."""
+    hint = "; on Debian and Ubuntu: apt install libgomp1" if "libgomp" in str(error) else ""
+    return f"a package that urdf-ik needs cannot be loaded: {printable(str(error))}{hint}"
 
 
 @contextmanager
-def _quoting_little() -> Iterator[None]:
-    """Keep short, and free of orders to the terminal, what Typer's own errors quote of the arguments."""
+def quoting_little() -> Iterator[None]:
+    """Shorten the arguments that Typer's own errors quote, and escape control characters in them."""
     try:
         yield
     except Exception as error:
@@ -92,11 +59,11 @@ def _quoting_little() -> Iterator[None]:
 def unwritten(error: OSError) -> Status:
     """Exit status where standard output cannot be written, and the message that says so."""
     # Python would try again at exit and complain: let that go nowhere.
-    with suppress(OSError):  # what has no descriptor is no file
+    with suppress(OSError):  # a stream without a descriptor
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     if isinstance(error, BrokenPipeError):
         return Status.READER_GONE
     problem = error if error.filename is not None else f"cannot write standard output: {error.strerror or error}"
-    with suppress(OSError):  # nobody can be told
+    with suppress(OSError):  # standard error cannot be written, either
         typer.echo(message(f"Error: {problem}"), err=True)
     return Status.USAGE

@@ -1,72 +1,134 @@
-"""The program ``urdf-ik`` itself, and what is asked first: what to do, which robots there are, whether it works."""
+"""The program ``urdf-ik``: the list of its commands, each in a file of its own that is imported when it is used."""
 
 from __future__ import annotations
 
-import typer
+import functools
+import inspect
+import sys
+from collections.abc import Iterator, Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Any
 
-from urdf_ik.cli import options
-from urdf_ik.cli.errors import Commands, Status
-from urdf_ik.cli.options import ReportFormat
+import typer
+from typer.core import TyperGroup
+
+from urdf_ik import errors
+from urdf_ik.cli import interrupts, options
+from urdf_ik.cli.commands import COMMANDS
+from urdf_ik.cli.errors import Status, quoting_little, status_of, unloaded, unwritten
+
+_STYLE: dict[str, Any] = {"rich_markup_mode": None, "pretty_exceptions_enable": False}
+
+
+class _CommandFiles(Mapping[str, Any]):
+    """The commands by name; reading one imports its file."""
+
+    def __getitem__(self, name: str) -> Any:
+        return _command(name, COMMANDS[name])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(COMMANDS)
+
+    def __len__(self) -> int:
+        return len(COMMANDS)
+
+
+@functools.cache
+def _command(name: str, file: str) -> Any:
+    module = import_module(f"urdf_ik.cli.commands.{file}")
+    one = typer.Typer(add_completion=False, **_STYLE)
+    one.command(name, help=_help(module.__doc__ or ""))(options.expanded(module.command))
+    return typer.main.get_command(one)
+
+
+def _summary(file: str) -> str:
+    """The first line of a command's docstring, which is the first line of its file."""
+    with Path(__file__).parent.joinpath("commands", *file.split(".")).with_suffix(".py").open(encoding="utf-8") as text:
+        return text.readline().strip().strip('"').removesuffix(".")
+
+
+def _help(docstring: str) -> str:
+    r"""A module's docstring as help text; ``\b`` keeps the lines of its examples as they are."""
+    text, _, examples = inspect.cleandoc(docstring).partition("\nExamples:\n")
+    return f"{text}\n\b\nExamples:\n{examples.replace('    urdf-ik', '  urdf-ik')}"
+
+
+class Commands(TyperGroup):
+    """The group of all commands; an error of this package becomes one message on stderr and an exit status."""
+
+    def __init__(self, **attributes: Any) -> None:
+        super().__init__(**attributes | {"commands": _CommandFiles()})
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Names of the commands, in the order of the help; no file is imported for them."""
+        return list(COMMANDS)
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """List the commands with the first line of each file; no file is imported for them."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, _summary(file)) for name, file in COMMANDS.items()])
+
+    def make_context(self, *args: Any, **kwargs: Any) -> Any:
+        """Read the options before the command."""
+        with quoting_little():
+            return super().make_context(*args, **kwargs)
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command."""
+        try:
+            with quoting_little():
+                return super().invoke(ctx)
+        except KeyboardInterrupt as error:
+            if str(error):  # long work says how much of it is kept
+                typer.echo(f"\n{error}", err=True)
+            raise typer.Exit(Status.INTERRUPTED) from None
+        except Exception as error:
+            if interrupts.came():  # whatever went wrong is a consequence
+                raise typer.Exit(Status.INTERRUPTED) from None
+            if isinstance(error, errors.UrdfIkError):
+                status, text = status_of(error), str(error)
+            elif isinstance(error, MemoryError):
+                status, text = Status.USAGE, "not enough memory for that many poses; give fewer at a time"
+            elif isinstance(error, ImportError):
+                status, text = Status.USAGE, unloaded(error)
+            elif isinstance(error, OSError):
+                raise typer.Exit(unwritten(error)) from None
+            else:
+                raise
+            typer.echo(f"Error: {text}", err=True)
+            raise typer.Exit(status) from None
+
 
 app = typer.Typer(
     name="urdf-ik",
     cls=Commands,
     help="Every inverse-kinematics solution of an arm given as URDF, each one checked against Pinocchio.",
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
+    **_STYLE,
 )
-
-
-def help_text(what: str, *examples: str) -> str:
-    """Help text; the marker before the examples keeps their lines as they are."""
-    return what + "\n\n\b\nExamples:\n" + "\n".join(f"  {line}" for line in examples)
 
 
 @app.callback(invoke_without_command=True)
 def root(context: typer.Context, version: options.Version = False) -> None:
-    """Take the options that stand before the command; without one, say what to do first."""
+    """Print the first steps where no command is given."""
     if context.invoked_subcommand is None:
-        from urdf_ik.cli.commands import first
+        from urdf_ik.cli.first_steps import steps
 
-        typer.echo(first.steps())
-
-
-@app.command(
-    help=help_text(
-        "List the arms that have names, with the family and the joints of those that are here: bundled ones, those of "
-        "example-robot-data, and those of robot_descriptions, which downloads a model when it is first asked for.",
-        "urdf-ik robots",
-        "urdf-ik robots ur --all",
-    )
-)
-def robots(
-    word: options.Word = "", everything: options.All = False, printed_as: options.TextFormat = ReportFormat.TABLE
-) -> None:
-    """Print the list."""
-    from urdf_ik.cli import console
-    from urdf_ik.cli.commands import robots as robots_command
-
-    found = robots_command.listed(word, everything)
-    write = robots_command.as_json if printed_as is ReportFormat.JSON else robots_command.as_text
-    console.write(write(found), None)
+        typer.echo(steps())
 
 
-@app.command(
-    help=help_text(
-        "Say what is installed and whether it works: versions, the processor's instruction set, optional packages, and "
-        "a test of the solvers against Pinocchio. The status is 1 when the test fails.",
-        "urdf-ik doctor",
-        "urdf-ik doctor --format json",
-    )
-)
-def doctor(printed_as: options.TextFormat = ReportFormat.TABLE) -> None:
-    """Print the findings."""
-    from urdf_ik.cli import console
-    from urdf_ik.cli.commands import doctor as doctor_command
+def run() -> None:
+    """Run the command that ``sys.argv`` holds, and end the process.
 
-    found = doctor_command.examine()
-    write = doctor_command.as_json if printed_as is ReportFormat.JSON else doctor_command.as_text
-    console.write(write(found), None)
-    if not found.passed:
-        raise typer.Exit(Status.FAILED)
+    Raises:
+        SystemExit: with the command's status.
+    """
+    try:
+        try:
+            app()
+        finally:  # help and version are printed before any command runs
+            if sys.stdout is not None and not sys.stdout.closed:
+                sys.stdout.flush()
+    except OSError as error:
+        sys.exit(unwritten(error))

@@ -27,7 +27,7 @@ class Progress:
         self._what = what
         self._waiting = waiting
         self._start = time.monotonic()
-        # The first tick says what was there already: the time left is told from what was done since.
+        # The first tick counts the steps of earlier runs; the remaining time is estimated from those since.
         self._first: tuple[int, float] | None = None
         self._next_word = self._start + WORD_AFTER
         self._bar: Bar | None = None

@@ -2,9 +2,43 @@
 
 from __future__ import annotations
 
-from urdf_ik.paths.plan import Change, Margins, Plan, Stop
-from urdf_ik.paths.tracker import Step, Tracker
-from urdf_ik.paths.waypoint_files import read_waypoints
-from urdf_ik.paths.waypoints import arc, line, polyline
+from typing import TYPE_CHECKING
 
-__all__ = ["Change", "Margins", "Plan", "Step", "Stop", "Tracker", "arc", "line", "polyline", "read_waypoints"]
+from urdf_ik.support.lazy import attributes
+
+if TYPE_CHECKING:
+    from urdf_ik.paths.path_settings import PathSettings
+    from urdf_ik.paths.plan import Change, Margins, Plan, Stop
+    from urdf_ik.paths.tracker import Step, Tracker
+    from urdf_ik.paths.waypoint_files import read_waypoints
+    from urdf_ik.paths.waypoints import arc, line, polyline
+
+__all__ = [
+    "Change",
+    "Margins",
+    "PathSettings",
+    "Plan",
+    "Step",
+    "Stop",
+    "Tracker",
+    "arc",
+    "line",
+    "polyline",
+    "read_waypoints",
+]
+
+_MODULE = {
+    "Change": "plan",
+    "Margins": "plan",
+    "PathSettings": "path_settings",
+    "Plan": "plan",
+    "Step": "tracker",
+    "Stop": "plan",
+    "Tracker": "tracker",
+    "arc": "waypoints",
+    "line": "waypoints",
+    "polyline": "waypoints",
+    "read_waypoints": "waypoint_files",
+}
+
+__getattr__ = attributes(__name__, _MODULE)

@@ -12,6 +12,7 @@ from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
 from urdf_ik.paths import settings as settings_of
 from urdf_ik.paths import waypoints
+from urdf_ik.paths.path_settings import PathSettings
 from urdf_ik.paths.plan import Stop
 from urdf_ik.paths.planner import nodes as node_sets
 from urdf_ik.paths.planner import redundant, several_parameters
@@ -30,64 +31,33 @@ if TYPE_CHECKING:
     from urdf_ik.ik.solver import Solver
     from urdf_ik.paths.plan import Plan
     from urdf_ik.paths.planner.nodes import Nodes
-    from urdf_ik.paths.settings import Settings
+    from urdf_ik.paths.settings import CheckedSettings
 
     Array = NDArray[np.float64]
     Ints = NDArray[np.int64]
 
 
-def follow(
-    solver: Solver,
-    cell: Cell,
-    T: Any,
-    *,
-    start: Any = None,
-    end: Any = None,
-    world: World | None = None,
-    margin: float = 0.0,
-    collisions: bool = True,
-    cost: str = "l2",
-    weights: Any = None,
-    margins: float = 0.0,
-    max_step: Any = None,
-    tolerance: Any = None,
-    reconfigure: bool = False,
-) -> Plan:
+def follow(solver: Solver, cell: Cell, T: Any, **settings: Any) -> Plan:
     """The cheapest joint motion along a path, over all branches and turns, without a jump.
 
     From waypoint to waypoint the joints move linearly, and the tip is proven to keep within a tolerance of the
-    straight segment; where it would not, waypoints are put in between, and ``Plan.motion`` holds them. Of an arm
-    with a redundancy parameter, its values are searched on a grid first, and then on finer ones around the way
-    found: the cheapest in that neighbourhood. With a free axis (:meth:`Arm.with_free_axis`) the rotation about it
-    does not count, and the plan never costs more than the one that keeps it. Of several parameters all but one are
-    held at a few values, and moved together then: see :mod:`urdf_ik.paths.planner.several_parameters`.
+    straight segment; where it would not, waypoints are put in between, and ``Plan.motion`` holds them. With a
+    redundancy parameter, its values are searched on a grid first, and then on finer ones around the way found: the
+    plan is the cheapest in that neighbourhood. With a free axis (:meth:`urdf_ik.Arm.with_free_axis`) the rotation
+    about it does not count, and the plan never costs more than the one that keeps it. With several parameters all but
+    one are held at a few values first, and then moved together: see :mod:`urdf_ik.paths.planner.several_parameters`.
 
     Args:
-        solver: of the arm.
-        cell: of the arm.
+        solver: the arm's solver.
+        cell: the arm's bodies.
         T: (m, 4, 4) m, waypoints; see :func:`urdf_ik.line`, :func:`urdf_ik.arc`, :func:`urdf_ik.polyline`.
-        start: (n,) joint vector at the first waypoint; default: whichever is best.
-        end: (n,) joint vector at the last waypoint; default: whichever is best.
-        world: the :class:`urdf_ik.World` of obstacles to stay clear of.
-        margin: m that bodies must stay apart.
-        collisions: whether collisions are checked, at the waypoints and all the way between them: of the arm with
-            itself, where the URDF has collision shapes, and with the world.
-        cost: what is minimised, summed over the steps: 'l1' the sum of ``|dq|`` of the joints, 'l2' that of dq^2,
-            'max' the largest ``|dq|``, 'time' the time of a step at the URDF's velocity limits.
-        weights: (n,) factors of ``|dq|``, of dq^2 for 'l2'; default: 1, which adds rad and m.
-        margins: weight of a further cost at each waypoint: the square of how near the joints come to their limits,
-            0 in the middle of a joint's range and 1 at its limit, of the joint that comes nearest.
-        max_step: rad or m that a joint may move between two waypoints: a number, or (n,).
-        tolerance: (m, rad) that the tip may stray from the straight segments; default: (0.001, 0.02), four times as
-            much where no plan keeps to that. ``Plan.tolerance`` says which.
-        reconfigure: where no joint motion leads all the way, the plan with the fewest changes of branch between
-            waypoints.
+        **settings: the fields of :class:`urdf_ik.paths.PathSettings`.
 
     Returns:
         See :class:`urdf_ik.Plan`; where ``found`` is false, ``explain()`` says how far each branch gets.
 
     Raises:
-        ArgumentError: waypoints, ``start``, ``end`` or a setting do not fit; the message says what would be valid.
+        ArgumentError: waypoints or a setting do not fit; the message names the valid values.
         PoseError: a waypoint is not a pose.
         UrdfError: a world is given, and the arm has no collision shapes.
         UnsupportedArm: no solver takes this arm.
@@ -98,25 +68,23 @@ def follow(
         >>> T0 = arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
         >>> T1 = T0.copy()
         >>> T1[1, 3] += 0.2
-        >>> plan = arm.follow(urdf_ik.line(T0, T1, 50))
+        >>> plan = follow(arm.solver, arm.cell, urdf_ik.line(T0, T1, 50), max_step=0.1)
         >>> plan.found, len(plan.q), len(set(plan.branches))
         (True, 50, 1)
     """
-    path = waypoints.read(T)
+    path, given = waypoints.read(T), PathSettings(**settings)
     solver.require_member()
-    settings = settings_of.read(
-        solver, path, start=start, end=end, obstacles=_obstacles(cell, world, margin, collisions), cost=cost,
-        weights=weights, max_step=max_step, tolerance=tolerance, margins=margins, reconfigure=reconfigure,
-    )  # fmt: skip
-    plan = _within_limits(settings, _plan(settings, path))
-    if plan.found or not settings.looser or all(stop.cause != "jump" for stop in plan.stops):
+    obstacles = _obstacles(cell, given.world, given.margin, given.collisions)
+    checked = settings_of.checked(solver, path, given, obstacles)
+    plan = _within_limits(checked, _plan(checked, path))
+    if plan.found or not checked.looser or all(stop.cause != "jump" for stop in plan.stops):
         return plan
-    # Where there is none either, its stops are what matters: a motion that bends too much was not the cause.
-    looser = replace(settings, tolerance=settings.tolerance.times(settings_of.LOOSER))
+    # If there is no plan either, report its stops: the tolerance was not the cause.
+    looser = replace(checked, tolerance=checked.tolerance.times(settings_of.LOOSER))
     return _within_limits(looser, _plan(looser, path))
 
 
-def _within_limits(settings: Settings, plan: Plan) -> Plan:
+def _within_limits(settings: CheckedSettings, plan: Plan) -> Plan:
     """The cheapest of a plan and its alternatives that keeps to the joint limits and begins at ``start``.
 
     The graph takes joints with many turns inside their limits for joints without limits (``Joints.counted``).
@@ -136,7 +104,7 @@ def _within_limits(settings: Settings, plan: Plan) -> Plan:
                    motion=plan.motion[:0], place=plan.place[:0], others=None)  # fmt: skip
 
 
-def _first_beyond(settings: Settings, plan: Plan) -> Stop | None:
+def _first_beyond(settings: CheckedSettings, plan: Plan) -> Stop | None:
     """Where a plan, turned back to ``start`` by whole turns, first leaves the joint limits; None where it does not."""
     low, high = settings.solver.limits.T
     turned = 0.0 if settings.start is None else settings.start - plan.q[0]
@@ -153,7 +121,7 @@ def _first_beyond(settings: Settings, plan: Plan) -> Stop | None:
     )  # fmt: skip
 
 
-def _plan(settings: Settings, path: Array) -> Plan:
+def _plan(settings: CheckedSettings, path: Array) -> Plan:
     """The plan of these settings, found or not."""
     if len(settings.solver.parameters) > 1:
         return several_parameters.plan(settings, path, _plan)
@@ -173,7 +141,7 @@ def _plan(settings: Settings, path: Array) -> Plan:
     return not_found(settings, path, stops_of(settings, search, refined.T, refined.place))
 
 
-def _with_free_axis(settings: Settings, path: Array) -> Plan:
+def _with_free_axis(settings: CheckedSettings, path: Array) -> Plan:
     """The cheapest of plans that turn about the free axis and of the one that does not: it never costs more."""
     held = _held(settings, path)
     turning = redundant.plan(settings, path)
@@ -185,7 +153,7 @@ def _with_free_axis(settings: Settings, path: Array) -> Plan:
     return best if best is turning else best.with_others(lambda: (best, *turning.alternatives))
 
 
-def _held(settings: Settings, path: Array) -> Plan | None:
+def _held(settings: CheckedSettings, path: Array) -> Plan | None:
     """The plan that keeps the rotation about a free axis as the start has it, else as the end, else at zero.
 
     None where there is none, or start and end differ in it.
@@ -201,7 +169,7 @@ def _held(settings: Settings, path: Array) -> Plan | None:
     return replace(plan, solver=solver, poses=path) if plan.found else None
 
 
-def _nodes(settings: Settings, T: Array) -> Nodes:
+def _nodes(settings: CheckedSettings, T: Array) -> Nodes:
     """Solutions at waypoints; at the first and the last the joint vector that is given for it, if one is."""
     solver, joints = settings.solver, settings.joints
     found = node_sets.solved(solver, joints, T, np.arange(len(T)), None)

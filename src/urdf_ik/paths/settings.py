@@ -1,4 +1,4 @@
-"""What a path is asked to keep to: costs, limits of the steps, tolerances; checked once."""
+"""The settings of a path, checked and as arrays."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import numpy as np
 
 from urdf_ik.errors import ArgumentError, printable
 from urdf_ik.ik.nearest import nearest as nearest_solution
-from urdf_ik.paths.planner.graph import COSTS
+from urdf_ik.paths.path_settings import COSTS
+from urdf_ik.paths.planner import graph
 from urdf_ik.paths.planner.joint_steps import Joints
 from urdf_ik.paths.planner.straightness import Tolerance
 from urdf_ik.support import inputs
@@ -20,21 +21,22 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.ik.solver import Solver
+    from urdf_ik.paths.path_settings import PathSettings
     from urdf_ik.paths.planner.obstacles import Obstacles
 
     Array = NDArray[np.float64]
 
 POSITION, ROTATION = 1e-3, 0.02
-"""m and rad: how far the tip may stray from the straight segment between two waypoints, where nothing else is asked."""
+"""Default tolerance: greatest distance of the tip from the straight segment between two waypoints [m, rad]."""
 LOOSER = 4.0
-"""Factor on both, where no tolerance is asked for and no plan keeps to them."""
+"""Factor on the default tolerance, where no plan keeps to it."""
 AT_WAYPOINT = 1e-6
 """m and rad: a start or an end whose pose is farther from its waypoint does not solve it."""
 
 
 @dataclass(frozen=True)
-class Settings:
-    """See :meth:`urdf_ik.Arm.follow`.
+class CheckedSettings:
+    """The settings of a path in the form that the search reads, with the solver and the obstacles.
 
     Attributes:
         solver: the arm's solver.
@@ -45,8 +47,8 @@ class Settings:
         tolerance: from the straight segments.
         start: (n,) joint vector at the first waypoint, or None.
         end: (n,) at the last one, or None.
-        obstacles: what to stay clear of.
-        margins: weight of the costs of being near a joint limit.
+        obstacles: the bodies that the arm must not touch, or None.
+        limit_cost: weight of the cost of being near a joint limit.
         reconfigure: whether the branch may be changed.
         looser: whether a plan may stray ``LOOSER`` times as far where no plan keeps to the tolerance.
     """
@@ -60,7 +62,7 @@ class Settings:
     start: Array | None
     end: Array | None
     obstacles: Obstacles | None
-    margins: float
+    limit_cost: float
     reconfigure: bool
     looser: bool
 
@@ -71,39 +73,39 @@ class Settings:
         return np.minimum(self.max_step, half) + 1e-12
 
 
-def read(
-    solver: Solver,
-    T: Array,
-    *,
-    start: Any,
-    end: Any,
-    obstacles: Obstacles | None,
-    cost: str,
-    weights: Any,
-    max_step: Any,
-    tolerance: Any,
-    margins: float,
-    reconfigure: bool,
-) -> Settings:
+def checked(solver: Solver, T: Array, given: PathSettings, obstacles: Obstacles | None) -> CheckedSettings:
     """The settings of a path, checked.
 
+    Args:
+        solver: the arm's solver.
+        T: (m, 4, 4) m, waypoints.
+        given: the settings.
+        obstacles: the bodies that the arm must not touch.
+
     Raises:
-        ArgumentError: one of them makes no sense or does not fit the arm; the message says what would be valid.
+        ArgumentError: a setting is invalid or does not fit the arm; the message names the valid values.
     """
     names = solver.joint_names
-    inputs.choice(cost, "cost", (*COSTS, "time"), ArgumentError)
-    factors = np.ones(len(names)) if weights is None else each_joint("weights", weights, names, zero=True)
-    kind = COSTS.index("max" if cost == "time" else cost)
+    cost = inputs.choice(given.cost, "cost", COSTS, ArgumentError)
+    factors = np.ones(len(names)) if given.weights is None else each_joint("weights", given.weights, names, zero=True)
     if cost == "time":
         factors = factors / velocities(solver)
-    steps = np.full(len(names), np.inf) if max_step is None else each_joint("max_step", max_step, names)
-    margins = inputs.number(margins, "margins", ArgumentError, low=0.0)
-    reconfigure = inputs.flag(reconfigure, "reconfigure", ArgumentError)
-    return Settings(
-        solver, Joints.of(solver.chain), kind, factors, steps, _tolerance(tolerance),
-        _at_pose(solver, "start", start, T[0], 0), _at_pose(solver, "end", end, T[-1], len(T) - 1),
-        obstacles, margins, reconfigure, tolerance is None and not reconfigure,
-    )  # fmt: skip
+    return CheckedSettings(
+        solver=solver,
+        joints=Joints.of(solver.chain),
+        kind=graph.COSTS.index("max" if cost == "time" else cost),
+        weights=factors,
+        max_step=np.full(len(names), np.inf)
+        if given.max_step is None
+        else each_joint("max_step", given.max_step, names),
+        tolerance=_tolerance(given.tolerance),
+        start=_at_pose(solver, "start", given.start, T[0], 0),
+        end=_at_pose(solver, "end", given.end, T[-1], len(T) - 1),
+        obstacles=obstacles,
+        limit_cost=inputs.number(given.limit_cost, "limit_cost", ArgumentError, low=0.0),
+        reconfigure=inputs.flag(given.reconfigure, "reconfigure", ArgumentError),
+        looser=given.tolerance is None and not given.reconfigure,
+    )
 
 
 def velocities(solver: Solver) -> Array:

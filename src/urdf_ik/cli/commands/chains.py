@@ -1,4 +1,4 @@
-"""What ``urdf-ik info --chains`` prints: the chains of a URDF that may be meant."""
+"""The chains of a URDF, for ``urdf-ik info --chains``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,12 @@
-"""What ``urdf-ik doctor`` finds: versions, instruction set, optional packages, and a test of the solvers."""
+"""Say what is installed and whether it works.
+
+It prints versions, the processor's instruction set and optional packages, and tests the solvers against Pinocchio. The
+status is 1 when the test fails.
+
+Examples:
+    urdf-ik doctor
+    urdf-ik doctor --format json
+"""
 
 from __future__ import annotations
 
@@ -9,8 +17,13 @@ import time
 from dataclasses import asdict, dataclass
 from importlib import import_module, metadata
 
-from urdf_ik import __version__, _core
-from urdf_ik.cli import console, tables
+import numpy as np
+import typer
+
+from urdf_ik import __version__
+from urdf_ik.cli import console, options, tables
+from urdf_ik.cli.errors import Status
+from urdf_ik.cli.options import ReportFormat
 
 NEEDED = ("numpy", "pin", "coal", "yourdfpy", "lxml", "trimesh", "scipy")
 OPTIONAL = {
@@ -28,6 +41,15 @@ OPTIONAL = {
 _ARMS = ("zyyzyz_6r", "scara_rrpr", "stanford_rrprrr", "srs_7r")
 _POSES = 50
 _EXACT = 1e-9
+
+
+def command(*, printed_as: options.TextFormat = ReportFormat.TABLE) -> None:
+    """Print the findings."""
+    found = examine()
+    write = as_json if printed_as is ReportFormat.JSON else as_text
+    console.write(write(found), None)
+    if not found.passed:
+        raise typer.Exit(Status.FAILED)
 
 
 @dataclass(frozen=True)
@@ -59,13 +81,13 @@ class Findings:
     """All that was found.
 
     Attributes:
-        versions: of this package, Python and what it needs; '' for what is missing.
+        versions: of this package, Python and the required packages; '' for a missing one.
         machine: processor and system.
         instruction_sets: the one that is used, and those that this build has.
-        extras: versions of what each extra brings; '' for what is missing.
+        extras: versions of each extra's packages; '' for a missing one.
         tests: the solvers against Pinocchio.
         loading: seconds that the packages took to be imported, which the first command of all waits for.
-        seconds: what the tests took then.
+        seconds: time that the tests took after that [s].
     """
 
     versions: dict[str, str]
@@ -84,6 +106,8 @@ class Findings:
 
 def examine() -> Findings:
     """Look at the installation, and test it."""
+    from urdf_ik import _core
+
     versions = {"urdf-ik": __version__, "python": platform.python_version()}
     versions |= {name: _version(name) for name in NEEDED}
     begun = time.perf_counter()
@@ -112,9 +136,7 @@ def as_text(found: Findings) -> str:
         missing = [name for name, version in packages.items() if not version]
         words = [here] if here else []
         words += [f"without {', '.join(missing)}: pip install 'urdf-ik[{extra}]'"] if missing else []
-        lines += textwrap.wrap(
-            f"{extra:<14}{'; '.join(words)}", 80, subsequent_indent=" " * 14, break_on_hyphens=False
-        )
+        lines += textwrap.wrap(f"{extra:<14}{'; '.join(words)}", 80, subsequent_indent=" " * 14, break_on_hyphens=False)
     rows = [
         [test.arm, test.poses, test.solutions, test.missed, f"{test.error:.1e}", "yes" if test.passed else "FAIL"]
         for test in found.tests
@@ -134,8 +156,6 @@ def as_json(found: Findings) -> str:
 
 def _test(name: str) -> Test:
     """Solve poses of random joint vectors, look for these among the answers, and have Pinocchio measure all."""
-    import numpy as np
-
     from urdf_ik.arm import load
     from urdf_ik.cell.reference import Reference
     from urdf_ik.support import angles

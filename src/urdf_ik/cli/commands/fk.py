@@ -1,55 +1,71 @@
-"""What ``urdf-ik fk`` prints: the tip's poses for joint vectors."""
+"""Forward kinematics: the tip's pose in the base, for each joint vector.
+
+Examples:
+    urdf-ik fk zyyzyz_6r --q 0.1,-0.2,0.3,0,0.5,0
+    urdf-ik fk ur5 --file vectors.csv --degrees --format csv
+    urdf-ik fk ur5 --q 0,-1,1,0,1,0 -f json | urdf-ik ik ur5 --poses -
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+import sys
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
+from typer import Option
 
-from urdf_ik.cli import console, tables
-from urdf_ik.cli.chosen_arm import angles_of
+from urdf_ik.cli import console, options, tables
+from urdf_ik.cli.arm_options import ArmOptions, angles_of
 from urdf_ik.cli.options import Format
-from urdf_ik.model.poses import to_quat_xyzw, to_rpy
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
-    from urdf_ik.cli.chosen_arm import ChosenArm
     from urdf_ik.cli.console import Angles
 
     Array = NDArray[np.float64]
 
 
-def run(
-    chosen: ChosenArm, typed: Sequence[str], file: str | None, degrees: bool, printed_as: Format, output: Path | None
+def command(
+    *,
+    q: Annotated[list[str] | None, Option(metavar="Q1,Q2,...", help="Joint vector, rad or m; repeatable.")] = None,
+    file: Annotated[
+        str | None, Option(metavar="FILE", help="Joint vectors: csv, json, npy, npz, or - for stdin.")
+    ] = None,
+    chosen: ArmOptions,
+    degrees: options.Degrees = False,
+    printed_as: options.DataFormat = None,
+    output: options.Output = None,
 ) -> None:
-    """Write the poses for the joint vectors that were typed or that ``file`` holds.
+    """Write the poses of the joint vectors that are typed, or that a file holds.
 
     Raises:
         typer.BadParameter: there are none, or they do not fit the arm.
         UrdfIkError: there is no such arm.
     """
-    if bool(typed) == (file is not None):
+    chosen_format = options.format_for(printed_as, output, terminal=options.is_terminal(sys.stdout))
+    if bool(q) == (file is not None):
         raise console.usage("give joint vectors with --q or with --file, and not with both", "--q")
     chosen.without_stdin(file, "--file")
-    arm = chosen.load()
+    arm = chosen.load(degrees)
     angles = angles_of(arm, degrees)
     if file is not None:
-        q = console.read_joint_vectors(file, "--file", arm.joint_names)
+        vectors = console.read_joint_vectors(file, "--file", arm.joint_names)
     else:
-        q = np.array([console.numbers(text, "--q", arm.joint_names) for text in typed])
-    q = angles.typed(q)
-    if printed_as is Format.TABLE:
-        console.write(as_text(arm, q, angles, to_file=output is not None), output)
+        vectors = np.array([console.numbers(text, "--q", arm.joint_names) for text in q or ()])
+    vectors = angles.typed(vectors)
+    if chosen_format is Format.TABLE:
+        console.write(as_text(arm, vectors, angles, to_file=output is not None), output)
     else:
-        console.write(DATA[printed_as](arm, q, angles), output)
+        console.write(DATA[chosen_format](arm, vectors, angles), output)
 
 
 def as_json(arm: Arm, q: Array, angles: Angles) -> str:
     """One object a joint vector, with its pose as matrix, quaternion and roll, pitch, yaw."""
+    from urdf_ik.model.poses import to_quat_xyzw, to_rpy
+
     poses = arm.fk(q)
     rows = zip(angles.shown(q), poses, to_quat_xyzw(poses), angles.angle(to_rpy(poses)), strict=True)
     return console.json_text(
@@ -89,6 +105,8 @@ def as_npz(arm: Arm, q: Array, angles: Angles) -> bytes:
 
 def as_text(arm: Arm, q: Array, angles: Angles, to_file: bool) -> str:
     """A matrix for one joint vector, a table for more."""
+    from urdf_ik.model.poses import to_rpy
+
     poses = arm.fk(q)
     if len(poses) == 1:
         T = poses[0]
@@ -106,4 +124,6 @@ DATA: Mapping[str, Callable[[Arm, Array, Angles], str | bytes]] = {"json": as_js
 
 
 def _positions_and_quaternions(poses: Array) -> Any:
+    from urdf_ik.model.poses import to_quat_xyzw
+
     return np.hstack([poses[:, :3, 3], to_quat_xyzw(poses)])

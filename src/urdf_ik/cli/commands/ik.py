@@ -1,43 +1,89 @@
-"""What ``urdf-ik ik`` does: solve the target, keep what was asked for, check and write it."""
+"""Inverse kinematics: every solution of a pose, with its branch, checks and error as Pinocchio measures it.
+
+The target is a typed pose (--xyz with an orientation), the tip at a joint vector (--q), poses from a file (--poses) or
+random ones (--random). Without these it is the arm's example: among 256 seeded joint vectors inside the limits, the one
+whose pose has most solutions.
+
+A file holds 4x4 matrices or x,y,z,qx,qy,qz,qw, as npy, npz, json or csv. The table summarizes more than 20 poses; csv,
+json and npz hold them all. The status is 1 when a pose has no solution.
+
+Examples:
+    urdf-ik ik zyyzyz_6r
+    urdf-ik ik dh_6r --xyz 0.5,0.11,0.26 --quat-xyzw 0,0,0.8,0.6
+    urdf-ik ik ur5 --q 0.1,-1,1,0.2,0.3,0 --within-limits --collision-free --world cell.urdf
+    urdf-ik ik ur5 --q 0.1,-1,1,0.2,0.3,0 --nearest 0,-1,1,0,0,0 --metric time --within 0.5
+    urdf-ik ik ur5 --random 1000 --format npz --output solutions.npz
+    urdf-ik ik panda --xyz 0.4,0,0.3 --rpy 3.14,0,0 --redundancy 0,0.4,0.8
+"""
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING
+from enum import StrEnum
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import typer
+from typer import Option
 
-from urdf_ik.cli import answers, console, tables, targets
+from urdf_ik.cli import console, options
+from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
 from urdf_ik.cli.errors import Status
-from urdf_ik.cli.options import Format, Metric, Quality
+from urdf_ik.cli.options import Format
 from urdf_ik.cli.progress import Progress
+from urdf_ik.support.inputs import MOST_POSES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from urdf_ik.arm import Arm
     from urdf_ik.cell import World
     from urdf_ik.cli.console import Angles
     from urdf_ik.ik.solutions import IKSolutions
 
 
+class Metric(StrEnum):
+    """Distance between joint vectors."""
+
+    L2 = "l2"
+    MAX = "max"
+    TIME = "time"
+
+
+class Quality(StrEnum):
+    """Measure of the best solution."""
+
+    LIMITS = "limits"
+    MANIPULABILITY = "manipulability"
+    CLEARANCE = "clearance"
+
+
 @dataclass(frozen=True)
 class Choice:
-    """Which solutions to keep, as typed."""
+    """Options that choose solutions, as typed."""
 
-    within_limits: bool
-    collision_free: bool
-    turns: bool
-    nearest: str | None
-    metric: Metric
-    within: str | None
-    best: Quality | None
-    world: World | None
+    turns: Annotated[bool, Option("--turns", help="Add the +-2 pi images inside the limits.")] = False
+    within_limits: Annotated[bool, Option("--within-limits", help="Keep those inside the limits.")] = False
+    collision_free: Annotated[
+        bool, Option("--collision-free", help="Keep those free of self-collision, and of --world.")
+    ] = False
+    nearest: Annotated[str | None, Option(metavar="Q1,Q2,...", help="Keep the one nearest to this joint vector.")] = (
+        None
+    )
+    metric: Annotated[
+        Metric,
+        Option(help="Distance of --nearest: of all joints, of the largest one, or time at the URDF's speeds."),
+    ] = Metric.L2
+    within: Annotated[
+        str | None,
+        Option(metavar="V|V1,V2,...", help="Drop solutions with a joint further than this from --nearest."),
+    ] = None
+    best: Annotated[
+        Quality | None, Option(help="Keep the one farthest from its limits, from singularity, or from contact.")
+    ] = None
 
-    def made_for(self, arm: Arm, angles: Angles) -> Callable[[IKSolutions], IKSolutions]:
-        """What picks the solutions.
+    def filter_for(self, arm: Arm, angles: Angles, world: World | None) -> Callable[[IKSolutions], IKSolutions]:
+        """The function that keeps the chosen solutions.
 
         Raises:
             typer.BadParameter: joint values that do not fit, or an option that goes with another.
@@ -58,10 +104,10 @@ class Choice:
         def pick(solutions: IKSolutions) -> IKSolutions:
             # In this order, since images of a solution neither change its collisions nor leave the limits.
             solutions = solutions.within_limits() if self.within_limits else solutions
-            solutions = solutions.collision_free(self.world) if self.collision_free else solutions
+            solutions = solutions.collision_free(world) if self.collision_free else solutions
             solutions = solutions.turns() if self.turns else solutions
             if self.best is not None:
-                around = self.world if self.best is Quality.CLEARANCE else None
+                around = world if self.best is Quality.CLEARANCE else None
                 solutions = solutions.best(self.best.value, world=around)
             if reference is None:
                 return solutions
@@ -70,42 +116,75 @@ class Choice:
         return pick
 
 
-@dataclass(frozen=True)
-class Asked:
-    """The options as typed."""
-
-    target: targets.Asked
-    redundancy: str | None
-    choice: Choice
-    check: bool | None
-
-
-def run(arm: Arm, angles: Angles, asked: Asked, printed_as: Format, output: Path | None) -> None:
+def command(
+    *,
+    typed: options.Pose,
+    q: Annotated[
+        list[str] | None, Option(metavar="Q1,Q2,...", help="The tip at this joint vector; repeatable.")
+    ] = None,
+    poses: Annotated[str | None, Option(metavar="FILE", help="Poses from a file, or - for stdin.")] = None,
+    random: Annotated[
+        int | None, Option(metavar="N", min=1, max=MOST_POSES, help="N poses of random joint vectors.")
+    ] = None,
+    seed: options.Seed = 0,
+    redundancy: Annotated[
+        str | None,
+        Option(
+            metavar="V1,V2,...",
+            help="Solve each pose at these values of the redundancy parameter that `info` names. Default: its value "
+            "at the joint vector of the target, else the arm's default.",
+            show_default=False,
+        ),
+    ] = None,
+    choice: Choice,
+    world: options.World = None,
+    check: Annotated[
+        bool | None,
+        Option(
+            "--check/--no-check",
+            help="Pinocchio's error and self-collision of each solution, or leave Pinocchio out. "
+            "Default: both up to 20 poses, beyond that only the error.",
+            show_default=False,
+        ),
+    ] = None,
+    chosen: ArmOptions,
+    degrees: options.Degrees = False,
+    printed_as: options.DataFormat = None,
+    output: options.Output = None,
+) -> None:
     """Write every solution.
 
     Raises:
         typer.BadParameter: an invalid target, or a file that cannot be written.
         typer.Exit: a pose has no solution.
     """
-    pick = asked.choice.made_for(arm, angles)
+    from urdf_ik.cli.solutions import checked, tables, targets
+
+    chosen_format = options.format_for(printed_as, output, terminal=options.is_terminal(sys.stdout))
+    chosen.without_stdin(poses, "--poses")
+    obstacles = read_world(world, chosen)
+    arm = chosen.load(degrees)
+    angles = angles_of(arm, degrees)
+    keep = choice.filter_for(arm, angles, obstacles)
     with Progress("checking solutions", "solving") as progress:
-        target = targets.spread(arm, targets.target(arm, asked.target, angles), asked.redundancy, angles)
+        target = targets.target(arm, targets.TargetOptions(typed, q or (), poses, random, seed), angles)
+        target = targets.spread(arm, target, redundancy, angles)
         few = len(target.poses) <= tables.SUMMARY_ABOVE
-        answer = answers.solve(
+        answer = checked.solve(
             arm,
             target.poses,
-            pick,
+            keep,
             redundancy=target.redundancy,
-            errors=asked.check is not False,
-            collisions=few if asked.check is None else asked.check,
-            world=asked.choice.world,
+            errors=check is not False,
+            collisions=few if check is None else check,
+            world=obstacles,
             tick=progress.tick,
         )
-    if printed_as is Format.TABLE:
-        console.write(tables.answer_text(answer, angles, target.note, to_file=output is not None), output)
+    if chosen_format is Format.TABLE:
+        console.write(tables.text_of(answer, angles, target.note, to_file=output is not None), output)
     else:
-        console.write(answers.DATA[printed_as](answer, angles), output)
+        console.write(checked.DATA[chosen_format](answer, angles), output)
     if unsolved := int((answer.counts == 0).sum()):
-        if printed_as is not Format.TABLE:
+        if chosen_format is not Format.TABLE:
             typer.echo(f"{unsolved} of {len(answer.counts)} poses have no solution", err=True)
         raise typer.Exit(Status.FAILED)

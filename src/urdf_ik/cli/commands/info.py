@@ -1,24 +1,56 @@
-"""What ``urdf-ik info`` prints of an arm: joints, relations of the axes, and how it is solved."""
+"""Show an arm: its joints, how neighbouring axes lie to each other, and how it is solved.
+
+Examples:
+    urdf-ik info zyyzyz_6r
+    urdf-ik info my_arm.urdf --base base_link --tip tool0 --format json
+    urdf-ik info panda --lock panda_joint3=30deg
+    urdf-ik info my_arm.urdf --chains
+"""
 
 from __future__ import annotations
 
 import textwrap
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-from urdf_ik.cli import console, tables
-from urdf_ik.ik.cuspidality import in_words, is_cuspidal
-from urdf_ik.kinematics.structure import AxisPair, AxisTriple
+from typer import Option
+
+from urdf_ik.cli import console, options, tables
+from urdf_ik.cli.arm_options import ArmOptions, angles_of
+from urdf_ik.cli.options import ReportFormat
 
 if TYPE_CHECKING:
     from urdf_ik.arm import Arm
     from urdf_ik.cli.console import Angles
+    from urdf_ik.kinematics.structure import AxisPair, AxisTriple
 
 _UNSOLVED = "none: no solver takes this structure"
 
 
+def command(
+    *,
+    chains: Annotated[
+        bool, Option("--chains", help="List the chains of the URDF instead, and the default one.")
+    ] = False,
+    chosen: ArmOptions,
+    degrees: options.Degrees = False,
+    printed_as: options.TextFormat = ReportFormat.TABLE,
+) -> None:
+    """Print the arm, or the chains of its URDF."""
+    if chains:
+        from urdf_ik.cli.commands import chains as list_of_chains
+
+        show = list_of_chains.as_json if printed_as is ReportFormat.JSON else list_of_chains.as_text
+        return console.write(show(chosen.model(), chosen.base), None)
+    arm = chosen.load(degrees)
+    write = as_json if printed_as is ReportFormat.JSON else as_text
+    return console.write(write(arm, angles_of(arm, degrees)), None)
+
+
 def as_json(arm: Arm, angles: Angles) -> str:
     """The same facts as data; a limit that is not there is null."""
+    from urdf_ik.ik.cuspidality import is_cuspidal
+
     structure = arm.structure
     angle, distance = structure.imperfection
     limits = angles.shown(arm.limits.T).T
@@ -78,6 +110,8 @@ def as_json(arm: Arm, angles: Angles) -> str:
 
 def as_text(arm: Arm, angles: Angles) -> str:
     """Tables and lines for people."""
+    from urdf_ik.ik.cuspidality import in_words, is_cuspidal
+
     structure = arm.structure
     unit = angles.unit
     joints = tables.grid(
@@ -106,7 +140,7 @@ def as_text(arm: Arm, angles: Angles) -> str:
         ("source", arm.model.source),
         ("chain", f"{arm.base} to {arm.tip}, {arm.dof} joint{'s' if arm.dof > 1 else ''}"),
         *[("mimics", str(follower)) for follower in arm.chain.followers],
-        *[("locked", f"{name} at {_held(arm, name, value, angles)}") for name, value in dict(arm.chain.locked).items()],
+        *[("locked", f"{name} at {_held(arm, name, value, angles)}") for name, value in arm.chain.locked],
     ]
     solver = [("family", structure.family or _UNSOLVED)]
     branches = []

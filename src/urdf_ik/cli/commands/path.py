@@ -1,27 +1,36 @@
-"""What ``urdf-ik path`` does: follow waypoints, print the plan or what stops it, and write it."""
+"""Follow a path: the cheapest joint motion through all waypoints, over all branches and turns.
+
+The motion is proven between the waypoints and free of contacts. Where there is none, the answer says for every start
+branch how far it gets and what stops it there. The status is 1 when there is no plan.
+
+Examples:
+    urdf-ik path zyyzyz_6r --waypoints seam.csv --out plan.csv --timed motion.csv
+    urdf-ik path my_arm.urdf --tip tool0 -w seam.csv --world cell.urdf --margin 0.01 --reconfigure
+    urdf-ik fk zyyzyz_6r --q 0,1,1,0,1,0 --q 0.2,1,1,0,1,0 -f csv | urdf-ik path zyyzyz_6r -w -
+"""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
+from typer import Option
 
-from urdf_ik.arm import arm_of
-from urdf_ik.cli import console, tables
+from urdf_ik.cli import console, options, tables
+from urdf_ik.cli.arm_options import ArmOptions, angles_of
 from urdf_ik.cli.errors import Status
-from urdf_ik.cli.paths import followed
+from urdf_ik.cli.options import ReportFormat
+from urdf_ik.cli.path_options import PathOptions, followed
 from urdf_ik.errors import ArgumentError, escaped
 from urdf_ik.support import files
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from urdf_ik.arm import Arm
-    from urdf_ik.cli.chosen_arm import ChosenArm, TypedPath
     from urdf_ik.cli.console import Angles
-    from urdf_ik.cli.paths import Followed
+    from urdf_ik.cli.path_options import Followed
     from urdf_ik.paths import Plan
     from urdf_ik.paths.timing import Timed
 
@@ -30,34 +39,41 @@ SUFFIXES = (".csv", ".json", ".npz")
 _FREE = {None: "not checked", True: "free", False: "hits"}
 
 
-def run(
-    chosen: ChosenArm,
-    typed: TypedPath,
+def command(
     *,
-    degrees: bool,
-    alternatives: bool,
-    as_json: bool,
-    output: Path | None,
-    timed: Path | None,
+    path: PathOptions,
+    alternatives: Annotated[bool, Option("--alternatives", help="The best plan from every start branch, too.")] = False,
+    chosen: ArmOptions,
+    degrees: options.Degrees = False,
+    printed_as: options.TextFormat = ReportFormat.TABLE,
+    output: Annotated[
+        Path | None,
+        Option("--out", "--output", "-o", metavar="FILE", help="Write the plan: .csv, .json or .npz; rad, m."),
+    ] = None,
+    timed: Annotated[
+        Path | None,
+        Option(
+            metavar="FILE",
+            help="Write it in time, too, as fast as velocity and acceleration allow: .csv, .json or .npz; s, rad, m.",
+        ),
+    ] = None,
 ) -> None:
-    """Print the plan, and write it where that is asked for.
+    """Print the plan, or the reasons why there is none, and write the plan to a file.
 
     Raises:
         typer.BadParameter: options that make no sense.
         typer.Exit: there is no plan.
         UrdfIkError: a file that cannot be read or written.
     """
-    from urdf_ik.cli.chosen_arm import angles_of
-
     for file, option in ((output, "--out"), (timed, "--timed")):
         if file is not None and file.suffix.lower() not in SUFFIXES:
             kinds = ", ".join(SUFFIXES)
             raise console.usage(f"{files.name_of(file)}: plans are written as {kinds}; name the file so", option)
         if file is not None:
             files.writable(file)
-    arm = chosen.load()
+    arm = chosen.load(degrees)
     angles = angles_of(arm, degrees)
-    found = followed(arm, angles, typed, chosen)
+    found = followed(arm, angles, path, chosen)
     plan = found.plan
     in_time, untimed = None, None
     try:
@@ -65,13 +81,13 @@ def run(
     except ArgumentError as error:  # the plan is worth having without its times
         untimed = error
     others = plan.alternatives if alternatives else ()
-    if as_json:
+    if printed_as is ReportFormat.JSON:
         console.write(json_of(found, angles, in_time, others), None)
     else:
         console.write(text_of(found, angles, in_time, others), None)
-    for file, what in ((output, plan), (timed, in_time)):
-        if file is not None and what is not None and (plan.found or file.suffix.lower() == ".json"):
-            getattr(what, f"to_{file.suffix.lower()[1:]}")(file)
+    for file, content in ((output, plan), (timed, in_time)):
+        if file is not None and content is not None and (plan.found or file.suffix.lower() == ".json"):
+            getattr(content, f"to_{file.suffix.lower()[1:]}")(file)
         elif file is not None:
             why = untimed or ("it changes its branch" if plan.found else "there is no plan")
             typer.echo(escaped(f"{file} was not written: {why}"), err=True)
@@ -82,8 +98,8 @@ def run(
 
 
 def text_of(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[Plan, ...]) -> str:
-    """The plan in a few lines and a table of its joints; what stops each branch where there is no plan."""
-    plan, arm = found.plan, arm_of(found.plan.solver)
+    """The plan in a few lines and a table of its joints; or the reason why each branch stops."""
+    plan, arm = found.plan, found.arm
     count = len(plan.poses)
     head = f"{arm.name}: {arm.base} to {arm.tip}, {count} waypoint{'' if count == 1 else 's'} from {found.source}"
     lines: list[Table | str] = [head]
@@ -113,7 +129,7 @@ def text_of(found: Followed, angles: Angles, in_time: Timed | None, others: tupl
 def _facts(found: Followed, angles: Angles, in_time: Timed | None) -> list[str]:
     """Lines of a heading and a number."""
     plan = found.plan
-    arm, changes = arm_of(plan.solver), len(plan.changes)
+    arm, changes = found.arm, len(plan.changes)
     kinds = {"l1": "sum of |dq|", "l2": "sum of dq^2", "max": "sum of the largest |dq|", "time": "s"}
     used = list(dict.fromkeys(plan.branches))
     facts = [("branch" if len(used) == 1 else "branches", "; ".join(used))]
@@ -129,11 +145,11 @@ def _facts(found: Followed, angles: Angles, in_time: Timed | None) -> list[str]:
         k, joint = step
         value = abs(plan.q[k + 1, joint] - plan.q[k, joint])
         facts.append(
-            ("largest step", f"{_shown(arm, joint, value, angles)} of {arm.joint_names[joint]} to waypoint {k + 1}")
+            ("largest step", f"{_shown(joint, value, angles)} of {arm.joint_names[joint]} to waypoint {k + 1}")
         )
     room, at, limited = _limit_room(plan)
     if limited is not None:
-        text = f"{_shown(arm, limited, room, angles)} of {arm.joint_names[limited]} at waypoint {at}"
+        text = f"{_shown(limited, room, angles)} of {arm.joint_names[limited]} at waypoint {at}"
         facts.append(("room to a limit", text))
     margins = plan.margins
     if plan.obstacles is not None and np.isfinite(margins.clearance).any():
@@ -169,8 +185,8 @@ def _short(plan: Plan, angles: Angles) -> list[str]:
     step, (room, _, joint) = _largest_step(plan), _limit_room(plan)
     clearance = plan.margins.clearance
     return [
-        "-" if step is None else _shown(arm_of(plan.solver), step[1], abs(np.diff(plan.q, axis=0)[step]), angles),
-        "-" if joint is None else _shown(arm_of(plan.solver), joint, room, angles),
+        "-" if step is None else _shown(step[1], abs(np.diff(plan.q, axis=0)[step]), angles),
+        "-" if joint is None else _shown(joint, room, angles),
         "-" if np.isnan(clearance).all() else f"{np.nanmin(clearance):.4f}",
     ]
 
@@ -192,15 +208,15 @@ def _limit_room(plan: Plan) -> tuple[float, int, int | None]:
     return float(room[k, joint]), int(k), int(joint) if np.isfinite(room[k, joint]) else None
 
 
-def _shown(arm: Arm, joint: int, value: float, angles: Angles) -> str:
+def _shown(joint: int, value: float, angles: Angles) -> str:
     if not angles.turning[joint]:
         return f"{tables.number(value)} m"
     return f"{tables.number(float(angles.angle(value)), 2 if angles.degrees else 4)} {angles.unit}"
 
 
 def json_of(found: Followed, angles: Angles, in_time: Timed | None, others: tuple[Plan, ...]) -> str:
-    """The plan with its margins, or what stops each branch."""
-    plan, arm = found.plan, arm_of(found.plan.solver)
+    """The plan with its margins, or the reason why each branch stops."""
+    plan, arm = found.plan, found.arm
     data: dict[str, Any] = {
         "robot": arm.name,
         "base": arm.base,

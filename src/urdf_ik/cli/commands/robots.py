@@ -1,11 +1,22 @@
-"""What ``urdf-ik robots`` prints: every arm that has a name."""
+"""List the arms that have names, with the family and the joints of those that are here.
+
+There are bundled arms, those of example-robot-data, and those of robot_descriptions, which downloads a model at its
+first use.
+
+Examples:
+    urdf-ik robots
+    urdf-ik robots ur --all
+"""
 
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from typing import Annotated
 
-from urdf_ik.arm import load
-from urdf_ik.cli import console, tables
+from typer import Argument, Option
+
+from urdf_ik.cli import console, options, tables
+from urdf_ik.cli.options import ReportFormat
 from urdf_ik.errors import ChainError, UrdfIkError
 from urdf_ik.model import catalogue, downloads
 
@@ -13,17 +24,30 @@ _WIDTH, _LEAST_WORDS = 79, 12
 _SHORT = {"example-robot-data": "robot-data", "robot_descriptions": "descriptions"}
 
 
+def command(
+    *,
+    word: Annotated[str, Argument(metavar="[WORD]", help="Only names that contain this.")] = "",
+    everything: Annotated[
+        bool, Option("--all", help="Also the arms of robot_descriptions that are not downloaded.")
+    ] = False,
+    printed_as: options.TextFormat = ReportFormat.TABLE,
+) -> None:
+    """Print the list."""
+    write = as_json if printed_as is ReportFormat.JSON else as_text
+    console.write(write(listed(word, everything)), None)
+
+
 @dataclass(frozen=True)
 class Robot:
     """An arm that has a name.
 
     Attributes:
-        name: what ``load`` takes.
+        name: argument of ``load``.
         source: 'bundled', 'example-robot-data' or 'robot_descriptions'.
         here: whether it can be loaded without a download or an installation.
-        joints: number of its joints; where it is not here, what its package says, or None.
+        joints: number of its joints; its package's number where it is not here; None if unknown.
         family: how it is solved, '' where it is not here or no solver takes it.
-        note: what it is, or why it is not solved.
+        note: its description, or why it is not solved.
     """
 
     name: str
@@ -77,6 +101,8 @@ def _robot(name: str) -> Robot:
     if not here:
         joints = downloads.joints_of(name) if source == "robot_descriptions" else None
         return Robot(name, source, False, joints, "", note)
+    from urdf_ik.arm import load
+
     try:
         arm = load(name)
     except ChainError:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from urdf_ik.paths.plan import Stop
     from urdf_ik.paths.planner.graph import Layers, Way
     from urdf_ik.paths.planner.search import Search
-    from urdf_ik.paths.settings import Settings
+    from urdf_ik.paths.settings import CheckedSettings
 
     Array = NDArray[np.float64]
 
@@ -41,13 +41,15 @@ class Refined(NamedTuple):
     pieces: Array
 
 
-def not_found(settings: Settings, path: Array, stops: Iterable[Stop]) -> Plan:
+def not_found(settings: CheckedSettings, path: Array, stops: Iterable[Stop]) -> Plan:
     """The plan without joint vectors, which says what stops the path."""
     nothing = np.empty((0, settings.solver.dof))
     return Plan(settings.solver, path, nothing, stops=tuple(stops), obstacles=settings.obstacles)
 
 
-def made(settings: Settings, path: Array, refined: Refined, search: Search, way: Way, *, alone: bool = False) -> Plan:
+def made(
+    settings: CheckedSettings, path: Array, refined: Refined, search: Search, way: Way, *, alone: bool = False
+) -> Plan:
     """The plan that a way through the graph is; ``alone``: without alternatives."""
     layers = search.graph.layers
     q = way.q
@@ -78,11 +80,13 @@ def made(settings: Settings, path: Array, refined: Refined, search: Search, way:
     )  # fmt: skip
 
 
-def _kept(settings: Settings) -> tuple[float, float]:
+def _kept(settings: CheckedSettings) -> tuple[float, float]:
     return settings.tolerance.position, settings.tolerance.rotation
 
 
-def priced(settings: Settings, refined: Refined, layers: Layers, mismatch: tuple[float, float] = MISMATCH) -> Graph:
+def priced(
+    settings: CheckedSettings, refined: Refined, layers: Layers, mismatch: tuple[float, float] = MISMATCH
+) -> Graph:
     """A graph with the costs of the settings, steps and nodes."""
     pricing = Pricing(settings.kind, settings.weights, settings.window, refined.pieces)
     graph = Graph.connected(settings.joints, layers, pricing, mismatch, settings.solver.free_axis)
@@ -94,17 +98,17 @@ def priced(settings: Settings, refined: Refined, layers: Layers, mismatch: tuple
     return graph
 
 
-def add_margins(settings: Settings, graph: Graph) -> None:
+def add_margins(settings: CheckedSettings, graph: Graph) -> None:
     """The cost of being near a joint limit: weight times (1 - share of the way to the middle of the range)^2."""
-    if not settings.margins:
+    if not settings.limit_cost:
         return
     joints = graph.joints
     q = graph.layers.q[:, None] + joints.digits * joints.turn
-    graph.image_cost = settings.margins * (1.0 - limits.margin(q, settings.solver.limits)) ** 2
+    graph.image_cost = settings.limit_cost * (1.0 - limits.margin(q, settings.solver.limits)) ** 2
 
 
 def cut_coarse(
-    settings: Settings, path: Array, most_turn: float = COARSE_TURN, most_move: float = COARSE_MOVE
+    settings: CheckedSettings, path: Array, most_turn: float = COARSE_TURN, most_move: float = COARSE_MOVE
 ) -> Refined:
     """Longer segments cut into equal pieces."""
     apart = waypoints.twists(path[:-1], path[1:])

@@ -14,7 +14,7 @@ from urdf_ik.paths.planner.nodes import Nodes
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from urdf_ik.paths.settings import Settings
+    from urdf_ik.paths.settings import CheckedSettings
 
     Array = NDArray[np.float64]
 
@@ -22,7 +22,7 @@ ROUNDS = 6
 """How often the place of the greatest room is closed in upon; each round halves the step."""
 
 
-def central(settings: Settings, q: Array) -> Array:
+def central(settings: CheckedSettings, q: Array) -> Array:
     """The images of joint vectors (..., n) that are nearest to the middle of the limits."""
     turn = settings.joints.turn
     step = np.where(turn > 0.0, turn, 1.0)
@@ -30,12 +30,12 @@ def central(settings: Settings, q: Array) -> Array:
     return np.asarray(q - np.where(turn > 0.0, np.round((q - middle) / step) * step, 0.0))
 
 
-def room(settings: Settings, q: Array) -> Array:
+def room(settings: CheckedSettings, q: Array) -> Array:
     """How far joint vectors (k, n) are inside the limits by their best images, negative outside (k,) [rad or m]."""
     return limits.room(central(settings, q), settings.solver.limits)
 
 
-def narrow(settings: Settings, T: Array, everything: Nodes, grid: Array) -> Nodes:
+def narrow(settings: CheckedSettings, T: Array, everything: Nodes, grid: Array) -> Nodes:
     """Nodes in windows that the grid passes over.
 
     Along each branch the room to the limits is a function of the parameter; where it has a maximum between two values
@@ -85,7 +85,9 @@ def narrow(settings: Settings, T: Array, everything: Nodes, grid: Array) -> Node
     )
 
 
-def _rooms(settings: Settings, T: Array, at: NDArray[np.int64], column: NDArray[np.int64], values: Array) -> Array:
+def _rooms(
+    settings: CheckedSettings, T: Array, at: NDArray[np.int64], column: NDArray[np.int64], values: Array
+) -> Array:
     """Room (k, v) of one branch each at values (k, v); minus infinity where it has no solution."""
     solutions = solve(settings.solver, T[at, None], redundancy=values)
     rows = np.arange(len(at))

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from urdf_ik.paths.planner.graph import Way
     from urdf_ik.paths.planner.nodes import Nodes
-    from urdf_ik.paths.settings import Settings
+    from urdf_ik.paths.settings import CheckedSettings
 
     Array = NDArray[np.float64]
 
@@ -92,7 +92,7 @@ class Guide(NamedTuple):
         return Guide(q, value, column, np.zeros(len(places) - 1, dtype=np.bool_), np.inf, self.turns)
 
 
-def plan(settings: Settings, path: Array) -> Plan:
+def plan(settings: CheckedSettings, path: Array) -> Plan:
     """The plan of an arm with a redundancy parameter.
 
     Obstacles make no way cheaper: where the best way without them is clear, it is the best with them.
@@ -106,7 +106,7 @@ def plan(settings: Settings, path: Array) -> Plan:
     return _searched(settings, path)
 
 
-def _searched(settings: Settings, path: Array) -> Plan:
+def _searched(settings: CheckedSettings, path: Array) -> Plan:
     """The plan that a search from coarse to fine finds."""
     whole = cut_coarse(settings, path, COARSE_TURN, COARSE_MOVE)
     if not settings.reconfigure:
@@ -128,7 +128,7 @@ def _searched(settings: Settings, path: Array) -> Plan:
     return _stopped(settings, path, whole, search, step)
 
 
-def _stopped(settings: Settings, path: Array, whole: Refined, search: Search, step: float) -> Plan:
+def _stopped(settings: CheckedSettings, path: Array, whole: Refined, search: Search, step: float) -> Plan:
     """What stops each branch: the last grid where it has no way through, else the motions near the way that it has."""
     layers, names = search.graph.layers, settings.solver.structure.branches
     search.graph.solve(settings.reconfigure)
@@ -149,7 +149,7 @@ def _stopped(settings: Settings, path: Array, whole: Refined, search: Search, st
     return not_found(settings, path, sorted(stops, key=lambda stop: (stop.branch != EVERY_BRANCH, -stop.waypoint)))
 
 
-def beside(settings: Settings, path: Array, known: Plan) -> Plan | None:
+def beside(settings: CheckedSettings, path: Array, known: Plan) -> Plan | None:
     """The cheapest plan in the neighbourhood of one that is known; None where that changes its branch."""
     if known.changes:
         return None
@@ -172,7 +172,7 @@ def beside(settings: Settings, path: Array, known: Plan) -> Plan | None:
     return None if last is None else made(settings, path, whole, *last, alone=True)
 
 
-def _closed(settings: Settings, refined: Refined, search: Search) -> bool:
+def _closed(settings: CheckedSettings, refined: Refined, search: Search) -> bool:
     """Whether there is a waypoint where everything on the finest grid touches something."""
     if search.obstacles is None:
         return False
@@ -186,7 +186,7 @@ def _closed(settings: Settings, refined: Refined, search: Search) -> bool:
     return not search.obstacles.free(node_sets.solved(settings.solver, settings.joints, refined.T, at, grid).q).any()
 
 
-def _some(settings: Settings, refined: Refined) -> Refined:
+def _some(settings: CheckedSettings, refined: Refined) -> Refined:
     """The first and the last waypoint, and some between them, as far apart as a first look allows."""
     apart = twists(refined.T[:-1], refined.T[1:])
     way = np.maximum(
@@ -200,14 +200,14 @@ def _some(settings: Settings, refined: Refined) -> Refined:
     return Refined(refined.T[chosen], at, 1.0 / np.diff(at))
 
 
-def _values(settings: Settings, refined: Refined) -> int:
+def _values(settings: CheckedSettings, refined: Refined) -> int:
     """How many values the first grid has."""
     at = np.arange(len(refined.T))
     nodes = node_sets.solved(settings.solver, settings.joints, refined.T, at, _grid(settings, refined, FEWEST))
     return int(np.clip(FEWEST * WANTED * len(at) / max(len(nodes.q), 1), FEWEST, MOST))
 
 
-def _grid(settings: Settings, refined: Refined, count: int) -> Array:
+def _grid(settings: CheckedSettings, refined: Refined, count: int) -> Array:
     """The same values at every waypoint, (m, count)."""
     parameter = settings.solver.parameter
     assert parameter is not None  # only such arms are planned for here
@@ -216,7 +216,7 @@ def _grid(settings: Settings, refined: Refined, count: int) -> Array:
     return np.broadcast_to(values, (len(refined.T), count))
 
 
-def _nodes(settings: Settings, refined: Refined, count: int, *, closely: bool = False) -> tuple[Nodes, float]:
+def _nodes(settings: CheckedSettings, refined: Refined, count: int, *, closely: bool = False) -> tuple[Nodes, float]:
     """The nodes on the first grid of so many values, with those of narrow windows where asked for; the values' step."""
     grid = _grid(settings, refined, count)
     everything = node_sets.solved(
@@ -228,7 +228,7 @@ def _nodes(settings: Settings, refined: Refined, count: int, *, closely: bool = 
     return _ends(settings, refined, nodes), float(grid[0, 1] - grid[0, 0])
 
 
-def _search(settings: Settings, refined: Refined, nodes: Nodes) -> Search:
+def _search(settings: CheckedSettings, refined: Refined, nodes: Nodes) -> Search:
     """The search on the first grid, a guide for others: no motion is proven."""
     window = np.where(settings.joints.turn > 0.0, STEPS, np.inf)
     pricing = Pricing(settings.kind, settings.weights, window, refined.pieces)
@@ -237,7 +237,7 @@ def _search(settings: Settings, refined: Refined, nodes: Nodes) -> Search:
     return Search(settings.solver, graph, None, settings.obstacles, reconfigure=settings.reconfigure)
 
 
-def _ends(settings: Settings, refined: Refined, nodes: Nodes) -> Nodes:
+def _ends(settings: CheckedSettings, refined: Refined, nodes: Nodes) -> Nodes:
     """The nodes, with the joint vectors that are given for the first and the last waypoint."""
     for given, at in ((settings.start, 0), (settings.end, len(refined.T) - 1)):
         if given is None:
@@ -255,7 +255,7 @@ def _ends(settings: Settings, refined: Refined, nodes: Nodes) -> Nodes:
 
 
 def _plan(
-    settings: Settings, path: Array, whole: Refined, refined: Refined, search: Search, step: float
+    settings: CheckedSettings, path: Array, whole: Refined, refined: Refined, search: Search, step: float
 ) -> Plan | None:
     """The plan that the first grid leads to, at all waypoints or some of them."""
     columns = search.graph.layers.column[: search.graph.layers.first[1]]
@@ -296,7 +296,7 @@ def _order(guide: Guide) -> tuple[int, float]:
     return int(guide.changes.sum()), guide.cost
 
 
-def _improved(settings: Settings, refined: Refined, guide: Guide, step: float) -> Guide:
+def _improved(settings: CheckedSettings, refined: Refined, guide: Guide, step: float) -> Guide:
     """A way on ever finer grids around it."""
     for around in AROUND:
         step /= FINER
@@ -314,7 +314,7 @@ def _improved(settings: Settings, refined: Refined, guide: Guide, step: float) -
 
 
 def _finished(
-    settings: Settings, whole: Refined, refined: Refined, guide: Guide, step: float
+    settings: CheckedSettings, whole: Refined, refined: Refined, guide: Guide, step: float
 ) -> tuple[Search, Way] | None:
     """The way at all waypoints, its motions proven and clear; None where there is none near the guide."""
     if len(refined.T) < len(whole.T):
@@ -335,7 +335,7 @@ def _finished(
     return _proven(settings, whole, guide, step)
 
 
-def _proven(settings: Settings, whole: Refined, guide: Guide, step: float) -> tuple[Search, Way] | None:
+def _proven(settings: CheckedSettings, whole: Refined, guide: Guide, step: float) -> tuple[Search, Way] | None:
     """The way near a guide whose motions are proven and clear; None where there is none."""
     last: tuple[Search, Way] | None = None
     for wider in (FINER, 1):
@@ -355,12 +355,12 @@ def _proven(settings: Settings, whole: Refined, guide: Guide, step: float) -> tu
     return last
 
 
-def _is_smooth(settings: Settings) -> bool:
+def _is_smooth(settings: CheckedSettings) -> bool:
     """Whether the cost is the sum of squares alone, which is what smoothing makes least."""
-    return COSTS[settings.kind] == "l2" and not settings.margins
+    return COSTS[settings.kind] == "l2" and not settings.limit_cost
 
 
-def _smoothed(settings: Settings, refined: Refined, guide: Guide) -> Guide:
+def _smoothed(settings: CheckedSettings, refined: Refined, guide: Guide) -> Guide:
     if len(guide.q) < 2:
         return guide
     q, value = smoothed(settings, refined, guide.q, guide.value)
@@ -369,14 +369,14 @@ def _smoothed(settings: Settings, refined: Refined, guide: Guide) -> Guide:
     return guide._replace(q=q, value=value, cost=cost) if cost < guide.cost else guide
 
 
-def _guide(settings: Settings, way: Way) -> Guide:
+def _guide(settings: CheckedSettings, way: Way) -> Guide:
     layers = way.graph.layers
     parameter = settings.solver.parameter
     turns = parameter is not None and parameter.round
     return Guide(way.q, layers.value[way.nodes], layers.column[way.nodes], way.edges == CHANGE, way.cost, turns)
 
 
-def _around(settings: Settings, refined: Refined, guide: Guide, step: float, around: int, last: bool) -> Search:
+def _around(settings: CheckedSettings, refined: Refined, guide: Guide, step: float, around: int, last: bool) -> Search:
     """The search on a grid of values around a way."""
     solver, joints = settings.solver, settings.joints
     parameter = solver.parameter

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.ik.solver import Solver
-    from urdf_ik.paths.settings import Settings
+    from urdf_ik.paths.settings import CheckedSettings
 
     Array = NDArray[np.float64]
 
@@ -102,7 +102,7 @@ class Seen:
         return answer
 
 
-def plan(settings: Settings, path: Array, plan_of_one: Callable[[Settings, Array], Plan]) -> Plan:
+def plan(settings: CheckedSettings, path: Array, plan_of_one: Callable[[CheckedSettings, Array], Plan]) -> Plan:
     """The plan of an arm with several parameters; ``plan_of_one`` plans for an arm with one."""
     found: list[Plan] = []
     stopped: Plan | None = None
@@ -119,7 +119,7 @@ def plan(settings: Settings, path: Array, plan_of_one: Callable[[Settings, Array
         stops = (_ends_differ(settings),) if stopped is None else stopped.stops
         return Plan(settings.solver, path, nothing, stops=stops, obstacles=settings.obstacles)
     found.sort(key=_order)
-    if COSTS[settings.kind] == "l2" and not settings.margins:
+    if COSTS[settings.kind] == "l2" and not settings.limit_cost:
         better = (_improved(settings, path, each) for each in found[:IMPROVED] if not each.changes and len(each) > 1)
         found += [each for each in better if each is not None]
         found.sort(key=_order)
@@ -131,12 +131,12 @@ def _order(each: Plan) -> tuple[int, float]:
     return len(each.changes), each.cost
 
 
-def _ends_differ(settings: Settings) -> Stop:
+def _ends_differ(settings: CheckedSettings) -> Stop:
     labels = ", ".join(parameter.label for parameter in settings.solver.parameters)
     return Stop(EVERY_BRANCH, 0, "jump", f"start and end differ in more than one of {labels}; all but one are held")
 
 
-def _ways(settings: Settings, path: Array) -> Iterator[Held]:
+def _ways(settings: CheckedSettings, path: Array) -> Iterator[Held]:
     """The arm with all parameters held but one, for each that can be the one, at a few values each."""
     solver = settings.solver
     ends = [(q, T) for q, T in ((settings.start, path[0]), (settings.end, path[-1])) if q is not None]
@@ -175,7 +175,7 @@ def _held(solver: Solver, path: Array, values: dict[int, float]) -> Held:
     return Held(rest, turned, columns, np.array([joints[solver.joint_names[k]] for k in columns]))
 
 
-def _settings(settings: Settings, held: Held) -> Settings:
+def _settings(settings: CheckedSettings, held: Held) -> CheckedSettings:
     obstacles = settings.obstacles
     if obstacles is not None:
         model: Any = Seen(obstacles.model, held)
@@ -188,7 +188,7 @@ def _settings(settings: Settings, held: Held) -> Settings:
     )  # fmt: skip
 
 
-def _improved(settings: Settings, path: Array, known: Plan) -> Plan | None:
+def _improved(settings: CheckedSettings, path: Array, known: Plan) -> Plan | None:
     """A plan that is cheaper than one that is known, all parameters moving; None where none is found beside it."""
     whole = cut_coarse(settings, path, COARSE_TURN, COARSE_MOVE)
     place = whole.place
@@ -215,7 +215,7 @@ def _improved(settings: Settings, path: Array, known: Plan) -> Plan | None:
     return made(settings, path, whole, search, way, alone=True)
 
 
-def _smoothed(settings: Settings, refined: Refined, q: Array) -> Array:
+def _smoothed(settings: CheckedSettings, refined: Refined, q: Array) -> Array:
     """Joint vectors (k, n) moved to where the sum of squared steps is least nearby, the tip where it was."""
     factor = np.sqrt(settings.weights) * np.sqrt(refined.pieces)[:, None]
     fixed = np.zeros(len(q), dtype=np.bool_)
@@ -273,13 +273,13 @@ def _newton(q: Array, N: Array, factor: Array) -> Array:
     return np.asarray(solveh_banded(banded, towards.ravel(), check_finite=False)).reshape(k, j)
 
 
-def _idle(settings: Settings, refined: Refined, q: Array) -> Array:
+def _idle(settings: CheckedSettings, refined: Refined, q: Array) -> Array:
     """(k, n, j) orthonormal directions in which joint vectors may move while the tip stays where it must."""
     J = _jacobian(settings, refined, q)
     return np.ascontiguousarray(np.swapaxes(np.linalg.svd(J)[2], 1, 2)[:, :, -len(settings.solver.parameters) :])
 
 
-def _jacobian(settings: Settings, refined: Refined, q: Array) -> Array:
+def _jacobian(settings: CheckedSettings, refined: Refined, q: Array) -> Array:
     """(k, 6, n), without what does not count; lengths as shares of the arm's size."""
     solver = settings.solver
     J = solver.chain.jacobian(q)
@@ -288,7 +288,7 @@ def _jacobian(settings: Settings, refined: Refined, q: Array) -> Array:
     return np.concatenate([J[:, :3] / solver.chain.size, J[:, 3:]], axis=1)
 
 
-def _restored(settings: Settings, refined: Refined, q: Array) -> tuple[Array, NDArray[np.bool_]]:
+def _restored(settings: CheckedSettings, refined: Refined, q: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Joint vectors (k, n) brought to their waypoints, solved anew, and which of them got there."""
     solver = settings.solver
     values: Any = nearest_values(solver, q, refined.T)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from urdf_ik.paths.planner.assembly import Refined
     from urdf_ik.paths.planner.obstacles import Obstacles
-    from urdf_ik.paths.settings import Settings
+    from urdf_ik.paths.settings import CheckedSettings
 
     Array = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ NEAR = 0.3
 """rad: a solution that is farther from where the step should lead is another branch."""
 
 
-def smoothed(settings: Settings, refined: Refined, q: Array, value: Array) -> tuple[Array, Array]:
+def smoothed(settings: CheckedSettings, refined: Refined, q: Array, value: Array) -> tuple[Array, Array]:
     """Joint vectors (k, n) and values (k,) of a way, moved to where the sum of squared steps is least nearby.
 
     Args:
@@ -52,7 +52,7 @@ def smoothed(settings: Settings, refined: Refined, q: Array, value: Array) -> tu
 
 
 def _least(
-    settings: Settings, refined: Refined, q: Array, value: Array, obstacles: Obstacles | None
+    settings: CheckedSettings, refined: Refined, q: Array, value: Array, obstacles: Obstacles | None
 ) -> tuple[Array, Array]:
     """The same, clear of these obstacles."""
     inverse = np.sqrt(settings.weights) * np.sqrt(refined.pieces)[:, None]
@@ -102,7 +102,7 @@ def _newton(q: Array, t: Array, inverse: Array, fixed: NDArray[np.bool_]) -> Arr
     return np.asarray(solveh_banded(np.vstack([np.append(0.0, off), diagonal]), towards, check_finite=False))
 
 
-def _derivative(settings: Settings, refined: Refined, q: Array, value: Array) -> Array:
+def _derivative(settings: CheckedSettings, refined: Refined, q: Array, value: Array) -> Array:
     """(k, n) of the joint vectors by the parameter, NaN where there is none."""
     beside = []
     for side in (-DIFFERENCE, DIFFERENCE):
@@ -112,7 +112,7 @@ def _derivative(settings: Settings, refined: Refined, q: Array, value: Array) ->
 
 
 def _solved(
-    settings: Settings, refined: Refined, near: Array, value: Array, *, inside: bool = True
+    settings: CheckedSettings, refined: Refined, near: Array, value: Array, *, inside: bool = True
 ) -> tuple[Array, NDArray[np.bool_]]:
     """The solutions nearest to joint vectors, and whether there is one, inside the limits."""
     parameter = settings.solver.parameter
@@ -130,7 +130,7 @@ def _solved(
     return found, good
 
 
-def _inside(settings: Settings, value: Array) -> Array:
+def _inside(settings: CheckedSettings, value: Array) -> Array:
     parameter = settings.solver.parameter
     assert parameter is not None  # see above
     return value if parameter.round else np.clip(value, *parameter.range)

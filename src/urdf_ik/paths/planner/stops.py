@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from urdf_ik.ik.solver import Solver
     from urdf_ik.paths.planner.search import Search
-    from urdf_ik.paths.settings import Settings
+    from urdf_ik.paths.settings import CheckedSettings
 
     Array = NDArray[np.float64]
     Ints = NDArray[np.int64]
@@ -28,7 +28,7 @@ _LOOSE = 10.0
 """A solution continues a branch where the motion to it keeps to so many times the tolerance; else the branch ends."""
 
 
-def stops_of(settings: Settings, search: Search, T: Array, place: Array) -> tuple[Stop, ...]:
+def stops_of(settings: CheckedSettings, search: Search, T: Array, place: Array) -> tuple[Stop, ...]:
     """Of every branch of the first waypoint, the one that gets farthest first; none of one that gets to the end.
 
     Args:
@@ -82,7 +82,7 @@ def _first_contact(search: Search, column: int) -> str:
     return _contact(search, layers.q[first[layers.column[first] == column][0]])
 
 
-def _reached(settings: Settings, search: Search, first: NDArray[np.uint64]) -> NDArray[np.uint64]:
+def _reached(settings: CheckedSettings, search: Search, first: NDArray[np.uint64]) -> NDArray[np.uint64]:
     """Marks (N, states) passed on from the first waypoint to all that is reached without touching anything.
 
     The search asks about the nodes of the cheapest ways only; what stops a way is the first contact on it. A joint that
@@ -103,7 +103,7 @@ def _reached(settings: Settings, search: Search, first: NDArray[np.uint64]) -> N
         graph.node_cost[nodes[~free]] = np.inf
 
 
-def _out_of_all_reach(settings: Settings, search: Search, T: Array, place: Array) -> tuple[Stop, ...]:
+def _out_of_all_reach(settings: CheckedSettings, search: Search, T: Array, place: Array) -> tuple[Stop, ...]:
     """The first waypoint that no branch reaches inside the limits, wherever the ways to it end."""
     empty = np.flatnonzero(np.diff(search.graph.layers.first) == 0)
     if not len(empty):
@@ -124,7 +124,7 @@ def _reach(solver: Solver, T: Array) -> str:
     return f"out of reach: {why}" if why else f"reached only between the values of the {solver.parameter} looked at"
 
 
-def _at_first(settings: Settings, search: Search, T: Array) -> tuple[Stop, ...]:
+def _at_first(settings: CheckedSettings, search: Search, T: Array) -> tuple[Stop, ...]:
     """Why there is no way to begin."""
     solver, graph = settings.solver, search.graph
     everything = _solutions(settings, T, 0, None)
@@ -145,7 +145,7 @@ def _at_first(settings: Settings, search: Search, T: Array) -> tuple[Stop, ...]:
     return tuple(stops)
 
 
-def _stop(settings: Settings, search: Search, T: Array, last: int, nodes: Ints, states: Ints) -> tuple[str, str]:
+def _stop(settings: CheckedSettings, search: Search, T: Array, last: int, nodes: Ints, states: Ints) -> tuple[str, str]:
     """Why these states of a waypoint lead to none of the next one: the cause, and the same in words."""
     solver, graph = settings.solver, search.graph
     joints = graph.joints
@@ -189,20 +189,20 @@ def _stop(settings: Settings, search: Search, T: Array, last: int, nodes: Ints, 
     return "jump", "no motion to the next waypoint keeps to the straight segment"
 
 
-def _solutions(settings: Settings, T: Array, at: int, values: Array | None) -> node_sets.Nodes:
+def _solutions(settings: CheckedSettings, T: Array, at: int, values: Array | None) -> node_sets.Nodes:
     """All solutions of a waypoint, inside the limits or not."""
     if settings.solver.parameter is not None:
         values = (_all_values(settings) if values is None else values)[None]
     return node_sets.solved(settings.solver, settings.joints, T, np.array([at]), values, outside=True)
 
 
-def _all_values(settings: Settings) -> Array:
+def _all_values(settings: CheckedSettings) -> Array:
     parameter = settings.solver.parameter
     assert parameter is not None  # an arm without one is not asked
     return np.linspace(*parameter.range, 256)
 
 
-def _limits(settings: Settings, q: Array, outside: NDArray[np.bool_]) -> str:
+def _limits(settings: CheckedSettings, q: Array, outside: NDArray[np.bool_]) -> str:
     parts = []
     low, high = settings.solver.limits.T
     for k in np.flatnonzero(outside):
@@ -226,6 +226,6 @@ def _contact(search: Search, q: Array, before: Array | None = None) -> str:
     return f"{pair[0]} and {pair[1]} {touch}{where}" if pair else f"links {touch}{where}"
 
 
-def _value(settings: Settings, joint: str, x: float) -> str:
+def _value(settings: CheckedSettings, joint: str, x: float) -> str:
     slides = settings.solver.chain.prismatic[settings.solver.joint_names.index(joint)]
     return f"{x:.4g} m" if slides else f"{np.degrees(x):.4g}°"

@@ -1,52 +1,112 @@
-"""What ``urdf-ik workspace`` prints: the exact region of a planar arm, or a map's sums and shares."""
+"""The region that the tip reaches: exact for a planar arm, a map for any other.
+
+Two turning joints in a plane: the exact regions of both elbows, bounded by arcs. Any other arm: a map of voxels x
+orientations, with the number of solutions, how many are within limits, and the share that each branch covers.
+`urdf-ik plot --map` draws it. With --store it is computed on the disk, block by block: killed at any moment, the same
+command continues where it stopped.
+
+Examples:
+    urdf-ik workspace planar_2r --degrees
+    urdf-ik workspace zyyzyz_6r --voxel 0.2 --orientations 50 -o map.npz
+    urdf-ik workspace zyyzyz_6r --voxel 0.25 --orientations 50 --store map.zarr --workers 2
+"""
 
 from __future__ import annotations
 
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-from urdf_ik.cli import console, tables
+from typer import Option
+
+from urdf_ik.cli import console, options, tables
+from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
+from urdf_ik.cli.options import ReportFormat
 from urdf_ik.cli.progress import Progress
-from urdf_ik.maps import workspaces
+from urdf_ik.cli.store_options import StoreOptions
 from urdf_ik.support import files
 
 if TYPE_CHECKING:
-    from urdf_ik.arm import Arm
-    from urdf_ik.cli.chunked.places import Places
     from urdf_ik.cli.console import Angles
+    from urdf_ik.maps import workspaces
 
 
-def run(arm: Arm, angles: Angles, output: Path | None, places: Places, as_json: bool, options: dict[str, Any]) -> None:
-    """Print the exact region of two turning joints, or compute a map, print its sums and save it.
+@dataclass(frozen=True)
+class MapOptions:
+    """Options of a map that have the names of ``urdf_ik.maps.workspace``'s arguments."""
 
-    Any other arm gets a map, and so does one for which an option of ``urdf_ik.maps.workspace``, a file or a store asks
-    for it; None stands for an option that was not given.
+    voxel: Annotated[
+        float | None, Option(metavar="M", help="Edge of a voxel [m]. Default: 0.1.", show_default=False)
+    ] = None
+    orientations: Annotated[
+        int | None,
+        Option(metavar="N", min=1, help="Number of them at each voxel. Default: 200.", show_default=False),
+    ] = None
+    bounds: Annotated[
+        str | None,
+        Option(metavar="X0,Y0,Z0,X1,Y1,Z1", help="Box to look at [m]. Default: the reach of the links."),
+    ] = None
+    collision_free: Annotated[bool, Option("--collision-free", help="Count those free of collision, too; slow.")] = (
+        False
+    )
+    manipulability: Annotated[bool, Option("--manipulability", help="Keep each pose's greatest manipulability.")] = (
+        False
+    )
+    margin: Annotated[bool, Option("--margin", help="Keep each pose's greatest limit margin.")] = False
+    clearance: Annotated[bool, Option("--clearance", help="Keep each pose's greatest clearance; slow.")] = False
+    threads: options.Threads = 1
+
+    def given(self) -> dict[str, Any]:
+        """The options that differ from their defaults."""
+        out = {name: value for name, value in asdict(self).items() if value != getattr(MapOptions, name)}
+        return out if self.bounds is None else out | {"bounds": console.box(self.bounds, "--bounds").tolist()}
+
+
+def command(
+    *,
+    map: MapOptions,  # noqa: A002  the group of its options
+    world: options.World = None,
+    work: StoreOptions,
+    chosen: ArmOptions,
+    degrees: options.Degrees = False,
+    printed_as: options.TextFormat = ReportFormat.TABLE,
+    output: Annotated[
+        Path | None, Option("--output", "-o", metavar="FILE", help="Write the map here, as .npz.")
+    ] = None,
+) -> None:
+    """Print the exact region of two turning joints; or compute a map, print its sums and save it.
+
+    A planar arm gets a map, too, where an option, a file or a store asks for one.
 
     Raises:
-        typer.BadParameter: places that cannot be.
-        ArgumentError: ``output`` is a folder, or there is no folder for it.
-        ArgumentError: options of which no map can be made, or a file that cannot be written.
-        JobError: a store that cannot be gone on with, or cannot be written.
-        JobError: a scheduler or workers that cannot do the work.
+        typer.BadParameter: options that exclude each other.
+        ArgumentError: ``output`` cannot be written, or an option has an invalid value.
+        JobError: the store, the scheduler or the workers cannot be used.
     """
+    from urdf_ik.maps import workspaces
+
+    arm = chosen.load(degrees)
+    as_json = printed_as is ReportFormat.JSON
+    given = map.given()
+    if world is not None:
+        given["world"] = read_world(world, chosen)
     if output is not None:
         files.writable(output)
-    if output is not None and places.store is not None:
+    if output is not None and work.store is not None:
         raise console.usage("a map goes into a file or into a store: give --output or --store", "--store")
-    places.check()
-    given = {name: value for name, value in options.items() if value is not None and value is not False}
-    asked = bool(given) or output is not None or places.store is not None
-    if arm.dof == 2 and arm.solver.control.plane is not None and not arm.chain.prismatic.any() and not asked:
+    work.check()
+    wants_map = bool(given) or output is not None or work.store is not None
+    if arm.dof == 2 and arm.solver.control.plane is not None and not arm.chain.prismatic.any() and not wants_map:
         region = workspaces.planar(arm)
-        console.write(_region_json(region) if as_json else _region_text(region, angles), None)
+        console.write(_region_json(region) if as_json else _region_text(region, angles_of(arm, degrees)), None)
         return
     found: workspaces.WorkspaceMap | workspaces.StoredMap
-    with places.client() as client, Progress("solving poses", "solving") as progress:
-        if places.store is not None:
-            found = workspaces.workspace(arm, **given, store=places.store, client=client, progress=progress.tick)
+    with work.client() as client, Progress("solving poses", "solving") as progress:
+        if work.store is not None:
+            found = workspaces.workspace(arm, **given, store=work.store, client=client, progress=progress.tick)
         else:
             found = workspaces.workspace(arm, **given, output=output, progress=progress.tick)
-    console.write(_map_json(found) if as_json else _map_text(found, output or places.store), None)
+    console.write(_map_json(found) if as_json else _map_text(found, output or work.store), None)
 
 
 def _region_text(region: workspaces.PlanarWorkspace, angles: Angles) -> str:

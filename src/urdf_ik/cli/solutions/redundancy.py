@@ -1,15 +1,10 @@
-"""Options ``--lock`` and ``--redundancy``: joints that are held, and what is free in an arm with seven joints."""
+"""Values of the redundancy parameters, as they are typed, shown and named."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-
-from urdf_ik.cli import console
-from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -18,27 +13,8 @@ if TYPE_CHECKING:
     from urdf_ik.cli.console import Angles
 
 
-def locked(typed: Sequence[str], option: str) -> dict[str, float]:
-    """Joint names and values [rad or m] of ``NAME=VALUE``; a value with ``deg`` behind it is in degrees.
-
-    Raises:
-        typer.BadParameter: one is not of this form.
-    """
-    out = {}
-    for text in typed:
-        name, _, value = text.rpartition("=")
-        number = value.strip().removesuffix("deg")
-        try:
-            out[name.strip()] = math.radians(float(number)) if number != value.strip() else float(number)
-        except ValueError:
-            name = ""
-        if not name:
-            raise console.usage(f"{quoted(text)} is no NAME=VALUE, such as joint_7=0.5 or joint_7=30deg", option)
-    return out
-
-
 def own_values(arm: Arm, q: NDArray[np.float64]) -> NDArray[np.float64] | None:
-    """What the redundancy parameter is at joint vectors (N, n); None for an arm without one."""
+    """Redundancy parameters of joint vectors (N, n); None for an arm without one."""
     return None if arm.redundancy is None else arm.redundancy_of(q)
 
 

@@ -1,4 +1,4 @@
-"""What ``urdf-ik ik`` found for its poses, with each solution's checks, and how it is written as data."""
+"""Solutions with their checks, and their form as JSON, CSV and npz."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik.cli import console, free_value
-from urdf_ik.ik.solutions import Singular
+from urdf_ik.cli import console
+from urdf_ik.cli.solutions import redundancy as parameters
+from urdf_ik.ik.solutions import IKSolutions, Singular
 from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
 
 if TYPE_CHECKING:
@@ -19,16 +20,14 @@ if TYPE_CHECKING:
     from urdf_ik.arm import Arm
     from urdf_ik.cell import World
     from urdf_ik.cli.console import Angles
-    from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
-from urdf_ik.ik.solutions import IKSolutions
 
 # Solutions that Pinocchio measures between two reports of progress.
-_AT_ONCE = 512
+_BATCH = 512
 
 
 @dataclass(frozen=True)
-class Answer:
-    """The solutions of N poses and what is known of each; an array is None where it was not asked for.
+class CheckedSolutions:
+    """The solutions of N poses, each with its checks; an array is None where its check was not asked for.
 
     Attributes:
         arm: the arm that was solved.
@@ -39,7 +38,7 @@ class Answer:
         turned: (N, B) bool, inside them after whole turns of some joints.
         free: (N, B) bool, free of self-collision.
         hits: the pairs of links that collide, by pose and column.
-        unchecked: why self-collision was not checked although it was asked for, else ''.
+        unchecked: reason why self-collision could not be checked, '' where it was or need not be.
         position_error: (N, B) m, as Pinocchio measures it, NaN where there is no solution.
         rotation_error: (N, B) rad, likewise.
     """
@@ -86,7 +85,7 @@ def solve(
     collisions: bool,
     world: World | None = None,
     tick: Callable[[int, int], None],
-) -> Answer:
+) -> CheckedSolutions:
     """Solve, filter with ``pick`` and check; ``tick(done, total)`` reports how far the checks are.
 
     ``redundancy``: (N,) rad or m, or None for the arm's default; ``world``: obstacles that count as collisions.
@@ -105,8 +104,8 @@ def solve(
 
         reference = Reference(arm.model, arm.base, arm.tip, locked=dict(arm.chain.locked))
         position, rotation = np.full(valid.shape, np.nan), np.full(valid.shape, np.nan)
-        for start in range(0, len(todo), _AT_ONCE):
-            i, b = todo[start : start + _AT_ONCE].T
+        for start in range(0, len(todo), _BATCH):
+            i, b = todo[start : start + _BATCH].T
             position[i, b], rotation[i, b] = reference.errors(q[i, b], poses[i])
             tick(start + len(i), len(todo))
     if collisions:
@@ -119,7 +118,9 @@ def solve(
                 if not free[i, b]:
                     hits[int(i), int(b)] = body.colliding_pairs(q[i, b])
                 tick(done + 1, len(todo))
-    return Answer(arm, poses, solutions, solutions.names, within, turned, free, hits, unchecked, position, rotation)
+    return CheckedSolutions(
+        arm, poses, solutions, solutions.names, within, turned, free, hits, unchecked, position, rotation
+    )
 
 
 def flags(singular: int) -> list[str]:
@@ -127,7 +128,7 @@ def flags(singular: int) -> list[str]:
     return [str(flag.name).lower() for flag in Singular if flag & int(singular)] if singular else []
 
 
-def as_json(answer: Answer, angles: Angles) -> str:
+def as_json(answer: CheckedSolutions, angles: Angles) -> str:
     """One object a pose, in order, each with its solutions."""
     return console.json_text(
         {
@@ -151,22 +152,22 @@ def as_json(answer: Answer, angles: Angles) -> str:
     )
 
 
-def explanation(answer: Answer, pose: int) -> str:
+def explanation(answer: CheckedSolutions, pose: int) -> str:
     """Why a pose has no solution."""
     one: IKSolutions = answer.solutions[pose]
     return one.explain()
 
 
-def as_csv(answer: Answer, angles: Angles) -> str:
+def as_csv(answer: CheckedSolutions, angles: Angles) -> str:
     """One line a solution; numbers first, so that the text of the last two columns can be left out."""
     header = ["pose", *answer.arm.joint_names, "within_limits"]
-    header += free_value.headings(answer.arm)
+    header += parameters.headings(answer.arm)
     header += [] if answer.free is None else ["collision_free"]
     header += [] if answer.position_error is None else ["position_error", "rotation_error"]
     return console.csv_text([*header, "singular", "branch"], _csv_rows(answer, angles))
 
 
-def as_npz(answer: Answer, angles: Angles) -> bytes:
+def as_npz(answer: CheckedSolutions, angles: Angles) -> bytes:
     """The arrays as the package lays them out: NaN rows of ``q`` where a branch has no solution."""
     arrays: dict[str, Any] = {
         "poses": answer.poses,
@@ -179,7 +180,7 @@ def as_npz(answer: Answer, angles: Angles) -> bytes:
         "within_limits": answer.within,
     }
     if answer.solutions.redundancy is not None:
-        arrays["redundancy"] = free_value.shown(answer.arm, answer.solutions.redundancy, angles)
+        arrays["redundancy"] = parameters.shown(answer.arm, answer.solutions.redundancy, angles)
     if answer.free is not None:
         arrays["collision_free"] = answer.free
     if answer.position_error is not None and answer.rotation_error is not None:
@@ -188,15 +189,15 @@ def as_npz(answer: Answer, angles: Angles) -> bytes:
     return console.npz_bytes(arrays)
 
 
-DATA: Mapping[str, Callable[[Answer, Angles], str | bytes]] = {"json": as_json, "csv": as_csv, "npz": as_npz}
+DATA: Mapping[str, Callable[[CheckedSolutions, Angles], str | bytes]] = {"json": as_json, "csv": as_csv, "npz": as_npz}
 
 
-def _parameter(answer: Answer, angles: Angles, i: int) -> dict[str, Any]:
+def _parameter(answer: CheckedSolutions, angles: Angles, i: int) -> dict[str, Any]:
     values = answer.solutions.redundancy
-    return {} if values is None else {"redundancy": free_value.shown(answer.arm, values[i], angles)}
+    return {} if values is None else {"redundancy": parameters.shown(answer.arm, values[i], angles)}
 
 
-def _solution(answer: Answer, angles: Angles, i: int, b: int) -> dict[str, Any]:
+def _solution(answer: CheckedSolutions, angles: Angles, i: int, b: int) -> dict[str, Any]:
     out: dict[str, Any] = {
         "branch": answer.names[i, b],
         "q": angles.shown(answer.solutions.q[i, b]),
@@ -214,7 +215,7 @@ def _solution(answer: Answer, angles: Angles, i: int, b: int) -> dict[str, Any]:
     return out
 
 
-def _csv_rows(answer: Answer, angles: Angles) -> Iterator[list[Any]]:
+def _csv_rows(answer: CheckedSolutions, angles: Angles) -> Iterator[list[Any]]:
     q = angles.shown(answer.solutions.q)
     for i in range(len(answer.poses)):
         for b in answer.places(i):

@@ -1,4 +1,4 @@
-"""Where the poses of ``urdf-ik ik`` come from: typed, planted, read, drawn, or the arm's example."""
+"""Target poses: typed, of a joint vector, from a file, random, or the arm's example."""
 
 from __future__ import annotations
 
@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik.cli import console, free_value
+from urdf_ik.cli import console
+from urdf_ik.cli.solutions.redundancy import own_values
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
-    from urdf_ik.cli.chosen_arm import TypedPose
     from urdf_ik.cli.console import Angles
+    from urdf_ik.cli.options import Pose
 
 ORIENTATIONS: Mapping[str, tuple[str, ...]] = {
     "--quat-xyzw": ("x", "y", "z", "w"),
@@ -41,50 +42,50 @@ class Target:
 
 
 @dataclass(frozen=True)
-class Asked:
+class TargetOptions:
     """The target options as typed; None where one was not given."""
 
-    typed: TypedPose
+    typed: Pose
     q: Sequence[str]
     poses: str | None
     random: int | None
     seed: int
 
 
-def target(arm: Arm, asked: Asked, angles: Angles) -> Target:
-    """The poses that were asked for.
+def target(arm: Arm, given: TargetOptions, angles: Angles) -> Target:
+    """The target poses of the options.
 
     Raises:
-        typer.BadParameter: options that exclude each other, or values that are no pose.
+        typer.BadParameter: options that exclude each other, or values that do not make a pose.
     """
-    oriented = [option for option, text in asked.typed.orientations.items() if text is not None]
-    given = {
-        "--xyz": asked.typed.xyz is not None or bool(oriented),
-        "--q": bool(asked.q),
-        "--poses": asked.poses is not None,
-        "--random": asked.random is not None,
+    oriented = [option for option, text in _orientations(given.typed).items() if text is not None]
+    kinds = {
+        "--xyz": given.typed.xyz is not None or bool(oriented),
+        "--q": bool(given.q),
+        "--poses": given.poses is not None,
+        "--random": given.random is not None,
     }
-    chosen = [option for option, there in given.items() if there]
+    chosen = [option for option, there in kinds.items() if there]
     if len(chosen) > 1:
         raise console.usage(f"{' and '.join(chosen)} exclude each other; give one kind of target")
     if not chosen:
-        return _example(arm, angles, asked.seed)
-    if asked.q:
-        return _planted(arm, asked.q, angles)
-    if asked.poses is not None:
-        poses = console.read_poses(asked.poses, "--poses")
-        return Target(poses, f"poses: {len(poses)} from {console.place(asked.poses)}")
-    if asked.random is not None:
-        note = f"poses: {asked.random} of random joint vectors inside the limits, seed {asked.seed}"
-        return _of_vectors(arm, _draws(arm, asked.random, asked.seed), note)
-    return _typed(asked.typed, oriented, angles)
+        return _example(arm, angles, given.seed)
+    if given.q:
+        return _planted(arm, given.q, angles)
+    if given.poses is not None:
+        poses = console.read_poses(given.poses, "--poses")
+        return Target(poses, f"poses: {len(poses)} from {console.place(given.poses)}")
+    if given.random is not None:
+        note = f"poses: {given.random} of random joint vectors inside the limits, seed {given.seed}"
+        return _of_vectors(arm, _draws(arm, given.random, given.seed), note)
+    return _typed(given.typed, oriented, angles)
 
 
 def spread(arm: Arm, target: Target, typed: str | None, angles: Angles) -> Target:
     """``target`` with the values of the redundancy parameter: each pose at every value typed, else as it is.
 
     Raises:
-        typer.BadParameter: values that are no numbers, or an arm without such a parameter.
+        typer.BadParameter: values that are not numbers, or an arm without such a parameter.
     """
     if typed is None:
         return target
@@ -103,7 +104,12 @@ def spread(arm: Arm, target: Target, typed: str | None, angles: Angles) -> Targe
     return replace(target, poses=poses, redundancy=np.concatenate([values] * len(target.poses)))
 
 
-def _typed(typed: TypedPose, oriented: Sequence[str], angles: Angles) -> Target:
+def _orientations(typed: Pose) -> dict[str, str | None]:
+    """Each orientation by its option."""
+    return {option: getattr(typed, option.removeprefix("--").replace("-", "_")) for option in ORIENTATIONS}
+
+
+def _typed(typed: Pose, oriented: Sequence[str], angles: Angles) -> Target:
     from urdf_ik.model.poses import pose
 
     if typed.xyz is None:
@@ -116,7 +122,7 @@ def _typed(typed: TypedPose, oriented: Sequence[str], angles: Angles) -> Target:
         )
     option = oriented[0]
     position = console.numbers(typed.xyz, "--xyz", ("x", "y", "z"))
-    values = console.numbers(str(typed.orientations[option]), option, ORIENTATIONS[option])
+    values = console.numbers(str(_orientations(typed)[option]), option, ORIENTATIONS[option])
     if angles.degrees and not option.startswith("--quat"):
         values = np.deg2rad(values)
     T = pose(position, **{option.removeprefix("--").replace("-", "_"): values})
@@ -129,8 +135,8 @@ def _planted(arm: Arm, typed: Sequence[str], angles: Angles) -> Target:
 
 
 def _of_vectors(arm: Arm, q: NDArray[np.float64], note: str) -> Target:
-    """The poses of joint vectors (N, n), with what the redundancy parameter is there."""
-    return Target(arm.fk(q), note, free_value.own_values(arm, q))
+    """The poses of joint vectors (N, n), with the redundancy parameters of these joint vectors."""
+    return Target(arm.fk(q), note, own_values(arm, q))
 
 
 def _example(arm: Arm, angles: Angles, seed: int) -> Target:
@@ -139,7 +145,7 @@ def _example(arm: Arm, angles: Angles, seed: int) -> Target:
     lower, upper = arm.limits.T
     rounded = np.round(q, 1)
     q = np.where((rounded >= lower) & (rounded <= upper), rounded, q)
-    solutions = arm.ik(arm.fk(q), redundancy=free_value.own_values(arm, q))
+    solutions = arm.ik(arm.fk(q), redundancy=own_values(arm, q))
     regular = (solutions.valid & (solutions.singular == 0)).sum(axis=-1)
     inside = solutions.within_limits().valid.sum(axis=-1)
     best = int(np.lexsort((-inside, -regular))[0])

@@ -1,4 +1,4 @@
-"""What ``urdf-ik`` alone prints: what to do first."""
+"""The first steps, which ``urdf-ik`` prints without a command."""
 
 from __future__ import annotations
 

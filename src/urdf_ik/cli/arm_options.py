@@ -1,0 +1,236 @@
+"""The arm that a command is about: the options that say which, and how it is loaded."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Collection
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+import typer
+from typer import Argument, Option
+
+from urdf_ik.cli import console
+from urdf_ik.cli.completion import robots_and_files
+from urdf_ik.cli.console import Angles
+from urdf_ik.errors import escaped
+from urdf_ik.support.text import quoted
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.arm import Arm
+    from urdf_ik.cell import World
+    from urdf_ik.model.urdf import UrdfModel
+
+_XYZ = ("x", "y", "z")
+
+
+@dataclass(frozen=True)
+class ArmOptions:
+    """Every option of loading an arm, as typed; the keyword arguments of ``urdf_ik.load`` and a tool."""
+
+    robot: Annotated[
+        str,
+        Argument(
+            metavar="ROBOT",
+            help="File (URDF, xacro, MJCF, or one of them in gzip), a name that `urdf-ik robots` lists, or - for "
+            "stdin.",
+            autocompletion=robots_and_files,
+        ),
+    ]
+    base: Annotated[str | None, Option(metavar="LINK", help="Base link; poses are given in its frame.")] = None
+    tip: Annotated[str | None, Option(metavar="LINK", help="Tip link; poses are those of its frame.")] = None
+    chain: Annotated[
+        str | None,
+        Option(metavar="NAME", help="Which arm of several, as `info --chains` names it, or an SRDF's group."),
+    ] = None
+    srdf: Annotated[
+        Path | None, Option(metavar="FILE", exists=True, dir_okay=False, help="SRDF, whose groups are the chains.")
+    ] = None
+    lock: Annotated[
+        list[str] | None,
+        Option(metavar="NAME=VALUE", help="Hold a joint there: rad or m, or 30deg; repeatable."),
+    ] = None
+    mesh_root: Annotated[
+        list[Path] | None,
+        Option(
+            metavar="DIR",
+            exists=True,
+            file_okay=False,
+            help="Folder to look for meshes and ROS packages in; repeatable.",
+        ),
+    ] = None
+    xacro_arg: Annotated[list[str] | None, Option(metavar="NAME:=VALUE", help="Argument of a xacro; repeatable.")] = (
+        None
+    )
+    tool_xyz: Annotated[
+        str | None, Option(metavar="X,Y,Z", help="Put a tool at the tip: its centre point in the tip link [m].")
+    ] = None
+    tool_rpy: Annotated[
+        str | None, Option(metavar="R,P,Y", help="Orientation of the tool at its centre point, in the tip link.")
+    ] = None
+    redundancy_joint: Annotated[
+        list[str] | None,
+        Option(
+            metavar="NAME",
+            help="Redundancy parameter of an arm with more than six joints: this joint's value; repeatable.",
+        ),
+    ] = None
+    free_axis: Annotated[
+        str | None,
+        Option(
+            metavar="x|y|z|X,Y,Z",
+            help="Axis of the tip about which the tool is round: the rotation about it is a redundancy parameter.",
+        ),
+    ] = None
+    free_at: Annotated[str | None, Option(metavar="X,Y,Z", help="A point of that axis, in the tip link [m].")] = None
+
+    def load(self, degrees: bool = False) -> Arm:
+        """The arm.
+
+        Args:
+            degrees: whether the tool's orientation is in degrees.
+
+        Raises:
+            typer.BadParameter: standard input is closed, or a lock or a tool's place cannot be understood.
+            UrdfIkError: there is no such arm.
+        """
+        from urdf_ik.arm import load
+
+        source = self._source()
+        tool = self._tool(degrees)
+        arm = load(
+            source,
+            base=self.base,
+            tip=self.tip,
+            chain=self.chain,
+            srdf=self.srdf,
+            locked=self._locked(),
+            redundancy=self.redundancy_joint or (),
+            mesh_roots=self.mesh_root or (),
+            xacro_args=self._xacro_args(),
+        )
+        self._say_which(arm)
+        if tool is not None:
+            names = ("tool", *(f"tool_{k}" for k in range(2, len(arm.model.links) + 3)))
+            arm = arm.with_tool(tool, name=next(name for name in names if name not in arm.model.links))
+        return self._freed(arm)
+
+    def _freed(self, arm: Arm) -> Arm:
+        """The arm with the free axis of the options, if there is one."""
+        if self.free_axis is None:
+            if self.free_at is not None:
+                raise console.usage("a point on an axis needs the axis: --free-axis z", "--free-at")
+            return arm
+        named = self.free_axis.strip() in ("x", "y", "z")
+        axis = self.free_axis.strip() if named else console.numbers(self.free_axis, "--free-axis", _XYZ)
+        at = None if self.free_at is None else console.numbers(self.free_at, "--free-at", _XYZ)
+        return arm.with_free_axis(axis, at)
+
+    def model(self) -> UrdfModel:
+        """The whole URDF, whichever chain is meant.
+
+        Raises:
+            typer.BadParameter: standard input is closed, or an argument of a xacro cannot be understood.
+            UrdfIkError: there is no such robot.
+        """
+        from urdf_ik.arm.loading import read
+
+        return read(self._source(), mesh_roots=self.mesh_root or (), xacro_args=self._xacro_args())[0]
+
+    def _source(self) -> Any:
+        if self.robot == "-" and sys.stdin is None:
+            raise typer.BadParameter("standard input is closed", param_hint="ROBOT")
+        return sys.stdin.buffer if self.robot == "-" else self.robot
+
+    def _locked(self) -> dict[str, float]:
+        """Joint names and values [rad or m] of ``NAME=VALUE``; a value that ends in ``deg`` is in degrees."""
+        out = {}
+        for text in self.lock or ():
+            name, _, value = text.rpartition("=")
+            number = value.strip().removesuffix("deg")
+            try:
+                out[name.strip()] = math.radians(float(number)) if number != value.strip() else float(number)
+            except ValueError:
+                name = ""
+            if not name:
+                message = f"{quoted(text)} is not NAME=VALUE, such as joint_7=0.5 or joint_7=30deg"
+                raise typer.BadParameter(message, param_hint="--lock")
+        return out
+
+    def _xacro_args(self) -> dict[str, str] | None:
+        """Arguments of a xacro; None where there are none, so that only a xacro is read as one."""
+        parts = [typed.partition(":=") for typed in self.xacro_arg or ()]
+        for (name, given, _), typed in zip(parts, self.xacro_arg or (), strict=True):
+            if not (name and given):
+                raise typer.BadParameter(f"{quoted(typed)} is not NAME:=VALUE", param_hint="--xacro-arg")
+        return {name: value for name, _, value in parts} or None
+
+    def _say_which(self, arm: Arm) -> None:
+        """Say on standard error which chain was chosen of several, or which tip of several links at its end."""
+        if self.tip is not None or self.robot in _catalogue_names():
+            return
+        chains = arm.model.chains(self.base)
+        meant = [each for each in chains if each.tip == arm.tip]
+        others = len(chains) - len(meant)
+        if not meant or not (others or meant[0].frames):
+            return
+        also = f"; {', '.join(meant[0].frames[:4])} are fixed to it, too" if meant[0].frames else ""
+        also = also.replace(" are fixed to it", " is fixed to it") if len(meant[0].frames) == 1 else also
+        rest = f"; `urdf-ik info --chains` lists {others} more" if others else ""
+        typer.echo(escaped(f"chain: {arm.base} to {arm.tip} ({meant[0].reason}){also}{rest}"), err=True)
+
+    def _tool(self, degrees: bool) -> NDArray[np.float64] | None:
+        """Pose of the tool's centre point in the tip link; None without a tool."""
+        if self.tool_xyz is None and self.tool_rpy is None:
+            return None
+        from urdf_ik.model.poses import pose
+
+        xyz, rpy = (
+            console.numbers("0,0,0" if typed is None else typed, option, names)
+            for typed, option, names in (
+                (self.tool_xyz, "--tool-xyz", _XYZ),
+                (self.tool_rpy, "--tool-rpy", ("roll", "pitch", "yaw")),
+            )
+        )
+        return pose(xyz, rpy=np.deg2rad(rpy) if degrees else rpy)
+
+    def require_only(self, names: Collection[str], why: str) -> None:
+        """Refuse options of one arm where there is none.
+
+        Raises:
+            typer.BadParameter: an option other than ``names`` is given.
+        """
+        for each in fields(self):
+            if each.name not in ("robot", *names) and getattr(self, each.name):
+                option = f"--{each.name.replace('_', '-')}"
+                raise console.usage(f"{why}, and {option} is for an arm", option)
+
+    def without_stdin(self, source: str | None, option: str) -> None:
+        """Refuse that ``source``, which ``option`` names, is standard input too."""
+        if self.robot == "-" and source == "-":
+            raise typer.BadParameter("the robot is read from standard input already", param_hint=option)
+
+
+def read_world(file: Path | None, arm: ArmOptions) -> World | None:
+    """The obstacles of a URDF; its meshes may come from the folders of ``--mesh-root``, too."""
+    if file is None:
+        return None
+    from urdf_ik.cell import World
+
+    return World.from_urdf(file, package_dirs=arm.mesh_root or ())
+
+
+def _catalogue_names() -> tuple[str, ...]:
+    from urdf_ik.model import catalogue
+
+    return catalogue.names()
+
+
+def angles_of(arm: Arm, degrees: bool) -> Angles:
+    """How the arm's joint values are typed and shown."""
+    return Angles(degrees, np.array([kind != "prismatic" for kind in arm.chain.joint_types]))

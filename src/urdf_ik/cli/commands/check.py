@@ -1,0 +1,116 @@
+"""Check an arm against Pinocchio: kinematics, every solution of random poses, collision.
+
+The status is 1 when a check failed.
+
+With --complete it looks for solutions that the solver missed: the general elimination, and Newton's method from random
+starts where the solver uses the elimination itself, answer the same poses, random ones and some 1e-1 to 1e-8 rad from a
+singularity. Every difference is printed. The status is 1 when the solver lacks a solution or has one that Pinocchio
+does not confirm.
+
+ROBOT may be a folder: every URDF in it is checked, and one table shows the result of each.
+
+Examples:
+    urdf-ik check zyyzyz_6r -n 200
+    urdf-ik check ur5 --complete -n 80
+    urdf-ik check my_arm.urdf --tip tool0 --no-collision --format json
+    urdf-ik check lab/ --complete -n 2 --store night --workers 2
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from typer import Option
+
+from urdf_ik.cli import console, options
+from urdf_ik.cli.arm_options import ArmOptions
+from urdf_ik.cli.errors import Status
+from urdf_ik.cli.options import ReportFormat
+from urdf_ik.cli.progress import Progress
+from urdf_ik.cli.store_options import StoreOptions
+
+if TYPE_CHECKING:
+    from urdf_ik.verify import completeness, crosscheck, surveys
+
+
+def command(
+    *,
+    n: options.Poses = 200,
+    seed: options.Seed = 0,
+    complete: Annotated[
+        bool,
+        Option(
+            "--complete",
+            help="Instead: look for missing solutions in a second way, at N random, N near singular, N right-angled "
+            "poses.",
+        ),
+    ] = False,
+    collision: Annotated[
+        bool | None,
+        Option(
+            "--collision/--no-collision",
+            help="Compare collision checks, too. Default: where the URDF has collision shapes that can be read.",
+            show_default=False,
+        ),
+    ] = None,
+    work: StoreOptions,
+    chosen: ArmOptions,
+    printed_as: options.TextFormat = ReportFormat.TABLE,
+) -> None:
+    """Print the report of an arm, or the table of a folder.
+
+    Raises:
+        typer.BadParameter: options that exclude each other.
+        typer.Exit: a check failed.
+        UrdfIkError: there is no such arm, the folder holds no URDF, or the store cannot be used.
+    """
+    if complete and collision is not None:
+        raise console.usage("--complete compares solutions and nothing else", "--collision")
+    report: surveys.Survey | crosscheck.Report | completeness.Completeness
+    if Path(chosen.robot).is_dir():
+        report = _survey(chosen, n, seed, complete, collision, work)
+    else:
+        if work != StoreOptions():
+            raise console.usage("a store is for the arms of a folder, and this is one arm", "--store")
+        report = _report(chosen, n, seed, complete, collision)
+    console.write(report.to_json() if printed_as is ReportFormat.JSON else f"{report}\n", None)
+    if not report.passed:
+        raise typer.Exit(Status.FAILED)
+
+
+def _report(
+    chosen: ArmOptions, n: int, seed: int, complete: bool, collision: bool | None
+) -> crosscheck.Report | completeness.Completeness:
+    from urdf_ik.verify import completeness, crosscheck
+
+    arm = chosen.load()
+    if complete:
+        with Progress("comparing poses", "solving in two ways") as progress:
+            return completeness.compare(arm, n=n, seed=seed, progress=progress.tick)
+    with Progress("checking poses", "checking against Pinocchio") as progress:
+        return crosscheck.check(arm, n=n, seed=seed, collision=collision, progress=progress.tick)
+
+
+def _survey(
+    chosen: ArmOptions, n: int, seed: int, complete: bool, collision: bool | None, work: StoreOptions
+) -> surveys.Survey:
+    from urdf_ik.verify import surveys
+
+    work.check()
+    chosen.require_only(("base", "tip", "mesh_root"), f"{chosen.robot} is a folder")
+    with work.client() as client, Progress("checking arms", "checking") as progress:
+        return surveys.survey(
+            chosen.robot,
+            n=n,
+            seed=seed,
+            complete=complete,
+            collision=collision,
+            base=chosen.base,
+            tip=chosen.tip,
+            mesh_roots=chosen.mesh_root or (),
+            store=work.store,
+            client=client,
+            progress=progress.tick,
+        )

@@ -1,0 +1,1 @@
+"""Commands that fill a map or a data set, chunk by chunk."""

@@ -1,0 +1,164 @@
+"""Draw an arm, the branches of a pose, joint limits, the workspace or a path.
+
+The branches of a pose stand side by side or overlaid. The limits show all turns of the solutions. A path shows each
+joint's values in all branches along it, limits and contacts, and the plan. Sliders move the joints. Without --output it
+opens a window.
+
+Branches are those of a typed pose, of the tip at a joint vector (--q), or of the arm's example. The workspace of two
+turning joints is exact; any other is one layer of a map.
+
+Examples:
+    urdf-ik plot zyyzyz_6r branches -o all_branches.png
+    urdf-ik plot planar_2r workspace --q 0.5,-1 -o two_link_workspace.png
+    urdf-ik plot dh_6r limits -o limits.svg
+    urdf-ik plot planar_2r sliders -o sliders.png
+    urdf-ik plot zyyzyz_6r path --waypoints seam.csv -o path.png
+    urdf-ik plot srs_7r intervals --q 0.3,0.5,-0.4,0.9,0.2,-0.6,0.1 -o intervals.png
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+from typer import Argument, Option
+
+from urdf_ik.cli import console, options
+from urdf_ik.cli.arm_options import ArmOptions, angles_of
+from urdf_ik.cli.options import Value
+from urdf_ik.cli.path_options import PathOptions, followed
+from urdf_ik.cli.progress import Progress
+from urdf_ik.errors import ArgumentError
+from urdf_ik.support.text import quoted
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from urdf_ik.arm import Arm
+
+
+class Picture(StrEnum):
+    """The pictures."""
+
+    ARM = "arm"
+    BRANCHES = "branches"
+    OVERLAY = "overlay"
+    LIMITS = "limits"
+    WORKSPACE = "workspace"
+    SLIDERS = "sliders"
+    PATH = "path"
+    INTERVALS = "intervals"
+
+
+@dataclass(frozen=True)
+class Layer:
+    """Options of a layer of a workspace, as typed."""
+
+    map: options.Map = None
+    axis: Annotated[str, Option(metavar="x|y|z", help="Axis across which the layer of the workspace lies.")] = "z"
+    at: Annotated[float, Option(metavar="M", help="Place of the layer on that axis [m].")] = 0.0
+    show: options.Shown = Value.REACH
+
+
+def command(
+    *,
+    picture: Annotated[
+        Picture,
+        Argument(metavar="[WHAT]", help="arm, branches, overlay, limits, workspace, sliders, path or intervals."),
+    ] = Picture.ARM,
+    q: Annotated[
+        str | None, Option(metavar="Q1,Q2,...", help="Joint vector: the posture, or the tip's pose to solve.")
+    ] = None,
+    typed: options.Pose,
+    seed: options.Seed = 0,
+    shapes: Annotated[bool, Option(help="The shapes of the links, too, meshes among them.")] = False,
+    layer: Layer,
+    path: PathOptions,
+    chosen: ArmOptions,
+    degrees: options.Degrees = False,
+    output: Annotated[
+        Path | None,
+        Option("--output", "-o", metavar="FILE", help="PNG, SVG or PDF. Default: a window.", show_default=False),
+    ] = None,
+) -> None:
+    """Write the picture, or open a window and wait until it is closed.
+
+    Raises:
+        ArgumentError: there is no display, or the file cannot be written.
+    """
+    from urdf_ik.cli.solutions import targets
+    from urdf_ik.show import plot
+    from urdf_ik.show.plot.slider_panel import require_display
+
+    arm = chosen.load(degrees)
+    angles = angles_of(arm, degrees)
+    target = targets.TargetOptions(typed, () if q is None else (q,), None, None, seed)
+    if picture is not Picture.PATH and path.waypoints is not None:
+        raise console.usage(f"{picture.value} does not show a path; `urdf-ik plot ROBOT path` is", "--waypoints")
+    if output is None:
+        require_display()
+    elif output.suffix.lower() not in plot.SUFFIXES:
+        raise ArgumentError(f"{output}: pictures are written as {', '.join(plot.SUFFIXES)}; name the file so")
+    vector = None if q is None else angles.typed(console.numbers(q, "--q", arm.joint_names))
+    if picture is Picture.SLIDERS:
+        # The object that the sliders belong to must live as long as the window.
+        held = plot.sliders(arm, vector, window=output is None)
+        figure = held.figure
+    elif picture is Picture.ARM:
+        figure = plot.arm(arm, vector, shapes=shapes)
+    elif picture is Picture.PATH:
+        figure = plot.path(followed(arm, angles, path, chosen).plan)
+    elif picture is Picture.INTERVALS:
+        figure = plot.intervals(arm.intervals(targets.target(arm, target, angles).poses[0]), degrees=degrees)
+    elif picture is Picture.WORKSPACE:
+        figure = _workspace(arm, vector, layer)
+    else:
+        one = targets.target(arm, target, angles)
+        solutions = arm.ik(one.poses[0], redundancy=None if one.redundancy is None else one.redundancy[0])
+        if picture is Picture.LIMITS:
+            figure = plot.limits(solutions)
+        else:
+            figure = plot.branches(solutions, overlaid=picture is Picture.OVERLAY, shapes=shapes)
+    if output is None:
+        plot.show(figure)
+    else:
+        plot.save(figure, output)
+
+
+def _workspace(arm: Arm, q: NDArray[np.float64] | None, layer: Layer) -> Figure:
+    from urdf_ik.maps import workspaces
+    from urdf_ik.maps.workspaces.grid import AXES, grid_of
+    from urdf_ik.maps.workspaces.question import require_map_of
+    from urdf_ik.show import plot
+    from urdf_ik.show.plot.slider_panel import is_two_links
+
+    if layer.map is not None:
+        found = workspaces.opened(layer.map)
+        require_map_of(found.about, arm)
+        return plot.workspace_slice(found, layer.axis, layer.at, layer.show.value)
+    if is_two_links(arm):
+        return plot.planar_workspace(workspaces.planar(arm), q)
+    if layer.axis not in tuple(AXES):
+        raise console.usage(f"no axis is called {quoted(layer.axis)}; there are x, y and z", "--axis")
+    grid = grid_of(arm, arm.chain.size / 30.0, None)
+    k = AXES.index(layer.axis)
+    if not grid.lower[k] <= layer.at <= grid.upper[k]:
+        raise console.usage(
+            f"{layer.axis} = {layer.at:g} m is out of reach, from {grid.lower[k]:g} to {grid.upper[k]:g} m", "--at"
+        )
+    bounds = np.array([grid.lower, grid.upper])
+    bounds[:, k] = layer.at - 0.5 * grid.voxel, layer.at + 0.5 * grid.voxel
+    with Progress("solving poses", "solving") as progress:
+        found = workspaces.workspace(
+            arm,
+            grid.voxel,
+            bounds=bounds,
+            manipulability=layer.show is Value.MANIPULABILITY,
+            margin=layer.show is Value.MARGIN,
+            progress=progress.tick,
+        )
+    return plot.workspace_slice(found, layer.axis, layer.at, layer.show.value)

@@ -1,0 +1,106 @@
+"""Show an arm in the browser: every solution of a target to drag, sliders for the joints.
+
+With --waypoints it also shows a plan to play along its path, or where each branch ends; with --world, obstacles; with
+--map, a layer of a workspace map as coloured points, and the boundary of the reachable region. Ctrl-C ends it.
+
+Examples:
+    urdf-ik view ur5
+    urdf-ik view my_arm.urdf --tip tool0 --mesh-root meshes --port 9000
+    urdf-ik view panda -o panda.html
+    urdf-ik view zyyzyz_6r --waypoints seam.csv --world cell.urdf
+    urdf-ik view zyyzyz_6r --map map.npz --show solutions
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from typer import Option
+
+from urdf_ik.cli import console, interrupts, options
+from urdf_ik.cli.arm_options import ArmOptions, angles_of, read_world
+from urdf_ik.cli.options import Value
+from urdf_ik.cli.path_options import PathOptions, followed
+from urdf_ik.errors import escaped
+
+if TYPE_CHECKING:
+    from urdf_ik.show.viewer import Viewer
+
+
+@dataclass(frozen=True)
+class FirstLayer:
+    """Options of the map and its first layer, as typed; None for what was not given."""
+
+    map: options.Map = None
+    axis: Annotated[str | None, Option(metavar="x|y|z", help="Axis across which the map's layer lies.")] = None
+    at: Annotated[
+        float | None,
+        Option(metavar="M", help="Place of the layer on that axis [m]. Default: the middle.", show_default=False),
+    ] = None
+    show: options.Shown = Value.REACH
+
+    def put_in(self, viewer: Viewer) -> None:
+        """Show it; nothing where no map was given."""
+        if self.map is not None:
+            from urdf_ik.maps import workspaces
+
+            viewer.show_workspace(workspaces.opened(self.map), self.show.value, self.axis, self.at)
+            viewer.settle()
+        elif self.axis is not None or self.at is not None:
+            raise console.usage("a layer is one of a map: give --map, too", "--axis" if self.axis else "--at")
+
+
+def command(
+    *,
+    path: PathOptions,
+    layer: FirstLayer,
+    chosen: ArmOptions,
+    degrees: options.Degrees = False,
+    host: Annotated[
+        str, Option(metavar="ADDRESS", help="Listen there; 0.0.0.0 lets everybody in the network in.")
+    ] = "127.0.0.1",
+    port: Annotated[
+        int | None,
+        Option(metavar="PORT", help="Default: 8080, or the first free one after it.", show_default=False),
+    ] = None,
+    dark: Annotated[bool, Option("--dark", help="Light on dark.")] = False,
+    output: Annotated[
+        Path | None,
+        Option("--output", "-o", metavar="FILE", help="Write the scene there as one HTML page, and leave."),
+    ] = None,
+) -> None:
+    """Show an arm until Ctrl-C, or write its scene to a file; with a plan where there are waypoints.
+
+    Raises:
+        MissingPackage: viser is not installed.
+        UrdfIkError: the port is in use, or the host is not this machine, or a file cannot be read.
+        typer.BadParameter: the file cannot be written.
+    """
+    from urdf_ik.show.viewer import Viewer
+
+    arm = chosen.load(degrees)
+    plan, world = None, None
+    if path.waypoints is not None:
+        found = followed(arm, angles_of(arm, degrees), path, chosen)
+        plan, world = found.plan, found.world
+        if not plan.found:
+            typer.echo(escaped(f"no plan:\n{plan.explain()}"), err=True)
+    else:
+        world = read_world(path.settings["world"], chosen)
+    if output is not None:
+        with Viewer(arm, port=0, plan=plan, world=world, dark=dark) as viewer:
+            layer.put_in(viewer)
+            console.write(viewer.html(), output)
+        return
+    roots = chosen.mesh_root or ()
+    with Viewer(arm, host=host, port=port, mesh_roots=roots, plan=plan, world=world, dark=dark) as viewer:
+        layer.put_in(viewer)
+        # From the line that shows the address on, not only once it is waited for.
+        with interrupts.as_the_usual_end():
+            typer.echo(escaped(f"{arm.name}: {viewer.url} (Ctrl-C ends it)"))
+            if viewer.message:
+                typer.echo(escaped(viewer.message), err=True)
+            viewer.wait()

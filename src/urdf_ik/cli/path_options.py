@@ -1,0 +1,104 @@
+"""Options of a path, for ``urdf-ik path``, ``plot path`` and ``view``; and the plan along it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from typer import Option
+
+from urdf_ik.cli import console
+from urdf_ik.cli.arm_options import ArmOptions, read_world
+from urdf_ik.cli.options import POSES_IN_A_FILE, SettingsOf
+from urdf_ik.cli.progress import Elapsed
+from urdf_ik.paths.path_settings import PathSettings
+from urdf_ik.support.settings import Form, settings_of
+
+if TYPE_CHECKING:
+    from urdf_ik.arm import Arm
+    from urdf_ik.cell import World
+    from urdf_ik.cli.console import Angles
+    from urdf_ik.paths import Plan
+
+
+@dataclass(frozen=True)
+class PathOptions:
+    """A path and its settings, as typed; None for what was not given."""
+
+    settings: Annotated[Mapping[str, Any], SettingsOf(PathSettings)]
+    waypoints: Annotated[
+        str | None,
+        Option("--waypoints", "-w", metavar="FILE", help=f"Poses of the tip: {POSES_IN_A_FILE}"),
+    ] = None
+
+    def read(self, angles: Angles, chosen: ArmOptions, names: tuple[str, ...]) -> PathSettings:
+        """The settings with their values in rad and m.
+
+        Raises:
+            typer.BadParameter: a value that is not a number, or too many or too few of them.
+            UrdfIkError: the world cannot be read.
+        """
+        forms = settings_of(PathSettings)
+        given = {name: typed for name, typed in self.settings.items() if typed is not None}
+        return PathSettings(
+            **{name: _value(forms[name].form, typed, name, angles, chosen, names) for name, typed in given.items()}
+        )
+
+
+def _value(form: Form, typed: Any, name: str, angles: Angles, chosen: ArmOptions, names: tuple[str, ...]) -> Any:
+    """The value of a setting, from its option."""
+    option = f"--{name.replace('_', '-')}"
+    if form is Form.JOINT_VECTOR:
+        return angles.typed(console.numbers(typed, option, names))
+    if form is Form.EACH_JOINT:
+        one = len(typed.replace(",", " ").split()) == 1
+        values = np.broadcast_to(console.numbers(typed, option, (name,) if one else names), len(names))
+        return angles.typed(values) if settings_of(PathSettings)[name].unit else values
+    if form is Form.LENGTH_AND_ANGLE:
+        length, angle = console.numbers(typed, option, ("m", angles.unit)).tolist()
+        return length, float(np.deg2rad(angle)) if angles.degrees else angle
+    if form is Form.WORLD:
+        return read_world(typed, chosen)
+    return typed.value if form is Form.CHOICE else typed
+
+
+@dataclass(frozen=True)
+class Followed:
+    """A plan and its inputs.
+
+    Attributes:
+        arm: the arm that follows the path.
+        plan: found or not.
+        source: the file of the waypoints, as a message calls it.
+        world: its obstacles, or None.
+        cost: the cost that is least.
+        seconds: time that the search took [s].
+    """
+
+    arm: Arm
+    plan: Plan
+    source: str
+    world: World | None
+    cost: str
+    seconds: float
+
+
+def followed(arm: Arm, angles: Angles, path: PathOptions, chosen: ArmOptions) -> Followed:
+    """Read the waypoints and the world, and follow them.
+
+    Raises:
+        typer.BadParameter: no waypoints, or a value that is not a number.
+        UrdfIkError: a file that cannot be read, or a setting that makes no sense.
+    """
+    from urdf_ik import paths
+
+    if path.waypoints is None:
+        raise console.usage("a file of waypoints is needed, such as seam.csv", "--waypoints")
+    chosen.without_stdin(path.waypoints, "--waypoints")
+    settings = path.read(angles, chosen, arm.joint_names)
+    with Elapsed("following the path") as progress:
+        poses = paths.read_waypoints(console.opened(path.waypoints, "--waypoints"), degrees=angles.degrees)
+        plan = arm.follow(poses, **vars(settings))
+    return Followed(arm, plan, console.place(path.waypoints), settings.world, settings.cost, progress.seconds)

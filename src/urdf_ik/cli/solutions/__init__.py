@@ -1,0 +1,1 @@
+"""Targets, solutions and their checks, as ``urdf-ik ik`` reads and writes them."""

@@ -1,0 +1,58 @@
+"""The settings of a path: the one place that declares them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from urdf_ik.support.settings import Form, documented, setting
+
+if TYPE_CHECKING:
+    from urdf_ik.cell import World
+
+COSTS = ("l1", "l2", "max", "time")
+
+
+@documented
+@dataclass(frozen=True)
+class PathSettings:
+    """Settings of a path: the keyword arguments of :meth:`urdf_ik.Arm.follow`, and the options of ``urdf-ik path``."""
+
+    start: Any = setting(
+        None, "Joint vector at the first waypoint; by default the best one.", Form.JOINT_VECTOR, "rad or m"
+    )
+    end: Any = setting(
+        None, "Joint vector at the last waypoint; by default the best one.", Form.JOINT_VECTOR, "rad or m"
+    )
+    world: World | None = setting(None, "Obstacles.", Form.WORLD)
+    margin: float = setting(
+        0.0, "Least distance of the arm's bodies from each other and from obstacles.", Form.NUMBER, "m"
+    )
+    collisions: bool = setting(
+        True, "Whether contacts are checked, at the waypoints and all the way between them.", Form.FLAG
+    )
+    cost: str = setting(
+        "l2",
+        "Cost of a step: the sum of |dq| (l1), of dq^2 (l2), the largest |dq| (max), or the time at the URDF's "
+        "velocity limits (time).",
+        Form.CHOICE,
+        choices=COSTS,
+    )
+    weights: Any = setting(None, "Factor on |dq| of each joint, on dq^2 for l2; by default 1.", Form.EACH_JOINT)
+    limit_cost: float = setting(
+        0.0,
+        "Weight of a cost at each waypoint: the square of the nearness to a joint limit, 0 in the middle of the range "
+        "and 1 at the limit, of the joint that comes nearest.",
+        Form.NUMBER,
+    )
+    max_step: Any = setting(None, "Largest step of a joint between two waypoints.", Form.EACH_JOINT, "rad or m")
+    tolerance: Any = setting(
+        None,
+        "Largest distance of the tip from the straight segments between waypoints; by default 0.001 m and 0.02 rad, or "
+        "four times these where no plan keeps to them.",
+        Form.LENGTH_AND_ANGLE,
+        "m, rad",
+    )
+    reconfigure: bool = setting(
+        False, "Whether the branch may change, as seldom as possible, where no motion leads all the way.", Form.FLAG
+    )
