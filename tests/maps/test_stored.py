@@ -191,7 +191,7 @@ def test_what_a_store_cannot_be_is_said(arm: urdf_ik.Arm, tmp_path: Path, monkey
         workspaces.workspace(arm, store=path, output="map.npz")  # type: ignore[call-overload]
     with pytest.raises(urdf_ik.ArgumentError, match="a world is given"):
         workspaces.workspace(arm, world=urdf_ik.World())
-    monkeypatch.setattr(workspaces.grid.capacity, "free_disk", lambda _: 2**20)
+    monkeypatch.setattr(workspaces.grid.free_space, "free_disk", lambda _: 2**20)
     with pytest.raises(urdf_ik.ArgumentError, match=r"poses take up to .* on the disk.*1 MiB free"):
         workspaces.workspace(arm, 0.1, store=tmp_path / "large.zarr")
     assert not (tmp_path / "large.zarr").exists()

@@ -15,7 +15,7 @@ import numpy as np
 from urdf_ik.errors import ArgumentError, JobError, MissingPackage, UnsupportedArm
 from urdf_ik.maps.datasets.samples import CHUNK, Drawing, Samples
 from urdf_ik.maps.datasets.stored_samples import FORMAT, VERSION, StoredSamples
-from urdf_ik.maps.engine import Folder, capacity, run, zarr_writing
+from urdf_ik.maps.engine import Folder, free_space, run, zarr_writing
 from urdf_ik.maps.engine.store_folder import checked_path, finished
 from urdf_ik.support import inputs
 
@@ -137,7 +137,7 @@ def dataset(
 def _in_memory(drawing: Drawing, progress: Progress | None) -> Samples:
     # The chunks, and all of them once more as one.
     hint = "take fewer samples, or a store"
-    capacity.require_memory(2 * drawing.n * _size(_one(drawing)), f"{drawing.n:.4g} samples", hint)
+    free_space.require_memory(2 * drawing.n * _size(_one(drawing)), f"{drawing.n:.4g} samples", hint)
     parts: list[dict[str, Any]] = []
     for chunk in range(drawing.chunks):
         parts.append(drawing.samples(chunk).columns)
@@ -153,7 +153,7 @@ def _in_store(drawing: Drawing, path: Path, client: Any, progress: Progress | No
     one = _one(drawing)
     folder = checked_path(path)
     needed = _size(one) * max(0, drawing.n - len(finished(folder)) * drawing.chunk)
-    capacity.require_disk(folder, needed, f"{drawing.n:.4g} samples", "take fewer samples, or another disk")
+    free_space.require_disk(folder, needed, f"{drawing.n:.4g} samples", "take fewer samples, or another disk")
     job: Job = ZarrJob(drawing) if path.suffix == ".zarr" else ParquetJob(drawing)
     question = {**drawing.described(), "format": FORMAT, "version": VERSION, "kind": path.suffix, "columns": list(one)}
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.ik.solutions import limits as joint_limits
-from urdf_ik.maps.engine.work import AskedOfAnArm
+from urdf_ik.maps.engine.arm_jobs import ArmQuestion
 from urdf_ik.support.angles import TURN
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ class Samples:
 
 
 @dataclass(frozen=True, eq=False)
-class Drawing(AskedOfAnArm):
+class Drawing(ArmQuestion):
     """What decides every sample; it is pickled for workers.
 
     Attributes:

@@ -12,7 +12,7 @@ import numpy as np
 
 from urdf_ik.errors import ArgumentError, JobError, UrdfIkError, printable
 from urdf_ik.maps.datasets.samples import Samples
-from urdf_ik.maps.engine import capacity
+from urdf_ik.maps.engine import free_space
 from urdf_ik.maps.engine.store_folder import finished, read_question
 from urdf_ik.maps.engine.zarr_reading import MAX_CHUNK, OpenedGroup
 from urdf_ik.support import files, inputs
@@ -114,7 +114,7 @@ class StoredSamples:
             yield self.read(start, min(start + self.chunk, self.n))
 
     def _zarr(self, start: int, stop: int) -> dict[str, Any]:
-        group, most = OpenedGroup(self.path), capacity.available_memory()
+        group, most = OpenedGroup(self.path), free_space.available_memory()
         return {name: group.read(name, (slice(start, stop),), most) for name in self.columns}
 
     def _parquet(self, wanted: range, start: int, stop: int) -> dict[str, Any]:

@@ -100,9 +100,7 @@ class OpenedGroup:
 
     def _damaged(self, what: str, error: Exception) -> JobError:
         reason = printable(f"{type(error).__name__} {error}", 200)
-        return JobError(
-            f"{self._name}: {what} is damaged ({reason}); the run that made it makes what is damaged again"
-        )
+        return JobError(f"{self._name}: {what} is damaged ({reason}); the run that made it makes what is damaged again")
 
     def _array(self, name: str) -> Any:
         try:
@@ -121,9 +119,7 @@ class OpenedGroup:
     def _look_at_chunks(self, name: str, found: Any, spans: list[tuple[int, int]]) -> None:
         """Refuse chunks that unpack to more than they should, before they are unpacked."""
         size = math.prod(found.chunks) * np.dtype(found.dtype).itemsize
-        ranges = [
-            range(start // side, -(-end // side)) for (start, end), side in zip(spans, found.chunks, strict=True)
-        ]
+        ranges = [range(start // side, -(-end // side)) for (start, end), side in zip(spans, found.chunks, strict=True)]
         if math.prod(map(len, ranges)) > _MOST_CHUNKS:
             raise JobError(f"{self._name}: {printable(name)} is cut into more than {_MOST_CHUNKS} chunks")
         for place in np.ndindex(*map(len, ranges)):

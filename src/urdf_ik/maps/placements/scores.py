@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.maps.engine import zarr_writing
-from urdf_ik.maps.engine.work import AskedOfAnArm
+from urdf_ik.maps.engine.arm_jobs import ArmQuestion
 from urdf_ik.maps.workspaces.counts import Counting
 from urdf_ik.maps.workspaces.store.blocks import Blocks
 from urdf_ik.model.poses import pose
@@ -67,7 +67,7 @@ SCORES = {
 
 
 @dataclass(frozen=True, eq=False)
-class Asked(AskedOfAnArm):
+class Asked(ArmQuestion):
     """What is asked of base positions; it is pickled for workers.
 
     Attributes:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError
-from urdf_ik.maps.engine import capacity
+from urdf_ik.maps.engine import free_space
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
 
@@ -243,7 +243,7 @@ def require_memory(grid: Grid, samples: int, needed: int) -> None:
     Raises:
         ArgumentError: with the numbers.
     """
-    capacity.require_memory(needed, _words(grid, samples), _HINT, ArgumentError)
+    free_space.require_memory(needed, _words(grid, samples), _HINT, ArgumentError)
 
 
 def require_room(grid: Grid, samples: int, needed: int, output: Path) -> None:
@@ -258,7 +258,7 @@ def require_room(grid: Grid, samples: int, needed: int, output: Path) -> None:
     Raises:
         ArgumentError: with the numbers.
     """
-    capacity.require_disk(output, needed, _words(grid, samples), _HINT, ArgumentError)
+    free_space.require_disk(output, needed, _words(grid, samples), _HINT, ArgumentError)
 
 
 def _words(grid: Grid, samples: int) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.maps.engine import versions
-from urdf_ik.maps.engine.work import AskedOfAnArm, urdf_digest
+from urdf_ik.maps.engine.arm_jobs import ArmQuestion, urdf_digest
 from urdf_ik.maps.workspaces.counts import Counting, sum_over_samples
 from urdf_ik.maps.workspaces.orientations import Targets, sampled
 from urdf_ik.maps.workspaces.workspace_map import About
@@ -60,7 +60,7 @@ HELD = {
 
 
 @dataclass(frozen=True, eq=False)
-class Question(AskedOfAnArm):
+class Question(ArmQuestion):
     """What is asked of every pose of a grid; it is pickled for workers.
 
     Attributes:
