@@ -256,10 +256,11 @@ def poses(value: Any, error: Callable[[str], UrdfIkError] = ArgumentError) -> in
 
 
 def path(value: Any, what: str, error: Callable[[str], UrdfIkError] = ArgumentError) -> Path:
-    """The path of a file; whether it is there is not looked at.
+    """The path of a file, which need not exist.
 
     Raises:
-        UrdfIkError: ``error``; it is no path, is empty, or holds a null byte.
+        UrdfIkError: ``error``; not a path, an empty one, one with a null byte, or a relative one while the working
+            directory is gone.
 
     Example:
         >>> path(3, "output")
@@ -272,8 +273,19 @@ def path(value: Any, what: str, error: Callable[[str], UrdfIkError] = ArgumentEr
         except Exception:  # the same where it is asked for a path
             written = None
         if isinstance(written, str) and written.strip() and "\0" not in written:
-            return Path(written)
+            found = Path(written)
+            if not found.is_absolute() and not _in_a_folder():
+                raise error(f"{what}={quoted(written)} given; the working directory is gone, give an absolute path")
+            return found
     raise error(f"{what}={quoted(value)} given; the path of a file is needed")
+
+
+def _in_a_folder() -> bool:
+    """Whether the working directory still exists."""
+    try:
+        return bool(os.getcwd())
+    except OSError:
+        return False
 
 
 def flag(value: Any, what: str, error: Callable[[str], UrdfIkError] = ArgumentError) -> bool:

@@ -103,6 +103,8 @@ class StoredSamples:
         except UrdfIkError:
             raise
         except Exception as error:  # Arrow and NumPy each have their own ways to say that a file is damaged
+            if isinstance(error, OSError) and error.strerror:
+                raise JobError(f"{name_of(self.path)}: cannot read it: {error.strerror}") from None
             reason = printable(f"{type(error).__name__} {error}", 200)
             raise JobError(
                 f"{name_of(self.path)} is damaged ({reason}); the run that made it makes what is damaged again"
@@ -125,11 +127,12 @@ class StoredSamples:
         for chunk in wanted:
             part = self.path / f"part-{chunk:08}.parquet"
             files.require_regular(part, JobError)
-            file = parquet.ParquetFile(part)
-            groups = [file.metadata.row_group(k) for k in range(file.metadata.num_row_groups)]
-            if file.metadata.num_rows > self.chunk or sum(each.total_byte_size for each in groups) > MAX_CHUNK:
-                raise JobError(f"{name_of(self.path)}: part {chunk} holds more than {self.chunk} samples or 1 GiB")
-            table = file.read(columns=list(self.columns))
+            with files.opened(part) as data:  # Arrow takes no names that are not UTF-8
+                file = parquet.ParquetFile(data)
+                groups = [file.metadata.row_group(k) for k in range(file.metadata.num_row_groups)]
+                if file.metadata.num_rows > self.chunk or sum(each.total_byte_size for each in groups) > MAX_CHUNK:
+                    raise JobError(f"{name_of(self.path)}: part {chunk} holds more than {self.chunk} samples or 1 GiB")
+                table = file.read(columns=list(self.columns))
             for name in self.columns:
                 column = table.column(name).combine_chunks()
                 listed = hasattr(column, "flatten") and hasattr(column.type, "list_size")

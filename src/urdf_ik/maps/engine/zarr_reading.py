@@ -99,6 +99,8 @@ class OpenedGroup:
         return files.name_of(self._folder)
 
     def _damaged(self, what: str, error: Exception) -> JobError:
+        if isinstance(error, OSError) and error.strerror:
+            return JobError(f"{self._name}: cannot read {what}: {error.strerror}")
         reason = printable(f"{type(error).__name__} {error}", 200)
         return JobError(f"{self._name}: {what} is damaged ({reason}); the run that made it makes what is damaged again")
 
