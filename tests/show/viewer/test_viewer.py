@@ -177,7 +177,7 @@ def test_a_newer_request_takes_the_place_of_an_older_one() -> None:
     """While one is being done, only the last of each kind waits, and all kinds get their turn."""
     done: list[str] = []
     begun, go_on = threading.Event(), threading.Event()
-    latest = Latest()
+    latest = Latest(lambda: None)
 
     def first() -> None:
         begun.set()
@@ -368,9 +368,15 @@ def test_a_port_in_use_is_refused_and_a_free_one_found(arm: Arm, monkeypatch: py
 
 @pytest.mark.parametrize(
     ("host", "port", "words"),
-    [("127.0.0.1", 70000, "port 70000"), ("192.0.2.1", None, "192.0.2.1"), ("no.such.host.invalid", 0, "no.such"),
-     ("a" * 64, None, "no host name"), ("a\0b", None, "a.x00b"), ("127.0.0.1", True, "port True"),
-     ("127.0.0.1", 80.5, "port 80.5")],
+    [
+        ("127.0.0.1", 70000, "port 70000"),
+        ("192.0.2.1", None, "192.0.2.1"),
+        ("no.such.host.invalid", 0, "no.such"),
+        ("a" * 64, None, "no host name"),
+        ("a\0b", None, "a.x00b"),
+        ("127.0.0.1", True, "port True"),
+        ("127.0.0.1", 80.5, "port 80.5"),
+    ],
 )
 def test_an_address_that_is_none_is_refused(host: str, port: int | None, words: str) -> None:
     """Ports out of range, and hosts that are not this machine, before viser looks for ports in vain."""

@@ -91,7 +91,7 @@ class Viewer:
             import viser
         except ImportError:
             raise MissingPackage(f"the viewer needs viser, which is not installed: {INSTALL}") from None
-        from urdf_ik.show.viewer import panel, path_panel, scene, surroundings, uploads
+        from urdf_ik.show.viewer import page_messages, panel, path_panel, scene, surroundings, uploads
 
         address.check(host, port)
         self._parts, self._plain = (panel.Panel, scene.Drawing), panel.plain
@@ -103,7 +103,7 @@ class Viewer:
         if plan is not None and plan.obstacles is not None and world is None:
             world = plan.obstacles.model.world
         self.state = states.start(arm, world)
-        self._latest = Latest()
+        self._latest = Latest(self._agree)
         self.track: Track | None = None
         self.place = 0.0
         self._path: tuple[PathPanel, PathDrawing] | None = None
@@ -126,6 +126,7 @@ class Viewer:
         self._message = self.server.gui.add_markdown("")
         self._show_arm(self.state)
         self._add_sources()
+        page_messages.check_messages(self.server, self._refused, lambda: self._latest.put("agree", lambda: None))
         self.server.on_client_connect(lambda client: self._look(client.camera, client.camera.aspect))
         try:
             if plan is not None:
@@ -332,6 +333,18 @@ class Viewer:
             self.obstacles.update()
         self.server.flush()
 
+    def _refused(self, reason: str) -> None:
+        self._latest.put("refused", lambda: self._say(reason))
+
+    def _agree(self) -> None:
+        """Send every page what all sliders and the target are: two pages that move them at once may differ."""
+        self._show(self.state)
+        self.panel.send_again()
+        self.drawing.send_target_again()
+        if self._path is not None:
+            self._path[0].show(self.place, again=True)
+        self.server.flush()
+
     def _show_plan(self, plan: Plan | None) -> None:
         self._player.stop()
         if self._path is not None:
@@ -435,4 +448,3 @@ class Viewer:
                 event.client.send_file_download(
                     f"{Path(self.state.arm.name).name}.html", self.html().encode(), save_immediately=True
                 )
-

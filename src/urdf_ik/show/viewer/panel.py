@@ -105,6 +105,11 @@ class Panel:
                 if slider is not keep:
                     turn_to(slider, float(value))
 
+    def send_again(self) -> None:
+        """Send every page the values of the sliders, also those that have not changed since they were sent."""
+        for slider in (*self.sliders, *self.redundancies):
+            send_again(slider)
+
     def remove(self) -> None:
         """Take the widgets out of the panel again."""
         self.status.remove()
@@ -154,6 +159,11 @@ def turn_to(slider: Any, value: float) -> None:
     if shown > slider.max:
         slider.max = shown
     slider.value = shown
+
+
+def send_again(widget: Any) -> None:
+    """Send every page the value of a widget; viser itself sends changes alone."""
+    widget._queue_update("value", widget.value)
 
 
 def on_change(widget: Any, call: Callable[[Any], None]) -> None:

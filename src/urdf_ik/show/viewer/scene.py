@@ -101,6 +101,14 @@ class Drawing:
         if not keep_target:
             _place(self.target, state.target)
 
+    def send_target_again(self) -> None:
+        """Send every page where the target is; viser itself sends changes alone."""
+        from viser import _messages as messages
+
+        own = self.target._impl
+        own.api._queue_scene_message(messages.SetPositionMessage(own.name, tuple(map(float, own.position))))
+        own.api._queue_scene_message(messages.SetOrientationMessage(own.name, tuple(map(float, own.wxyz))))
+
     @property
     def unseen(self) -> list[str]:
         """That there are frames and lines for want of shapes, and why some cannot be read; of many the first ones."""
