@@ -106,8 +106,10 @@ class Drawing:
         from viser import _messages as messages
 
         own = self.target._impl
-        own.api._queue_scene_message(messages.SetPositionMessage(own.name, tuple(map(float, own.position))))
-        own.api._queue_scene_message(messages.SetOrientationMessage(own.name, tuple(map(float, own.wxyz))))
+        x, y, z = map(float, own.position)
+        a, b, c, d = map(float, own.wxyz)
+        own.api._queue_scene_message(messages.SetPositionMessage(own.name, (x, y, z)))
+        own.api._queue_scene_message(messages.SetOrientationMessage(own.name, (a, b, c, d)))
 
     @property
     def unseen(self) -> list[str]:
