@@ -90,14 +90,14 @@ def read(
         ArgumentError: one of them makes no sense or does not fit the arm; the message says what would be valid.
     """
     names = arm.joint_names
-    inputs.choice(cost, "cost", (*COSTS, "time"), ArgumentError)
+    inputs.choice(cost, "cost", (*COSTS, "time"))
     factors = np.ones(len(names)) if weights is None else each_joint("weights", weights, names, zero=True)
     kind = COSTS.index("max" if cost == "time" else cost)
     if cost == "time":
         factors = factors / velocities(arm)
     steps = np.full(len(names), np.inf) if max_step is None else each_joint("max_step", max_step, names)
-    margins = inputs.number(margins, "margins", ArgumentError, low=0.0)
-    reconfigure = inputs.flag(reconfigure, "reconfigure", ArgumentError)
+    margins = inputs.number(margins, "margins", low=0.0)
+    reconfigure = inputs.flag(reconfigure, "reconfigure")
     return Settings(
         arm, Joints.of(arm.chain), kind, factors, steps, _tolerance(tolerance),
         _at_pose(arm, "start", start, T[0], 0), _at_pose(arm, "end", end, T[-1], len(T) - 1),
@@ -129,7 +129,7 @@ def each_joint(name: str, value: Any, names: tuple[str, ...], *, zero: bool = Fa
         ArgumentError: ``value`` is neither.
     """
     needed = f"a number, or one for each of {', '.join(map(printable, names))}"
-    given = inputs.real(value, name, needed, ArgumentError)
+    given = inputs.real(value, name, needed)
     fits = given.shape in ((), (1,), (len(names),))
     numbers = np.broadcast_to(given if fits else np.nan, (len(names),)).copy()
     if not (inputs.usable(numbers) | (numbers == (0.0 if zero else np.inf))).all():
@@ -141,7 +141,7 @@ def each_joint(name: str, value: Any, names: tuple[str, ...], *, zero: bool = Fa
 
 def _tolerance(value: Any) -> Tolerance:
     given = (POSITION, ROTATION) if value is None else value
-    numbers = inputs.real(given, "tolerance", "two positive numbers (m, rad)", ArgumentError)
+    numbers = inputs.real(given, "tolerance", "two positive numbers (m, rad)")
     if numbers.shape != (2,) or not inputs.usable(numbers).all():
         raise ArgumentError(f"tolerance is {quoted(value)}; two numbers {inputs.USABLE} are needed: (m, rad)")
     return Tolerance(float(numbers[0]), min(float(numbers[1]), 1.0))

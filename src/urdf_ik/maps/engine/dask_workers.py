@@ -46,9 +46,9 @@ CLUSTER_SETTINGS = {
 }
 """Dask's settings for the cluster that :func:`connect` makes.
 
-Dask's defaults: a worker that hangs keeps its chunks for five minutes. Workers give freed memory back at once, so that
-the system clears new pages for each few thousand poses, and solving takes twice as long. Each process measures itself up
-to a hundred times a second for a dashboard, which takes a tenth of a core."""
+By Dask's defaults a worker that hangs keeps its chunks for five minutes; workers give freed memory back at once, so
+that the system clears new pages for each few thousand poses and solving takes twice as long; and each process measures
+itself up to a hundred times a second for a dashboard, a tenth of a core in all."""
 AHEAD = 2
 """Chunks under way for each thread of the workers: the next chunk is there when one is finished."""
 LEAST_AHEAD = 4

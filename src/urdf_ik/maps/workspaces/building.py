@@ -145,12 +145,12 @@ def workspace(
         >>> workspace(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4, store="map.zarr").complete
         True
     """
-    inputs.arm(arm, error=ArgumentError)
+    inputs.arm(arm)
     if not arm.structure.branches:
         raise UnsupportedArm(f"{arm.name}: no solver for this arm yet. {arm.structure}")
-    orientations = inputs.whole(orientations, "orientations", ArgumentError, low=1, high=MAX_SAMPLES)
-    inputs.callback(progress, "progress", ArgumentError)
-    chunk, threads = inputs.whole(chunk, "chunk", ArgumentError, low=1), inputs.threads(threads, ArgumentError)
+    orientations = inputs.whole(orientations, "orientations", low=1, high=MAX_SAMPLES)
+    inputs.callback(progress, "progress")
+    chunk, threads = inputs.whole(chunk, "chunk", low=1), inputs.threads(threads)
     if store is None and (client is not None or block is not None):
         raise ArgumentError("client and block are for maps in a store; give store='map.zarr', too")
     if store is not None and output is not None:
@@ -158,7 +158,7 @@ def workspace(
     if world is not None and not (collision_free or clearance):
         raise ArgumentError("a world is given, and nothing asks for it; give collision_free=True or clearance=True")
     within_limits, collision_free, manipulability, margin, clearance = (
-        inputs.flag(value, name, ArgumentError)
+        inputs.flag(value, name)
         for value, name in (
             (within_limits, "within_limits"), (collision_free, "collision_free"), (manipulability, "manipulability"),
             (margin, "margin"), (clearance, "clearance"),
@@ -186,7 +186,7 @@ def workspace(
     )
     if store is not None:
         return fill(asked, store, client, block, progress)
-    return _in_memory(asked, None if output is None else inputs.path(output, "output", ArgumentError), progress)
+    return _in_memory(asked, None if output is None else inputs.path(output, "output"), progress)
 
 
 def _in_memory(asked: Question, output: Path | None, progress: Progress | None) -> WorkspaceMap:

@@ -133,7 +133,7 @@ def planar(arm: Arm) -> PlanarWorkspace:
         >>> region.lengths.round(6).tolist(), sorted(region.regions)
         ([0.066, 0.13], ['elbow left', 'elbow right'])
     """
-    inputs.arm(arm, error=ArgumentError)
+    inputs.arm(arm)
     chain, plane = arm.chain, arm.plane
     if plane is None or chain.n != 2 or chain.prismatic.any():
         kinds = ", ".join(chain.joint_types)
@@ -210,7 +210,7 @@ def _joints(
     tolerance: float = DEFAULT.contract,
 ) -> Array:
     """Joint vectors (..., 2) within the limits by the law of cosines, NaN where a point is not reached."""
-    inputs.choice(elbow, "elbow", ELBOWS, ArgumentError)
+    inputs.choice(elbow, "elbow", ELBOWS)
     first, second = lengths
     offset = points - centre
     cosine = ((offset**2).sum(axis=-1) - first**2 - second**2) / (2.0 * first * second)
@@ -225,7 +225,7 @@ def _joints(
 
 
 def _points(points: ArrayLike) -> Array:
-    array = inputs.real(points, "points", "an array of numbers (..., 2), m in the arm's plane", ArgumentError)
+    array = inputs.real(points, "points", "an array of numbers (..., 2), m in the arm's plane")
     if array.shape[-1:] != (2,):
         raise ArgumentError(f"points of shape {array.shape} given; (..., 2) m in the arm's plane are needed")
     if (bad := inputs.first_bad(array)) is not None:
@@ -234,7 +234,7 @@ def _points(points: ArrayLike) -> Array:
 
 
 def _vectors(q: ArrayLike) -> Array:
-    array = inputs.real(q, "a joint vector", "an array of numbers (..., 2)", ArgumentError)
+    array = inputs.real(q, "a joint vector", "an array of numbers (..., 2)")
     if array.shape[-1:] != (2,) or inputs.first_bad(array) is not None:
         raise ArgumentError(f"joint vectors {quoted(q)} given; (..., 2) finite numbers [rad] are needed")
     return array

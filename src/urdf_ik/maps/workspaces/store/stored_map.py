@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik.errors import ArgumentError, JobError, printable
+from urdf_ik.errors import JobError, printable
 from urdf_ik.maps.engine import free_space
 from urdf_ik.maps.engine.store_folder import finished, read_question
 from urdf_ik.maps.engine.zarr_reading import OpenedGroup
@@ -242,5 +242,5 @@ def opened(path: str | os.PathLike[str]) -> WorkspaceMap | StoredMap:
         >>> opened("map.zarr").grid.shape
         (8, 8, 1)
     """
-    where = inputs.path(path, "path", ArgumentError)
+    where = inputs.path(path, "path")
     return StoredMap(where) if os.path.isdir(where) else read(where)
