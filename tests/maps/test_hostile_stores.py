@@ -17,8 +17,8 @@ import urdf_ik
 from urdf_ik.errors import JobError, UrdfIkError
 from urdf_ik.maps import placements, workspaces
 from urdf_ik.maps.datasets import StoredSamples
-from urdf_ik.maps.engine import zarr_writing
-from urdf_ik.maps.engine.zarr_reading import OpenedGroup
+from urdf_ik.maps.engine import zarr_writer
+from urdf_ik.maps.engine.zarr_reader import OpenedGroup
 
 NUMBERS = (b"0", b"-1", b"1e308", b"NaN", b"null", b"[]", b"{}", b'"x"', b"99999999999999999999", b"true", b"2.5")
 
@@ -104,9 +104,9 @@ def test_damaged_stores_are_refused_in_words(kind: str, made: Path, tmp_path: Pa
 
 def test_a_chunk_that_unpacks_to_more_than_it_should_is_not_unpacked(tmp_path: Path) -> None:
     """Its head says how much it is: a bomb with a good checksum is refused before it takes memory."""
-    plan = zarr_writing.ArrayPlan("height", ("x",), (8,), (8,), "float64")
-    large = zarr_writing.Encoder((zarr_writing.ArrayPlan("height", ("x",), (2**24,), (2**24,), "float64"),))
-    files = zarr_writing.group_files((plan,), (), {}) | large.files((0,), {"height": np.zeros(2**24)})
+    plan = zarr_writer.ArrayPlan("height", ("x",), (8,), (8,), "float64")
+    large = zarr_writer.Encoder((zarr_writer.ArrayPlan("height", ("x",), (2**24,), (2**24,), "float64"),))
+    files = zarr_writer.group_files((plan,), (), {}) | large.files((0,), {"height": np.zeros(2**24)})
     for name, data in files.items():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_bytes(data)

@@ -401,7 +401,7 @@ def test_a_map_that_does_not_fit_is_refused_before_any_work(monkeypatch: pytest.
     with pytest.raises(urdf_ik.ArgumentError, match=r"4600 x 4600 x 4600 voxels.*GiB of memory.*are free"):
         workspaces.workspace(arm, 0.001)
     monkeypatch.setattr(grid.free_space, "free_disk", lambda _: 2**20)
-    with pytest.raises(urdf_ik.ArgumentError, match=r"on the disk.*1 MiB free"):
+    with pytest.raises(urdf_ik.JobError, match=r"on the disk.*1 MiB free"):
         workspaces.workspace(arm, 0.1, output=tmp_path / "map.npz")
     for wrong in ({"voxel": 0.0}, {"orientations": 0}, {"chunk": 0}, {"bounds": [[0, 0, 0], [1, 1, 0]]}):
         with pytest.raises(urdf_ik.ArgumentError):

@@ -23,9 +23,9 @@ from urdf_ik import Arm, Singular, UrdfIkError
 from urdf_ik.cli import app
 from urdf_ik.ik.redundancy.bars import bars
 from urdf_ik.model import catalogue
-from urdf_ik.show.viewer import address, panel, strip
+from urdf_ik.show.viewer import address, arm_panel, interval_strip
 from urdf_ik.show.viewer import state as states
-from urdf_ik.show.viewer.latest import Latest
+from urdf_ik.show.viewer.request_queue import Latest
 from urdf_ik.support import palette
 
 pytest.importorskip("viser", reason="pip install viser")
@@ -154,12 +154,12 @@ def test_the_intervals_stand_under_the_slider() -> None:
         for bar in drawn:
             covered |= (bar.row == row) & (values >= bar.value[0]) & (values <= bar.value[-1])
         np.testing.assert_array_equal(covered, kept[:, arm.structure.branches.index(name)])
-    page = ElementTree.fromstring(strip.drawn(state).replace("&middot;", "-"))
+    page = ElementTree.fromstring(interval_strip.drawn(state).replace("&middot;", "-"))
     assert len(page.findall(".//title")) == len(drawn)
     moved = states.with_redundancy(state, 0.5)
-    assert moved.intervals is state.intervals and strip.drawn(moved) != strip.drawn(state)
+    assert moved.intervals is state.intervals and interval_strip.drawn(moved) != interval_strip.drawn(state)
     assert states.with_joints(state, state.q + 0.05).intervals is not state.intervals
-    assert strip.drawn(states.start(urdf_ik.load("zyyzyz_6r"))) == ""
+    assert interval_strip.drawn(states.start(urdf_ik.load("zyyzyz_6r"))) == ""
 
 
 @pytest.mark.parametrize("name", [name for name in catalogue.BUNDLED if name != "zyyzyz_6r"])
@@ -291,11 +291,11 @@ def test_all_sixteen_colours_are_seen_on_either_background() -> None:
 def test_buttons_hold_names_and_marks() -> None:
     """The whole name where it fits, with the dot of the one chosen; else its last words, and always all marks."""
     branch = "shoulder front, elbow down, wrist noflip"
-    assert panel._label(branch, (), True) == f"● {branch}"
-    assert panel._label(branch, ("limits",), False) == f"{branch} (limits)"
-    crowded = panel._label(branch, ("limits", "collision", "singular: wrist"), True)
+    assert arm_panel._label(branch, (), True) == f"● {branch}"
+    assert arm_panel._label(branch, ("limits",), False) == f"{branch} (limits)"
+    crowded = arm_panel._label(branch, ("limits", "collision", "singular: wrist"), True)
     assert crowded == "● front, down, noflip (limits; collision; singular: wrist)"
-    assert panel._label("solution 16", ("limits",), False) == "solution 16 (limits)"
+    assert arm_panel._label("solution 16", ("limits",), False) == "solution 16 (limits)"
 
 
 def test_a_notebook_shows_the_page(viewer: Viewer) -> None:

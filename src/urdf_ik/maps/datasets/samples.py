@@ -1,4 +1,4 @@
-"""Samples of an arm, drawn chunk by chunk: the numbers of a chunk depend on the seed and the chunk's number alone."""
+"""Samples of an arm, drawn chunk by chunk: a chunk depends on the seed and its own number alone."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ solved to 1e-9 m is that far off."""
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Joint vectors drawn evenly within the limits, with what is known of each.
+    """Joint vectors drawn evenly within the limits, with pose, solutions and contacts of each.
 
     Attributes:
         q: (n, dof) rad or m.
@@ -65,7 +65,7 @@ class Samples:
 
 @dataclass(frozen=True, eq=False)
 class Drawing(ArmQuestion):
-    """What decides every sample; it is pickled for workers.
+    """All that the samples depend on; pickled for workers.
 
     Attributes:
         arm: the arm.

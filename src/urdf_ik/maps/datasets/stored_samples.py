@@ -14,7 +14,7 @@ from urdf_ik.errors import ArgumentError, JobError, UrdfIkError, printable
 from urdf_ik.maps.datasets.samples import Samples
 from urdf_ik.maps.engine import free_space
 from urdf_ik.maps.engine.store_folder import finished, read_question
-from urdf_ik.maps.engine.zarr_reading import MAX_CHUNK, OpenedGroup
+from urdf_ik.maps.engine.zarr_reader import MAX_CHUNK, OpenedGroup
 from urdf_ik.support import files, inputs
 from urdf_ik.support.files import name_of
 from urdf_ik.support.text import quoted

@@ -1,4 +1,4 @@
-"""PlacementMap: what every base position of a grid is worth, and the best ones."""
+"""PlacementMap: the scores of every base position of a grid, and the best positions."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from urdf_ik.errors import ArgumentError, JobError, printable
 from urdf_ik.maps.engine import free_space
 from urdf_ik.maps.engine.store_folder import finished, read_question
-from urdf_ik.maps.engine.zarr_reading import OpenedGroup
+from urdf_ik.maps.engine.zarr_reader import OpenedGroup
 from urdf_ik.maps.placements.scores import SCORES
 from urdf_ik.maps.workspaces import Grid
 from urdf_ik.maps.workspaces.store.blocks import Blocks

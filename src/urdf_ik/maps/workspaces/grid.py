@@ -1,4 +1,4 @@
-"""The grid of a workspace map: its voxels, and whether its answers fit into memory and on the disk."""
+"""The grid of a workspace map: its voxels, and whether the map fits in memory and on the disk."""
 
 from __future__ import annotations
 
@@ -233,31 +233,12 @@ def _checked(bounds: ArrayLike) -> tuple[Array, Array]:
 
 
 def require_memory(grid: Grid, samples: int, needed: int) -> None:
-    """Refuse a map that does not fit in memory, before any work.
-
-    Args:
-        grid: the voxels.
-        samples: orientations at each of them.
-        needed: bytes that the answers take, and a chunk while it is solved.
-
-    Raises:
-        ArgumentError: with the numbers.
-    """
+    """Refuse a map whose ``needed`` bytes do not fit in memory, by an ArgumentError, before any work."""
     free_space.require_memory(needed, _words(grid, samples), _HINT)
 
 
 def require_room(grid: Grid, samples: int, needed: int, output: Path) -> None:
-    """Refuse a map that does not fit on the disk, before any work.
-
-    Args:
-        grid: the voxels.
-        samples: orientations at each of them.
-        needed: bytes of the answers, which are compressed at best.
-        output: the file or folder that they go to.
-
-    Raises:
-        ArgumentError: with the numbers.
-    """
+    """Refuse a map whose ``needed`` bytes do not fit on the disk of ``output``, by a JobError, before any work."""
     free_space.require_disk(output, needed, _words(grid, samples), _HINT)
 
 

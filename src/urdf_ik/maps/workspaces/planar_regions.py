@@ -1,4 +1,4 @@
-"""What two turning joints with limits reach in their plane: the exact regions of both elbows and their overlap."""
+"""The exact region that two turning joints with limits reach in their plane, for each elbow and for both."""
 
 from __future__ import annotations
 

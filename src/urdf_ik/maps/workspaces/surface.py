@@ -1,4 +1,4 @@
-"""The boundary of what is reached, as a mesh of the faces between voxels that are and voxels that are not."""
+"""The boundary of the reached region: a mesh of the faces between reached voxels and others."""
 
 from __future__ import annotations
 

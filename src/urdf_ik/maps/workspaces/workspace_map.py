@@ -1,4 +1,4 @@
-"""WorkspaceMap: what the poses of a grid have as solutions, and questions about that."""
+"""WorkspaceMap: the solution counts of the poses of a grid, with slices, shares and look-ups."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy as np
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.maps.workspaces import map_files
+from urdf_ik.maps.workspaces.cells import cells
 from urdf_ik.maps.workspaces.grid import AXES, Grid
-from urdf_ik.maps.workspaces.lookup import cells
 from urdf_ik.maps.workspaces.totals import BranchShare, Totals
 from urdf_ik.support import inputs
 from urdf_ik.support.frozen import Frozen

@@ -11,9 +11,9 @@ import numpy as np
 from urdf_ik.errors import JobError, printable
 from urdf_ik.maps.engine import free_space
 from urdf_ik.maps.engine.store_folder import finished, read_question
-from urdf_ik.maps.engine.zarr_reading import OpenedGroup
+from urdf_ik.maps.engine.zarr_reader import OpenedGroup
+from urdf_ik.maps.workspaces.cells import cells
 from urdf_ik.maps.workspaces.grid import Grid, require_memory
-from urdf_ik.maps.workspaces.lookup import cells
 from urdf_ik.maps.workspaces.question import HELD
 from urdf_ik.maps.workspaces.store.blocks import Blocks
 from urdf_ik.maps.workspaces.totals import Totals, summed

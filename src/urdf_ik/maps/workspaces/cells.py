@@ -1,4 +1,4 @@
-"""Which cell of a map a target is in: its voxel, and the nearest of the orientations that were sampled."""
+"""The cell of a map that a target lies in: its voxel, and the nearest sampled orientation."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.ik.solutions import limits
-from urdf_ik.show.viewer import strip
+from urdf_ik.show.viewer import interval_strip
 from urdf_ik.show.viewer.scene import colours
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ class Panel:
             if slider is not keep:
                 turn_to(slider, float(value))
         if self.strip is not None:
-            content = strip.drawn(state)
+            content = interval_strip.drawn(state)
             self.strip.visible = bool(content)
             self.strip.content = content
         if state.redundancy is not None:

@@ -1,4 +1,4 @@
-"""One thread that does what was asked last: a newer request takes the place of an older one of the same kind."""
+"""Latest: a thread that serves the requests of pages; a newer request replaces an older one of the same kind."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from collections.abc import Callable, Hashable
 class Latest:
     """Requests of many threads, done one after the other.
 
-    Somebody who drags asks faster than a page is drawn; only where the pointer is now matters.
+    A drag sends requests faster than a page is drawn; only the last position of the pointer matters.
     """
 
     def __init__(self, afterwards: Callable[[], None], pause: float = 0.25) -> None:
