@@ -58,7 +58,7 @@ def to_joint_state(arm: Arm, q: ArrayLike, names: Sequence[str], others: ArrayLi
     """
     inputs.arm(arm)
     Q, place = arm.chain.check(q), _places(names)
-    given = None if others is None else inputs.real(others, "others", "a position for each name", ArgumentError)
+    given = None if others is None else inputs.real(others, "others", "a position for each name")
     kept = np.full(len(names), np.nan) if given is None else given
     if kept.shape != (len(names),):
         raise ArgumentError(
@@ -90,7 +90,7 @@ def from_joint_state(arm: Arm, names: Sequence[str], positions: ArrayLike) -> Ar
         [0.1, 0.2]
     """
     inputs.arm(arm)
-    given, place = inputs.real(positions, "positions", "joint positions", ArgumentError), _places(names)
+    given, place = inputs.real(positions, "positions", "joint positions"), _places(names)
     if given.shape[-1:] != (len(names),):
         raise ArgumentError(
             f"positions of shape {given.shape} for {len(names)} names; (..., {len(names)}) is needed"

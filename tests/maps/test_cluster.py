@@ -6,6 +6,8 @@ import contextlib
 import os
 import signal
 import socket
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -21,6 +23,8 @@ from urdf_ik.maps.engine import dask_workers
 from urdf_ik.maps.engine.store_folder import finished
 
 distributed = pytest.importorskip("distributed")
+GONE = 3.0
+"""s for which the scheduler that comes back is away."""
 MAP = {"voxel": 0.5, "orientations": 30, "block": 250}
 
 
@@ -85,11 +89,12 @@ def test_a_worker_that_is_killed_loses_nothing(tmp_path: Path, client: Any, whol
 
 
 def test_a_worker_that_hangs_holds_nothing_up(
-    tmp_path: Path, client: Any, whole: dict[str, str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, whole: dict[str, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A worker that is stopped keeps its chunks for itself: another one makes them, too, and the map is whole."""
-    monkeypatch.setattr(dask_workers, "PATIENCE", 2.0)
-    monkeypatch.setattr(dask_workers, "ANSWER_WITHIN", 1.0)
+    """A worker that is stopped counts as dead after Dask's time to live: another one makes its chunks."""
+    monkeypatch.setattr(dask_workers, "READY_WITHIN", 5.0)
+    monkeypatch.setitem(dask_workers.CLUSTER_SETTINGS, "distributed.scheduler.worker-ttl", "3s")
+    client = engine.connect(workers=2)
     client.wait_for_workers(2, timeout=60)
     path = tmp_path / "map.zarr"
     pid = pid_of_a_worker(client)
@@ -100,6 +105,7 @@ def test_a_worker_that_hangs_holds_nothing_up(
         stopping.join()
         with contextlib.suppress(ProcessLookupError):  # the scheduler may have given it up
             os.kill(pid, signal.SIGCONT)
+        client.close()
     assert contents(path) == whole
 
 
@@ -163,3 +169,68 @@ def test_a_scheduler_that_goes_away_loses_no_finished_chunk(tmp_path: Path, whol
     other.close()
     assert 20 <= len(finished(path)) < made(path).blocks.count
     assert contents(path) == whole
+
+
+@contextlib.contextmanager
+def program(*arguments: object) -> Iterator[subprocess.Popen[bytes]]:
+    """A process of Dask's command, killed at the end."""
+    command = [sys.executable, "-m", "distributed.cli.dask_scheduler", *map(str, arguments)]
+    if "worker" in arguments:
+        command = [sys.executable, "-m", "dask", *map(str, arguments)]
+    started = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        yield started
+    finally:
+        started.kill()
+        started.wait()
+
+
+def test_a_scheduler_that_comes_back_is_used_again(
+    tmp_path: Path, whole: dict[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Killed, gone for longer than a new client waits for an answer, and started again at the same address."""
+    monkeypatch.setattr(dask_workers, "ANSWER_WITHIN", 1.0)
+    path = tmp_path / "map.zarr"
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    scheduler = ("--host", "127.0.0.1", "--port", port, "--no-dashboard")
+    worker = ("worker", f"tcp://127.0.0.1:{port}", "--nthreads", 1, "--no-nanny", "--no-dashboard")
+    with contextlib.ExitStack() as running:
+        first = running.enter_context(program(*scheduler))
+        running.enter_context(program(*worker))
+        with connected(f"tcp://127.0.0.1:{port}") as client:
+            client.wait_for_workers(1, timeout=60)
+
+            def come_back() -> None:
+                first.kill()
+                first.wait()
+                time.sleep(GONE)
+                running.enter_context(program(*scheduler))
+                running.enter_context(program(*worker))
+
+            back = after(path, 20, come_back)
+            made(path, client=client)
+            back.join()
+    assert contents(path) == whole
+
+
+def connected(address: str) -> Any:
+    """A client of a scheduler that is being started."""
+    deadline = time.monotonic() + 60.0
+    while True:
+        try:
+            return engine.connect(address)
+        except urdf_ik.JobError:
+            if time.monotonic() > deadline:
+                raise
+
+
+def test_workers_that_cannot_start_are_one_line(tmp_path: Path) -> None:
+    """A process that may open few files starts no workers: one line on standard error says why."""
+    command = 'ulimit -n 28; exec "$0" -m urdf_ik.cli workspace zyyzyz_6r --store "$1" --workers 2'
+    arguments = ["bash", "-c", command, sys.executable, str(tmp_path / "map.zarr")]
+    ended = subprocess.run(arguments, capture_output=True, text=True, timeout=120, check=False)
+    assert ended.returncode == 2
+    assert "2 worker processes could not be started ([Errno 24] Too many open files)" in ended.stderr
+    assert len(ended.stderr.splitlines()) == 1

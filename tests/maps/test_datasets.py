@@ -156,7 +156,7 @@ def test_bad_input_is_refused_in_words(arm: urdf_ik.Arm, tmp_path: Path, monkeyp
     with pytest.raises(urdf_ik.JobError, match="no store of this package"):
         StoredSamples(tmp_path)
     assert finished(path) == {0} and (path / PRIVATE).is_dir()
-    monkeypatch.setattr("urdf_ik.maps.engine.capacity.free_disk", lambda _: 2**20)
+    monkeypatch.setattr("urdf_ik.maps.engine.free_space.free_disk", lambda _: 2**20)
     with pytest.raises(urdf_ik.JobError, match=r"1e\+09 samples take up to .* GiB on the disk.*1 MiB free"):
         urdf_ik.maps.dataset(arm, 10**9, store=tmp_path / "large.zarr")
     with pytest.raises(urdf_ik.ArgumentError, match=r"1e\+12 samples take .* GiB of memory.* a store"):

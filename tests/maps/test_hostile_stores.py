@@ -17,8 +17,8 @@ import urdf_ik
 from urdf_ik.errors import JobError, UrdfIkError
 from urdf_ik.maps import placements, workspaces
 from urdf_ik.maps.datasets import StoredSamples
-from urdf_ik.maps.engine import zarr_writing
-from urdf_ik.maps.engine.zarr_reading import OpenedGroup
+from urdf_ik.maps.engine import zarr_writer
+from urdf_ik.maps.engine.zarr_reader import OpenedGroup
 
 NUMBERS = (b"0", b"-1", b"1e308", b"NaN", b"null", b"[]", b"{}", b'"x"', b"99999999999999999999", b"true", b"2.5")
 
@@ -104,9 +104,9 @@ def test_damaged_stores_are_refused_in_words(kind: str, made: Path, tmp_path: Pa
 
 def test_a_chunk_that_unpacks_to_more_than_it_should_is_not_unpacked(tmp_path: Path) -> None:
     """Its head says how much it is: a bomb with a good checksum is refused before it takes memory."""
-    plan = zarr_writing.ArrayPlan("height", ("x",), (8,), (8,), "float64")
-    large = zarr_writing.Encoder((zarr_writing.ArrayPlan("height", ("x",), (2**24,), (2**24,), "float64"),))
-    files = zarr_writing.group_files((plan,), (), {}) | large.files((0,), {"height": np.zeros(2**24)})
+    plan = zarr_writer.ArrayPlan("height", ("x",), (8,), (8,), "float64")
+    large = zarr_writer.Encoder((zarr_writer.ArrayPlan("height", ("x",), (2**24,), (2**24,), "float64"),))
+    files = zarr_writer.group_files((plan,), (), {}) | large.files((0,), {"height": np.zeros(2**24)})
     for name, data in files.items():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_bytes(data)
@@ -139,3 +139,40 @@ def test_questions_and_journals_are_bounded(made: Path, tmp_path: Path) -> None:
             file.truncate(most + 1)
         with pytest.raises(JobError, match=f"larger than {most >> 20} MiB"):
             _map(copy)
+
+
+@pytest.mark.parametrize("kind", ["zarr", "parquet"])
+def test_a_store_whose_name_is_not_utf_8(tmp_path: Path, kind: str) -> None:
+    """A file system takes any bytes for a name; the samples are written and read as elsewhere."""
+    store = os.fsdecode(bytes(tmp_path) + b"/s\377." + kind.encode())
+    assert len(urdf_ik.maps.dataset(urdf_ik.load("planar_2r"), 10, store=store).read()) == 10
+
+
+def test_a_working_directory_that_is_gone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A relative path then names nothing; the message says why. Arms with a name are loaded all the same."""
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    monkeypatch.chdir(gone)
+    gone.rmdir()
+    arm = urdf_ik.load("planar_2r")
+    for act in (
+        lambda: urdf_ik.maps.dataset(arm, 10, store="samples.zarr"),
+        lambda: urdf_ik.maps.workspace(arm, 0.2, 2, store="map.zarr"),
+        lambda: urdf_ik.maps.workspace(arm, 0.2, 2, output="map.npz"),
+    ):
+        with pytest.raises(UrdfIkError, match="the working directory is gone, give an absolute path"):
+            act()
+    assert len(urdf_ik.maps.dataset(arm, 10, store=tmp_path / "samples.zarr")) == 10
+
+
+@pytest.mark.parametrize("name", ["map.zarr", "samples.zarr", "samples.parquet"])
+def test_a_chunk_that_cannot_be_read(made: Path, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The permission is denied; the store is not called damaged."""
+
+    def denied(path: Path) -> None:
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr("urdf_ik.support.files.opened", denied)
+    monkeypatch.setattr("urdf_ik.support.files.read", lambda path, most, error: path.read_bytes())
+    with pytest.raises(JobError, match="cannot read .*: Permission denied"):
+        USES[name](made / name)

@@ -15,8 +15,8 @@ from scipy.spatial.transform import Rotation
 import urdf_ik
 from urdf_ik.maps import workspaces
 from urdf_ik.maps.engine.store_folder import finished
-from urdf_ik.maps.workspaces.lookup import MANY, cells
-from urdf_ik.maps.workspaces.store import filling
+from urdf_ik.maps.workspaces.cells import MANY, cells
+from urdf_ik.maps.workspaces.store import block_jobs
 
 xarray = pytest.importorskip("xarray")
 ASKED: dict[str, Any] = {"voxel": 0.7, "orientations": 11, "manipulability": True, "margin": True}
@@ -168,7 +168,7 @@ def test_obstacles_count_and_travel_with_the_question(arm: urdf_ik.Arm, tmp_path
         assert found.free[tuple(place)] == len(q)
         if len(q):
             assert found.clearance[tuple(place)] == pytest.approx(changed.clearance(q, world).max(), rel=1e-6)
-    asked = filling.Question(changed, found.grid, found.samples, ("solutions", "within", "free"), world, None, 1, 99)
+    asked = block_jobs.Question(changed, found.grid, found.samples, ("solutions", "within", "free"), world, None, 1, 99)
     assert pickle.loads(pickle.dumps(asked)).pairs == asked.pairs != arm.cell.collisions.checked_pairs
     path = tmp_path / "map.zarr"
     workspaces.workspace(changed, **options, world=world, store=path)
@@ -191,8 +191,8 @@ def test_what_a_store_cannot_be_is_said(arm: urdf_ik.Arm, tmp_path: Path, monkey
         workspaces.workspace(arm, store=path, output="map.npz")  # type: ignore[call-overload]
     with pytest.raises(urdf_ik.ArgumentError, match="a world is given"):
         workspaces.workspace(arm, world=urdf_ik.World())
-    monkeypatch.setattr(workspaces.grid.capacity, "free_disk", lambda _: 2**20)
-    with pytest.raises(urdf_ik.ArgumentError, match=r"poses take up to .* on the disk.*1 MiB free"):
+    monkeypatch.setattr(workspaces.grid.free_space, "free_disk", lambda _: 2**20)
+    with pytest.raises(urdf_ik.JobError, match=r"poses take up to .* on the disk.*1 MiB free"):
         workspaces.workspace(arm, 0.1, store=tmp_path / "large.zarr")
     assert not (tmp_path / "large.zarr").exists()
     with pytest.raises(urdf_ik.JobError, match="no store of this package"):

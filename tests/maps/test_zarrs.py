@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from urdf_ik.maps.engine import zarr_writing
+from urdf_ik.maps.engine import zarr_writer
 
 zarr = pytest.importorskip("zarr")
 
@@ -18,14 +18,14 @@ def test_chunks_have_the_bytes_that_zarr_writes(tmp_path: Path, kind: str) -> No
     """A whole chunk, one at the end, one of fill values alone."""
     rng = np.random.default_rng(0)
     fill: Any = np.nan if kind.startswith("float") else 0
-    plan = zarr_writing.ArrayPlan("values", ("x", "y"), (7, 3), (4, 3), kind, fill, {"units": "m"})
+    plan = zarr_writer.ArrayPlan("values", ("x", "y"), (7, 3), (4, 3), kind, fill, {"units": "m"})
     values = rng.integers(0, 100, (7, 3)).astype(kind)
-    for name, data in zarr_writing.group_files((plan,), (), {"robot": "none"}).items():
+    for name, data in zarr_writer.group_files((plan,), (), {"robot": "none"}).items():
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_bytes(data)
     with zarr.config.set({"array.write_empty_chunks": True}):
         array = zarr.open_group(str(tmp_path), mode="a")["values"]
-        encoder = zarr_writing.Encoder((plan,))
+        encoder = zarr_writer.Encoder((plan,))
         for written in (values, np.full((7, 3), fill, kind)):
             array[...] = written
             for k, part in enumerate((written[:4], written[4:])):

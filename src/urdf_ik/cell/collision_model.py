@@ -179,7 +179,7 @@ class CollisionModel(CollisionQueries):
         """
         if world is None or world is self.world:
             return self
-        inputs.kind(world, "snapshot", "world", "a urdf_ik.World", ArgumentError)
+        inputs.kind(world, "snapshot", "world", "a urdf_ik.World")
         last = self._last
         if last is None or last.world is not world:
             if self._error is None:
@@ -243,8 +243,8 @@ class CollisionModel(CollisionQueries):
             True
         """
         needed = "pairs of links' names"
-        every = inputs.items(pairs, "pairs", needed, ArgumentError)
-        given = [inputs.items(each, "a pair", needed, ArgumentError) for each in every]
+        every = inputs.items(pairs, "pairs", needed)
+        given = [inputs.items(each, "a pair", needed) for each in every]
         if any(len(each) != 2 or not all(isinstance(name, str) for name in each) for each in given):
             raise ArgumentError(f"pairs={quoted(pairs)} given; {needed} are needed")
         own, wanted, model = set(self.checked_pairs), {(first, second) for first, second in given}, self

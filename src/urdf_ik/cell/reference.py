@@ -190,7 +190,7 @@ class Reference:
         Raises:
             ArgumentError: the last dimension is not nq, or a value is not finite.
         """
-        full, nq = inputs.real(q_pin, "a configuration", "an array of numbers", ArgumentError), self.pin_model.nq
+        full, nq = inputs.real(q_pin, "a configuration", "an array of numbers"), self.pin_model.nq
         if full.shape[-1:] != (nq,) or inputs.first_bad(full) is not None:
             raise ArgumentError(f"configurations of shape {full.shape} given; (..., {nq}) finite numbers are needed")
         out = np.empty((*full.shape[:-1], self.dof))
@@ -299,7 +299,7 @@ class Reference:
         Raises:
             ArgumentError: the last dimension is not n.
         """
-        Q = inputs.real(q, "a joint vector", f"an array of numbers (..., {self.dof})", ArgumentError)
+        Q = inputs.real(q, "a joint vector", f"an array of numbers (..., {self.dof})")
         if Q.ndim == 0 or Q.shape[-1] != self.dof:
             raise ArgumentError(
                 f"joint vectors of shape {Q.shape} given; the last dimension must be {self.dof} "

@@ -318,7 +318,7 @@ class Points(Frozen, Shape):
     radius: float
 
     def __post_init__(self) -> None:
-        points = inputs.real(self.points, "Points: points", "numbers of shape (k, 3)", ArgumentError).copy()
+        points = inputs.real(self.points, "Points: points", "numbers of shape (k, 3)").copy()
         if points.ndim != 2 or points.shape[1] != 3 or not len(points):
             raise ArgumentError(f"Points: points of shape {points.shape} given; (k, 3), one point or more, is needed")
         if (bad := inputs.first_bad(points)) is not None:
@@ -373,7 +373,7 @@ def reason_of(error: Exception) -> str:
 def _numbers(shape: str, name: str, value: ArrayLike, count: int | None = None) -> tuple[float, ...]:
     """``value`` as finite numbers, ``count`` of them where that is given."""
     needed = {None: "finite numbers", 1: "one finite number"}.get(count, f"{count} finite numbers")
-    array = inputs.real(value, f"{shape}: {name}", needed, ArgumentError).reshape(-1)
+    array = inputs.real(value, f"{shape}: {name}", needed).reshape(-1)
     if not len(array) or inputs.first_bad(array) is not None or len(array) != (count or len(array)):
         most = f" of at most {LARGEST:g}" if inputs.first_bad(array, math.inf) is None else ""
         are = "is" if count == 1 else "are"

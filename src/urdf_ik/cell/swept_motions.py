@@ -125,7 +125,7 @@ def check_margin(margin: float) -> float:
     Raises:
         ArgumentError: it is negative or not finite.
     """
-    return inputs.number(margin, "margin", ArgumentError, low=0.0, unit="m")
+    return inputs.number(margin, "margin", low=0.0, unit="m")
 
 
 def check_length(q0: Array, q1: Array, names: Sequence[str]) -> None:

@@ -255,7 +255,7 @@ class World:
         for name, shape, pose in self:
             found.update(f"{name}\0{type(shape).__name__}\0".encode())
             if isinstance(shape, Mesh):
-                found.update(files.read(shape.file(), meshes.MAX_BYTES, ArgumentError) + repr(shape.scale).encode())
+                found.update(files.read(shape.file(), meshes.MAX_BYTES) + repr(shape.scale).encode())
             else:
                 for each in fields(shape):  # type: ignore[arg-type]
                     value = getattr(shape, each.name)

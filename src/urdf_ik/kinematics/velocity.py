@@ -94,7 +94,7 @@ def manipulability(chain: Chain, q: ArrayLike, part: str = "all") -> Array:
         >>> float(manipulability(arm.chain, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]).round(4)) > 0.0
         True
     """
-    inputs.kind(chain, "jacobian", "chain", "a chain, as arm.chain is,", ArgumentError)
+    inputs.kind(chain, "jacobian", "chain", "a chain, as arm.chain is,")
     J = chain.jacobian(q)[..., _rows(part), :]
     if chain.n == 0:
         return np.zeros(J.shape[:-2])
@@ -253,21 +253,21 @@ def _scaled_jacobian(chain: Chain, q: ArrayLike, length: float) -> Array:
 
 
 def _rows(part: str) -> slice:
-    return PARTS[inputs.choice(part, "part", tuple(PARTS), ArgumentError)]
+    return PARTS[inputs.choice(part, "part", tuple(PARTS))]
 
 
 def _length(chain: Chain, length: float | None) -> float:
-    inputs.kind(chain, "jacobian", "chain", "a chain, as arm.chain is,", ArgumentError)
-    return chain.size if length is None else inputs.number(length, "length", ArgumentError, low=LEAST_LENGTH, unit="m")
+    inputs.kind(chain, "jacobian", "chain", "a chain, as arm.chain is,")
+    return chain.size if length is None else inputs.number(length, "length", low=LEAST_LENGTH, unit="m")
 
 
 def _number(name: str, value: float, *, zero: bool = False) -> float:
     """A finite number above zero, or from zero on."""
-    return inputs.number(value, name, ArgumentError, low=0.0, above=None if zero else 0.0)
+    return inputs.number(value, name, low=0.0, above=None if zero else 0.0)
 
 
 def _twist(twist: ArrayLike, count: int) -> Array:
-    V = inputs.real(twist, "a twist", f"an array of numbers (..., {count})", ArgumentError)
+    V = inputs.real(twist, "a twist", f"an array of numbers (..., {count})")
     if V.ndim == 0 or V.shape[-1] != count:
         raise ArgumentError(f"a twist of shape {V.shape} given; the last dimension must be {count}")
     if (bad := inputs.first_bad(V)) is not None:
@@ -278,7 +278,7 @@ def _twist(twist: ArrayLike, count: int) -> Array:
 
 def _each_joint(chain: Chain, name: str, values: ArrayLike) -> Array:
     """One positive number a joint."""
-    array = inputs.real(values, name, f"{chain.n} numbers", ArgumentError)
+    array = inputs.real(values, name, f"{chain.n} numbers")
     if array.shape != (chain.n,):
         raise ArgumentError(f"{name} of shape {array.shape} given; one number a joint ({chain.n},) is needed")
     good = inputs.usable(array)

@@ -8,5 +8,5 @@ __all__ = ["dataset", "placement", "workspace"]
 
 __getattr__ = attributes(
     __name__,
-    {"dataset": "datasets.creation", "placement": "placements.creation", "workspace": "workspaces.building"},
+    {"dataset": "datasets.creation", "placement": "placements.creation", "workspace": "workspaces.creation"},
 )

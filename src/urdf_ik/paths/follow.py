@@ -184,8 +184,8 @@ def _nodes(settings: CheckedSettings, T: Array) -> Nodes:
 
 
 def _obstacles(cell: Cell, world: World | None, margin: float, collisions: bool) -> Obstacles | None:
-    margin = inputs.number(margin, "margin", ArgumentError, low=0.0, unit="m")
-    if not inputs.flag(collisions, "collisions", ArgumentError):
+    margin = inputs.number(margin, "margin", low=0.0, unit="m")
+    if not inputs.flag(collisions, "collisions"):
         if world is not None:
             raise ArgumentError("collisions=False given with a world; leave one of the two out")
         return None

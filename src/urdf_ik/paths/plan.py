@@ -234,7 +234,7 @@ class Plan:
         rows.writerow(["waypoint", "branch", *self.solver.joint_names])
         for k, (branch, q) in enumerate(zip(self.branches, self.q, strict=True)):
             rows.writerow([k, branch, *(repr(float(x)) for x in q)])
-        files.write(path, text.getvalue().encode(), ArgumentError)
+        files.write(path, text.getvalue().encode())
 
     def to_json(self, path: str | os.PathLike[str] | None = None) -> str:
         """The plan as JSON, written to a file where one is given; also of a path without a plan.
@@ -265,7 +265,7 @@ class Plan:
             },
         )
         if path is not None:
-            files.write(path, text.encode(), ArgumentError)
+            files.write(path, text.encode())
         return text
 
     def to_npz(self, path: str | os.PathLike[str]) -> None:
@@ -288,7 +288,7 @@ class Plan:
             "q": self.q, "poses": self.poses, "branches": np.array(self.branches), "motion": self.motion,
             "joints": np.array(self.solver.joint_names), "place": self.place,
         }  # fmt: skip
-        files.write(path, lambda file: np.savez(file, allow_pickle=False, **held), ArgumentError)
+        files.write(path, lambda file: np.savez(file, allow_pickle=False, **held))
 
     def __str__(self) -> str:
         if not self.found:

@@ -86,7 +86,7 @@ def checked(solver: Solver, T: Array, given: PathSettings, obstacles: Obstacles 
         ArgumentError: a setting is invalid or does not fit the arm; the message names the valid values.
     """
     names = solver.joint_names
-    cost = inputs.choice(given.cost, "cost", COSTS, ArgumentError)
+    cost = inputs.choice(given.cost, "cost", COSTS)
     factors = np.ones(len(names)) if given.weights is None else each_joint("weights", given.weights, names, zero=True)
     if cost == "time":
         factors = factors / velocities(solver)
@@ -102,8 +102,8 @@ def checked(solver: Solver, T: Array, given: PathSettings, obstacles: Obstacles 
         start=_at_pose(solver, "start", given.start, T[0], 0),
         end=_at_pose(solver, "end", given.end, T[-1], len(T) - 1),
         obstacles=obstacles,
-        limit_cost=inputs.number(given.limit_cost, "limit_cost", ArgumentError, low=0.0),
-        reconfigure=inputs.flag(given.reconfigure, "reconfigure", ArgumentError),
+        limit_cost=inputs.number(given.limit_cost, "limit_cost", low=0.0),
+        reconfigure=inputs.flag(given.reconfigure, "reconfigure"),
         looser=given.tolerance is None and not given.reconfigure,
     )
 
@@ -132,7 +132,7 @@ def each_joint(name: str, value: Any, names: tuple[str, ...], *, zero: bool = Fa
         ArgumentError: ``value`` is neither.
     """
     needed = f"a number, or one for each of {', '.join(map(printable, names))}"
-    given = inputs.real(value, name, needed, ArgumentError)
+    given = inputs.real(value, name, needed)
     fits = given.shape in ((), (1,), (len(names),))
     numbers = np.broadcast_to(given if fits else np.nan, (len(names),)).copy()
     if not (inputs.usable(numbers) | (numbers == (0.0 if zero else np.inf))).all():
@@ -144,7 +144,7 @@ def each_joint(name: str, value: Any, names: tuple[str, ...], *, zero: bool = Fa
 
 def _tolerance(value: Any) -> Tolerance:
     given = (POSITION, ROTATION) if value is None else value
-    numbers = inputs.real(given, "tolerance", "two positive numbers (m, rad)", ArgumentError)
+    numbers = inputs.real(given, "tolerance", "two positive numbers (m, rad)")
     if numbers.shape != (2,) or not inputs.usable(numbers).all():
         raise ArgumentError(f"tolerance is {quoted(value)}; two numbers {inputs.USABLE} are needed: (m, rad)")
     return Tolerance(float(numbers[0]), min(float(numbers[1]), 1.0))

@@ -72,7 +72,7 @@ class Timed:
         rows.writerow(["t", *(f"{name}{what}" for what in ("", " qd", " qdd") for name in self.joints)])
         for row in np.column_stack([self.t, self.q, self.qd, self.qdd]).tolist():
             rows.writerow(map(repr, row))
-        files.write(path, text.getvalue().encode(), ArgumentError)
+        files.write(path, text.getvalue().encode())
 
     def to_json(self, path: str | os.PathLike[str] | None = None) -> str:
         """As JSON: joints, t, q, qd, qdd; written to a file where one is given.
@@ -83,7 +83,7 @@ class Timed:
         arrays = {"t": self.t, "q": self.q, "qd": self.qd, "qdd": self.qdd}
         text = json_text({"joints": self.joints, **arrays})
         if path is not None:
-            files.write(path, text.encode(), ArgumentError)
+            files.write(path, text.encode())
         return text
 
     def to_npz(self, path: str | os.PathLike[str]) -> None:
@@ -93,7 +93,7 @@ class Timed:
             ArgumentError: the file cannot be written.
         """
         held = {"joints": np.array(self.joints), "t": self.t, "q": self.q, "qd": self.qd, "qdd": self.qdd}
-        files.write(path, lambda file: np.savez(file, allow_pickle=False, **held), ArgumentError)
+        files.write(path, lambda file: np.savez(file, allow_pickle=False, **held))
 
     def __repr__(self) -> str:
         return f"<Timed: {self.duration:.3f} s, {len(self.t)} samples, {self.method}>"
@@ -123,7 +123,7 @@ def timed(plan: Any, velocity: Any = None, acceleration: Any = None, *, dt: floa
     """
     if not plan.found or plan.changes:
         raise ArgumentError("only a plan that was found, without reconfigurations, can be timed")
-    dt = inputs.number(dt, "dt", ArgumentError, above=0.0, unit="s")
+    dt = inputs.number(dt, "dt", above=0.0, unit="s")
     solver = plan.solver
     names = solver.joint_names
     v = settings.velocities(solver) if velocity is None else settings.each_joint("velocity", velocity, names)

@@ -126,7 +126,7 @@ def arc(T0: Any, via: Any, T1: Any, n: int = 100) -> Array:
         [0.0, 1.0, 0.0]
     """
     start, end, count = _one(T0, "T0"), _one(T1, "T1"), _count(n)
-    middle = inputs.real(getattr(via, "homogeneous", via), "via", "a point (3,) [m] or a pose (4, 4)", ArgumentError)
+    middle = inputs.real(getattr(via, "homogeneous", via), "via", "a point (3,) [m] or a pose (4, 4)")
     middle = middle[:3, 3] if middle.shape == (4, 4) else middle
     if middle.shape != (3,) or inputs.first_bad(middle) is not None:
         raise ArgumentError(f"via is {quoted(via)}; a point (3,) [m] or a pose (4, 4) is needed")
@@ -179,7 +179,7 @@ def polyline(poses: Any, step: float = 0.01, *, blend: float = 0.0, turn: float 
     if len(corners) < 2:
         raise ArgumentError(f"a polyline through {len(corners)} pose asked for; at least two are needed")
     step, turn = (inputs.number(value, name, above=0.0) for name, value in (("step", step), ("turn", turn)))
-    blend = inputs.number(blend, "blend", ArgumentError, low=0.0, unit="m")
+    blend = inputs.number(blend, "blend", low=0.0, unit="m")
     apart = twists(corners[:-1], corners[1:])
     lengths = np.linalg.norm(apart[:, :3], axis=1)
     # Where a leg begins and ends being straight, as shares of it.
@@ -209,4 +209,4 @@ def _one(T: Any, name: str) -> Array:
 
 
 def _count(n: int) -> int:
-    return inputs.whole(n, "n", ArgumentError, low=2, high=MOST_WAYPOINTS)
+    return inputs.whole(n, "n", low=2, high=MOST_WAYPOINTS)

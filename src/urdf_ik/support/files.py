@@ -1,4 +1,4 @@
-"""Files: read up to a limit without waiting for nobody, and written whole or not at all."""
+"""Files: read up to a limit, without waiting for the writer of a pipe; written whole or not at all."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def called(file: Any) -> str:
 
 
 def opened(path: Path) -> IO[bytes]:
-    """A file open for reading; of a pipe that nobody writes to there is nothing to read, and no waiting.
+    """A file open for reading; a pipe without a writer is empty at once.
 
     Raises:
         OSError: it cannot be opened.

@@ -1,7 +1,7 @@
-"""Forks wait until no other thread is in a first call: what it holds then would be held in the child for ever.
+"""Safe forks: a fork waits until no other thread holds a lock of this package or an import lock.
 
-A first call imports modules and computes what is kept (``functools.cached_property``), each under a lock. A child has
-only the thread that forked, so that nobody would release them.
+A lock that another thread holds during fork() would stay locked in the child, which has only the thread that forked. A
+first call holds such locks: it imports modules and computes cached properties.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import Any
 from weakref import WeakSet
 
 PATIENCE = 30.0
-"""How long a fork waits [s]; the longest first call takes a third of it on a slow machine."""
+"""Longest wait of a fork [s]; the longest first call takes a third of it on a slow machine."""
 _PAUSE = 0.001
 
 
@@ -81,7 +81,7 @@ def _before() -> None:
             _imp.release_lock()
         for each in taken:
             each.release()
-        if time.monotonic() > end:  # rather a child that may wait than a program that does not go on
+        if time.monotonic() > end:  # a child that may hang is better than a program that does
             return
         time.sleep(_PAUSE)
 

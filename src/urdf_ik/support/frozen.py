@@ -1,4 +1,4 @@
-"""Arrays that nobody may write to, also after an object was pickled or copied: NumPy forgets it on the way."""
+"""Read-only arrays, and objects whose arrays stay read-only when pickled or copied: NumPy's own copies do not."""
 
 from __future__ import annotations
 

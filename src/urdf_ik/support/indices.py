@@ -1,4 +1,4 @@
-"""Places in a batch, as NumPy's indices name them."""
+"""The elements of a batch that a NumPy index names."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Numbers that are given from outside: read in one way, so that what is refused in one place is refused in all."""
+"""Checks of arguments: numbers, flags, names, paths and objects; each error says the value and what is valid."""
 
 from __future__ import annotations
 
@@ -26,13 +26,14 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Array = NDArray[np.float64]
+    Error = Callable[[str], UrdfIkError]
 
 MOST_THREADS = 1024
-"""Threads that share a piece of work at most."""
+"""Greatest number of threads that share a piece of work."""
 MOST_POSES = 10**6
-"""Random poses that are drawn at most: they are all in memory at a time."""
+"""Greatest number of random poses: all are in memory at a time."""
 MOST_ITEMS = 100_000
-"""Names, paths or other things in a list at most."""
+"""Greatest number of names, paths or other items in a list."""
 _NO_NUMBERS = {
     "b": "truth values",
     "c": "complex numbers",
@@ -45,22 +46,22 @@ _NO_NUMBERS = {
 }
 
 
-def real(value: Any, what: str, needed: str, error: Callable[[str], UrdfIkError] = ArgumentError) -> Array:
-    """``value`` as a C-contiguous float64 array of its own shape; whether it is finite is not looked at.
+def _refusal(value: Any, what: str, needed: str, error: Error = ArgumentError) -> UrdfIkError:
+    return error(f"{what}={quoted(value)} given; {needed} needed")
+
+
+def real(value: Any, what: str, needed: str, error: Error = ArgumentError) -> Array:
+    """``value`` as a C-contiguous float64 array of its own shape; finite or not.
 
     Args:
-        value: an array, a number, or lists of them.
+        value: an array, a number, or lists of them; returned as it is where it is such an array already.
         what: how the error calls it.
         needed: what would be valid.
-        error: what is raised.
-
-    Returns:
-        ``value`` itself where it is such an array already.
+        error: class of the error.
 
     Raises:
         UrdfIkError: ``error``; complex numbers, truth values, dates, text (numeric text, too), structured and masked
-            arrays, lists whose parts do not fit together, lists and ranges of more than ``sequences.MOST_LISTED``
-            numbers, and what is no number at all.
+            arrays, ragged lists, lists and ranges of more than ``sequences.MOST_LISTED`` numbers, and other objects.
 
     Example:
         >>> real([[1, 2], [3, 4]], "q", "an array of numbers").tolist()
@@ -71,28 +72,25 @@ def real(value: Any, what: str, needed: str, error: Callable[[str], UrdfIkError]
     """
     if type(value) is np.ndarray and value.dtype == np.float64 and value.flags.c_contiguous:
         return np.require(value, np.float64, ["C", "A", "E"])
+    array = np.empty(0)
     try:
         problem, others = sequences.looked_through(value)
-        if problem:
-            raise error(f"{what} must be {needed}: {problem}, {quoted(value)}")
-        array = np.asarray(sequences.as_lists(value) if others else value)
-    except UrdfIkError:
-        raise
-    except Exception as failure:  # whatever an object of unknown origin raises where it is asked for an array
-        reason = " ".join(str(failure).split())[:200]
-        raise error(f"{what} must be {needed}: {reason}, {quoted(value)}") from None
+        if not problem:
+            array = np.asarray(sequences.as_lists(value) if others else value)
+    except Exception as failure:  # an object of unknown origin raises anything when it is converted
+        problem = " ".join(str(failure).split())[:200] or type(failure).__name__
     kind = array.dtype.kind
-    if kind in _NO_NUMBERS:
-        problem = f"{_NO_NUMBERS[kind]} is given" if kind in "SUTV" else f"{_NO_NUMBERS[kind]} are given"
-    elif kind == "O" and not all(is_real(each) for each in array.flat):
-        problem = "there are other things than numbers in it"
-    if problem:
-        raise error(f"{what} must be {needed}: {problem}, {quoted(value)}")
-    try:
-        with np.errstate(over="ignore"):
-            return np.require(array, np.float64, ["C", "A", "E"])
-    except (OverflowError, TypeError, ValueError, MemoryError) as failure:
-        raise error(f"{what} must be {needed}: {failure}, {quoted(value)}") from None
+    if not problem and kind in _NO_NUMBERS:
+        problem = f"{_NO_NUMBERS[kind]} {'is' if kind in 'SUTV' else 'are'} given"
+    elif not problem and kind == "O" and not all(is_real(each) for each in array.flat):
+        problem = "it holds values that are not numbers"
+    if not problem:
+        try:
+            with np.errstate(over="ignore"):
+                return np.require(array, np.float64, ["C", "A", "E"])
+        except (OverflowError, TypeError, ValueError, MemoryError) as failure:
+            problem = str(failure)
+    raise error(f"{what} must be {needed}: {problem}, {quoted(value)}")
 
 
 def first_bad(array: Array, largest: float = LARGEST) -> tuple[int, ...] | None:
@@ -107,7 +105,7 @@ def first_bad(array: Array, largest: float = LARGEST) -> tuple[int, ...] | None:
 
 
 def why_bad(value: float, largest: float = LARGEST) -> str:
-    """What is wrong with a number that :func:`first_bad` found.
+    """The reason why :func:`first_bad` found a number.
 
     Example:
         >>> why_bad(float("nan")), why_bad(1e200)
@@ -119,26 +117,26 @@ def why_bad(value: float, largest: float = LARGEST) -> str:
 def number(
     value: Any,
     what: str,
-    error: Callable[[str], UrdfIkError] = ArgumentError,
+    error: Error = ArgumentError,
     *,
     low: float = -LARGEST,
     high: float = LARGEST,
     above: float | None = None,
     unit: str = "",
 ) -> float:
-    """A single number.
+    """A single number, or an array without dimensions.
 
     Args:
-        value: a number, or an array without dimensions.
+        value: the number.
         what: how the error calls it.
-        error: what is raised.
+        error: class of the error.
         low: least value.
         high: greatest value; may be infinite.
-        above: what the value must be greater than, in the place of ``low``.
+        above: bound that the value must exceed, in place of ``low``.
         unit: of the number, for the message.
 
     Raises:
-        UrdfIkError: ``error``; it is no number, or out of range.
+        UrdfIkError: ``error``; not a number, or out of range.
 
     Example:
         >>> number("3", "margin", low=0.0, unit="m")
@@ -163,7 +161,7 @@ def number(
         kind += f"{' and' if above is not None or low > -LARGEST else ' of'} at most {high:g}"
     elif good and math.isfinite(given) and given > high:
         kind += f", at most {high:g},"
-    raise error(f"{what}={quoted(value)} given; {kind} is needed")
+    raise _refusal(value, what, f"{kind} is", error)
 
 
 def usable(values: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -180,13 +178,8 @@ USABLE = f"between {1.0 / LARGEST:g} and {LARGEST:g}"
 """The same in words."""
 
 
-def whole(
-    value: Any, what: str, error: Callable[[str], UrdfIkError] = ArgumentError, *, low: int = 0, high: int = 2**31
-) -> int:
-    """A single whole number.
-
-    Raises:
-        UrdfIkError: ``error``; it is no whole number (2.0 and True are none), or out of range.
+def whole(value: Any, what: str, error: Error = ArgumentError, *, low: int = 0, high: int = 2**31) -> int:
+    """A single whole number; neither 2.0 nor True.
 
     Example:
         >>> whole(2.5, "threads", low=1)
@@ -195,92 +188,71 @@ def whole(
     """
     try:
         given = None if isinstance(value, bool | np.bool_ | np.ma.MaskedArray) else operator.index(value)
-    except Exception:  # whatever an object of unknown origin raises where it is asked for a number
+    except Exception:  # an object of unknown origin raises anything
         given = None
     if given is None or not low <= given <= high:
-        raise error(f"{what}={quoted(value)} given; a whole number from {low} to {high} is needed")
+        raise _refusal(value, what, f"a whole number from {low} to {high} is", error)
     return given
 
 
-def threads(value: Any, error: Callable[[str], UrdfIkError] = ArgumentError) -> int:
-    """A number of threads that share a piece of work.
-
-    Raises:
-        UrdfIkError: ``error``; it is no whole number, or out of range.
-
-    Example:
-        >>> threads(10**9)
-        Traceback (most recent call last):
-        urdf_ik.errors.ArgumentError: threads=1000000000 given; a whole number from 1 to 1024 is needed
-    """
-    return whole(value, "threads", error, low=1, high=MOST_THREADS)
+def threads(value: Any) -> int:
+    """A number of threads that share a piece of work."""
+    return whole(value, "threads", low=1, high=MOST_THREADS)
 
 
-def items(
-    value: Any, what: str, needed: str, error: Callable[[str], UrdfIkError] = ArgumentError, most: int = MOST_ITEMS
-) -> tuple[Any, ...]:
-    """What a list, or another iterable of bounded length, holds; a text is none.
+def poses(value: Any) -> int:
+    """A number ``n`` of random poses."""
+    return whole(value, "n", low=1, high=MOST_POSES)
 
-    Raises:
-        UrdfIkError: ``error``; it cannot be gone through, or does not end after ``most`` items.
+
+def items(value: Any, what: str, needed: str, error: Error = ArgumentError, most: int = MOST_ITEMS) -> tuple[Any, ...]:
+    """The items of a list or another iterable, ``most`` of them at most; not the letters of a text.
 
     Example:
         >>> items("joint_1", "joints", "names of joints")
         Traceback (most recent call last):
         urdf_ik.errors.ArgumentError: joints='joint_1' given; names of joints are needed
     """
+    held = None
     if not isinstance(value, str | bytes | os.PathLike):
-        try:
+        with contextlib.suppress(Exception):  # an object of unknown origin raises anything
             held = tuple(islice(value, most + 1))
-        except Exception:  # whatever an object of unknown origin raises where it is asked for what it holds
-            held = None
-        if held is not None and len(held) > most:
-            raise error(f"{what} holds more than {most} items; {needed} are needed")
-        if held is not None:
-            return held
-    raise error(f"{what}={quoted(value)} given; {needed} are needed")
+    if held is None:
+        raise _refusal(value, what, f"{needed} are", error)
+    if len(held) > most:
+        raise error(f"{what} holds more than {most} items; {needed} are needed")
+    return held
 
 
-def poses(value: Any, error: Callable[[str], UrdfIkError] = ArgumentError) -> int:
-    """A number ``n`` of random poses that are held in memory at a time.
+def path(value: Any, what: str, error: Error = ArgumentError) -> Path:
+    """The path of a file, which need not exist.
 
     Raises:
-        UrdfIkError: ``error``; it is no whole number, or out of range.
-
-    Example:
-        >>> poses(10**9)
-        Traceback (most recent call last):
-        urdf_ik.errors.ArgumentError: n=1000000000 given; a whole number from 1 to 1000000 is needed
-    """
-    return whole(value, "n", error, low=1, high=MOST_POSES)
-
-
-def path(value: Any, what: str, error: Callable[[str], UrdfIkError] = ArgumentError) -> Path:
-    """The path of a file; whether it is there is not looked at.
-
-    Raises:
-        UrdfIkError: ``error``; it is no path, is empty, or holds a null byte.
+        UrdfIkError: ``error``; not a path, an empty one, one with a null byte, or a relative one while the working
+            directory is gone.
 
     Example:
         >>> path(3, "output")
         Traceback (most recent call last):
         urdf_ik.errors.ArgumentError: output=3 given; the path of a file is needed
     """
+    written: object = None
     if isinstance(value, str | os.PathLike):
-        try:
-            written: object = os.fspath(value)
-        except Exception:  # the same where it is asked for a path
-            written = None
-        if isinstance(written, str) and written.strip() and "\0" not in written:
-            return Path(written)
-    raise error(f"{what}={quoted(value)} given; the path of a file is needed")
+        with contextlib.suppress(Exception):  # the same
+            written = os.fspath(value)
+    if not isinstance(written, str) or not written.strip() or "\0" in written:
+        raise _refusal(value, what, "the path of a file is", error)
+    found = Path(written)
+    try:
+        if not found.is_absolute():
+            os.getcwd()
+    except OSError:
+        raise error(f"{what}={quoted(written)} given; the working directory is gone, give an absolute path") from None
+    return found
 
 
-def flag(value: Any, what: str, error: Callable[[str], UrdfIkError] = ArgumentError) -> bool:
-    """True or false.
-
-    Raises:
-        UrdfIkError: ``error``; it is neither, nor 0 or 1.
+def flag(value: Any, what: str, error: Error = ArgumentError) -> bool:
+    """True or False, also as 1 or 0.
 
     Example:
         >>> flag("no", "within_limits")
@@ -289,16 +261,11 @@ def flag(value: Any, what: str, error: Callable[[str], UrdfIkError] = ArgumentEr
     """
     if isinstance(value, bool | np.bool_) or (isinstance(value, int) and value in (0, 1)):
         return bool(value)
-    raise error(f"{what}={quoted(value)} given; True or False is needed")
+    raise _refusal(value, what, "True or False is", error)
 
 
-def kind(
-    value: Any, attribute: str, what: str, needed: str, error: Callable[[str], UrdfIkError] = ArgumentError
-) -> None:
-    """Refuse an object of another kind than the one that is told by an attribute of its class.
-
-    Raises:
-        UrdfIkError: ``error``; it has no such attribute.
+def kind(value: Any, attribute: str, what: str, needed: str, error: Error = ArgumentError) -> None:
+    """Refuse an object whose class lacks an attribute.
 
     Example:
         >>> kind("ur5", "chain", "a", "an arm, as urdf_ik.load gives it,")
@@ -306,50 +273,13 @@ def kind(
         urdf_ik.errors.ArgumentError: a='ur5' given; an arm, as urdf_ik.load gives it, is needed
     """
     missing = object()
-    # Not what an object answers to any name, as a mock does.
+    # A static look-up: a mock answers to any name.
     if isinstance(value, type) or inspect.getattr_static(value, attribute, missing) is missing:
-        raise error(f"{what}={quoted(value)} given; {needed} is needed")
+        raise _refusal(value, what, f"{needed} is", error)
 
 
-def mapping(
-    value: Any, what: str, needed: str, error: Callable[[str], UrdfIkError] = ArgumentError
-) -> Mapping[Any, Any]:
-    """Values by name.
-
-    Raises:
-        UrdfIkError: ``error``; it is no mapping.
-
-    Example:
-        >>> mapping(["joint_1"], "values", "a value for each joint by name")
-        Traceback (most recent call last):
-        urdf_ik.errors.ArgumentError: values=['joint_1'] given; a value for each joint by name is needed
-    """
-    if isinstance(value, Mapping):
-        with contextlib.suppress(Exception):  # whatever a mapping of unknown origin raises where it is read
-            count = len(value)
-            found = dict(islice(value.items(), count + 1))  # it may go on without end
-            if len(found) == count:
-                return found
-    raise error(f"{what}={quoted(value)} given; {needed} is needed")
-
-
-def callback(value: Any, what: str, error: Callable[[str], UrdfIkError] = ArgumentError) -> None:
-    """Refuse what can neither be called nor is None.
-
-    Raises:
-        UrdfIkError: ``error``; it is no function.
-
-    Example:
-        >>> callback("bar", "progress")
-        Traceback (most recent call last):
-        urdf_ik.errors.ArgumentError: progress='bar' given; a function, or None, is needed
-    """
-    if value is not None and not callable(value):
-        raise error(f"{what}={quoted(value)} given; a function, or None, is needed")
-
-
-def arm(value: Any, what: str = "arm", error: Callable[[str], UrdfIkError] = ArgumentError) -> None:
-    """Refuse what is no arm: see :func:`kind`.
+def arm(value: Any, what: str = "arm") -> None:
+    """Refuse an object that is not an arm.
 
     Example:
         >>> arm(None)
@@ -357,16 +287,36 @@ def arm(value: Any, what: str = "arm", error: Callable[[str], UrdfIkError] = Arg
         urdf_ik.errors.ArgumentError: arm=None given; an arm, as urdf_ik.load gives it, is needed
     """
     needed = "an arm, as urdf_ik.load gives it,"
-    kind(value, "chain", what, needed, error)
-    if callable(inspect.getattr_static(value, "chain", None)):  # a DH table, which makes one
-        raise error(f"{what}={quoted(value)} given; {needed} is needed")
+    kind(value, "chain", what, needed)
+    if callable(inspect.getattr_static(value, "chain", None)):  # a DH table, which makes a chain
+        raise _refusal(value, what, f"{needed} is")
 
 
-def choice(value: Any, what: str, choices: Sequence[str], error: Callable[[str], UrdfIkError] = ArgumentError) -> str:
+def mapping(value: Any, what: str, needed: str) -> Mapping[Any, Any]:
+    """Values by name.
+
+    Example:
+        >>> mapping(["joint_1"], "values", "a value for each joint by name")
+        Traceback (most recent call last):
+        urdf_ik.errors.ArgumentError: values=['joint_1'] given; a value for each joint by name is needed
+    """
+    if isinstance(value, Mapping):
+        with contextlib.suppress(Exception):  # a mapping of unknown origin raises anything
+            count = len(value)
+            found = dict(islice(value.items(), count + 1))  # it may go on without end
+            if len(found) == count:
+                return found
+    raise _refusal(value, what, f"{needed} is")
+
+
+def callback(value: Any, what: str) -> None:
+    """Refuse a value that is neither None nor a function."""
+    if value is not None and not callable(value):
+        raise _refusal(value, what, "a function, or None, is")
+
+
+def choice(value: Any, what: str, choices: Sequence[str]) -> str:
     """One of several words.
-
-    Raises:
-        UrdfIkError: ``error``; it is none of them.
 
     Example:
         >>> choice("l3", "metric", ("l2", "max"))
@@ -375,11 +325,11 @@ def choice(value: Any, what: str, choices: Sequence[str], error: Callable[[str],
     """
     if isinstance(value, str) and value in choices:
         return value
-    raise error(f"{what}={quoted(value)} given; one of {', '.join(map(repr, choices))} is needed")
+    raise _refusal(value, what, f"one of {', '.join(map(repr, choices))} is")
 
 
 def is_real(value: object) -> bool:
-    """Whether it is a single real number, of any kind but a truth value or a time.
+    """Whether a value is a single real number; neither a truth value nor a time.
 
     Example:
         >>> is_real(3), is_real(np.float32(0.5)), is_real("3"), is_real(True)

@@ -18,7 +18,7 @@ def attributes(package: str, names: Mapping[str, str] | None = None) -> Callable
     Example:
         >>> from urdf_ik import maps
         >>> maps.workspace.__module__
-        'urdf_ik.maps.workspaces.building'
+        'urdf_ik.maps.workspaces.creation'
     """
     module_of = names or {}
 

@@ -1,4 +1,4 @@
-"""Colours of branches and of values, which those who see two primary colours tell apart, too."""
+"""Colours of branches and of values that people with colour blindness can tell apart."""
 
 from __future__ import annotations
 

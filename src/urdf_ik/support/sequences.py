@@ -1,4 +1,4 @@
-"""Sequences that are given for arrays: how long they are is asked before they are written out."""
+"""Sequences given for arrays: their length is checked before they are expanded."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tables of plain text and strict JSON, as every report writes them."""
+"""Text of reports and messages: quoted values, aligned tables, strict JSON."""
 
 from __future__ import annotations
 

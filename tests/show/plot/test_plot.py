@@ -30,7 +30,7 @@ def test_the_stick_runs_through_the_links_frames(arm: urdf_ik.Arm) -> None:
     (axes,) = figure.axes
     (line,) = stick_lines(axes)
     points = np.array(line.get_data_3d()).T
-    links = figures.chain_links(arm)
+    links = arm.chain.links
     assert (links[0], links[-1]) == (arm.base, arm.tip) and len(points) == len(links)
     np.testing.assert_allclose(points, [arm.link_poses(Q)[link][:3, 3] for link in links])
     shapes = sum(len(arm.model.robot.link_map[link].visuals) for link in arm.model.links)
@@ -314,7 +314,7 @@ def test_the_command_cuts_a_saved_map(tmp_path: Path) -> None:
 def test_nothing_else_brings_matplotlib() -> None:
     """The rooms of the workspace, and the other commands, load without it."""
     code = (
-        "import sys, urdf_ik, urdf_ik.maps.workspaces, urdf_ik.cli, urdf_ik.cli.chunked.workspace; "
+        "import sys, urdf_ik, urdf_ik.maps.workspaces, urdf_ik.cli, urdf_ik.cli.commands.maps.workspace; "
         "sys.exit(any(name.split('.')[0] == 'matplotlib' for name in sys.modules))"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

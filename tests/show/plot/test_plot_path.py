@@ -149,6 +149,6 @@ def test_the_command_draws_it(arm: Arm, tmp_path: Path) -> None:
     np.save(tmp_path / "seam.npy", seam(0.4, 10))
     succeed("plot", ARM, "path", "-w", f"{tmp_path}/seam.npy", "-o", f"{tmp_path}/path.png")
     assert is_png((tmp_path / "path.png").read_bytes())
-    for what, rest, words in (("path", (), "--waypoints"), ("limits", ("-w", "seam.npy"), "no picture of a path")):
+    for what, rest, words in (("path", (), "--waypoints"), ("limits", ("-w", "seam.npy"), "does not show a path")):
         result = call("plot", ARM, what, *rest, "-o", f"{tmp_path}/path.png")
         assert result.exit_code == 2 and words in " ".join(result.output.split())

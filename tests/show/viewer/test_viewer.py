@@ -23,9 +23,9 @@ from urdf_ik import Arm, Singular, UrdfIkError
 from urdf_ik.cli import app
 from urdf_ik.ik.redundancy.bars import bars
 from urdf_ik.model import catalogue
-from urdf_ik.show.viewer import address, panel, strip
+from urdf_ik.show.viewer import address, arm_panel, interval_strip
 from urdf_ik.show.viewer import state as states
-from urdf_ik.show.viewer.latest import Latest
+from urdf_ik.show.viewer.request_queue import Latest
 from urdf_ik.support import palette
 
 pytest.importorskip("viser", reason="pip install viser")
@@ -154,12 +154,12 @@ def test_the_intervals_stand_under_the_slider() -> None:
         for bar in drawn:
             covered |= (bar.row == row) & (values >= bar.value[0]) & (values <= bar.value[-1])
         np.testing.assert_array_equal(covered, kept[:, arm.structure.branches.index(name)])
-    page = ElementTree.fromstring(strip.drawn(state).replace("&middot;", "-"))
+    page = ElementTree.fromstring(interval_strip.drawn(state).replace("&middot;", "-"))
     assert len(page.findall(".//title")) == len(drawn)
     moved = states.with_redundancy(state, 0.5)
-    assert moved.intervals is state.intervals and strip.drawn(moved) != strip.drawn(state)
+    assert moved.intervals is state.intervals and interval_strip.drawn(moved) != interval_strip.drawn(state)
     assert states.with_joints(state, state.q + 0.05).intervals is not state.intervals
-    assert strip.drawn(states.start(urdf_ik.load("zyyzyz_6r"))) == ""
+    assert interval_strip.drawn(states.start(urdf_ik.load("zyyzyz_6r"))) == ""
 
 
 @pytest.mark.parametrize("name", [name for name in catalogue.BUNDLED if name != "zyyzyz_6r"])
@@ -177,7 +177,7 @@ def test_a_newer_request_takes_the_place_of_an_older_one() -> None:
     """While one is being done, only the last of each kind waits, and all kinds get their turn."""
     done: list[str] = []
     begun, go_on = threading.Event(), threading.Event()
-    latest = Latest()
+    latest = Latest(lambda: None)
 
     def first() -> None:
         begun.set()
@@ -291,11 +291,11 @@ def test_all_sixteen_colours_are_seen_on_either_background() -> None:
 def test_buttons_hold_names_and_marks() -> None:
     """The whole name where it fits, with the dot of the one chosen; else its last words, and always all marks."""
     branch = "shoulder front, elbow down, wrist noflip"
-    assert panel._label(branch, (), True) == f"● {branch}"
-    assert panel._label(branch, ("limits",), False) == f"{branch} (limits)"
-    crowded = panel._label(branch, ("limits", "collision", "singular: wrist"), True)
+    assert arm_panel._label(branch, (), True) == f"● {branch}"
+    assert arm_panel._label(branch, ("limits",), False) == f"{branch} (limits)"
+    crowded = arm_panel._label(branch, ("limits", "collision", "singular: wrist"), True)
     assert crowded == "● front, down, noflip (limits; collision; singular: wrist)"
-    assert panel._label("solution 16", ("limits",), False) == "solution 16 (limits)"
+    assert arm_panel._label("solution 16", ("limits",), False) == "solution 16 (limits)"
 
 
 def test_a_notebook_shows_the_page(viewer: Viewer) -> None:
@@ -368,9 +368,15 @@ def test_a_port_in_use_is_refused_and_a_free_one_found(arm: Arm, monkeypatch: py
 
 @pytest.mark.parametrize(
     ("host", "port", "words"),
-    [("127.0.0.1", 70000, "port 70000"), ("192.0.2.1", None, "192.0.2.1"), ("no.such.host.invalid", 0, "no.such"),
-     ("a" * 64, None, "no host name"), ("a\0b", None, "a.x00b"), ("127.0.0.1", True, "port True"),
-     ("127.0.0.1", 80.5, "port 80.5")],
+    [
+        ("127.0.0.1", 70000, "port 70000"),
+        ("192.0.2.1", None, "192.0.2.1"),
+        ("no.such.host.invalid", 0, "no.such"),
+        ("a" * 64, None, "no host name"),
+        ("a\0b", None, "a.x00b"),
+        ("127.0.0.1", True, "port True"),
+        ("127.0.0.1", 80.5, "port 80.5"),
+    ],
 )
 def test_an_address_that_is_none_is_refused(host: str, port: int | None, words: str) -> None:
     """Ports out of range, and hosts that are not this machine, before viser looks for ports in vain."""

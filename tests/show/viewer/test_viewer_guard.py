@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import time
 import urllib.error
@@ -9,6 +10,7 @@ import urllib.request
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import pytest
 
 import urdf_ik
@@ -17,6 +19,7 @@ from urdf_ik import Arm, MissingPackage
 viser = pytest.importorskip("viser", reason="pip install viser")
 
 import msgspec.msgpack  # noqa: E402  they come with viser
+import zstandard  # noqa: E402
 from websockets.exceptions import ConnectionClosed, InvalidStatus  # noqa: E402
 from websockets.sync.client import connect  # noqa: E402
 
@@ -177,18 +180,69 @@ def test_unfinished_files_go_with_their_page(viewer: Viewer) -> None:
     assert not viewer.server.gui._current_file_upload_states  # viser's own keeps nothing either
 
 
-def test_senseless_values_of_a_page_are_answered_in_words(viewer: Viewer, capfd: pytest.CaptureFixture[str]) -> None:
-    """NaN for a joint: no traceback, and the arm stays."""
-    before = viewer.state.q.copy()
+def looking(connection: Any) -> None:
+    """A client counts for viser once it has said where its camera is."""
+    send(connection, "ViewerCameraMessage", wxyz=[1, 0, 0, 0], position=[1, 1, 1], fov=1.0, near=0.1, far=9.0,
+         image_height=10, image_width=10, look_at=[0, 0, 0], up_direction=[0, 0, 1])  # fmt: skip
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), "abc", None, True, [0.1], {"a": 1}, 1e300, ""], ids=repr)
+def test_senseless_values_of_a_slider_change_nothing(
+    viewer: Viewer, value: Any, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """The page says what was dropped, slider and arm stay, nothing is printed."""
+    before, slider = viewer.state.q.copy(), viewer.panel.sliders[0]
+    shown = slider.value
     with page(viewer) as connection:
-        # A client counts for viser once it has said where its camera is.
-        send(connection, "ViewerCameraMessage", wxyz=[1, 0, 0, 0], position=[1, 1, 1], fov=1.0, near=0.1, far=9.0,
-             image_height=10, image_width=10, look_at=[0, 0, 0], up_direction=[0, 0, 1])  # fmt: skip
+        looking(connection)
         assert wait(viewer.server.get_clients)
-        uuid = viewer.panel.sliders[0]._impl.uuid
-        send(connection, "GuiUpdateMessage", uuid=uuid, updates={"value": float("nan")})
-        assert wait(lambda: "finite" in viewer.message)
-    assert (viewer.state.q == before).all() and "Traceback" not in capfd.readouterr().err
+        send(connection, "GuiUpdateMessage", uuid=slider._impl.uuid, updates={"value": value})
+        assert wait(lambda: "a page sent" in viewer.message)
+    assert (viewer.state.q == before).all() and slider.value == shown
+    assert not capfd.readouterr().err
+
+
+@pytest.mark.parametrize("position", [[float("nan"), 0, 0], ["a", "b", "c"], [1.0], 3, None], ids=repr)
+def test_senseless_targets_change_nothing(viewer: Viewer, position: Any, capfd: pytest.CaptureFixture[str]) -> None:
+    """The handle and the target stay where they are, nothing is printed."""
+    before = viewer.state.target.copy()
+    with page(viewer) as connection:
+        looking(connection)
+        assert wait(viewer.server.get_clients)
+        send(connection, "TransformControlsUpdateMessage", name="/target", wxyz=[1, 0, 0, 0], position=position)
+        assert wait(lambda: viewer.message or not viewer.server.get_clients())  # refused, or sent away
+    assert (viewer.state.target == before).all() and np.isfinite(viewer.drawing.target.position).all()
+    assert "Traceback" not in capfd.readouterr().err
+
+
+def values_seen(connection: Any, uuid: str) -> list[float]:
+    """The values of a widget that a page was sent so far."""
+    messages: list[Any] = []
+    with contextlib.suppress(TimeoutError):
+        while True:
+            data = connection.recv(timeout=1.0)
+            packed = data[16 : 16 + int.from_bytes(data[8:16], "little")]
+            messages += msgspec.msgpack.decode(zstandard.ZstdDecompressor().decompress(packed))["messages"]
+    return [m["updates"]["value"] for m in messages if m.get("uuid") == uuid and "value" in m.get("updates", ())]
+
+
+def test_two_pages_that_fight_agree_with_the_arm_in_the_end(viewer: Viewer) -> None:
+    """Both move both sliders as fast as they can; afterwards each was last sent where the arm is."""
+    sliders = viewer.panel.sliders
+    with page(viewer) as one, page(viewer) as other:
+        for connection in (one, other):
+            looking(connection)
+        assert wait(lambda: len(viewer.server.get_clients()) == 2)
+        for k in range(100):
+            for slider, first, second in ((sliders[0], 0.001, -0.002), (sliders[1], -0.003, 0.004)):
+                send(one, "GuiUpdateMessage", uuid=slider._impl.uuid, updates={"value": first * k})
+                send(other, "GuiUpdateMessage", uuid=slider._impl.uuid, updates={"value": second * k})
+        assert viewer.settle(PATIENCE)
+        time.sleep(1.0)
+        for index, slider in enumerate(sliders):
+            assert abs(slider.value - viewer.state.q[index]) <= 0.0005 + 1e-9
+        seen = [[values_seen(each, slider._impl.uuid)[-1:] for each in (one, other)] for slider in sliders[:1]]
+        assert seen == [[[sliders[0].value]] * 2]
 
 
 def test_a_viser_that_listens_in_another_way_is_refused(arm: Arm, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,7 +14,7 @@ import urdf_ik
 from urdf_ik import Arm
 from urdf_ik.errors import ArgumentError
 from urdf_ik.maps import workspaces
-from urdf_ik.show.viewer.voxels import MOST_POINTS, Voxels
+from urdf_ik.show.viewer.map_view import MOST_POINTS, Voxels
 from urdf_ik.support import palette
 
 pytest.importorskip("viser", reason="pip install viser")

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik._core import SelfMotion, Solver
+from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.aim import Aim
 from urdf_ik.ik.families.parts.family import Family, Plan, RedundantPlan
 from urdf_ik.ik.families.parts.nearest import off_by
+from urdf_ik.ik.families.parts.self_motion import SelfMotion
 from urdf_ik.ik.families.parts.values import written_values
 from urdf_ik.kinematics.chain import is_redundant, kinds_of
 from urdf_ik.kinematics.chain.redundancy import locked_joint

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik._core import SelfMotion, Solver
+from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.family import Family, RedundantPlan, in_words
+from urdf_ik.ik.families.parts.self_motion import SelfMotion
 from urdf_ik.ik.families.parts.values import compared, snapped, written_values
 from urdf_ik.kinematics.chain.redundancy import swivel_of
 from urdf_ik.support.tolerances import DEFAULT

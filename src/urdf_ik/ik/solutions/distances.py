@@ -133,7 +133,7 @@ def bounds(within: ArrayLike, names: Sequence[str]) -> Array:
         ArgumentError: there are not as many numbers as joints.
         ArgumentError: a number is negative or NaN.
     """
-    array = inputs.real(within, "within", "a number, or one a joint", ArgumentError)
+    array = inputs.real(within, "within", "a number, or one a joint")
     if array.shape not in ((), (len(names),)):
         raise ArgumentError(
             f"within has the shape {array.shape}; one number [rad or m] is needed, or one for each of the "
@@ -160,7 +160,7 @@ def factors(weights: ArrayLike, names: Sequence[str]) -> Array:
 
 def _joint_vector(value: ArrayLike, what: str, names: Sequence[str]) -> Array:
     """``value`` as (..., n) finite float64."""
-    array = inputs.real(value, what, f"an array of numbers (..., {len(names)})", ArgumentError)
+    array = inputs.real(value, what, f"an array of numbers (..., {len(names)})")
     if array.shape[-1:] != (len(names),):
         raise ArgumentError(
             f"{what} has the shape {array.shape}; the arm has {len(names)} joints: {', '.join(names)}"

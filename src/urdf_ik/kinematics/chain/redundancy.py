@@ -91,7 +91,7 @@ class Redundancy:
             [0.0, 0.5]
         """
         needed = f"a number [{self.unit}], or an array of numbers: {self}"
-        values = inputs.real(value, "redundancy", needed, ArgumentError)
+        values = inputs.real(value, "redundancy", needed)
         if (bad := inputs.first_bad(values)) is not None:
             problem = f"redundancy is {quoted(value)}; {inputs.why_bad(values[bad])}"
             raise ArgumentError(f"{problem}, finite numbers [{self.unit}]: {self}")
@@ -136,7 +136,7 @@ class Redundancy:
             >>> urdf_ik.load("srs_7r").redundancy.wrapped(np.array([0.5, np.pi + 0.5])).round(4).tolist()
             [0.5, -2.6416]
         """
-        given = inputs.real(values, "values", f"an array of numbers [{self.unit}]", ArgumentError)
+        given = inputs.real(values, "values", f"an array of numbers [{self.unit}]")
         return given if self.unit == "m" else wrapped(given)
 
 

@@ -359,7 +359,7 @@ class Chain(Frozen):
             >>> urdf_ik.load("planar_2r").chain.check([[0, 1], [2, 3]]).tolist()
             [[0.0, 1.0], [2.0, 3.0]]
         """
-        Q = inputs.real(q, "a joint vector", f"an array of numbers (..., {self.n})", ArgumentError)
+        Q = inputs.real(q, "a joint vector", f"an array of numbers (..., {self.n})")
         if Q.ndim == 0 or Q.shape[-1] != self.n:
             raise ArgumentError(
                 f"joint vectors of shape {Q.shape} given; the chain has {self.n} joints "
@@ -398,4 +398,4 @@ def held_values(chain: Chain, values: Mapping[str, float]) -> dict[str, float]:
 
 def _held_at(name: str, value: float) -> float:
     """``value`` as a float."""
-    return inputs.number(value, f"joint {quoted(name)} cannot be locked: its value", ArgumentError, unit="rad or m")
+    return inputs.number(value, f"joint {quoted(name)} cannot be locked: its value", unit="rad or m")

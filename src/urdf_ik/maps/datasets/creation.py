@@ -1,4 +1,4 @@
-"""Making a data set: in memory, as a Zarr group or as a folder of Parquet files."""
+"""dataset(): creates samples in memory, as a Zarr group or as a folder of Parquet files."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import numpy as np
 from urdf_ik.errors import ArgumentError, JobError, MissingPackage, UnsupportedArm
 from urdf_ik.maps.datasets.samples import CHUNK, Drawing, Samples
 from urdf_ik.maps.datasets.stored_samples import FORMAT, VERSION, StoredSamples
-from urdf_ik.maps.engine import Folder, capacity, run, zarr_writing
+from urdf_ik.maps.engine import Folder, free_space, run, zarr_writer
 from urdf_ik.maps.engine.store_folder import checked_path, finished
 from urdf_ik.support import inputs
 
@@ -83,8 +83,8 @@ def dataset(
     """Draw joint vectors within the limits, with the pose and every solution of each.
 
     The random numbers of a chunk come from a counter (Philox) that starts at the chunk's number, so that they are the
-    same whoever makes the chunk: a data set has the same bytes for any number of workers, and after any kill. A smaller
-    one with the same seed and chunk is the beginning of a larger one.
+    same on every worker: a data set has the same bytes for any number of workers, and after any kill. A smaller one
+    with the same seed and chunk is the beginning of a larger one.
 
     Args:
         arm: the arm.
@@ -97,14 +97,14 @@ def dataset(
         client: a ``distributed.Client`` whose workers make the chunks of a store; default: this process does.
         chunk: samples of a chunk; another number draws other samples.
         threads: number of threads that solve.
-        progress: called with the number of samples behind us, and of all.
+        progress: called with the number of finished samples, and of all.
 
     Raises:
-        ArgumentError: a number that makes no sense, a client without a store, or samples that do not fit in memory.
+        ArgumentError: an invalid number, a client without a store, or samples that do not fit in memory.
         UnsupportedArm: no solver takes this arm.
         UrdfError: the URDF has no collision shapes, and collisions are asked for.
-        JobError: the store is in use, is of another question, does not fit on the disk or cannot be written.
-        JobError: a scheduler or workers that cannot do the work.
+        JobError: the store is in use, is of another question, does not fit on the disk or cannot be written; or the
+            scheduler or the workers cannot go on.
 
     Example:
         >>> import urdf_ik
@@ -137,7 +137,7 @@ def dataset(
 def _in_memory(drawing: Drawing, progress: Progress | None) -> Samples:
     # The chunks, and all of them once more as one.
     hint = "take fewer samples, or a store"
-    capacity.require_memory(2 * drawing.n * _size(_one(drawing)), f"{drawing.n:.4g} samples", hint)
+    free_space.require_memory(2 * drawing.n * _size(_one(drawing)), f"{drawing.n:.4g} samples", hint)
     parts: list[dict[str, Any]] = []
     for chunk in range(drawing.chunks):
         parts.append(drawing.samples(chunk).columns)
@@ -153,7 +153,7 @@ def _in_store(drawing: Drawing, path: Path, client: Any, progress: Progress | No
     one = _one(drawing)
     folder = checked_path(path)
     needed = _size(one) * max(0, drawing.n - len(finished(folder)) * drawing.chunk)
-    capacity.require_disk(folder, needed, f"{drawing.n:.4g} samples", "take fewer samples, or another disk")
+    free_space.require_disk(folder, needed, f"{drawing.n:.4g} samples", "take fewer samples, or another disk")
     job: Job = ZarrJob(drawing) if path.suffix == ".zarr" else ParquetJob(drawing)
     question = {**drawing.described(), "format": FORMAT, "version": VERSION, "kind": path.suffix, "columns": list(one)}
 
@@ -199,11 +199,11 @@ class ZarrJob(Job):
 
     def frame(self) -> tuple[Mapping[str, bytes], Mapping[str, bytes]]:
         """The group's metadata."""
-        files = zarr_writing.group_files(self._plans, (), {"complete": False, **self.drawing.described()})
-        return files, zarr_writing.with_attributes(files, {"complete": True})
+        files = zarr_writer.group_files(self._plans, (), {"complete": False, **self.drawing.described()})
+        return files, zarr_writer.with_attributes(files, {"complete": True})
 
     @cached_property
-    def _plans(self) -> tuple[zarr_writing.ArrayPlan, ...]:
+    def _plans(self) -> tuple[zarr_writer.ArrayPlan, ...]:
         drawing = self.drawing
         dimensions = {
             "q": ("joint",),
@@ -215,7 +215,7 @@ class ZarrJob(Job):
             "collision": (),
         }
         return tuple(
-            zarr_writing.ArrayPlan(
+            zarr_writer.ArrayPlan(
                 name,
                 ("sample", *dimensions[name]),
                 (drawing.n, *array.shape[1:]),
@@ -228,8 +228,8 @@ class ZarrJob(Job):
         )
 
     @cached_property
-    def _encoder(self) -> zarr_writing.Encoder:
-        return zarr_writing.Encoder(self._plans)
+    def _encoder(self) -> zarr_writer.Encoder:
+        return zarr_writer.Encoder(self._plans)
 
 
 class ParquetJob(Job):
@@ -245,7 +245,7 @@ class ParquetJob(Job):
             columns[name] = flat if array.ndim == 1 else arrow.FixedSizeListArray.from_arrays(flat, width)
         table = arrow.table(columns).replace_schema_metadata({"urdf-ik": json.dumps(self.drawing.described())})
         out = arrow.BufferOutputStream()
-        level = zarr_writing.LEVEL
+        level = zarr_writer.LEVEL
         parquet.write_table(table, out, compression="zstd", compression_level=level, row_group_size=len(table))
         return {f"part-{chunk:08}.parquet": out.getvalue().to_pybytes()}
 

@@ -1,4 +1,4 @@
-"""Samples of an arm, drawn chunk by chunk: the numbers of a chunk depend on the seed and the chunk's number alone."""
+"""Samples of an arm, drawn chunk by chunk: a chunk depends on the seed and its own number alone."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from urdf_ik.ik.solutions import limits as joint_limits
 from urdf_ik.kinematics import velocity
-from urdf_ik.maps.engine.work import AskedOfAnArm
+from urdf_ik.maps.engine.arm_jobs import ArmQuestion
 from urdf_ik.support.angles import TURN
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ solved to 1e-9 m is that far off."""
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Joint vectors drawn evenly within the limits, with what is known of each.
+    """Joint vectors drawn evenly within the limits, with pose, solutions and contacts of each.
 
     Attributes:
         q: (n, dof) rad or m.
@@ -65,8 +65,8 @@ class Samples:
 
 
 @dataclass(frozen=True, eq=False)
-class Drawing(AskedOfAnArm):
-    """What decides every sample; it is pickled for workers.
+class Drawing(ArmQuestion):
+    """All that the samples depend on; pickled for workers.
 
     Attributes:
         arm: the arm.

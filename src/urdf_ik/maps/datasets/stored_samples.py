@@ -12,9 +12,9 @@ import numpy as np
 
 from urdf_ik.errors import ArgumentError, JobError, UrdfIkError, printable
 from urdf_ik.maps.datasets.samples import Samples
-from urdf_ik.maps.engine import capacity
+from urdf_ik.maps.engine import free_space
 from urdf_ik.maps.engine.store_folder import finished, read_question
-from urdf_ik.maps.engine.zarr_reading import MAX_CHUNK, OpenedGroup
+from urdf_ik.maps.engine.zarr_reader import MAX_CHUNK, OpenedGroup
 from urdf_ik.support import files, inputs
 from urdf_ik.support.files import name_of
 from urdf_ik.support.text import quoted
@@ -103,6 +103,8 @@ class StoredSamples:
         except UrdfIkError:
             raise
         except Exception as error:  # Arrow and NumPy each have their own ways to say that a file is damaged
+            if isinstance(error, OSError) and error.strerror:
+                raise JobError(f"{name_of(self.path)}: cannot read it: {error.strerror}") from None
             reason = printable(f"{type(error).__name__} {error}", 200)
             raise JobError(
                 f"{name_of(self.path)} is damaged ({reason}); the run that made it makes what is damaged again"
@@ -114,7 +116,7 @@ class StoredSamples:
             yield self.read(start, min(start + self.chunk, self.n))
 
     def _zarr(self, start: int, stop: int) -> dict[str, Any]:
-        group, most = OpenedGroup(self.path), capacity.available_memory()
+        group, most = OpenedGroup(self.path), free_space.available_memory()
         return {name: group.read(name, (slice(start, stop),), most) for name in self.columns}
 
     def _parquet(self, wanted: range, start: int, stop: int) -> dict[str, Any]:
@@ -125,11 +127,12 @@ class StoredSamples:
         for chunk in wanted:
             part = self.path / f"part-{chunk:08}.parquet"
             files.require_regular(part, JobError)
-            file = parquet.ParquetFile(part)
-            groups = [file.metadata.row_group(k) for k in range(file.metadata.num_row_groups)]
-            if file.metadata.num_rows > self.chunk or sum(each.total_byte_size for each in groups) > MAX_CHUNK:
-                raise JobError(f"{name_of(self.path)}: part {chunk} holds more than {self.chunk} samples or 1 GiB")
-            table = file.read(columns=list(self.columns))
+            with files.opened(part) as data:  # Arrow takes no names that are not UTF-8
+                file = parquet.ParquetFile(data)
+                groups = [file.metadata.row_group(k) for k in range(file.metadata.num_row_groups)]
+                if file.metadata.num_rows > self.chunk or sum(each.total_byte_size for each in groups) > MAX_CHUNK:
+                    raise JobError(f"{name_of(self.path)}: part {chunk} holds more than {self.chunk} samples or 1 GiB")
+                table = file.read(columns=list(self.columns))
             for name in self.columns:
                 column = table.column(name).combine_chunks()
                 listed = hasattr(column, "flatten") and hasattr(column.type, "list_size")

@@ -1,7 +1,7 @@
 """Long work in chunks that are kept on the disk as they are made, in this process or on a cluster.
 
 A store is a folder that outlives the run which fills it: killed at any moment, the same run goes on where it stopped,
-and ends with the same bytes. What maps, data sets and placements have in common stands here.
+and ends with the same bytes. Maps, data sets, placements and surveys are made this way.
 
 >>> from urdf_ik.maps.engine import Folder, run
 >>> with Folder("numbers", {"what": "squares"}, 3) as store:
@@ -11,7 +11,8 @@ and ends with the same bytes. What maps, data sets and placements have in common
 
 from __future__ import annotations
 
-from urdf_ik.maps.engine.dask_workers import connect, versions
+from urdf_ik.maps.engine.arm_jobs import versions
+from urdf_ik.maps.engine.dask_workers import connect
 from urdf_ik.maps.engine.runner import Interrupted, run
 from urdf_ik.maps.engine.store_folder import Folder
 

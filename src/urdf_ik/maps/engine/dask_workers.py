@@ -1,9 +1,9 @@
 """Chunks as tasks on Dask's workers; the scheduler hands them out, this process keeps what they make.
 
-Each worker gets the job once, also one that joins later. A few chunks a thread are under way at any time, so that
-neither the scheduler nor this process holds more than these. A chunk whose worker died is made by another one; one that
-takes far longer than the others did is handed to another worker, too, and whoever is first counts. A scheduler that is
-started again gets the job and the chunks under way anew.
+The job is a task itself, and each chunk depends on it: Dask brings it to the workers that need it, also to those that
+join later, and repeats the tasks of a worker that died. A few chunks a thread are under way at any time, so that
+neither the scheduler nor this process holds more. A scheduler that was started again gets the job and the chunks under
+way anew.
 """
 
 from __future__ import annotations
@@ -20,43 +20,44 @@ from concurrent.futures import Future
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from urdf_ik import _core
 from urdf_ik.errors import ArgumentError, JobError, MissingPackage, printable
+from urdf_ik.maps.engine.arm_jobs import versions
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
-    from urdf_ik.maps.engine.jobs import Job
+    from urdf_ik.maps.engine.arm_jobs import Job
 
 INSTALL = "long work on workers needs Dask; install it with: pip install 'urdf-ik[scale]'"
 ANSWER_WITHIN = 10.0
-"""s in which a scheduler has to answer."""
+"""s in which a scheduler has to answer when a client is made."""
 READY_WITHIN = 60.0
-"""s in which all workers have to answer before they are given work."""
-PATIENCE = 60.0
-"""s after which a chunk may be handed to a second worker; see :data:`SLOWER`."""
-SLOWER = 10.0
-"""A chunk is handed to a second worker when it has taken this many times as long as the slowest one before it."""
+"""s in which all workers have to answer before they are given work, and in which finished chunks have to arrive."""
+BACK_WITHIN = 300.0
+"""s without a scheduler or without a worker, after which a run ends."""
 MOST_A_CORE = 4
-"""Worker processes that are started for each core of this machine at most."""
-OF_OUR_OWN = {
-    "distributed.scheduler.worker-ttl": f"{PATIENCE:g}s",
+"""Greatest number of worker processes that are started for each core of this machine."""
+CLUSTER_SETTINGS = {
+    "distributed.scheduler.worker-ttl": "60s",
     "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,
     "distributed.worker.profile.enabled": False,
     "distributed.admin.tick.interval": "1s",
     "distributed.admin.system-monitor.interval": "5s",
 }
-"""Dask's settings for the cluster that :func:`connect` makes. By its defaults workers give freed memory back at once;
-the arrays of each few thousand poses are then new pages, which the system clears, and solving takes twice as long. And
-each process looks at itself up to a hundred times a second for a dashboard, a tenth of a core in all."""
+"""Dask's settings for the cluster that :func:`connect` makes.
+
+By Dask's defaults a worker that hangs keeps its chunks for five minutes; workers give freed memory back at once, so
+that the system clears new pages for each few thousand poses and solving takes twice as long; and each process measures
+itself up to a hundred times a second for a dashboard, a tenth of a core in all."""
 AHEAD = 2
-"""Chunks under way for each thread of the workers: the next one is there when one is finished."""
+"""Chunks under way for each thread of the workers: the next chunk is there when one is finished."""
 LEAST_AHEAD = 4
 """Chunks under way while there are no workers yet: a cluster that grows with its work sees some."""
 LOSSES = 3
-"""Times that a chunk may be lost on its way before the run ends."""
+"""Number of times that a chunk may be lost on its way before the run ends."""
 _TICK = 1.0
-_NO_NEWS = 300.0  # s without a scheduler or without a worker, after which the run ends
+
+Keep = Callable[[int, Mapping[str, bytes]], object]
 
 
 def connect(scheduler: str | None = None, workers: int | None = None) -> Any:
@@ -66,8 +67,8 @@ def connect(scheduler: str | None = None, workers: int | None = None) -> Any:
 
     Raises:
         MissingPackage: Dask is not installed.
-        ArgumentError: no address, or a number of workers that makes no sense.
-        JobError: no scheduler answers there.
+        ArgumentError: an invalid address or number of workers.
+        JobError: no scheduler answers there, or the worker processes do not start.
 
     Example:
         >>> connect(workers=0)
@@ -80,23 +81,36 @@ def connect(scheduler: str | None = None, workers: int | None = None) -> Any:
         raise ArgumentError(f"scheduler={quoted(scheduler)} given; an address such as tcp://10.0.0.5:8786 is needed")
     distributed = _package()
     if scheduler is None:
-        with import_module("dask.config").set(OF_OUR_OWN):
-            return distributed.Client(
-                n_workers=workers or 1,
-                threads_per_worker=1,
-                dashboard_address="127.0.0.1:0",
-                silence_logs="CRITICAL",
-            )
+        return _own_cluster(distributed, workers or 1)
     try:
-        # The client itself would wait for ever for one that is connected and says nothing.
+        # The client itself would wait for ever for a listener that is connected and says nothing.
         _in_time(lambda: asyncio.run(_greet(scheduler)), ANSWER_WITHIN)
-        return distributed.Client(scheduler, timeout=ANSWER_WITHIN)
+        # The client tries to reconnect to a lost scheduler for as long as it waited for the first connection.
+        return distributed.Client(scheduler, timeout=BACK_WITHIN)
     except Exception as error:  # Dask and its transports each have their own ways to refuse an address
-        reason = printable(error, 200) or type(error).__name__
         raise JobError(
-            f"no scheduler answers at {printable(scheduler)} within {ANSWER_WITHIN:g} s ({reason}); start one with "
-            "`dask scheduler` and give the address that it prints, such as tcp://10.0.0.5:8786"
+            f"no scheduler answers at {printable(scheduler)} within {ANSWER_WITHIN:g} s ({_reason(error)}); start one "
+            "with `dask scheduler` and give the address that it prints, such as tcp://10.0.0.5:8786"
         ) from None
+
+
+def _own_cluster(distributed: Any, workers: int) -> Any:
+    """A client of new worker processes on this machine."""
+    with import_module("dask.config").set(CLUSTER_SETTINGS):
+        try:
+            return distributed.Client(
+                n_workers=workers, threads_per_worker=1, dashboard_address="127.0.0.1:0", silence_logs="CRITICAL"
+            )
+        except Exception as error:  # of the operating system, as there is no memory, or of Dask
+            first: BaseException = error
+            while (cause := first.__cause__ or first.__context__) is not None:
+                first = cause
+            count = f"{workers} worker process{'es' if workers > 1 else ''}"
+            raise JobError(f"{count} could not be started ({_reason(first)}); leave the workers out") from None
+
+
+def _reason(error: BaseException) -> str:
+    return printable(error, 200) or type(error).__name__
 
 
 async def _greet(address: str) -> None:
@@ -121,22 +135,20 @@ def _in_time(call: Callable[[], Any], seconds: float) -> Any:
         raise TimeoutError(f"no answer within {seconds:g} s") from None
 
 
-def on_workers(
-    job: Job, pending: Iterable[int], keep: Callable[[int, Mapping[str, bytes]], object], client: Any
-) -> None:
+def on_workers(job: Job, pending: Iterable[int], keep: Keep, client: Any) -> None:
     """Make chunks on the workers of a ``distributed.Client``, and hand each to ``keep`` when it is made.
 
     Raises:
-        ArgumentError: the client is of another kind.
-        JobError: the client is closed, a worker has another version of this package, chunks end
-            workers, or the scheduler is gone.
+        ArgumentError: not a synchronous Dask client.
+        JobError: the client is closed, a worker has another version of this package, chunks end workers, or the
+            scheduler is gone.
     """
     distributed = _package()
     if not isinstance(client, distributed.Client) or client.asynchronous:
         raise ArgumentError(f"client={quoted(client)} given; a distributed.Client that is not asynchronous is needed")
-    if client.status != "running":
-        raise JobError(f"the client of {_address(client)} is {client.status}; connect a new one")
     run = _Run(job, list(pending), keep, client)
+    if client.status != "running":
+        raise JobError(f"the client of {run.address} is {client.status}; connect a new one")
     try:
         run.finish()
     finally:
@@ -146,151 +158,101 @@ def on_workers(
 class _Run:
     """One run's chunks: those that wait, and those under way."""
 
-    def __init__(
-        self, job: Job, pending: list[int], keep: Callable[[int, Mapping[str, bytes]], object], client: Any
-    ) -> None:
+    def __init__(self, job: Job, pending: list[int], keep: Keep, client: Any) -> None:
         self._client, self._keep = client, keep
-        self._name = f"urdf-ik-{uuid.uuid4().hex[:12]}"
         self._payload = pickle.dumps(job)
         self._made_by = versions()
         self._waiting = pending[::-1]
         self._under_way: dict[Any, int] = {}
-        self._begun: dict[int, float] = {}
-        self._copies: set[int] = set()
         self._losses: dict[int, int] = {}
-        self._slowest = 0.0
+        self._job: Any = None
         self._most = LEAST_AHEAD
         self._next_look = 0.0
-        self._workers: Mapping[str, Any] = {}
-        self._hanging: dict[str, float] = {}
         self._last_news = time.monotonic()
+        self.address = str(client.scheduler.address) if client.scheduler is not None else "no scheduler"
 
     def finish(self) -> None:
         """Make all chunks."""
         self._introduce()
         while self._waiting or self._under_way:
-            self._look_around()
-            self._hand_out()
-            self._take(self._news())
+            self._take(self._ended())
 
     def clear(self) -> None:
         """Take back what is still under way, and the job."""
-        for future in self._under_way:
-            future.release()
-        if self._client.status == "running":
-            # A scheduler that has gone in the meantime took it along, and a worker that hangs keeps it.
-            with contextlib.suppress(Exception):
-                _in_time(lambda: self._client.unregister_worker_plugin(self._name), ANSWER_WITHIN)
+        for future in (*self._under_way, self._job):
+            with contextlib.suppress(Exception):  # the scheduler has gone, and all futures with it
+                future.release()
 
     def _introduce(self) -> None:
-        """Check the workers that there are, and send the job to each, also to those that come later."""
-        plugin = _plugin(self._name, self._payload)
+        """Check the workers that there are, and hand the job to the scheduler."""
         try:
             for address, found in _in_time(lambda: self._client.run(_probe()), READY_WITHIN).items():
                 _require_same(address, found, self._made_by)
-            _in_time(lambda: self._client.register_plugin(plugin, name=self._name), READY_WITHIN)
         except (OSError, TimeoutError) as error:
-            raise JobError(f"not all workers of {_address(self._client)} answer: {error}") from None
+            raise JobError(f"not all workers of {self.address} answer: {error}") from None
+        self._job = self._submit("job", pickle.loads, self._payload)
 
-    def _look_around(self) -> None:
-        """Every second: how many workers there are, and which chunks take too long."""
+    def _submit(self, name: object, *call: Any) -> Any:
+        return self._client.submit(*call, key=f"urdf-ik-{name}-{uuid.uuid4().hex[:12]}", pure=False)
+
+    def _count_threads(self) -> None:
+        """Every second: how many threads the workers have."""
         now = time.monotonic()
         if now < self._next_look:
             return
         self._next_look = now + _TICK
-        self._workers = self._client.scheduler_info(n_workers=-1)["workers"]
-        self._hanging = {address: since for address, since in self._hanging.items() if now - since < PATIENCE}
-        threads = sum(worker["nthreads"] for worker in self._workers.values())
+        workers = self._client.scheduler_info(n_workers=-1)["workers"]
+        threads = sum(worker["nthreads"] for worker in workers.values())
         self._most = max(LEAST_AHEAD, AHEAD * threads)
-        if not threads and now - self._last_news > _NO_NEWS:
-            raise JobError(
-                f"{_address(self._client)} has had no worker for {_NO_NEWS:g} s; start one, and run again"
-            )
-        self._look_for_slow_ones(now)
+        if threads:
+            self._last_news = now
+        elif now - self._last_news > BACK_WITHIN:
+            raise JobError(f"{self.address} has had no worker for {BACK_WITHIN:g} s; start one, and run again")
 
     def _hand_out(self) -> None:
         """Fill up what is under way."""
         while self._waiting and len(self._under_way) < self._most:
-            self._submit(self._waiting.pop())
+            chunk = self._waiting.pop()
+            self._under_way[self._submit(chunk, _made, self._job, chunk, self._made_by)] = chunk
 
-    def _submit(self, chunk: int) -> None:
-        """Hand a chunk to the workers, except for those that seem to hang."""
-        others = [address for address in self._workers if address not in self._hanging] if self._hanging else []
-        future = self._client.submit(
-            _made, self._name, chunk, self._made_by, key=f"{self._name}-{chunk}-{uuid.uuid4().hex[:6]}", pure=False,
-            workers=others or None,
-        )  # fmt: skip
-        self._under_way[future] = chunk
-        self._begun.setdefault(chunk, time.monotonic())
-
-    def _news(self) -> list[Any]:
-        """The chunks under way that have ended, in whatever way, after waiting for one."""
+    def _ended(self) -> list[Any]:
+        """The chunks under way that are finished or lost, after waiting for one."""
         distributed = _package()
         try:
+            if self._client.status != "running" or self._job.cancelled():
+                self._reconnect()
+            self._count_threads()
+            self._hand_out()
             return list(distributed.wait(list(self._under_way), timeout=_TICK, return_when="FIRST_COMPLETED").done)
-        except TimeoutError:
+        except TimeoutError:  # none is finished yet
             return []
-        except distributed.CancelledError:
-            self._again()
+        except (OSError, distributed.CancelledError):  # the scheduler went away
+            self._reconnect()
             return []
 
-    def _again(self) -> None:
-        """The scheduler went away, and with it all that was under way: wait for it, and hand everything out anew."""
-        until = time.monotonic() + _NO_NEWS
-        while self._client.status != "running":
-            if self._client.status == "closed" or time.monotonic() > until:
-                raise JobError(f"the scheduler at {_address(self._client)} is gone; start it, and run again")
-            time.sleep(0.1)
-        self._waiting += sorted({*self._under_way.values()}, reverse=True)
-        self._under_way.clear()
-        self._begun.clear()
-        self._copies.clear()
-        self._introduce()
+    def _take(self, ended: list[Any]) -> None:
+        """Keep the chunks that are finished, and hand the others out again."""
+        results = self._gathered([future for future in ended if future.status == "finished"])
+        for future in ended:
+            chunk = self._under_way.pop(future)
+            if future.key in results:
+                self._keep(chunk, results[future.key])
+            else:
+                self._repeat(future, chunk)
 
-    def _take(self, futures: list[Any]) -> None:
-        """Keep what chunks brought that have ended."""
-        mine = [future for future in futures if future in self._under_way]
-        good = [future for future in mine if future.status == "finished"]
-        results = dict(zip((future.key for future in good), self._gathered(good), strict=False))
-        for future in mine:
-            chunk = self._under_way.pop(future, None)
-            if chunk is None:  # its other copy is among these, too
-                continue
-            files = results.get(future.key)
-            if files is None:
-                self._lost(future, chunk)
-                continue
-            self._keep(chunk, files)
-            self._last_news = time.monotonic()
-            self._slowest = max(self._slowest, self._last_news - self._begun.pop(chunk, self._last_news))
-            for other in [each for each, of in self._under_way.items() if of == chunk]:
-                del self._under_way[other]
-                other.release()
-
-    def _gathered(self, futures: list[Any]) -> list[Any]:
-        """What chunks brought, all in one message; [] where it does not come through."""
-        if not futures:
-            return []
+    def _gathered(self, futures: list[Any]) -> dict[str, Mapping[str, bytes]]:
+        """The files of finished chunks by key, in one message; {} where it does not come through."""
         try:
-            found: list[Any] = _in_time(lambda: self._client.gather(futures), PATIENCE)
-            return found
-        except TimeoutError:
-            for addresses in self._client.who_has(futures).values():
-                self._hanging |= dict.fromkeys(addresses, time.monotonic())
-        except Exception as error:
-            # A worker died with them, or the scheduler did: what they brought is made again.
-            if self._client.status == "closed":
-                raise JobError(
-                    f"the scheduler at {_address(self._client)} is gone; start it, and run again"
-                ) from error
-        return []
+            found = _in_time(lambda: self._client.gather(futures), READY_WITHIN) if futures else []
+            return dict(zip((future.key for future in futures), found, strict=True))
+        except Exception:  # a worker died or hangs, or the scheduler is gone: the chunks are made again
+            return {}
 
-    def _lost(self, future: Any, chunk: int) -> None:
-        """A chunk brought nothing: hand it out again, unless that will not help."""
-        distributed = _package()
+    def _repeat(self, future: Any, chunk: int) -> None:
+        """Hand a chunk out again, unless that will not help."""
         if future.status == "error":
             error = future.exception()
-            if isinstance(error, distributed.KilledWorker):
+            if isinstance(error, _package().KilledWorker):
                 raise JobError(
                     f"chunk {chunk} ended {error.allowed_failures + 1} workers, the last one at "
                     f"{error.last_worker.address}: have they enough memory? Take smaller chunks"
@@ -298,23 +260,24 @@ class _Run:
             if isinstance(error, ModuleNotFoundError):
                 raise JobError(f"a worker cannot import {error.name}: install this package there, too")
             raise error
-        self._losses[chunk] = self._losses.get(chunk, 0) + (not self._hanging)
-        if self._losses[chunk] > LOSSES:
-            raise JobError(f"chunk {chunk} was lost {self._losses[chunk]} times on its way here")
+        if self._client.status == "running":
+            self._losses[chunk] = self._losses.get(chunk, 0) + 1
+            if self._losses[chunk] > LOSSES:
+                raise JobError(f"chunk {chunk} was lost {self._losses[chunk]} times on its way here")
         self._waiting.append(chunk)
 
-    def _look_for_slow_ones(self, now: float) -> None:
-        """Hand a chunk that takes far longer than the others to a second worker."""
-        late = now - max(PATIENCE, SLOWER * self._slowest)
-        overdue = {chunk for chunk in self._under_way.values() if self._begun[chunk] < late} - self._copies
-        if not overdue:
-            return
-        for address, tasks in self._client.processing().items():
-            if any(future.key in tasks for future, chunk in self._under_way.items() if chunk in overdue):
-                self._hanging[address] = now
-        for chunk in overdue:
-            self._copies.add(chunk)
-            self._submit(chunk)
+    def _reconnect(self) -> None:
+        """Wait for a scheduler that went away, and hand out anew all that was under way."""
+        since = time.monotonic()
+        while self._client.status != "running":
+            gone = time.monotonic() - since
+            if self._client.status == "closed" or gone > BACK_WITHIN:
+                raise JobError(f"the scheduler at {self.address} is gone for {gone:.0f} s; start it, and run again")
+            time.sleep(0.1)
+        self._waiting += sorted(self._under_way.values(), reverse=True)
+        self._under_way.clear()
+        self._last_news = time.monotonic()
+        self._introduce()
 
 
 def _package() -> Any:
@@ -325,23 +288,9 @@ def _package() -> Any:
         raise MissingPackage(INSTALL) from None
 
 
-def versions() -> dict[str, str]:
-    """What must be the same wherever chunks are made, for their bytes to be the same.
-
-    Example:
-        >>> sorted(versions())
-        ['instructions', 'urdf-ik']
-    """
-    from urdf_ik import __version__
-
-    return {"urdf-ik": __version__, "instructions": _core.isa()}
-
-
 def _require_same(address: str, found: Mapping[str, str] | None, ours: Mapping[str, str]) -> None:
     if found is None:
-        raise JobError(
-            f"the worker at {address} does not have this package: install urdf-ik {ours['urdf-ik']} there"
-        )
+        raise JobError(f"the worker at {address} does not have this package: install urdf-ik {ours['urdf-ik']} there")
     if found["urdf-ik"] != ours["urdf-ik"]:
         raise JobError(
             f"the worker at {address} has urdf-ik {found['urdf-ik']}, and this process {ours['urdf-ik']}: install the "
@@ -354,11 +303,6 @@ def _require_same(address: str, found: Mapping[str, str] | None, ours: Mapping[s
         )
 
 
-def _address(client: Any) -> str:
-    scheduler = client.scheduler
-    return str(scheduler.address if scheduler is not None else "the scheduler")
-
-
 def _probe() -> Callable[[], dict[str, str] | None]:
     """A function for workers that may lack this package: defined here inside, it travels as its code."""
 
@@ -366,7 +310,7 @@ def _probe() -> Callable[[], dict[str, str] | None]:
         from importlib import import_module
 
         try:
-            return dict(import_module("urdf_ik.maps.engine.dask_workers").versions())
+            return dict(import_module("urdf_ik.maps.engine.arm_jobs").versions())
         except ImportError:
             pass
         try:
@@ -377,25 +321,7 @@ def _probe() -> Callable[[], dict[str, str] | None]:
     return found
 
 
-def _plugin(name: str, payload: bytes) -> Any:
-    """The job, as Dask brings it to every worker that is there or joins."""
-
-    class Holder(_package().WorkerPlugin):  # type: ignore[misc]
-        """Holds a job for the tasks of one worker."""
-
-        def __init__(self) -> None:
-            self.name, self.payload = name, payload
-            self.job: Any = None
-
-    return Holder()
-
-
-def _made(name: str, chunk: int, ours: Mapping[str, str]) -> Mapping[str, bytes]:
+def _made(job: Job, chunk: int, ours: Mapping[str, str]) -> Mapping[str, bytes]:
     """The files of a chunk, made on a worker."""
-    worker = _package().get_worker()
-    _require_same(worker.address, versions(), ours)
-    holder = worker.plugins[name]
-    if holder.job is None:  # here, in a task, whose errors come back
-        holder.job = pickle.loads(holder.payload)
-    files: Mapping[str, bytes] = holder.job(chunk)
-    return files
+    _require_same(_package().get_worker().address, versions(), ours)
+    return job(chunk)

@@ -1,7 +1,7 @@
 """The journal of a store: which chunks are finished, and the size and digest of each of their files.
 
 A line is the chunk's number, its files as JSON, ``{path: [bytes, digest]}``, and a checksum of both. Lines are only
-appended, each in one write; one that was cut short by a kill or a full disk fails its checksum and counts for nothing.
+appended, each in one write. A line that a kill or a full disk cut short fails its checksum and is ignored.
 When all chunks are finished the lines are put in order, so that the journals of two runs are the same.
 """
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 MAX_BYTES = 2**27
-"""Bytes of a journal at most."""
+"""Greatest size of a journal [bytes]."""
 
 
 class Kept(NamedTuple):

@@ -1,4 +1,4 @@
-"""One run at a time: a file that the run in progress holds locked, with who it is."""
+"""Lock: a locked file in a store, which names the run in progress; a second run is refused."""
 
 from __future__ import annotations
 
@@ -19,9 +19,8 @@ if TYPE_CHECKING:
 class Lock:
     """A file that says which process works in a folder, locked by the kernel for as long as that process lives.
 
-    A process that was killed leaves the file, but not the kernel's lock: the next run on that machine takes it over.
-    Where the file was written on another machine, whose processes cannot be seen from here, it stands until somebody
-    deletes it.
+    A killed process leaves the file, but not the kernel's lock: the next run on that machine takes it over. The file of
+    another machine, whose processes are not visible from here, stays in force until a user deletes it.
 
     Args:
         path: the file; its folder is there.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from urdf_ik.support import inputs
 
 if TYPE_CHECKING:
-    from urdf_ik.maps.engine.jobs import Job
+    from urdf_ik.maps.engine.arm_jobs import Job
     from urdf_ik.maps.engine.store_folder import Folder
 
 Tick = Callable[[int, int], object]
@@ -19,21 +19,21 @@ class Interrupted(KeyboardInterrupt):
 
 
 def run(job: Job, store: Folder, *, client: Any = None, progress: Tick | None = None) -> int:
-    """Make all chunks of a store that are not there yet.
+    """Make all missing chunks of a store.
 
     Args:
         job: makes a chunk's files.
         store: where they go; the chunks that it holds are read and checked first.
         client: a ``distributed.Client`` whose workers make the chunks; default: this process does.
-        progress: called with the number of chunks behind us, and of all.
+        progress: called with the number of finished chunks, and of all.
 
     Returns:
         Number of chunks that were made.
 
     Raises:
-        JobError: the disk is full, or cannot be written. What is finished is kept.
-        ArgumentError: ``client`` is none.
-        JobError: the scheduler or the workers cannot go on. What is finished is kept.
+        ArgumentError: ``client`` is not a Dask client.
+        JobError: the disk is full or cannot be written, or the scheduler or the workers cannot go on. What is finished
+            is kept.
         Interrupted: Ctrl-C. What is finished is kept.
 
     Example:

@@ -1,8 +1,8 @@
 """Folder: a store on the disk that a long run fills chunk by chunk, and that outlives the run.
 
-Beside the data stands ``.urdf-ik`` with three files: ``question``, all that the data depend on; ``journal``, the
+The folder ``.urdf-ik`` beside the data holds three files: ``question``, all that the data depend on; ``journal``, the
 finished chunks with the digests of their files; and ``lock``, while a run is in progress. A file is written under a
-temporary name and then renamed, so that under its own name it is there whole or not at all.
+temporary name and then renamed, so that it is never seen half written.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from urdf_ik.support.files import name_of
 from urdf_ik.support.text import json_text
 
 PRIVATE = ".urdf-ik"
-"""The folder of a store in which the package keeps what is not data."""
+"""Name of the folder in a store for files that are not data."""
 MAX_QUESTION = 2**24
-"""Bytes of a store's question at most."""
+"""Greatest size of a store's question [bytes]."""
 MOST_CHUNKS = 100_000
-"""Chunks of a store at most, so that its journal stays small."""
+"""Greatest number of chunks of a store, so that its journal stays small."""
 MISSING = "not set"
-"""Stands for the value of what only one of two questions has."""
+"""Shown in place of a value that only one of two questions has."""
 
 Question = Mapping[str, Any]
 

@@ -1,4 +1,4 @@
-"""Scoring base positions: in memory, or into a store block by block."""
+"""placement(): scores base positions in memory, or in a store block by block."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError, UnsupportedArm
-from urdf_ik.maps.engine import Folder, capacity, run, zarr_writing
+from urdf_ik.maps.engine import Folder, free_space, run, zarr_writer
 from urdf_ik.maps.engine.store_folder import checked_path, finished
 from urdf_ik.maps.placements.placement_map import FORMAT, VERSION, PlacementMap, opened
 from urdf_ik.maps.placements.scores import AXES, SCORES, Asked, Scoring, headings
@@ -117,7 +117,7 @@ def placement(
     each = sum(np.dtype(SCORES[name].kind).itemsize for name in asked.holds) * turns
     what = f"{asked.grid.count:.4g} base positions x {turns} headings"
     hint = "take a larger step, fewer turns or narrower bounds"
-    capacity.require_memory(each * asked.grid.count, what, hint)  # the map of a store is read when it is made
+    free_space.require_memory(each * asked.grid.count, what, hint)  # the map of a store is read when it is made
 
     def tick(done: int, total: int) -> None:
         if progress is not None:
@@ -133,23 +133,23 @@ def placement(
         return PlacementMap(asked.described(), asked.grid, asked.headings, asked.mount, asked.targets, **arrays)
     path_of_store = checked_path(store)
     left = blocks.count - len(finished(path_of_store))
-    capacity.require_disk(path_of_store, each * math.prod(blocks.shape) * left, what, hint)
+    free_space.require_disk(path_of_store, each * math.prod(blocks.shape) * left, what, hint)
     question = {**asked.described(), "format": FORMAT, "version": VERSION, "block": list(blocks.shape)}
     about = {"format": FORMAT, "version": VERSION, "complete": False, **asked.described()}
-    files = zarr_writing.group_files(asked.plans, _coordinates(asked), about)
-    complete = zarr_writing.with_attributes(files, {"complete": True})
+    files = zarr_writer.group_files(asked.plans, _coordinates(asked), about)
+    complete = zarr_writer.with_attributes(files, {"complete": True})
     with Folder(path_of_store, question, blocks.count, files, complete) as kept:
         run(job, kept, client=client, progress=tick)
         kept.finish()
     return opened(path_of_store)
 
 
-def _coordinates(asked: Asked) -> tuple[zarr_writing.Coordinate, ...]:
+def _coordinates(asked: Asked) -> tuple[zarr_writer.Coordinate, ...]:
     metres = {"units": "m"}
     return (
-        *(zarr_writing.Coordinate(name, (name,), asked.grid.coordinates(k), metres) for k, name in enumerate(AXES[:3])),
-        zarr_writing.Coordinate("heading", ("heading",), asked.headings, {"units": "rad"}),
-        zarr_writing.Coordinate("targets", ("target", "row", "column"), asked.targets, metres),
+        *(zarr_writer.Coordinate(name, (name,), asked.grid.coordinates(k), metres) for k, name in enumerate(AXES[:3])),
+        zarr_writer.Coordinate("heading", ("heading",), asked.headings, {"units": "rad"}),
+        zarr_writer.Coordinate("targets", ("target", "row", "column"), asked.targets, metres),
     )
 
 

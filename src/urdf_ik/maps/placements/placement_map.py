@@ -1,4 +1,4 @@
-"""PlacementMap: what every base position of a grid is worth, and the best ones."""
+"""PlacementMap: the scores of every base position of a grid, and the best positions."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from urdf_ik.errors import ArgumentError, JobError, printable
-from urdf_ik.maps.engine import capacity
+from urdf_ik.maps.engine import free_space
 from urdf_ik.maps.engine.store_folder import finished, read_question
-from urdf_ik.maps.engine.zarr_reading import OpenedGroup
+from urdf_ik.maps.engine.zarr_reader import OpenedGroup
 from urdf_ik.maps.placements.scores import SCORES
 from urdf_ik.maps.workspaces import Grid
 from urdf_ik.maps.workspaces.store.blocks import Blocks
@@ -167,9 +167,7 @@ class PlacementMap:
         sizes = (*self.grid.shape, len(self.headings))
         if not isinstance(index, tuple | list) or len(index) != len(sizes):
             raise ArgumentError(f"index={quoted(index)} given; four whole numbers are needed")
-        x, y, z, heading = (
-            inputs.whole(each, "index", high=size - 1) for each, size in zip(index, sizes, strict=True)
-        )
+        x, y, z, heading = (inputs.whole(each, "index", high=size - 1) for each, size in zip(index, sizes, strict=True))
         position = [self.grid.coordinates(axis)[at] for axis, at in enumerate((x, y, z))]
         found = pose(position, rotvec=[0.0, 0.0, float(self.headings[heading])])
         found[:3, :3] = found[:3, :3] @ self.mount
@@ -223,7 +221,7 @@ def opened(path: str | os.PathLike[str]) -> PlacementMap:
             raise JobError(
                 f"{folder} is not complete: {done} of {blocks.count} blocks are there; run what makes it again"
             )
-        group, most = OpenedGroup(folder), capacity.available_memory()
+        group, most = OpenedGroup(folder), free_space.available_memory()
         if unknown := [name for name in about["holds"] if name not in SCORES]:
             raise JobError(f"{name_of(folder)} is a damaged store: there is no score {quoted(unknown[0])}")
         arrays: dict[str, Any] = {name: group.read(name, None, most) for name in about["holds"]}

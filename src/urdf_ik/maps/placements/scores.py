@@ -1,4 +1,4 @@
-"""What is asked of every base position, and the answers at some of them."""
+"""The scores of base positions: their names, the question that they answer, and the job that computes them."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik.maps.engine import zarr_writing
-from urdf_ik.maps.engine.work import AskedOfAnArm
-from urdf_ik.maps.workspaces.counts import Counting
+from urdf_ik.maps.engine import zarr_writer
+from urdf_ik.maps.engine.arm_jobs import ArmQuestion
+from urdf_ik.maps.workspaces.solution_counts import Counting
 from urdf_ik.maps.workspaces.store.blocks import Blocks
 from urdf_ik.model.poses import pose
 from urdf_ik.support.angles import TURN
@@ -67,8 +67,8 @@ SCORES = {
 
 
 @dataclass(frozen=True, eq=False)
-class Asked(AskedOfAnArm):
-    """What is asked of base positions; it is pickled for workers.
+class Asked(ArmQuestion):
+    """The targets and all else that the scores of base positions depend on; pickled for workers.
 
     Attributes:
         arm: the arm.
@@ -113,11 +113,11 @@ class Asked(AskedOfAnArm):
         return Blocks.of(self.grid, max(1, most // len(self.headings)))
 
     @property
-    def plans(self) -> tuple[zarr_writing.ArrayPlan, ...]:
+    def plans(self) -> tuple[zarr_writer.ArrayPlan, ...]:
         """The arrays of a store."""
         shape, chunk = (*self.grid.shape, len(self.headings)), (*self.blocks.shape, len(self.headings))
         return tuple(
-            zarr_writing.ArrayPlan(
+            zarr_writer.ArrayPlan(
                 name, AXES, shape, chunk, SCORES[name].kind, SCORES[name].fill,
                 {"long_name": SCORES[name].words, "units": SCORES[name].units},
             )
@@ -182,7 +182,7 @@ class Asked(AskedOfAnArm):
         return found
 
     def _solved(self, in_base: Array) -> Counting:
-        """The solutions of poses (k, 4, 4), at all values of what they leave free."""
+        """The solutions of poses (k, 4, 4), at all values of the redundancy parameters."""
         values = self._free_values
         if values is None:
             solved = self.arm.ik(in_base, threads=self.threads)
@@ -244,8 +244,8 @@ class Scoring:
         }
 
     @cached_property
-    def _encoder(self) -> zarr_writing.Encoder:
-        return zarr_writing.Encoder(self._asked.plans)
+    def _encoder(self) -> zarr_writer.Encoder:
+        return zarr_writer.Encoder(self._asked.plans)
 
 
 def headings(count: int) -> Array:

@@ -17,7 +17,7 @@ these poses, and nothing of what lies between them.
 from __future__ import annotations
 
 from urdf_ik.maps.workspaces.arcs import Arc, Region
-from urdf_ik.maps.workspaces.building import CHUNK, MAX_SAMPLES, workspace
+from urdf_ik.maps.workspaces.creation import CHUNK, MAX_SAMPLES, workspace
 from urdf_ik.maps.workspaces.grid import Grid
 from urdf_ik.maps.workspaces.planar_regions import ELBOWS, PlanarWorkspace, planar
 from urdf_ik.maps.workspaces.store.combination import Differences, cut, differences, join

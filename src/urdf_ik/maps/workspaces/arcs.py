@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from urdf_ik.errors import ArgumentError
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN
 
@@ -16,24 +15,28 @@ Array = NDArray[np.float64]
 Inside = Callable[[Array], NDArray[np.bool_]]
 
 NUDGE = 1e-6
-"""How far [share of the size] to either side of an arc it is asked whether a point is inside."""
+"""Greatest distance [share of the size] from a circle at which each of its sides is tested."""
+ROUNDING = 1e-13
+"""Least distance [share of the size] at which a side can be tested: nearer points round to the circle itself."""
+PROBES = 7
+"""Points of a piece of a circle that are candidates for the test of its sides."""
 MOST_POINTS = 100_000
-"""Points of an arc that are drawn at most."""
+"""Greatest number of points of an arc."""
 SAME = 1e-7
-"""Two angles [rad], or radii and centres [share of the size], closer than this are one: tangent circles meet in a
-point that rounding makes two, the square root of double precision apart."""
+"""Two angles [rad], or radii and centres [share of the size], closer than this are one. Tangent circles meet in one
+point; rounding makes it two, the square root of double precision apart."""
 
 
 @dataclass(frozen=True, eq=False)
 class Arc:
-    """A part of a circle, with the region on its left.
+    """A part of a circle; the region lies on its left.
 
     Attributes:
         centre: (2,) m.
         radius: m.
         start: rad, angle of its first point as seen from the centre.
         sweep: rad, positive counter-clockwise; +-2 pi for a whole circle.
-        name: what limits the region there.
+        name: the limit that bounds the region there.
     """
 
     centre: Array
@@ -57,7 +60,7 @@ class Arc:
             >>> (Arc(np.zeros(2), radius=1.0, start=0.0, sweep=np.pi).points(3).round(6) + 0.0).tolist()
             [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]]
         """
-        count = inputs.whole(n, "n", ArgumentError, low=2, high=MOST_POINTS)
+        count = inputs.whole(n, "n", low=2, high=MOST_POINTS)
         angles = self.start + np.linspace(0.0, self.sweep, count)
         return self.centre + self.radius * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
 
@@ -92,7 +95,7 @@ class Region:
             >>> [loop.shape[1] for loop in region.loops()]
             [2]
         """
-        inputs.whole(n, "n", ArgumentError, low=2, high=MOST_POINTS)
+        inputs.whole(n, "n", low=2, high=MOST_POINTS)
         left = [arc.points(n) for arc in self.arcs]
         found: list[Array] = []
         while left:
@@ -120,8 +123,9 @@ class Circle:
 def region(inside: Inside, circles: Iterable[Circle], size: float) -> Region:
     """The region in which ``inside`` holds, whose boundary lies on some of the circles.
 
-    Every circle is cut where it meets another one; a piece belongs to the boundary when one of its sides is inside
-    and the other is not.
+    Every circle is cut where it meets another one. A piece belongs to the boundary when one of its sides is inside and
+    the other is not. The sides are tested where the piece is farthest from every other circle, and nearer to it than
+    to them, so that a sliver between two circles is never stepped over.
 
     Args:
         inside: points (k, 2) m to (k,) bool.
@@ -131,16 +135,14 @@ def region(inside: Inside, circles: Iterable[Circle], size: float) -> Region:
     merged = _merged(circles, size)
     arcs: list[Arc] = []
     for circle in merged:
-        cuts = list(circle.breaks)
-        for other in merged:
-            if other is not circle:
-                cuts += _crossings(circle, other, size)
-        arcs += _kept(circle, _distinct(cuts), inside, NUDGE * size)
+        others = [other for other in merged if other is not circle]
+        cuts = [*circle.breaks, *(angle for other in others for angle in _crossings(circle, other, size))]
+        arcs += _kept(circle, _distinct(cuts), inside, others, size)
     return Region(tuple(arcs))
 
 
 def _merged(circles: Iterable[Circle], size: float) -> list[Circle]:
-    """Each circle once, with all its breaks; those of no radius are left out."""
+    """Each circle once, with all its breaks, without circles of radius zero."""
     merged: list[Circle] = []
     for circle in circles:
         if circle.radius < SAME * size:
@@ -170,7 +172,7 @@ def _crossings(circle: Circle, other: Circle, size: float) -> list[float]:
 
 
 def _distinct(cuts: list[float]) -> Array:
-    """The angles in [0, 2 pi), sorted; of those that are the same the first one given."""
+    """The angles in [0, 2 pi), sorted; the first one given stands for all that are the same."""
     kept: list[float] = []
     for cut in cuts:
         angle = float(np.mod(cut, TURN))
@@ -179,14 +181,17 @@ def _distinct(cuts: list[float]) -> Array:
     return np.array(sorted(kept) or [0.0])
 
 
-def _kept(circle: Circle, cuts: Array, inside: Inside, nudge: float) -> list[Arc]:
+def _kept(circle: Circle, cuts: Array, inside: Inside, others: list[Circle], size: float) -> list[Arc]:
     """The pieces of a circle that bound the region, those that continue each other joined."""
     sweeps = np.diff(np.append(cuts, cuts[0] + TURN))
-    middles = cuts + 0.5 * sweeps
-    outward = np.stack([np.cos(middles), np.sin(middles)], axis=-1)
-    within = inside(circle.centre + (circle.radius - nudge) * outward)
-    beyond = inside(circle.centre + (circle.radius + nudge) * outward)
-    sides = within.astype(int) - beyond.astype(int)
+    angles = cuts[:, None] + sweeps[:, None] * (np.arange(1, PROBES + 1) / (PROBES + 1))
+    outward = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    points = circle.centre + circle.radius * outward
+    gaps = [np.abs(np.linalg.norm(points - other.centre, axis=-1) - other.radius) for other in others]
+    free = np.min([np.full(angles.shape, circle.radius), *gaps], axis=0)
+    best = np.arange(len(cuts)), free.argmax(axis=1)
+    step = np.clip(0.5 * free[best], ROUNDING * size, NUDGE * size)[:, None] * outward[best]
+    sides = inside(points[best] - step).astype(int) - inside(points[best] + step).astype(int)
     if (sides == sides[0]).all():
         cuts, sweeps, sides = cuts[:1], np.array([TURN]), sides[:1]
     else:

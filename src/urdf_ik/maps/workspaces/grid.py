@@ -1,4 +1,4 @@
-"""The grid of a workspace map: its voxels, and whether its answers fit into memory and on the disk."""
+"""The grid of a workspace map: its voxels, and whether the map fits in memory and on the disk."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError
-from urdf_ik.maps.engine import capacity
+from urdf_ik.maps.engine import free_space
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
 
@@ -62,7 +62,7 @@ class Grid:
             >>> Grid(np.zeros(3), 0.1, (3, 1, 1)).coordinates(0).round(6).tolist()
             [0.05, 0.15, 0.25]
         """
-        axis = inputs.whole(axis, "axis", ArgumentError, high=2)
+        axis = inputs.whole(axis, "axis", high=2)
         return np.asarray(self.lower[axis] + self.voxel * (np.arange(self.shape[axis]) + 0.5))
 
     def centres(self, part: slice) -> Array:
@@ -117,8 +117,8 @@ class Grid:
             >>> Grid(np.zeros(3), 0.1, (2, 1, 1)).layer("x", 0.15)
             (0, 1)
         """
-        axis = inputs.choice(axis, "axis", tuple(AXES), ArgumentError)
-        at = inputs.number(at, "at", ArgumentError, unit="m")
+        axis = inputs.choice(axis, "axis", tuple(AXES))
+        at = inputs.number(at, "at", unit="m")
         k = AXES.index(axis)
         lower, upper = float(self.lower[k]), float(self.upper[k])
         if not lower <= at <= upper:
@@ -145,7 +145,7 @@ class Grid:
             ([1, 0, 0], [True, False])
         """
         with np.errstate(invalid="ignore"):
-            given = inputs.real(points, "points", "points (m, 3)", ArgumentError)
+            given = inputs.real(points, "points", "points (m, 3)")
             if given.shape[-1:] != (3,):
                 raise ArgumentError(f"points of shape {given.shape} given; (m, 3) is needed")
             places = np.floor((given - self.lower) / self.voxel)
@@ -172,15 +172,15 @@ class Grid:
             >>> Grid.from_described({"lower": [0.0, 0.0, 0.0], "voxel": 0.1, "shape": [2, 1, 1]}).count
             2
         """
-        found = inputs.mapping(found, "grid", "a mapping with lower, voxel and shape", ArgumentError)
+        found = inputs.mapping(found, "grid", "a mapping with lower, voxel and shape")
         counts, lower = found.get("shape"), found.get("lower")
         if not isinstance(counts, list | tuple) or len(counts) != len(AXES):
             raise ArgumentError(f"shape={quoted(counts)} given; three whole numbers are needed")
-        x, y, z = (inputs.whole(count, "shape", ArgumentError, low=1, high=_MOST_VOXELS) for count in counts)
-        corner = inputs.real(lower, "lower", "three numbers [m]", ArgumentError)
+        x, y, z = (inputs.whole(count, "shape", low=1, high=_MOST_VOXELS) for count in counts)
+        corner = inputs.real(lower, "lower", "three numbers [m]")
         if corner.shape != (len(AXES),) or inputs.first_bad(corner) is not None:
             raise ArgumentError(f"lower={quoted(lower)} given; three finite numbers [m] are needed")
-        return cls(corner.copy(), inputs.number(found.get("voxel"), "voxel", ArgumentError, above=0.0), (x, y, z))
+        return cls(corner.copy(), inputs.number(found.get("voxel"), "voxel", above=0.0), (x, y, z))
 
 
 def grid_of(arm: Arm, voxel: float, bounds: ArrayLike | None) -> Grid:
@@ -189,7 +189,7 @@ def grid_of(arm: Arm, voxel: float, bounds: ArrayLike | None) -> Grid:
     Raises:
         ArgumentError: the edge or the bounds make no sense.
     """
-    voxel = inputs.number(voxel, "voxel", ArgumentError, above=0.0, unit="m")
+    voxel = inputs.number(voxel, "voxel", above=0.0, unit="m")
     lower, upper = _reach_box(arm) if bounds is None else _checked(bounds)
     planar = arm.task.startswith("planar")
     if planar:
@@ -226,39 +226,20 @@ def _reach_box(arm: Arm) -> tuple[Array, Array]:
 
 
 def _checked(bounds: ArrayLike) -> tuple[Array, Array]:
-    box = inputs.real(bounds, "bounds", "[[x, y, z], [x, y, z]] m", ArgumentError).copy()
+    box = inputs.real(bounds, "bounds", "[[x, y, z], [x, y, z]] m").copy()
     if box.shape != (2, 3) or inputs.first_bad(box) is not None or (box[0] >= box[1]).any():
         raise ArgumentError(f"bounds {quoted(bounds)} given; [[x, y, z], [x, y, z]] m are needed, lower ones first")
     return box[0], box[1]
 
 
 def require_memory(grid: Grid, samples: int, needed: int) -> None:
-    """Refuse a map that does not fit in memory, before any work.
-
-    Args:
-        grid: the voxels.
-        samples: orientations at each of them.
-        needed: bytes that the answers take, and a chunk while it is solved.
-
-    Raises:
-        ArgumentError: with the numbers.
-    """
-    capacity.require_memory(needed, _words(grid, samples), _HINT, ArgumentError)
+    """Refuse a map whose ``needed`` bytes do not fit in memory, by an ArgumentError, before any work."""
+    free_space.require_memory(needed, _words(grid, samples), _HINT)
 
 
 def require_room(grid: Grid, samples: int, needed: int, output: Path) -> None:
-    """Refuse a map that does not fit on the disk, before any work.
-
-    Args:
-        grid: the voxels.
-        samples: orientations at each of them.
-        needed: bytes of the answers, which are compressed at best.
-        output: the file or folder that they go to.
-
-    Raises:
-        ArgumentError: with the numbers.
-    """
-    capacity.require_disk(output, needed, _words(grid, samples), _HINT, ArgumentError)
+    """Refuse a map whose ``needed`` bytes do not fit on the disk of ``output``, by a JobError, before any work."""
+    free_space.require_disk(output, needed, _words(grid, samples), _HINT)
 
 
 def _words(grid: Grid, samples: int) -> str:

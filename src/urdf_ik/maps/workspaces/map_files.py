@@ -35,7 +35,7 @@ def write(path: str | os.PathLike[str], header: Mapping[str, Any], arrays: Mappi
     """
     text = json.dumps({"format": FORMAT, "version": VERSION, **header})
     held: dict[str, Any] = {"header": np.array(text), **arrays}
-    files.write(path, lambda file: np.savez_compressed(file, allow_pickle=False, **held), ArgumentError)
+    files.write(path, lambda file: np.savez_compressed(file, allow_pickle=False, **held))
 
 
 def read(
@@ -51,9 +51,9 @@ def read(
     Raises:
         ArgumentError: the file cannot be read, or is no such map; the message says why.
     """
-    where = inputs.path(path, "path", ArgumentError)
+    where = inputs.path(path, "path")
     name = files.name_of(where)
-    files.require_regular(where, ArgumentError)
+    files.require_regular(where)
     try:
         with files.opened(where) as raw, np.lib.npyio.NpzFile(raw, allow_pickle=False) as file:
             _require_room(where, file, most)

@@ -1,4 +1,4 @@
-"""What two turning joints with limits reach in their plane: the exact regions of both elbows and their overlap."""
+"""The exact region that two turning joints with limits reach in their plane, for each elbow and for both."""
 
 from __future__ import annotations
 
@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 ELBOWS = ("elbow left", "elbow right")
 """Left or right of the line from the first axis to the tip, as the plane's normal sees it; the solver's branches."""
+SHARP = 1e-14
+"""rad: tolerance of the limits, and of the bend's cosine, where the sides of an arc are tested. The tolerance of the
+contract would widen a region beyond arcs that lie closer together."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +133,7 @@ def planar(arm: Arm) -> PlanarWorkspace:
         >>> region.lengths.round(6).tolist(), sorted(region.regions)
         ([0.066, 0.13], ['elbow left', 'elbow right'])
     """
-    inputs.arm(arm, error=ArgumentError)
+    inputs.arm(arm)
     chain, plane = arm.chain, arm.solver.control.plane
     if plane is None or chain.n != 2 or chain.prismatic.any():
         kinds = ", ".join(chain.joint_types)
@@ -155,7 +158,7 @@ def planar(arm: Arm) -> PlanarWorkspace:
     centre, bounds = points[0], chain.limits
 
     def reaches(where: Array, name: str) -> Mask:
-        return ~np.isnan(_joints(centre, lengths, angles, signs, bounds, where, name)[..., 0])
+        return ~np.isnan(_joints(centre, lengths, angles, signs, bounds, where, name, SHARP)[..., 0])
 
     circles = list(_circles(arm.joint_names, centre, lengths, angles, signs, bounds))
     size = float(lengths.sum())
@@ -197,25 +200,32 @@ def _limit(name: str, sign: float, k: int) -> str:
 
 
 def _joints(
-    centre: Array, lengths: Array, angles: Array, signs: Array, bounds: Array, points: Array, elbow: str
+    centre: Array,
+    lengths: Array,
+    angles: Array,
+    signs: Array,
+    bounds: Array,
+    points: Array,
+    elbow: str,
+    tolerance: float = DEFAULT.contract,
 ) -> Array:
     """Joint vectors (..., 2) within the limits by the law of cosines, NaN where a point is not reached."""
-    inputs.choice(elbow, "elbow", ELBOWS, ArgumentError)
+    inputs.choice(elbow, "elbow", ELBOWS)
     first, second = lengths
     offset = points - centre
     cosine = ((offset**2).sum(axis=-1) - first**2 - second**2) / (2.0 * first * second)
-    reached = np.abs(cosine) <= 1.0 + DEFAULT.contract
+    reached = np.abs(cosine) <= 1.0 + tolerance
     # A forearm that turns clockwise from the upper arm's direction leaves the elbow on the left.
     bend = (-1.0 if elbow == ELBOWS[0] else 1.0) * np.arccos(np.clip(cosine, -1.0, 1.0))
     heading = np.arctan2(offset[..., 1], offset[..., 0])
     heading = heading - np.arctan2(second * np.sin(bend), first + second * np.cos(bend))
     q = signs * (np.stack([heading, bend], axis=-1) - angles)
     q = np.where(reached[..., None], q, np.nan)
-    return limits.nearest_image(q, bounds, np.ones(2, dtype=np.bool_))[0]
+    return limits.nearest_image(q, bounds, np.ones(2, dtype=np.bool_), tolerance)[0]
 
 
 def _points(points: ArrayLike) -> Array:
-    array = inputs.real(points, "points", "an array of numbers (..., 2), m in the arm's plane", ArgumentError)
+    array = inputs.real(points, "points", "an array of numbers (..., 2), m in the arm's plane")
     if array.shape[-1:] != (2,):
         raise ArgumentError(f"points of shape {array.shape} given; (..., 2) m in the arm's plane are needed")
     if (bad := inputs.first_bad(array)) is not None:
@@ -224,7 +234,7 @@ def _points(points: ArrayLike) -> Array:
 
 
 def _vectors(q: ArrayLike) -> Array:
-    array = inputs.real(q, "a joint vector", "an array of numbers (..., 2)", ArgumentError)
+    array = inputs.real(q, "a joint vector", "an array of numbers (..., 2)")
     if array.shape[-1:] != (2,) or inputs.first_bad(array) is not None:
         raise ArgumentError(f"joint vectors {quoted(q)} given; (..., 2) finite numbers [rad] are needed")
     return array

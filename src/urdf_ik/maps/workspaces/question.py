@@ -1,4 +1,4 @@
-"""Question: what a map holds of each pose, and its answers at any positions."""
+"""Question: the arrays of a map and all that they depend on. Solver: its answers at positions."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ import numpy as np
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.maps.engine import versions
-from urdf_ik.maps.engine.work import AskedOfAnArm, urdf_digest
-from urdf_ik.maps.workspaces.counts import Counting, sum_over_samples
+from urdf_ik.maps.engine.arm_jobs import ArmQuestion, urdf_digest
 from urdf_ik.maps.workspaces.orientations import Targets, sampled
+from urdf_ik.maps.workspaces.solution_counts import Counting, sum_over_samples
 from urdf_ik.maps.workspaces.workspace_map import About
 from urdf_ik.support.text import quoted
 
@@ -56,11 +56,11 @@ HELD = {
     "clearance": Held(np.float32, "orientation", "greatest clearance of the solutions that count", "m"),
     "branch_poses": Held(np.uint16, "branch", "number of orientations in which a branch has a solution that counts"),
 }
-"""All that a map can hold."""
+"""The arrays that a map can hold."""
 
 
 @dataclass(frozen=True, eq=False)
-class Question(AskedOfAnArm):
+class Question(ArmQuestion):
     """What is asked of every pose of a grid; it is pickled for workers.
 
     Attributes:

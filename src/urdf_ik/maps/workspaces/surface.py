@@ -1,4 +1,4 @@
-"""The boundary of what is reached, as a mesh of the faces between voxels that are and voxels that are not."""
+"""The boundary of the reached region: a mesh of the faces between reached voxels and others."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from urdf_ik.errors import ArgumentError
 from urdf_ik.support import inputs
 
 if TYPE_CHECKING:
@@ -45,8 +44,8 @@ def boundary(found: WorkspaceMap | StoredMap, least: float = 0.0) -> Surface:
         >>> mesh.faces.shape[1], bool(np.ptp(mesh.vertices[:, 0]) > 1.0)
         (3, True)
     """
-    inputs.kind(found, "totals", "found", "a map of a workspace", ArgumentError)
-    least = inputs.number(least, "least", ArgumentError)
+    inputs.kind(found, "totals", "found", "a map of a workspace")
+    least = inputs.number(least, "least")
     with np.errstate(invalid="ignore"):
         inside = np.nan_to_num(found.values("reach")) > least
     padded = np.pad(inside, 1)

@@ -1,4 +1,4 @@
-"""Sums over a map, or over the blocks of one."""
+"""Sums over a map, and the addition of those of its blocks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""WorkspaceMap: what the poses of a grid have as solutions, and questions about that."""
+"""WorkspaceMap: the solution counts of the poses of a grid, with slices, shares and look-ups."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy as np
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.maps.workspaces import map_files
+from urdf_ik.maps.workspaces.cells import cells
 from urdf_ik.maps.workspaces.grid import AXES, Grid
-from urdf_ik.maps.workspaces.lookup import cells
 from urdf_ik.maps.workspaces.totals import BranchShare, Totals
 from urdf_ik.support import inputs
 from urdf_ik.support.frozen import Frozen
@@ -104,19 +104,19 @@ class About:
             >>> About.read(asdict(found.about)) == found.about
             True
         """
-        inputs.mapping(header, "header", "the fields of a map", ArgumentError)
+        inputs.mapping(header, "header", "the fields of a map")
         if missing := [name for name in cls.__dataclass_fields__ if name not in header]:
             raise ArgumentError(f"there is no {quoted(missing[0])} in it")
         named = {name: header[name] for name in cls.__dataclass_fields__}
         for name in ("joints", "branches"):
-            named[name] = inputs.items(named[name], name, "names", ArgumentError)
+            named[name] = inputs.items(named[name], name, "names")
         named["limits"] = tuple(
-            inputs.items(pair, "limits", "pairs of numbers", ArgumentError)
-            for pair in inputs.items(named["limits"], "limits", "pairs of numbers", ArgumentError)
+            inputs.items(pair, "limits", "pairs of numbers")
+            for pair in inputs.items(named["limits"], "limits", "pairs of numbers")
         )
         texts = [*named["joints"], *named["branches"], *(named[name] for name in _TEXTS)]
         numbers = [*itertools.chain(*named["limits"]), named["redundancy"]]
-        locked = inputs.mapping(named["locked"], "locked", "values by joint", ArgumentError)
+        locked = inputs.mapping(named["locked"], "locked", "values by joint")
         if (
             any(len(pair) != 2 for pair in named["limits"])
             or not all(isinstance(each, str) for each in (*texts, *locked, named["world"] or ""))
@@ -280,7 +280,7 @@ class WorkspaceMap(Frozen):
             [[0.1, 0.2]]
         """
         ray, start = (
-            inputs.real(value, name, "three numbers", ArgumentError)
+            inputs.real(value, name, "three numbers")
             for name, value in (("direction", direction), ("origin", origin))
         )
         good = start.shape == ray.shape == (3,) and inputs.first_bad(start) is inputs.first_bad(ray) is None
@@ -397,7 +397,7 @@ def read(path: str | os.PathLike[str], *, most: int = map_files.MAX_BYTES) -> Wo
         >>> urdf_ik.maps.workspaces.read("map.npz").grid.shape
         (8, 8, 1)
     """
-    return map_files.read(path, _built, inputs.whole(most, "most", ArgumentError, high=2**63))
+    return map_files.read(path, _built, inputs.whole(most, "most", high=2**63))
 
 
 def _built(header: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> WorkspaceMap:

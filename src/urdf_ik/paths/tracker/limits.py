@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 
 def positive(name: str, value: float, unit: str, *, zero: bool = False) -> float:
     """A finite number above zero, or from zero on."""
-    return inputs.number(value, name, ArgumentError, low=0.0, above=None if zero else 0.0, unit=unit)
+    return inputs.number(value, name, low=0.0, above=None if zero else 0.0, unit=unit)
 
 
 def limits_of(solver: Solver, name: str, value: ArrayLike) -> Array:
     """(n,) numbers above zero, infinite for no limit, from one number or one a joint."""
-    given = inputs.real(value, name, f"one number, or one a joint ({solver.dof},)", ArgumentError)
+    given = inputs.real(value, name, f"one number, or one a joint ({solver.dof},)")
     if given.shape not in ((), (1,), (solver.dof,)):
         raise ArgumentError(f"{name}: one number, or one a joint ({solver.dof},), is needed: {quoted(value)} given")
     array = np.array(np.broadcast_to(given, (solver.dof,)))

@@ -46,7 +46,7 @@ def words(text: str) -> str:
 
 def posture(arm: Arm, q: ArrayLike | None) -> Array:
     """``q`` as a joint vector (n,); where it is None, the one nearest to zero within the limits."""
-    inputs.arm(arm, error=ArgumentError)
+    inputs.arm(arm)
     if q is not None:
         vector = arm.chain.check(q)
         if vector.shape != (arm.dof,):

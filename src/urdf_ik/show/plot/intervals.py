@@ -9,7 +9,6 @@ from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
 from urdf_ik.arm import arm_of
-from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.redundancy.bars import ENDS, bars
 from urdf_ik.show.plot import axes as draw
 from urdf_ik.support import inputs
@@ -42,8 +41,8 @@ def intervals(found: Intervals, *, degrees: bool = True) -> Figure:
         >>> len(figure.axes[0].get_yticklabels())
         8
     """
-    inputs.kind(found, "merged", "found", "what arm.intervals gives", ArgumentError)
-    degrees = inputs.flag(degrees, "degrees", ArgumentError)
+    inputs.kind(found, "merged", "found", "what arm.intervals gives")
+    degrees = inputs.flag(degrees, "degrees")
     arm, parameter = arm_of(found.solver), found.parameter
     names, drawn = bars(found)
     scale = 180.0 / np.pi if degrees and parameter.unit == "rad" else 1.0

@@ -46,8 +46,8 @@ def arm(arm: Arm, q: ArrayLike | None = None, *, shapes: bool = True) -> Figure:
         >>> len(figure.axes)
         1
     """
-    inputs.arm(arm, error=ArgumentError)
-    shapes = inputs.flag(shapes, "shapes", ArgumentError)
+    inputs.arm(arm)
+    shapes = inputs.flag(shapes, "shapes")
     at = draw.posture(arm, q)
     figure = draw.Picture(figsize=(5.0, 5.0), layout="constrained")
     bodies = _bodies(figure, arm, shapes)
@@ -77,7 +77,7 @@ def branches(solutions: IKSolutions, *, overlaid: bool = False, shapes: bool = F
         >>> len(figure.axes)
         2
     """
-    inputs.kind(solutions, "to_array", "solutions", "what arm.ik gives", ArgumentError)
+    inputs.kind(solutions, "to_array", "solutions", "what arm.ik gives")
     overlaid, shapes = (inputs.flag(*each, ArgumentError) for each in ((overlaid, "overlaid"), (shapes, "shapes")))
     found = list(solutions)
     if not found:
@@ -127,8 +127,8 @@ def limits(solutions: IKSolutions, *, degrees: bool = True) -> Figure:
         >>> len(figure.axes)
         2
     """
-    inputs.kind(solutions, "to_array", "solutions", "what arm.ik gives", ArgumentError)
-    degrees = inputs.flag(degrees, "degrees", ArgumentError)
+    inputs.kind(solutions, "to_array", "solutions", "what arm.ik gives")
+    degrees = inputs.flag(degrees, "degrees")
     owner, found = _owner(solutions), list(solutions)
     if not found:
         raise ArgumentError(f"no solution to draw: {solutions.explain()}")
@@ -180,7 +180,7 @@ def workspace_slice(found: WorkspaceMap | StoredMap, axis: str = "z", at: float 
     """
     from urdf_ik.maps.workspaces import VALUES
 
-    inputs.kind(found, "slice", "found", "a map of a workspace", ArgumentError)
+    inputs.kind(found, "slice", "found", "a map of a workspace")
     layer = found.slice(axis, at, what)
     figure = draw.Picture(figsize=(5.6, 4.6), layout="constrained")
     axes = figure.add_subplot()
@@ -214,7 +214,7 @@ def placements(found: PlacementMap, what: str = "reached", at: float | None = No
     """
     from urdf_ik.maps.placements import SHOWN
 
-    inputs.kind(found, "places", "found", "what urdf_ik.maps.placement gives", ArgumentError)
+    inputs.kind(found, "places", "found", "what urdf_ik.maps.placement gives")
     best = found.best().pose[:3, 3]
     _, layer = found.grid.layer("z", float(best[2]) if at is None else at)
     values = found.values(what)[:, :, layer]
@@ -247,8 +247,8 @@ def planar_workspace(region: PlanarWorkspace, q: ArrayLike | None = None) -> Fig
         >>> len(figure.axes)
         1
     """
-    inputs.kind(region, "regions", "region", "what urdf_ik.maps.workspaces.planar gives", ArgumentError)
-    given = None if q is None else inputs.real(q, "q", "two joint values [rad]", ArgumentError)
+    inputs.kind(region, "regions", "region", "what urdf_ik.maps.workspaces.planar gives")
+    given = None if q is None else inputs.real(q, "q", "two joint values [rad]")
     if given is not None and (given.shape != (2,) or inputs.first_bad(given) is not None):
         raise ArgumentError(f"q={quoted(q)} given; two joint values [rad] are needed")
     figure = draw.Picture(figsize=(6.4, 5.0), layout="constrained")
@@ -274,12 +274,12 @@ def save(figure: Figure, path: str | os.PathLike[str], dpi: float = _DPI) -> Non
         >>> Path("arm.svg").is_file()
         True
     """
-    target = inputs.path(path, "path", ArgumentError)
-    inputs.kind(figure, "savefig", "figure", "a picture of this module", ArgumentError)
-    dpi = inputs.number(dpi, "dpi", ArgumentError, low=10.0, high=1200.0)  # less holds no letter, more no memory
+    target = inputs.path(path, "path")
+    inputs.kind(figure, "savefig", "figure", "a picture of this module")
+    dpi = inputs.number(dpi, "dpi", low=10.0, high=1200.0)  # less holds no letter, more no memory
     if target.suffix.lower() not in SUFFIXES:
         raise ArgumentError(f"{files.name_of(target)}: pictures are written as {', '.join(SUFFIXES)}; name the file so")
-    files.write(target, lambda file: figure.savefig(file, format=target.suffix.lower()[1:], dpi=dpi), ArgumentError)
+    files.write(target, lambda file: figure.savefig(file, format=target.suffix.lower()[1:], dpi=dpi))
 
 
 def _bodies(figure: Figure, owner: Arm, wanted: bool) -> figures.Bodies:

@@ -85,8 +85,8 @@ class Sliders:
         """Draw the arm and its sliders into ``figure``."""
         from matplotlib.widgets import Slider
 
-        inputs.arm(arm, error=ArgumentError)
-        inputs.kind(figure, "set_size_inches", "figure", "a figure of Matplotlib's", ArgumentError)
+        inputs.arm(arm)
+        inputs.kind(figure, "set_size_inches", "figure", "a figure of Matplotlib's")
         self.figure = figure
         self.q: Array = start(arm, q).copy()
         self._scale = scales(arm)
@@ -129,7 +129,7 @@ def sliders(arm: Arm, q: ArrayLike | None = None, *, window: bool = True) -> Sli
         >>> len(panel.sliders), panel.q.round(6).tolist()
         (2, [0.3, 0.2])
     """
-    inputs.arm(arm, error=ArgumentError)
+    inputs.arm(arm)
     figure = draw.Picture(figsize=size(arm))
     if window:  # before the sliders, which listen to the canvas that they find
         _open(figure, arm.name)

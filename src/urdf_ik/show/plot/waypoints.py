@@ -11,7 +11,6 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from urdf_ik.arm import arm_of
-from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions import limits as joint_limits
 from urdf_ik.show.plot import axes as draw
 from urdf_ik.support import inputs
@@ -86,8 +85,8 @@ def path(plan: Plan, *, degrees: bool = True) -> Figure:
         >>> len(figure.axes)
         4
     """
-    inputs.kind(plan, "explain", "plan", "what arm.follow gives", ArgumentError)
-    degrees = inputs.flag(degrees, "degrees", ArgumentError)
+    inputs.kind(plan, "explain", "plan", "what arm.follow gives")
+    degrees = inputs.flag(degrees, "degrees")
     arm, found = arm_of(plan.solver), background(plan)
     rows = math.ceil(arm.dof / _COLUMNS)
     columns = min(_COLUMNS, arm.dof)

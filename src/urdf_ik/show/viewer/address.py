@@ -1,4 +1,4 @@
-"""Where the viewer listens: checked before viser tries, as it would look for another port in silence."""
+"""Host and port of the viewer, checked before viser listens: viser would take another port silently."""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
-"""Who may talk to the page's server: those who know its address with the token, from the page itself and no other.
+"""Guard: only the page itself, opened at the printed address with its token, may talk to the viewer's server.
 
 A browser lets every web page that its user visits open a connection to this machine. So a request must name this
-server (Host), come from the server's own page (Origin) and begin with the token that only the printed address holds.
+server (Host), come from the server's own page (Origin) and begin with the token in the printed address. viser has no
+argument for such a check, so it is added where viser calls websockets, for the viewer's own server alone.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ MAX_MESSAGE = 2**20
 
 _LOCK = forks.lock()
 _LOGGER = logging.getLogger("urdf_ik.show.viewer")
-_LOGGER.addHandler(logging.NullHandler())  # what strangers send is no news for the terminal
+_LOGGER.addHandler(logging.NullHandler())  # invalid requests do not belong in the terminal
 _LOGGER.propagate = False
 
 

@@ -17,7 +17,7 @@ from urdf_ik.model import catalogue
 from urdf_ik.model.poses import pose
 from urdf_ik.show.viewer import address, guard, playback
 from urdf_ik.show.viewer import state as states
-from urdf_ik.show.viewer.latest import Latest
+from urdf_ik.show.viewer.request_queue import Latest
 from urdf_ik.support import inputs
 
 if TYPE_CHECKING:
@@ -91,10 +91,10 @@ class Viewer:
             import viser
         except ImportError:
             raise MissingPackage(f"the viewer needs viser, which is not installed: {INSTALL}") from None
-        from urdf_ik.show.viewer import panel, path_panel, scene, surroundings, uploads
+        from urdf_ik.show.viewer import arm_panel, page_messages, path_panel, scene, surroundings, uploads
 
         address.check(host, port)
-        self._parts, self._plain = (panel.Panel, scene.Drawing), panel.plain
+        self._parts, self._plain = (arm_panel.Panel, scene.Drawing), arm_panel.plain
         self._upload_part = uploads.Uploads
         self._path_parts = path_panel.PathPanel, surroundings.PathDrawing, surroundings.Obstacles
         self._host, self._mesh_roots, self._dark = host, tuple(mesh_roots), dark
@@ -103,7 +103,7 @@ class Viewer:
         if plan is not None and plan.obstacles is not None and world is None:
             world = plan.obstacles.model.world
         self.state = states.start(arm, world)
-        self._latest = Latest()
+        self._latest = Latest(self._agree)
         self.track: Track | None = None
         self.place = 0.0
         self._path: tuple[PathPanel, PathDrawing] | None = None
@@ -121,11 +121,12 @@ class Viewer:
             self.close()
             raise ArgumentError(f"port {port} on {host} is in use; name another one, or leave it out")
         self.server.gui.configure_theme(control_width="large", show_share_button=False, dark_mode=dark)
-        self.server.gui.add_html(panel.STYLE, order=-1e9)
+        self.server.gui.add_html(arm_panel.STYLE, order=-1e9)
         self.server.scene.add_grid("/grid", width=4.0, height=4.0, cell_size=0.1, section_size=0.5)
         self._message = self.server.gui.add_markdown("")
         self._show_arm(self.state)
         self._add_sources()
+        page_messages.check_messages(self.server, self._refused, lambda: self._latest.put("agree", lambda: None))
         self.server.on_client_connect(lambda client: self._look(client.camera, client.camera.aspect))
         try:
             if plan is not None:
@@ -244,9 +245,9 @@ class Viewer:
             ArgumentError: the map is another arm's, or holds no such value.
             JobError: the map is in a store that is not complete, or damaged.
         """
-        from urdf_ik.show.viewer import map_view, voxels
+        from urdf_ik.show.viewer import map_view
 
-        read = None if found is None else voxels.Voxels(found, self.state.arm)
+        read = None if found is None else map_view.Voxels(found, self.state.arm)
         if read is not None:
             read.values(what)
             axis = inputs.choice(axis or read.across, "axis", tuple("xyz"))
@@ -330,6 +331,18 @@ class Viewer:
             self.drawing.show(state, keep_target=held is self.drawing.target)
             self.panel.show(state, keep=held)
             self.obstacles.update()
+        self.server.flush()
+
+    def _refused(self, reason: str) -> None:
+        self._latest.put("refused", lambda: self._say(reason))
+
+    def _agree(self) -> None:
+        """Send every page what all sliders and the target are: two pages that move them at once may differ."""
+        self._show(self.state)
+        self.panel.send_again()
+        self.drawing.send_target_again()
+        if self._path is not None:
+            self._path[0].show(self.place, again=True)
         self.server.flush()
 
     def _show_plan(self, plan: Plan | None) -> None:
@@ -435,4 +448,3 @@ class Viewer:
                 event.client.send_file_download(
                     f"{Path(self.state.arm.name).name}.html", self.html().encode(), save_immediately=True
                 )
-

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from urdf_ik.show.viewer.panel import on_change, plain
+from urdf_ik.show.viewer.arm_panel import on_change, plain, send_again
 from urdf_ik.show.viewer.scene import colours
 
 if TYPE_CHECKING:
@@ -55,9 +55,11 @@ class PathPanel:
         for stop, button in zip(plan.stops, self.ends, strict=True):
             button.on_click(lambda _, stop=stop: on_end(stop))
 
-    def show(self, place: float) -> None:
-        """Set the slider."""
+    def show(self, place: float, *, again: bool = False) -> None:
+        """Set the slider; ``again`` sends its value even where it has not changed."""
         self.slider.value = round(place, 1)
+        if again:
+            send_again(self.slider)
 
     def show_playing(self, playing: bool) -> None:
         """What the button does next."""

@@ -1,4 +1,4 @@
-"""A plan to be played: which state of the viewer belongs to which place of its path, and what ends where."""
+"""Playback of a plan: the viewer's state at each place of its path, and where branches end."""
 
 from __future__ import annotations
 

@@ -101,6 +101,16 @@ class Drawing:
         if not keep_target:
             _place(self.target, state.target)
 
+    def send_target_again(self) -> None:
+        """Send every page where the target is; viser itself sends changes alone."""
+        from viser import _messages as messages
+
+        own = self.target._impl
+        x, y, z = map(float, own.position)
+        a, b, c, d = map(float, own.wxyz)
+        own.api._queue_scene_message(messages.SetPositionMessage(own.name, (x, y, z)))
+        own.api._queue_scene_message(messages.SetOrientationMessage(own.name, (a, b, c, d)))
+
     @property
     def unseen(self) -> list[str]:
         """That there are frames and lines for want of shapes, and why some cannot be read; of many the first ones."""

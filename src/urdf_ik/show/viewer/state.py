@@ -1,4 +1,4 @@
-"""What the viewer shows, without the viewer: an arm, its target, every solution with its marks.
+"""State: the arm, the target and every solution with its marks, as the viewer shows them; independent of viser.
 
 A :class:`State` does not change; each of the functions below returns the one that follows. The page mirrors it.
 """

@@ -1,4 +1,4 @@
-"""What stands around the arm in viser's scene: the obstacles of a world, and the path of a plan."""
+"""The arm's surroundings in viser's scene: the obstacles of a world, and the path of a plan."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files that the page sends: one at a time, of bounded size, and forgotten with the page that did not finish."""
+"""Files that a page uploads: one at a time, of bounded size; an unfinished one is dropped when its page closes."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class Uploads:
 
 
 class _File:
-    """What has come of a file."""
+    """The received parts of a file."""
 
     def __init__(self, transfer: str, size: int, count: int) -> None:
         self.transfer, self.size, self.count = transfer, size, count

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik._core import SelfMotion
 from urdf_ik.ik.families.parts.family import Plan, RedundantPlan, columns
+from urdf_ik.ik.families.parts.self_motion import SelfMotion
 from urdf_ik.ik.families.parts.values import written_values
 from urdf_ik.kinematics.chain.redundancy import locked_joint
 from urdf_ik.support.text import quoted

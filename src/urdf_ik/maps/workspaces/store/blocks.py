@@ -63,7 +63,7 @@ class Blocks:
         if not isinstance(shape, list) or len(shape) != len(grid):
             raise ArgumentError(f"block={quoted(shape)} given; three whole numbers are needed")
         sides = zip(shape, grid, strict=True)
-        x, y, z = (inputs.whole(each, "block", ArgumentError, low=1, high=most) for each, most in sides)
+        x, y, z = (inputs.whole(each, "block", low=1, high=most) for each, most in sides)
         return cls(grid, (x, y, z))
 
     @property

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from urdf_ik.errors import ArgumentError
-from urdf_ik.maps.engine import zarr_writing
+from urdf_ik.maps.engine import zarr_writer
 from urdf_ik.maps.engine.store_folder import read_question
 from urdf_ik.maps.workspaces.grid import Grid
 from urdf_ik.maps.workspaces.question import HELD
+from urdf_ik.maps.workspaces.store.block_jobs import Layout, write
 from urdf_ik.maps.workspaces.store.blocks import Blocks
-from urdf_ik.maps.workspaces.store.filling import Layout, write
 from urdf_ik.maps.workspaces.store.stored_map import StoredMap
 from urdf_ik.support import inputs
 
@@ -84,7 +84,7 @@ def cut(source: StoredMap, path: str | os.PathLike[str], bounds: ArrayLike) -> S
     """The voxels whose centres are inside bounds (2, 3) m, as a store of its own; a block at a time is in memory.
 
     Raises:
-        ArgumentError: the bounds make no sense, or the part does not fit on the disk.
+        ArgumentError: invalid bounds.
         JobError: a block is not there, or the new store cannot be written.
 
     Example:
@@ -174,7 +174,7 @@ class _Copying:
         arrays = {plan.name: self._array(plan, part) for plan in self._layout.plans}
         return self._encoder.files(self._layout.blocks.place(chunk), arrays)
 
-    def _array(self, plan: zarr_writing.ArrayPlan, part: Part) -> NDArray[Any]:
+    def _array(self, plan: zarr_writer.ArrayPlan, part: Part) -> NDArray[Any]:
         shape = tuple(each.stop - each.start for each in part)
         found = np.full((*shape, plan.shape[-1]), plan.fill, dtype=HELD[plan.name].kind)
         for source, start in reversed(self._sources):
@@ -193,8 +193,8 @@ class _Copying:
         return found
 
     @cached_property
-    def _encoder(self) -> zarr_writing.Encoder:
-        return zarr_writing.Encoder(self._layout.plans)
+    def _encoder(self) -> zarr_writer.Encoder:
+        return zarr_writer.Encoder(self._layout.plans)
 
 
 def _stores(**given: Any) -> None:

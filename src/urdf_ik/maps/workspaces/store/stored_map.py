@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik.errors import ArgumentError, JobError, printable
-from urdf_ik.maps.engine import capacity
+from urdf_ik.errors import JobError, printable
+from urdf_ik.maps.engine import free_space
 from urdf_ik.maps.engine.store_folder import finished, read_question
-from urdf_ik.maps.engine.zarr_reading import OpenedGroup
+from urdf_ik.maps.engine.zarr_reader import OpenedGroup
+from urdf_ik.maps.workspaces.cells import cells
 from urdf_ik.maps.workspaces.grid import Grid, require_memory
-from urdf_ik.maps.workspaces.lookup import cells
 from urdf_ik.maps.workspaces.question import HELD
 from urdf_ik.maps.workspaces.store.blocks import Blocks
 from urdf_ik.maps.workspaces.totals import Totals, summed
@@ -110,7 +110,7 @@ class StoredMap:
             range(each.start // side, -(-each.stop // side)) for each, side in zip(part, self.blocks.shape, strict=True)
         )
         self._require(np.ravel_multi_index(np.meshgrid(*spans, indexing="ij"), self.blocks.along).ravel())
-        return self._group.read(name, part, capacity.available_memory())
+        return self._group.read(name, part, free_space.available_memory())
 
     def read(self, bounds: ArrayLike | None = None) -> WorkspaceMap:
         """The map, or the voxels whose centres are inside bounds (2, 3) m, in memory.
@@ -242,5 +242,5 @@ def opened(path: str | os.PathLike[str]) -> WorkspaceMap | StoredMap:
         >>> opened("map.zarr").grid.shape
         (8, 8, 1)
     """
-    where = inputs.path(path, "path", ArgumentError)
+    where = inputs.path(path, "path")
     return StoredMap(where) if os.path.isdir(where) else read(where)

@@ -1,4 +1,4 @@
-"""Making a map: in memory at once, or into a store chunk by chunk."""
+"""workspace(): creates a map in memory, or in a store block by block."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from urdf_ik.errors import ArgumentError, UnsupportedArm
 from urdf_ik.maps.workspaces.grid import grid_of, require_memory, require_room
 from urdf_ik.maps.workspaces.orientations import NOTHING, sampled, samples
 from urdf_ik.maps.workspaces.question import HELD, Question
-from urdf_ik.maps.workspaces.store.filling import fill
+from urdf_ik.maps.workspaces.store.block_jobs import fill
 from urdf_ik.maps.workspaces.workspace_map import WorkspaceMap
 from urdf_ik.support import inputs
 
@@ -25,9 +25,9 @@ if TYPE_CHECKING:
     from urdf_ik.maps.workspaces.store.stored_map import StoredMap
 
 CHUNK = 2**14
-"""Poses that are solved at a time: their answers stay in the processor's cache."""
+"""Poses that are solved at a time: so few that their answers stay in the processor's cache."""
 MAX_SAMPLES = 2**16 - 1
-"""Orientations at a position: their number is kept in 16 bits."""
+"""Greatest number of orientations at a position: it is kept in 16 bits."""
 
 Progress = Callable[[int, int], object]
 
@@ -103,12 +103,12 @@ def workspace(
 ) -> WorkspaceMap | StoredMap:
     """Solve every voxel's centre in well-spread orientations, and count.
 
-    What the arm controls, ``arm.task``, is what is asked for: poses; positions with directions, or positions alone,
-    of arms with fewer joints; points or poses in its plane of a planar arm, in the plane's coordinates.
+    The targets are those of ``arm.task``: poses; positions with directions, or positions alone, of arms with fewer
+    joints; points or poses in the plane of a planar arm, in the plane's coordinates.
 
     With ``store`` the map is made block by block on the disk, and memory holds a few blocks. Called again after a kill
-    it goes on where it stopped; the blocks that are there are read and checked, and made again where their bytes have
-    changed. The map is the same to the last bit whatever stopped it, and whoever makes the blocks.
+    it continues: it checks the finished blocks, repeats those whose bytes have changed, and makes the missing ones. The
+    map has the same bytes after any kill and with any number of workers.
 
     Args:
         arm: the arm.
@@ -128,14 +128,14 @@ def workspace(
         block: poses of a block of a store, at most; default: about a second's or a few seconds' work.
         threads: number of threads that solve.
         chunk: poses that are solved at a time; the map does not depend on it.
-        progress: called with the number of poses behind us, and of all.
+        progress: called with the number of solved poses, and of all.
 
     Raises:
-        ArgumentError: a number that makes no sense, or a map that does not fit in memory or on the disk.
+        ArgumentError: an invalid number, or a map that does not fit in memory.
         UnsupportedArm: no solver takes this arm.
         UrdfError: the URDF has no collision shapes, and collisions are asked for.
-        JobError: the store is in use, is of another question, or cannot be written.
-        JobError: a scheduler or workers that cannot do the work.
+        JobError: the map does not fit on the disk; the store is in use, is of another question, or cannot be written;
+            or the scheduler or the workers cannot go on.
 
     Example:
         >>> import urdf_ik
@@ -145,12 +145,12 @@ def workspace(
         >>> workspace(urdf_ik.load("planar_2r"), voxel=0.05, orientations=4, store="map.zarr").complete
         True
     """
-    inputs.arm(arm, error=ArgumentError)
+    inputs.arm(arm)
     if not arm.structure.branches:
         raise UnsupportedArm(f"{arm.name}: no solver for this arm yet. {arm.structure}")
-    orientations = inputs.whole(orientations, "orientations", ArgumentError, low=1, high=MAX_SAMPLES)
-    inputs.callback(progress, "progress", ArgumentError)
-    chunk, threads = inputs.whole(chunk, "chunk", ArgumentError, low=1), inputs.threads(threads, ArgumentError)
+    orientations = inputs.whole(orientations, "orientations", low=1, high=MAX_SAMPLES)
+    inputs.callback(progress, "progress")
+    chunk, threads = inputs.whole(chunk, "chunk", low=1), inputs.threads(threads)
     if store is None and (client is not None or block is not None):
         raise ArgumentError("client and block are for maps in a store; give store='map.zarr', too")
     if store is not None and output is not None:
@@ -158,7 +158,7 @@ def workspace(
     if world is not None and not (collision_free or clearance):
         raise ArgumentError("a world is given, and nothing asks for it; give collision_free=True or clearance=True")
     within_limits, collision_free, manipulability, margin, clearance = (
-        inputs.flag(value, name, ArgumentError)
+        inputs.flag(value, name)
         for value, name in (
             (within_limits, "within_limits"), (collision_free, "collision_free"), (manipulability, "manipulability"),
             (margin, "margin"), (clearance, "clearance"),
@@ -186,7 +186,7 @@ def workspace(
     )
     if store is not None:
         return fill(asked, store, client, block, progress)
-    return _in_memory(asked, None if output is None else inputs.path(output, "output", ArgumentError), progress)
+    return _in_memory(asked, None if output is None else inputs.path(output, "output"), progress)
 
 
 def _in_memory(asked: Question, output: Path | None, progress: Progress | None) -> WorkspaceMap:

@@ -1,4 +1,4 @@
-"""A Zarr group that may come from anybody, opened for reading: bounded, of this package's codecs, without pickle."""
+"""OpenedGroup: reads Zarr groups of unknown origin; sizes are bounded, codecs are this package's, pickle is refused."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import JobError, UrdfIkError, printable
-from urdf_ik.maps.engine import zarr_writing
+from urdf_ik.maps.engine import zarr_writer
 from urdf_ik.support import files
 from urdf_ik.support.text import quoted
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MAX_METADATA = 2**24
-"""Bytes of a group's metadata at most."""
+"""Greatest size of a group's metadata [bytes]."""
 MAX_CHUNK = 2**30
 """Bytes that a chunk of an array may unpack to."""
 _MOST_CHUNKS = 2**22
@@ -39,7 +39,7 @@ class OpenedGroup:
 
     Example:
         >>> from urdf_ik.maps.engine import Folder
-        >>> made = zarr_writing.group_files((), (zarr_writing.Coordinate("x", ("x",), np.arange(3.0)),), {})
+        >>> made = zarr_writer.group_files((), (zarr_writer.Coordinate("x", ("x",), np.arange(3.0)),), {})
         >>> with Folder("axis.zarr", {"what": "an axis"}, 0, made):
         ...     OpenedGroup(Path("axis.zarr")).read("x").tolist()
         [0.0, 1.0, 2.0]
@@ -50,7 +50,7 @@ class OpenedGroup:
         files.require_regular(folder / "zarr.json", JobError)
         files.read(folder / "zarr.json", MAX_METADATA, JobError)
         try:
-            self._group = zarr_writing.package().open_group(str(folder), mode="r", zarr_format=3, use_consolidated=True)
+            self._group = zarr_writer.package().open_group(str(folder), mode="r", zarr_format=3, use_consolidated=True)
         except UrdfIkError:
             raise
         except Exception as error:  # Zarr, JSON and NumPy each have their own ways to say that a file is damaged
@@ -99,10 +99,10 @@ class OpenedGroup:
         return files.name_of(self._folder)
 
     def _damaged(self, what: str, error: Exception) -> JobError:
+        if isinstance(error, OSError) and error.strerror:
+            return JobError(f"{self._name}: cannot read {what}: {error.strerror}")
         reason = printable(f"{type(error).__name__} {error}", 200)
-        return JobError(
-            f"{self._name}: {what} is damaged ({reason}); the run that made it makes what is damaged again"
-        )
+        return JobError(f"{self._name}: {what} is damaged ({reason}); the run that made it makes what is damaged again")
 
     def _array(self, name: str) -> Any:
         try:
@@ -121,9 +121,7 @@ class OpenedGroup:
     def _look_at_chunks(self, name: str, found: Any, spans: list[tuple[int, int]]) -> None:
         """Refuse chunks that unpack to more than they should, before they are unpacked."""
         size = math.prod(found.chunks) * np.dtype(found.dtype).itemsize
-        ranges = [
-            range(start // side, -(-end // side)) for (start, end), side in zip(spans, found.chunks, strict=True)
-        ]
+        ranges = [range(start // side, -(-end // side)) for (start, end), side in zip(spans, found.chunks, strict=True)]
         if math.prod(map(len, ranges)) > _MOST_CHUNKS:
             raise JobError(f"{self._name}: {printable(name)} is cut into more than {_MOST_CHUNKS} chunks")
         for place in np.ndindex(*map(len, ranges)):

@@ -1,4 +1,4 @@
-"""Zarr groups with dimensions as xarray names them: what stands in them before any chunk, and a chunk's files.
+"""The files of Zarr groups with dimensions as xarray names them: metadata first, then chunk by chunk.
 
 Every array is cut into chunks along its leading dimensions, compressed by Zstandard, and each chunk ends with a CRC-32C
 checksum, which every Zarr reader checks. The metadata of all arrays stand once more in the group's, so that opening a

@@ -1,12 +1,13 @@
-"""What long work asks of an arm, as it travels to workers and as it stands in a store."""
+"""Job: makes the chunks of a store. ArmQuestion: the part of a job that asks about an arm, as workers receive it."""
 
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import fields
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
-from urdf_ik.maps.engine.dask_workers import versions
+from urdf_ik import _core
 
 if TYPE_CHECKING:
     from urdf_ik.arm import Arm
@@ -15,8 +16,15 @@ if TYPE_CHECKING:
 Pairs = tuple[tuple[str, str], ...]
 
 
-class AskedOfAnArm:
-    """A frozen dataclass of what is asked of an arm; it is pickled for workers.
+class Job(Protocol):
+    """Makes the files of a chunk, the same bytes on every machine. It is pickled for workers."""
+
+    def __call__(self, chunk: int, /) -> Mapping[str, bytes]:
+        """The files of a chunk, by their paths in the store."""
+
+
+class ArmQuestion:
+    """Base of frozen dataclasses that hold all that the answers about an arm depend on; pickled for workers.
 
     Attributes:
         arm: the arm.
@@ -28,12 +36,12 @@ class AskedOfAnArm:
 
     @property
     def pairs(self) -> Pairs | None:
-        """Pairs of links that are checked for collision; None where no collision is asked for."""
+        """Pairs of links that are checked for collision; None without a collision check."""
         raise NotImplementedError
 
     @property
     def of_the_arm(self) -> dict[str, Any]:
-        """What the answers depend on of arm and world, and who makes them, for a store."""
+        """The arm, the world and the version of this package, as a store records them."""
         pairs = self.pairs
         return {
             "robot": self.arm.name,
@@ -48,7 +56,7 @@ class AskedOfAnArm:
         }
 
     def __getstate__(self) -> dict[str, Any]:
-        # An arm is pickled without its collision model: it is built anew, and pairs that were changed are told apart.
+        # A pickled arm has no collision model; the copy builds a new one, which needs the pairs that are checked.
         state = {each.name: getattr(self, each.name) for each in fields(self)}  # type: ignore[arg-type]
         return state | {"pairs": self.pairs}
 
@@ -58,6 +66,18 @@ class AskedOfAnArm:
         if pairs is not None:
             cell = self.arm.cell
             self.__dict__["arm"] = self.arm.with_cell(cell.with_collisions(cell.collisions.checking(pairs)))
+
+
+def versions() -> dict[str, str]:
+    """The versions that must be the same wherever chunks are made, for their bytes to be the same.
+
+    Example:
+        >>> sorted(versions())
+        ['instructions', 'urdf-ik']
+    """
+    from urdf_ik import __version__
+
+    return {"urdf-ik": __version__, "instructions": _core.isa()}
 
 
 def urdf_digest(arm: Arm) -> str:

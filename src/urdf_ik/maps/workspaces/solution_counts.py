@@ -1,4 +1,4 @@
-"""The solutions of some poses, counted, and the greatest of what is measured of them."""
+"""Counts of the solutions of poses, filter by filter, and the best value of each pose's solutions."""
 
 from __future__ import annotations
 

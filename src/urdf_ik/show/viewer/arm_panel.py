@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.ik.solutions import limits
-from urdf_ik.show.viewer import strip
+from urdf_ik.show.viewer import interval_strip
 from urdf_ik.show.viewer.scene import colours
 
 if TYPE_CHECKING:
@@ -97,13 +97,18 @@ class Panel:
             if slider is not keep:
                 turn_to(slider, float(value))
         if self.strip is not None:
-            content = strip.drawn(state)
+            content = interval_strip.drawn(state)
             self.strip.visible = bool(content)
             self.strip.content = content
         if state.redundancy is not None:
             for slider, value in zip(self.redundancies, np.atleast_1d(state.redundancy), strict=True):
                 if slider is not keep:
                     turn_to(slider, float(value))
+
+    def send_again(self) -> None:
+        """Send every page the values of the sliders, also those that have not changed since they were sent."""
+        for slider in (*self.sliders, *self.redundancies):
+            send_again(slider)
 
     def remove(self) -> None:
         """Take the widgets out of the panel again."""
@@ -154,6 +159,11 @@ def turn_to(slider: Any, value: float) -> None:
     if shown > slider.max:
         slider.max = shown
     slider.value = shown
+
+
+def send_again(widget: Any) -> None:
+    """Send every page the value of a widget; viser itself sends changes alone."""
+    widget._queue_update("value", widget.value)
 
 
 def on_change(widget: Any, call: Callable[[Any], None]) -> None:

@@ -1,4 +1,4 @@
-"""Which cell of a map a target is in: its voxel, and the nearest of the orientations that were sampled."""
+"""The cell of a map that a target lies in: its voxel, and the nearest sampled orientation."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def cells(grid: Grid, samples: Array, task: str, targets: Any) -> Cells:
         ([[1, 0, 0]], [True])
     """
     shape, words = _TARGETS[task]
-    given = inputs.real(targets, "targets", words, ArgumentError)
+    given = inputs.real(targets, "targets", words)
     if given.shape[1:] != shape:
         raise ArgumentError(f"targets of shape {given.shape} given; the map's task is {task!r}, which takes {words}")
     if task == "pose":

@@ -1,4 +1,4 @@
-"""Filling the store of a map block by block, in this process or on workers."""
+"""The job that solves the blocks of a map, and the layout of the store that keeps them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError
-from urdf_ik.maps.engine import Folder, run, zarr_writing
+from urdf_ik.maps.engine import Folder, run, zarr_writer
 from urdf_ik.maps.engine.store_folder import checked_path, finished
 from urdf_ik.maps.workspaces.grid import AXES, require_memory, require_room
 from urdf_ik.maps.workspaces.question import HELD, Question
@@ -68,7 +68,7 @@ class Layout:
         self.about, self.grid, self.samples, self.blocks = about, grid, samples, blocks
         last = {"orientation": len(samples), "branch": len(about.branches)}
         self.plans = tuple(
-            zarr_writing.ArrayPlan(
+            zarr_writer.ArrayPlan(
                 name,
                 (*AXES, HELD[name].per),
                 (*grid.shape, last[HELD[name].per]),
@@ -86,11 +86,11 @@ class Layout:
         return cls(asked.about(), asked.grid, asked.samples, asked.holds, blocks)
 
     @property
-    def coordinates(self) -> tuple[zarr_writing.Coordinate, ...]:
+    def coordinates(self) -> tuple[zarr_writer.Coordinate, ...]:
         """Centres of the voxels, and what was sampled."""
         inner = ("row", "column")[: self.samples.ndim - 1]
         centres = [
-            zarr_writing.Coordinate(
+            zarr_writer.Coordinate(
                 name, (name,), self.grid.coordinates(k), {"units": "m", "long_name": f"voxels' centres, {name}"}
             )
             for k, name in enumerate(AXES)
@@ -98,8 +98,8 @@ class Layout:
         words = {"long_name": self.about.sampled, "units": "rad" if self.samples.shape[1:] == (1,) else "1"}
         return (
             *centres,
-            zarr_writing.Coordinate("orientation", ("orientation",), np.arange(len(self.samples))),
-            zarr_writing.Coordinate("samples", ("orientation", *inner), self.samples, words),
+            zarr_writer.Coordinate("orientation", ("orientation",), np.arange(len(self.samples))),
+            zarr_writer.Coordinate("samples", ("orientation", *inner), self.samples, words),
         )
 
     @property
@@ -136,7 +136,7 @@ class Solving:
 
     @cached_property
     def _tools(self) -> Any:
-        return self._asked.solver(), zarr_writing.Encoder(self._plans)
+        return self._asked.solver(), zarr_writer.Encoder(self._plans)
 
 
 def write(
@@ -150,10 +150,10 @@ def write(
     """Make a map's store, or go on with it; ``progress`` is called with poses.
 
     Raises:
-        ArgumentError: what is left to be made does not fit on the disk.
-        JobError: the store is in use, is of another question, or cannot be written.
+        JobError: the missing blocks do not fit on the disk; the store is in use, is of another question, or cannot be
+            written.
     """
-    zarr_writing.package()
+    zarr_writer.package()
     grid, blocks = layout.grid, layout.blocks
     left = blocks.count - len(finished(checked_path(path)))
     size = sum(int(np.prod(plan.chunk)) * np.dtype(plan.kind).itemsize for plan in layout.plans) * left
@@ -164,13 +164,13 @@ def write(
         if progress is not None:
             progress(done * poses // total, poses)
 
-    files = zarr_writing.group_files(layout.plans, layout.coordinates, layout.attributes)
-    with Folder(path, question, blocks.count, files, zarr_writing.with_attributes(files, {"complete": True})) as store:
+    files = zarr_writer.group_files(layout.plans, layout.coordinates, layout.attributes)
+    with Folder(path, question, blocks.count, files, zarr_writer.with_attributes(files, {"complete": True})) as store:
         run(job, store, client=client, progress=tick)
         store.finish()
 
 
-def _bytes(plan: zarr_writing.ArrayPlan) -> int:
+def _bytes(plan: zarr_writer.ArrayPlan) -> int:
     return int(np.prod(plan.shape)) * np.dtype(plan.kind).itemsize
 
 

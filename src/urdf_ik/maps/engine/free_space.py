@@ -1,4 +1,4 @@
-"""How much memory and disk there is, and whether what is to be made fits."""
+"""How much memory and disk are free, and whether a result fits."""
 
 from __future__ import annotations
 
@@ -6,15 +6,9 @@ import contextlib
 import os
 import shutil
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from urdf_ik.errors import ArgumentError, JobError
 from urdf_ik.support.files import name_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from urdf_ik.errors import UrdfIkError
 
 
 def available_memory() -> int:
@@ -43,17 +37,16 @@ def free_disk(folder: Path) -> int:
     return shutil.disk_usage(folder).free
 
 
-def require_memory(needed: int, what: str, hint: str, error: Callable[[str], UrdfIkError] = ArgumentError) -> None:
-    """Refuse what does not fit in memory, before any work.
+def require_memory(needed: int, what: str, hint: str) -> None:
+    """Refuse a result that does not fit in memory, before any work.
 
     Args:
         needed: bytes that it takes.
-        what: what is to be made, in the plural, and how much of it.
+        what: the results and their number, in the plural.
         hint: what would make it fit.
-        error: class of what is raised.
 
     Raises:
-        UrdfIkError: ``error``, with the numbers.
+        ArgumentError: it does not fit; with the numbers.
 
     Example:
         >>> require_memory(2**70, "10 samples", "take fewer")
@@ -62,23 +55,20 @@ def require_memory(needed: int, what: str, hint: str, error: Callable[[str], Urd
     """
     free = available_memory()
     if needed > free:
-        raise error(f"{what} take {size_text(needed)} of memory, and {size_text(free)} are free; {hint}")
+        raise ArgumentError(f"{what} take {size_text(needed)} of memory, and {size_text(free)} are free; {hint}")
 
 
-def require_disk(
-    place: Path, needed: int, what: str, hint: str, error: Callable[[str], UrdfIkError] = JobError
-) -> None:
-    """Refuse what does not fit on the disk, before any work.
+def require_disk(place: Path, needed: int, what: str, hint: str) -> None:
+    """Refuse a result that does not fit on the disk, before any work.
 
     Args:
         place: the file or folder that it goes to.
         needed: bytes of it, which are compressed at best.
-        what: what is to be made, in the plural, and how much of it.
+        what: the results and their number, in the plural.
         hint: what would make it fit.
-        error: class of what is raised.
 
     Raises:
-        UrdfIkError: ``error``, with the numbers; or there is no such folder.
+        JobError: it does not fit, with the numbers; or there is no such folder.
 
     Example:
         >>> require_disk(Path("samples.zarr"), 2**70, "10 samples", "take fewer")
@@ -87,11 +77,11 @@ def require_disk(
     """
     folder = Path(os.path.realpath(place)).parent
     if not os.path.isdir(folder):  # of a name that no file can have, too
-        raise error(f"{name_of(place)}: there is no folder {name_of(folder)}")
+        raise JobError(f"{name_of(place)}: there is no folder {name_of(folder)}")
     free = free_disk(folder)
     if needed > free:
         there = f"{name_of(folder)} has {size_text(free)} free"
-        raise error(f"{what} take up to {size_text(needed)} on the disk, and {there}; {hint}")
+        raise JobError(f"{what} take up to {size_text(needed)} on the disk, and {there}; {hint}")
 
 
 def size_text(count: int) -> str:

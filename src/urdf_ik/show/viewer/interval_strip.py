@@ -1,4 +1,4 @@
-"""The strip under a redundancy parameter's slider: where each branch has solutions, and what ends them."""
+"""The strip under a redundancy parameter's slider: the intervals of each branch, with the cause of each end."""
 
 from __future__ import annotations
 

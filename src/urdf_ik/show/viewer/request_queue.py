@@ -1,4 +1,4 @@
-"""One thread that does what was asked last: a newer request takes the place of an older one of the same kind."""
+"""Latest: a thread that serves the requests of pages; a newer request replaces an older one of the same kind."""
 
 from __future__ import annotations
 
@@ -10,10 +10,12 @@ from collections.abc import Callable, Hashable
 class Latest:
     """Requests of many threads, done one after the other.
 
-    Somebody who drags asks faster than a page is drawn; only where the pointer is now matters.
+    A drag sends requests faster than a page is drawn; only the last position of the pointer matters.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, afterwards: Callable[[], None], pause: float = 0.25) -> None:
+        """Have ``afterwards()`` called when no request came for ``pause`` [s] after the last one."""
+        self._afterwards, self._pause, self._due = afterwards, pause, False
         self._waiting: dict[Hashable, Callable[[], None]] = {}
         self._changed = threading.Condition()
         self._busy = self._ended = False
@@ -43,11 +45,12 @@ class Latest:
             with self._changed:
                 self._busy = False
                 self._changed.notify_all()
-                self._changed.wait_for(lambda: self._ended or self._waiting)
+                self._changed.wait_for(lambda: self._ended or self._waiting, self._pause if self._due else None)
                 if self._ended:
                     return
-                do = self._waiting.pop(next(iter(self._waiting)))
-                self._busy = True
+                self._due = bool(self._waiting)
+                do = self._waiting.pop(next(iter(self._waiting))) if self._due else self._afterwards
+                self._busy = self._due
             try:
                 do()
             except Exception:  # a defect in one answer must not end the viewer
