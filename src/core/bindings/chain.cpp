@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "bindings/numpy_api.hpp"
+#include "bindings/module.hpp"
 #include "bindings/signals.hpp"
-#include "bindings/solver.hpp"
 
 namespace urdf_ik {
 
@@ -115,7 +115,7 @@ struct PyChain {
     }
 };
 
-void add_chain(nb::module_& m) {
+void bind_chain(nb::module_& m) {
     nb::class_<PyChain>(m, "Chain", "Forward kinematics of a chain of joints; immutable. Angles may be of any size.")
         .def(nb::init<nb::object, nb::object, nb::object, nb::object>())
         .def_prop_ro("steps", &PyChain::steps)

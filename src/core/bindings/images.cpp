@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "bindings/numpy_api.hpp"
+#include "bindings/module.hpp"
 #include "bindings/signals.hpp"
-#include "bindings/solver.hpp"
 
 namespace urdf_ik {
 
@@ -134,7 +134,7 @@ nb::object inside(nb::handle q, nb::handle asked, nb::handle bounds, nb::handle 
 
 }  // namespace
 
-void add_images(nb::module_& m) {
+void bind_images(nb::module_& m) {
     m.def("image_range", &ranges, nb::arg("q"), nb::arg("bounds"), nb::arg("turns"),
           "Turns to the first and the last image inside the bounds: two arrays like q (..., n).");
     m.def("nearest_image", &nearest, nb::arg("q"), nb::arg("bounds"), nb::arg("turns"),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.elimination import elimination_values
+from urdf_ik.ik.families.parts.elimination import elimination_arm
 from urdf_ik.ik.families.parts.family import Family, Plan, columns
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
         reason=f"{triples}, but no closed form applies to these six axes" if triples else none,
         method=family.steps,
         branches=family.branches,
-        solver=Solver(family.solver, elimination_values(chain)),
+        solver=Solver(elimination_arm(chain)),
         explain=lambda T: _explain(chain, T[:3, 3]),
     )
 
@@ -47,7 +47,6 @@ FAMILY = Family(
     by_elimination=True,
     matches=lambda structure, chain: structure.is_6r,
     prepare=_prepare,
-    solver="general 6R",
 )
 
 

@@ -9,10 +9,11 @@ such an expression vanishes: at two values at most (Shimizu, Kakuya, Yoon, Kitag
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.ik.families.srs import SrsArm
 from urdf_ik.ik.redundancy.interval_arrays import End, Found, joined
 from urdf_ik.ik.redundancy.limit_bounds import Bounds
 from urdf_ik.kinematics.chain.redundancy import SWIVEL
@@ -44,8 +45,8 @@ def is_closed(plan: RedundantPlan) -> bool:
     """Whether the intervals of an arm have this closed form."""
     if plan.parameter.kind != SWIVEL or not plan.is_exact:
         return False
-    values: Any = plan.solver.values
-    return all(values.get(name, {}).get("square", False) for name, _ in _TRIPLES)
+    arm = plan.solver.arm
+    return isinstance(arm, SrsArm) and arm.shoulder.square and arm.wrist.square
 
 
 def intervals(arm: SolvingArm, plan: RedundantPlan, T: Array, limits: Array) -> tuple[Found, Columns]:
@@ -72,7 +73,7 @@ def _some(arm: SolvingArm, plan: RedundantPlan, T: Array, bounds: Bounds) -> tup
     expressions, sign, shifts = [], [], []
     fourier = np.stack([np.ones(3), 2.0 * np.cos(_AT), 2.0 * np.sin(_AT)]) / 3.0
     for name, (j1, j2, j3) in _TRIPLES:
-        shift = plan.solver.values[name]["shift"]
+        shift = getattr(plan.solver.arm, name).shift
         s2, c2 = np.sin(first[..., j2] + shift), np.cos(first[..., j2] + shift)
         samples = np.stack(
             [s2 * np.cos(first[..., j1]), s2 * np.sin(first[..., j1]), c2, s2 * np.cos(first[..., j3]),

@@ -38,8 +38,7 @@ class Family:
             cannot change from one solution to another without crossing a singularity (see ``cuspidality``).
         matches: (structure, chain) -> whether an arm is of the family, exactly or nearly.
         prepare: (family, structure, chain) -> the plan of an arm that matches; None where it has none after all.
-        solver: name of the compiled solver, as ``_core.Solver`` takes it.
-        variant: what sets it apart from the other families of its file, such as '2||3'.
+        variant: how it differs from the other families of its file, such as '2||3'.
         by_elimination: whether it has no closed form, so that all others come first.
     """
 
@@ -50,7 +49,6 @@ class Family:
     by_quadratics: bool
     matches: Callable[[Structure, Chain], bool]
     prepare: Callable[[Family, Structure, Chain], Plan | None]
-    solver: str
     variant: str = ""
     by_elimination: bool = False
 

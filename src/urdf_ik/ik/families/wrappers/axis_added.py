@@ -6,15 +6,15 @@ the five joints as written.
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.aim import AXIS, POSE, Aim
 from urdf_ik.ik.families.parts.family import Plan, columns
-from urdf_ik.ik.families.parts.nearest import off_by
+from urdf_ik.ik.families.parts.nearest_pose import off_by
+from urdf_ik.ik.families.parts.written import AXIS, POSE, Aim, Written
 from urdf_ik.kinematics.chain import is_redundant
 from urdf_ik.kinematics.structure import analyse
 
@@ -31,6 +31,24 @@ if TYPE_CHECKING:
 
 # Where the added axis stands to axis 5 [rad]: never parallel to axis 4, where that is square to axis 5.
 _OBLIQUE = 1.05
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CompletedArm:
+    """Five joints, solved by the solver of six: ``CompletedArm`` of the core.
+
+    Attributes:
+        written: the arm as its URDF has it.
+        six: the arm with the added axis: the dataclass of its solver.
+        at: which of the six joints is the arm's first.
+        columns: of a pose's solutions.
+    """
+
+    kind: ClassVar = "completed"
+    written: Written
+    six: Any
+    at: int
+    columns: int
 
 
 def prepare(structure: Structure, chain: Chain, choose: Choose) -> Plan | None:
@@ -90,7 +108,7 @@ def _plan(chain: Chain, whole: Chain, at: int, aim: Aim, choose: Choose, name: s
     count = len(six.branches)
 
     most = 8 if aim.kind == POSE else count
-    values = {"written": aim.written(chain), "six": six.solver, "at": at, "columns": most}
+    arm = CompletedArm(written=aim.written(chain), six=six.solver.arm, at=at, columns=most)
     return Plan(
         family=six.family,
         name=f"{name} (six joints with an added axis: {six.name})",
@@ -99,5 +117,5 @@ def _plan(chain: Chain, whole: Chain, at: int, aim: Aim, choose: Choose, name: s
         branches=columns(most),
         imperfection=six.imperfection,
         explain=lambda T: off_by(chain, aim, T[:3, :3], T[:3, 3]),
-        solver=Solver("completed", values),
+        solver=Solver(arm),
     )

@@ -7,14 +7,16 @@ leave is searched.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdf_ik._core import SelfMotion, Solver
 from urdf_ik.ik.families import sampled
 from urdf_ik.ik.families.parts.family import Plan, RedundantPlan
-from urdf_ik.ik.families.parts.values import written_values
+from urdf_ik.ik.families.parts.free_arm import FreeArm
+from urdf_ik.ik.families.parts.written import written
+from urdf_ik.ik.families.wrappers.one_given import OneGiven
 from urdf_ik.kinematics.chain import is_redundant, kinds_of, typical_stretch
 from urdf_ik.kinematics.chain import sampled as sampled_vectors
 from urdf_ik.kinematics.chain.redundancy import locked_joint
@@ -89,8 +91,15 @@ def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
     parameter, twin = locked_joint(chain, k), chain.joint_names[k + 1]
     still = np.zeros((3, 3, 4))
     still[0, :, :3] = np.eye(3)
-    values: dict[str, Any] = {"motion": still, "turns": not bool(chain.prismatic[k]), "last": False, "before": k}
-    values |= {"opposite": bool(chain.H[k] @ chain.H[k + 1] < 0.0), "value": parameter.default, "solver": plan.solver}
+    arm = OneGiven(
+        motion=still,
+        turns=not bool(chain.prismatic[k]),
+        last=False,
+        value=parameter.default,
+        solver=plan.solver.arm,
+        before=k,
+        opposite=bool(chain.H[k] @ chain.H[k + 1] < 0.0),
+    )
 
     def explain_at(T: Array, at: Array) -> str:
         return f"with {quoted(parameter.joint)} at {at[0]:.6g} {parameter.unit}, or at any other: {plan.explain(T)}"
@@ -103,9 +112,9 @@ def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
         branches=plan.branches,
         imperfection=plan.imperfection,
         error=plan.error,
-        solver=Solver("one joint given", values),
+        solver=Solver(arm),
         parameters=(parameter,),
-        self_motion=SelfMotion({"written": written_values(chain), "given": k}),
+        self_motion=SelfMotion(FreeArm(written=written(chain), given=k)),
         value_of=lambda Q, T: parameter.wrapped(Q[:, k : k + 1]),
         explain=lambda T: explain_at(T, np.array([parameter.default])),
         explain_at=explain_at,

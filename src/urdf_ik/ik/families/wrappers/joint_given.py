@@ -13,8 +13,10 @@ import numpy as np
 
 from urdf_ik._core import SelfMotion, Solver
 from urdf_ik.ik.families.parts.family import Plan, RedundantPlan
-from urdf_ik.ik.families.parts.values import written_values
+from urdf_ik.ik.families.parts.free_arm import FreeArm
+from urdf_ik.ik.families.parts.written import written
 from urdf_ik.ik.families.wrappers import degenerate, middle_given
+from urdf_ik.ik.families.wrappers.one_given import OneGiven
 from urdf_ik.kinematics.chain import is_redundant, kinds_of
 from urdf_ik.kinematics.chain.free_axis import turning
 from urdf_ik.kinematics.chain.redundancy import locked_joint
@@ -127,7 +129,7 @@ def cost(plan: Plan) -> int:
 def _held(chain: Chain, k: int, plan: Plan, number: int, why: str) -> RedundantPlan:
     parameter = locked_joint(chain, k)
     motion, turns, last = _motion_back(chain, k), not bool(chain.prismatic[k]), k > 0
-    values = {"motion": motion, "turns": turns, "last": last, "value": parameter.default, "solver": plan.solver}
+    arm = OneGiven(motion=motion, turns=turns, last=last, value=parameter.default, solver=plan.solver.arm)
     inner = plan if isinstance(plan, RedundantPlan) else None
 
     def value_of(Q: Array, T: Array) -> Array:
@@ -152,9 +154,9 @@ def _held(chain: Chain, k: int, plan: Plan, number: int, why: str) -> RedundantP
         branches=plan.branches,
         imperfection=plan.imperfection,
         error=plan.error,
-        solver=Solver("one joint given", values),
+        solver=Solver(arm),
         parameters=parameters,
-        self_motion=None if inner else SelfMotion({"written": written_values(chain), "given": k}),
+        self_motion=None if inner else SelfMotion(FreeArm(written=written(chain), given=k)),
         value_of=value_of,
         explain=lambda T: explain_at(T, defaults),
         explain_at=explain_at,

@@ -14,7 +14,8 @@ import numpy as np
 
 from urdf_ik._core import SelfMotion
 from urdf_ik.ik.families.parts.family import Plan, RedundantPlan, columns
-from urdf_ik.ik.families.parts.values import written_values
+from urdf_ik.ik.families.parts.free_arm import FreeArm
+from urdf_ik.ik.families.parts.written import written
 from urdf_ik.kinematics.chain.redundancy import locked_joint
 from urdf_ik.support.text import quoted
 
@@ -90,7 +91,7 @@ def prepare(chain: Chain, k: int, number: int, plan_of: Callable[[Chain], Plan |
         error=first.error,
         solver=solver,
         parameters=parameters,
-        self_motion=None if inner else SelfMotion({"written": written_values(chain), "given": k}),
+        self_motion=None if inner else SelfMotion(FreeArm(written=written(chain), given=k)),
         value_of=value_of,
         explain=lambda T: explain_at(T, defaults),
         explain_at=explain_at,

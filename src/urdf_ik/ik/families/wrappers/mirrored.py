@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -16,6 +16,18 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 _OTHER_END = {"shoulder": "wrist", "wrist": "shoulder"}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Reversed:
+    """An arm that is solved on the chain from tip to base.
+
+    Attributes:
+        solver: the reversed chain's arm: the dataclass of its solver.
+    """
+
+    kind: ClassVar = "reversed"
+    solver: Any
 
 
 def mirrored(plan: Plan) -> Plan:
@@ -32,7 +44,7 @@ def mirrored(plan: Plan) -> Plan:
         method=f"{plan.method}; on the chain from tip to base",
         branches=tuple(_renamed(name) for name in plan.branches),
         explain=explain,
-        solver=Solver("reversed", {"solver": plan.solver}),
+        solver=Solver(Reversed(solver=plan.solver.arm)),
     )
 
 

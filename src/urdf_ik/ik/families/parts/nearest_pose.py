@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik.ik.families.parts.aim import Aim
+from urdf_ik.ik.families.parts.written import Aim
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
