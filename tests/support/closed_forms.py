@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from arms import random_arm
@@ -12,6 +13,7 @@ from cases import Case, assert_exact, closest_pair, described, flags, indistinct
 from numpy.typing import NDArray
 
 from urdf_ik.ik.families import general_6r
+from urdf_ik.ik.families.wrappers.mirrored import Reversed
 from urdf_ik.kinematics.structure import analyse
 
 Array = NDArray[np.float64]

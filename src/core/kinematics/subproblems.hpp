@@ -6,6 +6,7 @@
 // Sources: Pieper 1968; Paden 1986 (subproblems 1 to 4); Elias and Wen 2022.
 #pragma once
 
+#include "arithmetic/thresholds.hpp"
 #include "arithmetic/vectors.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
