@@ -1,4 +1,4 @@
-// What a build for one instruction set offers: the solvers of each unit, by pointer. Plain data.
+// The solvers that were compiled for one instruction set: pointers to the functions of each unit.
 #pragma once
 
 #include "chain_arm.hpp"

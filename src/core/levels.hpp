@@ -4,8 +4,4 @@
 #include "level_table.hpp"
 #include "processor.hpp"
 
-namespace urdf_ik {
-
-const LevelTable& level();
-
-}  // namespace urdf_ik
+namespace urdf_ik { const LevelTable& level(); }  // namespace urdf_ik

@@ -47,8 +47,9 @@ template <int count> int variant_of(const Values& v, const char* const (&names)[
 
 // Adds a family to `makers`, and to `imperfect` the solvers of arms near it.
 template <class Arm, int count>
-void add(Makers& makers, Makers& imperfect, const char* kind, const char* const (&names)[count], const SolveArm<Arm> (&solve)[count],
-         const SolveArm<ImperfectArm<Arm>> (&near)[count], const DistancesOf<Arm>* distances = nullptr) {
+void add(Makers& makers, Makers& imperfect, const char* kind, const char* const (&names)[count],
+         const SolveArm<Arm> (&solve)[count], const SolveArm<ImperfectArm<Arm>> (&near)[count],
+         const DistancesOf<Arm>* distances = nullptr) {
     makers[kind] = [&, distances](const Values& v) {
         const int k = variant_of(v, names);
         return maker(solve[k], 6, 8, distances ? distances[k] : nullptr)(v);

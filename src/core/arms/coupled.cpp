@@ -47,7 +47,8 @@ static void read(const Values& v, HollowWristArm& to) {
 }
 
 void add_coupled(Makers& makers) {
-    makers["coupled"] = chosen_by("joints", {{1, make_coupled<1>}, {2, make_coupled<2>}, {3, make_coupled<3>}, {4, make_coupled<4>}});
+    makers["coupled"] =
+        chosen_by("joints", {{1, make_coupled<1>}, {2, make_coupled<2>}, {3, make_coupled<3>}, {4, make_coupled<4>}});
     makers["hollow wrist"] = maker(level().coupled->hollow_wrist, 6, 32);
 }
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "bindings/numpy_api.hpp"
 #include "bindings/module.hpp"
+#include "bindings/numpy_api.hpp"
 #include "bindings/signals.hpp"
 
 namespace urdf_ik {

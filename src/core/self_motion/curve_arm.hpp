@@ -1,4 +1,4 @@
-// What is needed to follow the joint vectors that hold one pose: seven joints leave a curve of them, the arm's self-motion.
+// The self-motion of seven joints: the curve of joint vectors that hold one pose.
 #pragma once
 
 #include "kinematics/arm.hpp"
@@ -13,7 +13,7 @@ struct FreeArm {
     double slides[8], unit[8];
 };
 
-// What a point on the curve is asked for besides the pose.
+// A further condition on a point of the curve.
 enum class Pin : std::uint8_t { nothing, joint, parameter };
 struct Pinned {
     Pin what;

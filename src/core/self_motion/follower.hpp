@@ -185,8 +185,8 @@ private:
     bool has_enough() const { return settled_ > MOST_SETTLED; }
     void follow_cells();
     bool follow_cell(long cell);
-    bool take(long cell, std::vector<CurveSample>& way, const std::vector<long>& folds, long from_k, long from_node, bool up,
-              Stop stop);
+    bool add_parts(long cell, std::vector<CurveSample>& way, const std::vector<long>& folds, long from_k, long from_node, bool up,
+                   Stop stop);
     long node_at(long k, const CurveSample& at) const;
     void look_for_loops();
     void add_nearest(std::vector<double>& starts) const;

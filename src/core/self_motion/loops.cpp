@@ -68,7 +68,7 @@ void Follower::add_loop(const CurveSample& at) {
         for (long i = 1; i <= folds[0]; ++i) turned.push_back(way[i]);
         std::vector<long> cuts;
         for (std::size_t i = 1; i < folds.size(); ++i) cuts.push_back(folds[i] - folds[0]);
-        take(cell, turned, cuts, -1, -1, true, Stop::closed);
+        add_parts(cell, turned, cuts, -1, -1, true, Stop::closed);
         return;
     }
     if (stop == Stop::lost) return;

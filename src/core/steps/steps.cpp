@@ -1,4 +1,4 @@
-// The steps of the solvers for tests, compiled once for every instruction set; see steps.hpp.
+// See steps.hpp. Compiled once for every instruction set.
 #include "steps/steps.hpp"
 
 #include "answers/answer.hpp"

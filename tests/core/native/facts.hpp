@@ -7,13 +7,13 @@
 
 inline int facts = 0, wrong = 0;
 
-#define HOLDS(fact)                                                         \
-    do {                                                                    \
-        ++facts;                                                            \
-        if (!(fact)) {                                                      \
-            ++wrong;                                                        \
+#define HOLDS(fact)                                                               \
+    do {                                                                          \
+        ++facts;                                                                  \
+        if (!(fact)) {                                                            \
+            ++wrong;                                                              \
             std::printf("%s:%d: does not hold: %s\n", __FILE__, __LINE__, #fact); \
-        }                                                                   \
+        }                                                                         \
     } while (false)
 
 // Numbers that differ by at most `within`; two NaN never do.

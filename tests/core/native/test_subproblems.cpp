@@ -6,7 +6,9 @@
 using namespace urdf_ik::URDF_IK_LEVEL;
 
 static Turn<double> turn_of_angle(double a) { return {std::cos(a), std::sin(a)}; }
-static Vec<double> about_z(const Turn<double>& t, const Vec<double>& v) { return {t.c * v.x - t.s * v.y, t.s * v.x + t.c * v.y, v.z}; }
+static Vec<double> about_z(const Turn<double>& t, const Vec<double>& v) {
+    return {t.c * v.x - t.s * v.y, t.s * v.x + t.c * v.y, v.z};
+}
 static Vec<double> about_x(double c, double s, const Vec<double>& v) { return {v.x, c * v.y - s * v.z, s * v.y + c * v.z}; }
 
 // Rz(first) Rx(alpha) Rz(bend) Rx(beta) Rz(last) of a vector.
@@ -49,7 +51,8 @@ static void a_wrist_turns_back_to_where_it_was() {
     const double alpha = 1.1, beta = -0.8;
     const Twists t = {std::cos(alpha), std::sin(alpha), std::cos(beta), std::sin(beta)};
     for (int k = 0; k < 50; ++k) {
-        const Turn<double> first = turn_of_angle(0.37 * k), bend = turn_of_angle(0.2 + 0.05 * k), last = turn_of_angle(1.3 - 0.21 * k);
+        const Turn<double> first = turn_of_angle(0.37 * k), bend = turn_of_angle(0.2 + 0.05 * k),
+                           last = turn_of_angle(1.3 - 0.21 * k);
         Rot<double> M;
         M.x = wrist(first, bend, last, t, {1.0, 0.0, 0.0}), M.y = wrist(first, bend, last, t, {0.0, 1.0, 0.0});
         M.z = wrist(first, bend, last, t, {0.0, 0.0, 1.0});

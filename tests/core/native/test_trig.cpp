@@ -48,9 +48,7 @@ static void a_block_answers_as_a_number_does() {
     Block y, x;
     for (int i = 0; i < BLOCK; ++i) set_lane(y, i, std::sin(0.7 * i)), set_lane(x, i, std::cos(0.7 * i));
     const Block a = urdf_ik::URDF_IK_LEVEL::atan2(y, x);
-    for (int i = 0; i < BLOCK; ++i) {
-        HOLDS(near(lane(a, i), urdf_ik::URDF_IK_LEVEL::atan2(lane(y, i), lane(x, i)), ULPS));
-    }
+    for (int i = 0; i < BLOCK; ++i) { HOLDS(near(lane(a, i), urdf_ik::URDF_IK_LEVEL::atan2(lane(y, i), lane(x, i)), ULPS)); }
 }
 
 void test_trig() {

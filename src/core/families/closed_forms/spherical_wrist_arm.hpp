@@ -1,4 +1,4 @@
-// What the solver of arms with a spherical wrist knows of an arm.
+// An arm with a spherical wrist.
 #pragma once
 
 #include "kinematics/arm.hpp"

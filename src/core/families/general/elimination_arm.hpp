@@ -1,4 +1,4 @@
-// What the elimination knows of an arm of six joints.
+// An arm of six joints for the elimination.
 #pragma once
 
 #include "families/general/continuation_arm.hpp"

@@ -1,4 +1,4 @@
-// What decides the branches of an arm near a family, compiled once for every instruction set; derived in imperfect.hpp.
+// See decide.hpp; the criteria are derived in imperfect.hpp. Compiled once for every instruction set.
 #include "families/imperfect/decide.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
@@ -19,7 +19,7 @@ inline constexpr double FIXED_BY_DRIFT = 4.0;
 inline constexpr double BEYOND_BY_DRIFT = 64.0;
 // Kantorovich's share of the smallest singular value, see above.
 inline constexpr double KANTOROVICH = 0.5;
-// Below this a margin is rounding.
+// A margin below this is rounding.
 inline constexpr double ROUNDED_MARGIN = 1e-12;
 // How often a target is corrected before the pose is given to the elimination.
 inline constexpr int CORRECTIONS = 4;

@@ -139,7 +139,7 @@ PART void search(const CoupledArm<N>& arm, const Goal<double>& goal, double* box
                 double x[N];
                 for (int j = 0; j < N; ++j) x[j] = alone ? verdict.start[j][i] : c[j][i];
                 if (alone || (halve && last)) {
-                    take(arm.written, goal, x, !alone, columns);
+                    polish_and_keep(arm.written, goal, x, !alone, columns);
                 } else if (halve) {
                     for (int side = -1; side <= 1; side += 2, ++more) {
                         for (int j = 0; j < N; ++j) halves[N * more + j] = x[j] + (j == split ? 0.5 * side * w[j] : 0.0);

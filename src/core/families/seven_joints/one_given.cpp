@@ -1,6 +1,6 @@
-// Joints, one end of which is given: T' = E1(v)^-1 T for the first joint, T' = T En(v)^-1 for the last. The others stay the
-// same arm for every value; only their targets move. A rotation of the target about an axis of the tip is the same. Where two
-// joints have one axis, the first of them may be given too: the other takes its value back.
+// Arms with an end joint given: T' = E1(v)^-1 T for the first joint, T' = T En(v)^-1 for the last one. The other joints form the
+// same arm for every value; only their targets move. A rotation of the target about an axis of the tip works alike. If two
+// neighbouring joints share an axis, the first of them may be given too: the other one takes its value back.
 #include "answers/blocks.hpp"
 #include "families/seven_joints/one_given_arm.hpp"
 

@@ -57,23 +57,23 @@ SIX_WITH_SLIDES: list[Family] = [slides.THREE_SLIDES, slides.SPHERICAL_WRIST]
 """Closed forms of six joints with slides, which are tried from either end."""
 
 SINGULAR_EVERYWHERE: list[Family] = [sampled.FAMILY]
-"""Six joints that a pose leaves a continuum of solutions."""
+"""Six joints with a continuum of solutions for every pose that they reach."""
 
 BY_ELIMINATION: list[Family] = [general_6r.FAMILY, general_slides.FAMILY]
-"""Six joints of no other family."""
+"""Six joints that are in no other family."""
 
 SEVEN_JOINTS: list[Family] = [srs.FAMILY]
 """Families of seven joints."""
 
 MOST_JOINTS = 9
-"""An arm with more joints has too many parameters for a compiled solver."""
+"""Arms with more joints have more redundancy parameters than a compiled solver takes."""
 
 MIMICKING: list[Family] = [coupled.FAMILY, hollow_wrist.FAMILY]
 """Arms in which joints mimic others."""
 
 
-# Of an arm that is further off its nearest member of a family [rad, share of size] than this share of its Jacobian's
-# smallest singular value, that member is no guide to it: it may be singular everywhere.
+# If an arm's distance from the nearest member of a family [rad, share of size] is larger than this share of its Jacobian's
+# smallest singular value, the member may be singular everywhere and is not used.
 _SHARE = 0.3
 
 
@@ -151,8 +151,8 @@ def of_six(structure: Structure, chain: Chain) -> Plan | None:
 def _closed_form(structure: Structure, chain: Chain) -> Plan | None:
     """The first family that takes six turning joints exactly, from either end, quartics last; else the nearest one.
 
-    The nearest one gives starting points for the arm as written. A quartic is no help to an arm that it does not fit
-    exactly: its roots part with the root of the error.
+    The nearest one gives starting points for the arm as written. A quartic is not used for an arm that it fits only nearly:
+    its double roots separate with the root of the error.
     """
     back = chain.reversed()
     quartic: Plan | None = None
@@ -179,7 +179,7 @@ def _closed_form(structure: Structure, chain: Chain) -> Plan | None:
 
 
 def _is_guide(plan: Plan, chain: Chain) -> bool:
-    """Whether the nearest member of the plan's family is not singular everywhere, for all that the error says."""
+    """Whether the plan's ideal arm is near enough to give starting points: it cannot be singular everywhere."""
     return plan.is_exact or plan.error < _SHARE * typical_stretch(chain)
 
 

@@ -1,7 +1,8 @@
-"""Arms that are singular at every joint vector: a pose that they reach leaves a continuum of solutions.
+"""Arms that are singular at every joint vector: a pose that they reach has a continuum of solutions.
 
-Six joints whose Jacobian loses rank everywhere; and seven, of which the six others do whichever end is held, so that
-one in the middle is: then the six others are another arm for every value, for which nothing can be prepared.
+These are six joints whose Jacobian loses rank everywhere, and seven joints that become such an arm when either end joint
+is held. For those a joint in the middle is held. The six others are then a different arm for every value, so nothing can
+be prepared for them.
 """
 
 from __future__ import annotations

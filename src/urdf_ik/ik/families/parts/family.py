@@ -123,12 +123,12 @@ class Plan:
 
 @dataclass(frozen=True, kw_only=True)
 class RedundantPlan(Plan):
-    """How an arm is solved of which a pose leaves something free, for given values of its redundancy parameters.
+    """How a redundant arm is solved for given values of its redundancy parameters.
 
     Attributes:
-        parameters: what is given, as the solver takes the values: the parameter that was added last comes first.
-        self_motion: what follows the curves of joint vectors that hold a pose; None where there are several
-            parameters, or joints that mimic others.
+        parameters: in the order of the solver's values; the parameter that was added last comes first.
+        self_motion: follows the curves of joint vectors that hold a pose; None if there are several parameters, or
+            joints that mimic others.
         value_of: joint vectors (m, n) and the poses (m, 4, 4) that they are to reach -> their values (m, parameters).
         explain_at: (T (4, 4), values (parameters,)) -> why there is no solution.
     """
@@ -150,7 +150,7 @@ class RedundantPlan(Plan):
 
 
 def in_words(family: Family, error: float, steps: str = "") -> dict[str, Any]:
-    """Name, reason and method of a plan, with what is done about an arm that is off its family by ``error``."""
+    """Name, reason and method of a plan, for an arm that is off its family by ``error``."""
     exact = error <= DEFAULT.exact_structure
     return {
         "family": family,

@@ -1,7 +1,7 @@
-"""An arm whose tip may be turned about a line in it: the solver of whole poses, for a target that is turned.
+"""An arm whose tip may turn freely about an axis: its solver for whole poses, applied to the turned target.
 
-The rotation is a value more to be given with each target, T' = T R(v). It belongs to no joint, so that the joint
-vectors are those of the arm, and one plan serves every value.
+The angle v is a redundancy parameter that is given with each target, T' = T R(v). It is not a joint's value, so the
+joint vectors are those of the arm, and one plan serves every value.
 """
 
 from __future__ import annotations

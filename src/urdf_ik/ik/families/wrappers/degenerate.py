@@ -1,8 +1,8 @@
-"""Seven joints of which the six others lose rank everywhere, whichever end is held: one in the middle is given.
+"""Seven joints that are singular everywhere once either end joint is held: a joint in the middle is given instead.
 
-Two joints with one axis do the same: the first of them is given, the other takes its value back, and the six others are
-the same arm for every value. For any other joint in the middle they are another arm for every value, and what they
-leave is searched.
+If two neighbouring joints share an axis, the first of them is given and the second one takes its value back: the six
+others are the same arm for every value. For any other joint in the middle they are a different arm for every value, and
+solutions are searched.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
     Choose = Callable[[Structure, Chain], Plan | None]
 
-# Where the six others of an end joint all but lose rank everywhere [smallest singular value of the Jacobian, lengths as
-# shares of the size], a joint in the middle is held instead if that leaves them so many times better.
+# If the Jacobian without an end joint nearly loses rank everywhere (smallest singular value below _POOR, lengths as shares
+# of the size), a joint in the middle is held if its smallest singular value is _BETTER times as large.
 _POOR, _BETTER = 1e-3, 30.0
 
 

@@ -1,4 +1,4 @@
-"""Arms that a family's relations hold for up to rounded decimals, or up to a calibration."""
+"""Arms that have a family's structure only nearly: up to rounded decimals, or up to a calibration."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-# Imperfection below which the complex solutions that the ideal arm lacks are too far from real to be followed. Above it
-# they are within reach, and change places with the others from pose to pose. Chosen by tests, not derived: between 1e-3
-# and 4e-3 they changed places too rarely to be counted on.
+# Below this imperfection, the complex solutions that the ideal arm lacks are too far from real to be followed. Above it
+# they can be followed, and they exchange places with the others from pose to pose. Chosen by tests: between 1e-3 and 4e-3
+# such exchanges were too rare to rely on.
 _NEAR = 4e-3
 
 

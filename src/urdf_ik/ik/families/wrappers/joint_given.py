@@ -1,8 +1,8 @@
-"""More than six joints, of which some are given: their values are redundancy parameters, and six others have a solver.
+"""Arms with more than six joints: some joints are given as redundancy parameters, and the six others have a solver.
 
-Holding an end joint at a value moves the target and leaves the other joints' arm as it is: T' = E1(v)^-1 T for the
-first one, and the tip moved back by the last one. One plan therefore serves every value. Holding a joint in the middle
-makes another arm of every value: see :mod:`urdf_ik.ik.families.wrappers.middle_given`.
+An end joint that is held at a value only moves the target: T' = E1(v)^-1 T for the first joint, T' = T En(v)^-1 for the
+last one. The other joints are the same arm for every value, so one plan serves all values. With a joint in the middle
+held, the others are a different arm for every value: see :mod:`urdf_ik.ik.families.wrappers.middle_given`.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Ways(NamedTuple):
 
     Attributes:
         seven: takes seven joints by a family of their own.
-        six: each takes six joints, the cheaper ones first: a later one is asked where no arm has an earlier one.
+        six: each takes six joints, the cheaper ones first; a later one is used if no earlier one takes them.
     """
 
     seven: Choose
@@ -51,13 +51,13 @@ class Ways(NamedTuple):
 
 
 def prepare(chain: Chain, ways: Ways, given: tuple[str, ...] = ()) -> RedundantPlan | None:
-    """The plan that holds as many joints as leave six; None where no six have a solver.
+    """The plan that holds all joints but six; None where no six joints have a solver.
 
     Args:
         chain: seven joints or more.
         ways: how the others are solved.
-        given: names of joints to hold. Where none or too few are named, of the end joints those whose others have the
-            cheapest solver; one in the middle only where no end will do.
+        given: names of joints to hold. If too few are named, the end joint whose others have the cheapest solver is
+            held too; a joint in the middle only if no end joint is possible.
     """
     if chain.n == 7 and not given and (in_the_middle := degenerate.prepare(chain, ways.six)) is not None:
         return in_the_middle

@@ -1,8 +1,8 @@
-"""More than six joints, one of which, in the middle, is given: another arm of every value, each with a plan of its own.
+"""Arms with more than six joints and one in the middle given: a different arm for every value, each with its own plan.
 
-A plan takes from a fraction of a millisecond (closed forms) to a second (elimination) to prepare. The latest ones are
-kept, so that many poses at few values cost what they cost with an end joint given; searches over many values cost the
-preparation at each.
+Preparing a plan takes from a fraction of a millisecond (closed forms) to a second (elimination). The latest plans are
+kept, so many poses at few values are as fast as with an end joint given. A search over many values prepares a plan for
+each of them.
 """
 
 from __future__ import annotations
@@ -29,18 +29,18 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 KEPT = 1024
-"""Plans that are kept, those asked for last."""
+"""Number of plans that are kept, the most recently used ones."""
 _SAMPLES = (0.137, 0.411, 0.659, 0.893)
-"""Shares of the joint's range at which it is seen which family the arms are of."""
+"""Shares of the joint's range at which the family of the other joints is determined."""
 
 
 def prepare(chain: Chain, k: int, number: int, plan_of: Callable[[Chain], Plan | None]) -> RedundantPlan | None:
-    """The plan that holds joint ``k``, which is called by ``number``; None where the others have no solver.
+    """The plan that holds joint ``k``; None where the other joints have no solver.
 
     Args:
         chain: seven joints or more.
         k: the joint.
-        number: what it is called in words.
+        number: the joint's number in texts.
         plan_of: finds the plan of the others' chain.
     """
     parameter = locked_joint(chain, k)
@@ -99,7 +99,7 @@ def prepare(chain: Chain, k: int, number: int, plan_of: Callable[[Chain], Plan |
 
 
 class SolverAtEach:
-    """What a compiled solver does, from a plan for each value of a joint."""
+    """Solves like a compiled solver, by a plan for each value of a joint."""
 
     numbers = 16
 
@@ -120,10 +120,10 @@ class SolverAtEach:
         self._defaults = defaults
 
     def one(self, *_: Any) -> None:
-        """Leaves every single pose to ``solve``."""
+        """None: single poses are solved by ``solve``."""
 
     def one_near(self, *_: Any) -> None:
-        """The same near a reference."""
+        """None: single poses are solved by ``solve``."""
 
     def solve(
         self,
