@@ -72,8 +72,8 @@ MIMICKING: list[Family] = [coupled.FAMILY, hollow_wrist.FAMILY]
 """Arms in which joints mimic others."""
 
 
-# If an arm's distance from the nearest member of a family [rad, share of size] is larger than this share of its Jacobian's
-# smallest singular value, the member may be singular everywhere and is not used.
+# If an arm's distance from the nearest member of a family [rad, share of size] is larger than this share of its
+# Jacobian's smallest singular value, the member may be singular everywhere and is not used.
 _SHARE = 0.3
 
 
@@ -151,8 +151,8 @@ def of_six(structure: Structure, chain: Chain) -> Plan | None:
 def _closed_form(structure: Structure, chain: Chain) -> Plan | None:
     """The first family that takes six turning joints exactly, from either end, quartics last; else the nearest one.
 
-    The nearest one gives starting points for the arm as written. A quartic is not used for an arm that it fits only nearly:
-    its double roots separate with the root of the error.
+    The nearest one gives starting points for the arm as written. A quartic is not used for an arm that it fits only
+    nearly: its double roots separate with the root of the error.
     """
     back = chain.reversed()
     quartic: Plan | None = None

@@ -1,8 +1,8 @@
 """Arms that are singular at every joint vector: a pose that they reach has a continuum of solutions.
 
-These are six joints whose Jacobian loses rank everywhere, and seven joints that become such an arm when either end joint
-is held. For those a joint in the middle is held. The six others are then a different arm for every value, so nothing can
-be prepared for them.
+These are six joints whose Jacobian loses rank everywhere, and seven joints that become such an arm when either end
+joint is held. For those a joint in the middle is held. The six others are then a different arm for every value, so
+nothing can be prepared for them.
 """
 
 from __future__ import annotations

@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
     Choose = Callable[[Structure, Chain], Plan | None]
 
-# If the Jacobian without an end joint nearly loses rank everywhere (smallest singular value below _POOR, lengths as shares
-# of the size), a joint in the middle is held if its smallest singular value is _BETTER times as large.
+# If the Jacobian without an end joint nearly loses rank everywhere (smallest singular value below _POOR, lengths as
+# shares of the size), a joint in the middle is held if its smallest singular value is _BETTER times as large.
 _POOR, _BETTER = 1e-3, 30.0
 
 

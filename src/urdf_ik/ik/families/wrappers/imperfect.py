@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 # Below this imperfection, the complex solutions that the ideal arm lacks are too far from real to be followed. Above it
-# they can be followed, and they exchange places with the others from pose to pose. Chosen by tests: between 1e-3 and 4e-3
-# such exchanges were too rare to rely on.
+# they can be followed, and they exchange places with the others from pose to pose. Chosen by tests: between 1e-3 and
+# 4e-3 such exchanges were too rare to rely on.
 _NEAR = 4e-3
 
 
