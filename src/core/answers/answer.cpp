@@ -28,7 +28,7 @@ void accept(const Written<6>& arm, const Goal<double>& goal, const double (&q)[6
         add(arm, goal, columns, b, at, near && least < NEAR_FOLD ? singular_marks(arm, goal, at, marks) : 0);
     };
     double at[6];
-    // A closed form is not improved by a step along a singular direction that only rounding asks for.
+    // A step along a singular direction does not improve a closed form's candidate: only rounding would cause it.
     const Course course = arm.exact ? Course{15, CONVERGED, LONG_PATIENCE} : Course{60, FINISHED, LONG_PATIENCE};
     if (arm.exact || !arm.beside || !near) {
         for (int j = 0; j < 6; ++j) at[j] = q[j];

@@ -11,7 +11,7 @@ inline constexpr double SECOND_NEXT_DOOR = 5e-3;
 inline constexpr double BESIDE_FOLD[16] = {0.3,  0.094868,  0.03, 0.0094868, 3e-3, 9.4868e-4, 3e-4, 9.4868e-5,
                                            3e-5, 9.4868e-6, 3e-6, 9.4868e-7, 3e-7, 9.4868e-8, 3e-8, 9.4868e-9};
 
-// Bounds from below on the smallest singular values of the Jacobians at the solutions in a block of columns, 0 where there is none.
+// Lower bounds on the smallest singular values of the Jacobians at the solutions in a block of columns; 0 in empty columns.
 template <class Model>
 PART Block least_bounds(const Model& arm, const Goal<Block>& goals, const Columns<Model::joints>& columns, int from) {
     constexpr int N = Model::joints;

@@ -95,8 +95,8 @@ template <class V> STEP Turn<V> cos_sin(V a) {
 // Angles beyond this [rad] are left to the C library: k below has more than 20 bits.
 inline constexpr double FAR = 1.6e6;
 
-// The same for an angle of any size. pi / 2 is taken off in three parts, of which the first two have 33 bits each, so
-// that their products with k are exact (Cody and Waite, Software Manual for the Elementary Functions, 1980).
+// The same for an angle of any size. pi / 2 is subtracted in three parts. The first two have 33 bits each, so their
+// products with k are exact (Cody and Waite, Software Manual for the Elementary Functions, 1980).
 template <class V> STEP Turn<V> cos_sin_of_any(V a) {
     const V k = (a * 0.6366197723675814 + ROUNDS) - ROUNDS;
     const V r = ((a - k * 1.5707963267341256) - k * 6.077100506303966e-11) - k * 2.0222662487959506e-21;

@@ -1,4 +1,4 @@
-// What most arms have in common, from named values.
+// Reads the parts that most arms share from named values.
 #pragma once
 
 #include "arms/values.hpp"

@@ -18,7 +18,7 @@ namespace {
 // The numbers are those of one pose: 16 of the target, then the joint vectors, then a byte of flags for each.
 struct Answer {
     PyObject_HEAD PyObject *arm, *branches, *origin, *step, *redundancy;
-    PyObject *poses, *q, *info;  // arrays; null: not asked for yet
+    PyObject *poses, *q, *info;  // arrays; null: not made yet
     double* numbers;
     npy_intp columns, joints;
 };

@@ -33,7 +33,7 @@ Motion frame_on(const double* z, const double* origin) {
     return frame;
 }
 
-// What brings frame a to frame b, seen from a.
+// The motion from frame a to frame b, in frame a.
 Motion between(const Motion& a, const Motion& b) {
     Motion step = {};
     for (int i = 0; i < 3; ++i) {

@@ -1,4 +1,4 @@
-// What sets an elimination up when an arm is loaded, as Python calls it.
+// The setup of an elimination when an arm is loaded, as Python calls it.
 #include <algorithm>
 #include <memory>
 #include <vector>

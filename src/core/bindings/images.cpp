@@ -60,7 +60,7 @@ struct Vectors {
             }
         });
     }
-    // image(value, joint, to) for every value; a vector one of whose joints has none is NaN.
+    // image(value, joint, to) for every value; a vector with a joint without an image is NaN.
     template <class Image> nb::tuple moved(const Image& image) const {
         double* to;
         std::uint8_t* inside;
@@ -112,7 +112,7 @@ nb::tuple near(nb::handle q, nb::handle q_ref, nb::handle bounds, nb::handle tur
     });
 }
 
-// Which of the vectors that are asked about have an image inside.
+// Which of the selected vectors have an image inside.
 nb::object inside(nb::handle q, nb::handle asked, nb::handle bounds, nb::handle turns) {
     const Vectors given(q, bounds, turns);
     PyArrayObject* mask = (PyArrayObject*)asked.ptr();

@@ -1,4 +1,4 @@
-// What the files of this folder add to the module urdf_ik._core.
+// The files of this folder each bind a part of the module urdf_ik._core.
 #pragma once
 
 #include <nanobind/nanobind.h>

@@ -1,4 +1,4 @@
-// A batch's poses, part by part, on as many threads as are asked for.
+// Solves a batch on several threads, part by part.
 #pragma once
 
 #include "arms/solver.hpp"

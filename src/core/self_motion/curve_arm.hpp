@@ -9,7 +9,7 @@ struct FreeArm {
     Written<7> written;
     int given;  // the joint whose value is the redundancy parameter; -1: the swivel angle of an S-R-S arm
     Ends ends;  // of that angle: frame 1 stands in the shoulder, the tool's point is the wrist
-    // By joint: 1 where it slides, else 0; what its unit along a curve is [rad, m]. The eighth stands for no joint.
+    // For each joint: 1 if it slides, else 0; its unit along a curve [rad, m]. The eighth entry is for no joint.
     double slides[8], unit[8];
 };
 

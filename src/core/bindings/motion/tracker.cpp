@@ -23,7 +23,7 @@ nb::object array_of(const double* from, npy_intp count) {
     return made;
 }
 
-// What one cycle answers; its arrays are made when they are asked for.
+// The result of one cycle; its arrays are made when they are first read.
 struct Cycle {
     Tracked tracked;
     int joints;

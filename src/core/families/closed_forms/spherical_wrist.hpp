@@ -212,7 +212,7 @@ template <Shoulder kind> struct SphericalWrist {
         return unsure;
     }
 
-    // What is known of a place of the first three joints, its root settled.
+    // A solution of the first three joints, for one root.
     struct Settled {
         Place<double> at;
         Drift drift;

@@ -58,11 +58,11 @@ struct SampledArm {
     Written<6> written;
 };
 
-// Seven joints, one of which is held.
+// Seven joints with one held.
 struct SampledHeldArm {
     Written<7> written;
     int held;
-    double value;  // where none is given [rad, m]
+    double value;  // the default [rad, m]
 };
 
 // Five joints, solved as an arm of six with a joint added in front or behind.

@@ -11,7 +11,7 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// What the links leave to be compared with.
+// The remaining conditions, which are compared with the target.
 inline constexpr double ANY_HEIGHT = 1e300, ANY_TURN = 4.0;
 
 // of_points: the targets are points in the plane, of two joints.

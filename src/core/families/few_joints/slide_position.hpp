@@ -139,7 +139,7 @@ private:
         double at[4];
         int count = 0;
     };
-    // Real roots q3. Where the equation vanishes, to `scale`, the reference stands for all.
+    // Real roots q3. If the equation vanishes, to `scale`, every q3 is a root and the reference is returned.
     PART Roots roots(const Equation& e, double scale) const {
         const auto& f = e.f;
         const double largest = max(max(max(abs(f[0]), abs(f[1])), max(abs(f[2]), abs(f[3]))), abs(f[4]));

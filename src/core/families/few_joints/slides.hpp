@@ -104,7 +104,8 @@ PART void by_slides(const SlidesArm& arm, const Goal<double>& goal, const Refere
     }
 }
 
-// The same from turns all around, where the wrist leaves two of its joints free and the slides suit few of their values.
+// The same with turns at values around the circle, if the wrist leaves two of its joints free and the slides fit few of their
+// values.
 PART void by_slides_around(const SlidesArm& arm, const Goal<double>& goal, const Columns<6>& columns) {
     for (int k = 0; k < AROUND && !columns.count(); ++k) {
         Reference<6> at;

@@ -288,7 +288,7 @@ PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, Se
 
 // ---- starts where nothing else helps ---------------------------------------------------------------------------------------
 
-// Newton's method from all over the joints' values.
+// Newton's method from starts all over the joint space.
 PART void search_all_over(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
     Scatter scatter = Scatter::number(0);
     for (int from = 0; from < ALL_OVER; from += BLOCK) {
@@ -304,7 +304,8 @@ PART void search_all_over(const EliminationArm& arm, const Goal<double>& goal, S
 
 // ---- the whole ---------------------------------------------------------------------------------------------------------------
 
-// By elimination, continuation and, where both leave doubts, from all over. Returns whether the solutions are certain to be all.
+// Elimination, then continuation, then starts all over the joint space if doubts remain. Returns whether it is certain that no
+// solution is missing.
 PART bool find_all(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
     // An arm without known poses is singular everywhere, and its determinant means nothing.
     if (gather(arm, arm.variant, goal, search) && arm.paths.poses > 0) return true;

@@ -5,7 +5,7 @@
 // are bounded by its links' lengths and their rates of turning. The box holds no solution if even so f cannot vanish: not
 // by its size, not across the range of J, not where its least squares lead. It holds at most one, to which Newton's method
 // leads from the middle, if that step contracts (Neumaier, Interval Methods for Systems of Equations, 1990, chapter 5).
-// What is left is halved. At double roots and on continua boxes come to no end: the smallest are starting points.
+// All other boxes are halved. At double roots and on continua this does not end: the smallest boxes become starting points.
 #pragma once
 
 #include "families/mimics/coupled_model.hpp"

@@ -1,7 +1,7 @@
-// All solutions of a 6R arm with a hollow wrist, such as ABB's IRB 5400: seven axes, the fifth and the sixth of which follow
-// one joint, the sixth backwards.
+// All solutions of a 6R arm with a hollow wrist, such as ABB's IRB 5400: seven axes; axes 5 and 6 follow one joint, axis 6
+// backwards.
 //
-// Axes 4 and 7 meet, in a point W that joint 5 moves along both. At a value of joint 5 the target tells where W is, so
+// Axes 4 and 7 meet, in a point W that joint 5 moves along both. For a value of joint 5 the target gives W, so
 // joints 1 to 3 are known (two fronts, two elbows), and the angle between axes 4 and 7 has to be the one that joint 5 makes:
 // one equation in one unknown for each branch. Where all four axes meet in one point W stands still and the equation is a
 // trigonometric polynomial of degree two. In a mirrored wrist (axis 7 the mirror image of axis 4 in the plane between axes 5
