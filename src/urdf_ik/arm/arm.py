@@ -12,7 +12,7 @@ from urdf_ik.arm.freedom import Free
 from urdf_ik.arm.html import html
 from urdf_ik.errors import ArgumentError, PoseError, UnsupportedArm
 from urdf_ik.ik import families
-from urdf_ik.ik.families import Plan, RedundantPlan
+from urdf_ik.ik.families import FamilyMember, RedundantMember
 from urdf_ik.ik.families.wrappers import axis_free
 from urdf_ik.ik.redundancy import nearest, region_search, sweep
 from urdf_ik.ik.refusals import check_free_axis, check_given, unsupported
@@ -98,7 +98,7 @@ class Arm(Free):
             check_free_axis(self.name, chain, free_axis, plan, self.task if task == "pose" else task)
         if plan is not None and free_axis is not None:
             plan = axis_free.prepare(chain, plan, free_axis)
-        self._plan: Plan | None = plan
+        self._plan: FamilyMember | None = plan
         if plan is not None:
             self.structure = replace(
                 self.structure,
@@ -367,7 +367,7 @@ class Arm(Free):
             if region is not None and self._free_axis is not None:
                 raise ArgumentError(f"{self.name}: {self._free_axis} is free; a region has rotation=pi for that")
             return region_search.nearest(self, T, q_ref, region, threads=threads, **options)
-        if isinstance(self._plan, RedundantPlan):
+        if isinstance(self._plan, RedundantMember):
             return nearest.nearest(self, self._plan, T, q_ref, threads=threads, **options)
         reference = self.chain.check(q_ref)
         near = reference if reference.ndim == 1 else None
@@ -413,7 +413,7 @@ class Arm(Free):
             raise PoseError(f"an array of shape {target.shape} given; explain takes a single pose (4, 4)")
         if self._plan is None:
             raise unsupported(self.name, self.chain, self.structure)
-        if redundancy is None and not isinstance(self._plan, RedundantPlan):
+        if redundancy is None and not isinstance(self._plan, RedundantMember):
             return self._plan.explain(target)
         plan = self._redundant_plan()
         if len(plan.parameters) == 1:

@@ -9,7 +9,7 @@ import numpy as np
 
 from urdf_ik.arm.moving import Moving
 from urdf_ik.errors import ArgumentError, UnsupportedArm
-from urdf_ik.ik.families import Plan, RedundantPlan
+from urdf_ik.ik.families import FamilyMember, RedundantMember
 from urdf_ik.ik.redundancy import interval_search, sweep
 from urdf_ik.ik.refusals import unsupported
 from urdf_ik.kinematics.chain import from_urdf
@@ -39,7 +39,7 @@ class Free(Moving):
     """An arm that may reach a pose in infinitely many ways."""
 
     structure: Structure
-    _plan: Plan | None
+    _plan: FamilyMember | None
     _task: str
 
     @property
@@ -59,7 +59,7 @@ class Free(Moving):
             >>> [each.kind for each in urdf_ik.load("srs_7r").with_free_axis("z").redundancies]
             ['free axis', 'swivel']
         """
-        return self._plan.parameters if isinstance(self._plan, RedundantPlan) else ()
+        return self._plan.parameters if isinstance(self._plan, RedundantMember) else ()
 
     @cached_property
     def fixed(self) -> Self:
@@ -335,7 +335,7 @@ class Free(Moving):
                 f"{self._free_axis}: it is {far[worst]:.3g} m and {turned[worst]:.3g} rad off"
             )
 
-    def _only_parameter(self, what: str) -> RedundantPlan:
+    def _only_parameter(self, what: str) -> RedundantMember:
         """The plan, for what takes one redundancy parameter.
 
         Raises:
@@ -351,11 +351,11 @@ class Free(Moving):
             )
         return plan
 
-    def _redundant_plan(self) -> RedundantPlan:
+    def _redundant_plan(self) -> RedundantMember:
         """The plan of an arm with a redundancy parameter."""
         if self._plan is None:
             raise unsupported(self.name, self.chain, self.structure)
-        if isinstance(self._plan, RedundantPlan):
+        if isinstance(self._plan, RedundantMember):
             return self._plan
         raise UnsupportedArm(
             f"{self.name}: {self.dof} joints ({', '.join(self.joint_names)}) leave nothing free in a pose; only arms "

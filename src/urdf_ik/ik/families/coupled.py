@@ -13,7 +13,7 @@ import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families import hollow_wrist
-from urdf_ik.ik.families.parts.family import Family, Plan, columns
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
 from urdf_ik.ik.families.parts.written import Driven, driven
 from urdf_ik.kinematics.chain import is_redundant
 from urdf_ik.kinematics.chain.mimic import MOST_TURNS, CoupledChain
@@ -56,7 +56,7 @@ class CoupledArm:
     columns: int
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember:
     """The plan of an arm for which ``why_not`` has no reason."""
     assert isinstance(chain, CoupledChain)
     kinds = "".join("P" if slides else "R" for slides in chain.axes.prismatic)
@@ -64,7 +64,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
     turns = int(np.prod(np.maximum(chain.image_turns, 1.0)))
     names = columns(min(_MOST_COLUMNS, _COLUMNS * turns))
     solver = Solver(_arm(chain, len(names)))
-    return Plan(
+    return FamilyMember(
         family=family,
         name=f"{kinds} driven by {chain.n} joint{'s' * (chain.n > 1)}",
         reason=f"{family.reason}: {', '.join(map(str, chain.followers))}",

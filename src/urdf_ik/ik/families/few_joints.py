@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.family import Family, Plan, columns
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
 from urdf_ik.ik.families.parts.nearest_pose import off_by
 from urdf_ik.ik.families.parts.written import PLANAR_POSE, PLANAR_POSITION, POSITION, Aim, Written
 from urdf_ik.kinematics.chain import is_redundant, kinds_of
@@ -123,7 +123,7 @@ class _Way:
     X: Array
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan | None:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember | None:
     """The plan for poses; None where no three joints place a point well."""
     ways = sorted(_ways(chain), key=lambda entry: -entry[0])
     # Ways in coordinates of the chain itself, if nearly as good.
@@ -136,7 +136,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan | None:
     turns = len(best.joints) - 3
     last = "axis 5, then joint 5" if turns == 2 else f"axis {chain.n}"
     added = sum(joint.index < 0 for joint in best.joints)
-    return Plan(
+    return FamilyMember(
         family=family,
         name=kinds_of(chain) + (" 1x2" if best.is_reversed and turns == 2 else " 4x5" if turns == 2 else ""),
         reason=_reason(chain, best.is_reversed and turns == 2, turns == 2),
@@ -171,13 +171,13 @@ FAMILY = Family(
 )
 
 
-def prepare_position(chain: Chain) -> Plan:
+def prepare_position(chain: Chain) -> FamilyMember:
     """The plan of an arm with three joints for the tip's position."""
     way = _Way(chain, chain.size, False, _joints(chain, chain.size), _tip(chain, chain.size))
     return _task_plan(chain, Aim(POSITION), "position", [way])
 
 
-def prepare_planar(chain: Chain, normal: Array, heading: Array | None) -> Plan | None:
+def prepare_planar(chain: Chain, normal: Array, heading: Array | None) -> FamilyMember | None:
     """The plan of an arm of two or three joints in a plane: the tip's position there, or with ``heading`` its pose.
 
     A slide across the plane is added, which takes up what the arm is off the plane.
@@ -201,9 +201,9 @@ def prepare_planar(chain: Chain, normal: Array, heading: Array | None) -> Plan |
     return None
 
 
-def _task_plan(chain: Chain, aim: Aim, task: str, ways: list[_Way]) -> Plan:
+def _task_plan(chain: Chain, aim: Aim, task: str, ways: list[_Way]) -> FamilyMember:
     count = 4 if aim.kind == POSITION else 2
-    return Plan(
+    return FamilyMember(
         family=FAMILY,
         name=f"{kinds_of(chain)} {task}",
         reason=f"the task {task!r} asks for no more than the joints control",

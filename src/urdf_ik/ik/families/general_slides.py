@@ -9,7 +9,7 @@ import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.elimination import elimination_arm
-from urdf_ik.ik.families.parts.family import Family, Plan, columns
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
 from urdf_ik.ik.families.parts.nearest_pose import off_by
 from urdf_ik.ik.families.parts.written import Aim
 from urdf_ik.kinematics.chain import is_redundant, kinds_of
@@ -33,9 +33,9 @@ def _matches(structure: Structure) -> bool:
     return len(structure.joint_types) == 6 and len(slides) in (1, 2) and slides[-1] - slides[0] != 3
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember:
     """The plan by elimination alone."""
-    return Plan(
+    return FamilyMember(
         family=family,
         name=f"{kinds_of(chain)} general",
         reason=family.reason,
@@ -59,7 +59,7 @@ FAMILY = Family(
 )
 
 
-def behind(plan: Plan, chain: Chain) -> Plan:
+def behind(plan: FamilyMember, chain: Chain) -> FamilyMember:
     """The plan of an arm whose wrist meets only nearly, with elimination behind it."""
     return replace(
         plan,

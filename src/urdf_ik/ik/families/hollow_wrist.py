@@ -13,7 +13,7 @@ import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families import spherical_wrist
-from urdf_ik.ik.families.parts.family import Family, Plan, columns
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
 from urdf_ik.ik.families.parts.written import Driven, driven
 from urdf_ik.kinematics.chain import CoupledChain
 from urdf_ik.kinematics.structure import analyse
@@ -65,7 +65,7 @@ class HollowWristArm:
     direction: Array
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan | None:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember | None:
     """The plan of an arm for which ``why_not`` has no reason."""
     assert isinstance(chain, CoupledChain)
     axes, values = _signed(chain), _samples(chain)
@@ -90,7 +90,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan | None:
         direction=axes.R_tip.T @ axes.H[6],
     )
     names = chain.joint_names
-    return Plan(
+    return FamilyMember(
         family=family,
         name=family.name,
         reason=family.reason,

@@ -10,7 +10,7 @@ import numpy as np
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.branches import SIGNS
 from urdf_ik.ik.families.parts.explanations import compared, distances_of, seen_in_frame_1
-from urdf_ik.ik.families.parts.family import Family, Plan, in_words
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
 from urdf_ik.ik.families.parts.ideal import (
     ClosedFormArm,
     IdealFrames,
@@ -74,7 +74,7 @@ def _has_offset(structure: Structure, chain: Chain) -> bool:
     return not structure.is_parallel(4) and structure.pairs[3].distance > _CLEAR * chain.size
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember:
     """Parameters of the nearest arm with a parallel shoulder and this wrist."""
     wrist = family.variant
     directions, parallel = straightened(structure, chain.H)
@@ -83,7 +83,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
     ideal = ideal_arm(frames, error, SIGNS, chain.size)
     solver = Solver(ParallelShoulderArm(variant=wrist, ideal=ideal, written=written(chain)))
     pairs = [i for i, holds in enumerate(parallel, start=1) if holds]
-    return Plan(
+    return FamilyMember(
         **in_words(family, error),
         branches=family.branches,
         imperfection=imperfection(structure, pairs, [i for i, holds in enumerate(meet, start=1) if holds]),

@@ -11,7 +11,7 @@ import numpy as np
 from urdf_ik._core import Solver
 from urdf_ik.ik.families import few_joints
 from urdf_ik.ik.families.parts.explanations import compared, seen_in_frame_1
-from urdf_ik.ik.families.parts.family import Family, Plan
+from urdf_ik.ik.families.parts.family import Family, FamilyMember
 from urdf_ik.ik.families.parts.ideal import Ends
 from urdf_ik.ik.families.parts.written import Written
 from urdf_ik.kinematics.chain import kinds_of
@@ -71,7 +71,7 @@ class PlanarArm(PlanarPoints):
     number: int
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan | None:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember | None:
     """The plan for poses; None where a link is too short."""
     plan = few_joints.FAMILY.plan(structure, chain)
     plane = _plane(chain)
@@ -103,7 +103,7 @@ FAMILY = Family(
 )
 
 
-def for_points(chain: Chain, plan: Plan) -> Plan:
+def for_points(chain: Chain, plan: FamilyMember) -> FamilyMember:
     """The plan of two joints for points in the plane, faster where the arm is exactly planar."""
     if not _matches(chain) or chain.n != 2:
         return plan
@@ -129,7 +129,7 @@ def _matches(chain: Chain) -> bool:
     return bool(np.linalg.norm(np.cross(chain.H, normal), axis=1).max() < DEFAULT.exact_structure)
 
 
-def _ways(plan: Plan) -> dict[str, Any]:
+def _ways(plan: FamilyMember) -> dict[str, Any]:
     """The fields that the arm shares with an arm of few joints."""
     arm = plan.solver.arm
     assert isinstance(arm, few_joints.FewJointsArm)

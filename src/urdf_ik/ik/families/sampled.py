@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from urdf_ik._core import SelfMotion, Solver
-from urdf_ik.ik.families.parts.family import Family, Plan, RedundantPlan
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, RedundantMember
 from urdf_ik.ik.families.parts.free_arm import FreeArm
 from urdf_ik.ik.families.parts.nearest_pose import off_by
 from urdf_ik.ik.families.parts.written import Aim, Written, written
@@ -58,9 +58,9 @@ class SampledHeldArm:
     value: float
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember:
     """Newton's method from starts all over the joints: samples of the continuum."""
-    return Plan(
+    return FamilyMember(
         family=family,
         name=f"{kinds_of(chain)} singular everywhere",
         reason=family.reason,
@@ -83,7 +83,7 @@ FAMILY = Family(
 )
 
 
-def prepare_held(chain: Chain, k: int) -> RedundantPlan:
+def prepare_held(chain: Chain, k: int) -> RedundantMember:
     """The plan of seven joints that holds joint ``k``, any of them, and looks for what the six others leave."""
     parameter = locked_joint(chain, k)
     arm = SampledHeldArm(written=written(chain), held=k, value=parameter.default)
@@ -93,7 +93,7 @@ def prepare_held(chain: Chain, k: int) -> RedundantPlan:
         why = off_by(rest, Aim(), T[:3, :3], T[:3, 3])
         return f"with {quoted(parameter.joint)} at {at[0]:.6g} {parameter.unit}: {why}"
 
-    return RedundantPlan(
+    return RedundantMember(
         family=FAMILY,
         name=f"{kinds_of(chain)}, joint {k + 1} given: by search",
         reason="whichever of the first and the last joint is given, the six others are singular everywhere",

@@ -12,7 +12,7 @@ import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.few_joints import Joint, PositionStep, position_step
-from urdf_ik.ik.families.parts.family import Family, Plan, columns
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
 from urdf_ik.ik.families.parts.nearest_pose import off_by
 from urdf_ik.ik.families.parts.written import Aim, Written, written
 from urdf_ik.kinematics.chain import is_redundant, kinds_of
@@ -77,13 +77,13 @@ def _three(structure: Structure) -> bool:
     return structure.slides == 3 and len(structure.joint_types) == 6
 
 
-def _prepare_wrist(family: Family, structure: Structure, chain: Chain) -> Plan | None:
+def _prepare_wrist(family: Family, structure: Structure, chain: Chain) -> FamilyMember | None:
     """The plan of an arm whose wrist meets, exactly or nearly."""
     wrist = structure.triple(4, "meet")
     return None if wrist is None or wrist.point is None else _wrist(family, chain, wrist.imperfection, wrist.point)
 
 
-def _wrist(family: Family, chain: Chain, off: float, centre: Array) -> Plan | None:
+def _wrist(family: Family, chain: Chain, off: float, centre: Array) -> FamilyMember | None:
     most = 8 if chain.prismatic.sum() == 1 else 4
     error = off / chain.size
     exact = error <= DEFAULT.exact_structure
@@ -96,7 +96,7 @@ def _wrist(family: Family, chain: Chain, off: float, centre: Array) -> Plan | No
     arm = _arm(chain, np.arange(3, 6), most, 0.0 if exact else error, step, in_tip)
     if arm is None:
         return None
-    return Plan(
+    return FamilyMember(
         family=family,
         name=f"{kinds_of(chain)} spherical wrist",
         reason=family.why() if exact else f"{family.why()}, exactly or nearly",
@@ -109,12 +109,12 @@ def _wrist(family: Family, chain: Chain, off: float, centre: Array) -> Plan | No
     )
 
 
-def _prepare_three(family: Family, structure: Structure, chain: Chain) -> Plan | None:
+def _prepare_three(family: Family, structure: Structure, chain: Chain) -> FamilyMember | None:
     """The plan of an arm with three slides; None where two of the turns are parallel."""
     arm = _arm(chain, np.flatnonzero(~chain.prismatic), 2, 0.0)
     if arm is None:
         return None
-    return Plan(
+    return FamilyMember(
         family=family,
         name=f"{kinds_of(chain)} three slides",
         reason=family.why(),

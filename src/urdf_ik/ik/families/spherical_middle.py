@@ -11,7 +11,7 @@ import numpy as np
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.branches import SIGNS
 from urdf_ik.ik.families.parts.explanations import compared, seen_in_frame_1
-from urdf_ik.ik.families.parts.family import Family, Plan, in_words
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
 from urdf_ik.ik.families.parts.ideal import (
     ClosedFormArm,
     ideal_arm,
@@ -68,7 +68,7 @@ def _matches(structure: Structure) -> bool:
     )
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember:
     """Parameters of the nearest arm with a spherical middle and this wrist."""
     wrist = family.variant
     middle = structure.triple(2, "meet")
@@ -88,7 +88,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
     )
     pairs = [i for i, holds in enumerate(parallel, start=1) if holds]
     angle, distance = imperfection(structure, pairs, [5] if wrist == "5x6" else [])
-    return Plan(
+    return FamilyMember(
         **in_words(family, error),
         branches=family.branches,
         imperfection=(angle, max(distance, middle.imperfection if middle else 0.0)),

@@ -11,7 +11,7 @@ import numpy as np
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.branches import NAMES, SIGNS
 from urdf_ik.ik.families.parts.explanations import compared, seen_in_frame_1
-from urdf_ik.ik.families.parts.family import Family, Plan, in_words
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
 from urdf_ik.ik.families.parts.ideal import (
     LITTLE,
     ClosedFormArm,
@@ -88,7 +88,7 @@ def _has_no_other(structure: Structure, chain: Chain) -> bool:
     return not kinds or (first.distance > _CLEAR * chain.size and bool(np.sin(first.angle) > _CLEAR))
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan | None:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember | None:
     """Parameters of the nearest arm with a spherical wrist and this shoulder; None where its wrist lies on axis 3."""
     shoulder = family.variant
     wrist = structure.triple(4, "meet")
@@ -114,7 +114,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan | None:
     words = in_words(family, error)
     if shoulder == "2||3" and crossing:
         words["name"] += " and 1x2"
-    return Plan(
+    return FamilyMember(
         **words,
         branches=family.branches,
         imperfection=(angle, max(distance, wrist.imperfection if wrist else 0.0)),

@@ -10,7 +10,7 @@ import numpy as np
 
 from urdf_ik._core import SelfMotion, Solver
 from urdf_ik.ik.families.parts.explanations import compared
-from urdf_ik.ik.families.parts.family import Family, RedundantPlan, in_words
+from urdf_ik.ik.families.parts.family import Family, RedundantMember, in_words
 from urdf_ik.ik.families.parts.free_arm import FreeArm
 from urdf_ik.ik.families.parts.ideal import Ends, snapped
 from urdf_ik.ik.families.parts.written import Written, written
@@ -102,7 +102,7 @@ def _matches(structure: Structure) -> bool:
     return meeting and structure.joint_types.count("prismatic") == 0 and len(structure.joint_types) == 7
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> RedundantPlan | None:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> RedundantMember | None:
     """The plan of such an arm; None where the elbow is too near to shoulder or wrist."""
     shoulder, wrist = structure.triple(1, "meet"), structure.triple(5, "meet")
     if shoulder is None or wrist is None:
@@ -141,7 +141,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> RedundantPla
         imperfection=0.0 if exact else error,
         value=0.0,
     )
-    return RedundantPlan(
+    return RedundantMember(
         **in_words(family, error),
         branches=family.branches if exact else family.branches + tuple(f"further {k}" for k in range(1, 9)),
         imperfection=(0.0, max(shoulder.imperfection, wrist.imperfection)),

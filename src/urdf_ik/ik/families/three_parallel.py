@@ -11,7 +11,7 @@ import numpy as np
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.branches import NAMES, SIGNS
 from urdf_ik.ik.families.parts.explanations import compared, distances_of, seen_in_frame_1
-from urdf_ik.ik.families.parts.family import Family, Plan, in_words
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
 from urdf_ik.ik.families.parts.ideal import (
     ClosedFormArm,
     ideal_arm,
@@ -68,7 +68,7 @@ def _matches(structure: Structure) -> bool:
     )
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember:
     """Parameters of the nearest arm with three parallel axes, whose axes 5 and 6 meet or do not."""
     crossing = family.variant == "5x6"
     parallel = structure.triple(2, "parallel")
@@ -92,7 +92,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
     )
     _, distance = imperfection(structure, [], [5] if crossing else [])
     solver = Solver(arm)
-    return Plan(
+    return FamilyMember(
         **in_words(family, error),
         branches=family.branches,
         imperfection=(parallel.imperfection if parallel else 0.0, distance),

@@ -28,7 +28,7 @@ from urdf_ik.support.angles import TURN, wrapped
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from urdf_ik.ik.families.parts.family import RedundantPlan
+    from urdf_ik.ik.families.parts.family import RedundantMember
     from urdf_ik.ik.solutions.solved_arm import SolvingArm
     from urdf_ik.kinematics.chain.redundancy import Redundancy
 
@@ -58,7 +58,7 @@ _VALUE, _JOINTS = 0, slice(3, 10)
 
 def intervals(
     arm: SolvingArm,
-    plan: RedundantPlan,
+    plan: RedundantMember,
     T: Array,
     *,
     within_limits: bool,
@@ -147,7 +147,7 @@ def _nothing(arm: SolvingArm) -> Found:
     )  # fmt: skip
 
 
-def _found(arm: SolvingArm, plan: RedundantPlan, curves: Curves, T: Array, bounds: Array, threads: int) -> Found:
+def _found(arm: SolvingArm, plan: RedundantMember, curves: Curves, T: Array, bounds: Array, threads: int) -> Found:
     """The intervals of a few poses, their curves followed."""
     parameter = plan.parameter
     # Where another plan serves every value, there are no branches beyond their ends either.
@@ -247,7 +247,7 @@ def _followed(arm: SolvingArm, curves: Curves, T: Array, given: _Given) -> tuple
     return np.concatenate(parts), np.concatenate(tables)
 
 
-def _beyond(arm: SolvingArm, plan: RedundantPlan, curves: Curves, T: Array, grid: Array) -> Array:
+def _beyond(arm: SolvingArm, plan: RedundantMember, curves: Curves, T: Array, grid: Array) -> Array:
     """Joint vectors (m, v, B, 7) of all branches at the values (v,), beyond their ends too; not verified."""
     poses, values = plan.parameter.spread(T[:, None], np.broadcast_to(grid, (len(T), len(grid))))
     branches = len(plan.branches)

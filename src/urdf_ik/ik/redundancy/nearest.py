@@ -16,7 +16,7 @@ from urdf_ik.support import inputs
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from urdf_ik.ik.families.parts.family import RedundantPlan
+    from urdf_ik.ik.families.parts.family import RedundantMember
     from urdf_ik.ik.solutions import IKSolutions
     from urdf_ik.ik.solutions.distances import Metric
     from urdf_ik.ik.solutions.solved_arm import SolvingArm
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 def nearest(
     arm: SolvingArm,
-    plan: RedundantPlan,
+    plan: RedundantMember,
     T: Any,
     q_ref: ArrayLike,
     *,

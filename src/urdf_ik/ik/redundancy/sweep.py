@@ -19,7 +19,7 @@ from urdf_ik.support.angles import TURN
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from urdf_ik.ik.families.parts.family import RedundantPlan
+    from urdf_ik.ik.families.parts.family import RedundantMember
     from urdf_ik.ik.solutions import IKSolutions
     from urdf_ik.ik.solutions.solved_arm import SolvingArm
     from urdf_ik.kinematics.chain.redundancy import Redundancy
@@ -64,11 +64,12 @@ class Sweep:
         found = f"{self.solutions.count.sum()} at {len(self.redundancy)} values"
         return f"{self.parameter}; solutions at {where}; {found}"
 
+
 MOST_VALUES = 1_000_000
 """Values of a sweep at most."""
 
 
-def sweep(arm: SolvingArm, plan: RedundantPlan, T: Any, n: int, within_limits: bool, threads: int) -> Sweep:
+def sweep(arm: SolvingArm, plan: RedundantMember, T: Any, n: int, within_limits: bool, threads: int) -> Sweep:
     """See :meth:`urdf_ik.Arm.sweep`."""
     target = check_poses(T)
     if target.ndim != 2:
@@ -86,7 +87,7 @@ def sweep(arm: SolvingArm, plan: RedundantPlan, T: Any, n: int, within_limits: b
     return Sweep(solutions.within_limits() if within_limits else solutions, found, parameter)
 
 
-def explanation(arm: SolvingArm, plan: RedundantPlan, T: Array, value: ArrayLike | None) -> str:
+def explanation(arm: SolvingArm, plan: RedundantMember, T: Array, value: ArrayLike | None) -> str:
     """Why the pose ``T`` (4, 4) has no solution at a value of the parameter (None: its default), and where it has."""
     parameter = plan.parameter
     given = parameter.check(parameter.default if value is None else value)

@@ -22,7 +22,7 @@ from urdf_ik.support.angles import TURN
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from urdf_ik.ik.families.parts.family import RedundantPlan
+    from urdf_ik.ik.families.parts.family import RedundantMember
     from urdf_ik.ik.solutions.solved_arm import SolvingArm
 
     Array = NDArray[np.float64]
@@ -41,7 +41,7 @@ _AT_ONCE = 128
 _NARROWEST = 1e-13
 
 
-def is_closed(plan: RedundantPlan) -> bool:
+def is_closed(plan: RedundantMember) -> bool:
     """Whether the intervals of an arm have this closed form."""
     if plan.parameter.kind != SWIVEL or not plan.is_exact:
         return False
@@ -49,7 +49,7 @@ def is_closed(plan: RedundantPlan) -> bool:
     return isinstance(arm, SrsArm) and arm.shoulder.square and arm.wrist.square
 
 
-def intervals(arm: SolvingArm, plan: RedundantPlan, T: Array, limits: Array) -> tuple[Found, Columns]:
+def intervals(arm: SolvingArm, plan: RedundantMember, T: Array, limits: Array) -> tuple[Found, Columns]:
     """The intervals of poses (m, 4, 4) inside limits (7, 2), without samples; and the poses that it does not decide.
 
     These are poses near a singularity of a triple at one of the three values, or at the edge of the elbow's reach.
@@ -63,7 +63,7 @@ def intervals(arm: SolvingArm, plan: RedundantPlan, T: Array, limits: Array) -> 
     return joined(parts), np.concatenate(undecided)
 
 
-def _some(arm: SolvingArm, plan: RedundantPlan, T: Array, bounds: Bounds) -> tuple[Found, Columns]:
+def _some(arm: SolvingArm, plan: RedundantMember, T: Array, bounds: Bounds) -> tuple[Found, Columns]:
     """:func:`intervals` of few poses."""
     solutions = arm.ik(T[:, None], redundancy=np.broadcast_to(_AT, (len(T), 3)))
     q, valid = solutions.q.reshape(len(T), 3, 2, 2, 2, 7), solutions.valid.all(axis=(1, 2))

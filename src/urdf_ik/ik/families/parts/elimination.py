@@ -161,9 +161,7 @@ def _best(setup: EliminationSetup, variants: Variants, targets: Array, count: in
     return variants.at(order[-count:])
 
 
-def _tried(
-    setup: EliminationSetup, variants: Variants, targets: Array
-) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+def _tried(setup: EliminationSetup, variants: Variants, targets: Array) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
     """Try each variant alone on the poses (m, 4, 4).
 
     Returns:

@@ -1,4 +1,4 @@
-"""Families and plans: a record of what a family is, and one of how an arm of it is solved."""
+"""Families and their members: a record of a family, and one of how an arm of it is solved."""
 
 from __future__ import annotations
 
@@ -48,11 +48,11 @@ class Family:
     branches: tuple[str, ...]
     by_quadratics: bool
     matches: Callable[[Structure, Chain], bool]
-    prepare: Callable[[Family, Structure, Chain], Plan | None]
+    prepare: Callable[[Family, Structure, Chain], FamilyMember | None]
     variant: str = ""
     by_elimination: bool = False
 
-    def plan(self, structure: Structure, chain: Chain) -> Plan | None:
+    def plan(self, structure: Structure, chain: Chain) -> FamilyMember | None:
         """The plan of an arm, None for an arm that is not of this family.
 
         Example:
@@ -84,8 +84,8 @@ class Family:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Plan:
-    """How an arm is solved.
+class FamilyMember:
+    """An arm as a member of its family: how it is solved.
 
     Attributes:
         family: what it is a member of.
@@ -122,7 +122,7 @@ class Plan:
 
 
 @dataclass(frozen=True, kw_only=True)
-class RedundantPlan(Plan):
+class RedundantMember(FamilyMember):
     """How a redundant arm is solved for given values of its redundancy parameters.
 
     Attributes:

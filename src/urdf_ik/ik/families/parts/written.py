@@ -118,5 +118,3 @@ def driven(chain: CoupledChain, units: Array) -> Driven:
         unit=units,
         period=2.0 * np.pi * chain.image_turns,
     )
-
-

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.family import Plan, columns
+from urdf_ik.ik.families.parts.family import FamilyMember, columns
 from urdf_ik.ik.families.parts.nearest_pose import off_by
 from urdf_ik.ik.families.parts.written import AXIS, POSE, Aim, Written
 from urdf_ik.kinematics.chain import is_redundant
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from urdf_ik.kinematics.structure import Structure
 
     Array = NDArray[np.float64]
-    Choose = Callable[[Structure, Chain], Plan | None]
+    Choose = Callable[[Structure, Chain], FamilyMember | None]
 
 # Where the added axis stands to axis 5 [rad]: never parallel to axis 4, where that is square to axis 5.
 _OBLIQUE = 1.05
@@ -51,7 +51,7 @@ class CompletedArm:
     columns: int
 
 
-def prepare(structure: Structure, chain: Chain, choose: Choose) -> Plan | None:
+def prepare(structure: Structure, chain: Chain, choose: Choose) -> FamilyMember | None:
     """The plan for poses of five revolute joints, None for other arms."""
     if chain.n != 5 or chain.prismatic.any() or is_redundant(chain):
         return None
@@ -68,7 +68,7 @@ def prepare(structure: Structure, chain: Chain, choose: Choose) -> Plan | None:
     return _plan(chain, whole, at, Aim(), choose, "5R", "that must stay at zero")
 
 
-def prepare_aimed(chain: Chain, aimed: Array, choose: Choose) -> Plan | None:
+def prepare_aimed(chain: Chain, aimed: Array, choose: Choose) -> FamilyMember | None:
     """The plan for the tip's position and the direction of its axis ``aimed`` (3,)."""
     whole = with_axis_behind(chain, chain.R_tip @ aimed, chain.points[-1] + chain.P[-1])
     return _plan(chain, whole, 0, Aim(AXIS, aimed), choose, "5R position and axis", "about the direction")
@@ -101,7 +101,7 @@ def _extended(chain: Chain, H: Array, P: Array, *, behind: bool) -> Chain:
     )
 
 
-def _plan(chain: Chain, whole: Chain, at: int, aim: Aim, choose: Choose, name: str, role: str) -> Plan | None:
+def _plan(chain: Chain, whole: Chain, at: int, aim: Aim, choose: Choose, name: str, role: str) -> FamilyMember | None:
     six = choose(analyse(whole), whole)
     if six is None:
         return None
@@ -109,7 +109,7 @@ def _plan(chain: Chain, whole: Chain, at: int, aim: Aim, choose: Choose, name: s
 
     most = 8 if aim.kind == POSE else count
     arm = CompletedArm(written=aim.written(chain), six=six.solver.arm, at=at, columns=most)
-    return Plan(
+    return FamilyMember(
         family=six.family,
         name=f"{name} (six joints with an added axis: {six.name})",
         reason=f"with a sixth axis {role}, {six.reason}",

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from urdf_ik._core import SelfMotion, Solver
-from urdf_ik.ik.families.parts.family import Plan, RedundantPlan
+from urdf_ik.ik.families.parts.family import FamilyMember, RedundantMember
 from urdf_ik.ik.families.parts.free_arm import FreeArm
 from urdf_ik.ik.families.parts.written import written
 from urdf_ik.ik.families.wrappers.axis_added import with_axis_behind
@@ -47,23 +47,23 @@ class AxisFree:
     last: bool = True
 
 
-def prepare(chain: Chain, plan: Plan, axis: FreeAxis) -> RedundantPlan:
+def prepare(chain: Chain, plan: FamilyMember, axis: FreeAxis) -> RedundantMember:
     """The plan of an arm that ``plan`` solves for whole poses, with one parameter more, which comes first."""
     parameter = free_axis(axis)
     arm = AxisFree(motion=axis.motion, value=parameter.default, solver=plan.solver.arm)
-    own = plan.parameters if isinstance(plan, RedundantPlan) else ()
+    own = plan.parameters if isinstance(plan, RedundantMember) else ()
 
     def value_of(Q: Array, T: Array) -> Array:
         reached = chain.fk(Q)
         angle = axis.angle(np.linalg.inv(T) @ reached)[:, None]
-        return np.hstack([angle, plan.value_of(Q, reached)]) if isinstance(plan, RedundantPlan) else angle
+        return np.hstack([angle, plan.value_of(Q, reached)]) if isinstance(plan, RedundantMember) else angle
 
     def explain_at(T: Array, at: Array) -> str:
         turned = T @ axis.rotation(at[0])
-        why = plan.explain_at(turned, at[1:]) if isinstance(plan, RedundantPlan) else plan.explain(turned)
+        why = plan.explain_at(turned, at[1:]) if isinstance(plan, RedundantMember) else plan.explain(turned)
         return f"turned by {at[0]:.6g} rad about {axis}: {why}"
 
-    return RedundantPlan(
+    return RedundantMember(
         family=plan.family,
         name=f"{plan.name}, rotation about {axis.name} free",
         reason=plan.reason,

@@ -13,7 +13,7 @@ import numpy as np
 
 from urdf_ik._core import SelfMotion, Solver
 from urdf_ik.ik.families import sampled
-from urdf_ik.ik.families.parts.family import Plan, RedundantPlan
+from urdf_ik.ik.families.parts.family import FamilyMember, RedundantMember
 from urdf_ik.ik.families.parts.free_arm import FreeArm
 from urdf_ik.ik.families.parts.written import written
 from urdf_ik.ik.families.wrappers.one_given import OneGiven
@@ -33,14 +33,14 @@ if TYPE_CHECKING:
     from urdf_ik.kinematics.structure import Structure
 
     Array = NDArray[np.float64]
-    Choose = Callable[[Structure, Chain], Plan | None]
+    Choose = Callable[[Structure, Chain], FamilyMember | None]
 
 # If the Jacobian without an end joint nearly loses rank everywhere (smallest singular value below _POOR, lengths as
 # shares of the size), a joint in the middle is held if its smallest singular value is _BETTER times as large.
 _POOR, _BETTER = 1e-3, 30.0
 
 
-def prepare(chain: Chain, six: Sequence[Choose]) -> RedundantPlan | None:
+def prepare(chain: Chain, six: Sequence[Choose]) -> RedundantMember | None:
     """The plan of seven joints that holds one in the middle; None where an end joint will do.
 
     Args:
@@ -86,7 +86,7 @@ def _is_shared(chain: Chain, k: int) -> bool:
     return bool(chain.prismatic[k] or apart <= DEFAULT.exact_structure * chain.size)
 
 
-def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
+def _held(chain: Chain, k: int, plan: FamilyMember) -> RedundantMember:
     """The plan that gives joint ``k``, by that of the others with it at zero."""
     parameter, twin = locked_joint(chain, k), chain.joint_names[k + 1]
     still = np.zeros((3, 3, 4))
@@ -104,7 +104,7 @@ def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
     def explain_at(T: Array, at: Array) -> str:
         return f"with {quoted(parameter.joint)} at {at[0]:.6g} {parameter.unit}, or at any other: {plan.explain(T)}"
 
-    return RedundantPlan(
+    return RedundantMember(
         family=plan.family,
         name=f"{kinds_of(chain)}, joint {k + 1} given: {plan.name}",
         reason=f"joints {k + 1} and {k + 2} have one axis; with joint {k + 1} given, of the six others {plan.reason}",

@@ -9,7 +9,7 @@ import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.elimination import EliminationArm, elimination_arm
-from urdf_ik.ik.families.parts.family import Plan
+from urdf_ik.ik.families.parts.family import FamilyMember
 from urdf_ik.ik.families.parts.ideal import ClosedFormArm
 from urdf_ik.kinematics.dh.frames import rotation_z
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 _NEAR = 4e-3
 
 
-def prepare(plan: Plan, chain: Chain) -> Plan:
+def prepare(plan: FamilyMember, chain: Chain) -> FamilyMember:
     """The plan of the ideal arm, made to hold for the arm as written."""
     family = plan.solver.arm
     assert isinstance(family, ClosedFormArm)

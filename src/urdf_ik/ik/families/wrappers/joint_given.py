@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from urdf_ik._core import SelfMotion, Solver
-from urdf_ik.ik.families.parts.family import Plan, RedundantPlan
+from urdf_ik.ik.families.parts.family import FamilyMember, RedundantMember
 from urdf_ik.ik.families.parts.free_arm import FreeArm
 from urdf_ik.ik.families.parts.written import written
 from urdf_ik.ik.families.wrappers import degenerate, middle_given
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from urdf_ik.kinematics.structure import Structure
 
     Array = NDArray[np.float64]
-    Choose = Callable[[Structure, Chain], Plan | None]
+    Choose = Callable[[Structure, Chain], FamilyMember | None]
 
 COSTS = ("in closed form", "by a quartic", "in closed form nearby, and refined", "by elimination")
 """How six joints are solved, the cheapest first: 0.3, 1, 10 and 60 us a pose, by the tables of docs/speed.md."""
@@ -50,7 +50,7 @@ class Ways(NamedTuple):
     six: Sequence[Choose]
 
 
-def prepare(chain: Chain, ways: Ways, given: tuple[str, ...] = ()) -> RedundantPlan | None:
+def prepare(chain: Chain, ways: Ways, given: tuple[str, ...] = ()) -> RedundantMember | None:
     """The plan that holds all joints but six; None where no six joints have a solver.
 
     Args:
@@ -63,7 +63,7 @@ def prepare(chain: Chain, ways: Ways, given: tuple[str, ...] = ()) -> RedundantP
         return in_the_middle
     for six in ways.six:
         plan = _prepared(chain, ways.seven, six, given, tuple(range(1, chain.n + 1)))
-        if isinstance(plan, RedundantPlan):
+        if isinstance(plan, RedundantMember):
             return plan
     if given:
         return None
@@ -73,7 +73,7 @@ def prepare(chain: Chain, ways: Ways, given: tuple[str, ...] = ()) -> RedundantP
 
 def _prepared(
     chain: Chain, seven: Choose, six: Choose, given: tuple[str, ...], numbers: tuple[int, ...]
-) -> Plan | None:
+) -> FamilyMember | None:
     """See :func:`prepare`; the joints are called by ``numbers``."""
     if chain.n == 6:
         return None if given or is_redundant(chain) else six(analyse(chain), chain)
@@ -85,12 +85,12 @@ def _prepared(
     if middle is not None:
         name, *others = (chain.joint_names[middle], *(n for n in given if n != chain.joint_names[middle]))
 
-        def at(rest: Chain) -> Plan | None:
+        def at(rest: Chain) -> FamilyMember | None:
             return _prepared(rest, seven, six, tuple(others), _without(numbers, middle))
 
         return middle_given.prepare(chain, middle, numbers[middle], at)
     ends = [k for k in named if k in (0, last)] or [last, 0]
-    plans: dict[int, Plan] = {}
+    plans: dict[int, FamilyMember] = {}
     for k in ends:
         name = chain.joint_names[k]
         others = [each for each in given if each != name]
@@ -119,18 +119,18 @@ def _without(numbers: tuple[int, ...], k: int) -> tuple[int, ...]:
     return (*numbers[:k], *numbers[k + 1 :])
 
 
-def cost(plan: Plan) -> int:
+def cost(plan: FamilyMember) -> int:
     """Index in ``COSTS``: exact closed forms, exact ones with a quartic, those near an ideal arm, eliminations."""
     if plan.family.by_elimination:
         return 3
     return int(not plan.family.by_quadratics) if plan.is_exact else 2
 
 
-def _held(chain: Chain, k: int, plan: Plan, number: int, why: str) -> RedundantPlan:
+def _held(chain: Chain, k: int, plan: FamilyMember, number: int, why: str) -> RedundantMember:
     parameter = locked_joint(chain, k)
     motion, turns, last = _motion_back(chain, k), not bool(chain.prismatic[k]), k > 0
     arm = OneGiven(motion=motion, turns=turns, last=last, value=parameter.default, solver=plan.solver.arm)
-    inner = plan if isinstance(plan, RedundantPlan) else None
+    inner = plan if isinstance(plan, RedundantMember) else None
 
     def value_of(Q: Array, T: Array) -> Array:
         own = parameter.wrapped(Q[:, k : k + 1])
@@ -146,7 +146,7 @@ def _held(chain: Chain, k: int, plan: Plan, number: int, why: str) -> RedundantP
 
     parameters = (parameter, *(() if inner is None else inner.parameters))
     defaults = np.array([each.default for each in parameters])
-    return RedundantPlan(
+    return RedundantMember(
         family=plan.family,
         name=named(chain, k, number, plan),
         reason=f"with joint {number} given, {why}: {plan.reason}",
@@ -163,7 +163,7 @@ def _held(chain: Chain, k: int, plan: Plan, number: int, why: str) -> RedundantP
     )
 
 
-def named(chain: Chain, k: int, number: int, plan: Plan) -> str:
+def named(chain: Chain, k: int, number: int, plan: FamilyMember) -> str:
     """The name of the plan of a chain whose joint ``k`` is given."""
     if chain.prismatic[k]:
         return f"{kinds_of(chain.lock({chain.joint_names[k]: 0.0}))} on a slide: {plan.name}"

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik._core import SelfMotion
-from urdf_ik.ik.families.parts.family import Plan, RedundantPlan, columns
+from urdf_ik.ik.families.parts.family import FamilyMember, RedundantMember, columns
 from urdf_ik.ik.families.parts.free_arm import FreeArm
 from urdf_ik.ik.families.parts.written import written
 from urdf_ik.kinematics.chain.redundancy import locked_joint
@@ -34,7 +34,9 @@ _SAMPLES = (0.137, 0.411, 0.659, 0.893)
 """Shares of the joint's range at which the family of the other joints is determined."""
 
 
-def prepare(chain: Chain, k: int, number: int, plan_of: Callable[[Chain], Plan | None]) -> RedundantPlan | None:
+def prepare(
+    chain: Chain, k: int, number: int, plan_of: Callable[[Chain], FamilyMember | None]
+) -> RedundantMember | None:
     """The plan that holds joint ``k``; None where the other joints have no solver.
 
     Args:
@@ -48,7 +50,7 @@ def prepare(chain: Chain, k: int, number: int, plan_of: Callable[[Chain], Plan |
     name = chain.joint_names[k]
 
     @lru_cache(KEPT)
-    def at_value(value: float) -> Plan | None:
+    def at_value(value: float) -> FamilyMember | None:
         return plan_of(chain.lock({name: value}))
 
     found = [at_value(low + share * (high - low)) for share in _SAMPLES]
@@ -58,19 +60,19 @@ def prepare(chain: Chain, k: int, number: int, plan_of: Callable[[Chain], Plan |
     first = plans[0]
     same = all(plan.branches == first.branches for plan in plans)
     branches = first.branches if same else columns(max(len(plan.branches) for plan in plans))
-    inner = first.parameters if isinstance(first, RedundantPlan) else ()
+    inner = first.parameters if isinstance(first, RedundantMember) else ()
 
     def explain_at(T: Array, at: Array) -> str:
         plan = at_value(float(at[0]))
         if plan is None:
             why = "the other joints have no solver"
         else:
-            why = plan.explain_at(T, at[1:]) if isinstance(plan, RedundantPlan) else plan.explain(T)
+            why = plan.explain_at(T, at[1:]) if isinstance(plan, RedundantMember) else plan.explain(T)
         return f"with {quoted(name)} at {at[0]:.6g} {parameter.unit}: {why}"
 
     def value_of(Q: Array, T: Array) -> Array:
         own = parameter.wrapped(Q[:, k : k + 1])
-        if not isinstance(first, RedundantPlan):
+        if not isinstance(first, RedundantMember):
             return own
         rows = []
         for q, pose in zip(Q, T, strict=True):
@@ -81,7 +83,7 @@ def prepare(chain: Chain, k: int, number: int, plan_of: Callable[[Chain], Plan |
     parameters = (parameter, *inner)
     defaults = np.array([each.default for each in parameters])
     solver: Any = SolverAtEach(at_value, k, chain.n, len(branches), defaults)
-    return RedundantPlan(
+    return RedundantMember(
         family=first.family,
         name=f"joint {number} given: {first.name}",
         reason=f"with joint {number} given, as asked, almost every value makes an arm of which {first.reason}",
@@ -104,7 +106,7 @@ class SolverAtEach:
     numbers = 16
 
     def __init__(
-        self, at_value: Callable[[float], Plan | None], k: int, joints: int, branches: int, defaults: Array
+        self, at_value: Callable[[float], FamilyMember | None], k: int, joints: int, branches: int, defaults: Array
     ) -> None:
         """Take the plans.
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.family import Plan
+from urdf_ik.ik.families.parts.family import FamilyMember
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -30,7 +30,7 @@ class Reversed:
     solver: Any
 
 
-def mirrored(plan: Plan) -> Plan:
+def mirrored(plan: FamilyMember) -> FamilyMember:
     """The plan for an arm whose reversed chain ``plan`` was made for."""
 
     def explain(T: Array) -> str:
