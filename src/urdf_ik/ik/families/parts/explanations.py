@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def seen_in_frame_1(ends: Ends, explain: Callable[[Array, Array], str]) -> Callable[[Array], str]:
-    """``FamilyMember.explain`` for a function of the target's rotation (3, 3) and solved point (3,) in ideal frame 1."""
+    """``FamilyMember.explain`` for a function of the rotation (3, 3) and solved point (3,) in the ideal frame 1."""
 
     def explain_pose(T: Array) -> str:
         R, base = T[:3, :3], ends.base_rotation
