@@ -19,7 +19,7 @@ BUILD_NEEDS = import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))[
 # A process a core, and a file's tests in one of them: they share a browser, or the folder that a wheel is built in.
 IN_PARALLEL = -n logical --dist loadfile --no-loadscope-reorder
 
-CORE = $(wildcard src/core/*.[ch]pp src/core/*/*.[ch]pp src/core/*/*/*.[ch]pp)
+CORE = $(wildcard src/core/*.[ch]pp src/core/*/*.[ch]pp src/core/*/*/*.[ch]pp tests/core/native/*.[ch]pp)
 SANITIZED_LEVEL = $(if $(filter x86_64,$(shell uname -m)),v2,arm64)
 SANITIZED_TESTS = tests/ik/test_families.py tests/ik/test_closed_forms.py tests/ik/poses/test_singular.py \
 	tests/ik/poses/test_round_poses.py tests/ik/poses/test_corners.py tests/ik/poses/test_degenerate.py tests/core/test_core_fuzz.py \

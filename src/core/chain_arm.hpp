@@ -1,4 +1,4 @@
-// What forward kinematics knows of a chain of any number of joints; see Written in arm.hpp for what its numbers mean.
+// A chain of any number of joints, for forward kinematics; its numbers are those of Written in arm.hpp.
 #pragma once
 
 #include "kinematics/arm.hpp"

@@ -19,7 +19,6 @@ extern const ImperfectSolvers imperfect_solvers;
 extern const ImperfectSolversToo imperfect_solvers_too;
 extern const ReversedSteps reversed_steps;
 extern const SphericalMiddleSolvers spherical_middle_solvers;
-extern const Steps steps;
 extern const TrackerFunctions tracker_functions;
 extern const SelfMotionFunctions self_motion_functions;
 extern const SphericalWristSolvers spherical_wrist_solvers;
@@ -33,7 +32,6 @@ const LevelTable table = {
     &one_given_solvers,
     &chain_functions,
     &graph_functions,
-    &steps,
     &tracker_functions,
     &self_motion_functions,
     &parallel_shoulder_solvers,

@@ -1,4 +1,4 @@
-// What a build for one instruction set offers: the solvers of each unit, by pointer. Plain data.
+// The solvers that were compiled for one instruction set: pointers to the functions of each unit.
 #pragma once
 
 #include "chain_arm.hpp"
@@ -16,7 +16,6 @@
 #include "motion/path_graph.hpp"
 #include "motion/tracker_arm.hpp"
 #include "self_motion/curve_arm.hpp"
-#include "steps.hpp"
 
 namespace urdf_ik {
 
@@ -26,7 +25,6 @@ struct LevelTable {
     const OneGivenSolvers* one_given;
     const ChainFunctions* chain;
     const GraphFunctions* graph;
-    const Steps* steps;
     const TrackerFunctions* tracker;
     const SelfMotionFunctions* self_motion;
     const ParallelShoulderSolvers* parallel_shoulder;

@@ -13,9 +13,9 @@ def isa() -> str:
 def levels() -> list[str]:
     """The instruction sets that were built and that this processor runs."""
 
-def try_elimination(values: dict, T: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)], counts: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu')], certain: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
+def try_elimination(setup: object, variants: object, T: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)], counts: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu')], certain: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
 
-def known_poses(written: dict, q: Annotated[NDArray[numpy.float64], dict(shape=(None, 6), order='C', device='cpu', writable=False)], near: bool) -> dict: ...
+def known_poses(written: object, q: Annotated[NDArray[numpy.float64], dict(shape=(None, 6), order='C', device='cpu', writable=False)], near: bool) -> dict: ...
 
 class Answer:
     """The numbers of solutions; arrays are made when they are asked for."""
@@ -102,7 +102,7 @@ class Step:
 class Tracker:
     """An arm that follows poses, one a cycle."""
 
-    def __init__(self, joints: int, values: dict) -> None: ...
+    def __init__(self, arm: object) -> None: ...
 
     def step(self, T: object, /) -> Step | None: ...
 
@@ -132,7 +132,7 @@ class SelfMotion:
     The curves of joint vectors that hold a pose, of an arm with seven joints.
     """
 
-    def __init__(self, values: dict) -> None: ...
+    def __init__(self, arm: object) -> None: ...
 
     def intervals(self, T: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], grid: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], round: bool, q: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], flags: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], limits: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], beyond: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None, off: float, starts: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple: ...
 
@@ -142,26 +142,14 @@ class SelfMotion:
 
     def at(self, T: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], q: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], values: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> object: ...
 
-def step(name: str, x: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], side_by_side: bool = False) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
-    """
-    One step of the solvers, for tests: sets of its inputs (m, k) to sets of its results, one by one or in blocks.
-    """
-
-def polish(written: dict, T: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)], q: Annotated[NDArray[numpy.float64], dict(shape=(6), order='C', device='cpu')], damped: bool, rounds: int) -> float:
-    """
-    Newton's method on an arm as written, for tests: q (6,) is replaced; returns its error.
-    """
-
 class Solver:
     """An arm, ready to be solved; immutable."""
 
-    def __init__(self, kind: str, values: dict) -> None: ...
+    def __init__(self, arm: object) -> None: ...
 
     @property
-    def kind(self) -> str: ...
-
-    @property
-    def values(self) -> dict: ...
+    def arm(self) -> object:
+        """The dataclass that it was made from."""
 
     @property
     def joints(self) -> int: ...
@@ -175,7 +163,7 @@ class Solver:
 
     @property
     def parameters(self) -> int:
-        """How many values are given with each target, for what it leaves free."""
+        """How many redundancy parameters are given with each target."""
 
     def __reduce__(self) -> tuple: ...
 

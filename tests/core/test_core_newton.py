@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
+import core_steps
 import numpy as np
 import pinocchio as pin
 import pytest
 from arms import rotation
 from core_samples import ARMS, PI, step, written
 from numpy.typing import NDArray
-
-from urdf_ik import _core
 
 Array = NDArray[np.float64]
 
@@ -23,9 +22,9 @@ def pose_error(wanted: Array, T: Array, inverse_size: float) -> tuple[Array, flo
 def damped_step(J: Array, twist: Array, damping: float) -> Array:
     """The step (n,) for a Jacobian (6, n); in blocks the same."""
     name, numbers = f"least_squares_{J.shape[1]}", np.array([[*J.T.ravel(), *twist, damping]])
-    alone = _core.step(name, numbers)[0, :-1]
+    alone = core_steps.step(name, numbers)[0, :-1]
     if J.shape[1] < 7:
-        together = _core.step(name, numbers, side_by_side=True)[0, :-1]
+        together = core_steps.step(name, numbers, side_by_side=True)[0, :-1]
         # Rounding of J counts by this much along what a singular J all but loses.
         rounding = 1e-15 * np.linalg.norm(twist) / (np.linalg.svd(J, compute_uv=False)[-1] ** 2 + damping**2)
         np.testing.assert_allclose(together, alone, atol=1e-9 * max(1.0, np.abs(alone).max()) + rounding)
@@ -54,7 +53,7 @@ def test_convergence_is_quadratic(name: str, damped: bool) -> None:
 
     def left_after(rounds: int, distance: float) -> float:
         start = start_near(q, distance)
-        return _core.polish(arm, T, start, damped, rounds)
+        return core_steps.polish(arm, T, start, damped, rounds)
 
     errors = [left_after(1, distance) for distance in (1e-2, 1e-3, 1e-4, 1e-5)]
     for before, after in zip(errors, errors[1:], strict=False):
@@ -76,7 +75,7 @@ def test_refine_never_ends_worse_than_it_began(name: str) -> None:
     for start in (*rng.uniform(-PI, PI, (6, 6)), np.zeros(6), np.full(6, PI / 2.0)):
         for T in (chain.fk(rng.uniform(-PI, PI, 6)), chain.fk(start), far):
             q = start.copy()
-            left = _core.polish(arm, T, q, True, 15)
+            left = core_steps.polish(arm, T, q, True, 15)
             assert np.isfinite(q).all()
             assert (np.abs(q) <= PI).all()
             assert abs(left - pose_error(T, chain.fk(q), 1.0 / chain.size)[1]) < 1e-14

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 
+import core_steps
 import numpy as np
 import pytest
 from arms import rotation
 from core_samples import PI, step
 from numpy.typing import NDArray
-
-from urdf_ik import _core
 
 Array = NDArray[np.float64]
 
@@ -18,7 +17,7 @@ Array = NDArray[np.float64]
 def defects(T: Array) -> list[float]:
     """The defect of a pose, alone and in a block."""
     numbers = T.reshape(1, 16)
-    return [float(_core.step("pose_defect", numbers, side_by_side=many)[0, 0]) for many in (False, True)]
+    return [float(core_steps.step("pose_defect", numbers, side_by_side=many)[0, 0]) for many in (False, True)]
 
 
 @pytest.mark.parametrize("size", [0.0, 1e-12, 1e-8, 1e-5, 1e-2])

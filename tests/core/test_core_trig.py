@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 
+import core_steps
 import numpy as np
 import pytest
 from core_samples import PI, angles, apart, step, with_roots
 from hypothesis import given
 from numpy.typing import NDArray
-
-from urdf_ik import _core
 
 Array = NDArray[np.float64]
 
@@ -32,7 +31,7 @@ def test_atan2(side_by_side: bool) -> None:
         *zip(np.sin(round_and_round).tolist(), np.cos(round_and_round).tolist(), strict=True),
         *((s * a, t * b) for a in MAGNITUDES for b in MAGNITUDES if a or b for s in (1, -1) for t in (1, -1)),
     ]
-    answers = _core.step("atan2", np.array(points), side_by_side=side_by_side)[:, 0]
+    answers = core_steps.step("atan2", np.array(points), side_by_side=side_by_side)[:, 0]
     for (y, x), answer in zip(points, answers.tolist(), strict=True):
         expected = math.atan2(y, x)
         assert abs(answer - expected) <= 2.0 * math.ulp(expected), (y, x)
@@ -164,7 +163,7 @@ def test_cosine_and_sine() -> None:
     """On the range that solvers use, both are NumPy's to one unit in the last place of 1, alone and in blocks."""
     a = np.concatenate([np.linspace(-1.1 * PI, 1.1 * PI, 20_001), np.arange(-4, 5) * PI / 4.0])
     for side_by_side in (False, True):
-        found = _core.step("cos_sin", a[:, None], side_by_side=side_by_side)
+        found = core_steps.step("cos_sin", a[:, None], side_by_side=side_by_side)
         np.testing.assert_allclose(found, np.column_stack([np.cos(a), np.sin(a)]), rtol=0.0, atol=2.3e-16)
 
 
@@ -172,9 +171,9 @@ def test_inverses_and_roots() -> None:
     """1 / x, 1 / sqrt(x) and sqrt(x) hold to two units in the last place over many magnitudes; sqrt(0) is 0."""
     x = 10.0 ** np.random.default_rng(3).uniform(-30, 30, 5001)
     for side_by_side in (False, True):
-        found = _core.step("inverse", x[:, None], side_by_side=side_by_side)
+        found = core_steps.step("inverse", x[:, None], side_by_side=side_by_side)
         np.testing.assert_allclose(found, np.column_stack([1.0 / x, 1.0 / np.sqrt(x), np.sqrt(x)]), rtol=4.5e-16)
-        assert _core.step("inverse", np.zeros((1, 1)), side_by_side=side_by_side)[0, 2] == 0.0
+        assert core_steps.step("inverse", np.zeros((1, 1)), side_by_side=side_by_side)[0, 2] == 0.0
 
 
 # ---------------------------------------------------------------- polynomials that read the same from both ends

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from functools import lru_cache
 
 import contract
+import core_steps
 import numpy as np
 import pytest
 from arms import DescribedArm, Y, Z, rotation
@@ -15,7 +16,6 @@ from cases import Case, assert_exact, closest_pair, described, nearest, rows
 from numpy.typing import NDArray
 from oracle import Oracle
 
-from urdf_ik import _core
 from urdf_ik.ik.families.parts import elimination
 
 Array = NDArray[np.float64]
@@ -218,7 +218,7 @@ def test_line_motions_compose() -> None:
 def self_inversive_roots(coefficients: NDArray[np.complex128]) -> NDArray[np.complex128]:
     """The roots (n,) that the core finds of a polynomial (n + 1,), from the constant up."""
     numbers = np.column_stack([coefficients.real, coefficients.imag]).reshape(1, -1)
-    found = _core.step(f"self_inversive_roots_{len(coefficients) - 1}", numbers)[0].reshape(-1, 2)
+    found = core_steps.step(f"self_inversive_roots_{len(coefficients) - 1}", numbers)[0].reshape(-1, 2)
     return found[:, 0] + 1j * found[:, 1]
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from arms import Y, Z, serial_urdf
@@ -14,6 +12,7 @@ from seven_joints import member, tolerance
 
 import urdf_ik
 from urdf_ik import ArgumentError, UnsupportedArm
+from urdf_ik.ik.families.srs import SrsArm
 
 # What each kind is solved as: the family, the joint that is given.
 EXPECTED = {
@@ -36,10 +35,11 @@ def draw(case: Case, seed: int, m: int) -> tuple[Array, Array, Array]:
     return q, case.oracle.poses(q), case.arm.redundancy_of(q)
 
 
-def numbers_of(case: Case) -> dict[str, Any]:
-    """What an S-R-S arm's solver was made from."""
-    numbers: dict[str, Any] = case.arm._plan.solver.values
-    return numbers
+def numbers_of(case: Case) -> SrsArm:
+    """The numbers of an S-R-S arm."""
+    arm = case.arm._plan.solver.arm
+    assert isinstance(arm, SrsArm)
+    return arm
 
 
 @pytest.mark.parametrize(("seed", "orthogonal", "aligned"), VARIANTS)
@@ -221,16 +221,16 @@ def test_near_singularities(where: str, distance: float, seed: int) -> None:
     kind = SWIVELLING[seed % 2]
     case = member(kind, seed, True, seed == 3)
     numbers = numbers_of(case)
-    straight = -numbers["zero_4"]
+    straight = -numbers.zero_4
     for q in case.oracle.draw(np.random.default_rng(seed), 4):
         if where in ("elbow stretched", "all"):
             q[3] = straight + distance
         if where == "elbow folded":
             q[3] = straight + np.pi + distance
         if where in ("shoulder", "all"):
-            q[1] = -numbers["shoulder"]["shift"] + distance
+            q[1] = -numbers.shoulder.shift + distance
         if where in ("wrist", "all"):
-            q[5] = -numbers["wrist"]["shift"] + distance
+            q[5] = -numbers.wrist.shift + distance
         if where == "on axis 1":
             q = above_the_base(case, q)
             if q is None:
@@ -288,7 +288,7 @@ def test_representatives_follow_the_reference() -> None:
     """At an aligned shoulder and wrist the joints that only count together stand at zero, or near ``q_ref``."""
     case = member("S-R-S", 1, True, True)
     numbers = numbers_of(case)
-    q = np.array([0.4, -numbers["shoulder"]["shift"], 0.7, 1.1, -0.3, -numbers["wrist"]["shift"], 0.9])
+    q = np.array([0.4, -numbers.shoulder.shift, 0.7, 1.1, -0.3, -numbers.wrist.shift, 0.9])
     T, value = case.oracle.pose(q), float(case.arm.redundancy_of(q))
     at_zero = assert_exact(case, case.arm.ik(T, redundancy=value), T)
     assert np.abs(at_zero[:, 0]).min() < 1e-12

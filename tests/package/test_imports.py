@@ -27,7 +27,9 @@ FLOORS = (
 )
 FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
 # The same of the compiled core: what computes knows nothing of Python, whose side the bindings are.
-CORE_FLOORS = ("arithmetic", "kinematics", "answers", "families", "self_motion", "motion", "", "bindings")
+CORE_FLOORS = (
+    "arithmetic", "kinematics", "answers", "families", "self_motion", "motion", "", "arms", "bindings", "steps"
+)  # fmt: skip
 # An arm reaches these through functions that import them when they are called.
 REACHED_BY_ARM = {"collision", "cuspidality", "motion", "reference"}
 MOST_LINES, MOST_FILES = 450, 15

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from arms import random_arm
@@ -12,6 +13,7 @@ from cases import Case, assert_exact, closest_pair, described, flags, indistinct
 from numpy.typing import NDArray
 
 from urdf_ik.ik.families import general_6r
+from urdf_ik.ik.families.wrappers.mirrored import Reversed
 from urdf_ik.kinematics.structure import analyse
 
 Array = NDArray[np.float64]
@@ -96,9 +98,9 @@ def agrees_with_elimination(case: Case, poses: int, seed: int) -> None:
 def at_quarter_turns(case: Case, poses: int, seed: int) -> None:
     """All joints on multiples of a quarter turn from where neighbouring axes lie in a plane: exact solutions."""
     plan = case.arm._plan
-    from_tip = plan.solver.kind == "reversed"
-    values = plan.solver.values["solver"].values if from_tip else plan.solver.values
-    offset = values["ideal"]["offset"]
+    arm: Any = plan.solver.arm
+    from_tip = isinstance(arm, Reversed)
+    offset = (arm.solver if from_tip else arm).ideal.offset
     offset = offset[::-1] if from_tip else offset
     rng = np.random.default_rng(seed)
     for quarters in rng.integers(-2, 3, (poses, 6)):

@@ -6,15 +6,15 @@ import math
 import os
 import subprocess
 import sys
-from typing import Any
 
+import core_steps
 import numpy as np
 from arms import X, Z, industrial, random_arm, rotation, ur_like
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from urdf_ik import _core
-from urdf_ik.ik.families.parts.values import written_values
+from urdf_ik.ik.families.parts.written import Written
+from urdf_ik.ik.families.parts.written import written as written_arm
 from urdf_ik.kinematics.chain import Chain, from_urdf
 from urdf_ik.model import urdf
 
@@ -27,9 +27,9 @@ IN_BLOCKS = ("wrap", "swing_to_offset", "elbow")
 def step(name: str, *numbers: float) -> list[float]:
     """One step of the solvers; where there is one for blocks of poses, both give the same to rounding."""
     x = np.array([numbers], dtype=np.float64)
-    alone = _core.step(name, x)[0]
+    alone = core_steps.step(name, x)[0]
     if name in IN_BLOCKS:
-        together = _core.step(name, np.repeat(x, 3, axis=0), side_by_side=True)
+        together = core_steps.step(name, np.repeat(x, 3, axis=0), side_by_side=True)
         np.testing.assert_array_equal(together[0], together[2])
         # At a double root rounding is worth half the digits; beyond it, blocks continue on another curve.
         kept = slice(None) if name == "wrap" or alone[-1] > -1e-12 else slice(-1, None)
@@ -38,10 +38,10 @@ def step(name: str, *numbers: float) -> list[float]:
     return list(alone.tolist())
 
 
-def written(urdf_text: str) -> tuple[dict[str, Any], Chain]:
+def written(urdf_text: str) -> tuple[Written, Chain]:
     """The arm as the URDF has it, as the solvers take it, and its chain."""
     chain = from_urdf(urdf.read(urdf_text), "base", "tool")
-    return written_values(chain), chain
+    return written_arm(chain), chain
 
 
 def angles(low: float = -PI, high: float = PI) -> st.SearchStrategy[float]:

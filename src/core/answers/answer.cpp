@@ -23,17 +23,17 @@ void accept(const Written<6>& arm, const Goal<double>& goal, const double (&q)[6
     if (arm.raw) return keep(columns, b, q, marks);
     const double enough = arm.exact ? arm.tolerances.reach : CONVERGED;
     // least: a bound from below on the smallest singular value of the Jacobian.
-    const auto take = [&](double (&at)[6], double error, double least) {
+    const auto keep_if_new = [&](double (&at)[6], double error, double least) {
         if (!(error <= enough) || !is_new(arm, goal, columns, at)) return;
         add(arm, goal, columns, b, at, near && least < NEAR_FOLD ? singular_marks(arm, goal, at, marks) : 0);
     };
     double at[6];
-    // A closed form is not improved by a step along a singular direction that only rounding asks for.
+    // A step along a singular direction does not improve a closed form's candidate: only rounding would cause it.
     const Course course = arm.exact ? Course{15, CONVERGED, LONG_PATIENCE} : Course{60, FINISHED, LONG_PATIENCE};
     if (arm.exact || !arm.beside || !near) {
         for (int j = 0; j < 6; ++j) at[j] = q[j];
         const Polished<double> end = polish_one<true>(arm, goal, at, course);
-        return take(at, end.error, end.least);
+        return keep_if_new(at, end.error, end.least);
     }
     for (int from = 0; from < STARTS_AROUND_CANDIDATE; from += BLOCK) {
         Block start[6];
@@ -42,7 +42,7 @@ void accept(const Written<6>& arm, const Goal<double>& goal, const double (&q)[6
         const Polished<Block> end = polish<true, Written<6>, Block>(arm, spread<Block>(goal), start, course, zero <= zero);
         for (int l = 0; l < BLOCK; ++l) {
             for (int j = 0; j < 6; ++j) at[j] = wrap(start[j][l]);
-            take(at, end.error[l], end.least[l]);
+            keep_if_new(at, end.error[l], end.least[l]);
         }
     }
 }

@@ -1,4 +1,4 @@
-// The solutions of one pose: whether a candidate is new, where it is kept, in what order they stand.
+// The solutions of one pose: deciding whether a candidate is new, keeping it in a column, sorting the columns.
 #pragma once
 
 #include "answers/polish.hpp"
@@ -35,11 +35,11 @@ template <int N> struct Columns {
     }
 };
 
-// The joint vector near which a joint that a pose leaves free is put: the caller's, or zeros.
+// The reference: joints that a pose leaves free take values near it. It is the caller's joint vector, or zeros.
 template <int N> struct Reference {
     double q[N];
     double given;  // 1, or 0 where it stands for zeros
-    // How far the target that a closed form sees stands off the one that is to be reached [rad, share of size].
+    // The distance between the target given to the closed form and the real one [rad, share of size].
     double displaced = 0.0;
 };
 template <int N> STEP Reference<N> reference_of(const double* q_ref) {
@@ -49,7 +49,7 @@ template <int N> STEP Reference<N> reference_of(const double* q_ref) {
     return r;
 }
 
-// Margins and squared arms up to here may be those of a singular solution, whose Jacobian then decides.
+// If a margin or squared lever arm is at most this, the solution may be singular; the Jacobian decides.
 template <int N> STEP double marked(const Tolerances& tolerances, const Reference<N>& reference) {
     return max(tolerances.fold, 10.0 * reference.displaced);
 }
@@ -62,14 +62,14 @@ SHARED Weakest<Model::joints> weakest_at(const Model& arm, const Goal<double>& g
     return weakest(J);
 }
 
-// Whether q differs from every solution that the columns hold. Two vectors half way between which the arm is still in
-// the pose, to rounding, are one double root; two that are no farther apart than their errors over the Jacobian's smallest
-// singular value are one root, which neither has come quite to.
+// Whether q differs from every solution in the columns. Two vectors are one double root if the arm is in the pose, to rounding,
+// at their midpoint too. They are one inaccurate root if their distance is at most their errors over the Jacobian's smallest
+// singular value.
 template <class Model>
 SHARED bool is_new(const Model& arm, const Goal<double>& goal, const Columns<Model::joints>& columns,
                    const double (&q)[Model::joints]) {
     constexpr int N = Model::joints;
-    // The pose of a slide many sizes out is rounded as coarsely as it is far.
+    // The pose of a slide many sizes out has a rounding error in proportion to that distance.
     double far = 1.0;
     for (int j = 0; j < N; ++j) far = max(far, abs(gap(arm, j, q[j], 0.0)) / PI);
     const double same = arm.tolerances.duplicate * far;
@@ -93,7 +93,7 @@ SHARED bool is_new(const Model& arm, const Goal<double>& goal, const Columns<Mod
     return true;
 }
 
-// Store q in column b, or in the first free one if that is taken; a full table drops it.
+// Store q in column b, or in the first free column if b is taken. If all are taken, q is dropped.
 template <int N> STEP void keep(const Columns<N>& columns, int b, const double (&q)[N], int marks) {
     if (columns.valid(b)) {
         for (b = 0; b < columns.many && columns.valid(b); ++b) {}
@@ -103,8 +103,7 @@ template <int N> STEP void keep(const Columns<N>& columns, int b, const double (
     columns.flags[b] = VALID | marks;
 }
 
-// Joint values nearer than this [rad, m] count as the same in the order of the columns, so that rounding does not
-// decide it.
+// Joint values closer than this [rad, m] count as equal when columns are sorted, so that rounding does not change the order.
 inline constexpr double SAME_VALUE = 1e-6;
 
 // Order the solutions by their joint values, the first joint first, the invalid ones behind: columns of an arm whose
@@ -123,7 +122,7 @@ template <int N> PART void sort(const Columns<N>& columns) {
     }
 }
 
-// The second smallest singular value of the Jacobian at q: the smallest one once a row is added that holds its direction.
+// The second smallest singular value of the Jacobian at q: the smallest one after a row with the weakest direction is added.
 template <class Model>
 SHARED double second_weakest_at(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints]) {
     Rows<Model::rows, double> J[Model::joints];
@@ -137,29 +136,28 @@ SHARED double second_weakest_at(const Model& arm, const Goal<double>& goal, cons
     return weakest(held).value;
 }
 
-// marks if the Jacobian at q is singular (OTHER where they name no kind), else none.
+// The flags of a singular solution q: `marks`, or OTHER if that is 0; 0 if the Jacobian is regular.
 template <class Model>
 STEP int singular_marks(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints], int marks) {
     if (weakest_at(arm, goal, q).value > arm.tolerances.singular) return 0;
     return marks ? marks : OTHER;
 }
 
-// Error to which a candidate must fall that lies a little beyond its family's end.
+// A candidate slightly beyond the end of its branch must converge to this error.
 inline constexpr double DOUBTFUL = 1e-12;
 
-// Whether Newton's method makes a solution of q, a candidate whose margins say that there is none: by what rounding may
-// have done to them. q is replaced.
+// Whether Newton's method reaches a solution from q, a candidate whose margins are negative, perhaps by rounding. q is replaced.
 template <class Model>
 STEP bool holds(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints], int patience = LONG_PATIENCE) {
     return polish_one<true>(arm, goal, q, {60, CONVERGED, patience}).error <= DOUBTFUL;
 }
 
-// How much smaller a second singular value is where two continua cross, or all but do.
+// At a crossing of two continua, or near one, the second smallest singular value is smaller by this factor.
 inline constexpr double CROSSING = 0.1;
 
-// The column of a full table that q may take, or -1. Of the two singular solutions that lie nearest to each other, most likely
-// members of one continuum, that one goes which is less special: whose Jacobian has the larger second singular value. It goes
-// for a regular solution, for a singular one that is more special, and for one as special that lies farther from the others.
+// The column that q may take when all columns are taken, or -1. The two singular solutions nearest to each other most likely lie
+// on one continuum. The one whose Jacobian has the larger second smallest singular value is replaced: by a regular solution, by a
+// singular one with a smaller such value, or by one with the same value that is farther from the others.
 template <class Model>
 PART int less_needed(const Model& arm, const Goal<double>& goal, const Columns<Model::joints>& columns,
                      const double (&q)[Model::joints], int marks) {
@@ -194,7 +192,7 @@ PART int less_needed(const Model& arm, const Goal<double>& goal, const Columns<M
     return alone > least && of_going >= CROSSING * of_new ? goes : -1;
 }
 
-// Store a new solution in column b, in the first free one if that is taken, or in that of one that is less needed.
+// Store a new solution in column b; if b is taken, in the first free column; if none is free, in place of a less useful solution.
 template <class Model>
 PART void add(const Model& arm, const Goal<double>& goal, const Columns<Model::joints>& columns, int b,
               const double (&q)[Model::joints], int marks) {
@@ -206,8 +204,8 @@ PART void add(const Model& arm, const Goal<double>& goal, const Columns<Model::j
     keep(columns, b, q, marks);
 }
 
-// Fixed numbers in [-1, 1) that look random, so that the same target always has the same answer: the linear congruential
-// generator of the C standard's example.
+// Pseudorandom numbers in [-1, 1), always the same, so that equal targets have equal answers: the linear congruential generator
+// of the C standard's example.
 struct Scatter {
     std::uint32_t seed;
     STEP double next() {
@@ -219,9 +217,9 @@ struct Scatter {
 };
 
 // Polish the closed form's candidate q of column b on the arm as written, and keep it if it is verified and new.
-// near: whether it is near a singularity, so that it is asked for its marks. On an arm that is only near the ideal one a
-// candidate there may stand for two solutions, or for none: starts beside it find both, and only what has converged to
-// rounding is one, since near a double root an error falls with the square of the distance.
+// near: the candidate is near a singularity, so its flags are computed. On an imperfect arm such a candidate may lead to two
+// solutions or to no solution. Starts beside it find both. A result counts as a solution only if it converged to rounding, since
+// near a double root the error falls with the square of the distance.
 void accept(const Written<6>& arm, const Goal<double>& goal, const double (&q)[6], int b, int marks, bool near,
             const Columns<6>& columns);
 

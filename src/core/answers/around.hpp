@@ -1,8 +1,8 @@
-// Where rounding hides from a closed form which branches a pose has, the form is asked at targets around it.
+// Where rounding hides which branches a pose has, the closed form is solved for targets around it.
 //
-// Next to one singularity an angle is known to half of its digits. A second singularity that depends on this angle may then lie
-// on either side of what is computed, and a joint that the pose leaves free may look fixed. Targets a little way off have no
-// such trouble: their solutions lie near those of the pose, and Newton's method leads from the ones to the others.
+// Next to a singularity an angle is accurate to half of its digits only. A second singularity that depends on this angle may then
+// be on either side of the computed one, and a free joint may look fixed. Targets a small distance away are not affected. Their
+// solutions are near those of the pose, and Newton's method leads from one to the other.
 #pragma once
 
 #include "answers/answer.hpp"
@@ -10,8 +10,8 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// How far off [rad, share of size]; at how many targets at most, in pairs on opposite sides; and how many of them in a row may
-// tell nothing new about a pose that has a solution.
+// The distance of these targets [rad, share of size]; how many there are at most, in pairs on opposite sides; and after how many in
+// a row without a new solution the search ends.
 inline constexpr double DISPLACED = 1e-6;
 inline constexpr int DISPLACEMENTS = 16, IN_VAIN = 4;
 
@@ -29,10 +29,10 @@ STEP Seen<double> displaced(const Seen<double>& seen, int k, double size) {
     return {{x, y, cross(x, y)}, seen.p + Vec<double>{size * by[3], size * by[4], size * by[5]}};
 }
 
-// The flags that say where a solution is singular.
+// The flags of a solution's singularities.
 inline constexpr unsigned KINDS = SHOULDER | ELBOW | WRIST | OTHER;
 
-// Whether two solutions lie on one continuum: Newton's method from half way between them then stays about there.
+// Whether two solutions lie on one continuum: Newton's method from their midpoint then stays near it.
 template <class Model> PART bool is_joined(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints],
                                            const double* other) {
     constexpr int N = Model::joints;
@@ -48,8 +48,8 @@ template <class Model> PART bool is_joined(const Model& arm, const Goal<double>&
     return min(left, right) > 0.25 * apart;
 }
 
-// Whether q, a singular solution of branch b, belongs to a continuum that the columns hold a member of: that of a branch
-// whose other signs mean nothing there.
+// Whether q, a singular solution of branch b, lies on a continuum with a solution that is already kept. That solution's branch
+// differs only in signs that mean nothing there.
 template <class Model> PART bool is_represented(const Model& arm, const Goal<double>& goal, const Columns<Model::joints>& columns,
                                                 int b, unsigned marks, const double (&q)[Model::joints]) {
     for (int c = 0; c < columns.many; ++c) {
@@ -61,15 +61,16 @@ template <class Model> PART bool is_represented(const Model& arm, const Goal<dou
     return false;
 }
 
-// Keep what Newton's method makes of the candidate q of branch b, if it is no other member of a known continuum.
-template <class Model> PART void take_unless_represented(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints],
+// Polish the candidate q of branch b and keep the solution, unless it lies on the continuum of a known one.
+template <class Model> PART void keep_unless_represented(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints],
                                                          int b, int marks, const Columns<Model::joints>& columns) {
     if (!holds(arm, goal, q) || !is_new(arm, goal, columns, q)) return;
     const int kinds = singular_marks(arm, goal, q, marks);
     if (!kinds || !is_represented(arm, goal, columns, b, unsigned(kinds), q)) keep(columns, b, q, kinds);
 }
 
-// The branches of one pose whose bit is set in `wanted`, and those of which Family::closely is not sure from all around.
+// Solve the branches of one pose whose bit is set in `wanted`; those that Family::closely is unsure of also from targets around
+// it.
 template <class Family, int N>
 PART void closely_and_around(const typename Family::Arm& arm, const Goal<double>& goal, const Seen<double>& seen,
                              const Reference<N>& reference, const Columns<N>& columns, unsigned wanted) {

@@ -1,17 +1,17 @@
-// A search beside folds, for arms of which two solutions may have been taken for one.
+// A search beside folds, for arms on which two solutions may have been mistaken for one.
 #pragma once
 
 #include "answers/answer.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// A solution whose Jacobian has a smaller singular value may have a second one next door (rad, shares of the size).
+// If the Jacobian's smallest singular value is below this, a second solution may be close by (rad, shares of the size).
 inline constexpr double SECOND_NEXT_DOOR = 5e-3;
 // Distances [rad] at which Newton's method starts beside it, half a decade apart.
 inline constexpr double BESIDE_FOLD[16] = {0.3,  0.094868,  0.03, 0.0094868, 3e-3, 9.4868e-4, 3e-4, 9.4868e-5,
                                            3e-5, 9.4868e-6, 3e-6, 9.4868e-7, 3e-7, 9.4868e-8, 3e-8, 9.4868e-9};
 
-// Bounds from below on the smallest singular values of the Jacobians at the solutions in a block of columns, 0 where there is none.
+// Lower bounds on the smallest singular values of the Jacobians at the solutions in a block of columns; 0 in empty columns.
 template <class Model>
 PART Block least_bounds(const Model& arm, const Goal<Block>& goals, const Columns<Model::joints>& columns, int from) {
     constexpr int N = Model::joints;
@@ -27,8 +27,7 @@ PART Block least_bounds(const Model& arm, const Goal<Block>& goals, const Column
     return there * least_squares<false>(J, e.twist, Block(0.0)).least;
 }
 
-// Newton's method starts on both sides of a solution near a fold, along what the Jacobian all but loses; what it finds is kept if
-// it is new.
+// Newton's method starts on both sides of a solution near a fold, along the Jacobian's weakest direction. A new solution is kept.
 template <class Model>
 PART void search_beside_fold(const Model& arm, const Goal<double>& goal, const Goal<Block>& goals, const double (&q)[Model::joints],
                              const Weakest<Model::joints>& fold, const Columns<Model::joints>& columns) {
@@ -50,7 +49,7 @@ PART void search_beside_fold(const Model& arm, const Goal<double>& goal, const G
     }
 }
 
-// The same of every solution near a fold. Solutions that are singular are flagged. Returns whether there was one near a fold.
+// The same for every solution near a fold. Singular solutions are flagged. Returns whether a solution was near a fold.
 template <class Model> PART bool search_beside_folds(const Model& arm, const Goal<double>& goal,
                                                      const Columns<Model::joints>& columns) {
     constexpr int N = Model::joints;
@@ -72,17 +71,17 @@ template <class Model> PART bool search_beside_folds(const Model& arm, const Goa
     return near;
 }
 
-// A valley: where the Jacobian all but loses a rank all along a curve, whose points miss the goal by little. Steps along it
-// [rad], how many of them, damping that leaves what is weak where it is, from when on the joints are no longer weak, and by how
-// much a valley's points may miss the goal.
+// A valley is a curve whose points almost reach the goal, and along which the Jacobian nearly loses a rank. The length of a step
+// along it [rad], the number of steps, a damping that suppresses motion in the weak direction, the singular value at which the
+// valley ends, and the largest error of its points.
 inline constexpr double STRIDE = 0.06, HOLDING = 3e-3, NO_LONGER_WEAK = 3e-2, OUT_OF_VALLEY = 1e-2;
 inline constexpr int STRIDES = 128;
-// Below this singular value a solution lies in a valley that is worth a walk whatever the number of solutions.
+// If a solution's singular value is below this, its valley is followed however many solutions are known.
 inline constexpr double IN_A_VALLEY = 1e-5;
 
-// Newton's method from a point of a valley; its solution is kept if it is new.
+// Newton's method from a point of a valley; a new solution is kept.
 template <class Model>
-PART void take_from_valley(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints],
+PART void polish_in_valley(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints],
                            const Columns<Model::joints>& columns) {
     if (polish_one<true>(arm, goal, q, {60, FINISHED, LONG_PATIENCE}).error <= CONVERGED && is_new(arm, goal, columns, q)) {
         add(arm, goal, columns, 0, q, singular_marks(arm, goal, q, 0));
@@ -120,7 +119,7 @@ PART bool walk_valley(const Model& arm, const Goal<double>& goal, const double* 
             const double share = crossed ? sizes[0] / (sizes[0] + size) : 0.0;
             double found[N];
             for (int j = 0; j < N; ++j) found[j] = advanced(arm, j, last[j], share * gap(arm, j, q[j], last[j]));
-            take_from_valley(arm, goal, found, columns);
+            polish_in_valley(arm, goal, found, columns);
         }
         sizes[1] = sizes[0], sizes[0] = size;
         const auto is_here = [&](const double* other) {

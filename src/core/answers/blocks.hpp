@@ -1,21 +1,21 @@
-// The one driver of the closed forms: a block of poses is checked, transformed, solved and stored; poses in doubt (near
-// a singularity, at the edge of reach, with a rotation that is off by rounding) are then looked at one by one.
+// Drives all closed forms: a block of poses is checked, transformed, solved and stored. Poses in doubt (near a singularity, at the
+// edge of reach, with an inexact rotation) are then solved one by one on a careful path.
 //
 // A Family is a struct with
-//   Arm        what it knows of an arm; Arm::ideal is IdealFrames, or Ends at least, Arm::written is Written<N>
+//   Arm        an arm's numbers; Arm::ideal is IdealFrames, or Ends at least, Arm::written is Written<N>
 //   branches   how many columns it has
 //   fast       fast(arm, seen, found): all branches of a block of poses; found is Found<branches>
 //   by_signs   whether three signs tell its branches apart; if so
 //   branch     branch(arm, seen, signs): one branch a lane, each of its own pose, beyond their ends too (see margin_root);
 //              imperfect arms ask for it (families/imperfect/imperfect.hpp)
 //   closely    closely(arm, goal, seen, reference, columns, wanted): the branches of one pose whose bit is set in
-//              `wanted`, added to the columns. Where it returns a number, that has the bit set of each branch that
-//              it is not sure of (see around.hpp)
-// and, where its targets are not poses of sixteen numbers,
+//              `wanted`, added to the columns. If it returns a number, the bits of that number name the branches
+//              that it is unsure of (see around.hpp)
+// and, if its targets are not poses of sixteen numbers,
 //   numbers    how many numbers a target has
 //   load       load(arm, from, t): a block of targets as poses
-// and, where a pose leaves one number free,
-//   redundant  true; Arm::value is the number where none is given; fast, closely and solve take it behind what they see
+// and, for arms with a redundancy parameter,
+//   redundant  true; Arm::value is its default; fast, closely and solve take it after `seen`
 // A family without a fast path goes through solve_singly; it has closely, or instead of it
 //   solve      solve(arm, goal, reference, columns): all solutions of one pose
 #pragma once
@@ -28,9 +28,9 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// A branch: turns of the ideal arm's joints, offsets included; how far it is from its ends, the margins whose roots have its signs
-// of shoulder, elbow and wrist (bits 4, 2 and 1 of its number), and the least squared arm that fixes its angles (dimensionless),
-// each by what comes before it (see after).
+// A branch: the ideal arm's joint angles as (cos, sin), offsets included; the margins of shoulder, elbow and wrist, whose roots
+// have the branch's signs (bits 4, 2 and 1 of its number); and the smallest squared lever arm of its angles (dimensionless).
+// Margins and lever arms are reduced by the earlier joints' (see after).
 struct Branch {
     Turn<Block> turn[6];
     Block shoulder, elbow, wrist, arms;
@@ -39,17 +39,16 @@ struct Branch {
 struct Signs {
     Block shoulder, elbow, wrist;
 };
-// The squared arm that fixes a joint, by how well those before it are fixed. What moves the target moves a joint by that over its
-// arm, or over the root of its margin, and takes along the joints that come after it: `before` is the least of these squares.
+// The squared lever arm of a joint, reduced by those of earlier joints. A small motion of the target moves a joint by the motion
+// over its lever arm, or over the root of its margin, and this moves all later joints: `before` is the smallest of these squares.
 template <class V> STEP V after(const V& arm, const V& before) { return arm * min(V(1.0), before); }
 
-// What of a branch, or of several, is settled besides the angles: the lanes in which it is no solution, and those in which that
-// is in doubt.
+// For one or several branches: the lanes in which they are not solutions, and the lanes in which this is in doubt.
 struct State {
     MaskOf<Block> lost, doubt;
 };
 
-// A block's answers: angles of each branch; the lanes in which it is a solution, and those in which that is in doubt.
+// The result for a block: angles of each branch, the lanes in which it is a solution, and the lanes in doubt.
 template <int B, int N = 6> struct Found {
     Block q[B][N];
     unsigned valid[B], doubt[B];
@@ -69,7 +68,7 @@ template <int B, int N = 6> struct Found {
     }
 };
 
-// So many angles of a block, given by (cos, sin), that are to be taken together.
+// Angles of a block, given by (cos, sin), that are computed together.
 template <int N> struct AnglesOf {
     Block y[N], x[N];
     STEP void set(int i, const Turn<Block>& t) { y[i] = t.s, x[i] = t.c; }
@@ -87,7 +86,7 @@ template <int FROM, int TO> PART void angles(Block* __restrict y, const Block* _
     }
 }
 
-// Poses as many as the block has lanes to their sixteen numbers.
+// Loads as many poses as the block has lanes into sixteen registers.
 template <int L, int K> STEP void load_poses(const double* T, Pack<L, K> (&t)[16]) {
     for (int k = 0; k < K; ++k) {
         for (int c = 0; c < 16; c += L) {
@@ -99,7 +98,7 @@ template <int L, int K> STEP void load_poses(const double* T, Pack<L, K> (&t)[16
     }
 }
 
-// Streaming stores pass the cache by: they gain where the answer is larger than it, and lose where it is read at once.
+// Streaming stores bypass the cache: they are faster if the answer does not fit in it, and slower if it is read at once.
 enum class Write { plain, streaming };
 inline constexpr long STREAMED_FROM = 10000;  // poses
 
@@ -133,8 +132,8 @@ STEP void store_rows(const Pack<L, K>* rows, double* to) {
     }
 }
 
-// The same where a pose's numbers do not fill registers: by way of a buffer. A register's surplus falls on numbers that are
-// written later, because the last part of every pose comes first.
+// The same for poses whose numbers do not fill whole registers, through a buffer. The surplus of a register is overwritten later,
+// because the last part of every pose is stored first.
 template <Write how, int COUNT, int L, int K>
     requires(COUNT % L != 0)
 STEP void store_rows(const Pack<L, K>* rows, double* to) {
@@ -205,7 +204,7 @@ template <class Family> constexpr bool redundant_of() {
     return requires { Family::redundant; };
 }
 
-// Whether the family's careful path returns what it is not sure of.
+// Whether the family's careful path returns the branches that it is unsure of.
 template <class Family> constexpr bool knows_doubt() {
     constexpr int N = joints_of<Family>;
     if constexpr (redundant_of<Family>()) return false;
@@ -223,7 +222,7 @@ template <class Arm> STEP Block load_values(const Arm& arm, const double* values
     return v;
 }
 
-// The careful path of one pose, and what is around it where the family says so.
+// The careful path for one pose, with targets around it where the family is unsure.
 template <class Family, int N>
 STEP void look(const typename Family::Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<N>& reference,
                const Columns<N>& columns, unsigned wanted) {
@@ -231,7 +230,7 @@ STEP void look(const typename Family::Arm& arm, const Goal<double>& goal, const 
     else Family::closely(arm, goal, seen, reference, columns, wanted);
 }
 
-// Look closely at one pose's branches in doubt. value: of the redundancy parameter, where there is one.
+// Solve one pose's branches in doubt on the careful path. value: of the redundancy parameter, for arms that have one.
 template <class Family>
 PART void solve_in_doubt(const typename Family::Arm& arm, const double (&T)[16], double defect, const double* q_ref, double value,
                          unsigned wanted, const Columns<joints_of<Family>>& columns) {
@@ -248,7 +247,7 @@ PART void solve_in_doubt(const typename Family::Arm& arm, const double (&T)[16],
     else look<Family>(arm, goal_of(proper), seen, reference, columns, wanted);
 }
 
-// One block of targets, `part.m` of which count. Returns the index of the first that is no pose, -1 where all are.
+// Solve one block of targets; only the first `part.m` count. Returns the index of the first invalid pose, or -1.
 template <class Family> STEP int solve_block(const typename Family::Arm& arm, const Batch& part, Write how) {
     constexpr int B = Family::branches, N = joints_of<Family>;
     const int many = int(part.m);
@@ -287,13 +286,13 @@ template <class Family> STEP int solve_block(const typename Family::Arm& arm, co
     return -1;
 }
 
-// Branches `first` and on of a family, a lane each, of targets of their own.
+// Branches from `first` on, one per lane, each for its own target.
 template <class Family> STEP Branch branches_from(const typename Family::Arm& arm, const Seen<Block>& seen, int first) {
     const auto& of = arm.ideal.signs;
     return Family::branch(arm, seen, {load<Block>(of[0] + first), load<Block>(of[1] + first), load<Block>(of[2] + first)});
 }
 
-// The joint vectors of all branches of a batch, beyond their ends too: see Batch::beyond. columns: of an answer, eight or more.
+// The joint vectors of all branches of a batch, also beyond their ends: see Batch::beyond. columns: per pose, eight or more.
 template <class Family> PART void branches_beyond(const typename Family::Arm& arm, const Batch& batch, int columns) {
     for (long i = 0; i < batch.m; ++i) {
         double* to = batch.q + 6 * columns * i;
@@ -310,12 +309,12 @@ template <class Family> PART void branches_beyond(const typename Family::Arm& ar
         }
     }
 }
-// Whether the family is one of those that it is for.
+// Whether branches_beyond() applies to the family.
 template <class Family> constexpr bool has_ends() {
     return requires { Family::by_signs; };
 }
 
-// All solutions of a batch. Returns the index of the first that is no pose, -1 where all are.
+// All solutions of a batch. Returns the index of the first invalid pose, or -1.
 template <class Family> long solve_closed_form(const typename Family::Arm& arm, const Batch& batch) {
     constexpr int B = Family::branches, answers = joints_of<Family> * B, numbers = numbers_of<Family>();
     if constexpr (has_ends<Family>()) {
@@ -331,7 +330,7 @@ template <class Family> long solve_closed_form(const typename Family::Arm& arm, 
             batch.T + numbers * start, many, batch.q_ref, batch.values ? batch.values + start : nullptr, batch.q + answers * start,
             batch.flags + B * start};
         if (many < BLOCK) {
-            // Filled up with its last target: the same instructions handle every pose, whatever its place in a batch.
+            // The last block repeats its last target, so that the same instructions handle a pose wherever it is in a batch.
             for (int i = 0; i < BLOCK; ++i) {
                 const long from = start + (i < many ? i : many - 1);
                 __builtin_memcpy(T + numbers * i, batch.T + numbers * from, numbers * sizeof(double));

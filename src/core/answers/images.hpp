@@ -21,7 +21,7 @@ struct Limit {
           endless(apart != 0.0 && std::isinf(low) && std::isinf(high)) {}
 };
 
-// Turns to the first and the last image inside; first > last where there is none.
+// Turns to the first and the last image inside; first > last if there is no image.
 struct ImageRange {
     double first, last;
     bool empty() const { return !(first <= last); }

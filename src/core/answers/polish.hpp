@@ -1,8 +1,8 @@
-// Newton's method on the arm as written: the one way by which candidates become solutions, for one to seven joints that
-// turn or slide, one candidate or a block of them side by side.
+// Newton's method on the arm as written. Every solution comes from here, for one to seven joints that turn or slide, for one
+// candidate or a block of candidates side by side.
 //
-// A Model is the arm as written (Written<N>), or anything else with `joints`, `rows`, `tolerances` and the functions below
-// for it: an arm whose joints drive several axes each brings its own; so does one of which more is asked than a pose.
+// A Model is the arm as written (Written<N>), or another type with `joints`, `rows`, `tolerances` and its own versions of the
+// functions below: arms whose joints drive several axes, and arms with further constraints beside the pose.
 #pragma once
 
 #include "arithmetic/least_squares.hpp"
@@ -11,7 +11,7 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Where the tip is to be: a frame in the base.
+// The target: the frame of the tip in the base.
 template <class V> using Goal = Frame<V>;
 
 STEP Goal<double> goal_of(const double* T) {
@@ -22,14 +22,14 @@ template <class V> STEP Goal<V> spread(const Goal<double>& g) {
     return {{wide(g.R.x), wide(g.R.y), wide(g.R.z)}, wide(g.p)};
 }
 
-// Twist that leads from a posture to the goal, lengths as shares of the size, and its greatest entry.
+// The twist from the tip to the goal, lengths as shares of the size, and its largest entry.
 template <class V, int rows = 6> struct Error {
     Rows<rows, V> twist;
     V size;
 };
 
-// The rotation's part is the vector of the skew part of goal R^T, exact to second order; it vanishes at half a turn too,
-// which the trace tells apart.
+// The rotational part is the vector of the skew part of goal R^T, exact to second order. It also vanishes at half a turn, which
+// the trace detects.
 template <class V> STEP Error<V> pose_error(const Goal<V>& goal, const Frame<V>& tip, double inverse_size) {
     const Vec<V> p = V(inverse_size) * (goal.p - tip.p);
     const Rot<V>&G = goal.R, &R = tip.R;
@@ -42,7 +42,7 @@ template <class V> STEP Error<V> pose_error(const Goal<V>& goal, const Frame<V>&
 
 template <class V> STEP Vec<V> without(const Vec<V>& a, const Vec<V>& n) { return a - dot(n, a) * n; }
 
-// The same for what the arm's task asks for only.
+// The same, restricted to what the arm's task controls.
 template <int N, class V> STEP Error<V> task_error(const Written<N>& arm, const Goal<V>& goal, const Frame<V>& tip) {
     const double inverse_size = 1.0 / arm.size;
     if (N >= 6 || arm.task == Task::pose) return pose_error(goal, tip, inverse_size);
@@ -61,7 +61,7 @@ template <int N, class V> STEP Error<V> task_error(const Written<N>& arm, const 
     return e;
 }
 
-// What of a column of the geometric Jacobian the arm's task sees.
+// A column of the geometric Jacobian, restricted to what the arm's task controls.
 template <int N, class V> STEP Six<V> task_column(const Written<N>& arm, const Frame<V>& tip, const Six<V>& column) {
     if (N >= 6 || arm.task == Task::pose) return column;
     Vec<V> v = {column[0], column[1], column[2]}, w = {column[3], column[4], column[5]};
@@ -78,7 +78,7 @@ template <int N, class V> STEP Error<V> error_at(const Written<N>& arm, const Go
     return task_error(arm, goal, place(arm, q).tip);
 }
 
-// The Jacobian's columns at a posture, of what the task sees.
+// The columns of the task's Jacobian.
 template <int N, class V> STEP void jacobian_at(const Written<N>& arm, const Posture<N, V>& at, Six<V> (&J)[N]) {
 #pragma GCC unroll 8
     for (int k = 0; k < N; ++k) {
@@ -94,16 +94,16 @@ STEP Error<V> error_and_jacobian(const Written<N>& arm, const Goal<V>& goal, con
     return task_error(arm, goal, at.tip);
 }
 
-// q_k moved by x (rad, or shares of the size).
+// Joint k's value q_k after a step of x (rad, or shares of the size).
 template <int N, class V> STEP V advanced(const Written<N>& arm, int k, const V& q, const V& x) {
     return arm.slides[k] ? q + arm.size * x : wrap(q + x);
 }
-// The difference of two values of joint k (rad, or shares of the size), by the shorter way round.
+// The difference of two values of joint k (rad, or shares of the size), the shorter way round.
 template <int N> STEP double gap(const Written<N>& arm, int k, double a, double b) {
     return arm.slides[k] ? (a - b) / arm.size : wrap(a - b);
 }
 
-// How a candidate is followed.
+// When an iteration stops.
 struct Course {
     int rounds;             // at most
     double enough;          // it rests below this error
@@ -111,16 +111,16 @@ struct Course {
     double least_damping = LEAST_DAMPING;
 };
 
-// What became of it. The joint vector that was passed in is replaced by the best one met.
+// The result. The joint vector that was passed in is replaced by the best one found.
 template <class V> struct Polished {
     V error;  // there
     V least;  // bound from below on the Jacobian's smallest singular value, where the last step began
 };
 
-// Newton's method from q, which is replaced by the best vector met. Steps are clamped to half a radian.
-// Damped: the damping falls with the error, so that convergence is quadratic at regular solutions, and steps stay
-// bounded at singular ones. Undamped: for starts near regular solutions, about a third faster.
-// Lanes where `moves` does not hold stay as they are.
+// Newton's method from q, which is replaced by the best vector found. Steps are limited to half a radian.
+// Damped: the damping falls with the error, so that convergence is quadratic at regular solutions and steps stay bounded at
+// singular ones. Undamped: for starts near regular solutions, about a third faster.
+// Lanes in which `moves` does not hold are left unchanged.
 template <bool damped, class Model, class V>
 STEP Polished<V> polish(const Model& arm, const Goal<V>& goal, V (&q)[Model::joints], const Course& course, MaskOf<V> moves) {
     constexpr int N = Model::joints;
@@ -131,7 +131,7 @@ STEP Polished<V> polish(const Model& arm, const Goal<V>& goal, V (&q)[Model::joi
         Rows<Model::rows, V> J[N];
         const Error<V, Model::rows> e = error_and_jacobian(arm, goal, q, J);
         const auto better = moves & (e.size < out.error);
-        // At rounding, a step that gains nothing ends it.
+        // Once the error is rounding, a step that gains nothing ends the iteration.
         const auto settled = (min(out.error, e.size) < V(CONVERGED)) & !(e.size < 0.5 * out.error);
         for (int j = 0; j < N; ++j) best[j] = select(better, q[j], best[j]);
         out.error = select(better, e.size, out.error);

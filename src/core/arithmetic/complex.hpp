@@ -1,4 +1,4 @@
-// Complex numbers, of numbers or packs: as much of them as kinematics takes.
+// Complex numbers, of doubles or packs: only the operations that kinematics needs.
 #pragma once
 
 #include "arithmetic/vectors.hpp"
@@ -41,7 +41,7 @@ template <class V> STEP Complexes<V> small_turn(const Complexes<V>& a) {
     return sum;
 }
 
-// The cosine and sine of an angle of which e^(i angle) is given.
+// The cosine and sine of an angle, from e^(i angle).
 template <class V> STEP Turn<Complexes<V>> turn_of(const Complexes<V>& z) {
     const Complexes<V> w = inverse(z), sum = 0.5 * (z + w), difference = 0.5 * (z - w);
     return {sum, {difference.im, -difference.re}};

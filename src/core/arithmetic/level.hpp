@@ -1,6 +1,6 @@
-// The instruction set that a text is compiled for. Whatever computes is compiled once for each, always in a namespace
-// of its own (urdf_ik::v2, ::v3, ::v4, ::arm64): no symbol may be shared between two builds, or the linker could keep
-// the one that a processor cannot run. That rules out functions of the standard library that are not inlined.
+// The instruction set that a source is compiled for. All code that computes is compiled once for each, in a namespace of its own
+// (urdf_ik::v2, ::v3, ::v4, ::arm64). Two builds must not share a symbol, or the linker could keep the one that the processor
+// cannot run. This rules out functions of the standard library that are not inlined.
 #pragma once
 
 #ifndef URDF_IK_LEVEL

@@ -1,4 +1,5 @@
-// All complex roots of a polynomial that reads the same from both ends, as the harmonics of a real function have it.
+// All complex roots of a self-inversive polynomial: coefficient N - k is the conjugate of coefficient k, as for the harmonics of a
+// real function.
 #pragma once
 
 #include "arithmetic/complex.hpp"
@@ -10,13 +11,13 @@ using Complex = Complexes<double>;
 // A polynomial's value below this share of the sum of its terms' sizes is rounding.
 inline constexpr double LOST = 4e-16;
 
-// A root that moves by less than this, relative to its size, has come to rest: convergence is cubic, and roots that stay
-// linear are multiple, where half the digits are lost anyway. Squared.
+// A root has converged when it moves by less than this, relative to its size (squared). Convergence is cubic. Only multiple roots
+// converge linearly, and they are accurate to half of their digits anyway.
 inline constexpr double AT_REST = 1e-22;
 
 // The logarithmic derivative p'(z) / p(z) of a self-inversive polynomial, a root a lane; outside the unit circle it is
-// n / z - conj(p'(u) / p(u)) / z^2 at the mirror image u = 1 / conj(z), so that no power overflows. Roots whose value is
-// lost in rounding come to rest.
+// n / z - conj(p'(u) / p(u)) / z^2 at the mirror image u = 1 / conj(z), so that no power overflows. Roots at which the value is
+// rounding stop moving.
 template <int N, class V>
 STEP void slope_over_value(const Complex (&c)[N + 1], const V& x, const V& y, MaskOf<V>& moves, V& a, V& b) {
     const V square = x * x + y * y, inverse = 1.0 / square;
@@ -49,7 +50,7 @@ template <int N> PART void self_inversive_roots(const Complex (&c)[N + 1], Compl
         slope_over_value<N>(c, x, y, moves, a, b);
         store(x, xs), store(y, ys);
         for (int j = 0; j < N; ++j) {
-            // The roots' repulsion steers convergence, and need not be exact.
+            // The repulsion between the roots steers convergence. It need not be exact.
             const V dx = x - xs[j], dy = y - ys[j], w = rough_inverse(dx * dx + dy * dy + TINY);
             a -= dx * w, b += dy * w;
         }

@@ -31,7 +31,7 @@ inline constexpr double NEAR_UNIT_CIRCLE = 1e-3;
 // A second harmonic below this share of the largest coefficient is zero to rounding.
 inline constexpr double NO_HARMONIC = 1e-14;
 
-template <int N> STEP void take_real(const Complex (&c)[N + 1], Quartic& out) {
+template <int N> STEP void collect_real(const Complex (&c)[N + 1], Quartic& out) {
     Complex z[N];
     self_inversive_roots<N>(c, z);
     for (const Complex& each : z) {
@@ -45,8 +45,8 @@ template <int N> STEP void take_real(const Complex (&c)[N + 1], Quartic& out) {
     }
 }
 
-// With z = exp(it) it is a self-inversive quartic, whose roots on the unit circle are the real ones; all four are found
-// together, which needs no case distinction. A pair just off the circle is given as two roots, for the caller to verify.
+// With z = exp(it) the polynomial is a self-inversive quartic, whose roots on the unit circle are the real ones. All four are found
+// together, without case distinctions. A pair just off the circle is returned as two roots; the caller verifies them.
 PART Quartic trigonometric_roots(const TrigonometricPolynomial& p) {
     Quartic out = {};
     const Complex first = {0.5 * p.cosine, 0.5 * p.sine}, second = {0.5 * p.cosine2, 0.5 * p.sine2};
@@ -54,9 +54,9 @@ PART Quartic trigonometric_roots(const TrigonometricPolynomial& p) {
     if (!(largest > 0.0)) return out;
     if (max(abs(second.re), abs(second.im)) < NO_HARMONIC * largest) {
         // z divides out once at each end.
-        take_real<2>({{first.re, first.im}, {p.constant, 0.0}, {first.re, -first.im}}, out);
+        collect_real<2>({{first.re, first.im}, {p.constant, 0.0}, {first.re, -first.im}}, out);
     } else {
-        take_real<4>(
+        collect_real<4>(
             {{second.re, second.im}, {first.re, first.im}, {p.constant, 0.0}, {first.re, -first.im}, {second.re, -second.im}}, out);
     }
     return out;

@@ -124,7 +124,7 @@ template <int L, int K> struct Pack {
 #undef URDF_IK_COMPARISON
 };
 
-// What a comparison of two V gives; how many numbers a V holds.
+// The type of a comparison of two V; the number of doubles in a V.
 template <class V> using MaskOf = decltype(V() < V());
 template <class V> inline constexpr int lanes_of = 1;
 template <int L, int K> inline constexpr int lanes_of<Pack<L, K>> = L * K;

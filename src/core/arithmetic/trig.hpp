@@ -1,4 +1,4 @@
-// Angles without branches, for a number or a pack.
+// Trigonometric functions without branching, for a number or a pack.
 #pragma once
 
 #include "arithmetic/simd.hpp"
@@ -39,20 +39,20 @@ template <class V> STEP V atan2(V y, V x) {
 }
 template <class V> STEP V angle(const Turn<V>& t) { return atan2(t.s, t.c); }
 
-// The angle a, at most one turn off, in (-pi, pi].
+// The angle a in (-pi, pi], for an a that is at most one turn outside.
 template <class V> STEP V wrap(V a) {
     a = select(a > V(PI), a - 6.283185307179586, a);
     return select(a <= V(-PI), a + 6.283185307179586, a);
 }
 
-// The angle a, however many turns off, in (-pi, pi]; one that is there already keeps its digits.
+// The angle a in (-pi, pi], for any a; an angle that is already there is unchanged.
 STEP double on_circle(double a) {
     if (abs(a) < PI) return a;
     const double rest = __builtin_remainder(a, 6.283185307179586);
     return rest <= -PI ? PI : min(rest, PI);
 }
 
-// The angle half a turn away from one in (-pi, pi], in (-pi, pi].
+// The angle half a turn away; both are in (-pi, pi].
 template <class V> STEP V half_turn_from(const V& a) {
     const V b = select(a > V(0.0), a - PI, a + PI);
     return select(b <= V(-PI), V(PI), b);  // a just above zero
@@ -95,8 +95,8 @@ template <class V> STEP Turn<V> cos_sin(V a) {
 // Angles beyond this [rad] are left to the C library: k below has more than 20 bits.
 inline constexpr double FAR = 1.6e6;
 
-// The same for an angle of any size. pi / 2 is taken off in three parts, of which the first two have 33 bits each, so
-// that their products with k are exact (Cody and Waite, Software Manual for the Elementary Functions, 1980).
+// The same for an angle of any size. pi / 2 is subtracted in three parts. The first two have 33 bits each, so their
+// products with k are exact (Cody and Waite, Software Manual for the Elementary Functions, 1980).
 template <class V> STEP Turn<V> cos_sin_of_any(V a) {
     const V k = (a * 0.6366197723675814 + ROUNDS) - ROUNDS;
     const V r = ((a - k * 1.5707963267341256) - k * 6.077100506303966e-11) - k * 2.0222662487959506e-21;

@@ -62,8 +62,7 @@ STEP Rot<double> turned_about(const Rot<double>& R, const Vec<double>& h, const 
     return {turned_about(R.x, h, t), turned_about(R.y, h, t), turned_about(R.z, h, t)};
 }
 
-// A column of numbers: a twist or a column of the Jacobian (linear part first), and rows behind for what else is asked of
-// an arm.
+// A column of numbers: a twist or a column of the Jacobian, linear part first, with further rows for an arm's other constraints.
 template <int R, class V> struct Rows {
     V v[R];
     STEP V& operator[](int i) { return v[i]; }

@@ -140,7 +140,7 @@ nb::object solve_one(const Solver& solver, nb::handle kind, nb::handle owner, nb
     return made;
 }
 
-void add_answer(nb::module_& m) {
+void bind_answer(nb::module_& m) {
     if (_import_array() < 0) throw nb::python_error();
     answer_type = (PyTypeObject*)PyType_FromSpec(&spec);
     if (!answer_type) throw nb::python_error();

@@ -2,12 +2,10 @@
 // Making three NumPy arrays takes longer than most solvers; few callers ask for all of them.
 #pragma once
 
-#include "bindings/solver.hpp"
+#include "arms/solver.hpp"
+#include "bindings/module.hpp"
 
 namespace urdf_ik {
-
-// Adds the class Answer, the base of IKSolutions in Python.
-void add_answer(nb::module_& m);
 
 // The answer, of the Python class `kind` that is derived from Answer, for a pose given as a NumPy array; None where that
 // is anything but a (4, 4) float64 array in C order, or no pose.

@@ -4,9 +4,9 @@
 #include <cstring>
 #include <vector>
 
+#include "bindings/module.hpp"
 #include "bindings/numpy_api.hpp"
 #include "bindings/signals.hpp"
-#include "bindings/solver.hpp"
 
 namespace urdf_ik {
 
@@ -33,7 +33,7 @@ Motion frame_on(const double* z, const double* origin) {
     return frame;
 }
 
-// What brings frame a to frame b, seen from a.
+// The motion from frame a to frame b, in frame a.
 Motion between(const Motion& a, const Motion& b) {
     Motion step = {};
     for (int i = 0; i < 3; ++i) {
@@ -115,7 +115,7 @@ struct PyChain {
     }
 };
 
-void add_chain(nb::module_& m) {
+void bind_chain(nb::module_& m) {
     nb::class_<PyChain>(m, "Chain", "Forward kinematics of a chain of joints; immutable. Angles may be of any size.")
         .def(nb::init<nb::object, nb::object, nb::object, nb::object>())
         .def_prop_ro("steps", &PyChain::steps)

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "bindings/module.hpp"
 #include "bindings/numpy_api.hpp"
 #include "bindings/signals.hpp"
-#include "bindings/solver.hpp"
 
 namespace urdf_ik {
 
@@ -60,7 +60,7 @@ struct Vectors {
             }
         });
     }
-    // image(value, joint, to) for every value; a vector one of whose joints has none is NaN.
+    // image(value, joint, to) for every value; a vector with a joint without an image is NaN.
     template <class Image> nb::tuple moved(const Image& image) const {
         double* to;
         std::uint8_t* inside;
@@ -112,7 +112,7 @@ nb::tuple near(nb::handle q, nb::handle q_ref, nb::handle bounds, nb::handle tur
     });
 }
 
-// Which of the vectors that are asked about have an image inside.
+// Which of the selected vectors have an image inside.
 nb::object inside(nb::handle q, nb::handle asked, nb::handle bounds, nb::handle turns) {
     const Vectors given(q, bounds, turns);
     PyArrayObject* mask = (PyArrayObject*)asked.ptr();
@@ -134,7 +134,7 @@ nb::object inside(nb::handle q, nb::handle asked, nb::handle bounds, nb::handle 
 
 }  // namespace
 
-void add_images(nb::module_& m) {
+void bind_images(nb::module_& m) {
     m.def("image_range", &ranges, nb::arg("q"), nb::arg("bounds"), nb::arg("turns"),
           "Turns to the first and the last image inside the bounds: two arrays like q (..., n).");
     m.def("nearest_image", &nearest, nb::arg("q"), nb::arg("bounds"), nb::arg("turns"),

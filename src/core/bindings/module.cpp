@@ -6,40 +6,19 @@
 #include <vector>
 
 #include "bindings/answer.hpp"
-#include "bindings/families/elimination.hpp"
+#include "bindings/module.hpp"
+#include "bindings/python_values.hpp"
 #include "bindings/sharing.hpp"
 
 namespace urdf_ik {
 
-static const Makers& makers() {
-    static const Makers all = [] {
-        Makers m;
-        add_closed_forms(m);
-        add_coupled(m);
-        add_one_given(m);
-        add_elimination(m);
-        add_few_joints(m);
-        add_reversed(m);
-        add_srs(m);
-        return m;
-    }();
-    return all;
-}
-
-// The solver and what it was made from.
+// A solver, and the dataclass that it was made from, which is also what is pickled.
 struct PySolver {
-    std::string kind;
-    nb::dict values;
-    std::shared_ptr<const Solver> solver;
+    nb::object arm;
+    SolverPointer solver;
 
-    PySolver(std::string kind_, nb::dict values_) : kind(std::move(kind_)), values(std::move(values_)) {
-        const auto found = makers().find(kind);
-        if (found == makers().end()) throw nb::value_error(("no solver is called '" + kind + "'").c_str());
-        solver = found->second(Values(values, kind));
-    }
+    explicit PySolver(nb::object arm_) : arm(std::move(arm_)), solver(make_solver(PythonValues(arm, "arm"))) {}
 };
-
-std::shared_ptr<const Solver> solver_in(nb::handle object) { return nb::cast<const PySolver&>(object).solver; }
 
 using Numbers = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Targets = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
@@ -78,29 +57,27 @@ NB_MODULE(_core, m) {
     level();  // throws where URDF_IK_ISA names what this processor does not run
     m.def("isa", [] { return std::string(level().name); }, "The instruction set in use.");
     m.def("levels", &levels_built, "The instruction sets that were built and that this processor runs.");
-    add_elimination(m);
-    add_answer(m);
-    add_chain(m);
-    add_images(m);
-    add_tracker(m);
-    add_path_graph(m);
-    add_self_motion(m);
-    bind_steps(m);
+    bind_elimination(m);
+    bind_answer(m);
+    bind_chain(m);
+    bind_images(m);
+    bind_tracker(m);
+    bind_path_graph(m);
+    bind_self_motion(m);
     nb::class_<PySolver>(m, "Solver", "An arm, ready to be solved; immutable.")
-        .def(nb::init<std::string, nb::dict>(), nb::arg("kind"), nb::arg("values"))
-        .def_ro("kind", &PySolver::kind)
-        .def_ro("values", &PySolver::values)
+        .def(nb::init<nb::object>(), nb::arg("arm"))
+        .def_ro("arm", &PySolver::arm, "The dataclass that it was made from.")
         .def_prop_ro("joints", [](const PySolver& s) { return s.solver->joints; })
         .def_prop_ro("branches", [](const PySolver& s) { return s.solver->branches; })
         .def_prop_ro(
             "numbers", [](const PySolver& s) { return s.solver->numbers; }, "How many numbers a target has.")
         .def_prop_ro(
             "parameters", [](const PySolver& s) { return s.solver->parameters; },
-            "How many values are given with each target, for what it leaves free.")
+            "How many redundancy parameters are given with each target.")
         .def("__reduce__",
              [](nb::handle self) {
                  const auto& s = nb::cast<const PySolver&>(self);
-                 return nb::make_tuple(nb::type<PySolver>(), nb::make_tuple(s.kind, s.values));
+                 return nb::make_tuple(nb::type<PySolver>(), nb::make_tuple(s.arm));
              })
         // Without names and None, arguments are passed on the quickest way.
         .def("one", [](const PySolver& s, nb::handle kind, nb::handle arm, nb::handle branches,

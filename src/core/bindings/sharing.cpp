@@ -1,4 +1,4 @@
-// A batch's poses, part by part, on as many threads as are asked for.
+// Solves a batch on several threads, part by part.
 #include "bindings/sharing.hpp"
 
 #include <atomic>
@@ -18,7 +18,7 @@ namespace {
 // the same instructions whatever the parts; more while they take less than QUICK and fewer when they take more than SLOW.
 constexpr long FEWEST = 8, MOST = 1024;
 constexpr auto QUICK = std::chrono::milliseconds(1), SLOW = std::chrono::milliseconds(4);
-// What has to be left for each thread before it begins; beginning one costs about 30 microseconds.
+// A thread is started only if this much work is left for it; starting one takes about 30 microseconds.
 constexpr auto WORTH_A_THREAD = std::chrono::microseconds(200);
 
 Batch part_of(const Solver& solver, const Batch& batch, long from, long many) {

@@ -1,8 +1,8 @@
-// A batch's poses, part by part, on as many threads as are asked for.
+// Solves a batch on several threads, part by part.
 #pragma once
 
+#include "arms/solver.hpp"
 #include "bindings/signals.hpp"
-#include "bindings/solver.hpp"
 
 namespace urdf_ik {
 

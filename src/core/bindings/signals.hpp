@@ -1,4 +1,4 @@
-// Long work ends at Ctrl-C: whoever does it asks now and then, and Python's signal handlers run.
+// Long work ends at Ctrl-C: it polls at intervals, and Python's signal handlers run.
 #pragma once
 
 #include <nanobind/nanobind.h>

@@ -1,5 +1,5 @@
-// What the solvers know of an arm: plain numbers with names, the same for every instruction set. No functions here.
-// Python prepares them once an arm; the solvers never change them.
+// An arm's numbers for the solvers: plain data, the same for every instruction set. They are prepared once per arm, and the
+// solvers never change them.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ struct Motion {
     double R[3][3], t[3];
 };
 
-// What of the tip's pose the joints are to control; arms of six joints and more control all of it.
+// The part of the tip's pose that the joints control; arms with six joints or more control all of it.
 enum class Task : std::uint8_t { pose, position, position_and_axis, planar_position, planar_pose };
 
 // The arm as the URDF has it, of N joints: step[0], joint 1, step[1], joint 2, ... joint N, step[N], from the base to
@@ -31,21 +31,21 @@ template <int N> struct Written {
     bool slides[N];
     double size;  // length that tolerances are relative to [m]
     Tolerances tolerances;
-    // Of an ideal arm's closed form: whether it is this arm's too, and else whether its candidates near singularities stand for
-    // others beside them, or are kept as they are for who follows them.
+    // For closed forms. exact: the closed form is that of this arm. Otherwise, near singularities: beside, starts beside each
+    // candidate are tried too; raw, candidates are kept as they are, for the caller to polish.
     bool exact, beside, raw;
     Task task;
     double aimed[3];   // the tip's axis that is aimed, in the tip (Task::position_and_axis, planar_pose)
     double normal[3];  // of the plane, in the base (Task::planar_position, planar_pose)
 };
 
-// Where the solver's own frames stand: the first in the base, the last in the tip.
+// The solver's own frames: the first one in the base, the last one in the tip.
 struct Ends {
     double base_rotation[3][3], base_origin[3];  // rotation transposed; origin of frame 1 in the base
     double tool_rotation[3][3], tool_point[3];   // rotation transposed; the point that is solved for, in the tip
 };
 
-// The arm in Craig's Denavit-Hartenberg order, as its family wants it to be:
+// The nearest arm that has its family's structure exactly, by Craig's Denavit-Hartenberg parameters:
 // T = base Rz(t1) Tx(a1) Rx(alpha1) Tz(d2) Rz(t2) ... Rz(t6) tool, with t = q + offset.
 struct IdealFrames : Ends {
     double cos_alpha[5], sin_alpha[5], a[5], d[4], offset[6], size;
@@ -59,22 +59,21 @@ struct Batch {
     const double* T;       // (m, 4, 4) row by row
     long m;
     const double* q_ref;   // (joints) near which a continuum is represented; null: zeros
-    const double* values;  // (m, parameters) what the targets leave free; null: the defaults
+    const double* values;  // (m, parameters) redundancy parameters; null: the defaults
     double* q;
     std::uint8_t* flags;
-    // Closed forms of six joints: instead of solutions, the joint vectors of all branches, beyond their ends too, where a
-    // margin's root is that of its size. They are not verified, and flags are not set.
+    // Closed forms of six joints: return the joint vectors of all branches instead of solutions, also beyond a branch's end, where
+    // the root of a margin is that of its absolute value. They are not verified, and flags are not set.
     bool beyond = false;
-    long whole = 0;        // poses of the call of which these are a part; 0: they are all of it
+    long whole = 0;        // poses of the whole call that this batch is a part of; 0: it is the whole call
 };
-// All solutions of a batch. Returns the index of the first target that is no pose, -1 where all are.
+// All solutions of a batch. Returns the index of the first invalid pose, or -1.
 template <class Arm> using SolveArm = long (*)(const Arm&, const Batch&);
-// For explanations: the distances [m] that a pose, as seen from the solver's frame 1 (4, 4), asks two axes to have; up to four,
-// NaN where there is none.
+// For explanations: the distances between two axes [m] that a pose in the solver's frame 1 (4, 4) requires; up to four, the others
+// NaN.
 template <class Arm> using DistancesOf = void (*)(const Arm&, const double* seen, double (&out)[4]);
 
-// Bits of a solution's flags. UNCERTAIN stands in the first column of a pose, whether it is a solution or not: others may be
-// missing.
+// Bits of a solution's flags. UNCERTAIN is set in the first column of a pose, solution or not, if solutions may be missing.
 enum Flag : std::uint8_t { VALID = 1, SHOULDER = 2, ELBOW = 4, WRIST = 8, OTHER = 16, UNCERTAIN = 32 };
 inline constexpr std::uint8_t SINGULAR = SHOULDER | ELBOW | WRIST | OTHER;
 

@@ -1,6 +1,6 @@
-// Two angles u and v tied by two equations: cos u and sin u are both affine in (cos v, sin v). The squares of cos u and
-// sin u add up to one, which is a trigonometric polynomial of degree two in v: up to four pairs of angles. The quartic
-// families end in this: three parallel axes, wherever they stand, and a spherical triple in the middle of the arm.
+// Two angles u and v, linked by two equations: cos u and sin u are both affine in (cos v, sin v). Since cos^2 u + sin^2 u = 1, v is
+// a root of a trigonometric polynomial of degree two: there are up to four pairs of angles. Families with a quartic end in this
+// problem: three parallel axes anywhere in the arm, and a spherical triple in its middle.
 #pragma once
 
 #include "arithmetic/quartic.hpp"
@@ -22,9 +22,9 @@ STEP Quartic linked_roots(const Affine<double>& c, const Affine<double>& s) {
                                 c.cosine * c.sine + s.cosine * s.sine});
 }
 
-// Roots within this of an extreme of cos u [rad] are made exact; beyond, the quartic's own digits are enough.
+// Roots closer than this to an extreme of cos u [rad] are refined; farther away the quartic is accurate enough.
 inline constexpr double BESIDE_EXTREME = 1e-4;
-// Below this (dimensionless) a quadratic's leading coefficient, or a derivative per rad, is not divided by.
+// A quadratic's leading coefficient or a derivative per rad below this (dimensionless) is too small to divide by.
 inline constexpr double FLAT = 1e-9;
 
 // An extreme of cos u: the angle v there, cos u and sin^2 u there, and how cos u changes with 1 - cos(v - extreme).
@@ -50,8 +50,8 @@ STEP Turn<double> beside(const Turn<double>& at, double x) {
     return {at.c * c - at.s * s, at.s * c + at.c * s};
 }
 
-// Make the roots exact at which cos u is almost +-1 and at its extreme. There the quartic has two roots that nearly meet,
-// known to half the digits only: they are found anew, from the quadratic equation that is left to second order in x.
+// Refine roots at which cos u is almost +-1 and near its extreme. There two roots of the quartic nearly meet and are accurate to
+// half of their digits. They are computed again from the quadratic equation to second order in x.
 PART void sharpen_roots(const Extreme& e, const Affine<double>& sine, Quartic& roots) {
     const auto away = [&](int i) { return e.at.c * roots.root[i].s - e.at.s * roots.root[i].c; };
     int first = -1, second = -1;

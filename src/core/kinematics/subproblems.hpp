@@ -1,18 +1,19 @@
-// The steps that the families are made of, without branches: each takes and gives angles as (cos, sin).
+// Subproblems, from which the families are built. They run without branching, and angles are given as (cos, sin).
 //
-// A step that has two solutions takes a sign. Where they meet, or cease to exist, it continues with the double root, and
-// the margin that it returns beside the angles (zero where they meet, negative beyond) tells. Frames are
-// Denavit-Hartenberg's in Craig's order, so every rotation is about z or x.
+// A subproblem with two solutions takes a sign. Besides the angles it returns a margin: zero where the two solutions meet, negative
+// where there is no solution; the angles are then those of the double root. Frames are Denavit-Hartenberg frames in Craig's order,
+// so every rotation is about z or x.
 // Sources: Pieper 1968; Paden 1986 (subproblems 1 to 4); Elias and Wen 2022.
 #pragma once
 
+#include "arithmetic/thresholds.hpp"
 #include "arithmetic/vectors.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// The root of a margin. Beyond the branch's end a number continues with the double root. A block continues with the root
-// of what is missing, so that two branches stand apart on either side of their end: exact arms ask their blocks for nothing
-// there, imperfect ones ask what the margin is at either place (families/imperfect/imperfect.hpp).
+// The root of a margin. For a negative margin a single number gives zero, the double root. A block gives the root of the absolute
+// value, so that the two branches stay apart: exact arms do not use these lanes, and imperfect arms need the margins of both
+// branches (families/imperfect/imperfect.hpp).
 STEP double margin_root(double margin) { return root(max(margin, 0.0)); }
 template <int L, int K> STEP Pack<L, K> margin_root(const Pack<L, K>& margin) { return root(abs(margin)); }
 
@@ -26,12 +27,12 @@ template <class V> STEP Swing<V> swing_to_offset(const V& x, const V& y, const V
     return {unit(X * x + k * y, X * y - k * x), X, margin};
 }
 
-// Planar two-link arm whose end is sqrt(uu) away: law of cosines. 1 + cos gamma and 1 - cos gamma are taken apart, so that
-// a folded arm of equal links keeps its digits.
+// Planar two-link arm whose end is sqrt(uu) away: law of cosines. 1 + cos gamma and 1 - cos gamma are computed separately, so that
+// a folded arm with equal links stays accurate.
 template <class V> struct Fold {
-    V wx, wy;      // the end, seen along the first link
+    V wx, wy;  // the end, seen along the first link
     Turn<V> bend;  // gamma
-    V margin;      // sin^2 gamma
+    V margin;  // sin^2 gamma
 };
 template <class V, class W> STEP Fold<V> fold(const V& uu, const W& a, const W& b, double side, const V& sign) {
     const W w = 0.5 / (a * b), inner = a - b, outer = a + b;
@@ -43,7 +44,7 @@ template <class V, class W> STEP Fold<V> fold(const V& uu, const W& a, const W& 
 // a e(q2) + b e(q2 + side gamma) = (ux, uy): the same, then subproblem 1.
 template <class V> struct Elbow {
     Turn<V> second, bend;  // q2, gamma
-    V margin;              // sin^2 gamma
+    V margin;  // sin^2 gamma
 };
 template <class V, class W> STEP Elbow<V> elbow(const V& ux, const V& uy, const W& a, const W& b, double side, const V& sign) {
     const Fold<V> f = fold<V, W>(ux * ux + uy * uy, a, b, side, sign);
@@ -55,9 +56,9 @@ struct Twists {
     double ca, sa, cb, sb;
 };
 
-// Middle angle of a wrist whose last axis points along z in the frame of the first: subproblem 4. The axes enclose alpha
-// and beta. The sine comes from the part of the last axis across the first one, which keeps its digits where the three
-// axes fall into a plane.
+// Middle angle of a wrist whose last axis points along z in the frame of the first: subproblem 4. The angles between the axes are
+// alpha and beta. The sine is computed from the part of the last axis across the first one, which is accurate also where the three
+// axes lie in a plane.
 template <class V> struct Bend {
     Turn<V> turn;
     V margin;  // sin^2
@@ -68,9 +69,9 @@ template <class V> STEP Bend<V> wrist_bend(const Vec<V>& z, const Twists& t, con
     return {unit(c, sign * margin_root(margin)), margin};
 }
 
-// Turn about z so that an axis tilted by alpha (ca, sa) from it, Rz(-t) (0, sa, ca), encloses with a unit vector an angle
-// of cosine c and squared sine `across`: subproblem 4. The margin is a product of two factors, each free of cancellation, so
-// the turn keeps its digits where the vectors align.
+// Turn about z after which an axis tilted by alpha (ca, sa) from it, Rz(-t) (0, sa, ca), is at an angle with cosine c and squared
+// sine `across` to a unit vector: subproblem 4. The margin is a product of two factors without cancellation, so the turn is
+// accurate where the vectors align.
 template <class V> STEP Bend<V> swing_to_tilt(const Vec<V>& z, double ca, double sa, const V& c, const V& across, const V& sign) {
     const V r = copysign(root(z.x * z.x + z.y * z.y), V(sa));
     const V c_low = ca * z.z + sa * r, s_low = sa * z.z - ca * r, c_high = ca * z.z - sa * r, s_high = sa * z.z + ca * r;
@@ -80,14 +81,14 @@ template <class V> STEP Bend<V> swing_to_tilt(const Vec<V>& z, double ca, double
     return {unit(X * z.x + k * z.y, k * z.x - X * z.y), margin};
 }
 
-// First and last angle of a wrist with a known bend: M = Rz(first) Rx(alpha) Rz(bend) Rx(beta) Rz(last). The last angle
-// is measured after the first one is undone, so their sum stays exact where the axes align.
+// First and last angle of a wrist with a known bend: M = Rz(first) Rx(alpha) Rz(bend) Rx(beta) Rz(last). The last angle is
+// computed after the first one is undone, so their sum stays exact where the axes align.
 template <class V> struct WristTurns {
     Turn<V> first, last;
-    V fixed;  // the squared length that fixes the first turn; 0: only their sum matters
+    V fixed;  // squared lever arm of the first turn; 0: only the sum of both turns matters
     V error;  // squared, of the rotation reached
 };
-// hold: the first turn is given, for a target that leaves it free.
+// hold: use the given first turn, for a target that leaves it free.
 template <class V>
 STEP WristTurns<V> wrist_turns(const Rot<V>& M, const Turn<V>& bend, const Twists& t, bool hold = false,
                                Turn<V> held = {1.0, 0.0}) {
@@ -113,8 +114,8 @@ template <class V> STEP SquareWrist<V> square_wrist(const Rot<V>& M, const Twist
     return {first, {c, s}, {dot(v, M.x), -dot(v, M.y)}, fixed, along * along + length * length};
 }
 
-// The two turns of a wrist where only their sum (or their difference) counts: their distance from the wanted ones is
-// shared among them; share 0 leaves the first one as wanted.
+// The two turns of a wrist where only their sum (or difference) matters: the deviation from the wanted turns is split between
+// them. share 0 keeps the first turn as wanted.
 PART WristTurns<double> shared_turns(const Rot<double>& M, const Turn<double>& bend, const Twists& t, double first, double last,
                                      double share) {
     const double aligned = t.ca * t.cb - t.sa * t.sb * bend.c > 0.0 ? 1.0 : -1.0;
@@ -126,8 +127,8 @@ PART WristTurns<double> shared_turns(const Rot<double>& M, const Turn<double>& b
     return turns;
 }
 
-// The angle nearest to `wanted` at which x cos + y sin lies between low and high; NaN: there is none. `slack`, in their
-// unit, is allowed to rounding.
+// The angle nearest to `wanted` at which x cos + y sin is between low and high, or NaN. `slack`, in their unit, allows for
+// rounding.
 PART double nearest_between(double wanted, double x, double y, double low, double high, double slack) {
     const double size = sqrt(x * x + y * y), phase = atan2(y, x);
     if (low > size + slack || high < -size - slack) return __builtin_nan("");
@@ -138,35 +139,35 @@ PART double nearest_between(double wanted, double x, double y, double low, doubl
     return beta + phase;
 }
 
-// The turn phi nearest to `wanted` that brings o - Rz(phi) f within a two-link arm's reach [m]; NaN: there is none.
-// `slack` [m^2] is allowed to rounding.
+// The turn phi nearest to `wanted` that brings o - Rz(phi) f within a two-link arm's reach [m], or NaN. `slack` [m^2] allows for
+// rounding.
 STEP double free_turn(double wanted, double ox, double oy, double fx, double fy, double longest, double shortest, double slack) {
     const double total = ox * ox + oy * oy + fx * fx + fy * fy;
     const double low = 0.5 * (total - longest * longest), high = 0.5 * (total - shortest * shortest);
     return nearest_between(wanted, ox * fx + oy * fy, oy * fx - ox * fy, low, high, slack);
 }
 
-// How far rounding may have moved the angles that the steps so far have found [rad, or share of size]. Each step passes it on,
-// enlarged by the root or the lever that fixes its own angle: next to one singularity that is no more than half of the digits,
-// but a second one then lies within their reach.
+// A bound on the rounding error of the angles computed so far [rad, or share of size]. Each step enlarges it by the root or the
+// lever arm of its own angle. Next to one singularity the bound is at most half of the digits. A second singularity may then be
+// within this error.
 struct Drift {
-    double own = ROUNDING;  // what each step adds at least
+    double own = ROUNDING;  // the least that each step adds
     double by = 0.0;
-    bool open = false;      // an angle that the pose leaves free stands at one of many places
+    bool open = false;  // the pose leaves an earlier angle free
 
-    // An angle whose sine is the root of `margin`; earlier angles change the margin by twice the root of `arm` a rad.
+    // For an angle whose sine is the root of `margin`; earlier angles change the margin by 2 sqrt(arm) per rad.
     STEP void through_root(double margin, double arm = 1.0) { grow(of_root(own + by * (2.0 * sqrt(arm) + by), margin)); }
-    // An angle that a squared length fixes.
+    // For an angle with a squared lever arm.
     STEP void through_arm(double arm) { grow((own + by) / sqrt(max(arm, TINY))); }
-    // An angle between a vector of squared length `arm` and the root of a margin across a fixed offset: subproblem 4.
+    // For subproblem 4: a vector of squared length `arm` is turned to a fixed offset, with this margin.
     STEP void through_swing(double margin, double arm) {
         const double length = sqrt(max(arm, TINY)), offset = sqrt(max(arm - margin, 0.0));
         grow((own + by) / length + of_root((own + by) * length, margin) * offset / max(arm, TINY));
     }
 
-    // By how much it may have moved a margin: links of unequal lengths enlarge it.
+    // The error of a margin: links of unequal lengths enlarge it.
     STEP double of_margin() const { return LEVERS * by; }
-    // Whether a margin may have either sign by what went before it. Rounding of its own is for its own step to handle.
+    // Whether the errors of earlier steps leave a margin's sign open. Each step handles the rounding of its own margin itself.
     STEP bool hides(double margin) const { return (open && margin < 0.0) || (by > DIGITS_LEFT && abs(margin) <= of_margin()); }
     // Whether a squared arm cannot be distinguished from zero, so that its angle may be free.
     STEP bool frees(double arm) const { return arm <= by * by; }
@@ -179,9 +180,8 @@ private:
     STEP void grow(double more) { by = min(by + more, 1.0); }
 };
 
-// Whether a margin cannot be distinguished from zero: the two solutions are one double root. The margin is a difference of
-// squares; where the squared length `arm` that it belongs to is small, so is its rounding error, and the solutions part
-// by half a turn instead of meeting.
+// Whether a margin is zero to rounding, so that the two solutions are one double root. The margin is a difference of squares: if
+// the squared lever arm is small, so is the rounding error, and the solutions differ by half a turn instead of meeting.
 STEP bool is_double(double margin, double arm, double rounding) { return margin <= rounding * sqrt(arm); }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

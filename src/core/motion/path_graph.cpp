@@ -199,7 +199,7 @@ STEP bool better(const Best& a, const Best& b) { return a.changes < b.changes ||
 
 static constexpr std::int32_t NO_WAY = 1 << 30;
 
-// What a state is worth, as it is stored.
+// The stored value of a state.
 STEP Best best_of(const GraphValues& values, std::int64_t at) {
     if (values.value[at] == INFINITE) return {NO_WAY, INFINITE};
     return {values.changes ? values.changes[at] : 0, values.value[at]};

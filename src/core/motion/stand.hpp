@@ -50,7 +50,7 @@ template <int N> PART Vec<double> half_turn_axis(const Written<N>& arm, const Go
     return (1.0 / sqrt(dot(column[longest], column[longest]))) * column[longest];
 }
 
-// What is missing to the goal: as Newton's method sees it, but with the whole angle of the rotation.
+// The error to the goal, as for Newton's method but with the whole angle of the rotation.
 template <int N> STEP void face(const Written<N>& arm, const Goal<double>& goal, Stand<N>& s) {
     const Error<double> e = task_error(arm, goal, s.at.tip);
     const bool obtuse = e.size == 2.0;

@@ -1,4 +1,4 @@
-// Whether long work is to end early: what does it asks after every small part. Plain functions, without Python.
+// Whether long work should end early. The work polls it after every small part. Plain functions, without Python.
 #pragma once
 
 namespace urdf_ik {

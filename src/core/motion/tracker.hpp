@@ -318,7 +318,7 @@ template <int N> STEP Box<N> box_of(const TrackedArm<N>& arm, const TrackedState
     return box;
 }
 
-// What seven joints would do of their own: move away from limits that they are near to.
+// The secondary motion of seven joints: away from limits that they are near to.
 template <int N> STEP void own_motion(const TrackedArm<N>& arm, const Stand<N>& s, double (&drift)[N]) {
     for (int k = 0; k < N; ++k) {
         const double unit = unit_of(arm.written, k), range = arm.upper[k] - arm.lower[k];

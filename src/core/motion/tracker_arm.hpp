@@ -1,4 +1,4 @@
-// What the tracker knows of an arm, what it keeps between two cycles, and what it answers.
+// A tracked arm, its state between two cycles, and the result of a cycle.
 #pragma once
 
 #include "kinematics/arm.hpp"

@@ -1,4 +1,4 @@
-// What is needed to follow the joint vectors that hold one pose: seven joints leave a curve of them, the arm's self-motion.
+// The self-motion of seven joints: the curve of joint vectors that hold one pose.
 #pragma once
 
 #include "kinematics/arm.hpp"
@@ -9,11 +9,11 @@ struct FreeArm {
     Written<7> written;
     int given;  // the joint whose value is the redundancy parameter; -1: the swivel angle of an S-R-S arm
     Ends ends;  // of that angle: frame 1 stands in the shoulder, the tool's point is the wrist
-    // By joint: 1 where it slides, else 0; what its unit along a curve is [rad, m]. The eighth stands for no joint.
+    // For each joint: 1 if it slides, else 0; its unit along a curve [rad, m]. The eighth entry is for no joint.
     double slides[8], unit[8];
 };
 
-// What a point on the curve is asked for besides the pose.
+// A further condition on a point of the curve.
 enum class Pin : std::uint8_t { nothing, joint, parameter };
 struct Pinned {
     Pin what;

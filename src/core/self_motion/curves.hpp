@@ -4,7 +4,7 @@
 // All solutions at the values of a grid are given. From each of them the curve is followed by its arc to the next value of
 // the grid, or round a fold back to the first one; every solution must be met from both sides, by one curve each, else the
 // cell is followed again by shorter steps. A solution that is met and was not given is followed on. Loops that lie between two
-// values of the grid are looked for by Newton's method from starts all over the joints.
+// values of the grid are searched for by Newton's method from starts all over the joint space.
 #pragma once
 
 #include <cmath>
@@ -39,7 +39,7 @@ struct Intervals {
     std::vector<std::pair<long, double>> unseen;
 };
 
-// What is given for one pose.
+// The input for one pose.
 struct GridOfSolutions {
     const double* T;              // (4, 4)
     const double* grid;           // (values) ascending

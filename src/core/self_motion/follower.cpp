@@ -184,8 +184,8 @@ long Follower::node_at(long k, const CurveSample& at) const {
 }
 
 // Keep what was followed in a cell as parts along which the value grows. Returns whether nothing contradicts it.
-bool Follower::take(long cell, std::vector<CurveSample>& way, const std::vector<long>& folds, long from_k, long from_node, bool up,
-                    Stop stop) {
+bool Follower::add_parts(long cell, std::vector<CurveSample>& way, const std::vector<long>& folds, long from_k, long from_node,
+                         bool up, Stop stop) {
     long end_k = -1, end_node = -1;
     if (stop == Stop::low || stop == Stop::high) {
         end_k = stop == Stop::high ? next(cell) : cell;
@@ -293,7 +293,7 @@ void Follower::bridge_cell(long cell) {
         std::vector<CurveSample> way(1, from.at);
         CurveSample end = to.at;
         way.front().value = low_of(cell), end.value = high_of(cell);
-        if (halved(way.front(), end, 0, way)) take(cell, way, {}, cell, i, true, Stop::high);
+        if (halved(way.front(), end, 0, way)) add_parts(cell, way, {}, cell, i, true, Stop::high);
     }
 }
 
@@ -316,7 +316,7 @@ bool Follower::follow_cell(long cell) {
             std::vector<CurveSample> way;
             std::vector<long> folds;
             const Stop stop = travel(from, low, high, way, folds);
-            if (!take(cell, way, folds, k, i, !side, stop) || (stop == Stop::lost && !straight_)) agrees = false;
+            if (!add_parts(cell, way, folds, k, i, !side, stop) || (stop == Stop::lost && !straight_)) agrees = false;
         }
     }
     return agrees;

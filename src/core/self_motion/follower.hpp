@@ -150,7 +150,7 @@ private:
         return s + u * (2.0 * second + 3.0 * u * third);
     }
 
-    // Where the parameter stands still along the cubic between two samples, of which one is before the fold, one behind.
+    // The point at which the parameter is stationary on the cubic between two samples, one before the fold and one behind it.
     double stand_still(const CurveSample& a, const CurveSample& b) const {
         const double d = b.value - a.value, s = b.arc * a.rate, e = b.arc * b.rate;
         const double third = 3.0 * (s + e - 2.0 * d), second = 3.0 * d - 2.0 * s - e, root = second * second - third * s;
@@ -185,8 +185,8 @@ private:
     bool has_enough() const { return settled_ > MOST_SETTLED; }
     void follow_cells();
     bool follow_cell(long cell);
-    bool take(long cell, std::vector<CurveSample>& way, const std::vector<long>& folds, long from_k, long from_node, bool up,
-              Stop stop);
+    bool add_parts(long cell, std::vector<CurveSample>& way, const std::vector<long>& folds, long from_k, long from_node, bool up,
+                   Stop stop);
     long node_at(long k, const CurveSample& at) const;
     void look_for_loops();
     void add_nearest(std::vector<double>& starts) const;

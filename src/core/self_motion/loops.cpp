@@ -4,7 +4,7 @@
 namespace urdf_ik::self_motion {
 
 // Whether the curve that passes near q, along t, passes through a point, too: two may be next to each other, on both sides of an
-// elbow that is all but straight. The joint that moves most is brought to its value at the point.
+// elbow that is nearly straight. The joint that moves most is brought to its value at the point.
 bool Follower::meets(const double* q, const double* t, const CurveSample& point) const {
     int most = 0;
     for (int j = 1; j < 7; ++j) most = std::abs(t[j]) > std::abs(t[most]) ? j : most;
@@ -68,11 +68,11 @@ void Follower::add_loop(const CurveSample& at) {
         for (long i = 1; i <= folds[0]; ++i) turned.push_back(way[i]);
         std::vector<long> cuts;
         for (std::size_t i = 1; i < folds.size(); ++i) cuts.push_back(folds[i] - folds[0]);
-        take(cell, turned, cuts, -1, -1, true, Stop::closed);
+        add_parts(cell, turned, cuts, -1, -1, true, Stop::closed);
         return;
     }
     if (stop == Stop::lost) return;
-    // It leaves the cell: where it does, there is a solution that was not given.
+    // The loop leaves the cell: there it meets a solution that was not given.
     const long k = stop == Stop::high ? next(cell) : cell;
     if (node_at(k, way.back()) >= 0) return;
     CurveSample node = way.back();

@@ -42,7 +42,7 @@ STEP Row row_of(const double (&a)[LANES]) {
 
 // Longest step of Newton's method [rad, share of size].
 constexpr double LONGEST_STEP = 0.5;
-// A row of the Jacobian of which this little is left, made orthogonal to the others, is not told from rounding.
+// After orthogonalisation a row of the Jacobian shorter than this cannot be distinguished from rounding.
 constexpr double SINGULAR_ROW = 1e-7;
 // A search ends after so many rounds, or below this error.
 constexpr int SEARCH_ROUNDS = 40, SEARCH_PATIENCE = 14;

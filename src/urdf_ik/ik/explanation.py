@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError, PoseError
-from urdf_ik.ik.families import RedundantPlan
+from urdf_ik.ik.families import RedundantMember
 from urdf_ik.ik.redundancy import sweep
 from urdf_ik.ik.redundancy.interval_search import intervals
 from urdf_ik.ik.solve import solve
@@ -69,7 +69,7 @@ def why_none(solver: Solver, T: Any, redundancy: ArrayLike | None = None) -> str
     target = check_poses(T)
     if target.ndim != 2:
         raise PoseError(f"an array of shape {target.shape} given; explain takes a single pose (4, 4)")
-    if redundancy is None and not isinstance(member, RedundantPlan):
+    if redundancy is None and not isinstance(member, RedundantMember):
         return member.explain(target)
     redundant = solver.redundant_member
     if len(redundant.parameters) == 1:

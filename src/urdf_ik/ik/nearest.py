@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from urdf_ik.errors import ArgumentError
-from urdf_ik.ik.families import RedundantPlan
+from urdf_ik.ik.families import RedundantMember
 from urdf_ik.ik.redundancy import nearest as along_parameter
 from urdf_ik.ik.redundancy import region_search
 from urdf_ik.ik.representatives import near_each
@@ -71,7 +71,7 @@ def nearest(
         if region is not None and solver.free_axis is not None:
             raise ArgumentError(f"{solver.name}: {solver.free_axis} is free; a region has rotation=pi for that")
         return region_search.nearest(solver, T, q_ref, region, threads=threads, **options)
-    if isinstance(solver.member, RedundantPlan):
+    if isinstance(solver.member, RedundantMember):
         return along_parameter.nearest(solver, T, q_ref, threads=threads, **options)
     reference = solver.chain.check(q_ref)
     near = reference if reference.ndim == 1 else None

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 from urdf_ik._core import Solver
 from urdf_ik.errors import ArgumentError, ChainError, UnsupportedArm
-from urdf_ik.ik.families import RedundantPlan, coupled
+from urdf_ik.ik.families import RedundantMember, coupled
 from urdf_ik.ik.families.registry import MOST_JOINTS
 from urdf_ik.kinematics.chain import CoupledChain, dependent_joints, kinds_of
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
-    from urdf_ik.ik.families import Plan
+    from urdf_ik.ik.families import FamilyMember
     from urdf_ik.kinematics.chain import Chain
     from urdf_ik.kinematics.chain.free_axis import FreeAxis
     from urdf_ik.kinematics.structure import Structure
@@ -49,7 +49,7 @@ def check_given(name: str, chain: Chain, given: Any) -> tuple[str, ...]:
     return joints
 
 
-def check_free_axis(name: str, chain: Chain, axis: FreeAxis, plan: Plan | None, task: str) -> None:
+def check_free_axis(name: str, chain: Chain, axis: FreeAxis, plan: FamilyMember | None, task: str) -> None:
     """That the tip of an arm may turn about an axis.
 
     Args:
@@ -75,7 +75,7 @@ def check_free_axis(name: str, chain: Chain, axis: FreeAxis, plan: Plan | None, 
             "as a rule; only arms with six joints or more take a free axis"
         )
     if plan is not None and not isinstance(plan.solver, Solver):
-        joint = plan.parameters[0].joint if isinstance(plan, RedundantPlan) else None
+        joint = plan.parameters[0].joint if isinstance(plan, RedundantMember) else None
         raise ArgumentError(
             f"{name}: {joint} is given, a joint in the middle, and such an arm takes no free axis; name an end joint, "
             "or none: arm.with_redundancy(...)"

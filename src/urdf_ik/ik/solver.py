@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from urdf_ik.errors import UnsupportedArm
-from urdf_ik.ik.families import RedundantPlan
+from urdf_ik.ik.families import RedundantMember
 from urdf_ik.ik.refusals import unsupported
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from urdf_ik import _core
     from urdf_ik.ik.contacts import Contacts
-    from urdf_ik.ik.families import Plan
+    from urdf_ik.ik.families import FamilyMember
     from urdf_ik.ik.tasks import Control, Targets
     from urdf_ik.kinematics.chain import Chain
     from urdf_ik.kinematics.chain.free_axis import FreeAxis
@@ -57,7 +57,7 @@ class Solver:
     control: Control
     task: str
     targets: Targets | None
-    member: Plan | None
+    member: FamilyMember | None
     core: _core.Solver | None
     single: _core.Solver | None
     branches: tuple[str, ...]
@@ -87,7 +87,7 @@ class Solver:
     @property
     def parameters(self) -> tuple[Redundancy, ...]:
         """Every redundancy parameter, in the order in which solving takes their values; () for most arms."""
-        return self.member.parameters if isinstance(self.member, RedundantPlan) else ()
+        return self.member.parameters if isinstance(self.member, RedundantMember) else ()
 
     @property
     def parameter(self) -> Redundancy | None:
@@ -95,13 +95,13 @@ class Solver:
         return self.parameters[0] if self.parameters else None
 
     @property
-    def redundant_member(self) -> RedundantPlan:
+    def redundant_member(self) -> RedundantMember:
         """The member of a family with a redundancy parameter.
 
         Raises:
             UnsupportedArm: no solver takes the arm, or a pose leaves nothing free.
         """
-        if isinstance(self.require_member(), RedundantPlan):
+        if isinstance(self.require_member(), RedundantMember):
             return self.member  # type: ignore[return-value]
         raise UnsupportedArm(
             f"{self.name}: {self.dof} joints ({', '.join(self.joint_names)}) leave nothing free in a pose; only arms "
@@ -113,7 +113,7 @@ class Solver:
         """This solver without a free axis: the rotation about it counts."""
         return self if self.free_axis is None else self.again(free_axis=None)
 
-    def require_member(self) -> Plan:
+    def require_member(self) -> FamilyMember:
         """The arm as a member of its family.
 
         Raises:

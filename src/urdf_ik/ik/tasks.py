@@ -13,7 +13,7 @@ import numpy as np
 
 from urdf_ik.errors import ArgumentError, PoseError, UnsupportedArm
 from urdf_ik.ik import families
-from urdf_ik.ik.families import Plan, few_joints, planar
+from urdf_ik.ik.families import FamilyMember, few_joints, planar
 from urdf_ik.ik.families.wrappers import axis_added
 from urdf_ik.kinematics.chain import least_stretches, sampled
 from urdf_ik.kinematics.chain.plane import Plane, plane_of
@@ -141,7 +141,7 @@ class Targets:
         self._name, self._chain, self._control = name, chain, control
         self._takes_points = False
 
-    def plan(self, structure: Structure) -> Plan:
+    def plan(self, structure: Structure) -> FamilyMember:
         """How the task is solved.
 
         Raises:
@@ -217,7 +217,7 @@ class Targets:
         return T
 
 
-def _plan(chain: Chain, control: Control) -> Plan | None:
+def _plan(chain: Chain, control: Control) -> FamilyMember | None:
     if control.task == "position":
         return few_joints.prepare_position(chain)
     if control.aimed is not None:

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 LARGEST = 1e15
 """Greatest length [m], angle [rad] or factor that is taken: beyond it a double holds no digit of a millimetre or of an
 angle, and squares of what solvers multiply begin to overflow. ``src/core/kinematics/arm.hpp`` has the same."""
 
-_OF_SOLVERS = (
-    "reach", "edge", "fold", "continuum", "singular", "duplicate", "rotation", "exact_rotation", "exact_structure"
-)  # fmt: skip
-
-
 @dataclass(frozen=True)
-class Tolerances:
-    """What the solvers compare with.
+class SolverTolerances:
+    """What the compiled solvers compare with: ``Tolerances`` of src/core/kinematics/arm.hpp.
 
     Attributes:
         reach: position [of the arm's size] and rotation [rad] error below which a solution is verified.
@@ -29,11 +24,6 @@ class Tolerances:
         rotation: greatest entry of R^T R - I that is still read as a rotation with rounding errors.
         exact_rotation: the same, below which the rotation is used as it stands instead of being projected.
         exact_structure: imperfection [rad, share of size] below which an arm is a member of its family.
-        near_angle: two axes this close to parallel [rad] may be meant to be.
-        near_distance: two axes this close [share of size] may be meant to meet.
-        contract: error [of the arm's size, rad] that every result keeps within.
-        damped: smallest singular value, lengths as shares of the size, below which joint velocities are damped.
-        damping: their damping at a singularity.
     """
 
     reach: float = 1e-10
@@ -45,15 +35,25 @@ class Tolerances:
     rotation: float = 1e-5
     exact_rotation: float = 1e-12
     exact_structure: float = 1e-13
+
+
+@dataclass(frozen=True)
+class Tolerances(SolverTolerances):
+    """What all else compares with, too.
+
+    Attributes:
+        near_angle: two axes this close to parallel [rad] may be meant to be.
+        near_distance: two axes this close [share of size] may be meant to meet.
+        contract: error [of the arm's size, rad] that every result keeps within.
+        damped: smallest singular value, lengths as shares of the size, below which joint velocities are damped.
+        damping: their damping at a singularity.
+    """
+
     near_angle: float = 0.02
     near_distance: float = 1e-3
     contract: float = 1e-9
     damped: float = 0.01
     damping: float = 0.01
-
-    def for_solvers(self) -> dict[str, float]:
-        """The nine that the compiled solvers compare with, by name."""
-        return {name: value for name, value in asdict(self).items() if name in _OF_SOLVERS}
 
 
 DEFAULT = Tolerances()

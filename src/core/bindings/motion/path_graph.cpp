@@ -9,8 +9,8 @@
 #include <optional>
 #include <vector>
 
+#include "bindings/module.hpp"
 #include "bindings/signals.hpp"
-#include "bindings/solver.hpp"
 
 namespace urdf_ik {
 
@@ -137,7 +137,7 @@ void spread(const PyPathGraph& self, const In<std::int64_t, 1>& first, const In<
 
 }  // namespace
 
-void add_path_graph(nb::module_& m) {
+void bind_path_graph(nb::module_& m) {
     nb::class_<PyPathGraph>(m, "PathGraph", "Joint vectors along a path and the motions between them; see motion/graph.py.")
         .def(nb::init<const In<double, 1>&, const In<double, 1>&, const In<double, 1>&, const In<std::uint8_t, 1>&>(),
              nb::arg("lower"), nb::arg("upper"), nb::arg("turn"), nb::arg("counted"))

@@ -6,9 +6,11 @@
 
 #include <nanobind/stl/optional.h>
 
+#include "arms/common.hpp"
+#include "bindings/module.hpp"
 #include "bindings/numpy_api.hpp"
+#include "bindings/python_values.hpp"
 #include "bindings/signals.hpp"
-#include "bindings/solver.hpp"
 #include "self_motion/curves.hpp"
 
 namespace urdf_ik {
@@ -31,12 +33,12 @@ nb::object array_of(const std::vector<double>& from, npy_intp columns) {
 struct PySelfMotion {
     FreeArm arm{};
 
-    explicit PySelfMotion(nb::dict values) {
-        const Values v(std::move(values), "self-motion");
-        read(v.group("written"), arm.written);
+    explicit PySelfMotion(nb::object free_arm) {
+        const PythonValues v(std::move(free_arm), "self-motion");
+        read(*v.group("written"), arm.written);
         v.read("given", arm.given);
         if (arm.given >= 7) throw nb::value_error("one of seven joints is given");
-        if (arm.given < 0) read(v.group("ends"), arm.ends);
+        if (arm.given < 0) read(*v.group("ends"), arm.ends);
         for (int j = 0; j < 8; ++j) {
             const bool slides = j < 7 && arm.written.slides[j];
             arm.slides[j] = slides ? 1.0 : 0.0, arm.unit[j] = slides ? arm.written.size : 1.0;
@@ -164,9 +166,9 @@ struct PySelfMotion {
 
 }  // namespace
 
-void add_self_motion(nb::module_& m) {
+void bind_self_motion(nb::module_& m) {
     nb::class_<PySelfMotion>(m, "SelfMotion", "The curves of joint vectors that hold a pose, of an arm with seven joints.")
-        .def(nb::init<nb::dict>(), nb::arg("values"))
+        .def(nb::init<nb::object>(), nb::arg("arm"))
         .def("intervals", &PySelfMotion::intervals, nb::arg("T"), nb::arg("grid"), nb::arg("round"), nb::arg("q"), nb::arg("flags"),
              nb::arg("limits"), nb::arg("beyond").none(), nb::arg("off"), nb::arg("starts"))
         .def("between", &PySelfMotion::between, nb::arg("T"), nb::arg("before"), nb::arg("after"), nb::arg("shares"))

@@ -5,8 +5,10 @@
 #include <memory>
 #include <new>
 
+#include "arms/common.hpp"
+#include "bindings/module.hpp"
 #include "bindings/numpy_api.hpp"
-#include "bindings/solver.hpp"
+#include "bindings/python_values.hpp"
 
 namespace urdf_ik {
 
@@ -21,7 +23,7 @@ nb::object array_of(const double* from, npy_intp count) {
     return made;
 }
 
-// What one cycle answers; its arrays are made when they are asked for.
+// The result of one cycle; its arrays are made when they are first read.
 struct Cycle {
     Tracked tracked;
     int joints;
@@ -76,7 +78,7 @@ private:
 template <int N> std::unique_ptr<AnyTracker> made(const Values& v) {
     auto tracker = std::make_unique<TrackerOf<N>>();
     TrackedArm<N>& arm = tracker->arm;
-    read(v.group("written"), arm.written);
+    read(*v.group("written"), arm.written);
     v.read("lower", arm.lower), v.read("upper", arm.upper);
     v.read("velocity", arm.velocity), v.read("acceleration", arm.acceleration);
     v.read("dt", arm.dt), v.read("recentring", arm.recentring);
@@ -87,11 +89,13 @@ struct PyTracker {
     std::unique_ptr<AnyTracker> tracker;
     int joints;
 
-    PyTracker(int joints_, nb::dict values) : joints(joints_) {
+    explicit PyTracker(nb::object tracked) {
+        const PythonValues values(std::move(tracked), "tracker");
+        joints = values.integer("joints");
         using Make = std::unique_ptr<AnyTracker> (*)(const Values&);
         constexpr Make makers[MOST_TRACKED] = {made<1>, made<2>, made<3>, made<4>, made<5>, made<6>, made<7>};
         if (joints < 1 || joints > MOST_TRACKED) throw nb::value_error("a tracker has one to seven joints");
-        tracker = makers[joints - 1](Values(std::move(values), "tracker"));
+        tracker = makers[joints - 1](values);
     }
     PyTracker(const PyTracker&) = delete;
 
@@ -119,7 +123,7 @@ nb::object word(const char* text) { return text ? nb::steal(PyUnicode_InternFrom
 
 }  // namespace
 
-void add_tracker(nb::module_& m) {
+void bind_tracker(nb::module_& m) {
     nb::class_<Cycle>(m, "Step", "What one cycle of a tracker answers.")
         .def_prop_ro(
             "q", [](const Cycle& s) { return array_of(s.q, s.joints); },
@@ -157,7 +161,7 @@ void add_tracker(nb::module_& m) {
             return std::string("<Step ") + STATUS[int(s.tracked.status)] + (why ? std::string(": ") + why : "") + ">";
         });
     nb::class_<PyTracker>(m, "Tracker", "An arm that follows poses, one a cycle.")
-        .def(nb::init<int, nb::dict>(), nb::arg("joints"), nb::arg("values"))
+        .def(nb::init<nb::object>(), nb::arg("arm"))
         .def("step", &PyTracker::step, nb::sig("def step(self, T: object, /) -> Step | None"))
         .def("reset", &PyTracker::reset)
         .def("back", [](PyTracker& self, const std::string& why) {

@@ -183,7 +183,7 @@ template <LastAxes kind> struct ParallelShoulder {
         const Block uu = u.x * u.x + u.y * u.y, arm1 = uu * scale, arms = min(min(middle.arm5, arm6), arm1);
         const Fold<Block> f = fold<Block>(uu, ideal.a[0], ideal.a[1], side, 1.0);
         const Block miss = f.wx * f.wx + f.wy * f.wy - uu, wrist = min(ends.first, ends.second);
-        // What a later step says where an earlier one is at its end is rough.
+        // Where an earlier step is at its branch's end, later steps are inaccurate.
         const Block rough = ROUGH_BY_MARGIN / tol.edge, edge = tol.edge;
         const auto lost = (ends.first < -edge) | ((ends.second < -rough) & (ends.first > edge)) |
                           ((f.margin < -rough) & (min(wrist, min(middle.arm5, arm6)) > edge));
@@ -223,7 +223,7 @@ template <LastAxes kind> struct ParallelShoulder {
                 min(held, after(arm1, min(ahead, min(middle.arm5, arm6))))};
     }
 
-    // What a pose is to all branches.
+    // The quantities that all branches of a pose share.
     struct Sight {
         Seen<double> seen;
         Height<double> at;
@@ -265,7 +265,7 @@ template <LastAxes kind> struct ParallelShoulder {
         const double m1 = out.ends.first, m3 = out.ends.second;
         if (m1 < -ideal.clamp || m3 < -max(max(ideal.clamp, ROUGH), ROUGH_BY_MARGIN / (max(m1, 0.0) + 1e-12))) return out;
         if (kind == LastAxes::intersecting_56 && is_double(m1, 1.0, ROUNDING)) {
-            // Of two signs that stand for the same root the positive one is kept, as zero.
+            // If both signs give the same root, the positive one is kept.
             if (front < 0.0) return out;
             out.ends = wrist_ends<kind, double>(ideal, sight.at, 0.0, flip, {});
         }
@@ -278,7 +278,7 @@ template <LastAxes kind> struct ParallelShoulder {
         return out;
     }
 
-    // How often another joint 6 is tried where two joints are free and the elbow asks for a part of their range only.
+    // Further values of joint 6 that are tried if two joints are free and the elbow allows only a part of their range.
     static constexpr int PLACES = 24;
 
     // Joints 5 and 6 [rad], the turn psi, and what is left to the elbow.
@@ -289,7 +289,7 @@ template <LastAxes kind> struct ParallelShoulder {
         bool reached;
     };
 
-    // Where a joint is free, or all but free, psi is the turn nearest to the given one that brings the elbow within reach.
+    // If a joint is free, or nearly free, psi is the turn nearest to the given one that brings the elbow within reach.
     static STEP Left reach_across(const Arm& arm, const Sight& sight, const Settled& at, const Turn<double>& t6) {
         const auto& ideal = arm.ideal;
         const auto& [R, p] = sight.seen;
@@ -319,7 +319,7 @@ template <LastAxes kind> struct ParallelShoulder {
         return out;
     }
 
-    // Returns whether a joint is all but free.
+    // Returns whether a joint is nearly free.
     static PART bool elbow_closely(const Arm& arm, const Goal<double>& goal, const Reference<6>& reference, const Sight& sight,
                                    const Settled& at, int b, const Columns<6>& columns) {
         const auto& ideal = arm.ideal;

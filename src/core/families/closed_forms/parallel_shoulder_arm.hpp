@@ -1,11 +1,11 @@
-// What the solver of arms with axes 1, 2 and 3 parallel knows of an arm.
+// An arm whose axes 1, 2 and 3 are parallel.
 #pragma once
 
 #include "kinematics/arm.hpp"
 
 namespace urdf_ik {
 
-// What a pair of the last three axes has in common; it decides how joints 4 and 6 are solved for.
+// The relation of a pair of the last three axes; it decides how joints 4 and 6 are solved for.
 enum class LastAxes { intersecting_56, parallel_56, intersecting_45, parallel_45, general };
 
 struct ParallelShoulderArm {

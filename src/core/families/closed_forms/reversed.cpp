@@ -1,4 +1,4 @@
-// Steps of a solver that looks at an arm from its other end, compiled once for every instruction set.
+// Steps for solving an arm on the chain from tip to base, compiled once for every instruction set.
 #include "families/closed_forms/reversed.hpp"
 
 #include "arithmetic/level.hpp"

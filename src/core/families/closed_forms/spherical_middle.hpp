@@ -134,7 +134,7 @@ template <LastPair kind> struct SphericalMiddle {
         const Bend<Block> bend = wrist_bend<Block>(M.z, t, 1.0);
         const WristTurns<Block> turns = wrist_turns(M, bend.turn, t), flip = wrist_turns(M, {bend.turn.c, -bend.turn.s}, t);
         const Block arm6 = (u.x * u.x + u.y * u.y) * scale, arms = min(min(first.arm1, arm6), min(turns.fixed, flip.fixed));
-        // What a later step says where an earlier one is at its end is rough.
+        // Where an earlier step is at its branch's end, later steps are inaccurate.
         const Block rough = ROUGH_BY_MARGIN / tol.edge, edge = tol.edge, before = min(first.margin, first.arm1);
         const auto lost = (first.margin < -edge) | ((last.margin < -rough) & (before > edge)) |
                           ((bend.margin < -rough) & (min(before, min(last.margin, arm6)) > edge));
@@ -213,7 +213,7 @@ template <LastPair kind> struct SphericalMiddle {
         return out;
     }
 
-    // The angle of a free joint 1 nearest to `wanted` that leaves joint 5 a solution; NaN: there is none.
+    // The angle of a free joint 1 nearest to `wanted` at which joint 5 has a solution, or NaN.
     static STEP double free_first(const Arm& arm, const Seen<double>& seen, double wanted) {
         const auto& ideal = arm.ideal;
         const double gz = arm.centre_5[2], a5 = ideal.a[4], r = reach_of_5(arm), slack = ideal.clamp * ideal.size * ideal.size;
@@ -236,7 +236,7 @@ template <LastPair kind> struct SphericalMiddle {
         return linked_roots(scaled(square, -0.5 / (a5 * r)), scaled(height, -1.0 / (arm.ideal.sin_alpha[4] * r)));
     }
 
-    // Both ways to turn joints 2 to 4. Returns whether a joint is all but free.
+    // Both ways to turn joints 2 to 4. Returns whether a joint is nearly free.
     static PART bool middle_closely(const Arm& arm, const Goal<double>& goal, const Rot<double>& R, const Reference<6>& reference,
                                     const Settled& at, int b, const Columns<6>& columns) {
         const auto& ideal = arm.ideal;

@@ -1,11 +1,11 @@
-// What the solver of arms whose axes 2, 3 and 4 meet knows of an arm.
+// An arm whose axes 2, 3 and 4 meet.
 #pragma once
 
 #include "kinematics/arm.hpp"
 
 namespace urdf_ik {
 
-// What axes 5 and 6 have in common; it decides how joint 1 is solved for.
+// The relation of axes 5 and 6; it decides how joint 1 is solved for.
 enum class LastPair { intersecting, parallel, general };
 
 struct SphericalMiddleArm {

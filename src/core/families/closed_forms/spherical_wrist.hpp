@@ -139,14 +139,14 @@ template <Shoulder kind> struct SphericalWrist {
         const Tolerances& tol = arm.written.tolerances;
         const Block least = min(min(place.shoulder, place.elbow), margin), arms = min(place.arms, fixed);
         const auto doubt = (min(least, arms) <= Block(tol.edge)) | !(place.error + off <= Block(tol.reach * tol.reach * 1e-2));
-        // What a later step says where an earlier one is at its end is rough.
+        // Where an earlier step is at its branch's end, later steps are inaccurate.
         const Block &first = by_height ? place.shoulder : place.elbow, &second = by_height ? place.elbow : place.shoulder;
         const auto lost = (first < Block(-tol.edge)) | ((second < Block(-tol.edge)) & (min(first, place.arms) > Block(tol.edge))) |
                           ((margin < Block(-tol.edge)) & (min(min(first, second), place.arms) > Block(tol.edge)));
         return {lost, doubt};
     }
 
-    // Joint values from the angles, offsets taken off.
+    // Joint values from the angles, less the offsets.
     template <bool square, class Out>
     static STEP void combine(const Arm& arm, const Angles& at, const State (&state)[4], Out& found) {
         const double* offset = arm.ideal.offset;
@@ -212,7 +212,7 @@ template <Shoulder kind> struct SphericalWrist {
         return unsure;
     }
 
-    // What is known of a place of the first three joints, its root settled.
+    // A solution of the first three joints, for one root.
     struct Settled {
         Place<double> at;
         Drift drift;
@@ -265,7 +265,7 @@ template <Shoulder kind> struct SphericalWrist {
         if ((m1 <= fold && !quartic) || arm1 <= loose || (arm2 <= loose && !by_height)) out.marks |= SHOULDER;
         if (m2 <= fold || (arm2 <= loose && by_height)) out.marks |= ELBOW;
         if (!quartic) {
-            // Of two signs that stand for the same root, or the same continuum, the positive one is kept, as zero.
+            // If both signs give the same root or the same continuum, the positive one is kept.
             const double swung = by_height ? arm1 : kind == Shoulder::intersecting_12 ? min(arm1, arm2) : 1.0;
             const double links = by_height ? 2.0 * ideal.a[1] * arm.rho / (ideal.size * ideal.size) : 1.0;
             const bool double1 = is_double(m1, swung, ROUNDING), double2 = is_double(m2, by_height ? arm2 : 1.0, ROUNDING / links);
@@ -323,7 +323,7 @@ template <Shoulder kind> struct SphericalWrist {
         }
         if (loose && !columns.valid(b) && !columns.valid(b & ~1)) {
             candidate(shared(), q);
-            take_unless_represented(arm.written, goal, q, b, marks, columns);
+            keep_unless_represented(arm.written, goal, q, b, marks, columns);
         }
         return unsure;
     }
@@ -350,7 +350,7 @@ template <Shoulder kind> struct SphericalWrist {
     }
 };
 
-// A general shoulder has no signs to take side by side: every pose is looked at closely.
+// The branches of a general shoulder have no signs: every pose takes the careful path.
 template <>
 template <class Out>
 STEP void SphericalWrist<Shoulder::general>::fast(const Arm&, const Seen<Block>&, Out& found) {

@@ -1,11 +1,11 @@
-// What the solver of arms with a spherical wrist knows of an arm.
+// An arm with a spherical wrist.
 #pragma once
 
 #include "kinematics/arm.hpp"
 
 namespace urdf_ik {
 
-// What the first three axes have in common; it decides how they are solved for.
+// The relation of the first three axes; it decides how they are solved for.
 enum class Shoulder { parallel_23, intersecting_12, parallel_12, general };
 
 struct SphericalWristArm {

@@ -85,7 +85,7 @@ template <Hand kind> struct ThreeParallel {
     // shoulders, phi and joint 6 of both, or of all four wrists, the elbow's bend of these, joint 2 of all branches.
     using Angles = AnglesOf<28>;
     static constexpr int FIRST = 0, FIFTH = 2, PHI = 4, SIXTH = 6, BEND = 8, SECOND = 12, PHI_FLIPPED = 20, SIXTH_FLIPPED = 22;
-    // What shoulder and wrist leave to the elbow.
+    // The remaining problem for the elbow.
     struct Upstream {
         Block margin1, margin5, arm1, fixed, error;
     };
@@ -156,7 +156,7 @@ template <Hand kind> struct ThreeParallel {
         return {lost, doubt};
     }
 
-    // Joint values from the angles, offsets taken off.
+    // Joint values from the angles, less the offsets.
     template <bool square, class Out> static STEP void combine(const Arm& arm, const Angles& at, int k, const State& state,
                                                                Out& found) {
         const double* offset = arm.ideal.offset;
@@ -223,7 +223,7 @@ template <Hand kind> struct ThreeParallel {
                 if (at.kept) elbow_closely(arm, goal, reference, at, b, columns);
             }
         }
-        // Roots that nearly meet are known to half of their digits.
+        // Roots that nearly meet are accurate to half of their digits.
         for (int k = 0; kind == Hand::general && k < roots.count; ++k) {
             if (roots.gap(k) < ROOTS_CROWDED && !columns.count()) unsure = wanted;
         }

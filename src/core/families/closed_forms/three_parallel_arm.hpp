@@ -1,4 +1,4 @@
-// What the solver of arms with axes 2, 3 and 4 parallel knows of an arm.
+// An arm whose axes 2, 3 and 4 are parallel.
 #pragma once
 
 #include "kinematics/arm.hpp"

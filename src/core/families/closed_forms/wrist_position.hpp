@@ -1,4 +1,4 @@
-// The first three joints of an arm with a spherical wrist put the wrist centre at a point, for every kind of shoulder.
+// The first three joints of an arm with a spherical wrist bring its centre to a point, for every kind of shoulder.
 //
 // p = Rz(t1) [a1 x + Rx(alpha1) u] with u = Rz(t2) f and f = d2 z + a2 x + Rx(alpha2) (d3 z + Rz(t3) g), where g is the
 // wrist centre in frame 3. Sources: Pieper 1968; Craig, Introduction to Robotics, section 4.6; Elias and Wen 2022.
@@ -17,7 +17,7 @@ template <class V> struct Place {
     V bend;  // parallel_23, for blocks: angle of the elbow before its sign
 };
 
-// Angles that replace those that the target leaves free.
+// Angles for joints that the target leaves free.
 struct Held {
     bool first = false, second = false;
     Turn<double> turn1 = {1.0, 0.0}, turn2 = {1.0, 0.0};

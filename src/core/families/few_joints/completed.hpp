@@ -1,15 +1,15 @@
-// What of the solutions of a completed arm (five joints and one that was added) holds for the real one.
+// Solutions of a completed arm (five joints and an added one) that are also solutions of the real arm.
 #pragma once
 
-#include "answers/take.hpp"
+#include "answers/candidates.hpp"
 #include "families/few_joints/few_joints_arm.hpp"
 #include "kinematics/target.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Starts all over the angles of the joints, always the same.
+// Fixed starts all over the joint space.
 inline constexpr int NET = 96;
-PART void take_all_over(const Written<5>& arm, const Goal<double>& goal, const Columns<5>& columns) {
+PART void search_everywhere(const Written<5>& arm, const Goal<double>& goal, const Columns<5>& columns) {
     Scatter scatter = Scatter::number(0);
     for (int k = 0; k < NET; ++k) {
         double q[5];
@@ -17,13 +17,13 @@ PART void take_all_over(const Written<5>& arm, const Goal<double>& goal, const C
             const double angle = PI * scatter.next();
             q[j] = arm.slides[j] ? 0.0 : angle;
         }
-        take(arm, goal, q, Origin::searched, CONVERGED, columns);
+        polish_and_keep(arm, goal, q, Origin::searched, CONVERGED, columns);
     }
 }
 
-// Verify the six joints' solutions on the real arm. At a singularity of the completed arm the added joint may take part in a
-// continuum of which the real arm has single members: then fixed starts all over find those.
-PART void take_real(const CompletedArm& arm, const Batch& batch, const OfSix& six) {
+// Verify the six joints' solutions on the real arm. At a singularity of the completed arm the added joint may move along a
+// continuum that holds isolated solutions of the real arm. Fixed starts all over the joint space then find them.
+PART void keep_real(const CompletedArm& arm, const Batch& batch, const OfSix& six) {
     for (long i = 0; i < batch.m; ++i) {
         double proper[16];
         project_rotation(batch.T + 16 * i, proper);
@@ -37,9 +37,9 @@ PART void take_real(const CompletedArm& arm, const Batch& batch, const OfSix& si
             free |= (flags & ~UNCERTAIN) != VALID;
             double q[5];
             for (int j = 0; j < 5; ++j) q[j] = six.q[6 * (six.columns * i + b) + arm.at + j];
-            take(arm.written, goal, q, Origin::computed, arm.written.tolerances.reach, columns);
+            polish_and_keep(arm.written, goal, q, Origin::computed, arm.written.tolerances.reach, columns);
         }
-        if (free && arm.written.task == Task::pose) take_all_over(arm.written, goal, columns);
+        if (free && arm.written.task == Task::pose) search_everywhere(arm.written, goal, columns);
         sort(columns);
         columns.flags[0] |= six.flags[six.columns * i] & UNCERTAIN;
     }

@@ -1,12 +1,11 @@
-// Arms with one to five joints, turning or sliding: a position step, the turns left over, verified as written.
+// Arms with one to five joints, turning or sliding: a position step, then the remaining turns, verified on the arm as written.
 //
-// An arm of so few joints reaches a pose only where the six numbers of the pose agree, so its Jacobian is a tall matrix and
-// Newton's method one of least squares. What is asked for is the arm's task. Of the tip's pose the place of every point of it
-// is known; one that the last turns leave in place is put there by three joints (slide_position.hpp), and the turns follow from
-// the rotation.
+// An arm of so few joints reaches few poses, so its Jacobian is a tall matrix and Newton's method solves least squares. The
+// position of every point of the tip is known from the target. Three joints place a point that the last turns do not move
+// (slide_position.hpp), and these turns follow from the rotation.
 #pragma once
 
-#include "answers/take.hpp"
+#include "answers/candidates.hpp"
 #include "families/few_joints/slide_position.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
@@ -32,7 +31,7 @@ STEP Vec<double> place_of(const Goal<double>& goal, const double (&in_tip)[3], d
     return goal.R * vec<double>(in_tip) + (1.0 / size) * goal.p;
 }
 
-// A candidate of the way to go: the arm's joint vector of a place of three joints.
+// A candidate: the arm's joint vector for values of the step's three joints.
 template <int N>
 STEP void gather(const FewJointsArm<N>& arm, const FewJointsWay& way, const Goal<double>& seen, const double (&placed)[3],
                  double (&q)[N]) {
@@ -54,7 +53,7 @@ STEP void gather(const FewJointsArm<N>& arm, const FewJointsWay& way, const Goal
     }
 }
 
-// The solutions that one way leads to; whether a joint was all but free in it.
+// Candidates of one way. Returns whether a joint was nearly free.
 template <int N>
 PART bool go(const FewJointsArm<N>& arm, const FewJointsWay& way, const Goal<double>& goal, const Reference<N>& reference,
              const Columns<N>& columns) {
@@ -71,7 +70,7 @@ PART bool go(const FewJointsArm<N>& arm, const FewJointsWay& way, const Goal<dou
         const Placed& place = places.at[c];
         gather(arm, way, seen, place.q, q);
         const Origin origin = place.free ? Origin::doubtful : Origin::computed;
-        const double sigma = take(arm.written, goal, q, origin, arm.written.tolerances.reach, columns);
+        const double sigma = polish_and_keep(arm.written, goal, q, origin, arm.written.tolerances.reach, columns);
         if (!place.free || sigma <= arm.written.tolerances.singular) continue;
         doubt = true;
         for (int k = 0; k < 2; ++k) {
@@ -79,7 +78,7 @@ PART bool go(const FewJointsArm<N>& arm, const FewJointsWay& way, const Goal<dou
                 double around[3] = {place.q[0], place.q[1], place.q[2]};
                 around[k] = wrap(PI * a / AROUND);
                 gather(arm, way, seen, around, q);
-                take(arm.written, goal, q, Origin::searched, CONVERGED, columns);
+                polish_and_keep(arm.written, goal, q, Origin::searched, CONVERGED, columns);
             }
         }
     }

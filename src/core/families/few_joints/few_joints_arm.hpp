@@ -1,11 +1,11 @@
-// What the solvers of arms with one to five joints, and of six joints with slides, know of an arm.
+// Arms with one to five joints, and arms of six joints with slides.
 #pragma once
 
 #include "kinematics/arm.hpp"
 
 namespace urdf_ik {
 
-// Three joints that put the point X at a place, at zero. Lengths are shares of the arm's size.
+// Three joints that place a point, at zero. Lengths are shares of the arm's size.
 struct PositionStep {
     bool slides[3];
     double direction[3][3], point[3][3];  // of each axis; of axes 1 and 2 the feet of their common normal
@@ -25,7 +25,7 @@ struct FewJointsWay {
 
 template <int N> struct FewJointsArm {
     Written<N> written;
-    int ways;  // the second one is asked where the first found a joint all but free
+    int ways;  // the second one is used if the first one leaves a joint nearly free
     FewJointsWay way[2];
 };
 
@@ -58,14 +58,14 @@ struct SampledArm {
     Written<6> written;
 };
 
-// Seven joints, one of which is held.
+// Seven joints with one held.
 struct SampledHeldArm {
     Written<7> written;
     int held;
-    double value;  // where none is given [rad, m]
+    double value;  // the default [rad, m]
 };
 
-// Five joints, solved by way of six: the arm with a joint added in front or behind.
+// Five joints, solved as an arm of six with a joint added in front or behind.
 struct CompletedArm {
     Written<5> written;
     int at;       // which of the six is the arm's first

@@ -1,8 +1,8 @@
 // Two or three parallel turning joints and at most one slide along them: planar 2R and 3R arms, and SCARA robots.
 //
 // In the plane a e(psi1) + b e(psi2) = (x, y), with psi the links' angles against the plane's first axis (law of cosines); the
-// third joint takes up the rest of the tip's turn, the slide the height. What is near the edge of reach, or is no exact
-// rotation, is left to the way of few joints. Columns: elbow left, elbow right.
+// third joint gives the tip's orientation, the slide its height. Poses near the edge of reach, or with inexact rotations, are
+// solved as for few joints. Columns: elbow left, elbow right.
 #pragma once
 
 #include "answers/blocks.hpp"
@@ -11,7 +11,7 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// What the links leave to be compared with.
+// The remaining conditions, which are compared with the target.
 inline constexpr double ANY_HEIGHT = 1e300, ANY_TURN = 4.0;
 
 // of_points: the targets are points in the plane, of two joints.

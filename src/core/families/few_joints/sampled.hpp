@@ -1,8 +1,8 @@
-// Arms of six joints that are singular everywhere: a pose that they reach leaves a continuum, of which samples are given.
+// Arms of six joints that are singular everywhere: a pose that they reach has a continuum of solutions, which is sampled.
 //
-// Newton's method runs from starts all over the joints. Its steps are of least squares, so it comes to rest on the continuum near
-// where it began, and the samples are spread about as the starts are. The same for seven joints of which one in the middle is
-// held at a value: what the six others are depends on it, so nothing can be prepared for them.
+// Newton's method runs from starts all over the joint space. Its steps are least-squares steps, so it ends on the continuum near
+// its start, and the samples are spread as the starts are. The same serves seven joints with one in the middle held at a value:
+// the arm of the six others depends on this value, so nothing can be prepared for it.
 #pragma once
 
 #include "answers/blocks.hpp"
@@ -12,10 +12,10 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 // Samples of a continuum are at least this far apart in some joint [rad, share of size].
 inline constexpr double SPREAD = 0.3;
-// Starts at most; a pose that has solutions is done after so many that told nothing new: where all are samples of a continuum,
-// and where one stands alone, beside which others may be hard to meet.
+// Largest number of starts. A pose with solutions is finished after so many starts without a new one: the first limit is for
+// samples of a continuum, the second one for isolated solutions, since others may be hard to find beside them.
 inline constexpr int MOST_STARTS = 512, ENOUGH_STARTS = 64, ENOUGH_BESIDE_SINGLE = 192;
-// Where several continua meet, steps gain little each: rounds for what came this near, where no start did better.
+// Where several continua meet, each step gains little: further rounds for starts that came this near, if no start did better.
 inline constexpr double WITHIN_REACH = 1e-5;
 inline constexpr int SLOW_ROUNDS = 2000;
 
@@ -32,8 +32,9 @@ struct Sampled {
         return true;
     }
 
-    // Keep q, which keeps the pose: every solution that stands alone, and samples of a continuum. Whether it was kept.
-    static PART bool take(const Written<6>& arm, const Goal<double>& goal, const double (&q)[6], const Columns<6>& columns) {
+    // Keep the solution q if it is isolated and new, or a sample of a continuum far enough from the others. Returns whether it was
+    // kept.
+    static PART bool keep_sample(const Written<6>& arm, const Goal<double>& goal, const double (&q)[6], const Columns<6>& columns) {
         const int marks = singular_marks(arm, goal, q, OTHER);
         if (columns.count() == columns.many || !(marks ? is_apart(arm, columns, q) : is_new(arm, goal, columns, q))) return false;
         keep(columns, 0, q, marks);
@@ -62,7 +63,7 @@ struct Sampled {
                 double q[6];
                 for (int j = 0; j < 6; ++j) q[j] = start[j][l];
                 if (error[l] <= CONVERGED) {
-                    if (!take(arm, goal, q, columns)) continue;
+                    if (!keep_sample(arm, goal, q, columns)) continue;
                     since = 0;
                 } else if (error[l] < least[l]) {
                     least[l] = error[l];
@@ -76,10 +77,10 @@ struct Sampled {
         for (int l = 0; l < BLOCK && !columns.count(); ++l) {
             if (least[l] < WITHIN_REACH &&
                 polish_one<true>(arm, goal, nearest[l], {SLOW_ROUNDS, CONVERGED, SLOW_ROUNDS}).error <= arm.tolerances.reach)
-                take(arm, goal, nearest[l], columns);
+                keep_sample(arm, goal, nearest[l], columns);
         }
         sort(columns);
-        // What a search has found.
+        // The result of a search.
         columns.flags[0] |= UNCERTAIN;
     }
 

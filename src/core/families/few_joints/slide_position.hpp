@@ -1,7 +1,7 @@
-// Three joints, each turning or sliding, put a point at a place p: every (q1, q2, q3) with p = g1 g2 g3 X.
+// Three joints, each turning or sliding, bring a point X to a position p: all (q1, q2, q3) with p = g1 g2 g3 X.
 //
-// What joint 3 does to X is affine in phi = (cos q3, sin q3), or in phi = (q3, q3^2) where it slides. What joint 1 leaves
-// unchanged of p (height along its axis and distance from it; or, of a slide, the projection along it) makes two equations:
+// Joint 3 moves X to an affine function of phi = (cos q3, sin q3), or of phi = (q3, q3^2) if it slides. Two numbers of p do not
+// depend on joint 1: height along its axis and distance from it, or for a slide the projection along it. They give two equations:
 // - joint 2 turns: they are linear in the turned point w, across axis 2, with constant rows that are orthogonal:
 //   m1.w = b1(phi), m2.w = b2(phi), and |w| = |y(phi)|. With both rows it is one equation of degree two in the harmonics of
 //   q3 (four in q3); where a row vanishes (axes 1 and 2 parallel or meeting) its b alone gives q3.
@@ -18,9 +18,10 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 // Below this a coefficient of the equations (of order one) is zero to rounding.
 inline constexpr double VANISHING = 1e-12;
-// Below this squared distance from its axis a joint may be free, or badly determined: its value is tried all round.
+// If the squared distance from a joint's axis is below this, the joint may be free or badly determined: it is tried at values
+// around the circle.
 inline constexpr double ALL_BUT_FREE = 1e-10;
-// Below this an equation that all but loses its unknown is solved without it too.
+// If an unknown's coefficient is below this, the equation is also solved without it.
 inline constexpr double WEAK = 1e-3;
 // A slide further out than this share of the size is a root at infinity.
 inline constexpr double FARTHEST_SLIDE = 1e6;
@@ -34,7 +35,7 @@ STEP TurnAbout turn_about(const Vec<double>& h, const Vec<double>& a, const Vec<
     return {atan2(dot(h, cross(u, v)), dot(u, v)), min(dot(u, u), dot(v, v))};
 }
 
-// One solution: a candidate. free: bit 0 and bit 1 for joints 1 and 2 that the place leaves all but free.
+// A candidate. free: bits 0 and 1 are set if the position leaves joints 1 and 2 nearly free.
 struct Placed {
     double q[3];
     unsigned free;
@@ -59,11 +60,11 @@ struct Equation {
     double f[5];
 };
 
-// All solutions of a place. Candidates: clamped ones near an edge of reach and, where a row of the equations is weak,
-// approximate ones are among them; the caller polishes and verifies.
+// Candidates for all solutions of a position. Those near an edge of reach are clamped, and those from weak equations approximate:
+// the caller polishes and verifies them.
 class PositionSolver {
 public:
-    // ref: taken for a joint that the place leaves free.
+    // ref: the values of joints that the position leaves free.
     PositionSolver(const PositionStep& step, const Vec<double>& p, const double (&ref)[3])
         : step(step),
           p(p),
@@ -138,7 +139,7 @@ private:
         double at[4];
         int count = 0;
     };
-    // Real roots q3. Where the equation vanishes, to `scale`, the reference stands for all.
+    // Real roots q3. If the equation vanishes, to `scale`, every q3 is a root and the reference is returned.
     PART Roots roots(const Equation& e, double scale) const {
         const auto& f = e.f;
         const double largest = max(max(max(abs(f[0]), abs(f[1])), max(abs(f[2]), abs(f[3]))), abs(f[4]));
@@ -227,7 +228,7 @@ private:
             if (m[k] <= WEAK * WEAK && m[1 - k] > VANISHING * VANISHING) by_other_row(t, r, k, m[1 - k], span);
         }
     }
-    // Row k is weak: its right side alone gives q3, the other row the part of w along it.
+    // Row k is weak: its right side alone gives q3, and the other row gives the component of w along it.
     STEP void by_other_row(const Third& t, const Rows& r, int k, double m, double span) {
         const Vec<double>& row = r.M[1 - k];
         const Vec<double> side = (1.0 / sqrt(m)) * cross(h2, row);

@@ -1,8 +1,8 @@
-// Six joints of which some slide: three turns that make the orientation, three joints the position.
+// Six joints with slides: three turning joints give the orientation, the other three the position.
 //
-// A spherical wrist: the first three joints, of any kind, place the point where the last three axes meet (slide_position.hpp),
-// and the wrist does the rest. Three slides: they turn nothing, so the three turning joints follow from the orientation,
-// wherever they stand, and the slides from a linear system. Verified and polished as few joints are.
+// Spherical wrist: the first three joints, of any kind, place the point where the last three axes meet (slide_position.hpp), and
+// the wrist gives the orientation. Three slides: they do not turn the tip, so the three turning joints follow from the
+// orientation, wherever they are in the chain, and the slides from a linear system. Candidates are polished and verified.
 #pragma once
 
 #include "families/few_joints/few_joints.hpp"
@@ -37,14 +37,14 @@ PART bool turn_wrist(const SlidesArm& arm, const Rot<double>& E, double sign, co
     return true;
 }
 
-// The joint vector of a place of the first three joints and one flip of the wrist; whether there is one.
+// The joint vector for values of the first three joints and one flip of the wrist. Returns whether there is one.
 STEP bool wrist_behind(const SlidesArm& arm, const Goal<double>& goal, const double (&placed)[3], double sign,
                        const Reference<6>& reference, double (&q)[6]) {
     for (int k = 0; k < 3; ++k) q[k] = arm.step.slides[k] ? placed[k] * arm.written.size : wrap(placed[k]);
     return turn_wrist(arm, behind(arm.step, placed, from_home(goal.R, arm.home)), sign, reference, q);
 }
 
-// A joint that a place leaves all but free, tried all round.
+// A joint that a position leaves nearly free is tried at values around the circle.
 PART void try_around(const SlidesArm& arm, const Goal<double>& goal, const Placed& place, double sign,
                      const Reference<6>& reference, const Columns<6>& columns) {
     double q[6];
@@ -53,13 +53,13 @@ PART void try_around(const SlidesArm& arm, const Goal<double>& goal, const Place
             double around[3] = {place.q[0], place.q[1], place.q[2]};
             around[k] = wrap(PI * a / AROUND);
             if (wrist_behind(arm, goal, around, sign, reference, q)) {
-                take(arm.written, goal, q, Origin::searched, CONVERGED, columns);
+                polish_and_keep(arm.written, goal, q, Origin::searched, CONVERGED, columns);
             }
         }
     }
 }
 
-// Solutions by the place of the wrist, then both its flips; whether a joint was all but free in it.
+// Solutions by the wrist's position, each with both flips. Returns whether a joint was nearly free.
 PART bool by_wrist(const SlidesArm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
     const double size = arm.written.size;
     double ref[3], q[6];
@@ -72,7 +72,7 @@ PART bool by_wrist(const SlidesArm& arm, const Goal<double>& goal, const Referen
         for (const double sign : FLIPS) {
             if (!wrist_behind(arm, goal, place.q, sign, reference, q)) continue;
             const Origin origin = place.free || arm.imperfection > 0.0 ? Origin::doubtful : Origin::computed;
-            const double sigma = take(arm.written, goal, q, origin, arm.written.tolerances.reach, columns);
+            const double sigma = polish_and_keep(arm.written, goal, q, origin, arm.written.tolerances.reach, columns);
             if (!place.free || sigma <= arm.written.tolerances.singular) continue;
             doubt = true;
             try_around(arm, goal, place, sign, reference, columns);
@@ -81,7 +81,7 @@ PART bool by_wrist(const SlidesArm& arm, const Goal<double>& goal, const Referen
     return doubt;
 }
 
-// Solutions of an arm with three slides: the turns by the orientation, the slides by a linear system.
+// Solutions of an arm with three slides: the turning joints from the orientation, the slides from a linear system.
 PART void by_slides(const SlidesArm& arm, const Goal<double>& goal, const Reference<6>& reference, const Columns<6>& columns) {
     for (const double sign : FLIPS) {
         double q[6] = {};
@@ -100,11 +100,12 @@ PART void by_slides(const SlidesArm& arm, const Goal<double>& goal, const Refere
         for (int j = 0; j < 6; ++j) {
             if (arm.written.slides[j] && k < 3) q[j] = slid.x[k++];
         }
-        take(arm.written, goal, q, Origin::doubtful, arm.written.tolerances.reach, columns);
+        polish_and_keep(arm.written, goal, q, Origin::doubtful, arm.written.tolerances.reach, columns);
     }
 }
 
-// The same from turns all around, where the wrist leaves two of its joints free and the slides suit few of their values.
+// The same with turns at values around the circle, if the wrist leaves two of its joints free and the slides fit few of their
+// values.
 PART void by_slides_around(const SlidesArm& arm, const Goal<double>& goal, const Columns<6>& columns) {
     for (int k = 0; k < AROUND && !columns.count(); ++k) {
         Reference<6> at;

@@ -1,4 +1,4 @@
-// Six joints without a structure to use, compiled once for every instruction set.
+// Six joints without a special structure, compiled once for every instruction set.
 #include "families/general/elimination.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {

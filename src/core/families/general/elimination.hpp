@@ -1,10 +1,10 @@
-// All solutions of six joints without a structure to use. Joints turn or slide.
+// All solutions of six joints without a special structure. Joints turn or slide.
 //
-// First the elimination to one joint's angle (hidden_joint.hpp): each of its real roots is followed by Newton's method on the
-// arm as written. It is quick, and almost always complete where its roots stand apart; round poses are where they do not.
-// What it finds is believed where every root that may be real led to a solution of its own whose hidden joint stands at that
-// root. Everywhere else continuation follows all complex solutions of a known pose to this one (continuation.hpp), and counts
-// them: none can be missing where as many regular ones arrive as there are.
+// First the elimination to one joint's angle (hidden_joint.hpp): Newton's method on the arm as written starts from each real root.
+// This is fast, and almost always complete if the roots are well separated, which they often are not at round poses. The result is
+// accepted if every root that may be real led to a solution of its own, with the hidden joint at that root. Otherwise continuation
+// follows all complex solutions of a known pose to this one (continuation.hpp) and counts them: if as many regular solutions
+// arrive as started, none is missing.
 #pragma once
 
 #include "answers/beside.hpp"
@@ -22,22 +22,22 @@ inline constexpr double NEAR_CIRCLE = 0.1;
 // Of a hidden slide, the cosine below which a root stands for a length beyond all reach: 20 times the mean distance of the
 // axes.
 inline constexpr double FARTHEST = -0.995;
-// Noise of a determinant's harmonics above which it is not trusted.
+// A determinant whose harmonics are noisier than this is not used.
 inline constexpr double LARGEST_NOISE = 1e-7;
-// A solution belongs to a root if its hidden joint stands this close to it. Rounding and a moved axis push the roots of a
-// cluster off by about as much each, so where this holds none of them is as far as NEAR_CIRCLE off.
+// A solution belongs to a root if its hidden joint is this close to it. Rounding and moved axes shift all roots of a cluster about
+// equally, so if this holds, no root of the cluster is as far off the circle as NEAR_CIRCLE.
 inline constexpr double OWN_ROOT = 1e-3;
-// The same of arms near special ones, whose roots come in clusters.
+// The same for arms near special ones, whose roots form clusters.
 inline constexpr double OWN_ROOT_NEAR_SPECIAL = 1e-6;
-// The imaginary part of an angle above which the end of a path is not real, for ends that are regular and others.
+// The end of a path is not real if an angle's imaginary part is above this: at regular ends, and at singular ends.
 inline constexpr double IMAGINARY = 1e-4, IMAGINARY_SINGULAR = 0.05;
-// A path that ends before this s ends because it was lost, one that ends behind it at a singular solution.
+// Paths run from s = 1 to s = 0. A path that stops above this s was lost; one that stops below it ends at a singular solution.
 inline constexpr double AT_SINGULAR = 1e-10;
-// How often continuation is tried, each time on other paths; starts all over the joints where that did not decide.
+// Attempts at continuation, each on other paths; and starts all over the joint space if they did not decide.
 inline constexpr int ATTEMPTS = 4, ALL_OVER = 160;
 
-// What is known of one pose while it is solved.
-struct Search {
+// The state of solving one pose.
+struct SearchState {
     Columns<6> columns;
     double enough;  // error at which a candidate is a solution
     double error = __builtin_inf(), best[6] = {};  // the best of the candidates that came to rest above that
@@ -59,15 +59,15 @@ STEP void lane_of(const Block (&q)[6], int l, double (&out)[6]) {
     for (int j = 0; j < 6; ++j) out[j] = q[j][l];
 }
 
-// Whether the known poses have all the solutions that six joints which turn can have. Arms that are near a special one have
-// fewer: others are so far from real that their paths cannot be followed, and come near where the special arm is singular.
+// Whether the known poses have all sixteen solutions of six turning joints. Arms near a special one have fewer known solutions: the
+// others are too far from real for their paths to be followed, and come near only where the special arm is singular.
 STEP bool all_known(const EliminationArm& arm) { return arm.paths.solutions == KnownPose::most; }
 
 // ---- collecting ------------------------------------------------------------------------------------------------------
 
-// The column of q, which is kept if it is new; -1 if the table is full. least: a bound on the smallest singular value of its
-// Jacobian.
-PART int take(const EliminationArm& arm, const Goal<double>& goal, Search& search, const double (&q)[6], double least) {
+// The column of q, which is kept if it is new; -1 if all columns are taken. least: a lower bound on the smallest singular value of
+// its Jacobian.
+PART int column_of(const EliminationArm& arm, const Goal<double>& goal, SearchState& search, const double (&q)[6], double least) {
     const Columns<6>& columns = search.columns;
     if (is_new(arm.written, goal, columns, q)) {
         for (int b = 0; b < columns.many; ++b) {
@@ -85,23 +85,23 @@ PART int take(const EliminationArm& arm, const Goal<double>& goal, Search& searc
         for (int j = 0; j < 6; ++j) most = max(most, abs(gap(arm.written, j, q[j], columns.row(b)[j])));
         if (most < least_gap) least_gap = most, nearest = b;
     }
-    // Next to a singularity the nearer one to the root stays, and none of the others that stand for it.
+    // Next to a singularity the most accurate approximation of the root is kept, and the others are dropped.
     double known[6];
     for (int j = 0; j < 6; ++j) known[j] = columns.row(nearest)[j];
     if (least_gap > arm.written.tolerances.duplicate &&
         error_at(arm.written, goal, q).size < 0.1 * error_at(arm.written, goal, known).size) {
         const int marks = columns.flags[nearest] & ~VALID;
         columns.clear(nearest);
-        if (!is_new(arm.written, goal, columns, q)) return take(arm, goal, search, q, least);
+        if (!is_new(arm.written, goal, columns, q)) return column_of(arm, goal, search, q, least);
         keep(columns, nearest, q, marks);
     }
     return nearest;
 }
 
-// The columns of the starts that Newton's method leads to a solution, -1 for the others.
+// The columns of the solutions that Newton's method reaches from the starts; -1 for starts that reach no solution.
 template <bool damped>
-PART void take_from(const EliminationArm& arm, const Goal<double>& goal, Search& search, Candidates& starts, int rounds,
-                    int (&column)[BLOCK]) {
+PART void columns_from(const EliminationArm& arm, const Goal<double>& goal, SearchState& search, Candidates& starts, int rounds,
+                       int (&column)[BLOCK]) {
     const Course course = {rounds, FINISHED, damped ? PATIENCE : rounds};
     const Polished<Block> out =
         polish<damped, Written<6>, Block>(arm.written, spread<Block>(goal), starts.q, course, mask_of(starts.lanes));
@@ -109,7 +109,7 @@ PART void take_from(const EliminationArm& arm, const Goal<double>& goal, Search&
     for (int l = 0; l < BLOCK; ++l) {
         double q[6];
         lane_of(starts.q, l, q);
-        column[l] = good >> l & 1 ? take(arm, goal, search, q, out.least[l]) : -1;
+        column[l] = good >> l & 1 ? column_of(arm, goal, search, q, out.least[l]) : -1;
         if (!(starts.lanes >> l & 1) || !(out.error[l] < search.error)) continue;
         search.error = out.error[l];
         for (int j = 0; j < 6; ++j) search.best[j] = q[j];
@@ -157,19 +157,19 @@ STEP Turn<double> hidden_at(const EliminationArm& arm, const EliminationVariant&
     return {(1.0 - d * d) * w, 2.0 * d * w};
 }
 
-// Add what damped steps make of starts that have no column yet.
-PART void follow_slowly(const EliminationArm& arm, const Goal<double>& goal, Search& search, Candidates& starts,
+// Add the solutions that damped steps reach from the starts without a column.
+PART void follow_slowly(const EliminationArm& arm, const Goal<double>& goal, SearchState& search, Candidates& starts,
                         const int (&column)[BLOCK]) {
     for (int l = 0; l < BLOCK; ++l) {
         if (column[l] >= 0) starts.lanes &= ~(1u << l);
     }
     int unused[BLOCK];
-    if (starts.lanes) take_from<true>(arm, goal, search, starts, 40, unused);
+    if (starts.lanes) columns_from<true>(arm, goal, search, starts, 40, unused);
 }
 
-// Add the solutions that one variant finds. Returns whether they are certain to be all: each root that may be real led to a
-// solution of its own, and no other is known. A determinant that no solution confirms is not believed.
-PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, const Goal<double>& goal, Search& search) {
+// Add the solutions that one variant finds. Returns whether it is certain that they are all: each root that may be real led to a
+// solution of its own, and no other solution is known. A determinant without a confirming solution is not accepted.
+PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, const Goal<double>& goal, SearchState& search) {
     Equations A;
     double D[SAMPLES];
     Complex coefficients[2 * DEGREE + 1];
@@ -196,7 +196,7 @@ PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, c
         }
         Candidates slow = candidates;
         int column[BLOCK];
-        take_from<false>(arm, goal, search, candidates, 12, column);
+        columns_from<false>(arm, goal, search, candidates, 12, column);
         if (!all_known(arm)) follow_slowly(arm, goal, search, slow, column);
         for (int l = 0; l < BLOCK; ++l) {
             if (column[l] < 0 || owned >> column[l] & 1) continue;
@@ -217,7 +217,7 @@ PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, c
 // which are known or not real. Ends that lead to one solution were one path's, so that another's is missing.
 enum class Arrived { lost, settled, regular };
 
-// What the end of a path is taken for.
+// The classification of a path's end.
 struct PathEnd {
     bool smooth;    // regular and real
     bool rough;     // a member of a continuum, or a double root: looked for from its real part
@@ -242,7 +242,7 @@ STEP bool is_stranger(const Columns<6>& columns, unsigned owned) {
 }
 
 // Add the real ends of all paths that lead to the goal, regular ones first: a continuum may take all columns that are left.
-PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, Search& search, int attempt) {
+PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, SearchState& search, int attempt) {
     PathEnds ends;
     const int regular = continue_from_nearest(arm.written, arm.paths, goal, attempt, ends);
     int settled = 0, distant = 0, real = 0;
@@ -268,8 +268,8 @@ PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, Se
             }
             if (!starts.lanes) continue;
             int column[BLOCK];
-            if (pass == 0) take_from<false>(arm, goal, search, starts, 12, column);
-            else take_from<true>(arm, goal, search, starts, 60, column);
+            if (pass == 0) columns_from<false>(arm, goal, search, starts, 12, column);
+            else columns_from<true>(arm, goal, search, starts, 60, column);
             for (int l = 0; l < BLOCK; ++l) {
                 if (!(starts.lanes >> l & 1) || column[l] < 0) continue;
                 settled += needed >> l & 1;
@@ -288,8 +288,8 @@ PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, Se
 
 // ---- starts where nothing else helps ---------------------------------------------------------------------------------------
 
-// Newton's method from all over the joints' values.
-PART void search_all_over(const EliminationArm& arm, const Goal<double>& goal, Search& search) {
+// Newton's method from starts all over the joint space.
+PART void search_all_over(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
     Scatter scatter = Scatter::number(0);
     for (int from = 0; from < ALL_OVER; from += BLOCK) {
         Candidates starts;
@@ -298,14 +298,15 @@ PART void search_all_over(const EliminationArm& arm, const Goal<double>& goal, S
             for (int j = 0; j < 6; ++j) { starts.q[j].set(l, scatter.next() * (arm.written.slides[j] ? arm.written.size : PI)); }
         }
         int column[BLOCK];
-        take_from<true>(arm, goal, search, starts, 30, column);
+        columns_from<true>(arm, goal, search, starts, 30, column);
     }
 }
 
 // ---- the whole ---------------------------------------------------------------------------------------------------------------
 
-// By elimination, continuation and, where both leave doubts, from all over. Returns whether the solutions are certain to be all.
-PART bool find_all(const EliminationArm& arm, const Goal<double>& goal, Search& search) {
+// Elimination, then continuation, then starts all over the joint space if doubts remain. Returns whether it is certain that no
+// solution is missing.
+PART bool find_all(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
     // An arm without known poses is singular everywhere, and its determinant means nothing.
     if (gather(arm, arm.variant, goal, search) && arm.paths.poses > 0) return true;
     bool settled = false;
@@ -320,9 +321,9 @@ PART bool find_all(const EliminationArm& arm, const Goal<double>& goal, Search& 
 }
 
 bool complete(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns) {
-    // A slide far out carries its rounding to the tip; what is so far out that this shows is no solution.
+    // A slide far out carries its rounding to the tip. A candidate so far out that this exceeds the tolerance is not a solution.
     const double far = arm.any_slide ? 1.0 + sqrt(dot(goal.p, goal.p)) / arm.written.size : 1.0;
-    Search search = {columns, min(CONVERGED * far, arm.written.tolerances.reach)};
+    SearchState search = {columns, min(CONVERGED * far, arm.written.tolerances.reach)};
     search.all_known = all_known(arm);
     bool certain = find_all(arm, goal, search);
     // Where no candidate converges, the best is a double root if its error is so small already: rounding would carry the arm about
@@ -334,7 +335,7 @@ bool complete(const EliminationArm& arm, const Goal<double>& goal, const Columns
             certain = false;
         }
     }
-    // Where not all are known, or in doubt, others may be next to a singular solution.
+    // If solutions are missing or in doubt, they may be next to a singular solution.
     if (!(certain && search.all_known)) certain &= !search_beside_folds(arm.written, goal, columns);
     // Solutions come in pairs, as the complex ones of real equations do: an odd number lacks one, but for double roots. And where a
     // Jacobian has all but lost a rank, so have those of others on the same curve.
@@ -362,7 +363,7 @@ PART void try_variants(const EliminationArm& arm, const EliminationVariant* vari
             std::uint8_t flags[16];
             const Columns<6> columns = {q, flags, 16};
             columns.clear();
-            Search search = {columns, CONVERGED};
+            SearchState search = {columns, CONVERGED};
             out.certain[m * v + i] = gather(arm, variants[v], goal, search);
             out.counts[m * v + i] = std::uint8_t(columns.count());
         }

@@ -1,4 +1,4 @@
-// What the elimination knows of an arm of six joints.
+// An arm of six joints for the elimination.
 #pragma once
 
 #include "families/general/continuation_arm.hpp"
@@ -41,7 +41,7 @@ struct EliminationSolvers {
     long (*solve)(const EliminationArm&, const Batch&);
     // So many variants on m poses T.
     void (*trial)(const EliminationArm&, const EliminationVariant*, int variants, const double* T, long m, const EliminationTrial&);
-    // Poses of which all solutions are known, from m joint vectors (m, 6), two at least. near: without those far from real, for
+    // Poses whose solutions are all known, from m joint vectors (m, 6), two at least. near: without those far from real, for
     // an arm near a special one.
     void (*find_known_poses)(const Written<6>&, const double (*q)[6], int m, bool near, Continuation&);
 };

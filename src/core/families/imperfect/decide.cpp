@@ -1,4 +1,4 @@
-// What decides the branches of an arm near a family, compiled once for every instruction set; derived in imperfect.hpp.
+// See decide.hpp; the criteria are derived in imperfect.hpp. Compiled once for every instruction set.
 #include "families/imperfect/decide.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
@@ -10,7 +10,7 @@ inline constexpr double AGREE = 2.0;
 inline constexpr double REST = 0.25;
 // An angle is fixed where its arm is above this times the drift, both as shares of the size. Joints that change by x change
 // the correction by drift x at most, and that turns an angle of arm a by drift x / a: by less than x / 4, so that every round
-// leaves a quarter of the one before, CORRECTIONS rounds 1/256 of the first. Below, the ideal arm all but leaves the angle free
+// leaves a quarter of the one before, CORRECTIONS rounds 1/256 of the first. Below, the ideal arm leaves the angle nearly free
 // (rounds converge slowly or not at all below 1, and the arm as written may have more solutions), and the elimination decides.
 inline constexpr double FIXED_BY_DRIFT = 4.0;
 // A branch is beyond an end only where its margins' roots are above this times the drift: the joints of another root x move by
@@ -19,7 +19,7 @@ inline constexpr double FIXED_BY_DRIFT = 4.0;
 inline constexpr double BEYOND_BY_DRIFT = 64.0;
 // Kantorovich's share of the smallest singular value, see above.
 inline constexpr double KANTOROVICH = 0.5;
-// Below this a margin is rounding.
+// A margin below this is rounding.
 inline constexpr double ROUNDED_MARGIN = 1e-12;
 // How often a target is corrected before the pose is given to the elimination.
 inline constexpr int CORRECTIONS = 4;

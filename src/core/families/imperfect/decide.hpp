@@ -1,4 +1,4 @@
-// Which branches of an arm near a family are solutions of the arm as written, and which are not; see imperfect.hpp.
+// Decides which branches of an arm near a family are solutions of the arm as written; see imperfect.hpp.
 #pragma once
 
 #include "answers/blocks.hpp"
@@ -6,12 +6,12 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// The eight branches of one pose, each for a target of its own: turns of the joints, offsets included, and margins of shoulder,
-// elbow and wrist.
+// The eight branches of one pose, each solved for its own corrected target: joint angles as (cos, sin), offsets included, and the
+// margins of shoulder, elbow and wrist.
 struct Answers {
     double c[6][8], s[6][8], margin[3][8], arms[8];
 };
-// What is known of them, a bit a branch.
+// The result, one bit per branch: not decided yet, and decided to be a solution.
 struct Known {
     unsigned open = 255, found = 0;
     double least_arm = 1.0;  // squared, of all branches [share of size^2]
@@ -23,7 +23,6 @@ struct IdealAnswer {
     void (*answer)(const void* arm, const Seen<Block>& seen, int first, Answers& to);
 };
 
-// Solutions have their bit in `found`, branches that are not decided theirs in `open`.
 Known decide_all(const BothArms& arm, const Seen<double>& seen, const IdealAnswer& family);
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

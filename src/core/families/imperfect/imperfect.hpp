@@ -1,23 +1,24 @@
-// Arms near a family: the ideal arm's closed form, corrected for the arm as written, and the elimination where that does
-// not decide.
+// Arms near a family: the ideal arm's closed form, corrected for the arm as written. Poses that this leaves undecided are solved
+// by elimination.
 //
-// Where the arm as written, W, is in the target T at q, the ideal arm is at q in I(q) W(q)^-1 T: near T, and changing slowly
-// with q. So the solutions of W are the fixed points of: take a branch's answer q, correct the target by what the two arms
-// differ at q, answer again with the same branch. A few rounds come close; Newton's method on W then ends it.
+// If the arm as written, W, reaches the target T at q, then the ideal arm I at q reaches I(q) W(q)^-1 T. This pose is near T and
+// changes slowly with q. The solutions of W are therefore the fixed points of an iteration: solve a branch of the ideal arm for
+// q, correct the target by the difference between the two arms at q, and solve the same branch again. A few rounds come close.
+// Newton's method on W does the rest.
 //
-// What decides a branch b:
-// - A solution: Newton's method, started with all margins above zero, moved by less than half of the Jacobian's smallest
+// A branch is decided in one of two ways:
+// - It is a solution: Newton's method, started with all margins above zero, moved by less than half of the Jacobian's smallest
 //   singular value and converged. The Jacobian's Lipschitz constant is about 1 (per rad, lengths as shares of the size), so
 //   by Kantorovich's theorem there is one solution about the start, and no second one.
-// - None: a margin m is below zero. Let x be the signed root that tells the branch from its twin, the branch with the
+// - It has no solution: a margin m is below zero. Let x be the signed root that tells the branch from its twin, the branch with the
 //   other sign of that root: solutions have x^2 = m(x), where m depends on x only through the correction, m(x) = m0 + c x
 //   to first order. Beyond the end the closed form takes x = +-sqrt(-m) (see margin_root), so the rounds end at x1 > 0 and
 //   -x2 < 0 with x1^2 = -m0 - c x1, x2^2 = -m0 + c x2: x1 and -x2 are the roots of x^2 + c x + m0 = 0, hence c = x2 - x1
 //   and -m0 = x1 x2. x^2 = m0 + c x has no real root where c^2 < -4 m0, (x2 - x1)^2 < 4 x1 x2: where the margins of the
 //   twins, -x1^2 and -x2^2, are less than a factor of 34 apart. AGREE asks for less.
-// Both take the other joints to stay about where they are: FIXED_BY_DRIFT and BEYOND_BY_DRIFT in decide.cpp, and after() in
-// blocks.hpp, say when. Next to two singularities at once they do not, and W may have more solutions than branches.
-// Solutions are counted by that: with complex ones, every pair of twins has two. A pose is decided if each of its branches is.
+// Both assume that the other joints stay nearly where they are. FIXED_BY_DRIFT and BEYOND_BY_DRIFT in decide.cpp, and after() in
+// blocks.hpp, say when this holds. It fails next to two singularities at once, where W may have more solutions than branches.
+// The number of solutions follows: every pair of twins has two, complex ones included. A pose is decided if all its branches are.
 #pragma once
 
 #include "families/general/complete.hpp"
@@ -25,23 +26,24 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Imperfection up to which the elimination finds too little by itself, its equations being those of the ideal arm to many
-// digits: there the closed form's careful path, one branch at a time, helps it.
+// Up to this imperfection the elimination alone finds too few solutions, since its equations agree with those of the ideal arm to
+// many digits. The closed form's careful path, one branch at a time, then finds the others.
 inline constexpr double CLOSE_BY = 1e-4;
-// Imperfection from which the few values of a joint that the ideal arm leaves free stand apart, so that elimination and
-// continuation find them without looks from all around. Chosen by tests, not derived: at 1e-3 a solution was lost without.
+// A joint that the ideal arm leaves free has a few values on the arm as written. From this imperfection on they are far enough
+// apart for elimination and continuation to find them without all_around(). Chosen by tests: at 1e-3 a solution was lost.
 inline constexpr double FAR_OFF = 4e-3;
-// Pairs of places that are tried where two joints are all but free: where the second smallest singular value is below this.
+// If the Jacobian's second smallest singular value is below DOUBLY_WEAK, two joints are nearly free, and so many pairs of values
+// are tried.
 inline constexpr int PAIRS = 48;
 inline constexpr double DOUBLY_WEAK = 1e-2;
-// The places of six joints follow each other by its powers, as shares of a turn: 1 / x with x^7 = x + 1 (the additive recurrence
-// of M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018).
+// A quasirandom sequence of six joint values: joint j advances by this to the power j, as a share of a turn. It is 1 / x with
+// x^7 = x + 1 (M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018).
 inline constexpr double IRRATIONAL = 0.8986537126286993;
 
 template <class Family> struct Imperfect {
     using Arm = ImperfectArm<typename Family::Arm>;
     static constexpr int branches = 16;
-    // No signs tell its branches apart; all its poses go to its careful path and the elimination.
+    // Such a family's branches are not told apart by signs: all poses go to its careful path and to the elimination.
     static constexpr bool by_quartic = !Family::by_signs;
 
     static PART void answer(const void* arm, const Seen<Block>& seen, int first, Answers& to) {
@@ -78,7 +80,7 @@ template <class Family> struct Imperfect {
         }
     }
 
-    // Candidates that wait for a block of them to be full, then Newton's method follows them side by side.
+    // Collects candidates until a block is full; Newton's method then runs on all of them side by side.
     struct Waiting {
         const Arm& arm;
         const Goal<double>& goal;
@@ -99,7 +101,7 @@ template <class Family> struct Imperfect {
                 for (int j = 0; j < 6; ++j) q[j].set(filled, q[j][0]);
             }
             filled = 0;
-            // Most of them may belong to no solution.
+            // Most of them may lead to no solution.
             const Block zero = 0.0;
             const auto end =
                 polish<true, Written<6>, Block>(written, spread<Block>(goal), q, {60, FINISHED, PATIENCE}, zero <= zero);
@@ -113,8 +115,8 @@ template <class Family> struct Imperfect {
         }
     };
 
-    // What the ideal arm answers for the places k of joints that it all but leaves free, place(k) being joint values. Branches that
-    // say the same for the first `looks` of them are left out then.
+    // Solves the ideal arm with its nearly free joints at several values; place(k) is the k-th set of joint values. A branch whose
+    // solution is the same for the first `looks` sets does not depend on them and is not solved again.
     template <class Place>
     static PART void from_places(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Columns<6>& columns,
                                  int places, int looks, const Place& place) {
@@ -137,9 +139,9 @@ template <class Family> struct Imperfect {
         waiting.follow();
     }
 
-    // A joint that the ideal arm leaves free has a few values on the arm as written: from places all around the circle.
-    // One that can stand in a part of it only is put at the nearer end of that part: three places that no half of the circle holds
-    // tell whether it moves at all.
+    // A joint that the ideal arm leaves free has a few values on the arm as written: it is tried at values around the circle. A
+    // joint that is free on a part of the circle only is put at the nearer end of this part. Three values that do not all lie on
+    // one half of the circle show whether the solution depends on this joint.
     static PART void all_around(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Columns<6>& columns) {
         from_places(arm, goal, seen, columns, AROUND, 3, [](int k) {
             Reference<6> at = reference_of<6>(nullptr);
@@ -148,7 +150,7 @@ template <class Family> struct Imperfect {
         });
     }
 
-    // Whether some solution's Jacobian all but loses two ranks.
+    // Whether the Jacobian nearly loses two ranks at some solution.
     static PART bool is_doubly_weak(const Arm& arm, const Goal<double>& goal, const Columns<6>& columns) {
         for (int b = 0; b < columns.many; ++b) {
             if (!columns.valid(b)) continue;
@@ -159,7 +161,7 @@ template <class Family> struct Imperfect {
         return false;
     }
 
-    // Two such joints at once: from pairs of places, which an irrational share of a turn spreads evenly.
+    // The same for two nearly free joints at once: pairs of values, spread evenly by a quasirandom sequence.
     static PART void apart(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Columns<6>& columns) {
         from_places(arm, goal, seen, columns, PAIRS, PAIRS, [](int k) {
             Reference<6> at = reference_of<6>(nullptr);

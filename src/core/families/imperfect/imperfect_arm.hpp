@@ -1,4 +1,4 @@
-// What the solver of an arm near a family knows of it.
+// An arm near a family.
 #pragma once
 
 #include "families/closed_forms/parallel_shoulder_arm.hpp"
@@ -9,12 +9,12 @@
 
 namespace urdf_ik {
 
-// Up to this multiple of its imperfection an arm that turns freely on the ideal arm does so almost: on the arm as written its few
-// true values lie anywhere on the circle.
+// A joint of the ideal arm counts as nearly free if its lever arm is below this multiple of the imperfection: on the arm as written
+// its few values may then be anywhere on the circle.
 inline constexpr double ALMOST_FREE = 5.0;
 
-// From frame 1 to the point that is solved for: the arm as written, and the ideal one, both by the ideal arm's angles, joint values
-// and offsets together.
+// The arm as written and the ideal one, from frame 1 to the point that is solved for. Both take the ideal arm's angles: joint
+// values plus offsets.
 struct BothArms {
     Written<6> written, ideal;
     double drift;  // how fast the motion between the two tips changes with the joints, at most [rad, share of size; a rad]
@@ -22,7 +22,7 @@ struct BothArms {
 
 template <class FamilyArm> struct ImperfectArm {
     FamilyArm family;  // the ideal arm
-    // The same, which counts a joint as free where its squared arm is below ALMOST_FREE times the imperfection, squared.
+    // The same with a coarser tolerance: a joint counts as free if its lever arm is below ALMOST_FREE times the imperfection.
     FamilyArm loose;
     Written<6> written;
     EliminationArm elimination;

@@ -5,7 +5,7 @@
 // are bounded by its links' lengths and their rates of turning. The box holds no solution if even so f cannot vanish: not
 // by its size, not across the range of J, not where its least squares lead. It holds at most one, to which Newton's method
 // leads from the middle, if that step contracts (Neumaier, Interval Methods for Systems of Equations, 1990, chapter 5).
-// What is left is halved. At double roots and on continua boxes come to no end: the smallest are starting points.
+// All other boxes are halved. At double roots and on continua this does not end: the smallest boxes become starting points.
 #pragma once
 
 #include "families/mimics/coupled_model.hpp"
@@ -139,7 +139,7 @@ PART void search(const CoupledArm<N>& arm, const Goal<double>& goal, double* box
                 double x[N];
                 for (int j = 0; j < N; ++j) x[j] = alone ? verdict.start[j][i] : c[j][i];
                 if (alone || (halve && last)) {
-                    take(arm.written, goal, x, !alone, columns);
+                    polish_and_keep(arm.written, goal, x, !alone, columns);
                 } else if (halve) {
                     for (int side = -1; side <= 1; side += 2, ++more) {
                         for (int j = 0; j < N; ++j) halves[N * more + j] = x[j] + (j == split ? 0.5 * side * w[j] : 0.0);

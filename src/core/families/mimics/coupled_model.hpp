@@ -1,7 +1,7 @@
-// Kinematics of arms whose joints drive several axes each, as Newton's method asks for them.
+// Kinematics of arms whose joints drive several axes each, for Newton's method.
 #pragma once
 
-#include "answers/take.hpp"
+#include "answers/candidates.hpp"
 #include "families/mimics/coupled_arm.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
@@ -34,7 +34,7 @@ template <int N, class V> STEP void jacobian_at(const Coupled<N>& arm, const Cou
     }
 }
 
-// The arm as Newton's method sees it.
+// The model for Newton's method.
 template <int N> struct Driven {
     static constexpr int joints = N, rows = 6;
     const Coupled<N>& arm;
@@ -61,12 +61,12 @@ template <int N> STEP double advanced(const Driven<N>& model, int k, double x, d
 }
 template <int N> STEP double gap(const Driven<N>& model, int k, double a, double b) { return centred(model.arm, k, a - b); }
 
-// Polish the start x, which is replaced, and keep it if it is verified and new. searched: it is no solution's neighbour for sure,
-// so it has to converge.
-template <int N> STEP void take(const Coupled<N>& arm, const Goal<double>& goal, double (&x)[N], bool searched,
-                                const Columns<N>& columns) {
-    take(driven(arm), goal, x, searched ? Origin::searched : Origin::doubtful, searched ? CONVERGED : arm.tolerances.reach,
-         columns);
+// Polish the start x, which is replaced, and keep it if it is verified and new. searched: x may not be near a solution, so it has
+// to converge to rounding.
+template <int N> STEP void polish_and_keep(const Coupled<N>& arm, const Goal<double>& goal, double (&x)[N], bool searched,
+                                           const Columns<N>& columns) {
+    polish_and_keep(driven(arm), goal, x, searched ? Origin::searched : Origin::doubtful,
+                    searched ? CONVERGED : arm.tolerances.reach, columns);
 }
 
 // Scaled joints to joint values, in the order of the columns.

@@ -1,7 +1,7 @@
-// All solutions of a 6R arm with a hollow wrist, such as ABB's IRB 5400: seven axes, the fifth and the sixth of which follow
-// one joint, the sixth backwards.
+// All solutions of a 6R arm with a hollow wrist, such as ABB's IRB 5400: seven axes; axes 5 and 6 follow one joint, axis 6
+// backwards.
 //
-// Axes 4 and 7 meet, in a point W that joint 5 moves along both. At a value of joint 5 the target tells where W is, so
+// Axes 4 and 7 meet, in a point W that joint 5 moves along both. For a value of joint 5 the target gives W, so
 // joints 1 to 3 are known (two fronts, two elbows), and the angle between axes 4 and 7 has to be the one that joint 5 makes:
 // one equation in one unknown for each branch. Where all four axes meet in one point W stands still and the equation is a
 // trigonometric polynomial of degree two. In a mirrored wrist (axis 7 the mirror image of axis 4 in the plane between axes 5
@@ -33,7 +33,7 @@ struct HollowWrist {
         bool there() const { return margin >= 0.0; }
     };
 
-    struct Search {
+    struct Scan {
         const Arm& arm;
         const Goal<double>& goal;
         const Columns<6>& columns;
@@ -45,15 +45,15 @@ struct HollowWrist {
     static PART void solve(const Arm& arm, const Goal<double>& goal, const Reference<6>&, const Columns<6>& columns) {
         const auto& ideal = arm.position.ideal;
         const Vec<double> direction = goal.R * vec<double>(arm.direction);
-        Search search = {arm,
-                         goal,
-                         columns,
-                         arm.position,
-                         goal.p + goal.R * vec<double>(arm.flange),
-                         direction,
-                         times(ideal.base_rotation, direction),
-                         0.0,
-                         0.0};
+        Scan search = {arm,
+                       goal,
+                       columns,
+                       arm.position,
+                       goal.p + goal.R * vec<double>(arm.flange),
+                       direction,
+                       times(ideal.base_rotation, direction),
+                       0.0,
+                       0.0};
         for (int pair = 0; pair < 4; ++pair) {
             search.front = ideal.signs[0][2 * pair], search.up = ideal.signs[1][2 * pair];
             scan(search);
@@ -62,7 +62,7 @@ struct HollowWrist {
     }
 
     // The equation at sample i and the share t of the way to the next.
-    static PART Sample at(Search& search, int i, double t) {
+    static PART Sample at(Scan& search, int i, double t) {
         const Arm& arm = search.arm;
         const int k = i + 1 < arm.samples ? i + 1 : arm.round ? 0 : i;
         const auto between = [&](const double* values) { return values[i] + t * (values[k] - values[i]); };
@@ -86,7 +86,7 @@ struct HollowWrist {
     }
 
     // All values of joint 5 on one branch.
-    static PART void scan(Search& search) {
+    static PART void scan(Scan& search) {
         const int n = search.arm.samples, steps = search.arm.round ? n : n - 1;
         double off[MOST_SAMPLES], margin[MOST_SAMPLES];
         for (int i = 0; i < n; ++i) {
@@ -110,7 +110,7 @@ struct HollowWrist {
     }
 
     // A change of sign between shares a and b of the way from sample i (regula falsi, Illinois variant).
-    static PART void root(Search& search, int i, double a, double off_a, double b, double off_b) {
+    static PART void root(Scan& search, int i, double a, double off_a, double b, double off_b) {
         Sample s = {};
         for (int round = 0; round < 4; ++round) {
             const double t = (a * off_b - b * off_a) / (off_b - off_a);
@@ -123,7 +123,7 @@ struct HollowWrist {
     }
 
     // The equation turns round near sample i without a change of sign: a parabola through three samples.
-    static PART void near_double_root(Search& search, int i, double before, double off, double after) {
+    static PART void near_double_root(Scan& search, int i, double before, double off, double after) {
         const double bend = before - 2.0 * off + after;
         if (abs(bend) < TINY) return;
         const double vertex = 0.5 * (before - after) / bend, value = off - 0.25 * (before - after) * vertex;
@@ -133,7 +133,7 @@ struct HollowWrist {
     }
 
     // A branch ends between sample i and the next, where it joins another.
-    static PART void branch_end(Search& search, int i, bool here, double off) {
+    static PART void branch_end(Scan& search, int i, bool here, double off) {
         double inside = here ? 0.0 : 1.0, outside = 1.0 - inside;
         const double from = inside;
         for (int round = 0; round < 30; ++round) {
@@ -147,7 +147,7 @@ struct HollowWrist {
     }
 
     // Turns about axes 4 and 7 for the other joints, then Newton's method.
-    static PART void start(Search& search, const Sample& s, bool searched) {
+    static PART void start(Scan& search, const Sample& s, bool searched) {
         const auto& written = search.arm.written;
         double x[6] = {s.q[0], s.q[1], s.q[2], 0.0, s.joint_5, 0.0};
         const auto at = place(written, x);
@@ -164,7 +164,7 @@ struct HollowWrist {
             x[5] = atan2(dot(wanted, turned), trace - 1.0) * written.gain[6][5];
             double from[6];
             for (int j = 0; j < 6; ++j) from[j] = x[j];
-            take(written, search.goal, from, searched || aligned, search.columns);
+            polish_and_keep(written, search.goal, from, searched || aligned, search.columns);
         }
     }
 };

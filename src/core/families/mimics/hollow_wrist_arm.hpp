@@ -1,4 +1,4 @@
-// What the solver of 6R arms with a hollow wrist knows of an arm: axes 4 to 7, of which 5 and 6 follow one joint.
+// A 6R arm with a hollow wrist: axes 5 and 6 follow one joint.
 #pragma once
 
 #include "families/closed_forms/spherical_wrist_arm.hpp"

@@ -1,6 +1,6 @@
-// Joints, one end of which is given: T' = E1(v)^-1 T for the first joint, T' = T En(v)^-1 for the last. The others stay the
-// same arm for every value; only their targets move. A rotation of the target about an axis of the tip is the same. Where two
-// joints have one axis, the first of them may be given too: the other takes its value back.
+// Arms with an end joint given: T' = E1(v)^-1 T for the first joint, T' = T En(v)^-1 for the last one. The other joints form the
+// same arm for every value; only their targets move. A rotation of the target about an axis of the tip works alike. If two
+// neighbouring joints share an axis, the first of them may be given too: the other one takes its value back.
 #include "answers/blocks.hpp"
 #include "families/seven_joints/one_given_arm.hpp"
 
@@ -27,7 +27,7 @@ static STEP void move_block(const GivenJoint& given, const double* from, const B
             }
         }
     }
-    // The last row is kept, for whoever checks it.
+    // The last row is copied, so that the solver can check it.
     for (int j = 12; j < 16; ++j) out[j] = t[j];
     store_rows<Write::plain, 16>(out, to);
 }

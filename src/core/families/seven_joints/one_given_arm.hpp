@@ -1,5 +1,5 @@
-// Joints, the first or the last of which is given, or one whose axis is that of the next: what is done with it before and after
-// the others are solved.
+// Arms with one joint given: the first, the last, or one that shares its axis with the next joint. What happens before and after
+// the other joints are solved.
 #pragma once
 
 #include "kinematics/arm.hpp"
@@ -7,15 +7,15 @@
 namespace urdf_ik {
 
 struct GivenJoint {
-    // The joint's motion back is their sum times (1, cos, sin) of its value, or, where it slides, the first plus the value
-    // times the second. It stands before a target in the base's frame, or behind it in the tip's where the joint is last.
+    // The inverse of the joint's motion is their sum times (1, cos, sin) of its value; for a slide the first one plus the value
+    // times the second one. It multiplies the target from the left, or from the right if the joint is the last one.
     double motion[3][3][4];
     bool turns, last;
-    // Of a joint in the middle whose axis is that of the next one, too: which it is (-1: it stands at an end). The motion is none
-    // then, and the next joint takes the value back; opposite: whether it moves the other way.
+    // The index of a middle joint that shares its axis with the next joint; -1: the joint is at an end. The motion is then the
+    // identity, and the next joint takes the value back; opposite: it moves the other way.
     int before;
     bool opposite;
-    double value;  // where none is given [rad, m]
+    double value;  // the default [rad, m]
 };
 
 struct OneGivenSolvers {

@@ -1,4 +1,4 @@
-// What the solvers of S-R-S arms know of an arm.
+// An S-R-S arm.
 #pragma once
 
 #include "kinematics/arm.hpp"
@@ -22,7 +22,7 @@ struct SrsArm {
     double upper, fore, along, zero_4;
     double clamp;         // how far below zero a margin may fall before its branch is given up
     double imperfection;  // how far its poses are from those of the arm as written [rad, share of size]; 0: exact
-    double value;         // the swivel angle where none is given
+    double value;         // the default swivel angle
 };
 
 struct SrsSolvers {

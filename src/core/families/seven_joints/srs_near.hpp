@@ -1,6 +1,6 @@
 // All solutions, at a swivel angle, of an arm whose axes 1 to 3 and 5 to 7 nearly meet: the eight of the nearest S-R-S arm
 // lead to those of the arm as written by Newton's method at the same swivel angle. Near a singularity of the ideal arm the
-// solutions of the two differ in number, and starts all around it are followed, too.
+// solutions of the two differ in number, and further starts around the singularity are tried.
 #pragma once
 
 #include "families/seven_joints/srs.hpp"
@@ -20,7 +20,7 @@ namespace urdf_ik::URDF_IK_LEVEL {
 inline constexpr double UNSURE = 40.0, BESIDE_UNSURE = 4.0;
 // Where the wrist is nearer to the shoulder than this share of the size, the same error turns the line between them more.
 inline constexpr double SHORT_LINE = 0.3;
-// Directions in which a bend is tried where axes nearly align.
+// Where axes nearly align, a bend is tried in this many directions.
 inline constexpr int TRIED_AROUND = 8;
 
 struct SrsNear {
@@ -36,8 +36,8 @@ struct SrsNear {
         bool doubtful;
     };
 
-    // Starts that wait for a block of them to be full.
-    struct Search {
+    // Collects starts until a block is full.
+    struct StartQueue {
         const Arm& arm;
         const Goal<double>& goal;
         AtSwivel model;
@@ -55,7 +55,7 @@ struct SrsNear {
         const Seen<double> seen = to_frame_1<double>(t, arm.ideal);
         const Line<double> line = line_to_wrist(seen.p);
         const Swivelled<double> at = swivelled(line, cos_sin_of_any(value));
-        Search search = {arm, goal, at_swivel(arm, at), columns, {}, {}, 0, 0.0, false, false};
+        StartQueue search = {arm, goal, at_swivel(arm, at), columns, {}, {}, 0, 0.0, false, false};
         search.error = arm.imperfection * max(1.0, SHORT_LINE * arm.written.size / (line.length + TINY));
         const bool doubtful = follow(search, seen, line, at);
         if (!doubtful && !search.failed) return;
@@ -64,7 +64,7 @@ struct SrsNear {
     }
 
     // The ideal arm's solutions as starts; where `search.wide`, those around its singularities. Returns whether it is near one.
-    static PART bool follow(Search& search, const Seen<double>& seen, const Line<double>& line, const Swivelled<double>& at) {
+    static PART bool follow(StartQueue& search, const Seen<double>& seen, const Line<double>& line, const Swivelled<double>& at) {
         const Arm& arm = search.arm;
         bool doubtful = false;
         for (int way = 0; way < (search.wide ? 4 : 2); ++way) {
@@ -94,39 +94,39 @@ struct SrsNear {
         return doubtful;
     }
 
-    static PART Ways ways(const Search& search, const MeetingAxes& axes, const Rot<double>& M) {
+    static PART Ways ways(const StartQueue& search, const MeetingAxes& axes, const Rot<double>& M) {
         const double error = search.error;
         const Twists t = twists_of(axes);
         Ways out = {};
         const Bend<double> bend = wrist_bend(M.z, t, 1.0);
         if (bend.margin < -search.arm.clamp * (error / search.arm.imperfection)) return out;
         const WristTurns<double> turns = wrist_turns(M, bend.turn, t);
-        const auto take = [&](const Turn<double>& b, bool held, double first) {
+        const auto add_way = [&](const Turn<double>& b, bool held, double first) {
             const WristTurns<double> w = wrist_turns(M, b, t, held, cos_sin(first));
             double (&q)[3] = out.q[out.count++];
             q[0] = wrap(angle(w.first)), q[1] = wrap(angle(b) - axes.shift), q[2] = wrap(angle(w.last));
         };
-        take(bend.turn, false, 0.0), take({bend.turn.c, -bend.turn.s}, false, 0.0);
+        add_way(bend.turn, false, 0.0), add_way({bend.turn.c, -bend.turn.s}, false, 0.0);
         out.doubtful = min(bend.margin, turns.fixed) < UNSURE * error;
         if (!search.wide || !out.doubtful) return out;
         const double s = sqrt(max(bend.margin, 0.0) + BESIDE_UNSURE * error);
         const Turn<double> more = unit(bend.turn.c, s);
-        take(more, false, 0.0), take({more.c, -more.s}, false, 0.0);
+        add_way(more, false, 0.0), add_way({more.c, -more.s}, false, 0.0);
         if (turns.fixed >= UNSURE * error) return out;
         for (int k = 0; k < TRIED_AROUND; ++k) {
             const double first = (2.0 * PI / TRIED_AROUND) * k - PI;
-            take(more, true, first), take({more.c, -more.s}, true, first);
+            add_way(more, true, first), add_way({more.c, -more.s}, true, first);
         }
         return out;
     }
 
-    static STEP void add(Search& search, const double (&q)[7], int column) {
+    static STEP void add(StartQueue& search, const double (&q)[7], int column) {
         for (int j = 0; j < 7; ++j) search.q[j].set(search.filled, q[j]);
         search.column[search.filled] = column;
         if (++search.filled == BLOCK) flush(search);
     }
 
-    static PART void flush(Search& search) {
+    static PART void flush(StartQueue& search) {
         const int many = search.filled;
         search.filled = 0;
         if (!many) return;
@@ -139,14 +139,14 @@ struct SrsNear {
         for (int i = 0; i < many; ++i) {
             double q[7];
             for (int j = 0; j < 7; ++j) q[j] = search.q[j][i];
-            take(search, q, out.error[i], out.least[i], search.column[i]);
+            keep_solution(search, q, out.error[i], out.least[i], search.column[i]);
         }
     }
 
     // least: a bound from below on the Jacobian's smallest singular value near q.
-    static PART void take(Search& search, const double (&q)[7], double error, double least, int column) {
+    static PART void keep_solution(StartQueue& search, const double (&q)[7], double error, double least, int column) {
         const Tolerances& tol = search.model.tolerances;
-        // What a wide search finds has to converge: beside a fold that the target misses, errors fall below the tolerance.
+        // Results of a wide search must converge to rounding: beside a fold just out of reach, errors fall below the tolerance.
         if (!(error <= (search.wide ? CONVERGED : tol.reach)) || !is_new(search.model, search.goal, search.columns, q)) {
             search.failed = true;
             return;
@@ -156,8 +156,8 @@ struct SrsNear {
         keep(search.columns, column, q, singular ? OTHER : 0);
     }
 
-    // Whether q lies on the continuum of a solution that is kept: half way between them the arm is in the pose, too.
-    static PART bool continues(const Search& search, const double (&q)[7]) {
+    // Whether q lies on the continuum of a kept solution: the arm is in the pose at their midpoint too.
+    static PART bool continues(const StartQueue& search, const double (&q)[7]) {
         for (int b = 0; b < search.columns.many; ++b) {
             if (!(search.columns.flags[b] & OTHER)) continue;
             double middle[7];

@@ -2,7 +2,7 @@
 //
 // It is the angle about the line SW by which axis 4's direction, less its part along the line, is turned from the normal
 // of the plane that holds S, W and axis 1. Where W lies on axis 1, to ON_AXIS, there is no such plane, and frame 1's x
-// stands in for its normal. Unlike the elbow's place, axis 4's direction tells the angle of a stretched arm, too.
+// stands in for its normal. Unlike the elbow's position, the direction of axis 4 defines the angle for a stretched arm too.
 // Source: Shimizu, Kakuya, Yoon, Kitagaki and Kosuge 2008, there for axes at right angles.
 #pragma once
 

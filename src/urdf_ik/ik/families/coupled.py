@@ -6,14 +6,15 @@ Six independent joints are solved where the wrist mimics: see ``hollow_wrist``.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families import hollow_wrist
-from urdf_ik.ik.families.parts.family import Family, Plan, columns
-from urdf_ik.ik.families.parts.values import driven_values
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
+from urdf_ik.ik.families.parts.written import Driven, driven
 from urdf_ik.kinematics.chain import is_redundant
 from urdf_ik.kinematics.chain.mimic import MOST_TURNS, CoupledChain
 from urdf_ik.support.text import quoted
@@ -33,15 +34,37 @@ _PARALLEL = 1e-10
 _COLUMNS, _MOST_COLUMNS, _TOO_WIDE = 16, 96, 1e3
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CoupledArm:
+    """An arm with joints that mimic others, as the compiled search takes it: ``CoupledArm`` of the core.
+
+    Attributes:
+        joints: n, how many are independent.
+        written: the arm as its URDF has it.
+        middle: (n,) the middle of the box that is searched, in the joints' units.
+        half: (n,) half of its widths.
+        rates: (m, n) greatest rates [rad] at which the joints turn the links behind each axis.
+        columns: of a pose's solutions.
+    """
+
+    kind: ClassVar = "coupled"
+    joints: int
+    written: Driven
+    middle: Array
+    half: Array
+    rates: Array
+    columns: int
+
+
+def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember:
     """The plan of an arm for which ``why_not`` has no reason."""
     assert isinstance(chain, CoupledChain)
     kinds = "".join("P" if slides else "R" for slides in chain.axes.prismatic)
     kinds = kinds if "P" in kinds else f"{len(kinds)}R"
     turns = int(np.prod(np.maximum(chain.image_turns, 1.0)))
     names = columns(min(_MOST_COLUMNS, _COLUMNS * turns))
-    solver = Solver(f"{family.solver}, {chain.n}", _values(chain, len(names)))
-    return Plan(
+    solver = Solver(_arm(chain, len(names)))
+    return FamilyMember(
         family=family,
         name=f"{kinds} driven by {chain.n} joint{'s' * (chain.n > 1)}",
         reason=f"{family.reason}: {', '.join(map(str, chain.followers))}",
@@ -61,7 +84,6 @@ FAMILY = Family(
     by_quadratics=False,
     matches=lambda structure, chain: isinstance(chain, CoupledChain) and chain.n <= MOST_JOINTS and not why_not(chain),
     prepare=_prepare,
-    solver="coupled",
 )
 
 
@@ -95,29 +117,30 @@ def _searched_within_limits(chain: CoupledChain) -> str:
 
 
 def _unit(chain: CoupledChain, joint: int) -> float:
-    """What a joint's value is measured in: rad, or the arm's size where it slides [m]."""
+    """A joint's unit: 1 rad, or the arm's size where it slides [m]."""
     return chain.size if chain.joint_types[joint] == "prismatic" else 1.0
 
 
-def _values(chain: CoupledChain, many: int) -> dict[str, Any]:
-    """The arm as the compiled solver takes it."""
+def _arm(chain: CoupledChain, many: int) -> CoupledArm:
+    """The arm for the compiled search, with so many columns."""
     units = np.array([_unit(chain, j) for j in range(chain.n)])
     turns = chain.image_turns
     lower, upper = chain.limits.T / units
     with np.errstate(invalid="ignore"):
         middle = np.where(turns > 0.0, 0.0, 0.5 * (lower + upper))
-    return {
-        "written": driven_values(chain, units),
-        "middle": middle,
+    return CoupledArm(
+        joints=chain.n,
+        written=driven(chain, units),
+        middle=middle,
         # A value at the very end of its range lies inside the box.
-        "half": np.where(turns > 0.0, math.pi * turns, 0.5 * (upper - lower) + 1e-6),
-        "rates": _rates(chain.axes, chain.gain * units),
-        "columns": many,
-    }
+        half=np.where(turns > 0.0, math.pi * turns, 0.5 * (upper - lower) + 1e-6),
+        rates=_rates(chain.axes, chain.gain * units),
+        columns=many,
+    )
 
 
 def _rates(axes: Chain, gain: Array) -> Array:
-    """(m, n) greatest rates [rad] at which the joints turn what is behind each axis.
+    """(m, n) greatest rates [rad] at which the joints turn the links behind each axis.
 
     About parallel axes in a row, slides between them or not, turns add up with their signs.
     """

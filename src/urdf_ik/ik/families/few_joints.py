@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.aim import PLANAR_POSE, PLANAR_POSITION, POSITION, Aim
-from urdf_ik.ik.families.parts.family import Family, Plan, columns
-from urdf_ik.ik.families.parts.nearest import off_by
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
+from urdf_ik.ik.families.parts.nearest_pose import off_by
+from urdf_ik.ik.families.parts.written import PLANAR_POSE, PLANAR_POSITION, POSITION, Aim, Written
 from urdf_ik.kinematics.chain import is_redundant, kinds_of
 from urdf_ik.kinematics.structure import closest_points
 from urdf_ik.support.tolerances import DEFAULT
@@ -49,6 +49,66 @@ class Joint:
     index: int
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PositionStep:
+    """Three joints that place a point; lengths are shares of the arm's size.
+
+    Attributes:
+        slides: (3,) which of them slide.
+        directions: (3, 3) of their axes at zero.
+        points: (3, 3) on their axes at zero; of axes 1 and 2 the feet of their common normal.
+        X: (3,) the point at zero.
+    """
+
+    slides: Array
+    directions: Array
+    points: Array
+    X: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FewJointsWay:
+    """A way to solve for few joints: a position step and up to two turns behind it.
+
+    Attributes:
+        step: the position step.
+        reversed: whether it is on the chain from tip to base.
+        turns: how many turns are behind the step.
+        axes: (2, 3) directions of their axes at zero.
+        joints: (5,) the chain's joints that step and turns are; -1: one that was added and stays at zero.
+        home: (3, 3) the tip's rotation at zero.
+        in_tip: (3,) the step's point in the tip [share of size].
+    """
+
+    step: PositionStep
+    reversed: bool
+    turns: int
+    axes: Array
+    joints: Array
+    home: Array
+    in_tip: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FewJointsArm:
+    """An arm of one to five joints: ``FewJointsArm`` of the core.
+
+    Attributes:
+        joints: how many there are.
+        columns: of a pose's solutions.
+        written: the arm as its URDF has it.
+        way: how it is solved.
+        spare: another way, for poses at which the first one leaves a joint almost free; None: there is no other.
+    """
+
+    kind: ClassVar = "few joints"
+    joints: int
+    columns: int
+    written: Written
+    way: FewJointsWay
+    spare: FewJointsWay | None
+
+
 @dataclass(frozen=True)
 class _Way:
     """Three joints that place ``X``, and turns behind them, on the chain or the reversed one, at q = 0.
@@ -63,7 +123,7 @@ class _Way:
     X: Array
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan | None:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember | None:
     """The plan for poses; None where no three joints place a point well."""
     ways = sorted(_ways(chain), key=lambda entry: -entry[0])
     # Ways in coordinates of the chain itself, if nearly as good.
@@ -76,7 +136,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan | None:
     turns = len(best.joints) - 3
     last = "axis 5, then joint 5" if turns == 2 else f"axis {chain.n}"
     added = sum(joint.index < 0 for joint in best.joints)
-    return Plan(
+    return FamilyMember(
         family=family,
         name=kinds_of(chain) + (" 1x2" if best.is_reversed and turns == 2 else " 4x5" if turns == 2 else ""),
         reason=_reason(chain, best.is_reversed and turns == 2, turns == 2),
@@ -90,7 +150,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan | None:
         + "; verified and polished on the URDF as written",
         branches=columns(_COLUMNS[chain.n]),
         explain=lambda T: off_by(chain, Aim(), T[:3, :3], T[:3, 3]),
-        solver=_solver(chain, Aim(), chosen, _COLUMNS[chain.n]),
+        solver=Solver(_arm(chain, Aim(), chosen, _COLUMNS[chain.n])),
     )
 
 
@@ -108,17 +168,16 @@ FAMILY = Family(
     by_quadratics=False,
     matches=lambda structure, chain: 1 <= chain.n <= 5 and not is_redundant(chain),
     prepare=_prepare,
-    solver="few joints",
 )
 
 
-def prepare_position(chain: Chain) -> Plan:
+def prepare_position(chain: Chain) -> FamilyMember:
     """The plan of an arm with three joints for the tip's position."""
     way = _Way(chain, chain.size, False, _joints(chain, chain.size), _tip(chain, chain.size))
     return _task_plan(chain, Aim(POSITION), "position", [way])
 
 
-def prepare_planar(chain: Chain, normal: Array, heading: Array | None) -> Plan | None:
+def prepare_planar(chain: Chain, normal: Array, heading: Array | None) -> FamilyMember | None:
     """The plan of an arm of two or three joints in a plane: the tip's position there, or with ``heading`` its pose.
 
     A slide across the plane is added, which takes up what the arm is off the plane.
@@ -142,9 +201,9 @@ def prepare_planar(chain: Chain, normal: Array, heading: Array | None) -> Plan |
     return None
 
 
-def _task_plan(chain: Chain, aim: Aim, task: str, ways: list[_Way]) -> Plan:
+def _task_plan(chain: Chain, aim: Aim, task: str, ways: list[_Way]) -> FamilyMember:
     count = 4 if aim.kind == POSITION else 2
-    return Plan(
+    return FamilyMember(
         family=FAMILY,
         name=f"{kinds_of(chain)} {task}",
         reason=f"the task {task!r} asks for no more than the joints control",
@@ -152,7 +211,7 @@ def _task_plan(chain: Chain, aim: Aim, task: str, ways: list[_Way]) -> Plan:
         "polished on the URDF as written",
         branches=columns(count),
         explain=lambda T: off_by(chain, aim, T[:3, :3], T[:3, 3]),
-        solver=_solver(chain, aim, ways, count),
+        solver=Solver(_arm(chain, aim, ways, count)),
     )
 
 
@@ -238,45 +297,46 @@ def _turned(v: Array, h: Array, angles: Array) -> Array:
     return out
 
 
-def _solver(chain: Chain, aim: Aim, ways: list[_Way], count: int) -> Solver:
-    return Solver(FAMILY.solver, solver_values(chain, aim, ways) | {"joints": chain.n, "columns": count})
+def _arm(chain: Chain, aim: Aim, ways: list[_Way], count: int) -> FewJointsArm:
+    """The arm and up to two ways to solve for it."""
+    return FewJointsArm(
+        joints=chain.n,
+        columns=count,
+        written=aim.written(chain),
+        way=_way(ways[0]),
+        spare=_way(ways[1]) if len(ways) > 1 else None,
+    )
 
 
-def solver_values(chain: Chain, aim: Aim, ways: list[_Way]) -> dict[str, Any]:
-    """The arm and up to two ways to solve for it, as the compiled solvers take them."""
-    names = ("way", "spare")
-    return {"written": aim.written(chain)} | {name: _way_values(way) for name, way in zip(names, ways, strict=False)}
-
-
-def _way_values(way: _Way) -> dict[str, Any]:
+def _way(way: _Way) -> FewJointsWay:
     padded = np.full(5, -1.0)
     padded[: len(way.joints)] = [joint.index for joint in way.joints]
     axes = np.zeros((2, 3))
     for k, joint in enumerate(way.joints[3:]):
         axes[k] = joint.h
-    return {
-        "step": step_values(way.joints[:3], way.X),
-        "reversed": way.is_reversed,
-        "turns": len(way.joints) - 3,
-        "axes": axes,
-        "joints": padded,
-        "home": np.ascontiguousarray(way.chain.R_tip),
-        "in_tip": way.chain.R_tip.T @ (way.X - _tip(way.chain, way.size)),
-    }
+    return FewJointsWay(
+        step=position_step(way.joints[:3], way.X),
+        reversed=way.is_reversed,
+        turns=len(way.joints) - 3,
+        axes=axes,
+        joints=padded,
+        home=np.ascontiguousarray(way.chain.R_tip),
+        in_tip=way.chain.R_tip.T @ (way.X - _tip(way.chain, way.size)),
+    )
 
 
-def step_values(joints: list[Joint], X: Array) -> dict[str, Any]:
-    """Three joints that place the point ``X`` (3,) shares of the size, as the compiled solvers take them."""
+def position_step(joints: list[Joint], X: Array) -> PositionStep:
+    """The step of three joints that place the point ``X`` (3,), in shares of the size."""
     first, second = joints[:2]
     points = [joint.point for joint in joints]
     if not first.slides and not second.slides:
         points[:2] = feet(first.h, first.point, second.h, second.point)
-    return {
-        "slides": np.array([joint.slides for joint in joints], dtype=np.float64),
-        "directions": np.array([joint.h for joint in joints]),
-        "points": np.array(points),
-        "X": np.array(X, dtype=np.float64),
-    }
+    return PositionStep(
+        slides=np.array([joint.slides for joint in joints], dtype=np.float64),
+        directions=np.array([joint.h for joint in joints]),
+        points=np.array(points),
+        X=np.array(X, dtype=np.float64),
+    )
 
 
 def feet(h: Array, p: Array, k: Array, q: Array) -> tuple[Array, Array]:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.elimination import elimination_values
-from urdf_ik.ik.families.parts.family import Family, Plan, columns
+from urdf_ik.ik.families.parts.elimination import elimination_arm
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -22,17 +22,17 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember:
     """The elimination's constant matrices, and poses of which all solutions are known."""
     triples = " and ".join(map(str, structure.triples))
     none = "no three neighbouring axes meet in a point or are parallel, so no closed form applies"
-    return Plan(
+    return FamilyMember(
         family=family,
         name=family.name,
         reason=f"{triples}, but no closed form applies to these six axes" if triples else none,
         method=family.steps,
         branches=family.branches,
-        solver=Solver(family.solver, elimination_values(chain)),
+        solver=Solver(elimination_arm(chain)),
         explain=lambda T: _explain(chain, T[:3, 3]),
     )
 
@@ -47,7 +47,6 @@ FAMILY = Family(
     by_elimination=True,
     matches=lambda structure, chain: structure.is_6r,
     prepare=_prepare,
-    solver="general 6R",
 )
 
 

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.aim import Aim
-from urdf_ik.ik.families.parts.elimination import elimination_values
-from urdf_ik.ik.families.parts.family import Family, Plan, columns
-from urdf_ik.ik.families.parts.nearest import off_by
+from urdf_ik.ik.families.parts.elimination import elimination_arm
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
+from urdf_ik.ik.families.parts.nearest_pose import off_by
+from urdf_ik.ik.families.parts.written import Aim
 from urdf_ik.kinematics.chain import is_redundant, kinds_of
 
 if TYPE_CHECKING:
@@ -33,15 +33,15 @@ def _matches(structure: Structure) -> bool:
     return len(structure.joint_types) == 6 and len(slides) in (1, 2) and slides[-1] - slides[0] != 3
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember:
     """The plan by elimination alone."""
-    return Plan(
+    return FamilyMember(
         family=family,
         name=f"{kinds_of(chain)} general",
         reason=family.reason,
         method=family.steps,
         branches=family.branches,
-        solver=Solver(family.solver, elimination_values(chain)),
+        solver=Solver(elimination_arm(chain)),
         explain=lambda T: off_by(chain, Aim(), T[:3, :3], T[:3, 3]),
     )
 
@@ -56,15 +56,14 @@ FAMILY = Family(
     by_elimination=True,
     matches=lambda structure, chain: _matches(structure) and not is_redundant(chain),
     prepare=_prepare,
-    solver="general slides",
 )
 
 
-def behind(plan: Plan, chain: Chain) -> Plan:
+def behind(plan: FamilyMember, chain: Chain) -> FamilyMember:
     """The plan of an arm whose wrist meets only nearly, with elimination behind it."""
     return replace(
         plan,
         method="Elimination to one joint's value (Raghavan and Roth), Newton's method on the URDF as written",
         branches=columns(16),
-        solver=Solver("general slides", elimination_values(chain)),
+        solver=Solver(elimination_arm(chain)),
     )

@@ -6,15 +6,15 @@ both. The point is known from the target and the joint's value, and so are joint
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families import spherical_wrist
-from urdf_ik.ik.families.parts.family import Family, Plan, columns
-from urdf_ik.ik.families.parts.values import driven_values
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
+from urdf_ik.ik.families.parts.written import Driven, driven
 from urdf_ik.kinematics.chain import CoupledChain
 from urdf_ik.kinematics.structure import analyse
 from urdf_ik.support.text import quoted
@@ -35,7 +35,37 @@ _SAMPLES, _MOST_TURNS = 128, 4
 _ALIGNED = 1e-3
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan | None:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class HollowWristArm:
+    """A 6R arm with a hollow wrist: ``HollowWristArm`` of the core.
+
+    Attributes:
+        written: the arm as its URDF has it.
+        position: axes 1 to 4 with a wrist that turns about a point of axis 4.
+        samples: s, values of the wrist's joint.
+        value: (s,) rad, these values.
+        cosine: (s,) of the angle between axes 4 and 7.
+        along_4: (s,) m, where the two axes meet, along axis 4 from where they meet at the first value.
+        along_7: (s,) m, the same along axis 7 from its point.
+        round: whether the samples go round a whole period.
+        flange: (3,) m, the point of axis 7, in the tip.
+        direction: (3,) of axis 7, in the tip.
+    """
+
+    kind: ClassVar = "hollow wrist"
+    written: Driven
+    position: spherical_wrist.SphericalWristArm
+    samples: int
+    value: Array
+    cosine: Array
+    along_4: Array
+    along_7: Array
+    round: bool
+    flange: Array
+    direction: Array
+
+
+def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember | None:
     """The plan of an arm for which ``why_not`` has no reason."""
     assert isinstance(chain, CoupledChain)
     axes, values = _signed(chain), _samples(chain)
@@ -45,23 +75,22 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan | None:
         return None
     tip = axes.points[6]
     home = axes.P.sum(axis=0)
-    solver = Solver(
-        family.solver,
-        {
-            "written": driven_values(chain, np.ones(6)),
-            "position": position.solver.values,
-            "samples": len(values),
-            "value": values,
-            "cosine": cosine,
-            "along_4": along_4 - along_4[0],
-            "along_7": along_7,
-            "round": True,
-            "flange": axes.R_tip.T @ (tip - home),
-            "direction": axes.R_tip.T @ axes.H[6],
-        },
+    wrist = position.solver.arm
+    assert isinstance(wrist, spherical_wrist.SphericalWristArm)
+    arm = HollowWristArm(
+        written=driven(chain, np.ones(6)),
+        position=wrist,
+        samples=len(values),
+        value=values,
+        cosine=cosine,
+        along_4=along_4 - along_4[0],
+        along_7=along_7,
+        round=True,
+        flange=axes.R_tip.T @ (tip - home),
+        direction=axes.R_tip.T @ axes.H[6],
     )
     names = chain.joint_names
-    return Plan(
+    return FamilyMember(
         family=family,
         name=family.name,
         reason=family.reason,
@@ -71,7 +100,7 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan | None:
         branches=family.branches,
         imperfection=(0.0, float(apart)),
         explain=lambda T: _out_of_reach(chain, T[:3, 3]),
-        solver=solver,
+        solver=Solver(arm),
     )
 
 
@@ -83,7 +112,6 @@ FAMILY = Family(
     by_quadratics=False,
     matches=lambda structure, chain: isinstance(chain, CoupledChain) and chain.n == 6 and not why_not(chain),
     prepare=_prepare,
-    solver="hollow wrist",
 )
 
 
@@ -166,7 +194,7 @@ def _crossings(axes: Chain, gain: Array, values: Array) -> tuple[Array, Array, A
     return cosine, along_4, along_7, float(apart.max(initial=0.0))
 
 
-def _with_centre(axes: Chain, along: float) -> tuple[Any, Chain]:
+def _with_centre(axes: Chain, along: float) -> tuple[Structure, Chain]:
     """Axes 1 to 4 and a wrist that turns about a point of axis 4: its structure and the chain."""
     centre = axes.points[3] + along * axes.H[3]
     across = np.cross(axes.H[3], np.eye(3)[int(np.argmin(np.abs(axes.H[3])))])

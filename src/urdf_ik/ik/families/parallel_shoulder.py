@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.branches import SIGNS
-from urdf_ik.ik.families.parts.family import Family, Plan, in_words
-from urdf_ik.ik.families.parts.values import (
-    compared,
-    distances_of,
+from urdf_ik.ik.families.parts.explanations import compared, distances_of, seen_in_frame_1
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
+from urdf_ik.ik.families.parts.ideal import (
+    ClosedFormArm,
+    IdealFrames,
+    ideal_arm,
     ideal_frames,
-    ideal_values,
     imperfection,
-    seen_in_frame_1,
     straightened,
-    written_values,
 )
+from urdf_ik.ik.families.parts.written import written
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -39,6 +40,17 @@ _NAMES = tuple(
 # Distance of axes 4 and 5 [of the arm's size] that can be divided by.
 _CLEAR = 1e-4
 _PLANAR = "the rest is a planar arm"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ParallelShoulderArm(ClosedFormArm):
+    """An arm whose axes 1, 2 and 3 are parallel: ``ParallelShoulderArm`` of the core.
+
+    Attributes:
+        variant: how the wrist's axes lie: '5x6', '5||6', '4x5', '4||5' or 'general'.
+    """
+
+    kind: ClassVar = "parallel shoulder"
 
 
 def _matches(structure: Structure) -> bool:
@@ -62,16 +74,16 @@ def _has_offset(structure: Structure, chain: Chain) -> bool:
     return not structure.is_parallel(4) and structure.pairs[3].distance > _CLEAR * chain.size
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember:
     """Parameters of the nearest arm with a parallel shoulder and this wrist."""
     wrist = family.variant
     directions, parallel = straightened(structure, chain.H)
     meet = [False, False, False, wrist == "4x5", wrist == "5x6"]
     frames, error = ideal_frames(chain, directions, chain.points, parallel, meet)
-    ideal = ideal_values(frames, error, SIGNS, chain.size)
-    solver = Solver(family.solver, {"ideal": ideal, "written": written_values(chain)})
+    ideal = ideal_arm(frames, error, SIGNS, chain.size)
+    solver = Solver(ParallelShoulderArm(variant=wrist, ideal=ideal, written=written(chain)))
     pairs = [i for i, holds in enumerate(parallel, start=1) if holds]
-    return Plan(
+    return FamilyMember(
         **in_words(family, error),
         branches=family.branches,
         imperfection=imperfection(structure, pairs, [i for i, holds in enumerate(meet, start=1) if holds]),
@@ -91,7 +103,6 @@ def _with_wrist(wrist: str, relation: str, steps: str, holds: Callable[[Structur
         by_quadratics=True,
         matches=lambda structure, chain: _matches(structure) and holds(structure),
         prepare=_prepare,
-        solver=f"parallel shoulder, {wrist}",
         variant=wrist,
     )
 
@@ -132,12 +143,12 @@ GENERAL = Family(
     by_quadratics=False,
     matches=lambda structure, chain: _matches(structure) and _has_offset(structure, chain),
     prepare=_prepare,
-    solver="parallel shoulder, general wrist",
+    variant="general",
 )
 
 
-def _explain(ideal: dict[str, Any], solver: Solver, rotation: Array, point: Array) -> str:
-    a, d, ca, sa = (ideal[name] for name in ("a", "d", "cos_alpha", "sin_alpha"))
+def _explain(ideal: IdealFrames, solver: Solver, rotation: Array, point: Array) -> str:
+    a, d, ca, sa = ideal.a, ideal.d, ideal.cos_alpha, ideal.sin_alpha
     shortest, longest = abs(a[0] - a[1]), a[0] + a[1]
     # Height of the last axis above axis 4's foot, along axis 3.
     level = ca[0] * ca[1] * point[2] - d[1] - ca[2] * d[2]

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families import few_joints
-from urdf_ik.ik.families.parts.family import Family, Plan
-from urdf_ik.ik.families.parts.values import compared, seen_in_frame_1
+from urdf_ik.ik.families.parts.explanations import compared, seen_in_frame_1
+from urdf_ik.ik.families.parts.family import Family, FamilyMember
+from urdf_ik.ik.families.parts.ideal import Ends
+from urdf_ik.ik.families.parts.written import Written
 from urdf_ik.kinematics.chain import kinds_of
 from urdf_ik.kinematics.chain.plane import axes_across
 from urdf_ik.support.tolerances import DEFAULT
@@ -29,12 +31,53 @@ _ELBOW = ("elbow left", "elbow right")
 _SHORT = 1e-3
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan | None:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PlanarPoints:
+    """Two or three parallel turning joints and at most one slide along them, for points: ``PlanarArm`` of the core.
+
+    Attributes:
+        written: the arm as its URDF has it.
+        way: how it is solved where the pose is singular, as an arm of few joints.
+        spare: another such way; None: there is no other.
+        ideal: the plane's frame on axis 1, at the height of the end of the links at zero.
+        links: (2,) m, their lengths.
+        angles: (2,) rad, their directions in the plane at zero.
+        bend: rad, the difference of these directions.
+        signs: (4,) of joints 1, 2, 3 and the slide, against the plane's normal.
+        joints: (4,) their places in the chain; -1: there is no such joint.
+    """
+
+    kind: ClassVar = "planar points"
+    written: Written
+    way: few_joints.FewJointsWay
+    spare: few_joints.FewJointsWay | None
+    ideal: Ends
+    links: Array
+    angles: Array
+    bend: float
+    signs: Array
+    joints: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PlanarArm(PlanarPoints):
+    """The same for poses.
+
+    Attributes:
+        number: of joints.
+    """
+
+    kind: ClassVar = "planar"
+    number: int
+
+
+def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember | None:
     """The plan for poses; None where a link is too short."""
     plan = few_joints.FAMILY.plan(structure, chain)
-    values = _values(chain)
-    if plan is None or values is None:
+    plane = _plane(chain)
+    if plan is None or plane is None:
         return None
+    arm = PlanarArm(number=chain.n, **_ways(plan), **plane)
     slide = "height by the slide, " if chain.prismatic.any() else ""
     last = ", the last joint turns the tip" if np.count_nonzero(~chain.prismatic) == 3 else ""
     return replace(
@@ -44,8 +87,8 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan | None:
         reason=family.reason,
         method=f"Closed form: {slide}elbow by the law of cosines{last}",
         branches=_ELBOW,
-        solver=Solver(family.solver, plan.solver.values | values),
-        explain=seen_in_frame_1(values["ideal"], lambda rotation, point: _explain(chain, values, rotation, point)),
+        solver=Solver(arm),
+        explain=seen_in_frame_1(arm.ideal, lambda rotation, point: _explain(chain, arm, rotation, point)),
     )
 
 
@@ -57,23 +100,23 @@ FAMILY = Family(
     by_quadratics=True,
     matches=lambda structure, chain: _matches(chain),
     prepare=_prepare,
-    solver="planar",
 )
 
 
-def for_points(chain: Chain, plan: Plan) -> Plan:
+def for_points(chain: Chain, plan: FamilyMember) -> FamilyMember:
     """The plan of two joints for points in the plane, faster where the arm is exactly planar."""
     if not _matches(chain) or chain.n != 2:
         return plan
-    values = _values(chain)
-    if values is None:
+    plane = _plane(chain)
+    if plane is None:
         return plan
+    arm = PlanarPoints(**_ways(plan), **plane)
     return replace(
         plan,
         method="Closed form: elbow by the law of cosines",
         branches=_ELBOW,
-        solver=Solver("planar points", plan.solver.values | values),
-        explain=lambda T: _explain(chain, values, None, _in_frame(values["ideal"], T[:3, 3])),
+        solver=Solver(arm),
+        explain=lambda T: _explain(chain, arm, None, _in_frame(arm.ideal, T[:3, 3])),
     )
 
 
@@ -86,8 +129,15 @@ def _matches(chain: Chain) -> bool:
     return bool(np.linalg.norm(np.cross(chain.H, normal), axis=1).max() < DEFAULT.exact_structure)
 
 
-def _values(chain: Chain) -> dict[str, Any] | None:
-    """The plane's frame and the links, as the compiled solver takes them; None where a link is too short."""
+def _ways(plan: FamilyMember) -> dict[str, Any]:
+    """The fields that the arm shares with an arm of few joints."""
+    arm = plan.solver.arm
+    assert isinstance(arm, few_joints.FewJointsArm)
+    return {name: getattr(arm, name) for name in ("written", "way", "spare")}
+
+
+def _plane(chain: Chain) -> dict[str, Any] | None:
+    """The fields that describe the plane and the links; None where a link is too short."""
     turning = np.flatnonzero(~chain.prismatic)
     axes = axes_across(chain.H[turning[0]])
     B = np.array([*axes, np.cross(*axes)])
@@ -103,15 +153,14 @@ def _values(chain: Chain) -> dict[str, Any] | None:
     slides = np.flatnonzero(chain.prismatic)
     for k, joint in [*enumerate(turning), *((3, joint) for joint in slides)]:
         signs[k], column[k] = np.sign(chain.H[joint] @ B[2]), joint
-    ideal = {
-        "base_rotation": B,
+    ideal = Ends(
+        base_rotation=B,
         # Heights are measured from where the end of the links is at q = 0.
-        "base_origin": joints[0] + ((end - joints[0]) @ B[2]) * B[2],
-        "tool_rotation": np.ascontiguousarray(chain.R_tip.T @ B.T),
-        "tool_point": chain.R_tip.T @ (end - tip),
-    }
+        base_origin=joints[0] + ((end - joints[0]) @ B[2]) * B[2],
+        tool_rotation=np.ascontiguousarray(chain.R_tip.T @ B.T),
+        tool_point=chain.R_tip.T @ (end - tip),
+    )
     return {
-        "number": chain.n,
         "ideal": ideal,
         "links": lengths,
         "angles": angles,
@@ -121,21 +170,21 @@ def _values(chain: Chain) -> dict[str, Any] | None:
     }
 
 
-def _in_frame(ideal: dict[str, Any], point: Array) -> Array:
-    out: Array = ideal["base_rotation"] @ (point - ideal["base_origin"])
+def _in_frame(ends: Ends, point: Array) -> Array:
+    out: Array = ends.base_rotation @ (point - ends.base_origin)
     return out
 
 
-def _explain(chain: Chain, values: dict[str, Any], rotation: Array | None, point: Array) -> str:
+def _explain(chain: Chain, arm: PlanarPoints, rotation: Array | None, point: Array) -> str:
     """What does not fit of a target in the plane's frame: tilt, height, distance, turn."""
     tilt = 0.0 if rotation is None else math.atan2(math.hypot(rotation[0, 2], rotation[1, 2]), rotation[2, 2])
     if tilt > DEFAULT.reach:
         return f"the tip is tilted by {tilt:.3g} rad, and its joints turn it only about axis 1"
-    if rotation is not None and values["joints"][3] < 0.0 and abs(point[2]) > DEFAULT.reach * chain.size:
+    if rotation is not None and arm.joints[3] < 0.0 and abs(point[2]) > DEFAULT.reach * chain.size:
         return f"the tip is {abs(point[2]):.6g} m {'above' if point[2] > 0.0 else 'below'} the plane that it moves in"
-    a, b = values["links"]
+    a, b = arm.links
     far = math.hypot(point[0], point[1])
-    end = "axis 3" if values["joints"][2] >= 0.0 else "the tip"
+    end = "axis 3" if arm.joints[2] >= 0.0 else "the tip"
     if far > a + b:
         at, reach = compared(far, a + b)
         return f"{end} is {at} m from axis 1, reach {reach} m"
@@ -147,7 +196,7 @@ def _explain(chain: Chain, values: dict[str, Any], rotation: Array | None, point
     ahead = math.atan2(point[1], point[0])
     bend = math.acos(max(-1.0, min(1.0, (far**2 - a**2 - b**2) / (2.0 * a * b))))
     inner = math.atan2(b * math.sin(bend), a + b * math.cos(bend))
-    at_zero = float(values["angles"][1])
+    at_zero = float(arm.angles[1])
     # The second link's direction is the line's to the point, and what is left of the bend on either side of it.
     off = [turn + at_zero - (ahead + sign * (bend - inner)) for sign in (1.0, -1.0)]
     least = min(abs(math.remainder(each, 2.0 * math.pi)) for each in off)

@@ -30,7 +30,7 @@ from urdf_ik.kinematics.structure import analyse
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from urdf_ik.ik.families.parts.family import Family, Plan
+    from urdf_ik.ik.families.parts.family import Family, FamilyMember
     from urdf_ik.kinematics.chain import Chain
     from urdf_ik.kinematics.structure import Structure
 
@@ -57,23 +57,23 @@ SIX_WITH_SLIDES: list[Family] = [slides.THREE_SLIDES, slides.SPHERICAL_WRIST]
 """Closed forms of six joints with slides, which are tried from either end."""
 
 SINGULAR_EVERYWHERE: list[Family] = [sampled.FAMILY]
-"""Six joints that a pose leaves a continuum of solutions."""
+"""Six joints with a continuum of solutions for every pose that they reach."""
 
 BY_ELIMINATION: list[Family] = [general_6r.FAMILY, general_slides.FAMILY]
-"""Six joints of no other family."""
+"""Six joints that are in no other family."""
 
 SEVEN_JOINTS: list[Family] = [srs.FAMILY]
 """Families of seven joints."""
 
 MOST_JOINTS = 9
-"""An arm with more joints has too many parameters for a compiled solver."""
+"""Arms with more joints have more redundancy parameters than a compiled solver takes."""
 
 MIMICKING: list[Family] = [coupled.FAMILY, hollow_wrist.FAMILY]
 """Arms in which joints mimic others."""
 
 
-# Of an arm that is further off its nearest member of a family [rad, share of size] than this share of its Jacobian's
-# smallest singular value, that member is no guide to it: it may be singular everywhere.
+# If an arm's distance from the nearest member of a family [rad, share of size] is larger than this share of its
+# Jacobian's smallest singular value, the member may be singular everywhere and is not used.
 _SHARE = 0.3
 
 
@@ -95,7 +95,7 @@ def every() -> list[Family]:
     ]
 
 
-def choose(structure: Structure, chain: Chain, given: tuple[str, ...] = ()) -> Plan | None:
+def choose(structure: Structure, chain: Chain, given: tuple[str, ...] = ()) -> FamilyMember | None:
     """How an arm is solved; None where no solver takes it.
 
     Of fewer joints than six, and of those that mimic others, the first family that takes the arm. Five turning joints
@@ -127,12 +127,12 @@ def choose(structure: Structure, chain: Chain, given: tuple[str, ...] = ()) -> P
     )
 
 
-def _of_seven(structure: Structure, chain: Chain) -> Plan | None:
+def _of_seven(structure: Structure, chain: Chain) -> FamilyMember | None:
     plan = _first(SEVEN_JOINTS, structure, chain)
     return plan if plan is not None and _is_guide(plan, chain) else None
 
 
-def of_six(structure: Structure, chain: Chain) -> Plan | None:
+def of_six(structure: Structure, chain: Chain) -> FamilyMember | None:
     """How six joints are solved: in closed form from either end, else by elimination.
 
     Example:
@@ -148,15 +148,15 @@ def of_six(structure: Structure, chain: Chain) -> Plan | None:
     return _closed_form(structure, chain) or _elimination(structure, chain)
 
 
-def _closed_form(structure: Structure, chain: Chain) -> Plan | None:
+def _closed_form(structure: Structure, chain: Chain) -> FamilyMember | None:
     """The first family that takes six turning joints exactly, from either end, quartics last; else the nearest one.
 
-    The nearest one gives starting points for the arm as written. A quartic is no help to an arm that it does not fit
-    exactly: its roots part with the root of the error.
+    The nearest one gives starting points for the arm as written. A quartic is not used for an arm that it fits only
+    nearly: its double roots separate with the root of the error.
     """
     back = chain.reversed()
-    quartic: Plan | None = None
-    near: list[tuple[Plan, Chain]] = []
+    quartic: FamilyMember | None = None
+    near: list[tuple[FamilyMember, Chain]] = []
     for seen, relations in ((chain, structure), (back, analyse(back))):
         for family in SIX_TURNING:
             plan = family.plan(relations, seen)
@@ -178,15 +178,15 @@ def _closed_form(structure: Structure, chain: Chain) -> Plan | None:
     return mirrored(plan) if seen is back else plan
 
 
-def _is_guide(plan: Plan, chain: Chain) -> bool:
-    """Whether the nearest member of the plan's family is not singular everywhere, for all that the error says."""
+def _is_guide(plan: FamilyMember, chain: Chain) -> bool:
+    """Whether the plan's ideal arm is near enough to give starting points: it cannot be singular everywhere."""
     return plan.is_exact or plan.error < _SHARE * typical_stretch(chain)
 
 
-def _with_slides(structure: Structure, chain: Chain) -> Plan | None:
+def _with_slides(structure: Structure, chain: Chain) -> FamilyMember | None:
     """The closed form of six joints with slides that fits best, from either end."""
     back = chain.reversed()
-    plans: list[Plan] = []
+    plans: list[FamilyMember] = []
     for seen, relations in ((chain, structure), (back, analyse(back))):
         plan = _first(SIX_WITH_SLIDES, relations, seen)
         if plan is not None:
@@ -195,11 +195,11 @@ def _with_slides(structure: Structure, chain: Chain) -> Plan | None:
     return min(plans, key=lambda plan: plan.error, default=None)
 
 
-def _elimination(structure: Structure, chain: Chain) -> Plan | None:
+def _elimination(structure: Structure, chain: Chain) -> FamilyMember | None:
     return _first(BY_ELIMINATION, structure, chain)
 
 
-def _first(families: Sequence[Family], structure: Structure, chain: Chain) -> Plan | None:
+def _first(families: Sequence[Family], structure: Structure, chain: Chain) -> FamilyMember | None:
     """The plan of the first family that has one."""
     plans = (family.plan(structure, chain) for family in families)
     return next((plan for plan in plans if plan is not None), None)

@@ -1,21 +1,22 @@
-"""Arms that are singular at every joint vector: a pose that they reach leaves a continuum of solutions.
+"""Arms that are singular at every joint vector: a pose that they reach has a continuum of solutions.
 
-Six joints whose Jacobian loses rank everywhere; and seven, of which the six others do whichever end is held, so that
-one in the middle is: then the six others are another arm for every value, for which nothing can be prepared.
+These are six joints whose Jacobian loses rank everywhere, and seven joints that become such an arm when either end
+joint is held. For those a joint in the middle is held. The six others are then a different arm for every value, so
+nothing can be prepared for them.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.aim import Aim
-from urdf_ik.ik.families.parts.family import Family, Plan, RedundantPlan
-from urdf_ik.ik.families.parts.nearest import off_by
-from urdf_ik.ik.families.parts.self_motion import SelfMotion
-from urdf_ik.ik.families.parts.values import written_values
+from urdf_ik._core import SelfMotion, Solver
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, RedundantMember
+from urdf_ik.ik.families.parts.free_arm import FreeArm
+from urdf_ik.ik.families.parts.nearest_pose import off_by
+from urdf_ik.ik.families.parts.written import Aim, Written, written
 from urdf_ik.kinematics.chain import is_redundant, kinds_of
 from urdf_ik.kinematics.chain.redundancy import locked_joint
 from urdf_ik.support.text import quoted
@@ -29,15 +30,43 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SampledArm:
+    """Six joints that are singular everywhere: ``SampledArm`` of the core.
+
+    Attributes:
+        written: the arm as its URDF has it.
+    """
+
+    kind: ClassVar = "sampled"
+    written: Written
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SampledHeldArm:
+    """Seven joints, one of them held: ``SampledHeldArm`` of the core.
+
+    Attributes:
+        written: the arm as its URDF has it.
+        held: index of the joint that is held.
+        value: its value where no other is given [rad, m].
+    """
+
+    kind: ClassVar = "sampled with one held"
+    written: Written
+    held: int
+    value: float
+
+
+def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember:
     """Newton's method from starts all over the joints: samples of the continuum."""
-    return Plan(
+    return FamilyMember(
         family=family,
         name=f"{kinds_of(chain)} singular everywhere",
         reason=family.reason,
         method=family.steps,
         branches=family.branches,
-        solver=Solver(family.solver, {"written": written_values(chain)}),
+        solver=Solver(SampledArm(written=written(chain))),
         explain=lambda T: off_by(chain, Aim(), T[:3, :3], T[:3, 3]),
     )
 
@@ -51,30 +80,29 @@ FAMILY = Family(
     by_elimination=True,
     matches=lambda structure, chain: chain.n == 6 and is_redundant(chain),
     prepare=_prepare,
-    solver="sampled",
 )
 
 
-def prepare_held(chain: Chain, k: int) -> RedundantPlan:
+def prepare_held(chain: Chain, k: int) -> RedundantMember:
     """The plan of seven joints that holds joint ``k``, any of them, and looks for what the six others leave."""
     parameter = locked_joint(chain, k)
-    values: dict[str, Any] = {"written": written_values(chain), "held": k, "value": parameter.default}
+    arm = SampledHeldArm(written=written(chain), held=k, value=parameter.default)
 
     def explain_at(T: Array, at: Array) -> str:
         rest = chain.lock({parameter.joint: float(at[0])})
         why = off_by(rest, Aim(), T[:3, :3], T[:3, 3])
         return f"with {quoted(parameter.joint)} at {at[0]:.6g} {parameter.unit}: {why}"
 
-    return RedundantPlan(
+    return RedundantMember(
         family=FAMILY,
         name=f"{kinds_of(chain)}, joint {k + 1} given: by search",
         reason="whichever of the first and the last joint is given, the six others are singular everywhere",
         method=f"Joint {k + 1} ({parameter.joint}) is given; Newton's method on the URDF as written from fixed starts: "
         "what the six others leave, samples where that is a continuum",
         branches=FAMILY.branches,
-        solver=Solver("sampled, one held", values),
+        solver=Solver(arm),
         parameters=(parameter,),
-        self_motion=None if is_redundant(chain) else SelfMotion({"written": values["written"], "given": k}),
+        self_motion=None if is_redundant(chain) else SelfMotion(FreeArm(written=arm.written, given=k)),
         value_of=lambda Q, T: parameter.wrapped(Q[:, k : k + 1]),
         explain=lambda T: explain_at(T, np.array([parameter.default])),
         explain_at=explain_at,

@@ -5,15 +5,16 @@ The Stanford arm (RRPRRR), gantries with a wrist (PPPRRR), and so on. See src/co
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.few_joints import Joint, step_values
-from urdf_ik.ik.families.parts.aim import Aim
-from urdf_ik.ik.families.parts.family import Family, Plan, columns
-from urdf_ik.ik.families.parts.nearest import off_by
+from urdf_ik.ik.families.few_joints import Joint, PositionStep, position_step
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, columns
+from urdf_ik.ik.families.parts.nearest_pose import off_by
+from urdf_ik.ik.families.parts.written import Aim, Written, written
 from urdf_ik.kinematics.chain import is_redundant, kinds_of
 from urdf_ik.support.tolerances import DEFAULT
 
@@ -26,6 +27,46 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SlidesArm:
+    """Six joints with slides, three turns of which make the orientation: ``SlidesArm`` of the core.
+
+    Attributes:
+        written: the arm as its URDF has it.
+        columns: of a pose's solutions.
+        step: how the first three joints place the wrist's centre; None: the other three joints slide.
+        in_tip: (3,) the wrist's centre in the tip [share of size]; None: there is no wrist.
+        turns: (3,) the joints that make the orientation.
+        first: (3, 3) frame on the first of their axes at zero.
+        last: (3, 3) frame on the last of their axes at zero.
+        home: (3, 3) the tip's rotation at zero.
+        clamp: how far below zero a margin may fall before its branch is given up.
+        imperfection: how far the wrist's axes are from meeting in a point [share of size]; 0: exact.
+        ca: cosine of the angle from the first to the middle one of the three axes.
+        sa: its sine.
+        cb: cosine of the angle from the middle to the last one.
+        sb: its sine.
+        bend: rad, the angle of the middle one at zero.
+    """
+
+    kind: ClassVar = "slides"
+    written: Written
+    columns: int
+    step: PositionStep | None
+    in_tip: Array | None
+    turns: Array
+    first: Array
+    last: Array
+    home: Array
+    clamp: float
+    imperfection: float
+    ca: float
+    sa: float
+    cb: float
+    sb: float
+    bend: float
+
+
 def _has_wrist(structure: Structure) -> bool:
     """Whether one or two of six joints slide, and the last three axes meet in a point."""
     return structure.slides in (1, 2) and len(structure.joint_types) == 6 and structure.triple(4, "meet") is not None
@@ -36,26 +77,26 @@ def _three(structure: Structure) -> bool:
     return structure.slides == 3 and len(structure.joint_types) == 6
 
 
-def _prepare_wrist(family: Family, structure: Structure, chain: Chain) -> Plan | None:
+def _prepare_wrist(family: Family, structure: Structure, chain: Chain) -> FamilyMember | None:
     """The plan of an arm whose wrist meets, exactly or nearly."""
     wrist = structure.triple(4, "meet")
     return None if wrist is None or wrist.point is None else _wrist(family, chain, wrist.imperfection, wrist.point)
 
 
-def _wrist(family: Family, chain: Chain, off: float, centre: Array) -> Plan | None:
+def _wrist(family: Family, chain: Chain, off: float, centre: Array) -> FamilyMember | None:
     most = 8 if chain.prismatic.sum() == 1 else 4
     error = off / chain.size
     exact = error <= DEFAULT.exact_structure
-    values = _values(chain, np.arange(3, 6), most, 0.0 if exact else error)
-    if values is None:
-        return None
     joints = [
         Joint(h, p, bool(s), i)
         for i, (h, p, s) in enumerate(zip(chain.H[:3], chain.points[:3] / chain.size, chain.prismatic[:3], strict=True))
     ]
-    values["step"] = step_values(joints, centre / chain.size)
-    values["in_tip"] = chain.R_tip.T @ (centre - chain.P.sum(axis=0)) / chain.size
-    return Plan(
+    step = position_step(joints, centre / chain.size)
+    in_tip = chain.R_tip.T @ (centre - chain.P.sum(axis=0)) / chain.size
+    arm = _arm(chain, np.arange(3, 6), most, 0.0 if exact else error, step, in_tip)
+    if arm is None:
+        return None
+    return FamilyMember(
         family=family,
         name=f"{kinds_of(chain)} spherical wrist",
         reason=family.why() if exact else f"{family.why()}, exactly or nearly",
@@ -64,23 +105,23 @@ def _wrist(family: Family, chain: Chain, off: float, centre: Array) -> Plan | No
         imperfection=(0.0, off),
         error=0.0 if exact else error,
         explain=lambda T: off_by(chain, Aim(), T[:3, :3], T[:3, 3]),
-        solver=Solver(family.solver, values),
+        solver=Solver(arm),
     )
 
 
-def _prepare_three(family: Family, structure: Structure, chain: Chain) -> Plan | None:
+def _prepare_three(family: Family, structure: Structure, chain: Chain) -> FamilyMember | None:
     """The plan of an arm with three slides; None where two of the turns are parallel."""
-    values = _values(chain, np.flatnonzero(~chain.prismatic), 2, 0.0)
-    if values is None:
+    arm = _arm(chain, np.flatnonzero(~chain.prismatic), 2, 0.0)
+    if arm is None:
         return None
-    return Plan(
+    return FamilyMember(
         family=family,
         name=f"{kinds_of(chain)} three slides",
         reason=family.why(),
         method=f"Closed form: {family.steps}",
         branches=family.branches,
         explain=lambda T: off_by(chain, Aim(), T[:3, :3], T[:3, 3]),
-        solver=Solver(family.solver, values),
+        solver=Solver(arm),
     )
 
 
@@ -93,7 +134,6 @@ SPHERICAL_WRIST = Family(
     by_quadratics=False,
     matches=lambda structure, chain: _has_wrist(structure) and not is_redundant(chain),
     prepare=_prepare_wrist,
-    solver="slides",
 )
 THREE_SLIDES = Family(
     name="six joints, three slides",
@@ -104,14 +144,26 @@ THREE_SLIDES = Family(
     by_quadratics=True,
     matches=lambda structure, chain: _three(structure) and not is_redundant(chain),
     prepare=_prepare_three,
-    solver="slides",
 )
 
 
-def _values(chain: Chain, turns: NDArray[np.intp], most: int, error: float) -> dict[str, Any] | None:
-    """The arm and the three turns (3,) that make the orientation, as the compiled solver takes them.
+def _arm(
+    chain: Chain,
+    turns: NDArray[np.intp],
+    most: int,
+    error: float,
+    step: PositionStep | None = None,
+    in_tip: Array | None = None,
+) -> SlidesArm | None:
+    """The arm for the compiled solver; None where two of its turns are parallel.
 
-    ``most``: columns of a pose; ``error``: how far the arm is off its structure. None where two turns are parallel.
+    Args:
+        chain: the arm.
+        turns: (3,) the joints that make the orientation.
+        most: columns of a pose.
+        error: how far the arm is off its structure [share of size].
+        step: how the other joints place the wrist's centre; None: three slides.
+        in_tip: (3,) the wrist's centre in the tip [share of size].
     """
     first, middle, last = chain.H[turns]
     side, side_too = np.cross(first, middle), np.cross(middle, last)
@@ -119,18 +171,20 @@ def _values(chain: Chain, turns: NDArray[np.intp], most: int, error: float) -> d
     if min(sa, sb) < 1e-6:
         return None
     side, side_too = side / sa, side_too / sb
-    return {
-        "written": Aim().written(chain),
-        "columns": most,
-        "turns": turns.astype(np.float64),
-        "first": np.column_stack([side, np.cross(first, side), first]),
-        "last": np.column_stack([side_too, np.cross(last, side_too), last]),
-        "home": np.ascontiguousarray(chain.R_tip),
-        "clamp": 50.0 * error,
-        "imperfection": error,
-        "ca": float(first @ middle),
-        "sa": sa,
-        "cb": float(middle @ last),
-        "sb": sb,
-        "bend": float(np.arctan2(np.cross(side, side_too) @ middle, side @ side_too)),
-    }
+    return SlidesArm(
+        written=written(chain),
+        columns=most,
+        step=step,
+        in_tip=in_tip,
+        turns=turns.astype(np.float64),
+        first=np.column_stack([side, np.cross(first, side), first]),
+        last=np.column_stack([side_too, np.cross(last, side_too), last]),
+        home=np.ascontiguousarray(chain.R_tip),
+        clamp=50.0 * error,
+        imperfection=error,
+        ca=float(first @ middle),
+        sa=sa,
+        cb=float(middle @ last),
+        sb=sb,
+        bend=float(np.arctan2(np.cross(side, side_too) @ middle, side @ side_too)),
+    )

@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.branches import SIGNS
-from urdf_ik.ik.families.parts.family import Family, Plan, in_words
-from urdf_ik.ik.families.parts.values import (
-    compared,
+from urdf_ik.ik.families.parts.explanations import compared, seen_in_frame_1
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
+from urdf_ik.ik.families.parts.ideal import (
+    ClosedFormArm,
+    ideal_arm,
     ideal_frames,
-    ideal_values,
     imperfection,
-    seen_in_frame_1,
     straightened,
-    written_values,
 )
+from urdf_ik.ik.families.parts.written import written
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -38,6 +39,21 @@ _MIDDLE = "then joints 2 to 4 like a wrist"
 _CENTRE = "where axes 2 to 4 meet is"
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SphericalMiddleArm(ClosedFormArm):
+    """An arm whose axes 2, 3 and 4 meet in a point: ``SphericalMiddleArm`` of the core.
+
+    Attributes:
+        variant: how axes 5 and 6 lie: '5x6', '5||6' or 'general'.
+        centre: (3,) m, where axes 2, 3 and 4 meet, in frame 1.
+        centre_5: (3,) m, the same in frame 5 before joint 5 turns.
+    """
+
+    kind: ClassVar = "spherical middle"
+    centre: Array
+    centre_5: Array
+
+
 def _matches(structure: Structure) -> bool:
     """Whether axes 2, 3 and 4 of a 6R arm meet, and neither axis 1 nor axis 5 in the same point.
 
@@ -52,7 +68,7 @@ def _matches(structure: Structure) -> bool:
     )
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember:
     """Parameters of the nearest arm with a spherical middle and this wrist."""
     wrist = family.variant
     middle = structure.triple(2, "meet")
@@ -61,24 +77,24 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
     if middle is not None and middle.point is not None:
         points[1:4] = middle.point
     frames, error = ideal_frames(chain, directions, points, parallel, [False, True, True, False, wrist == "5x6"])
-    ideal = ideal_values(frames, error, SIGNS, chain.size)
-    a, d, ca, sa = (ideal[name] for name in ("a", "d", "cos_alpha", "sin_alpha"))
-    values = {
-        "ideal": ideal,
-        "written": written_values(chain),
-        # Where axes 2, 3 and 4 meet, in frame 1 and in frame 5 before joint 5 turns.
-        "centre": np.array([a[0], -sa[0] * d[0], ca[0] * d[0]]),
-        "centre_5": np.array([-a[3], -sa[3] * d[2], -ca[3] * d[2] - d[3]]),
-    }
+    ideal = ideal_arm(frames, error, SIGNS, chain.size)
+    a, d, ca, sa = ideal.a, ideal.d, ideal.cos_alpha, ideal.sin_alpha
+    arm = SphericalMiddleArm(
+        variant=wrist,
+        ideal=ideal,
+        written=written(chain),
+        centre=np.array([a[0], -sa[0] * d[0], ca[0] * d[0]]),
+        centre_5=np.array([-a[3], -sa[3] * d[2], -ca[3] * d[2] - d[3]]),
+    )
     pairs = [i for i, holds in enumerate(parallel, start=1) if holds]
     angle, distance = imperfection(structure, pairs, [5] if wrist == "5x6" else [])
-    return Plan(
+    return FamilyMember(
         **in_words(family, error),
         branches=family.branches,
         imperfection=(angle, max(distance, middle.imperfection if middle else 0.0)),
         error=error,
-        solver=Solver(family.solver, values),
-        explain=seen_in_frame_1(ideal, lambda rotation, point: _explain(values, wrist, rotation, point)),
+        solver=Solver(arm),
+        explain=seen_in_frame_1(ideal, lambda rotation, point: _explain(arm, rotation, point)),
     )
 
 
@@ -90,7 +106,6 @@ CROSSING = Family(
     by_quadratics=True,
     matches=lambda structure, chain: _matches(structure) and structure.pairs[4].relation == "intersecting",
     prepare=_prepare,
-    solver="spherical middle, 5x6",
     variant="5x6",
 )
 PARALLEL = Family(
@@ -101,7 +116,6 @@ PARALLEL = Family(
     by_quadratics=True,
     matches=lambda structure, chain: _matches(structure) and structure.pairs[4].relation == "parallel",
     prepare=_prepare,
-    solver="spherical middle, 5||6",
     variant="5||6",
 )
 GENERAL = Family(
@@ -112,26 +126,26 @@ GENERAL = Family(
     by_quadratics=False,
     matches=lambda structure, chain: _matches(structure) and structure.pairs[4].relation == "skew",
     prepare=_prepare,
-    solver="spherical middle, general wrist",
+    variant="general",
 )
 
 
-def _explain(values: dict[str, Any], wrist: str, rotation: Array, point: Array) -> str:
-    centre, centre_5, size = values["centre"], values["centre_5"], values["ideal"]["size"]
+def _explain(arm: SphericalMiddleArm, rotation: Array, point: Array) -> str:
+    centre, centre_5, size = arm.centre, arm.centre_5, arm.ideal.size
     name = "the point where axes 2 to 4 meet"
     radius, up = math.hypot(centre[0], centre[1]), centre[2] - point[2]
-    if wrist == "5x6":
+    if arm.variant == "5x6":
         wanted = float(np.linalg.norm(centre_5))
         across = math.hypot(point[0], point[1])
         low, high = math.hypot(across - radius, up), math.hypot(across + radius, up)
         if not low <= wanted <= high:
             at, least, most = compared(wanted, low, high)
             return f"{name} is {at} m from where axes 5 and 6 meet, and joint 1 can bring it {least} to {most} m near"
-    if wrist == "5||6":
+    if arm.variant == "5||6":
         axis = rotation[:, 2]
         level, swing = float(axis @ [-point[0], -point[1], up]), radius * math.hypot(axis[0], axis[1])
         low, high = level - swing, level + swing
-        wanted = values["ideal"]["cos_alpha"][4] * centre_5[2]
+        wanted = arm.ideal.cos_alpha[4] * centre_5[2]
         if not low <= wanted <= high:
             at, least, most = compared(wanted, low, high)
             return (

@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.branches import NAMES, SIGNS
-from urdf_ik.ik.families.parts.family import Family, Plan, in_words
-from urdf_ik.ik.families.parts.values import (
+from urdf_ik.ik.families.parts.explanations import compared, seen_in_frame_1
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
+from urdf_ik.ik.families.parts.ideal import (
     LITTLE,
-    compared,
+    ClosedFormArm,
+    IdealFrames,
+    ideal_arm,
     ideal_frames,
-    ideal_values,
     imperfection,
     mean_direction,
-    seen_in_frame_1,
-    written_values,
 )
+from urdf_ik.ik.families.parts.written import written
 from urdf_ik.support.tolerances import DEFAULT
 
 if TYPE_CHECKING:
@@ -34,6 +36,33 @@ if TYPE_CHECKING:
 # An offset [of the arm's size] or an angle [rad] that can be divided by.
 _CLEAR = 3e-3
 _FLIPS = "then the wrist"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SphericalWristArm(ClosedFormArm):
+    """An arm with a spherical wrist: ``SphericalWristArm`` of the core.
+
+    Attributes:
+        variant: how axes 1 to 3 lie: '2||3', '1x2', '1||2' or 'general'.
+        centre: (3,) m, of the wrist in frame 3.
+        rho: m, distance of the wrist's centre from axis 3.
+        cos_phi: of the direction from axis 3 to the wrist's centre.
+        sin_phi: of the same.
+        height: m, of the wrist's centre along axis 2; '2||3' only.
+        bend_offset: rad, the elbow's bend less joint 3's value; '2||3' only.
+        swing: (2,) factor and constant of the equation for joint 3; '1x2' and '1||2' only.
+        square_wrist: whether both twists of the wrist are right angles.
+    """
+
+    kind: ClassVar = "spherical wrist"
+    centre: Array
+    rho: float
+    cos_phi: float
+    sin_phi: float
+    height: float
+    bend_offset: float
+    swing: Array
+    square_wrist: bool
 
 
 def _matches(structure: Structure) -> bool:
@@ -59,7 +88,7 @@ def _has_no_other(structure: Structure, chain: Chain) -> bool:
     return not kinds or (first.distance > _CLEAR * chain.size and bool(np.sin(first.angle) > _CLEAR))
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan | None:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember | None:
     """Parameters of the nearest arm with a spherical wrist and this shoulder; None where its wrist lies on axis 3."""
     shoulder = family.variant
     wrist = structure.triple(4, "meet")
@@ -78,21 +107,20 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan | None:
     meet[0] = crossing or shoulder == "1x2"
     frames, error = ideal_frames(chain, directions, points, parallel, meet)
     angle, distance = imperfection(structure, pairs, [1] if shoulder == "1x2" else [])
-    ideal = ideal_values(frames, error, SIGNS, chain.size)
-    values = _values(ideal, shoulder, _front(chain, frames, points[3]))
-    if values is None:
+    ideal = ideal_arm(frames, error, SIGNS, chain.size)
+    arm = _arm(chain, ideal, shoulder, _front(chain, frames, points[3]))
+    if arm is None:
         return None
-    values |= {"written": written_values(chain)}
     words = in_words(family, error)
     if shoulder == "2||3" and crossing:
         words["name"] += " and 1x2"
-    return Plan(
+    return FamilyMember(
         **words,
         branches=family.branches,
         imperfection=(angle, max(distance, wrist.imperfection if wrist else 0.0)),
         error=error,
-        solver=Solver(family.solver, values),
-        explain=seen_in_frame_1(ideal, lambda rotation, point: _explain(values, shoulder, rotation, point)),
+        solver=Solver(arm),
+        explain=seen_in_frame_1(ideal, lambda rotation, point: _explain(arm, rotation, point)),
     )
 
 
@@ -104,7 +132,6 @@ TWO_PARALLEL = Family(
     by_quadratics=True,
     matches=lambda structure, chain: _matches(structure) and structure.is_parallel(2),
     prepare=_prepare,
-    solver="spherical wrist, 2||3",
     variant="2||3",
 )
 FIRST_PARALLEL = Family(
@@ -115,7 +142,6 @@ FIRST_PARALLEL = Family(
     by_quadratics=True,
     matches=lambda structure, chain: _matches(structure) and structure.is_parallel(1),
     prepare=_prepare,
-    solver="spherical wrist, 1||2",
     variant="1||2",
 )
 CROSSING = Family(
@@ -126,7 +152,6 @@ CROSSING = Family(
     by_quadratics=True,
     matches=lambda structure, chain: _matches(structure) and structure.is_intersecting(1) and _oblique(structure),
     prepare=_prepare,
-    solver="spherical wrist, 1x2",
     variant="1x2",
 )
 GENERAL = Family(
@@ -137,7 +162,7 @@ GENERAL = Family(
     by_quadratics=False,
     matches=lambda structure, chain: _matches(structure) and _oblique(structure) and _has_no_other(structure, chain),
     prepare=_prepare,
-    solver="spherical wrist, general shoulder",
+    variant="general",
 )
 
 
@@ -156,21 +181,21 @@ def _front(chain: Chain, frames: DHFrames, centre: Array) -> float:
     return 1.0 if ahead > 0.0 else -1.0
 
 
-def _values(ideal: dict[str, Any], shoulder: str, ahead: float) -> dict[str, Any] | None:
-    """The family's numbers, see spherical_wrist_arm.hpp of the core. ``ahead``: side of x that is the front.
+def _arm(chain: Chain, ideal: IdealFrames, shoulder: str, ahead: float) -> SphericalWristArm | None:
+    """The arm for the compiled solver; ``ahead``: side of x that is the front.
 
-    None where joint 3 does not move the number that it follows from: of a wrist that lies on axis 3, or an axis 2 that
-    meets both its neighbours where axis 1 does.
+    None where the equation for joint 3 does not depend on joint 3: the wrist lies on axis 3, or axis 2 meets both its
+    neighbours where axis 1 does.
     """
-    a, d, ca, sa = (ideal[name] for name in ("a", "d", "cos_alpha", "sin_alpha"))
+    a, d, ca, sa = ideal.a, ideal.d, ideal.cos_alpha, ideal.sin_alpha
     centre = np.array([a[2], -sa[2] * d[2], ca[2] * d[2]])
     rho, phi = math.hypot(centre[0], centre[1]), math.atan2(centre[1], centre[0])
     cos_phi, sin_phi = math.cos(phi), math.sin(phi)
     level, height, bend_offset, swing = centre[2] + d[1], 0.0, 0.0, np.zeros(2)
-    signs = ideal["signs"].copy()
+    signs = ideal.signs.copy()
     if shoulder == "2||3":
         height = d[0] + ca[1] * level
-        bend_offset = math.remainder(phi + ideal["offset"][2], 2.0 * math.pi)
+        bend_offset = math.remainder(phi + ideal.offset[2], 2.0 * math.pi)
         signs[0] *= ahead
         # The elbow is up where it lies above the line from shoulder to wrist, seen along axis 1.
         signs[1] *= -ca[1] * np.sign(sa[0]) * signs[0]
@@ -178,7 +203,7 @@ def _values(ideal: dict[str, Any], shoulder: str, ahead: float) -> dict[str, Any
         # |p|^2 = constant + 2 rho |(a2, d2 sin alpha2)| cos(t3 + phi - delta)
         x, y = a[1], d[0] * sa[1]
         size, delta = 2.0 * rho * math.hypot(x, y), math.atan2(y, x)
-        if size <= DEFAULT.exact_structure * ideal["size"] ** 2:
+        if size <= DEFAULT.exact_structure * ideal.size**2:
             return None
         constant = a[1] ** 2 + d[0] ** 2 + rho**2 + level**2 + 2.0 * d[0] * ca[1] * level
         swing = np.array([1.0 / size, -constant / size])
@@ -186,27 +211,29 @@ def _values(ideal: dict[str, Any], shoulder: str, ahead: float) -> dict[str, Any
     elif shoulder == "1||2":
         # cos(alpha1) p_z = d2 + sin(alpha2) rho sin(t3 + phi) + cos(alpha2) level
         size = sa[1] * rho
-        if abs(size) <= DEFAULT.exact_structure * ideal["size"]:
+        if abs(size) <= DEFAULT.exact_structure * ideal.size:
             return None
         swing = np.array([1.0 / size, -(d[0] + ca[1] * level) / size])
-    return {
-        "ideal": ideal | {"signs": signs},
-        "centre": centre,
-        "rho": rho,
-        "cos_phi": cos_phi,
-        "sin_phi": sin_phi,
-        "height": float(height),
-        "bend_offset": bend_offset,
-        "swing": swing,
-        "square_wrist": bool((ca[3:5] == 0.0).all()),
-    }
+    return SphericalWristArm(
+        variant=shoulder,
+        ideal=replace(ideal, signs=signs),
+        written=written(chain),
+        centre=centre,
+        rho=rho,
+        cos_phi=cos_phi,
+        sin_phi=sin_phi,
+        height=float(height),
+        bend_offset=bend_offset,
+        swing=swing,
+        square_wrist=bool((ca[3:5] == 0.0).all()),
+    )
 
 
-def _explain(values: dict[str, Any], shoulder: str, rotation: Array, point: Array) -> str:
-    ideal, rho, (swing, shift) = values["ideal"], values["rho"], values["swing"]
-    a, ca, sa, size = ideal["a"], ideal["cos_alpha"][0], ideal["sin_alpha"][0], ideal["size"]
+def _explain(arm: SphericalWristArm, rotation: Array, point: Array) -> str:
+    ideal, rho, shoulder, (swing, shift) = arm.ideal, arm.rho, arm.variant, arm.swing
+    a, ca, sa, size = ideal.a, ideal.cos_alpha[0], ideal.sin_alpha[0], ideal.size
     if shoulder == "2||3":
-        height = values["height"]
+        height = arm.height
         up = (point[2] - ca * height) / sa
         side = ca * up - sa * height
         radius = math.hypot(point[0], point[1])

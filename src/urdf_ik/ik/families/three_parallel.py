@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from urdf_ik._core import Solver
 from urdf_ik.ik.families.parts.branches import NAMES, SIGNS
-from urdf_ik.ik.families.parts.family import Family, Plan, in_words
-from urdf_ik.ik.families.parts.values import (
-    compared,
-    distances_of,
+from urdf_ik.ik.families.parts.explanations import compared, distances_of, seen_in_frame_1
+from urdf_ik.ik.families.parts.family import Family, FamilyMember, in_words
+from urdf_ik.ik.families.parts.ideal import (
+    ClosedFormArm,
+    ideal_arm,
     ideal_frames,
-    ideal_values,
     imperfection,
     mean_direction,
-    seen_in_frame_1,
-    written_values,
 )
+from urdf_ik.ik.families.parts.written import written
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -30,6 +30,29 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 _PLANAR = "the rest is a planar arm"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ThreeParallelArm(ClosedFormArm):
+    """An arm whose axes 2, 3 and 4 are parallel: ``ThreeParallelArm`` of the core.
+
+    Attributes:
+        variant: '5x6' where axes 5 and 6 meet, else 'general'.
+        along: m, sum of the offsets along the parallel axes, from axis 1 to the point that is solved for.
+        turn_3: 1 where axis 3 points as axis 2 does, else -1.
+        turn_4: 1 where axis 4 points as axis 2 does, else -1.
+        cos_first: of the angle between axes 2 and 5.
+        sin_first: of the same.
+        square_wrist: whether both twists of the wrist are right angles.
+    """
+
+    kind: ClassVar = "three parallel axes"
+    along: float
+    turn_3: float
+    turn_4: float
+    cos_first: float
+    sin_first: float
+    square_wrist: bool
 
 
 def _matches(structure: Structure) -> bool:
@@ -45,7 +68,7 @@ def _matches(structure: Structure) -> bool:
     )
 
 
-def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
+def _prepare(family: Family, structure: Structure, chain: Chain) -> FamilyMember:
     """Parameters of the nearest arm with three parallel axes, whose axes 5 and 6 meet or do not."""
     crossing = family.variant == "5x6"
     parallel = structure.triple(2, "parallel")
@@ -53,28 +76,29 @@ def _prepare(family: Family, structure: Structure, chain: Chain) -> Plan:
     directions[1:4] = mean_direction(directions[1:4])
     meet = [False, False, False, False, crossing]
     frames, error = ideal_frames(chain, directions, points, [False, True, True, False, False], meet)
-    ideal = ideal_values(frames, error, SIGNS, chain.size)
-    ca, sa, d = ideal["cos_alpha"], ideal["sin_alpha"], ideal["d"]
+    ideal = ideal_arm(frames, error, SIGNS, chain.size)
+    ca, sa, d = ideal.cos_alpha, ideal.sin_alpha, ideal.d
     turn_3, turn_4 = float(ca[1]), float(ca[1] * ca[2])
-    values = {
-        "ideal": ideal,
-        "written": written_values(chain),
-        "along": float(d[0] + turn_3 * d[1] + turn_4 * (d[2] + ca[3] * d[3])),
-        "turn_3": turn_3,
-        "turn_4": turn_4,
-        "cos_first": float(turn_4 * ca[3]),
-        "sin_first": float(turn_4 * sa[3]),
-        "square_wrist": bool(crossing and ca[3] == 0.0 and ca[4] == 0.0),
-    }
+    arm = ThreeParallelArm(
+        variant=family.variant,
+        ideal=ideal,
+        written=written(chain),
+        along=float(d[0] + turn_3 * d[1] + turn_4 * (d[2] + ca[3] * d[3])),
+        turn_3=turn_3,
+        turn_4=turn_4,
+        cos_first=float(turn_4 * ca[3]),
+        sin_first=float(turn_4 * sa[3]),
+        square_wrist=bool(crossing and ca[3] == 0.0 and ca[4] == 0.0),
+    )
     _, distance = imperfection(structure, [], [5] if crossing else [])
-    solver = Solver(family.solver, values)
-    return Plan(
+    solver = Solver(arm)
+    return FamilyMember(
         **in_words(family, error),
         branches=family.branches,
         imperfection=(parallel.imperfection if parallel else 0.0, distance),
         error=error,
         solver=solver,
-        explain=seen_in_frame_1(ideal, lambda rotation, point: _explain(values, solver, crossing, rotation, point)),
+        explain=seen_in_frame_1(ideal, lambda rotation, point: _explain(arm, solver, crossing, rotation, point)),
     )
 
 
@@ -86,7 +110,6 @@ CROSSING = Family(
     by_quadratics=True,
     matches=lambda structure, chain: _matches(structure) and structure.is_intersecting(5),
     prepare=_prepare,
-    solver="three parallel axes, 5x6",
     variant="5x6",
 )
 GENERAL = Family(
@@ -99,14 +122,14 @@ GENERAL = Family(
     by_quadratics=False,
     matches=lambda structure, chain: _matches(structure) and not structure.is_intersecting(5),
     prepare=_prepare,
-    solver="three parallel axes, general hand",
+    variant="general",
 )
 
 
-def _explain(values: dict[str, Any], solver: Solver, crossing: bool, rotation: Array, point: Array) -> str:
-    ideal, (upper, lower) = values["ideal"], values["ideal"]["a"][1:3]
+def _explain(arm: ThreeParallelArm, solver: Solver, crossing: bool, rotation: Array, point: Array) -> str:
+    ideal, (upper, lower) = arm.ideal, arm.ideal.a[1:3]
     if crossing:
-        side = (ideal["cos_alpha"][0] * point[2] - values["along"]) / ideal["sin_alpha"][0]
+        side = (ideal.cos_alpha[0] * point[2] - arm.along) / ideal.sin_alpha[0]
         radius = math.hypot(point[0], point[1])
         if radius < abs(side):
             near, off = compared(radius, abs(side))

@@ -29,7 +29,7 @@ from urdf_ik.support.angles import TURN, wrapped
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from urdf_ik.ik.families.parts.family import RedundantPlan
+    from urdf_ik.ik.families.parts.family import RedundantMember
     from urdf_ik.ik.solver import Solver
     from urdf_ik.kinematics.chain.redundancy import Redundancy
 
@@ -171,7 +171,7 @@ def _nothing(solver: Solver) -> Found:
     )  # fmt: skip
 
 
-def _found(solver: Solver, plan: RedundantPlan, curves: Curves, T: Array, bounds: Array, threads: int) -> Found:
+def _found(solver: Solver, plan: RedundantMember, curves: Curves, T: Array, bounds: Array, threads: int) -> Found:
     """The intervals of a few poses, their curves followed."""
     parameter = plan.parameter
     # Where another plan serves every value, there are no branches beyond their ends either.
@@ -271,7 +271,7 @@ def _followed(solver: Solver, curves: Curves, T: Array, given: _Given) -> tuple[
     return np.concatenate(parts), np.concatenate(tables)
 
 
-def _beyond(solver: Solver, plan: RedundantPlan, curves: Curves, T: Array, grid: Array) -> Array:
+def _beyond(solver: Solver, plan: RedundantMember, curves: Curves, T: Array, grid: Array) -> Array:
     """Joint vectors (m, v, B, 7) of all branches at the values (v,), beyond their ends too; not verified."""
     poses, values = plan.parameter.spread(T[:, None], np.broadcast_to(grid, (len(T), len(grid))))
     branches = len(plan.branches)

@@ -20,14 +20,14 @@ from urdf_ik.support.angles import wrapped
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from urdf_ik.ik.families.parts.family import RedundantPlan
+    from urdf_ik.ik.families.parts.family import RedundantMember
     from urdf_ik.ik.solver import Solver
 
     Array = NDArray[np.float64]
     Columns = NDArray[np.intp]
 
 
-def sense(solver: Solver, plan: RedundantPlan) -> float:
+def sense(solver: Solver, plan: RedundantMember) -> float:
     """1 or -1: how the last joint turns with the tip; 0 where the free axis is not the last joint's, or there is none.
 
     Arms whose branches have no names are left to the search: their columns change along the value.

@@ -65,6 +65,7 @@ class Sweep:
         found = f"{self.solutions.count.sum()} at {len(self.redundancy)} values"
         return f"{self.parameter}; solutions at {where}; {found}"
 
+
 MOST_VALUES = 1_000_000
 """Values of a sweep at most."""
 

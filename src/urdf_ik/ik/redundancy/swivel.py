@@ -9,10 +9,11 @@ such an expression vanishes: at two values at most (Shimizu, Kakuya, Yoon, Kitag
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.ik.families.srs import SrsArm
 from urdf_ik.ik.redundancy.interval_arrays import End, Found, joined
 from urdf_ik.ik.redundancy.limit_bounds import Bounds
 from urdf_ik.ik.solve import solve
@@ -22,7 +23,7 @@ from urdf_ik.support.angles import TURN
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from urdf_ik.ik.families.parts.family import RedundantPlan
+    from urdf_ik.ik.families.parts.family import RedundantMember
     from urdf_ik.ik.solver import Solver
 
     Array = NDArray[np.float64]
@@ -41,15 +42,15 @@ _AT_ONCE = 128
 _NARROWEST = 1e-13
 
 
-def is_closed(plan: RedundantPlan) -> bool:
+def is_closed(plan: RedundantMember) -> bool:
     """Whether the intervals of an arm have this closed form."""
     if plan.parameter.kind != SWIVEL or not plan.is_exact:
         return False
-    values: Any = plan.solver.values
-    return all(values.get(name, {}).get("square", False) for name, _ in _TRIPLES)
+    arm = plan.solver.arm
+    return isinstance(arm, SrsArm) and arm.shoulder.square and arm.wrist.square
 
 
-def intervals(solver: Solver, plan: RedundantPlan, T: Array, limits: Array) -> tuple[Found, Columns]:
+def intervals(solver: Solver, plan: RedundantMember, T: Array, limits: Array) -> tuple[Found, Columns]:
     """The intervals of poses (m, 4, 4) inside limits (7, 2), without samples; and the poses that it does not decide.
 
     These are poses near a singularity of a triple at one of the three values, or at the edge of the elbow's reach.
@@ -63,7 +64,7 @@ def intervals(solver: Solver, plan: RedundantPlan, T: Array, limits: Array) -> t
     return joined(parts), np.concatenate(undecided)
 
 
-def _some(solver: Solver, plan: RedundantPlan, T: Array, bounds: Bounds) -> tuple[Found, Columns]:
+def _some(solver: Solver, plan: RedundantMember, T: Array, bounds: Bounds) -> tuple[Found, Columns]:
     """:func:`intervals` of few poses."""
     solutions = solve(solver, T[:, None], redundancy=np.broadcast_to(_AT, (len(T), 3)))
     q, valid = solutions.q.reshape(len(T), 3, 2, 2, 2, 7), solutions.valid.all(axis=(1, 2))
@@ -73,7 +74,7 @@ def _some(solver: Solver, plan: RedundantPlan, T: Array, bounds: Bounds) -> tupl
     expressions, sign, shifts = [], [], []
     fourier = np.stack([np.ones(3), 2.0 * np.cos(_AT), 2.0 * np.sin(_AT)]) / 3.0
     for name, (j1, j2, j3) in _TRIPLES:
-        shift = plan.solver.values[name]["shift"]
+        shift = getattr(plan.solver.arm, name).shift
         s2, c2 = np.sin(first[..., j2] + shift), np.cos(first[..., j2] + shift)
         samples = np.stack(
             [s2 * np.cos(first[..., j1]), s2 * np.sin(first[..., j1]), c2, s2 * np.cos(first[..., j3]),

@@ -12,7 +12,7 @@ from urdf_ik.model.poses import check_poses
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from urdf_ik.ik.families import RedundantPlan
+    from urdf_ik.ik.families import RedundantMember
     from urdf_ik.ik.solver import Solver
     from urdf_ik.kinematics.chain.free_axis import FreeAxis
 
@@ -83,7 +83,7 @@ def nearest_values(solver: Solver, q: Array, T: Array) -> Array:
     return member.value_of(Q, np.broadcast_to(target, (*many, 4, 4)))
 
 
-def only_parameter(solver: Solver, what: str) -> RedundantPlan:
+def only_parameter(solver: Solver, what: str) -> RedundantMember:
     """The member of a family with one redundancy parameter.
 
     Raises:

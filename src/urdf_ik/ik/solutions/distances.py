@@ -162,9 +162,7 @@ def _joint_vector(value: ArrayLike, what: str, names: Sequence[str]) -> Array:
     """``value`` as (..., n) finite float64."""
     array = inputs.real(value, what, f"an array of numbers (..., {len(names)})")
     if array.shape[-1:] != (len(names),):
-        raise ArgumentError(
-            f"{what} has the shape {array.shape}; the arm has {len(names)} joints: {', '.join(names)}"
-        )
+        raise ArgumentError(f"{what} has the shape {array.shape}; the arm has {len(names)} joints: {', '.join(names)}")
     if (bad := inputs.first_bad(array)) is not None:
         raise ArgumentError(f"{what} is {quoted(value)}; {inputs.why_bad(array[bad])}")
     return array

@@ -11,6 +11,7 @@ proof: where singularities lie closer to each other than a piece is long, a fold
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +19,8 @@ import numpy as np
 from urdf_ik._core import Step
 from urdf_ik._core import Tracker as CoreTracker
 from urdf_ik.errors import ArgumentError, PoseError, UnsupportedArm
-from urdf_ik.ik.families.parts import aim
+from urdf_ik.ik.families.parts import written as task
+from urdf_ik.ik.families.parts.written import Written
 from urdf_ik.ik.solutions.limits import check_inside
 from urdf_ik.kinematics.chain import CoupledChain
 from urdf_ik.model.poses import check_poses
@@ -39,12 +41,37 @@ RECENTRING = 1.0
 MOST_JOINTS = 7
 
 _KINDS = {
-    "pose": aim.POSE,
-    "position": aim.POSITION,
-    "position and axis": aim.AXIS,
-    "planar position": aim.PLANAR_POSITION,
-    "planar pose": aim.PLANAR_POSE,
+    "pose": task.POSE,
+    "position": task.POSITION,
+    "position and axis": task.AXIS,
+    "planar position": task.PLANAR_POSITION,
+    "planar pose": task.PLANAR_POSE,
 }
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TrackedArm:
+    """An arm that follows poses, for the compiled tracker: ``TrackedArm`` of the core.
+
+    Attributes:
+        joints: n, how many there are.
+        written: the arm as its URDF has it, with the task.
+        lower: (n,) limits [rad, m].
+        upper: (n,) limits [rad, m].
+        velocity: (n,) greatest velocities [rad/s, m/s].
+        acceleration: (n,) greatest accelerations [rad/s^2, m/s^2].
+        dt: s, a cycle.
+        recentring: 1/s, the rate at which seven joints leave the ends of their ranges.
+    """
+
+    joints: int
+    written: Written
+    lower: Array
+    upper: Array
+    velocity: Array
+    acceleration: Array
+    dt: float
+    recentring: float
 
 
 class Tracker:
@@ -126,25 +153,23 @@ class Tracker:
         self._targets = solver.targets
         control = solver.control
         kind = (
-            aim.Aim()
+            task.Aim()
             if self._targets is None
-            else aim.Aim(
+            else task.Aim(
                 _KINDS[self._targets.task], control.aimed, None if control.plane is None else control.plane.normal
             )
         )
         self._core = CoreTracker(
-            chain.n,
-            {
-                "written": kind.written(chain),
-                "lower": chain.limits[:, 0].copy(),
-                "upper": chain.limits[:, 1].copy(),
-                "velocity": self.velocity_limits,
-                "acceleration": self.acceleration_limits,
-                "dt": self.dt,
-                "recentring": positive(
-                    "recentring", RECENTRING if recentring is None else recentring, "1/s", zero=True
-                ),
-            },
+            TrackedArm(
+                joints=chain.n,
+                written=kind.written(chain),
+                lower=chain.limits[:, 0].copy(),
+                upper=chain.limits[:, 1].copy(),
+                velocity=self.velocity_limits,
+                acceleration=self.acceleration_limits,
+                dt=self.dt,
+                recentring=positive("recentring", RECENTRING if recentring is None else recentring, "1/s", zero=True),
+            )
         )
         self._margin = positive("margin", margin, "m", zero=True)
         self._collision: Any = None

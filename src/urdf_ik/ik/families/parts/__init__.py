@@ -1,1 +1,1 @@
-"""What families share: plans, the elimination's set-up, explanations."""
+"""Shared by families: their records, the arm as written, ideal arms, the elimination's matrices, explanations."""

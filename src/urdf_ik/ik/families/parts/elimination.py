@@ -1,22 +1,23 @@
-"""The elimination to one joint's angle, set up for an arm of six joints: constant matrices for the compiled core.
+"""The elimination to one joint's angle for an arm of six joints: constant matrices for the compiled core.
 
-It can be set up in eight ways that need nothing of the pose: four places to cut the loop, on the chain and on the
-reversed chain. Which of them keeps its digits depends on the arm, and on arms with parallel or meeting neighbours every
-one may be singular at all angles; moving the axes by a millionth cures that, since solutions are polished on the arm as
-written. The one that is certain of most poses is chosen when the arm is loaded, by trying. The equations are those of
-src/core/families/general/hidden_joint.hpp. Where it is not certain, continuation from a pose of which all solutions are
-known takes over (continuation.hpp there).
+There are eight variants that depend on the arm alone: the loop can be cut in four places, on the chain or on the
+reversed chain. The accuracy of each depends on the arm. On arms with parallel or meeting neighbours every variant may
+be singular at all angles. Moving the axes by a millionth cures that, since solutions are polished on the arm as
+written. When an arm is loaded, all variants are tried on some poses, and the one that is certain of most poses is kept.
+The equations are those of src/core/families/general/hidden_joint.hpp. Where the elimination is not certain,
+continuation from a pose whose solutions are all known takes over (continuation.hpp there).
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from urdf_ik._core import known_poses, try_elimination
-from urdf_ik.ik.families.parts.values import written_values
+from urdf_ik.ik.families.parts.written import Written, written
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -27,22 +28,103 @@ if TYPE_CHECKING:
 
 _LINE = 15
 _SHIFTS = (0.0, 1e-6, 1e-5)
-# Poses by which variants are chosen, and from which those are taken whose solutions are all known.
+# Poses on which variants are tried. The known poses are chosen among them.
 _KNOWN = 32
-# With slides the solutions of all poses may be several separate surfaces, and a pose is needed on each of them.
+# With slides the solutions of all poses may form several separate surfaces, each of which needs a known pose.
 _KNOWN_WITH_SLIDES = 128
-# So many of these poses decide which few variants are tried on all.
+# The first poses select a few variants, which are tried on all poses.
 _FIRST, _FEW = 8, 6
-# How many numbers the core leaves room for: rows of the left factor, columns of the right one.
+# Sizes of the core's arrays: rows of the left factor, columns of the right one.
 _ROWS, _COLUMNS = 168, 32
 # From parts of 1, cos t, sin t to parts of 1, d, d^2, for d = tan(t / 2): both sides times cos^2(t / 2).
 _POWERS = np.array([[1.0, 1.0, 0.0], [0.0, 0.0, 2.0], [1.0, -1.0, 0.0]])
 
 
-def elimination_values(chain: Chain, *, near: bool = False) -> dict[str, Any]:
-    """What the core needs of the arm.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Variants:
+    """Variants of the elimination, v of them; see ``EliminationVariant`` of the core.
 
-    That is the way to set the elimination up that is certain of most poses, and poses of which all solutions are known.
+    Attributes:
+        first: (v,) the joint behind which the loop is cut, from 0.
+        reversed: (v,) whether it is the chain from tip to base.
+        left: (v, 15, 168) left factors of the equations' coefficients, transposed.
+        right: (v, 15, 32) right factors.
+        left_inverse: (v, 9, 15) from a line to the products of (1, cos, sin) of two joints.
+        axes: (v, 6, 3) directions.
+        points: (v, 6, 3) points on the axes, scaled.
+        across: (v, 3) unit vectors across the axis that the loop is cut at.
+        slides: (v, 6) which joints slide.
+    """
+
+    first: Array
+    reversed: Array
+    left: Array
+    right: Array
+    left_inverse: Array
+    axes: Array
+    points: Array
+    across: Array
+    slides: Array
+
+    def at(self, rows: NDArray[np.intp]) -> Variants:
+        """Some of the variants, by their places."""
+        return Variants(**{each.name: np.ascontiguousarray(getattr(self, each.name)[rows]) for each in fields(self)})
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class KnownPoses:
+    """Poses whose complex solutions are all known, up to 16; see ``KnownPose`` of the core.
+
+    Attributes:
+        solutions: how many each pose has.
+        poses: k, how many poses there are.
+        turn: (k, 4) rotations, as quaternions.
+        point: (k, 3) positions, scaled.
+        solution: (k, 16, 6, 2) real and imaginary parts of the solutions.
+    """
+
+    solutions: int
+    poses: int
+    turn: Array
+    point: Array
+    solution: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class EliminationSetup:
+    """An arm of six joints, before a variant is chosen.
+
+    Attributes:
+        written: the arm as its URDF has it.
+        home_inverse: (3, 4) inverse of the tip's pose at zero, moved to the middle of the axes [m].
+        centre: (3,) m, the middle of the axes.
+        scale: 1/m, one over the mean distance of the axes from their middle.
+        known: poses that continuation starts from.
+    """
+
+    written: Written
+    home_inverse: Array
+    centre: Array
+    scale: float
+    known: KnownPoses
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class EliminationArm(EliminationSetup):
+    """An arm of six joints for the elimination and the continuation behind it.
+
+    Attributes:
+        variant: the one that is used.
+    """
+
+    kind: ClassVar = "elimination"
+    variant: Variants
+
+
+def elimination_arm(chain: Chain, *, near: bool = False) -> EliminationArm:
+    """The arm for the compiled elimination.
+
+    It has the variant that is certain of most poses, and poses whose solutions are all known.
 
     Args:
         chain: six joints.
@@ -56,37 +138,38 @@ def elimination_values(chain: Chain, *, near: bool = False) -> dict[str, Any]:
     rng = np.random.default_rng(0)
     Q = rng.uniform(-math.pi, math.pi, (_KNOWN_WITH_SLIDES if chain.prismatic.any() else _KNOWN, 6))
     Q[:, chain.prismatic] *= chain.size / math.pi
-    written = written_values(chain)
-    common: dict[str, Any] = {
-        "written": written,
-        "home_inverse": np.ascontiguousarray((np.linalg.inv(home) @ to_centre)[:3]),
-        "centre": centre,
-        "scale": scale,
-        "known": known_poses(written, Q, near),
-    }
+    as_written = written(chain)
+    setup = EliminationSetup(
+        written=as_written,
+        home_inverse=np.ascontiguousarray((np.linalg.inv(home) @ to_centre)[:3]),
+        centre=centre,
+        scale=scale,
+        known=KnownPoses(**known_poses(as_written, Q, near)),
+    )
     targets = chain.fk(Q[:_KNOWN])
-    few = _best(common, _all_variants(H, points, chain.prismatic, rng), targets[:_FIRST], _FEW)
-    return common | _best(common, few, targets, 1)
+    few = _best(setup, _all_variants(H, points, chain.prismatic, rng), targets[:_FIRST], _FEW)
+    common = {each.name: getattr(setup, each.name) for each in fields(setup)}
+    return EliminationArm(**common, variant=_best(setup, few, targets, 1))
 
 
-def _best(common: dict[str, Any], rows: dict[str, Any], targets: Array, many: int) -> dict[str, Any]:
-    """So many of the variants in ``rows``, those rightly certain of most of the poses (m, 4, 4); the best one last."""
-    counts, certain = _tried(common | rows, targets)
-    # One that was certain of fewer solutions than another found has a determinant that some of them are no roots of.
+def _best(setup: EliminationSetup, variants: Variants, targets: Array, count: int) -> Variants:
+    """The ``count`` variants that are rightly certain of most of the poses (m, 4, 4); the best one last."""
+    counts, certain = _tried(setup, variants, targets)
+    # A variant that is certain of fewer solutions than another one finds: its determinant lacks some of them as roots.
     wrong = ((certain > 0) & (counts < counts.max(axis=0))).any(axis=1)
-    best = np.lexsort((counts.sum(axis=1), np.where(wrong, -1, certain.sum(axis=1, dtype=np.int64))))[-many:]
-    return {name: np.ascontiguousarray(each[best]) for name, each in rows.items()}
+    order = np.lexsort((counts.sum(axis=1), np.where(wrong, -1, certain.sum(axis=1, dtype=np.int64))))
+    return variants.at(order[-count:])
 
 
-def _tried(values: dict[str, Any], targets: Array) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-    """What each variant alone does with the poses (m, 4, 4).
+def _tried(setup: EliminationSetup, variants: Variants, targets: Array) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+    """Try each variant alone on the poses (m, 4, 4).
 
     Returns:
-        (variants, m): how many solutions it finds, and whether it is certain that they are all.
+        (v, m): how many solutions it finds, and whether it is certain that they are all.
     """
-    counts = np.empty((len(values["first"]), len(targets)), np.uint8)
+    counts = np.empty((len(variants.first), len(targets)), np.uint8)
     certain = np.empty_like(counts)
-    try_elimination(values, np.ascontiguousarray(targets), counts, certain)
+    try_elimination(setup, variants, np.ascontiguousarray(targets), counts, certain)
     return counts, certain
 
 
@@ -100,8 +183,8 @@ def _scaled(chain: Chain) -> tuple[Array, Array, Array, float]:
     return chain.H, points * scale, centre, scale
 
 
-def _all_variants(H: Array, points: Array, slides: NDArray[np.bool_], rng: np.random.Generator) -> dict[str, Any]:
-    """Every way to set the elimination up: one array a name, (variants, ...)."""
+def _all_variants(H: Array, points: Array, slides: NDArray[np.bool_], rng: np.random.Generator) -> Variants:
+    """Every variant, on the axes as they are and on axes moved a little."""
     shifts = np.array(_SHIFTS)[:, None, None]
     turned = np.empty((len(_SHIFTS), 6, 3))
     moved = np.empty_like(turned)
@@ -129,10 +212,9 @@ def _all_variants(H: Array, points: Array, slides: NDArray[np.bool_], rng: np.ra
                 part["first"] = np.full(len(_SHIFTS), float(first))
                 part["reversed"] = np.full(len(_SHIFTS), float(reverse))
                 parts.append(part)
-    rows = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-    # In the order of the shifts: the unmoved axes first, where nothing else decides.
-    order = np.argsort(np.tile(np.arange(len(_SHIFTS)), len(parts)), kind="stable")
-    return {name: np.ascontiguousarray(values[order]) for name, values in rows.items()}
+    rows = Variants(**{name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
+    # Ordered by shift: among equals the unmoved axes are preferred.
+    return rows.at(np.argsort(np.tile(np.arange(len(_SHIFTS)), len(parts)), kind="stable"))
 
 
 def _factors(motions: Array, line: Array, slides: NDArray[np.bool_], first: int) -> dict[str, Array]:

@@ -1,4 +1,4 @@
-"""Families and plans: a record of what a family is, and one of how an arm of it is solved."""
+"""Families and their members: a record of a family, and one of how an arm of it is solved."""
 
 from __future__ import annotations
 
@@ -38,8 +38,7 @@ class Family:
             cannot change from one solution to another without crossing a singularity (see ``cuspidality``).
         matches: (structure, chain) -> whether an arm is of the family, exactly or nearly.
         prepare: (family, structure, chain) -> the plan of an arm that matches; None where it has none after all.
-        solver: name of the compiled solver, as ``_core.Solver`` takes it.
-        variant: what sets it apart from the other families of its file, such as '2||3'.
+        variant: how it differs from the other families of its file, such as '2||3'.
         by_elimination: whether it has no closed form, so that all others come first.
     """
 
@@ -49,12 +48,11 @@ class Family:
     branches: tuple[str, ...]
     by_quadratics: bool
     matches: Callable[[Structure, Chain], bool]
-    prepare: Callable[[Family, Structure, Chain], Plan | None]
-    solver: str
+    prepare: Callable[[Family, Structure, Chain], FamilyMember | None]
     variant: str = ""
     by_elimination: bool = False
 
-    def plan(self, structure: Structure, chain: Chain) -> Plan | None:
+    def plan(self, structure: Structure, chain: Chain) -> FamilyMember | None:
         """The plan of an arm, None for an arm that is not of this family.
 
         Example:
@@ -86,8 +84,8 @@ class Family:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Plan:
-    """How an arm is solved.
+class FamilyMember:
+    """An arm as a member of its family: how it is solved.
 
     Attributes:
         family: what it is a member of.
@@ -124,13 +122,13 @@ class Plan:
 
 
 @dataclass(frozen=True, kw_only=True)
-class RedundantPlan(Plan):
-    """How an arm is solved of which a pose leaves something free, for given values of its redundancy parameters.
+class RedundantMember(FamilyMember):
+    """How a redundant arm is solved for given values of its redundancy parameters.
 
     Attributes:
-        parameters: what is given, as the solver takes the values: the parameter that was added last comes first.
-        self_motion: what follows the curves of joint vectors that hold a pose; None where there are several
-            parameters, or joints that mimic others.
+        parameters: in the order of the solver's values; the parameter that was added last comes first.
+        self_motion: follows the curves of joint vectors that hold a pose; None if there are several parameters, or
+            joints that mimic others.
         value_of: joint vectors (m, n) and the poses (m, 4, 4) that they are to reach -> their values (m, parameters).
         explain_at: (T (4, 4), values (parameters,)) -> why there is no solution.
     """
@@ -152,7 +150,7 @@ class RedundantPlan(Plan):
 
 
 def in_words(family: Family, error: float, steps: str = "") -> dict[str, Any]:
-    """Name, reason and method of a plan, with what is done about an arm that is off its family by ``error``."""
+    """Name, reason and method of a plan, for an arm that is off its family by ``error``."""
     exact = error <= DEFAULT.exact_structure
     return {
         "family": family,

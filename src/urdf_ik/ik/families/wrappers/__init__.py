@@ -1,1 +1,1 @@
-"""What is made of a family's plan: for the reversed chain, an imperfect arm, a joint that is given."""
+"""Wrappers around a plan: for the reversed chain, an imperfect arm, an added or a free axis, a given joint."""

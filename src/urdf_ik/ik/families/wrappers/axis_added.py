@@ -6,15 +6,15 @@ the five joints as written.
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.aim import AXIS, POSE, Aim
-from urdf_ik.ik.families.parts.family import Plan, columns
-from urdf_ik.ik.families.parts.nearest import off_by
+from urdf_ik.ik.families.parts.family import FamilyMember, columns
+from urdf_ik.ik.families.parts.nearest_pose import off_by
+from urdf_ik.ik.families.parts.written import AXIS, POSE, Aim, Written
 from urdf_ik.kinematics.chain import is_redundant
 from urdf_ik.kinematics.structure import analyse
 
@@ -27,13 +27,31 @@ if TYPE_CHECKING:
     from urdf_ik.kinematics.structure import Structure
 
     Array = NDArray[np.float64]
-    Choose = Callable[[Structure, Chain], Plan | None]
+    Choose = Callable[[Structure, Chain], FamilyMember | None]
 
 # Where the added axis stands to axis 5 [rad]: never parallel to axis 4, where that is square to axis 5.
 _OBLIQUE = 1.05
 
 
-def prepare(structure: Structure, chain: Chain, choose: Choose) -> Plan | None:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CompletedArm:
+    """Five joints, solved by the solver of six: ``CompletedArm`` of the core.
+
+    Attributes:
+        written: the arm as its URDF has it.
+        six: the arm with the added axis: the dataclass of its solver.
+        at: which of the six joints is the arm's first.
+        columns: of a pose's solutions.
+    """
+
+    kind: ClassVar = "completed"
+    written: Written
+    six: Any
+    at: int
+    columns: int
+
+
+def prepare(structure: Structure, chain: Chain, choose: Choose) -> FamilyMember | None:
     """The plan for poses of five revolute joints, None for other arms."""
     if chain.n != 5 or chain.prismatic.any() or is_redundant(chain):
         return None
@@ -50,7 +68,7 @@ def prepare(structure: Structure, chain: Chain, choose: Choose) -> Plan | None:
     return _plan(chain, whole, at, Aim(), choose, "5R", "that must stay at zero")
 
 
-def prepare_aimed(chain: Chain, aimed: Array, choose: Choose) -> Plan | None:
+def prepare_aimed(chain: Chain, aimed: Array, choose: Choose) -> FamilyMember | None:
     """The plan for the tip's position and the direction of its axis ``aimed`` (3,)."""
     whole = with_axis_behind(chain, chain.R_tip @ aimed, chain.points[-1] + chain.P[-1])
     return _plan(chain, whole, 0, Aim(AXIS, aimed), choose, "5R position and axis", "about the direction")
@@ -83,15 +101,15 @@ def _extended(chain: Chain, H: Array, P: Array, *, behind: bool) -> Chain:
     )
 
 
-def _plan(chain: Chain, whole: Chain, at: int, aim: Aim, choose: Choose, name: str, role: str) -> Plan | None:
+def _plan(chain: Chain, whole: Chain, at: int, aim: Aim, choose: Choose, name: str, role: str) -> FamilyMember | None:
     six = choose(analyse(whole), whole)
     if six is None:
         return None
     count = len(six.branches)
 
     most = 8 if aim.kind == POSE else count
-    values = {"written": aim.written(chain), "six": six.solver, "at": at, "columns": most}
-    return Plan(
+    arm = CompletedArm(written=aim.written(chain), six=six.solver.arm, at=at, columns=most)
+    return FamilyMember(
         family=six.family,
         name=f"{name} (six joints with an added axis: {six.name})",
         reason=f"with a sixth axis {role}, {six.reason}",
@@ -99,5 +117,5 @@ def _plan(chain: Chain, whole: Chain, at: int, aim: Aim, choose: Choose, name: s
         branches=columns(most),
         imperfection=six.imperfection,
         explain=lambda T: off_by(chain, aim, T[:3, :3], T[:3, 3]),
-        solver=Solver("completed", values),
+        solver=Solver(arm),
     )

@@ -1,20 +1,22 @@
-"""Seven joints of which the six others lose rank everywhere, whichever end is held: one in the middle is given.
+"""Seven joints that are singular everywhere once either end joint is held: a joint in the middle is given instead.
 
-Two joints with one axis do the same: the first of them is given, the other takes its value back, and the six others are
-the same arm for every value. For any other joint in the middle they are another arm for every value, and what they
-leave is searched.
+If two neighbouring joints share an axis, the first of them is given and the second one takes its value back: the six
+others are the same arm for every value. For any other joint in the middle they are a different arm for every value, and
+solutions are searched.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdf_ik._core import SelfMotion, Solver
 from urdf_ik.ik.families import sampled
-from urdf_ik.ik.families.parts.family import Plan, RedundantPlan
-from urdf_ik.ik.families.parts.values import written_values
+from urdf_ik.ik.families.parts.family import FamilyMember, RedundantMember
+from urdf_ik.ik.families.parts.free_arm import FreeArm
+from urdf_ik.ik.families.parts.written import written
+from urdf_ik.ik.families.wrappers.one_given import OneGiven
 from urdf_ik.kinematics.chain import is_redundant, kinds_of, typical_stretch
 from urdf_ik.kinematics.chain import sampled as sampled_vectors
 from urdf_ik.kinematics.chain.redundancy import locked_joint
@@ -31,14 +33,14 @@ if TYPE_CHECKING:
     from urdf_ik.kinematics.structure import Structure
 
     Array = NDArray[np.float64]
-    Choose = Callable[[Structure, Chain], Plan | None]
+    Choose = Callable[[Structure, Chain], FamilyMember | None]
 
-# Where the six others of an end joint all but lose rank everywhere [smallest singular value of the Jacobian, lengths as
-# shares of the size], a joint in the middle is held instead if that leaves them so many times better.
+# If the Jacobian without an end joint nearly loses rank everywhere (smallest singular value below _POOR, lengths as
+# shares of the size), a joint in the middle is held if its smallest singular value is _BETTER times as large.
 _POOR, _BETTER = 1e-3, 30.0
 
 
-def prepare(chain: Chain, six: Sequence[Choose]) -> RedundantPlan | None:
+def prepare(chain: Chain, six: Sequence[Choose]) -> RedundantMember | None:
     """The plan of seven joints that holds one in the middle; None where an end joint will do.
 
     Args:
@@ -84,18 +86,25 @@ def _is_shared(chain: Chain, k: int) -> bool:
     return bool(chain.prismatic[k] or apart <= DEFAULT.exact_structure * chain.size)
 
 
-def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
+def _held(chain: Chain, k: int, plan: FamilyMember) -> RedundantMember:
     """The plan that gives joint ``k``, by that of the others with it at zero."""
     parameter, twin = locked_joint(chain, k), chain.joint_names[k + 1]
     still = np.zeros((3, 3, 4))
     still[0, :, :3] = np.eye(3)
-    values: dict[str, Any] = {"motion": still, "turns": not bool(chain.prismatic[k]), "last": False, "before": k}
-    values |= {"opposite": bool(chain.H[k] @ chain.H[k + 1] < 0.0), "value": parameter.default, "solver": plan.solver}
+    arm = OneGiven(
+        motion=still,
+        turns=not bool(chain.prismatic[k]),
+        last=False,
+        value=parameter.default,
+        solver=plan.solver.arm,
+        before=k,
+        opposite=bool(chain.H[k] @ chain.H[k + 1] < 0.0),
+    )
 
     def explain_at(T: Array, at: Array) -> str:
         return f"with {quoted(parameter.joint)} at {at[0]:.6g} {parameter.unit}, or at any other: {plan.explain(T)}"
 
-    return RedundantPlan(
+    return RedundantMember(
         family=plan.family,
         name=f"{kinds_of(chain)}, joint {k + 1} given: {plan.name}",
         reason=f"joints {k + 1} and {k + 2} have one axis; with joint {k + 1} given, of the six others {plan.reason}",
@@ -103,9 +112,9 @@ def _held(chain: Chain, k: int, plan: Plan) -> RedundantPlan:
         branches=plan.branches,
         imperfection=plan.imperfection,
         error=plan.error,
-        solver=Solver("one joint given", values),
+        solver=Solver(arm),
         parameters=(parameter,),
-        self_motion=SelfMotion({"written": written_values(chain), "given": k}),
+        self_motion=SelfMotion(FreeArm(written=written(chain), given=k)),
         value_of=lambda Q, T: parameter.wrapped(Q[:, k : k + 1]),
         explain=lambda T: explain_at(T, np.array([parameter.default])),
         explain_at=explain_at,

@@ -1,15 +1,16 @@
-"""Arms that a family's relations hold for up to rounded decimals, or up to a calibration."""
+"""Arms that have a family's structure only nearly: up to rounded decimals, or up to a calibration."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.elimination import elimination_values
-from urdf_ik.ik.families.parts.family import Plan
+from urdf_ik.ik.families.parts.elimination import EliminationArm, elimination_arm
+from urdf_ik.ik.families.parts.family import FamilyMember
+from urdf_ik.ik.families.parts.ideal import ClosedFormArm
 from urdf_ik.kinematics.dh.frames import rotation_z
 
 if TYPE_CHECKING:
@@ -19,43 +20,63 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-# Imperfection below which the complex solutions that the ideal arm lacks are too far from real to be followed. Above it
-# they are within reach, and change places with the others from pose to pose. Chosen by tests, not derived: between 1e-3
-# and 4e-3 they changed places too rarely to be counted on.
+# Below this imperfection, the complex solutions that the ideal arm lacks are too far from real to be followed. Above it
+# they can be followed, and they exchange places with the others from pose to pose. Chosen by tests: between 1e-3 and
+# 4e-3 such exchanges were too rare to rely on.
 _NEAR = 4e-3
 
 
-def prepare(plan: Plan, chain: Chain) -> Plan:
+def prepare(plan: FamilyMember, chain: Chain) -> FamilyMember:
     """The plan of the ideal arm, made to hold for the arm as written."""
+    family = plan.solver.arm
+    assert isinstance(family, ClosedFormArm)
     further = tuple(f"further {k}" for k in range(1, 17 - len(plan.branches)))
     return replace(
         plan,
         method=f"{plan.method}; near singularities by elimination too",
         branches=(*plan.branches, *further),
-        solver=_solver(plan.solver, chain),
+        solver=Solver(_arm(family, chain)),
     )
 
 
-def _solver(ideal: Solver, chain: Chain) -> Solver:
-    near = bool(ideal.values["ideal"]["imperfection"] < _NEAR)
-    values = {"family": ideal.values, "elimination": elimination_values(chain, near=near)}
-    return Solver(f"imperfect {ideal.kind}", values | _both_arms(ideal.values["ideal"], chain))
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ImperfectArm:
+    """An arm that has a family's structure only nearly: ``ImperfectArm`` of the core.
 
-
-def _both_arms(ideal: dict[str, Any], chain: Chain) -> dict[str, Any]:
-    """The arm as written and the ideal one, from the ideal arm's frame 1 to its frame 6, and how they drift apart.
-
-    Both take the ideal arm's angles, joint values and offsets together.
+    Attributes:
+        family: the ideal arm.
+        elimination: the same arm as written, by elimination.
+        inner_steps: (7, 3, 4) motions of the arm as written from the ideal arm's frame 1 to its frame 6 [m].
+        ideal_steps: (7, 3, 4) the same motions of the ideal arm; both take the ideal arm's angles.
+        drift: how fast the motion between the two arms' tips changes with the joints, at most
+            [rad, share of size; a rad].
     """
+
+    kind: ClassVar = "imperfect"
+    family: ClosedFormArm
+    elimination: EliminationArm
+    inner_steps: Array
+    ideal_steps: Array
+    drift: float
+
+
+def _arm(family: ClosedFormArm, chain: Chain) -> ImperfectArm:
+    ideal = family.ideal
     base, tool = np.eye(4), np.eye(4)
-    base[:3, :3], base[:3, 3] = ideal["base_rotation"].T, ideal["base_origin"]
-    tool[:3, :3], tool[:3, 3] = ideal["tool_rotation"].T, -ideal["tool_rotation"].T @ ideal["tool_point"]
+    base[:3, :3], base[:3, 3] = ideal.base_rotation.T, ideal.base_origin
+    tool[:3, :3], tool[:3, 3] = ideal.tool_rotation.T, -ideal.tool_rotation.T @ ideal.tool_point
     inner = np.array([np.vstack([step, [0.0, 0.0, 0.0, 1.0]]) for step in np.array(chain.motion.steps)])
     inner[0], inner[-1] = np.linalg.inv(base) @ inner[0], inner[-1] @ np.linalg.inv(tool)
-    back = np.array([rotation_z(-offset)[:3, :3] for offset in (*ideal["offset"], 0.0)])
-    inner, steps = np.ascontiguousarray(inner[:, :3]), ideal["steps"].copy()
+    back = np.array([rotation_z(-offset)[:3, :3] for offset in (*ideal.offset, 0.0)])
+    inner, steps = np.ascontiguousarray(inner[:, :3]), ideal.steps.copy()
     inner[:, :, :3], steps[:, :, :3] = inner[:, :, :3] @ back, steps[:, :, :3] @ back
-    return {"inner_steps": inner, "ideal_steps": steps, "drift": _drift(inner, steps, chain.size)}
+    return ImperfectArm(
+        family=family,
+        elimination=elimination_arm(chain, near=bool(ideal.imperfection < _NEAR)),
+        inner_steps=inner,
+        ideal_steps=steps,
+        drift=_drift(inner, steps, chain.size),
+    )
 
 
 def _drift(inner: Array, ideal: Array, size: float) -> float:

@@ -1,8 +1,8 @@
-"""More than six joints, of which some are given: their values are redundancy parameters, and six others have a solver.
+"""Arms with more than six joints: some joints are given as redundancy parameters, and the six others have a solver.
 
-Holding an end joint at a value moves the target and leaves the other joints' arm as it is: T' = E1(v)^-1 T for the
-first one, and the tip moved back by the last one. One plan therefore serves every value. Holding a joint in the middle
-makes another arm of every value: see :mod:`urdf_ik.ik.families.wrappers.middle_given`.
+An end joint that is held at a value only moves the target: T' = E1(v)^-1 T for the first joint, T' = T En(v)^-1 for the
+last one. The other joints are the same arm for every value, so one plan serves all values. With a joint in the middle
+held, the others are a different arm for every value: see :mod:`urdf_ik.ik.families.wrappers.middle_given`.
 """
 
 from __future__ import annotations
@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from urdf_ik._core import SelfMotion, Solver
-from urdf_ik.ik.families.parts.family import Plan, RedundantPlan
-from urdf_ik.ik.families.parts.values import written_values
+from urdf_ik.ik.families.parts.family import FamilyMember, RedundantMember
+from urdf_ik.ik.families.parts.free_arm import FreeArm
+from urdf_ik.ik.families.parts.written import written
 from urdf_ik.ik.families.wrappers import degenerate, middle_given
+from urdf_ik.ik.families.wrappers.one_given import OneGiven
 from urdf_ik.kinematics.chain import is_redundant, kinds_of
 from urdf_ik.kinematics.chain.free_axis import turning
 from urdf_ik.kinematics.chain.redundancy import locked_joint
@@ -30,7 +32,7 @@ if TYPE_CHECKING:
     from urdf_ik.kinematics.structure import Structure
 
     Array = NDArray[np.float64]
-    Choose = Callable[[Structure, Chain], Plan | None]
+    Choose = Callable[[Structure, Chain], FamilyMember | None]
 
 COSTS = ("in closed form", "by a quartic", "in closed form nearby, and refined", "by elimination")
 """How six joints are solved, the cheapest first: 0.3, 1, 10 and 60 us a pose, by the tables of docs/speed.md."""
@@ -41,27 +43,27 @@ class Ways(NamedTuple):
 
     Attributes:
         seven: takes seven joints by a family of their own.
-        six: each takes six joints, the cheaper ones first: a later one is asked where no arm has an earlier one.
+        six: each takes six joints, the cheaper ones first; a later one is used if no earlier one takes them.
     """
 
     seven: Choose
     six: Sequence[Choose]
 
 
-def prepare(chain: Chain, ways: Ways, given: tuple[str, ...] = ()) -> RedundantPlan | None:
-    """The plan that holds as many joints as leave six; None where no six have a solver.
+def prepare(chain: Chain, ways: Ways, given: tuple[str, ...] = ()) -> RedundantMember | None:
+    """The plan that holds all joints but six; None where no six joints have a solver.
 
     Args:
         chain: seven joints or more.
         ways: how the others are solved.
-        given: names of joints to hold. Where none or too few are named, of the end joints those whose others have the
-            cheapest solver; one in the middle only where no end will do.
+        given: names of joints to hold. If too few are named, the end joint whose others have the cheapest solver is
+            held too; a joint in the middle only if no end joint is possible.
     """
     if chain.n == 7 and not given and (in_the_middle := degenerate.prepare(chain, ways.six)) is not None:
         return in_the_middle
     for six in ways.six:
         plan = _prepared(chain, ways.seven, six, given, tuple(range(1, chain.n + 1)))
-        if isinstance(plan, RedundantPlan):
+        if isinstance(plan, RedundantMember):
             return plan
     if given:
         return None
@@ -71,7 +73,7 @@ def prepare(chain: Chain, ways: Ways, given: tuple[str, ...] = ()) -> RedundantP
 
 def _prepared(
     chain: Chain, seven: Choose, six: Choose, given: tuple[str, ...], numbers: tuple[int, ...]
-) -> Plan | None:
+) -> FamilyMember | None:
     """See :func:`prepare`; the joints are called by ``numbers``."""
     if chain.n == 6:
         return None if given or is_redundant(chain) else six(analyse(chain), chain)
@@ -83,12 +85,12 @@ def _prepared(
     if middle is not None:
         name, *others = (chain.joint_names[middle], *(n for n in given if n != chain.joint_names[middle]))
 
-        def at(rest: Chain) -> Plan | None:
+        def at(rest: Chain) -> FamilyMember | None:
             return _prepared(rest, seven, six, tuple(others), _without(numbers, middle))
 
         return middle_given.prepare(chain, middle, numbers[middle], at)
     ends = [k for k in named if k in (0, last)] or [last, 0]
-    plans: dict[int, Plan] = {}
+    plans: dict[int, FamilyMember] = {}
     for k in ends:
         name = chain.joint_names[k]
         others = [each for each in given if each != name]
@@ -117,18 +119,18 @@ def _without(numbers: tuple[int, ...], k: int) -> tuple[int, ...]:
     return (*numbers[:k], *numbers[k + 1 :])
 
 
-def cost(plan: Plan) -> int:
+def cost(plan: FamilyMember) -> int:
     """Index in ``COSTS``: exact closed forms, exact ones with a quartic, those near an ideal arm, eliminations."""
     if plan.family.by_elimination:
         return 3
     return int(not plan.family.by_quadratics) if plan.is_exact else 2
 
 
-def _held(chain: Chain, k: int, plan: Plan, number: int, why: str) -> RedundantPlan:
+def _held(chain: Chain, k: int, plan: FamilyMember, number: int, why: str) -> RedundantMember:
     parameter = locked_joint(chain, k)
     motion, turns, last = _motion_back(chain, k), not bool(chain.prismatic[k]), k > 0
-    values = {"motion": motion, "turns": turns, "last": last, "value": parameter.default, "solver": plan.solver}
-    inner = plan if isinstance(plan, RedundantPlan) else None
+    arm = OneGiven(motion=motion, turns=turns, last=last, value=parameter.default, solver=plan.solver.arm)
+    inner = plan if isinstance(plan, RedundantMember) else None
 
     def value_of(Q: Array, T: Array) -> Array:
         own = parameter.wrapped(Q[:, k : k + 1])
@@ -144,7 +146,7 @@ def _held(chain: Chain, k: int, plan: Plan, number: int, why: str) -> RedundantP
 
     parameters = (parameter, *(() if inner is None else inner.parameters))
     defaults = np.array([each.default for each in parameters])
-    return RedundantPlan(
+    return RedundantMember(
         family=plan.family,
         name=named(chain, k, number, plan),
         reason=f"with joint {number} given, {why}: {plan.reason}",
@@ -152,16 +154,16 @@ def _held(chain: Chain, k: int, plan: Plan, number: int, why: str) -> RedundantP
         branches=plan.branches,
         imperfection=plan.imperfection,
         error=plan.error,
-        solver=Solver("one joint given", values),
+        solver=Solver(arm),
         parameters=parameters,
-        self_motion=None if inner else SelfMotion({"written": written_values(chain), "given": k}),
+        self_motion=None if inner else SelfMotion(FreeArm(written=written(chain), given=k)),
         value_of=value_of,
         explain=lambda T: explain_at(T, defaults),
         explain_at=explain_at,
     )
 
 
-def named(chain: Chain, k: int, number: int, plan: Plan) -> str:
+def named(chain: Chain, k: int, number: int, plan: FamilyMember) -> str:
     """The name of the plan of a chain whose joint ``k`` is given."""
     if chain.prismatic[k]:
         return f"{kinds_of(chain.lock({chain.joint_names[k]: 0.0}))} on a slide: {plan.name}"

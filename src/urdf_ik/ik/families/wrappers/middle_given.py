@@ -1,8 +1,8 @@
-"""More than six joints, one of which, in the middle, is given: another arm of every value, each with a plan of its own.
+"""Arms with more than six joints and one in the middle given: a different arm for every value, each with its own plan.
 
-A plan takes from a fraction of a millisecond (closed forms) to a second (elimination) to prepare. The latest ones are
-kept, so that many poses at few values cost what they cost with an end joint given; searches over many values cost the
-preparation at each.
+Preparing a plan takes from a fraction of a millisecond (closed forms) to a second (elimination). The latest plans are
+kept, so many poses at few values are as fast as with an end joint given. A search over many values prepares a plan for
+each of them.
 """
 
 from __future__ import annotations
@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik.ik.families.parts.family import Plan, RedundantPlan, columns
-from urdf_ik.ik.families.parts.self_motion import SelfMotion
-from urdf_ik.ik.families.parts.values import written_values
+from urdf_ik._core import SelfMotion
+from urdf_ik.ik.families.parts.family import FamilyMember, RedundantMember, columns
+from urdf_ik.ik.families.parts.free_arm import FreeArm
+from urdf_ik.ik.families.parts.written import written
 from urdf_ik.kinematics.chain.redundancy import locked_joint
 from urdf_ik.support.text import quoted
 
@@ -28,18 +29,20 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 KEPT = 1024
-"""Plans that are kept, those asked for last."""
+"""Number of plans that are kept, the most recently used ones."""
 _SAMPLES = (0.137, 0.411, 0.659, 0.893)
-"""Shares of the joint's range at which it is seen which family the arms are of."""
+"""Shares of the joint's range at which the family of the other joints is determined."""
 
 
-def prepare(chain: Chain, k: int, number: int, plan_of: Callable[[Chain], Plan | None]) -> RedundantPlan | None:
-    """The plan that holds joint ``k``, which is called by ``number``; None where the others have no solver.
+def prepare(
+    chain: Chain, k: int, number: int, plan_of: Callable[[Chain], FamilyMember | None]
+) -> RedundantMember | None:
+    """The plan that holds joint ``k``; None where the other joints have no solver.
 
     Args:
         chain: seven joints or more.
         k: the joint.
-        number: what it is called in words.
+        number: the joint's number in texts.
         plan_of: finds the plan of the others' chain.
     """
     parameter = locked_joint(chain, k)
@@ -47,7 +50,7 @@ def prepare(chain: Chain, k: int, number: int, plan_of: Callable[[Chain], Plan |
     name = chain.joint_names[k]
 
     @lru_cache(KEPT)
-    def at_value(value: float) -> Plan | None:
+    def at_value(value: float) -> FamilyMember | None:
         return plan_of(chain.lock({name: value}))
 
     found = [at_value(low + share * (high - low)) for share in _SAMPLES]
@@ -57,19 +60,19 @@ def prepare(chain: Chain, k: int, number: int, plan_of: Callable[[Chain], Plan |
     first = plans[0]
     same = all(plan.branches == first.branches for plan in plans)
     branches = first.branches if same else columns(max(len(plan.branches) for plan in plans))
-    inner = first.parameters if isinstance(first, RedundantPlan) else ()
+    inner = first.parameters if isinstance(first, RedundantMember) else ()
 
     def explain_at(T: Array, at: Array) -> str:
         plan = at_value(float(at[0]))
         if plan is None:
             why = "the other joints have no solver"
         else:
-            why = plan.explain_at(T, at[1:]) if isinstance(plan, RedundantPlan) else plan.explain(T)
+            why = plan.explain_at(T, at[1:]) if isinstance(plan, RedundantMember) else plan.explain(T)
         return f"with {quoted(name)} at {at[0]:.6g} {parameter.unit}: {why}"
 
     def value_of(Q: Array, T: Array) -> Array:
         own = parameter.wrapped(Q[:, k : k + 1])
-        if not isinstance(first, RedundantPlan):
+        if not isinstance(first, RedundantMember):
             return own
         rows = []
         for q, pose in zip(Q, T, strict=True):
@@ -80,7 +83,7 @@ def prepare(chain: Chain, k: int, number: int, plan_of: Callable[[Chain], Plan |
     parameters = (parameter, *inner)
     defaults = np.array([each.default for each in parameters])
     solver: Any = SolverAtEach(at_value, k, chain.n, len(branches), defaults)
-    return RedundantPlan(
+    return RedundantMember(
         family=first.family,
         name=f"joint {number} given: {first.name}",
         reason=f"with joint {number} given, as asked, almost every value makes an arm of which {first.reason}",
@@ -90,7 +93,7 @@ def prepare(chain: Chain, k: int, number: int, plan_of: Callable[[Chain], Plan |
         error=first.error,
         solver=solver,
         parameters=parameters,
-        self_motion=None if inner else SelfMotion({"written": written_values(chain), "given": k}),
+        self_motion=None if inner else SelfMotion(FreeArm(written=written(chain), given=k)),
         value_of=value_of,
         explain=lambda T: explain_at(T, defaults),
         explain_at=explain_at,
@@ -98,12 +101,12 @@ def prepare(chain: Chain, k: int, number: int, plan_of: Callable[[Chain], Plan |
 
 
 class SolverAtEach:
-    """What a compiled solver does, from a plan for each value of a joint."""
+    """Solves like a compiled solver, by a plan for each value of a joint."""
 
     numbers = 16
 
     def __init__(
-        self, at_value: Callable[[float], Plan | None], k: int, joints: int, branches: int, defaults: Array
+        self, at_value: Callable[[float], FamilyMember | None], k: int, joints: int, branches: int, defaults: Array
     ) -> None:
         """Take the plans.
 
@@ -119,10 +122,10 @@ class SolverAtEach:
         self._defaults = defaults
 
     def one(self, *_: Any) -> None:
-        """Leaves every single pose to ``solve``."""
+        """None: single poses are solved by ``solve``."""
 
     def one_near(self, *_: Any) -> None:
-        """The same near a reference."""
+        """None: single poses are solved by ``solve``."""
 
     def solve(
         self,

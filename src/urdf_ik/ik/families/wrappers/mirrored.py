@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from urdf_ik._core import Solver
-from urdf_ik.ik.families.parts.family import Plan
+from urdf_ik.ik.families.parts.family import FamilyMember
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -18,7 +18,19 @@ if TYPE_CHECKING:
 _OTHER_END = {"shoulder": "wrist", "wrist": "shoulder"}
 
 
-def mirrored(plan: Plan) -> Plan:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Reversed:
+    """An arm that is solved on the chain from tip to base.
+
+    Attributes:
+        solver: the reversed chain's arm: the dataclass of its solver.
+    """
+
+    kind: ClassVar = "reversed"
+    solver: Any
+
+
+def mirrored(plan: FamilyMember) -> FamilyMember:
     """The plan for an arm whose reversed chain ``plan`` was made for."""
 
     def explain(T: Array) -> str:
@@ -32,7 +44,7 @@ def mirrored(plan: Plan) -> Plan:
         method=f"{plan.method}; on the chain from tip to base",
         branches=tuple(_renamed(name) for name in plan.branches),
         explain=explain,
-        solver=Solver("reversed", {"solver": plan.solver}),
+        solver=Solver(Reversed(solver=plan.solver.arm)),
     )
 
 

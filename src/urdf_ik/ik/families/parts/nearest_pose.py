@@ -1,4 +1,4 @@
-"""Why an arm with few joints does not reach a target: how far the nearest pose that a search finds is off."""
+"""Why an arm with few joints does not reach a target: the error of the nearest pose that a search finds."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik.ik.families.parts.aim import Aim
+from urdf_ik.ik.families.parts.written import Aim
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -17,16 +17,16 @@ if TYPE_CHECKING:
 
 _STARTS, _ROUNDS = 32, 40
 _AXES = "xyz"
-# Below this [rad, share of size] a part of an error is not worth a word beside a greater one.
+# A part of an error below this [rad, share of size] is not mentioned beside a larger one.
 _SILENT = 1e-6
 
 
 def off_by(chain: Chain, aim: Aim, rotation: Array, point: Array) -> str:
-    """What is off, and by how much, at the pose nearest to the target that a search finds.
+    """The error, in words, of the nearest pose to the target that a search finds.
 
     Args:
         chain: the arm.
-        aim: what is asked for.
+        aim: what the joints control of the tip.
         rotation: (3, 3) of the target in the base.
         point: (3,) m of the target in the base.
     """

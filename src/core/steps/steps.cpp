@@ -1,5 +1,5 @@
-// The steps of the solvers for tests, compiled once for every instruction set; see steps.hpp.
-#include "steps.hpp"
+// See steps.hpp. Compiled once for every instruction set.
+#include "steps/steps.hpp"
 
 #include "answers/answer.hpp"
 #include "kinematics/linked_angles.hpp"

@@ -1,5 +1,4 @@
-// The steps of the solvers one by one, for tests: numbers in, numbers out, both in the order of each step's own arguments
-// and results. Plain data.
+// Single steps of the solvers, for tests: numbers in, numbers out, in the order of each step's arguments and results.
 #pragma once
 
 #include "kinematics/arm.hpp"

@@ -1,27 +1,27 @@
-// What becomes of a candidate of an arm whose closed form has no margins of its own to go by: it is polished, verified and
-// kept if it is new, and near a fold of the Jacobian another solution is looked for beside it.
+// Candidates of arms whose closed form has no margins: each is polished, verified and kept if it is new. Near a fold a second
+// solution is searched for beside it.
 #pragma once
 
 #include "answers/answer.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Where a candidate comes from: a closed form, one in which a joint was all but free (or of an arm that the form fits nearly),
+// Where a candidate comes from: a closed form; a closed form in which a joint was nearly free, or which fits the arm only nearly;
 // a search.
 enum class Origin { computed, doubtful, searched };
 
-// No candidate of a closed form comes to be a solution from this error [rad, share of size].
+// A closed form's candidate with a larger error than this leads to no solution [rad, share of size].
 inline constexpr double HOPELESS = 0.05;
-// Starts beside a solution near a fold: so many on each side along the direction that the Jacobian all but loses, from 0.1 rad
-// (or share of the size), each a tenth of the one before.
+// Starts on each side of a solution near a fold, along the Jacobian's weakest direction: the first one 0.1 rad (or share of the
+// size) away, each further one a tenth of the distance before.
 inline constexpr int STARTS_BESIDE = 8;
-// Two solutions beside a fold are two as long as their singular values are above this share of a singular one's; on a
-// continuum they vanish.
+// A second solution beside a fold counts only if its smallest singular value is above this share of the tolerance for singular
+// solutions. On a continuum this singular value vanishes.
 inline constexpr double APART = 0.1;
 
-// A solution beside q, if there is one. What is singular again belongs to the same double root, or to the same continuum.
+// Keep a second solution beside q, if there is one. A singular one belongs to the same double root or to the same continuum.
 template <class Model>
-PART void take_beside(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints],
+PART void keep_beside(const Model& arm, const Goal<double>& goal, const double (&q)[Model::joints],
                       const Weakest<Model::joints>& weak, const Columns<Model::joints>& columns) {
     double away = 0.1;
     for (int k = 0; k < 2 * STARTS_BESIDE; ++k) {
@@ -34,12 +34,12 @@ PART void take_beside(const Model& arm, const Goal<double>& goal, const double (
     }
 }
 
-// Keep the candidate q if it is verified to `enough` and new; q is replaced. What was searched for is dropped where the arm is
-// singular and a singular solution is known already: it belongs to the same continuum. Returns the smallest singular value
-// there, at least whether it is below NEAR_FOLD, and infinity where q is no solution.
+// Polish the candidate q, and keep it if its error is at most `enough` and it is new; q is replaced. A singular result of a search
+// is dropped if a singular solution is known already, since both belong to one continuum. Returns the Jacobian's smallest
+// singular value there (only a lower bound if that is above NEAR_FOLD), or infinity if q is not a solution.
 template <class Model>
-PART double take(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints], Origin origin, double enough,
-                 const Columns<Model::joints>& columns) {
+PART double polish_and_keep(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints], Origin origin, double enough,
+                            const Columns<Model::joints>& columns) {
     constexpr int N = Model::joints;
     const bool computed = origin == Origin::computed;
     if (computed && !(error_at<N, double>(arm, goal, q).size <= HOPELESS)) return __builtin_inf();
@@ -58,7 +58,7 @@ PART double take(const Model& arm, const Goal<double>& goal, double (&q)[Model::
     }
     if (!is_new(arm, goal, columns, q)) return weak.value;
     keep(columns, 0, q, singular ? OTHER : 0);
-    if (weak.value <= NEAR_FOLD) take_beside(arm, goal, q, weak, columns);
+    if (weak.value <= NEAR_FOLD) keep_beside(arm, goal, q, weak, columns);
     return weak.value;
 }
 

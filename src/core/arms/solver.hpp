@@ -1,4 +1,4 @@
-// What Python holds of an arm: an opaque, immutable solver, made from named values, which are also what is pickled.
+// The solver of one arm: its numbers, and the functions of this processor's instruction set that solve it.
 #pragma once
 
 #include <functional>
@@ -6,15 +6,16 @@
 #include <memory>
 #include <type_traits>
 
-#include "bindings/levels.hpp"
-#include "bindings/values.hpp"
+#include "arms/common.hpp"
+#include "levels.hpp"
 
 namespace urdf_ik {
 
+// Immutable; safe from any number of threads at once.
 class Solver {
 public:
     virtual ~Solver() = default;
-    // See SolveArm. Safe from any number of threads at once.
+    // See SolveArm.
     virtual long solve(const Batch& batch) const = 0;
     // See DistancesOf.
     virtual void distances(const double*, double (&out)[4]) const {
@@ -22,18 +23,20 @@ public:
     }
 
     int joints = 6, branches = 8;
-    int numbers = 16;    // a target's: a pose has sixteen
-    int parameters = 0;  // values that are given with each target, for what it leaves free
+    int numbers = 16;    // of a target: a pose has sixteen
+    int parameters = 0;  // redundancy parameters: values that are given with each target
 };
 
-// The solver that a Python object holds, for solvers that are built upon others: solver_in(values.at(name)).
-std::shared_ptr<const Solver> solver_in(nb::handle object);
+using SolverPointer = std::shared_ptr<const Solver>;
 
-// Named values to a solver.
-using Made = std::shared_ptr<const Solver>;
-using Maker = std::function<Made(const Values&)>;
+// The solver of an arm, by the word "kind" among its values. Throws std::invalid_argument.
+SolverPointer make_solver(const Values& values);
 
-// A solver that is an arm's numbers and functions of this instruction set.
+// Makes the solvers of one kind.
+using Maker = std::function<SolverPointer(const Values&)>;
+using Makers = std::map<std::string, Maker>;
+
+// A solver that consists of an arm's numbers and two functions.
 template <class Arm> class SolverOf : public Solver {
 public:
     SolverOf(SolveArm<Arm> function, DistancesOf<Arm> distances_of) : function_(function), distances_of_(distances_of) {}
@@ -49,7 +52,7 @@ private:
     const DistancesOf<Arm> distances_of_;
 };
 
-// Makes such solvers; read(values, arm) fills the arm's numbers in.
+// The maker of such solvers; read(values, arm) fills in the arm's numbers.
 template <class Arm>
 Maker maker(SolveArm<Arm> function, int joints, int branches, std::type_identity_t<DistancesOf<Arm>> distances = nullptr,
             int parameters = 0) {
@@ -61,21 +64,21 @@ Maker maker(SolveArm<Arm> function, int joints, int branches, std::type_identity
     };
 }
 
-// The steps of the solvers one by one, for tests.
-void bind_steps(nb::module_& m);
+// The maker that an integer among the values chooses.
+inline Maker chosen_by(const char* name, std::map<int, Maker> choices) {
+    return [=](const Values& v) {
+        const auto chosen = choices.find(v.integer(name));
+        if (chosen == choices.end()) throw v.error(name, "no solver has this number");
+        return chosen->second(v);
+    };
+}
 
-// Every kind of solver by its name in Python.
-using Makers = std::map<std::string, Maker>;
+// Each adds the kinds of its file.
 void add_closed_forms(Makers& makers);
 void add_coupled(Makers& makers);
-void add_one_given(Makers& makers);
-void add_chain(nb::module_& m);
-void add_images(nb::module_& m);
-void add_tracker(nb::module_& m);
-void add_path_graph(nb::module_& m);
-void add_self_motion(nb::module_& m);
 void add_elimination(Makers& makers);
 void add_few_joints(Makers& makers);
+void add_one_given(Makers& makers);
 void add_reversed(Makers& makers);
 void add_srs(Makers& makers);
 

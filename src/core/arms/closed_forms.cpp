@@ -1,0 +1,84 @@
+// Closed forms of arms with six joints, and arms near their families, from named values.
+#include "arms/elimination.hpp"
+#include "arms/solver.hpp"
+
+namespace urdf_ik {
+
+void read(const Values& v, ParallelShoulderArm& to) { read(*v.group("ideal"), to.ideal), read(*v.group("written"), to.written); }
+
+void read(const Values& v, SphericalMiddleArm& to) {
+    read(*v.group("ideal"), to.ideal), read(*v.group("written"), to.written);
+    v.read("centre", to.centre), v.read("centre_5", to.centre_5);
+}
+
+void read(const Values& v, SphericalWristArm& to) {
+    read(*v.group("ideal"), to.ideal), read(*v.group("written"), to.written);
+    v.read("centre", to.centre), v.read("rho", to.rho), v.read("cos_phi", to.cos_phi), v.read("sin_phi", to.sin_phi);
+    v.read("height", to.height), v.read("bend_offset", to.bend_offset), v.read("swing", to.swing);
+    v.read("square_wrist", to.square_wrist);
+}
+
+void read(const Values& v, ThreeParallelArm& to) {
+    read(*v.group("ideal"), to.ideal), read(*v.group("written"), to.written);
+    v.read("along", to.along), v.read("turn_3", to.turn_3), v.read("turn_4", to.turn_4);
+    v.read("cos_first", to.cos_first), v.read("sin_first", to.sin_first), v.read("square_wrist", to.square_wrist);
+}
+
+template <class Family> void read(const Values& v, ImperfectArm<Family>& arm) {
+    read(*v.group("family"), arm.family), read(*v.group("elimination"), arm.elimination);
+    arm.written = arm.both.written = arm.both.ideal = arm.family.written;
+    read_motions(v, "inner_steps", arm.both.written.step, 7), read_motions(v, "ideal_steps", arm.both.ideal.step, 7);
+    v.read("drift", arm.both.drift);
+    arm.family.written.exact = false;
+    arm.loose = arm.family;
+    arm.family.written.beside = arm.loose.written.raw = true;
+    const double almost = ALMOST_FREE * arm.family.ideal.imperfection;
+    arm.loose.written.tolerances.continuum = almost * almost;
+}
+
+// The place of the word "variant" in a list, which has the order of the family's enum.
+template <int count> int variant_of(const Values& v, const char* const (&names)[count]) {
+    const std::string variant = v.word("variant");
+    for (int k = 0; k < count; ++k) {
+        if (variant == names[k]) return k;
+    }
+    throw v.error("variant", "no solver is called '" + variant + "'");
+}
+
+// Adds a family to `makers`, and to `imperfect` the solvers of arms near it.
+template <class Arm, int count>
+void add(Makers& makers, Makers& imperfect, const char* kind, const char* const (&names)[count],
+         const SolveArm<Arm> (&solve)[count], const SolveArm<ImperfectArm<Arm>> (&near)[count],
+         const DistancesOf<Arm>* distances = nullptr) {
+    makers[kind] = [&, distances](const Values& v) {
+        const int k = variant_of(v, names);
+        return maker(solve[k], 6, 8, distances ? distances[k] : nullptr)(v);
+    };
+    imperfect[kind] = [&](const Values& v) { return maker(near[variant_of(*v.group("family"), names)], 6, 16)(v); };
+}
+
+constexpr const char* SHOULDERS[] = {"2||3", "1x2", "1||2", "general"};
+constexpr const char* HANDS[] = {"5x6", "general"};
+constexpr const char* LAST_AXES[] = {"5x6", "5||6", "4x5", "4||5", "general"};
+constexpr const char* LAST_PAIRS[] = {"5x6", "5||6", "general"};
+
+void add_closed_forms(Makers& makers) {
+    const LevelTable& of = level();
+    const ImperfectSolvers& near = *of.imperfect;
+    const ImperfectSolversToo& near_too = *of.imperfect_too;
+    Makers imperfect;
+    add(makers, imperfect, "spherical wrist", SHOULDERS, of.spherical_wrist->solve, near.spherical_wrist);
+    add(makers, imperfect, "three parallel axes", HANDS, of.three_parallel->solve, near.three_parallel,
+        of.three_parallel->distances);
+    add(makers, imperfect, "parallel shoulder", LAST_AXES, of.parallel_shoulder->solve, near_too.parallel_shoulder,
+        of.parallel_shoulder->distances);
+    add(makers, imperfect, "spherical middle", LAST_PAIRS, of.spherical_middle->solve, near_too.spherical_middle);
+    makers["imperfect"] = [imperfect](const Values& v) {
+        const std::string kind = v.group("family")->word("kind");
+        const auto found = imperfect.find(kind);
+        if (found == imperfect.end()) throw v.error("family", "'" + kind + "' has no solver of arms near it");
+        return found->second(v);
+    };
+}
+
+}  // namespace urdf_ik

@@ -1,0 +1,44 @@
+"""What explanations of unreachable poses share: lengths in words, poses as an ideal arm's first frame sees them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from urdf_ik._core import Solver
+    from urdf_ik.ik.families.parts.ideal import Ends
+
+    Array = NDArray[np.float64]
+
+
+def seen_in_frame_1(ends: Ends, explain: Callable[[Array, Array], str]) -> Callable[[Array], str]:
+    """``FamilyMember.explain`` for a function of the rotation (3, 3) and solved point (3,) in the ideal frame 1."""
+
+    def explain_pose(T: Array) -> str:
+        R, base = T[:3, :3], ends.base_rotation
+        point = base @ (R @ ends.tool_point + T[:3, 3] - ends.base_origin)
+        return explain(base @ R @ ends.tool_rotation, point)
+
+    return explain_pose
+
+
+def compared(*lengths: float) -> tuple[str, ...]:
+    """Lengths in words, with six digits or as many as show that they differ."""
+    different = len(set(lengths))
+    texts = (tuple(f"{length:.{digits}g}" for length in lengths) for digits in range(6, 18))
+    return next(each for each in texts if len(set(each)) == different)
+
+
+def distances_of(solver: Solver, rotation: Array, point: Array) -> Array:
+    """The distances between two axes [m] that a pose, seen from frame 1, requires: one for each way to reach it."""
+    seen = np.eye(4)
+    seen[:3, :3], seen[:3, 3] = rotation, point
+    distances: Array = np.array(solver.distances(seen))
+    finite: Array = distances[np.isfinite(distances)]
+    return finite

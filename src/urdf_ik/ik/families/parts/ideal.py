@@ -1,0 +1,175 @@
+"""The nearest ideal arm of a family: its frames, its numbers, and how far it is from the arm as written."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik.kinematics.dh.frames import denavit_hartenberg
+from urdf_ik.support.tolerances import DEFAULT
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from urdf_ik.ik.families.parts.written import Written
+    from urdf_ik.kinematics.chain import Chain
+    from urdf_ik.kinematics.dh.frames import DHFrames
+    from urdf_ik.kinematics.structure import Structure
+
+    Array = NDArray[np.float64]
+
+LITTLE = 3e-3
+"""Share of the arm's size: a distance up to here may be what a calibration has added, and names no branch."""
+
+# Below this a cosine or sine of a twist is rounding of zero: eight units in the last place of 1.
+_ROUNDING = 2e-15
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Ends:
+    """Where a solver's own frames stand: the first one in the base, the last one in the tip.
+
+    Attributes:
+        base_rotation: (3, 3) from the base to frame 1.
+        base_origin: (3,) m, of frame 1 in the base.
+        tool_rotation: (3, 3) from the last frame to the tip.
+        tool_point: (3,) m, the point that is solved for, in the tip.
+    """
+
+    base_rotation: Array
+    base_origin: Array
+    tool_rotation: Array
+    tool_point: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class IdealFrames(Ends):
+    """The nearest arm that has its family's structure exactly, by Craig's Denavit-Hartenberg parameters.
+
+    T = base Rz(t1) Tx(a1) Rx(alpha1) Tz(d2) Rz(t2) ... Rz(t6) tool, with t = q + offset.
+
+    Attributes:
+        cos_alpha: (5,) of the twists.
+        sin_alpha: (5,) of the twists.
+        a: (5,) m, lengths of the links.
+        d: (4,) m, offsets along axes 2 to 5.
+        offset: (6,) rad, added to the joint values.
+        steps: (7, 3, 4) the motions between the frames with every t at zero, base and tool included [m].
+        size: m, the length that tolerances are shares of.
+        clamp: how far below zero a margin may fall before its branch is given up.
+        imperfection: how far its poses are from those of the arm as written [rad, share of size]; 0: exact.
+        signs: (3, 8) of the roots of shoulder, elbow and wrist, by branch.
+    """
+
+    cos_alpha: Array
+    sin_alpha: Array
+    a: Array
+    d: Array
+    offset: Array
+    steps: Array
+    size: float
+    clamp: float
+    imperfection: float
+    signs: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ClosedFormArm:
+    """An arm of six turning joints for the closed form of its family.
+
+    Attributes:
+        variant: which of the family's solvers it is for; each family says which there are.
+        ideal: the nearest arm with the family's structure.
+        written: the arm as its URDF has it.
+    """
+
+    variant: str
+    ideal: IdealFrames
+    written: Written
+
+
+def ideal_frames(
+    chain: Chain,
+    directions: Array,
+    points: Array,
+    parallel: Sequence[bool],
+    meet: Sequence[bool],
+) -> tuple[DHFrames, float]:
+    """DH frames of the ideal arm, and how far its poses are from those of the arm as written."""
+    # Measured from the first axis: how far from its base the arm is mounted has no part in its structure.
+    mount = chain.P[0]
+    local = replace(chain, P=np.vstack([np.zeros(3), chain.P[1:]]))
+    home = np.eye(4)
+    home[:3, :3], home[:3, 3] = local.R_tip, local.P.sum(axis=0)
+    frames = denavit_hartenberg(directions, points - mount, home, parallel, meet, LITTLE * chain.size)
+    Q = np.random.default_rng(0).uniform(-np.pi, np.pi, (12, chain.n))
+    apart = frames.fk(Q) - local.fk(Q)
+    apart[:, :3, 3] /= chain.size
+    frames.base[:3, 3] += mount
+    return frames, float(np.abs(apart).max())
+
+
+def ideal_arm(frames: DHFrames, error: float, signs: Array, size: float) -> IdealFrames:
+    """The ideal arm for its family's solver.
+
+    Args:
+        frames: its DH frames.
+        error: how far its poses are from those of the arm as written [rad, share of size].
+        signs: (3, 8) of the roots of shoulder, elbow and wrist, by branch.
+        size: m, the arm's.
+    """
+    base, tool = frames.base, frames.tool
+    exact = error <= DEFAULT.exact_structure
+    return IdealFrames(
+        base_rotation=np.ascontiguousarray(base[:3, :3].T),
+        base_origin=base[:3, 3].copy(),
+        tool_rotation=np.ascontiguousarray(tool[:3, :3].T),
+        tool_point=-tool[:3, :3].T @ tool[:3, 3],
+        cos_alpha=snapped(np.cos(frames.alpha)),
+        sin_alpha=snapped(np.sin(frames.alpha)),
+        a=np.array(frames.a, dtype=np.float64),
+        d=np.array(frames.d[:4], dtype=np.float64),
+        offset=np.array(frames.offset, dtype=np.float64),
+        steps=np.ascontiguousarray(np.array(frames.steps())[:, :3]),
+        size=size,
+        clamp=100.0 * DEFAULT.fold if exact else 100.0 * DEFAULT.fold + 50.0 * error,
+        imperfection=0.0 if exact else error,
+        signs=signs,
+    )
+
+
+def snapped(values: Array) -> Array:
+    """Values with the rounding of 0 and +-1 taken away."""
+    nearest = np.round(values)
+    return np.where(np.abs(values - nearest) < _ROUNDING, nearest, values)
+
+
+def imperfection(structure: Structure, parallel: Sequence[int], meet: Sequence[int]) -> tuple[float, float]:
+    """Greatest angle [rad] and distance [m] by which these pairs, named by their first axis, are off."""
+    angles = [structure.pairs[i - 1].off_angle for i in parallel]
+    distances = [structure.pairs[i - 1].off_distance for i in meet]
+    return max(angles, default=0.0), max(distances, default=0.0)
+
+
+def mean_direction(directions: Array) -> Array:
+    """Directions (k, 3) replaced by their common one, each with its own sign."""
+    signs = np.where(directions @ directions[0] < 0.0, -1.0, 1.0)
+    mean = (signs[:, None] * directions).sum(axis=0)
+    common: Array = signs[:, None] * (mean / np.linalg.norm(mean))
+    return common
+
+
+def straightened(structure: Structure, directions: Array) -> tuple[Array, list[bool]]:
+    """Directions (n, 3) with neighbours that are parallel, or nearly, made exactly so; and which those are."""
+    parallel = [structure.is_parallel(i) for i in range(1, len(directions))]
+    straight = directions.copy()
+    start = 0
+    for end in range(1, len(directions) + 1):
+        if end == len(directions) or not parallel[end - 1]:
+            straight[start:end] = mean_direction(directions[start:end])
+            start = end
+    return straight, parallel
