@@ -30,6 +30,7 @@ def load(
     redundancy: str | Sequence[str] = (),
     mesh_roots: Sequence[str | os.PathLike[str]] = (),
     xacro_args: Mapping[str, object] | None = None,
+    strict: bool = False,
 ) -> Arm:
     """Read a URDF and prepare its solver.
 
@@ -51,9 +52,11 @@ def load(
         mesh_roots: folders that meshes may be read from, besides the URDF's own and its ROS package; packages are
             looked for in them first, then in AMENT_PREFIX_PATH and ROS_PACKAGE_PATH.
         xacro_args: arguments of a xacro, by name. A xacro is a program: expand only what you trust.
+        strict: whether every defect of the URDF is an error; default: those in parts that the chain does not use
+            are in ``arm.model.warnings``.
 
     Raises:
-        UrdfError: the URDF is broken; the error names line, element and hint.
+        UrdfError: the URDF is broken where the chain uses it; the error names line, element and hint.
         ChainError: base, tip, a locked joint or one of ``redundancy`` is unknown, or base or tip ambiguous; the error
             lists the candidates.
         ArgumentError: a locked joint's value is no finite number.
@@ -66,7 +69,7 @@ def load(
         >>> load("zyyzyz_6r")
         <Arm 'zyyzyz_6r': base_link to tool0, 6R spherical wrist, 2||3 and 1x2>
     """
-    model, entry = read(source, mesh_roots=mesh_roots, xacro_args=xacro_args)
+    model, entry = read(source, mesh_roots=mesh_roots, xacro_args=xacro_args, strict=strict)
     if entry is not None and chain is None and srdf is None:
         base, tip = entry.base if base is None else base, entry.tip if tip is None else tip
     if tip is None and srdf is not None:
@@ -84,6 +87,7 @@ def read(
     *,
     mesh_roots: Sequence[str | os.PathLike[str]] = (),
     xacro_args: Mapping[str, object] | None = None,
+    strict: bool = False,
 ) -> tuple[urdf.UrdfModel, catalogue.Entry | None]:
     """The URDF behind a path, XML text, an open file or a name, with what the catalogue says of the name.
 
@@ -106,7 +110,7 @@ def read(
         source, mesh_roots = entry.path, (*roots, *entry.package_dirs)
         if entry.xacro_args is not None:
             xacro_args = {**entry.xacro_args, **(xacro_args or {})}
-    return urdf.read(source, mesh_roots=mesh_roots, xacro_args=xacro_args), entry
+    return urdf.read(source, mesh_roots=mesh_roots, xacro_args=xacro_args, strict=strict), entry
 
 
 def _of_group(

@@ -67,6 +67,7 @@ class Reference:
             they leave nothing.
         size: length that rounding errors are relative to [m]: the sum of all steps between the model's joints.
         pin_model: the ``pinocchio.Model``.
+        warnings: defects that the URDF that Pinocchio was given is without, all of them beside the chain.
 
     Example:
         >>> import urdf_ik
@@ -93,13 +94,15 @@ class Reference:
             locked: joints that are no part of a joint vector but stand at these values [rad or m].
 
         Raises:
-            UrdfError: the URDF is broken, or Pinocchio refuses it.
+            UrdfError: the chain uses a broken part of the URDF, or Pinocchio refuses it.
             ChainError: base or tip is unknown, or the tip is ambiguous.
             UnsupportedArm: the chain has a joint that one number does not describe (floating, planar).
         """
         model = source if isinstance(source, urdf.UrdfModel) else urdf.read(source)
         self._made_from = partial(Reference, locked=dict(locked or {})), (model, base, tip)
         self.base, self.tip = model.resolve_chain(base, tip)
+        model.require_sound(self.base, self.tip)
+        self.warnings = model.warnings
         self.pin_model = _build(model)
         self._base, self._tip = self._frame(self.base), self._frame(self.tip)
         self._bodies = [(f.name, i) for i, f in enumerate(self.pin_model.frames) if f.type == pin.FrameType.BODY]

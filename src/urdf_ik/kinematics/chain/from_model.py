@@ -27,6 +27,7 @@ def from_urdf(model: UrdfModel, base: str | None = None, tip: str | None = None)
         tip: tip link; default: the end of the only movable chain below the base.
 
     Raises:
+        UrdfError: a part of the URDF that the chain uses has a defect.
         ChainError: base or tip is unknown, ambiguous, or not on one chain.
         UnsupportedArm: a joint of the chain is of a type that cannot be solved.
 
@@ -37,6 +38,7 @@ def from_urdf(model: UrdfModel, base: str | None = None, tip: str | None = None)
         ('joint_1', 'joint_2')
     """
     base, tip = model.resolve_chain(base, tip)
+    model.require_sound(base, tip)
     movable: list[Joint] = []
     H: list[NDArray[np.float64]] = []
     points: list[NDArray[np.float64]] = [np.zeros(3)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from urdf_ik.model.urdf.chains import Candidate
 from urdf_ik.model.urdf.checks import MOVABLE
+from urdf_ik.model.urdf.defects import UrdfWarning
 from urdf_ik.model.urdf.joint import Joint
 from urdf_ik.model.urdf.urdf_model import UrdfModel, read, resolve_mesh
 
@@ -12,6 +13,7 @@ __all__ = [
     "Candidate",
     "Joint",
     "UrdfModel",
+    "UrdfWarning",
     "read",
     "resolve_mesh",
 ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import os
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
@@ -18,6 +18,7 @@ from urdf_ik.model import formats, meshes, ros_packages
 from urdf_ik.model.urdf import checks, links, tree
 from urdf_ik.model.urdf.chains import Candidate, Chains, doubt
 from urdf_ik.model.urdf.checks import MOVABLE
+from urdf_ik.model.urdf.defects import TAKEN_FOR_FIXED, Defects, UrdfWarning
 from urdf_ik.model.urdf.joint import Joint
 from urdf_ik.model.xml import open_source, parse
 from urdf_ik.support import inputs
@@ -41,8 +42,8 @@ class UrdfModel:
         joints: in the file's order.
         root: the link without a parent.
         mesh_roots: folders that meshes may come from, besides the URDF's own.
-        left_out: errors of the shapes and inertias that no reader could use and that ``xml`` is without;
-            kinematics does not touch them, but a collision check would miss them.
+        warnings: defects in parts that a chain need not use, and how they were read. ``xml`` is without these
+            defects, so Pinocchio and yourdfpy read what is read here.
         robot: yourdfpy's model of ``xml``, without meshes and without a scene.
 
     Example:
@@ -60,7 +61,7 @@ class UrdfModel:
     joints: tuple[Joint, ...] = field(repr=False)
     root: str
     mesh_roots: tuple[Path, ...] = ()
-    left_out: tuple[UrdfError, ...] = field(repr=False, default=())
+    warnings: tuple[UrdfWarning, ...] = field(repr=False, default=())
 
     @cached_property
     def robot(self) -> Any:
@@ -143,7 +144,10 @@ class UrdfModel:
             >>> print(urdf_ik.load("planar_2r").model.chains()[0])
             base_link to tool0, 2 joints
         """
-        return Chains(self._require(self.root if base is None else base, "base"), self.joints).candidates()
+        # Joints that were only taken for fixed, for their defects, are parts of the chains that may be meant.
+        still = {name for each in self.warnings if each.assumed == TAKEN_FOR_FIXED for name in each.joints}
+        joints = [replace(each, type="continuous") if each.name in still else each for each in self.joints]
+        return Chains(self._require(self.root if base is None else base, "base"), tuple(joints)).candidates()
 
     def resolve_chain(
         self, base: str | None = None, tip: str | None = None, chain: str | None = None
@@ -172,6 +176,8 @@ class UrdfModel:
             return self.root if base is None else self._require(base, "base"), self._require(tip, "tip")
         candidates = self.chains(base)
         if not candidates:
+            if base is None and (defect := next((each for each in self.warnings if each.joints or each.links), None)):
+                raise defect.error  # without it there might be a chain
             start = self.root if base is None else base
             raise ChainError(
                 f"{self.source}: no {', '.join(MOVABLE)} joint below base {quoted(start)}: there is no movable chain",
@@ -181,6 +187,33 @@ class UrdfModel:
         if len(meant) == 1:
             return meant[0].base if base is None else base, meant[0].tip
         raise doubt(self.source, candidates, chain)
+
+    def require_sound(self, base: str, tip: str) -> None:
+        """Refuse the chain between two links where it uses a part of the URDF that has a defect.
+
+        Raises:
+            UrdfError: a joint of it, a joint that one of these mimics, or a link has a defect.
+            ChainError: there is no such link.
+
+        Example:
+            >>> import urdf_ik
+            >>> urdf_ik.load("planar_2r").model.require_sound("base_link", "tool0")
+        """
+        path = self.path_between(base, tip)
+        if not self.warnings:
+            return
+        links = {base, tip}.union(*((joint.parent, joint.child) for joint in path))
+        joints = {each.name for joint in path for each in self._row(joint)}
+        for warning in self.warnings:
+            if not (joints.isdisjoint(warning.joints) and links.isdisjoint(warning.links)):
+                raise warning.error
+
+    def _row(self, joint: Joint) -> list[Joint]:
+        """The joint, and those that it follows."""
+        row = [joint]
+        while (mimic := row[-1].mimic) is not None:
+            row.append(self._by_name[mimic[0]])
+        return row
 
     def driver(self, joint: Joint) -> tuple[Joint, float, float]:
         """The joint at the end of a row of mimics, itself for one that is free, with multiplier and offset.
@@ -193,14 +226,13 @@ class UrdfModel:
             ('joint_1', 1.0, 0.0)
         """
         inputs.kind(joint, "mimic", "joint", "a joint of this URDF, one of .joints,")
-        by_name = self._by_name if joint.mimic else {}
         multiplier, offset = 1.0, 0.0
-        while joint.mimic is not None and joint.mimic[0] in by_name:
-            name, factor, shift = joint.mimic
+        row = self._row(joint)
+        for each in row[:-1]:
+            _, factor, shift = each.mimic or ("", 1.0, 0.0)
             offset += multiplier * shift
             multiplier *= factor
-            joint = by_name[name]
-        return joint, multiplier, offset
+        return row[-1], multiplier, offset
 
     @cached_property
     def _by_name(self) -> dict[str, Joint]:
@@ -220,6 +252,8 @@ class UrdfModel:
     def _require(self, link: str, role: str = "link") -> str:
         if isinstance(link, str) and (link == self.root or link in self._carrier):
             return link
+        if apart := next((each for each in self.warnings if link in each.links), None):
+            raise apart.error  # the file has it, but in no tree with the others
         close = nearest(printable(link), self.links)
         hint = f"; did you mean {' or '.join(map(quoted, close))}?" if close else ""
         what = "link" if role == "link" else f"{role} link"
@@ -242,8 +276,9 @@ def read(
     *,
     mesh_roots: Sequence[str | os.PathLike[str]] = (),
     xacro_args: Mapping[str, object] | None = None,
+    strict: bool = False,
 ) -> UrdfModel:
-    """Read a URDF and refuse what is broken.
+    """Read a URDF; a defect in a part that a chain need not use is a warning.
 
     Args:
         source: a path, XML text, or an open text or binary file: a URDF, compressed or not, a MuJoCo model (MJCF), or
@@ -251,6 +286,7 @@ def read(
         mesh_roots: folders that meshes may come from besides the URDF's own and its ROS package; meshes need not
             exist. ROS packages are looked for here first, then in AMENT_PREFIX_PATH and ROS_PACKAGE_PATH.
         xacro_args: values of a xacro's arguments by name.
+        strict: whether every defect is an error.
 
     Returns:
         The model, with every joint's origin and axis as yourdfpy reads them.
@@ -267,16 +303,21 @@ def read(
     """
     folders = _folders(mesh_roots)
     opened, lost = formats.as_urdf(open_source(source), folders, xacro_args)
-    original = parse(opened)
-    name = tree.check_robot(original, opened.name)
-    names = tree.check_links(original, opened.name)
-    raw = tree.check_joints(original, names, opened.name)
-    root = tree.check_tree(raw, names, opened.name)
+    original, defects = parse(opened), Defects()
+    for error in lost:
+        defects.add("collision", error, collides="<collision>" in (error.element or ""))
+    name = tree.check_robot(original, opened.name, defects)
+    every = tree.check_links(original, opened.name, defects)
+    joined = tree.check_joints(original, every, opened.name, defects)
+    root, joined, names = tree.check_tree(joined, every, opened.name, defects)
+    raw = tree.check_mimics(joined, defects)
 
     # URDF 1.1 is the first in which urdfdom reads capsules, and the last in which both readers know rpy only.
     clean, bare = (etree.Element("robot", name=name, version="1.1") for _ in range(2))
     links.write_materials(clean, original, opened.name)
-    left_out = links.write_links(clean, names, opened.name)
+    links.write_links(clean, names, opened.name, defects)
+    if strict and defects.found:
+        raise defects.found[0].error
     for link in names:
         etree.SubElement(bare, "link", name=link)
     for robot in (clean, bare):
@@ -294,7 +335,7 @@ def read(
         joints=tuple(_joint(each, theirs[each.name]) for each in raw),
         root=root,
         mesh_roots=folders,
-        left_out=(*lost, *left_out),
+        warnings=tuple(defects.found),
     )
 
 
