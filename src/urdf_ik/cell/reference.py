@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from urdf_ik.errors import ArgumentError, UnsupportedArm, UrdfError
+from urdf_ik.kinematics.chain.mimic import STILL
 from urdf_ik.model import urdf
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
@@ -109,7 +110,7 @@ class Reference:
 
         followed = {joint.name: _followed(model, joint) for joint in model.joints}
         path = self._path()
-        drivers = dict.fromkeys(followed[name][0] for name in path)
+        drivers = dict.fromkeys(followed[name][0] for name in path if abs(followed[name][1]) > STILL)
         held = dict(locked or {})
         names = self.pin_model.names  # without a driver that is fixed
         self.joint_names = tuple(name for name in drivers if name in names and name not in held)
@@ -434,7 +435,7 @@ def _tighten(limits: Array, followers: list[tuple[urdf.Joint, float, float]]) ->
     """Narrow a driver's limits (2,) to what the limits of joints that follow it, times and plus these, leave."""
     lowest, highest = limits
     for joint, multiplier, offset in followers:
-        if multiplier and joint.type != "continuous" and joint.lower < joint.upper:
+        if abs(multiplier) > STILL and joint.type != "continuous" and joint.lower < joint.upper:
             one, other = (joint.lower - offset) / multiplier, (joint.upper - offset) / multiplier
             lowest, highest = max(lowest, min(one, other)), min(highest, max(one, other))
     if lowest <= highest:

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from urdf_ik.cli.console import Angles
     from urdf_ik.model.urdf import UrdfModel
 
+_MOST_WARNINGS = 10
+
 
 @dataclass(frozen=True)
 class ChosenArm:
@@ -39,6 +41,7 @@ class ChosenArm:
     srdf: Path | None = None
     mesh_root: list[Path] | None = None
     xacro_arg: list[str] | None = None
+    strict: bool = False
     tool_xyz: str | None = None
     tool_rpy: str | None = None
     redundancy_joint: list[str] | None = None
@@ -70,7 +73,9 @@ class ChosenArm:
             redundancy=self.redundancy_joint or (),
             mesh_roots=self.mesh_root or (),
             xacro_args=self._xacro_args(),
+            strict=self.strict,
         )
+        _say_warnings(arm.model)
         self._say_which(arm)
         if tool is not None:
             names = ("tool", *(f"tool_{k}" for k in range(2, len(arm.model.links) + 3)))
@@ -99,7 +104,10 @@ class ChosenArm:
         """
         from urdf_ik.arm.loading import read
 
-        return read(self._source(), mesh_roots=self.mesh_root or (), xacro_args=self._xacro_args())[0]
+        roots, arguments = self.mesh_root or (), self._xacro_args()
+        model = read(self._source(), mesh_roots=roots, xacro_args=arguments, strict=self.strict)[0]
+        _say_warnings(model)
+        return model
 
     def _source(self) -> Any:
         if self.robot == "-" and sys.stdin is None:
@@ -198,6 +206,7 @@ _CHOSEN = {
     "lock": options.Lock,
     "mesh_root": options.MeshRoot,
     "xacro_arg": options.XacroArg,
+    "strict": options.Strict,
     "tool_xyz": options.ToolXyz,
     "tool_rpy": options.ToolRpy,
     "redundancy_joint": options.RedundancyJoint,
@@ -267,6 +276,14 @@ def on_an_arm(command: Callable[..., None]) -> Callable[..., None]:
             parameters.append(parameter)
     run.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
     return run
+
+
+def _say_warnings(model: UrdfModel) -> None:
+    """Say on standard error which parts of the URDF were not read as they are written."""
+    for warning in model.warnings[:_MOST_WARNINGS]:
+        typer.echo(escaped(f"warning: {warning}"), err=True)
+    if len(model.warnings) > _MOST_WARNINGS:
+        typer.echo(f"warning: {len(model.warnings) - _MOST_WARNINGS} more; `urdf-ik info` lists them", err=True)
 
 
 def angles_of(arm: Arm, degrees: bool) -> Angles:

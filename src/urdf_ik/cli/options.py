@@ -115,6 +115,9 @@ XacroArg = Annotated[
     list[str] | None,
     Option("--xacro-arg", metavar="NAME:=VALUE", help="Argument of a xacro; repeatable."),
 ]
+Strict = Annotated[
+    bool, Option("--strict", help="Refuse every defect of the URDF, in parts that the chain does not use, too.")
+]
 MeshRoot = Annotated[
     list[Path] | None,
     Option(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik.errors import UnsupportedArm
-from urdf_ik.kinematics.chain.mimic import coupled
+from urdf_ik.kinematics.chain.mimic import coupled, follows
 from urdf_ik.kinematics.chain.serial import Chain, Follower, TreeJoint
 from urdf_ik.model.urdf import MOVABLE
 from urdf_ik.support.text import quoted
@@ -57,7 +57,8 @@ def from_urdf(model: UrdfModel, base: str | None = None, tip: str | None = None)
         if upwards:
             frame = frame @ np.linalg.inv(joint.origin)
     points.append(frame[:3, 3].copy())
-    names = tuple(dict.fromkeys(model.driver(joint)[0].name for joint in movable))
+    rows = [model.driver(joint) for joint in movable]
+    names = tuple(dict.fromkeys(driver.name for driver, multiplier, _ in rows if follows(multiplier)))
     limits = [(-np.inf, np.inf) if joint.type == "continuous" else (joint.lower, joint.upper) for joint in movable]
     chain = Chain(
         base=base,

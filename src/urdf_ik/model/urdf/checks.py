@@ -141,9 +141,12 @@ class RawJoint:
 
 
 def check_joint(
-    place: Place, links: Mapping[str, Any], taken: Mapping[str, RawJoint], defects: Defects
+    place: Place, links: dict[str, Any], taken: Mapping[str, RawJoint], defects: Defects
 ) -> RawJoint | None:
-    """One ``<joint>`` by itself, its defects kept; None where it does not join two declared links."""
+    """One ``<joint>`` by itself, its defects kept; None where it does not join two links.
+
+    A link that it joins and that is not declared is added to ``links``.
+    """
     element = place.element
     name = _joint_name(place, taken, defects)
 
@@ -152,9 +155,13 @@ def check_joint(
 
     kind = part("joint type", lambda: _type(place), "fixed")
     part("joint xacro", lambda: _require_no_xacro(place), None)
-    ends = part("ends", lambda: (_end(place, "parent", links), _end(place, "child", links)), None)
+    ends = part("ends", lambda: (_end(place, "parent"), _end(place, "child")), None)
     if ends is None:
         return None
+    for end, link in zip(("parent", "child"), ends, strict=True):
+        if link not in links:
+            defects.add("undeclared", _undeclared(place, end, link, links), joints=[name], links=[link])
+            links[link] = etree.Element("link", name=link)
     origin: dict[str, str] = part("origin", lambda: place.origin(element), {})
     axis = part("axis", lambda: _axis(place), None) if kind in MOVABLE else None
     limits = part("limit", lambda: _bounds(place, kind), None)
@@ -233,22 +240,24 @@ def label_of(element: Any) -> str:
     return f"<{tag(element)}>" if name is None else f'<{tag(element)} name="{quoted(name)[1:-1]}">'
 
 
-def _end(place: Place, end: str, links: Mapping[str, Any]) -> str:
+def _end(place: Place, end: str) -> str:
     element = child(place.element, end)
     if element is None:
         place.fail(f"<{end}> is missing", hint=f'write <{end} link="..."/>')
     name: str | None = element.get("link")
     if not name:
         place.fail("link is missing", hint=f'write <{end} link="..."/>', at=element)
-    if name not in links:
-        if has_xacro(name):
-            place.fail(f"link={quoted(name)} holds an unresolved xacro expression", hint=XACRO_HINT, at=element)
-        close = nearest(name, links)
-        hint = f"declare it with <link name={quoted(name)}/>" + (
-            f", or did you mean {listed(close)}?" if close else ""
-        )
-        place.fail(f"link {quoted(name)} is not declared", hint=hint, at=element)
     return name
+
+
+def _undeclared(place: Place, end: str, name: str, links: Mapping[str, Any]) -> UrdfError:
+    element = child(place.element, end)
+    if has_xacro(name):
+        problem = f"link={quoted(name)} holds an unresolved xacro expression"
+        return place.error(problem, hint=XACRO_HINT, at=element)
+    close = nearest(name, links)
+    hint = f"declare it with <link name={quoted(name)}/>" + (f", or did you mean {listed(close)}?" if close else "")
+    return place.error(f"link {quoted(name)} is not declared", hint=hint, at=element)
 
 
 def _axis(place: Place) -> str:

@@ -37,7 +37,8 @@ RULES: dict[str, Rule] = {
     "joint name": Rule("`<joint>`", "no name, a reserved one or one that is taken", (CHAIN,), "another name"),
     "joint type": Rule("`<joint>`", "a type that is missing or unknown", (CHAIN,), TAKEN_FOR_FIXED),
     "joint xacro": Rule("`<joint>`", "a left-over xacro instruction", (CHAIN,), "the instruction is ignored"),
-    "ends": Rule("`<parent>`, `<child>`", "missing or undeclared", (CHAIN, COLLISION), "the joint is left out"),
+    "undeclared": Rule("`<parent>`, `<child>`", "a link without a `<link>`", (CHAIN,), "the link has no shapes"),
+    "ends": Rule("`<parent>`, `<child>`", "missing, or no link named", (CHAIN, COLLISION), "the joint is left out"),
     "two parents": Rule("`<child>`", "a link with two parents", (CHAIN, COLLISION), "the second joint is left out"),
     "parts": Rule("`<link>`", "links in a circle, or apart from the robot", (CHAIN, COLLISION), "they are left out"),
     "origin": Rule("`<origin>` of a joint", "no finite numbers", (CHAIN, COLLISION), "zero"),
@@ -59,8 +60,8 @@ class UrdfWarning:
     """A defect in a part of a URDF that is not used as long as nobody asks for it.
 
     Attributes:
+        rule: the row of ``RULES``.
         error: the error that is raised where the part is used.
-        assumed: how the part was read, in words.
         joints: a chain that uses one of these joints, or one that mimics them, is refused.
         links: a chain through one of these links is refused.
         collides: whether collision checks are refused.
@@ -72,8 +73,8 @@ class UrdfWarning:
         <text>:32: <link>: it has no name; the link is left out
     """
 
+    rule: str
     error: UrdfError
-    assumed: str
     joints: tuple[str, ...] = ()
     links: tuple[str, ...] = ()
     collides: bool = False
@@ -84,6 +85,11 @@ class UrdfWarning:
         return f"{where}; {self.assumed}"
 
     @property
+    def assumed(self) -> str:
+        """How the part was read, in words."""
+        return RULES[self.rule].assumed
+
+    @property
     def element(self) -> str:
         """The element at fault, such as ``<joint name="j2">``."""
         return self.error.element or ""
@@ -92,7 +98,7 @@ class UrdfWarning:
         """The same warning for a model whose joints and links have a prefix.
 
         Example:
-            >>> UrdfWarning(UrdfError("broken"), "zero", joints=("turn",)).within("left_").joints
+            >>> UrdfWarning("origin", UrdfError("broken"), joints=("turn",)).within("left_").joints
             ('left_turn',)
         """
         joints, links = (tuple(prefix + each for each in names) for names in (self.joints, self.links))
@@ -117,7 +123,7 @@ class Defects:
         """Keep a defect; whether it stops collision checks is the rule's to say, unless it is given."""
         stops = COLLISION in RULES[rule].used_by if collides is None else collides
         kept = error.with_traceback(None)
-        self.found.append(UrdfWarning(kept, RULES[rule].assumed, tuple(joints), tuple(links), stops))
+        self.found.append(UrdfWarning(rule, kept, tuple(joints), tuple(links), stops))
 
     def attempt(self, rule: str, joint: str, read: Callable[[], _T], otherwise: _T) -> _T:
         """What ``read`` gives; where that fails, ``otherwise``, and the defect of the joint is kept."""

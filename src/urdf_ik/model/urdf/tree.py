@@ -114,15 +114,18 @@ def check_tree(
         raise circles[0][0]
     moving = {root: sum(parent_of[link].type in MOVABLE for link in tree - {root}) for root, tree in trees.items()}
     root = max(trees, key=lambda each: moving[each])  # the first of several with as many
-    for error, apart in circles:
-        defects.add("parts", error, links=sorted(apart), collides=_collides(links[link] for link in apart))
-    for other, apart in trees.items():
-        if other != root:
-            error = Place(source, links[other], label_of(links[other])).error(
+    for start, apart in trees.items():
+        if start != root:
+            error = Place(source, links[start], label_of(links[start])).error(
                 f"{len(trees)} links have no parent ({listed(trees, 10)}), so the robot falls into parts",
                 hint="join them with fixed joints, or remove all but one",
             )
-            defects.add("parts", error, links=sorted(apart), collides=_collides(links[link] for link in apart))
+            circles.append((error, apart))
+    for error, apart in circles:
+        carriers = [parent_of[link] for link in links if link in apart and link in parent_of]
+        moving_apart = [joint.name for joint in carriers if joint.type in MOVABLE]
+        collides = _collides(links[link] for link in apart)
+        defects.add("parts", error, joints=moving_apart, links=sorted(apart), collides=collides)
     kept = {link: element for link, element in links.items() if link in trees[root]}
     return root, [joint for joint in parent_of.values() if joint.child in kept], kept
 
@@ -130,13 +133,14 @@ def check_tree(
 def check_mimics(joints: list[RawJoint], defects: Defects) -> list[RawJoint]:
     """The joints, without the ``<mimic>`` of those whose row of mimics does not end at a joint that moves by itself."""
     by_name = {joint.name: joint for joint in joints}
-    for name, joint in by_name.items():
+    for joint in joints:
+        name = joint.name
         if joint.mimic is not None and (error := _refused_driver(joint, by_name)) is not None:
             by_name[name] = replace(joint, mimic=None)
             defects.add("mimic", error, joints=[name])
     sound: set[str] = set()  # joints whose row of mimics ends
-    for name in by_name:
-        walked: dict[str, None] = {}
+    for start in by_name:
+        name, walked = start, dict[str, None]()
         while name not in sound and (mimic := by_name[name].mimic) is not None:
             if name in walked:
                 circle = list(walked)[list(walked).index(name) :]
@@ -145,7 +149,7 @@ def check_mimics(joints: list[RawJoint], defects: Defects) -> list[RawJoint]:
                 by_name[first] = replace(by_name[first], mimic=None)
                 break
             walked[name] = None
-            name = mimic[0]  # noqa: PLW2901
+            name = mimic[0]
         sound.update(walked)
     return list(by_name.values())
 

@@ -174,10 +174,13 @@ class UrdfModel:
             raise ChainError(f"chain={quoted(chain)} given; the name of a chain is needed")
         if tip is not None:
             return self.root if base is None else self._require(base, "base"), self._require(tip, "tip")
+        if base is None and any(each.rule == "parts" and each.joints for each in self.warnings):
+            # The arm that is meant may be apart: say what took the robot apart.
+            raise next(each.error for each in self.warnings if each.rule in ("undeclared", "ends", "parts"))
         candidates = self.chains(base)
         if not candidates:
-            if base is None and (defect := next((each for each in self.warnings if each.joints or each.links), None)):
-                raise defect.error  # without it there might be a chain
+            if base is None and (defects := [each for each in self.warnings if each.joints or each.links]):
+                raise defects[0].error  # without it there might be a chain
             start = self.root if base is None else base
             raise ChainError(
                 f"{self.source}: no {', '.join(MOVABLE)} joint below base {quoted(start)}: there is no movable chain",
