@@ -20,6 +20,7 @@ from urdf_ik.model.urdf.chains import Candidate, Chains, doubt
 from urdf_ik.model.urdf.checks import MOVABLE
 from urdf_ik.model.urdf.defects import TAKEN_FOR_FIXED, Defects, UrdfWarning
 from urdf_ik.model.urdf.joint import Joint
+from urdf_ik.model.urdf.limbs import Limb
 from urdf_ik.model.xml import open_source, parse
 from urdf_ik.support import inputs
 from urdf_ik.support.text import nearest, quoted
@@ -144,10 +145,29 @@ class UrdfModel:
             >>> print(urdf_ik.load("planar_2r").model.chains()[0])
             base_link to tool0, 2 joints
         """
+        return self._chains_below(base).candidates()
+
+    def limbs(self, base: str | None = None) -> tuple[Limb, ...]:
+        """The limbs below a link, by the names of their joints and links: arms, legs, a head, fingers.
+
+        Args:
+            base: link that they are looked for below; default: the root.
+
+        Raises:
+            ChainError: there is no such link.
+
+        Example:
+            >>> import urdf_ik
+            >>> [(limb.name, len(limb.joints)) for limb in urdf_ik.load("dual_6r").model.limbs()]
+            [('left_limb', 6), ('right_limb', 6)]
+        """
+        return self._chains_below(base).limbs()
+
+    def _chains_below(self, base: str | None) -> Chains:
         # Joints that were only taken for fixed, for their defects, are parts of the chains that may be meant.
         still = {name for each in self.warnings if each.assumed == TAKEN_FOR_FIXED for name in each.joints}
         joints = [replace(each, type="continuous") if each.name in still else each for each in self.joints]
-        return Chains(self._require(self.root if base is None else base, "base"), tuple(joints)).candidates()
+        return Chains(self._require(self.root if base is None else base, "base"), tuple(joints))
 
     def resolve_chain(
         self, base: str | None = None, tip: str | None = None, chain: str | None = None
@@ -159,7 +179,7 @@ class UrdfModel:
         Args:
             base: base link.
             tip: tip link.
-            chain: name of one of ``chains``, where the tip is not given.
+            chain: name of one of ``chains``, or of ``limbs``, where the tip is not given.
 
         Raises:
             ChainError: there is no such link, or it is in doubt which chain is meant; the candidates say what is
@@ -189,7 +209,10 @@ class UrdfModel:
         meant = [each for each in candidates if (each.chosen if chain is None else each.name == chain)]
         if len(meant) == 1:
             return meant[0].base if base is None else base, meant[0].tip
-        raise doubt(self.source, candidates, chain)
+        limbs = self.limbs(base)
+        if named := [limb for limb in limbs if limb.name == chain]:
+            return named[0].base if base is None else base, named[0].tip
+        raise doubt(self.source, candidates, limbs, chain)
 
     def require_sound(self, base: str, tip: str) -> None:
         """Refuse the chain between two links where it uses a part of the URDF that has a defect.
