@@ -11,7 +11,7 @@ from urdf_ik.arm.arm import Arm
 from urdf_ik.errors import ArgumentError, ChainError
 from urdf_ik.kinematics.chain import from_urdf
 from urdf_ik.model import catalogue, urdf
-from urdf_ik.model.srdf import chain_groups
+from urdf_ik.model.srdf import chain_groups, groups_beside
 from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
@@ -41,8 +41,8 @@ def load(
         base: base link; default: the root.
         tip: tip link; default: the tool frame of the longest chain, where that leaves no doubt (see
             :meth:`urdf_ik.model.urdf.UrdfModel.chains`).
-        chain: which arm of several is meant, by the name that ``urdf-ik info --chains`` lists, such as 'left', or
-            a group of the SRDF; instead of a tip.
+        chain: which arm of several is meant, instead of a tip: a group of the SRDF, or of one beside the file, or a
+            name that ``urdf-ik info --chains`` lists, such as 'left' or 'left_arm'.
         srdf: an SRDF, whose groups with a ``<chain>`` are the chains that come into question.
         locked: joints that are held at these values [rad or m]; the arm is that of the others. An arm with more than
             nine joints needs it to be solved. Joints beside the chain, such as those of a second arm, stand at these
@@ -75,7 +75,9 @@ def load(
     if tip is None and srdf is not None:
         base, tip = _of_group(model, srdf, base, chain)
     elif tip is None:
-        base, tip = model.resolve_chain(base, tip, chain)
+        beside = groups_beside(model.path, model.name, model.links) if chain is not None and model.path else {}
+        group = beside.get(chain) if isinstance(chain, str) else None
+        base, tip = model.resolve_chain(base, None, chain) if group is None else (base or group[0], group[1])
     elif chain is not None:
         raise ArgumentError(f"chain={quoted(chain)} and tip={quoted(tip)} say the same; give one of them")
     given: Any = (redundancy,) if isinstance(redundancy, str) else redundancy
