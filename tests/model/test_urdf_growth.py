@@ -119,9 +119,7 @@ def test_memory_stays_within_bounds() -> None:
         tracemalloc.stop()
 
 
-@pytest.mark.parametrize(
-    "encoding", ["punycode", "idna", "unicode_escape", "rot13", "hex", "zlib", "mbcs", "x"]
-)
+@pytest.mark.parametrize("encoding", ["punycode", "idna", "unicode_escape", "rot13", "hex", "zlib", "mbcs", "x"])
 def test_encodings_that_are_none_of_xml_are_refused(encoding: str) -> None:
     """Python's other codecs are slow, or change what a text says."""
     with pytest.raises(UrdfError, match="unusable encoding"):

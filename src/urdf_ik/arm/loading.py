@@ -15,7 +15,6 @@ from urdf_ik.model.srdf import chain_groups, groups_beside
 from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
-
     from collections.abc import Mapping, Sequence
 
 

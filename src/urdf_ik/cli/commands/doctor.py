@@ -112,9 +112,7 @@ def as_text(found: Findings) -> str:
         missing = [name for name, version in packages.items() if not version]
         words = [here] if here else []
         words += [f"without {', '.join(missing)}: pip install 'urdf-ik[{extra}]'"] if missing else []
-        lines += textwrap.wrap(
-            f"{extra:<14}{'; '.join(words)}", 80, subsequent_indent=" " * 14, break_on_hyphens=False
-        )
+        lines += textwrap.wrap(f"{extra:<14}{'; '.join(words)}", 80, subsequent_indent=" " * 14, break_on_hyphens=False)
     rows = [
         [test.arm, test.poses, test.solutions, test.missed, f"{test.error:.1e}", "yes" if test.passed else "FAIL"]
         for test in found.tests

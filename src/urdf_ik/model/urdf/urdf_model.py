@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
 
-
 @dataclass(frozen=True, eq=False)
 class UrdfModel:
     """A URDF that has been read and found sound: its links and joints form one tree.
