@@ -79,8 +79,9 @@ def from_urdf(model: UrdfModel, base: str | None = None, tip: str | None = None)
 def _require_supported(model: UrdfModel, joint: Joint) -> None:
     if joint.type not in MOVABLE:
         raise UnsupportedArm(
-            f"{model.source}: joint {quoted(joint.name)} of the chain is {joint.type}; "
-            f"only fixed, {', '.join(MOVABLE)} joints can be solved"
+            f"{model.source}: joint {quoted(joint.name)} of the chain is {joint.type}; only fixed, {', '.join(MOVABLE)} "
+            f"joints can be solved; begin behind it with base={quoted(joint.child)}, or end before it with "
+            f"tip={quoted(joint.parent)}"
         )
 
 

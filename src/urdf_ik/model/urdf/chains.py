@@ -134,7 +134,7 @@ class Chains:
                 if last or _actuated(own) >= ARM_JOINTS:
                     ending = self._ending([way[start], *own], arm.names)
                     endings.setdefault((ending.base, ending.tip), ending)
-                    if not arm.names and ending.kind in ("arm", "limb"):
+                    if not arm.names and ending.kind == "arm":
                         hand, arm = end, ending
             for k, body in enumerate(way[: hand + 1]):
                 for ending in self._fingers(body, _actuated(way[: k + 1]), arm.names or way[0].links):

@@ -19,7 +19,7 @@ _KINDS = {
 LONGEST_WHEEL = 2
 """A limb with more joints is none of a wheel's, though it may end in one."""
 ARM_JOINTS = 5
-"""The only limb whose names say nothing is an arm if it has so many joints."""
+"""A limb whose names say nothing is an arm if it has so many joints."""
 _KIND_OF = {word: kind for kind, words in _KINDS.items() for word in words.split()}
 _SIDES = {"left": "left", "l": "left", "right": "right", "r": "right"}
 _ENDS = {"front": "front", "f": "front", "fore": "front", "rear": "rear", "hind": "rear", "back": "rear", "h": "rear"}
@@ -48,7 +48,7 @@ class Limb:
     Example:
         >>> import urdf_ik
         >>> [limb.name for limb in urdf_ik.load("dual_6r").model.limbs()]
-        ['left_limb', 'right_limb']
+        ['left_arm', 'right_arm']
     """
 
     name: str
@@ -79,7 +79,9 @@ class Ending:
         votes = Counter(kind for name in self.names for word in _words(name) if (kind := _kind_of(word)))
         if len(self.joints) > LONGEST_WHEEL:
             del votes["wheel"]
-        return votes.most_common(1)[0][0] if votes else "limb"
+        if votes:
+            return votes.most_common(1)[0][0]
+        return "arm" if len(self.joints) >= ARM_JOINTS else "limb"
 
 
 def named(endings: Sequence[Ending]) -> tuple[Limb, ...]:
@@ -92,8 +94,6 @@ def named(endings: Sequence[Ending]) -> tuple[Limb, ...]:
     """
     limbs: list[Limb] = []
     kinds = [each.kind for each in endings]
-    if kinds.count("limb") == 1 and len(endings[kinds.index("limb")].joints) >= ARM_JOINTS:
-        kinds[kinds.index("limb")] = "arm"
     wanted = [(kind, _name(each, kind)) for each, kind in zip(endings, kinds, strict=True)]
     counts = Counter(name for _, name in wanted)
     taken: Counter[str] = Counter()

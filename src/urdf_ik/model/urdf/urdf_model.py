@@ -158,7 +158,7 @@ class UrdfModel:
         Example:
             >>> import urdf_ik
             >>> [(limb.name, len(limb.joints)) for limb in urdf_ik.load("dual_6r").model.limbs()]
-            [('left_limb', 6), ('right_limb', 6)]
+            [('left_arm', 6), ('right_arm', 6)]
         """
         return self._chains_below(base).limbs()
 
