@@ -79,9 +79,9 @@ def from_urdf(model: UrdfModel, base: str | None = None, tip: str | None = None)
 def _require_supported(model: UrdfModel, joint: Joint) -> None:
     if joint.type not in MOVABLE:
         raise UnsupportedArm(
-            f"{model.source}: joint {quoted(joint.name)} of the chain is {joint.type}; only fixed, {', '.join(MOVABLE)} "
-            f"joints can be solved; begin behind it with base={quoted(joint.child)}, or end before it with "
-            f"tip={quoted(joint.parent)}"
+            f"{model.source}: joint {quoted(joint.name)} of the chain is {joint.type}; only fixed, "
+            f"{', '.join(MOVABLE)} joints can be solved; begin behind it with base={quoted(joint.child)}, or end "
+            f"before it with tip={quoted(joint.parent)}"
         )
 
 
