@@ -44,7 +44,7 @@ EXAMPLE_ROBOT_DATA: Mapping[str, tuple[str, str, str]] = {
     "kinova": ("kinova_description/robots/kinova.urdf", "base", "j2s6s200_end_effector"),
     "panda": ("panda_description/urdf/panda.urdf", "panda_link0", "panda_hand_tcp"),
     "xarm7": ("xarm_description/urdf/xarm7.urdf", "world", "link_eef"),
-    "z1": ("z1_description/urdf/z1.urdf", "link00", "gripperStator"),
+    "z1": ("z1_description/urdf/z1.urdf", "world", "gripperStator"),
     "so100": ("so_arm_description/urdf/so100.urdf", "base", "gripper"),
     "so101": ("so_arm_description/urdf/so101.urdf", "base_link", "gripper_frame_link"),
     "twodof": ("asr_twodof_description/urdf/TwoDofs.urdf", "world", "Tip"),

@@ -7,10 +7,11 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import islice
 
 import numpy as np
 
-from urdf_ik.errors import ChainError, listed
+from urdf_ik.errors import ChainError
 from urdf_ik.model.urdf.checks import MOVABLE
 from urdf_ik.model.urdf.joint import Joint
 from urdf_ik.model.urdf.limbs import Ending, Limb, named
@@ -20,6 +21,8 @@ FINGER_JOINTS = 3
 """A branch with more joints than that is no finger, whatever it is called."""
 SLIDING_JOINTS = 1
 """A slide with no more joints than that, beside others at the end of an arm, is a finger's."""
+_MOST_NAMES = 40
+"""Names of chains and limbs that an error lists at most."""
 _SHOWN = 8
 """Chains that an error spells out at most."""
 ARM_JOINTS = 3
@@ -264,7 +267,8 @@ class Chains:
 def doubt(source: str, candidates: Sequence[Candidate], limbs: Sequence[Limb], chain: str | None) -> ChainError:
     """The error where no candidate is chosen, or none or several have the name that was asked for."""
     if chain is not None:
-        names = listed(dict.fromkeys([*(each.name for each in candidates), *(limb.name for limb in limbs)]), 40)
+        every = dict.fromkeys([*(each.name for each in candidates), *(limb.name for limb in limbs)])
+        names = ", ".join(quoted(name) for name in islice(every, _MOST_NAMES))
         close = nearest(chain, [limb.name for limb in limbs])
         meant = f"; did you mean {' or '.join(map(quoted, close))}?" if close else ""
         return ChainError(f"{source}: no chain, or more than one, is called {quoted(chain)}{meant}; there are {names}")
