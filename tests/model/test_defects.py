@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pinocchio
@@ -211,6 +212,13 @@ def test_collision_checks_are_refused_where_shapes_are_missing_or_misplaced(case
 def test_there_are_forty_defects_of_every_row() -> None:
     """Each row of the table is tested."""
     assert len(DEFECTS) >= 40 and {rule for rule, _ in DEFECTS.values()} == set(RULES)
+
+
+def test_the_docs_hold_the_table() -> None:
+    """Its rows are those that the reader follows."""
+    text = (Path(__file__).parents[2] / "docs" / "how-to" / "load.md").read_text(encoding="utf-8")
+    for element, defect, used_by, assumed in RULES.values():
+        assert f"| {element} | {defect} | {', '.join(used_by) or 'nothing'} | {assumed} |" in text
 
 
 def test_a_joint_that_is_mimicked_is_used() -> None:

@@ -28,8 +28,9 @@ NO_CHAIN = {  # files that hold no arm, and why
     "iris_description/robots/iris_simple.urdf": "no movable chain",
 }
 BROKEN = {  # joints that mimic one that is not there
-    ("alex_description/urdf/alex_psyonic_hands.urdf", limb): "there is no such joint"
-    for limb in (f"left_{finger}_finger" for finger in ("index", "middle", "ring", "pinky"))
+    ("alex_description/urdf/alex_psyonic_hands.urdf", f"{side}_{finger}_finger"): "there is no such joint"
+    for side in ("left", "right")
+    for finger in ("index", "middle", "ring", "pinky")
 }
 
 

@@ -70,7 +70,7 @@ class UrdfWarning:
         >>> import urdf_ik
         >>> xml = urdf_ik.load("planar_2r").model.xml.decode().replace("</robot>", "<link/></robot>")
         >>> print(urdf_ik.load(xml).model.warnings[0])
-        <text>:32: <link>: it has no name; the link is left out
+        <text>:103: <link>: it has no name; the link is left out
     """
 
     rule: str
