@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik.kinematics.chain.serial import Chain, held_values, standing
+from urdf_ik.support.tolerances import STILL
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
 MOST_TURNS = 12
 """Multipliers are read as fractions with denominators up to this."""
 _SAME = 1e-12
-STILL = 1e-17
-"""A joint that follows by less than this share stays at its offset: in a turn it moves by less than rounding."""
 
 
 @dataclass(frozen=True)
