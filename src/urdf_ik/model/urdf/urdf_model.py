@@ -322,8 +322,8 @@ def yourdfpy_model(xml: bytes) -> Any:
     """The yourdfpy.URDF of clean XML, without meshes, a scene and capsules.
 
     Example:
-        >>> yourdfpy_model(b'<robot name="r"><link name="only"/></robot>').base_link
-        'only'
+        >>> yourdfpy_model(b'<robot name="r"><link name="only"/></robot>').robot.name
+        'r'
     """
     import yourdfpy  # slow to import, and only reading needs it
 
