@@ -151,7 +151,11 @@ def check_joint(
     name = _joint_name(place, taken, defects)
 
     def part(rule: str, read: Callable[[], _T], otherwise: _T) -> _T:
-        return defects.attempt(rule, name, read, otherwise)
+        try:
+            return read()
+        except UrdfError as error:
+            defects.add(rule, error, joints=(name,))
+            return otherwise
 
     kind = part("joint type", lambda: _type(place), "fixed")
     part("joint xacro", lambda: _require_no_xacro(place), None)

@@ -6,13 +6,11 @@ A defect in a part that the asked chain, its mimic parents or the asked question
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 from urdf_ik.errors import UrdfError
-
-_T = TypeVar("_T")
 
 CHAIN = "chains through it"
 COLLISION = "collision checks"
@@ -124,11 +122,3 @@ class Defects:
         stops = COLLISION in RULES[rule].used_by if collides is None else collides
         kept = error.with_traceback(None)
         self.found.append(UrdfWarning(rule, kept, tuple(joints), tuple(links), stops))
-
-    def attempt(self, rule: str, joint: str, read: Callable[[], _T], otherwise: _T) -> _T:
-        """What ``read`` gives; where that fails, ``otherwise``, and the defect of the joint is kept."""
-        try:
-            return read()
-        except UrdfError as error:
-            self.add(rule, error, joints=(joint,))
-            return otherwise

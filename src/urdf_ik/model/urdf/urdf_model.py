@@ -160,8 +160,10 @@ class UrdfModel:
     def _chains_below(self, base: str | None) -> Chains:
         # Joints that were only taken for fixed, for their defects, are parts of the chains that may be meant.
         still = {name for each in self.warnings if each.assumed == TAKEN_FOR_FIXED for name in each.joints}
-        joints = [replace(each, type="continuous") if each.name in still else each for each in self.joints]
-        return Chains(self._require(self.root if base is None else base, "base"), tuple(joints))
+        joints = self.joints
+        if still:
+            joints = tuple(replace(each, type="continuous") if each.name in still else each for each in joints)
+        return Chains(self._require(self.root if base is None else base, "base"), joints)
 
     def resolve_chain(
         self, base: str | None = None, tip: str | None = None, chain: str | None = None
@@ -219,9 +221,9 @@ class UrdfModel:
             >>> import urdf_ik
             >>> urdf_ik.load("planar_2r").model.require_sound("base_link", "tool0")
         """
-        path = self.path_between(base, tip)
         if not self.warnings:
             return
+        path = self.path_between(base, tip)
         links = {base, tip}.union(*((joint.parent, joint.child) for joint in path))
         joints = {each.name for joint in path for each in self._row(joint)}
         for warning in self.warnings:
@@ -246,6 +248,8 @@ class UrdfModel:
             ('joint_1', 1.0, 0.0)
         """
         inputs.kind(joint, "mimic", "joint", "a joint of this URDF, one of .joints,")
+        if joint.mimic is None:
+            return joint, 1.0, 0.0
         multiplier, offset = 1.0, 0.0
         row = self._row(joint)
         for each in row[:-1]:
