@@ -67,7 +67,7 @@ def test_a_path_longer_than_the_reach_runs_along_the_rail() -> None:
 
 def test_poses_in_the_workpiece() -> None:
     """The chain from the workpiece to the torch: two parameters, and the tip in the workpiece is Pinocchio's."""
-    arm = urdf_ik.load("positioner_6r", base="workpiece")
+    arm = urdf_ik.load("positioner_6r", base="workpiece", tip="torch")
     assert arm.dof == 8
     assert [each.joint for each in arm.solver.parameters] == ["turn", "tilt"]
     check(arm)
@@ -78,7 +78,7 @@ def test_poses_in_the_workpiece() -> None:
         pin.framesForwardKinematics(model, data, arm.to_pinocchio(x))
         part, torch = (data.oMf[model.getFrameId(name, pin.FrameType.BODY)] for name in ("workpiece", "torch"))
         np.testing.assert_allclose(arm.fk(x), part.actInv(torch).homogeneous, atol=1e-13)
-    held = urdf_ik.load("positioner_6r", base="workpiece", locked={"tilt": 0.4})
+    held = urdf_ik.load("positioner_6r", base="workpiece", tip="torch", locked={"tilt": 0.4})
     assert [each.joint for each in held.solver.parameters] == ["turn"]
     check(held)
 

@@ -77,7 +77,10 @@ def test_a_region_makes_a_pose_reachable() -> None:
 def test_several_parameters() -> None:
     """A joint vector is nearest to itself; of 20,000 values of both parameters none has a nearer solution."""
     rng = np.random.default_rng(2)
-    for arm in (urdf_ik.load("positioner_6r", base="workpiece"), urdf_ik.load("srs_7r").with_free_axis("z")):
+    for arm in (
+        urdf_ik.load("positioner_6r", base="workpiece", tip="torch"),
+        urdf_ik.load("srs_7r").with_free_axis("z"),
+    ):
         q = inside(arm, rng, 3)
         T = arm.fk(q)
         own = arm.ik_nearest(T, q)

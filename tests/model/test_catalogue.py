@@ -184,6 +184,20 @@ def test_the_chain_that_is_meant_is_never_another(name: str) -> None:
     except ChainError:
         assert any(wanted <= {*each.before, *each.joints} for each in model.chains())
         return
-    found = [joint for joint in model.path_between(base, tip) if joint.type != "fixed" and joint.mimic is None]
-    above = {joint.name for joint in model.path_between(base, entry.base)}
-    assert {joint.name for joint in found} - above == wanted - above
+    assert (base, tip) == (entry.base, entry.tip)
+
+
+@pytest.mark.parametrize("name", [name for name in catalogue.names() if catalogue.is_here(name)])
+def test_the_chain_does_not_depend_on_how_the_file_was_named(name: str, tmp_path: Path) -> None:
+    """By name, by path, as text and as xacro: the same base and tip, or a doubt that the name settles."""
+    path = catalogue.resolve(name).path
+    arm = urdf_ik.load(name)
+    xacro = tmp_path / "arm.xacro"
+    xacro.write_bytes(path.read_bytes())
+    for source in (path, path.read_text(encoding="utf-8"), xacro):
+        try:
+            other = urdf_ik.load(source)
+        except ChainError as error:
+            assert name.endswith(("_left", "_right")) or name in ("dual_6r", "tiago"), error
+        else:
+            assert (other.base, other.tip, other.joint_names) == (arm.base, arm.tip, arm.joint_names)

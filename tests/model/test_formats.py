@@ -123,7 +123,7 @@ def test_a_xacro_under_another_name_says_how_it_is_expanded(tmp_path: Path) -> N
     file.write_text(XACRO.replace("$(find arm_parts)/urdf/", ""))
     (tmp_path / "link.xacro").write_text(PART)
     with pytest.raises(UrdfError, match=r"end the file's name in \.xacro, or give xacro_args \(--xacro-arg"):
-        read(file)
+        read(file, strict=True)
     assert len(read(file, xacro_args={}).joints) == 2
 
 
@@ -228,7 +228,7 @@ def test_shapes_of_a_mujoco_model_lie_where_they_do_there(mjcf: Path) -> None:
     near = np.linalg.norm(ours[:, None] - there[None], axis=-1).min(axis=1)
     assert near.max() < 1e-6  # MuJoCo keeps vertices in single precision
     assert resolve_mesh(model, shape.geometry.mesh.filename) == mjcf.parent / "assets/there.obj"
-    assert [error.problem for error in model.left_out] == [
+    assert [each.error.problem for each in model.warnings] == [
         "mesh 'gone': its file is not there",
         "a URDF has no shape for a plane",
     ]
@@ -256,4 +256,4 @@ def test_what_no_urdf_can_hold_is_refused(name: str, axis: str, says: str, tmp_p
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         with pytest.raises(UrdfError, match=says):
-            read(tmp_path / "arm.xml")
+            read(tmp_path / "arm.xml", strict=True)

@@ -28,7 +28,7 @@ def test_a_sound_urdf_is_read_whole() -> None:
     np.testing.assert_array_equal(slide.axis, [0, 1, 0])
     assert slide.mimic == ("turn", 0.5, 0.1)
     assert (flange.lower, flange.upper, flange.effort, flange.velocity) == (-np.inf, np.inf, None, None)
-    assert model.left_out == ()
+    assert model.warnings == ()
 
 
 def test_the_model_cannot_be_changed_by_accident() -> None:
@@ -90,11 +90,11 @@ def test_shapes_that_no_reader_takes_are_left_out_and_reported() -> None:
       <collision><geometry><capsule radius="1" length="2"/></geometry></collision>
       <inertial><mass value="1"/></inertial></link>"""
     model = read(edited(3, "/>", shapes))
-    assert [error.line for error in model.left_out] == [9, 4, 5, 6]
-    assert [str(error.element).split()[0] for error in model.left_out] == [
+    assert [each.error.line for each in model.warnings] == [9, 4, 5, 6]
+    assert [each.element.split()[0] for each in model.warnings] == [
         "<inertial>", "<origin>", "<box>", "<sphere>"
     ]  # fmt: skip
-    assert all('<link name="base">' in str(error.element) for error in model.left_out)
+    assert all('<link name="base">' in each.element for each in model.warnings)
     pin_model = pinocchio.buildModelFromXML(model.xml.decode())
     geometry = pinocchio.buildGeomFromUrdfString(pin_model, model.xml.decode(), pinocchio.GeometryType.COLLISION)
     assert [type(each.geometry).__name__ for each in geometry.geometryObjects] == ["Sphere", "Capsule"]

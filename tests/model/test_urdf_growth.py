@@ -52,11 +52,13 @@ def test_rows_of_mimics_take_linear_work(towards: int) -> None:
 
     def checked(count: int) -> int:
         mimic = lambda k: f'<mimic joint="j{k + towards}"/>' if 0 <= k + towards < count else ""  # noqa: E731
+        from urdf_ik.model.urdf.defects import Defects
         from urdf_ik.model.xml import open_source, parse
 
         robot = parse(open_source(row(count, mimic)))
-        links = tree.check_links(robot, "")
-        return steps(lambda: tree.check_joints(robot, links, ""))
+        found = Defects()
+        links = tree.check_links(robot, "", found)
+        return steps(lambda: tree.check_mimics(tree.check_joints(robot, links, "", found), found))
 
     assert checked(400) < 2.5 * checked(200)
 
@@ -86,9 +88,9 @@ def test_what_is_too_much_is_refused_with_the_limit(text: str, words: str) -> No
     """As text, as bytes, as an open file, packed."""
     for source in (text, text.encode(), io.StringIO(text), io.BytesIO(text.encode())):
         with pytest.raises(UrdfError, match=words):
-            read(source)
+            read(source, strict=True)
     with pytest.raises(UrdfError, match=f"{words}|unpacks to more than 8 MiB"):
-        read(gzip.compress(text.encode()))
+        read(gzip.compress(text.encode()), strict=True)
 
 
 def test_an_endless_file_is_not_read_to_its_end() -> None:
@@ -117,9 +119,7 @@ def test_memory_stays_within_bounds() -> None:
         tracemalloc.stop()
 
 
-@pytest.mark.parametrize(
-    "encoding", ["punycode", "idna", "unicode_escape", "rot13", "hex", "zlib", "mbcs", "x"]
-)
+@pytest.mark.parametrize("encoding", ["punycode", "idna", "unicode_escape", "rot13", "hex", "zlib", "mbcs", "x"])
 def test_encodings_that_are_none_of_xml_are_refused(encoding: str) -> None:
     """Python's other codecs are slow, or change what a text says."""
     with pytest.raises(UrdfError, match="unusable encoding"):

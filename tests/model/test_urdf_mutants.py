@@ -8,6 +8,9 @@ from __future__ import annotations
 
 import os
 import re
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -18,7 +21,19 @@ from urdf_ik.cell.reference import Reference
 from urdf_ik.model import catalogue
 
 SEED, COUNT = map(int, os.environ.get("URDF_IK_MUTANTS", "7:240").split(":"))
+LOADING = 2.0
+"""Seconds of the processor's time in which a file is loaded or refused."""
+LINKED = "".join(
+    f'<joint name="j{k}" type="revolute"><parent link="l{k}"/><child link="l{k + 1}"/><origin xyz="0.1 0 0.1"/>'
+    f'<axis xyz="{axis}"/><limit lower="-3" upper="3" effort="1" velocity="1"/>{mimic}</joint>\n'
+    for k, (axis, mimic) in enumerate(
+        [("0 0 1", ""), ("0 1 0", ""), ("0 1 0", '<mimic joint="j1" multiplier="-1"/>'),
+         ("0 1 0", '<mimic joint="j2" multiplier="0.5"/>'), ("1 0 0", "")]
+    )
+)  # fmt: skip
 TEXTS = [catalogue.resolve(name).path.read_bytes() for name in ("planar_2r", "puma_560", "scara_rrpr", "srs_7r")]
+PARTS = "".join(f'<link name="l{k}"/>' for k in range(6))
+TEXTS.append(f'<robot name="m">{PARTS}{LINKED}</robot>'.encode())
 NUMBERS = (
     b"0", b"-0", b"1e-17", b"1e-9", b"1e9", b"1e16", b"1e155", b"1e308", b"1e999", b"nan", b"inf", b"", b"x", b"1_0"
 )  # fmt: skip
@@ -30,7 +45,7 @@ def mutant(rng: np.random.Generator) -> bytes:
     """A text that is cut off, or of which bytes, numbers, attributes or elements are changed, doubled or missing."""
     text = TEXTS[int(rng.integers(len(TEXTS)))]
     for _ in range(int(rng.integers(1, 4))):
-        kind, place = int(rng.integers(7)), int(rng.integers(max(len(text), 1)))
+        kind, place = int(rng.integers(8)), int(rng.integers(max(len(text), 1)))
         length = int(rng.integers(1, 40))
         if kind == 0:
             text = text[:place]
@@ -40,6 +55,12 @@ def mutant(rng: np.random.Generator) -> bytes:
             text = text[:place] + text[place + length :]
         elif kind == 3:
             text = text[:place] + text[place : place + length] * 2 + text[place + length :]
+        elif kind == 7:
+            names = re.findall(rb'<joint name="([^"]+)"', text) or [b"j"]
+            one, number = names[int(rng.integers(len(names)))], NUMBERS[int(rng.integers(len(NUMBERS)))]
+            ends = [each.start() for each in re.finditer(b"</joint>", text)] or [place]
+            at = ends[int(rng.integers(len(ends)))]
+            text = text[:at] + b'<mimic joint="' + one + b'" multiplier="' + number + b'"/>' + text[at:]
         else:
             found = list((NUMBER if kind < 6 else PART).finditer(text))
             if found:
@@ -54,10 +75,27 @@ def mutant(rng: np.random.Generator) -> bytes:
     return text
 
 
+@contextmanager
+def limited(seconds: float) -> Iterator[None]:
+    """Raise where what is done takes more of the processor's time than that: a file must not hang its reader."""
+
+    def stop(*_: object) -> None:
+        raise TimeoutError(f"not done after {seconds} s")
+
+    before = signal.signal(signal.SIGVTALRM, stop)
+    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
+        signal.signal(signal.SIGVTALRM, before)
+
+
 def check(text: bytes, rng: np.random.Generator) -> bool:
     """Whether it was read; then forward kinematics are Pinocchio's, and so is every solution."""
     try:
-        arm = urdf_ik.load(text.decode("latin-1").encode() if rng.random() < 0.1 else text)  # type: ignore[arg-type]
+        with limited(LOADING):
+            arm = urdf_ik.load(text.decode("latin-1").encode() if rng.random() < 0.1 else text)  # type: ignore[arg-type]
     except UrdfIkError as error:
         assert str(error) and len(str(error)) < 20_000
         return False

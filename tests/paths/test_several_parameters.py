@@ -31,11 +31,11 @@ def check(arm: urdf_ik.Arm, plan: Plan) -> None:
 
 def test_a_positioner_of_two_axes() -> None:
     """Both axes together are cheaper than either of them, and much cheaper than the arm alone."""
-    cell, path = urdf_ik.load("positioner_6r", base="workpiece"), seam()
+    cell, path = urdf_ik.load("positioner_6r", base="workpiece", tip="torch"), seam()
     plan = cell.follow(path)
     check(cell, plan)
     held = [
-        urdf_ik.load("positioner_6r", base="workpiece", locked=locked).follow(path).cost
+        urdf_ik.load("positioner_6r", base="workpiece", tip="torch", locked=locked).follow(path).cost
         for locked in ({"tilt": 0.0}, {"turn": 0.0}, {"tilt": 0.0, "turn": 0.0})
     ]
     assert plan.cost < 0.99 * min(held)
@@ -72,7 +72,7 @@ def test_seven_joints_with_a_free_axis() -> None:
 @pytest.mark.parametrize("cost", ["l1", "max"])
 def test_other_costs_hold_all_but_one(cost: str) -> None:
     """A plan is found, and one of both parameters keeps its value."""
-    cell = urdf_ik.load("positioner_6r", base="workpiece")
+    cell = urdf_ik.load("positioner_6r", base="workpiece", tip="torch")
     plan = cell.follow(seam(6), cost=cost, collisions=False)
     check(cell, plan)
     assert min(np.ptp(plan.q[:, 0]), np.ptp(plan.q[:, 1])) < 1e-12
@@ -80,7 +80,7 @@ def test_other_costs_hold_all_but_one(cost: str) -> None:
 
 def test_what_stops_it() -> None:
     """Out of reach at every value, with words."""
-    cell = urdf_ik.load("positioner_6r", base="workpiece")
+    cell = urdf_ik.load("positioner_6r", base="workpiece", tip="torch")
     far = urdf_ik.line(urdf_ik.pose([5.0, 0.0, 0.0]), urdf_ik.pose([5.0, 1.0, 0.0]), 3)
     plan = cell.follow(far, collisions=False)
     assert not plan.found

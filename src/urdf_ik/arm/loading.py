@@ -11,11 +11,10 @@ from urdf_ik.arm.arm import Arm, assemble
 from urdf_ik.errors import ArgumentError, ChainError
 from urdf_ik.kinematics.chain import from_urdf
 from urdf_ik.model import catalogue, urdf
-from urdf_ik.model.srdf import chain_groups
+from urdf_ik.model.srdf import chain_groups, groups_beside
 from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
-
     from collections.abc import Mapping, Sequence
 
 
@@ -30,6 +29,7 @@ def load(
     redundancy: str | Sequence[str] = (),
     mesh_roots: Sequence[str | os.PathLike[str]] = (),
     xacro_args: Mapping[str, object] | None = None,
+    strict: bool = False,
 ) -> Arm:
     """Read a URDF and prepare its solver.
 
@@ -40,8 +40,8 @@ def load(
         base: base link; default: the root.
         tip: tip link; default: the tool frame of the longest chain, where that leaves no doubt (see
             :meth:`urdf_ik.model.urdf.UrdfModel.chains`).
-        chain: which arm of several is meant, by the name that ``urdf-ik info --chains`` lists, such as 'left', or
-            a group of the SRDF; instead of a tip.
+        chain: which arm of several is meant, instead of a tip: a group of the SRDF, or of one beside the file, or a
+            name that ``urdf-ik info --chains`` lists, such as 'left' or 'left_arm'.
         srdf: an SRDF, whose groups with a ``<chain>`` are the chains that come into question.
         locked: joints that are held at these values [rad or m]; the arm is that of the others. An arm with more than
             nine joints needs it to be solved. Joints beside the chain, such as those of a second arm, stand at these
@@ -51,9 +51,11 @@ def load(
         mesh_roots: folders that meshes may be read from, besides the URDF's own and its ROS package; packages are
             looked for in them first, then in AMENT_PREFIX_PATH and ROS_PACKAGE_PATH.
         xacro_args: arguments of a xacro, by name. A xacro is a program: expand only what you trust.
+        strict: whether every defect of the URDF is an error; default: those in parts that the chain does not use
+            are in ``arm.model.warnings``.
 
     Raises:
-        UrdfError: the URDF is broken; the error names line, element and hint.
+        UrdfError: the URDF is broken where the chain uses it; the error names line, element and hint.
         ChainError: base, tip, a locked joint or one of ``redundancy`` is unknown, or base or tip ambiguous; the error
             lists the candidates.
         ArgumentError: a locked joint's value is no finite number.
@@ -66,13 +68,15 @@ def load(
         >>> load("zyyzyz_6r")
         <Arm 'zyyzyz_6r': base_link to tool0, 6R spherical wrist, 2||3 and 1x2>
     """
-    model, entry = read(source, mesh_roots=mesh_roots, xacro_args=xacro_args)
+    model, entry = read(source, mesh_roots=mesh_roots, xacro_args=xacro_args, strict=strict)
     if entry is not None and chain is None and srdf is None:
         base, tip = entry.base if base is None else base, entry.tip if tip is None else tip
     if tip is None and srdf is not None:
         base, tip = _of_group(model, srdf, base, chain)
     elif tip is None:
-        base, tip = model.resolve_chain(base, tip, chain)
+        beside = groups_beside(model.path, model.name, model.links) if chain is not None and model.path else {}
+        group = beside.get(chain) if isinstance(chain, str) else None
+        base, tip = model.resolve_chain(base, None, chain) if group is None else (base or group[0], group[1])
     elif chain is not None:
         raise ArgumentError(f"chain={quoted(chain)} and tip={quoted(tip)} say the same; give one of them")
     given: Any = (redundancy,) if isinstance(redundancy, str) else redundancy
@@ -84,6 +88,7 @@ def read(
     *,
     mesh_roots: Sequence[str | os.PathLike[str]] = (),
     xacro_args: Mapping[str, object] | None = None,
+    strict: bool = False,
 ) -> tuple[urdf.UrdfModel, catalogue.Entry | None]:
     """The URDF behind a path, XML text, an open file or a name, with what the catalogue says of the name.
 
@@ -106,7 +111,7 @@ def read(
         source, mesh_roots = entry.path, (*roots, *entry.package_dirs)
         if entry.xacro_args is not None:
             xacro_args = {**entry.xacro_args, **(xacro_args or {})}
-    return urdf.read(source, mesh_roots=mesh_roots, xacro_args=xacro_args), entry
+    return urdf.read(source, mesh_roots=mesh_roots, xacro_args=xacro_args, strict=strict), entry
 
 
 def _of_group(

@@ -44,7 +44,7 @@ def build(model: UrdfModel, pin_model: Any) -> Any:
     Raises:
         UrdfError: there is no collision shape, or not all of them can be read: a check would call free what is not.
     """
-    if broken := [error for error in model.left_out if "<collision>" in (error.element or "")]:
+    if broken := [each.error for each in model.warnings if each.collides]:
         raise broken[0]
     tree = etree.fromstring(model.xml)
     files = []

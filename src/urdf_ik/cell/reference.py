@@ -14,6 +14,7 @@ from urdf_ik.model import urdf
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
+from urdf_ik.support.tolerances import STILL
 
 if TYPE_CHECKING:
     import os
@@ -67,6 +68,7 @@ class Reference:
             they leave nothing.
         size: length that rounding errors are relative to [m]: the sum of all steps between the model's joints.
         pin_model: the ``pinocchio.Model``.
+        warnings: defects beside the chain, which the URDF that Pinocchio was given is without.
 
     Example:
         >>> import urdf_ik
@@ -93,30 +95,29 @@ class Reference:
             locked: joints that are no part of a joint vector but stand at these values [rad or m].
 
         Raises:
-            UrdfError: the URDF is broken, or Pinocchio refuses it.
+            UrdfError: the chain uses a broken part of the URDF, or Pinocchio refuses it.
             ChainError: base or tip is unknown, or the tip is ambiguous.
             UnsupportedArm: the chain has a joint that one number does not describe (floating, planar).
         """
         model = source if isinstance(source, urdf.UrdfModel) else urdf.read(source)
         self._made_from = partial(Reference, locked=dict(locked or {})), (model, base, tip)
         self.base, self.tip = model.resolve_chain(base, tip)
+        model.require_sound(self.base, self.tip)
+        self.warnings = model.warnings
         self.pin_model = _build(model)
         self._base, self._tip = self._frame(self.base), self._frame(self.tip)
         self._bodies = [(f.name, i) for i, f in enumerate(self.pin_model.frames) if f.type == pin.FrameType.BODY]
 
-        followed = {joint.name: _followed(model, joint) for joint in model.joints}
-        path = self._path()
-        drivers = dict.fromkeys(followed[name][0] for name in path)
-        held = dict(locked or {})
-        names = self.pin_model.names  # without a driver that is fixed
-        self.joint_names = tuple(name for name in drivers if name in names and name not in held)
+        by_name = {joint.name: joint for joint in model.joints}
+        followed = {name: _followed(by_name, joint) for name, joint in by_name.items()}
+        path, held = self._path(), dict(locked or {})
+        drivers = dict.fromkeys(followed[name][0] for name in path if abs(followed[name][1]) > STILL)
+        self.joint_names = tuple(name for name in drivers if name not in held)
         for name in self.joint_names:
             joint = self._joint(name)
             if joint.nv != 1:
-                raise UnsupportedArm(
-                    f"{model.source}: joint {quoted(name)} of the chain has {joint.nv} degrees of freedom; "
-                    "only joints with one can be in a joint vector"
-                )
+                problem = f"joint {quoted(name)} of the chain has {joint.nv} degrees of freedom"
+                raise UnsupportedArm(f"{model.source}: {problem}; only joints with one can be in a joint vector")
         column = {name: i for i, name in enumerate(self.joint_names)}
         self._drives = []
         for name in self.pin_model.names[1:]:
@@ -431,16 +432,15 @@ def _tighten(limits: Array, followers: list[tuple[urdf.Joint, float, float]]) ->
     """Narrow a driver's limits (2,) to what the limits of joints that follow it, times and plus these, leave."""
     lowest, highest = limits
     for joint, multiplier, offset in followers:
-        if multiplier and joint.type != "continuous" and joint.lower < joint.upper:
+        if abs(multiplier) > STILL and joint.type != "continuous" and joint.lower < joint.upper:
             one, other = (joint.lower - offset) / multiplier, (joint.upper - offset) / multiplier
             lowest, highest = max(lowest, min(one, other)), min(highest, max(one, other))
     if lowest <= highest:
         limits[:] = lowest, highest
 
 
-def _followed(model: urdf.UrdfModel, joint: urdf.Joint) -> tuple[str, float, float]:
+def _followed(by_name: Mapping[str, urdf.Joint], joint: urdf.Joint) -> tuple[str, float, float]:
     """The joint at the end of a row of mimics, with the multiplier and offset that lead there."""
-    by_name = {each.name: each for each in model.joints}
     multiplier, offset = 1.0, 0.0
     while joint.mimic is not None:
         name, factor, shift = joint.mimic

@@ -117,7 +117,7 @@ class World:
                 f"{model.source}: a world stands still, and {len(moving)} of its joints can move: {listed}; "
                 'write type="fixed", or add the moving part\'s shapes with World.add and move them with World.move'
             )
-        if broken := [error for error in model.left_out if "<collision>" in (error.element or "")]:
+        if broken := [each.error for each in model.warnings if each.collides]:
             raise broken[0]
         placed = _link_poses(model)
         world, shapes = cls(), Counter[str]()

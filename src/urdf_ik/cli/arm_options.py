@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from urdf_ik.model.urdf import UrdfModel
 
 _XYZ = ("x", "y", "z")
+_MOST_WARNINGS = 10
 
 
 @dataclass(frozen=True)
@@ -67,6 +68,9 @@ class ArmOptions:
     xacro_arg: Annotated[list[str] | None, Option(metavar="NAME:=VALUE", help="Argument of a xacro; repeatable.")] = (
         None
     )
+    strict: Annotated[
+        bool, Option("--strict", help="Refuse every defect of the URDF, in parts that the chain does not use, too.")
+    ] = False
     tool_xyz: Annotated[
         str | None, Option(metavar="X,Y,Z", help="Put a tool at the tip: its centre point in the tip link [m].")
     ] = None
@@ -113,7 +117,9 @@ class ArmOptions:
             redundancy=self.redundancy_joint or (),
             mesh_roots=self.mesh_root or (),
             xacro_args=self._xacro_args(),
+            strict=self.strict,
         )
+        _say_warnings(arm.model)
         self._say_which(arm)
         if tool is not None:
             names = ("tool", *(f"tool_{k}" for k in range(2, len(arm.model.links) + 3)))
@@ -140,7 +146,10 @@ class ArmOptions:
         """
         from urdf_ik.arm.loading import read
 
-        return read(self._source(), mesh_roots=self.mesh_root or (), xacro_args=self._xacro_args())[0]
+        roots, arguments = self.mesh_root or (), self._xacro_args()
+        model = read(self._source(), mesh_roots=roots, xacro_args=arguments, strict=self.strict)[0]
+        _say_warnings(model)
+        return model
 
     def _source(self) -> Any:
         if self.robot == "-" and sys.stdin is None:
@@ -234,3 +243,11 @@ def _catalogue_names() -> tuple[str, ...]:
 def angles_of(arm: Arm, degrees: bool) -> Angles:
     """How the arm's joint values are typed and shown."""
     return Angles(degrees, np.array([kind != "prismatic" for kind in arm.chain.joint_types]))
+
+
+def _say_warnings(model: UrdfModel) -> None:
+    """Say on standard error which parts of the URDF were not read as they are written."""
+    for warning in model.warnings[:_MOST_WARNINGS]:
+        typer.echo(escaped(f"warning: {warning}"), err=True)
+    if len(model.warnings) > _MOST_WARNINGS:
+        typer.echo(f"warning: {len(model.warnings) - _MOST_WARNINGS} more; `urdf-ik info` lists them", err=True)

@@ -2,21 +2,31 @@
 
 from __future__ import annotations
 
+from itertools import combinations, islice
 from typing import TYPE_CHECKING, Any
 
 from urdf_ik._core import Solver
-from urdf_ik.errors import ArgumentError, ChainError, UnsupportedArm
+from urdf_ik.errors import ArgumentError, ChainError, UnsupportedArm, printable
+from urdf_ik.ik import families
 from urdf_ik.ik.families import RedundantMember, coupled
 from urdf_ik.ik.families.registry import MOST_JOINTS
 from urdf_ik.kinematics.chain import CoupledChain, dependent_joints, kinds_of
+from urdf_ik.kinematics.structure import analyse
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from urdf_ik.ik.families import FamilyMember
     from urdf_ik.kinematics.chain import Chain
     from urdf_ik.kinematics.chain.free_axis import FreeAxis
     from urdf_ik.kinematics.structure import Structure
+
+_MOST_TRIED = 40
+"""Choices of joints to lock that are tried for an error's way out."""
+_WHOLE = 7
+"""Joints of a chain that is solved whole."""
 
 
 def check_given(name: str, chain: Chain, given: Any) -> tuple[str, ...]:
@@ -87,7 +97,7 @@ def unsupported(name: str, chain: Chain, structure: Structure) -> UnsupportedArm
     if isinstance(chain, CoupledChain):
         return UnsupportedArm(
             f"{name}: {coupled.why_not(chain)}; joints that mimic others: "
-            f"{', '.join(map(str, chain.followers))}; independent: {', '.join(chain.joint_names)}"
+            f"{', '.join(map(str, chain.followers))}; independent: {', '.join(chain.joint_names)}; {_way_out(chain)}"
         )
     if chain.n == 0:
         return UnsupportedArm(f"{name}: no joint moves between {quoted(chain.base)} and {quoted(chain.tip)}")
@@ -107,10 +117,44 @@ def unsupported(name: str, chain: Chain, structure: Structure) -> UnsupportedArm
     if chain.n <= 7:
         return UnsupportedArm(f"{name}: no solver for this arm yet. {structure}")
     if chain.n <= MOST_JOINTS:
-        return UnsupportedArm(f"{name}: no solver for any six of its {chain.n} joints, the others held. {structure}")
-    held = ", ".join(f"{quoted(name)}: 0.0" for name in chain.joint_names[: chain.n - MOST_JOINTS])
+        return UnsupportedArm(
+            f"{name}: no solver for any six of its {chain.n} joints ({', '.join(chain.joint_names)}), the others given "
+            f"one by one; {_way_out(chain)}"
+        )
+    held = _locked(chain.joint_names[: chain.n - MOST_JOINTS])
     return UnsupportedArm(
         f"{name}: {chain.n} joints from {quoted(chain.base)} to {quoted(chain.tip)} ({', '.join(chain.joint_names)}); "
         f"at most {MOST_JOINTS} are solved: hold {chain.n - MOST_JOINTS} or more of them, each at a value [rad or m], "
-        f"as in urdf_ik.load(..., locked={{{held}}})"
+        f"as in {held}{_shorter(chain)}"
     )
+
+
+def _way_out(chain: Chain) -> str:
+    """Which joints to lock, so that the others are solved: as few as possible, those that drive others first."""
+    drivers = [name for name in dict.fromkeys(each.driver for each in chain.followers) if name in chain.joint_names]
+    names = [*drivers, *(name for name in chain.joint_names if name not in drivers)]
+    choices = (held for count in (1, 2) for held in combinations(names, count) if chain.n - count >= 2)
+    for held in islice(choices, _MOST_TRIED):
+        rest = chain.lock(dict.fromkeys(held, 0.0))
+        if families.choose(analyse(rest), rest) is not None:
+            others = "joint is" if len(held) == 1 else "joints are"
+            return f"it is solved where {len(held)} {others} locked at a value [rad or m], as in {_locked(held)}"
+    return f"lock joints at a value [rad or m], as in {_locked(names[:1])}{_shorter(chain)}"
+
+
+def _locked(names: Sequence[str]) -> str:
+    held = ", ".join(f"{quoted(name)}: 0.0" for name in names)
+    typed = " ".join(f"--lock {printable(name)}=0" for name in names)
+    return f"urdf_ik.load(..., locked={{{held}}}) ({typed})"
+
+
+def _shorter(chain: Chain) -> str:
+    """The longest part of a chain with at most seven joints, in words."""
+    above = {joint.child: joint for joint in chain.tree}
+    link, count = chain.tip, 0
+    while link != chain.base and link in above:
+        moves = above[link].column is not None
+        if count + moves > _WHOLE:
+            return f"; or take the last {count} joints alone, with base={quoted(link)}"
+        link, count = above[link].parent, count + moves
+    return ""

@@ -26,10 +26,10 @@ BUNDLED: Mapping[str, str] = {
 }
 """Arms that come with this package: what they are."""
 
-_TIPS = {"positioner_6r": "torch", "dual_6r": "left_tool0"}
+_TIPS = {"dual_6r": "left_tool0"}
 """Tips of those that are not from base_link to tool0."""
 
-_UR = ("base_link", "tool0")
+_UR = ("world", "tool0")
 
 EXAMPLE_ROBOT_DATA: Mapping[str, tuple[str, str, str]] = {
     # The package's own ur3.urdf is a robot without links; ur3_robot.urdf is the arm.
@@ -41,10 +41,10 @@ EXAMPLE_ROBOT_DATA: Mapping[str, tuple[str, str, str]] = {
     "ur5_limited": ("ur_description/urdf/ur5_joint_limited_robot.urdf", *_UR),
     "ur10": ("ur_description/urdf/ur10_robot.urdf", *_UR),
     "ur10_limited": ("ur_description/urdf/ur10_joint_limited_robot.urdf", *_UR),
-    "kinova": ("kinova_description/robots/kinova.urdf", "j2s6s200_link_base", "j2s6s200_end_effector"),
+    "kinova": ("kinova_description/robots/kinova.urdf", "base", "j2s6s200_end_effector"),
     "panda": ("panda_description/urdf/panda.urdf", "panda_link0", "panda_hand_tcp"),
-    "xarm7": ("xarm_description/urdf/xarm7.urdf", "link_base", "link_eef"),
-    "z1": ("z1_description/urdf/z1.urdf", "link00", "gripperStator"),
+    "xarm7": ("xarm_description/urdf/xarm7.urdf", "world", "link_eef"),
+    "z1": ("z1_description/urdf/z1.urdf", "world", "gripperStator"),
     "so100": ("so_arm_description/urdf/so100.urdf", "base", "gripper"),
     "so101": ("so_arm_description/urdf/so101.urdf", "base_link", "gripper_frame_link"),
     "twodof": ("asr_twodof_description/urdf/TwoDofs.urdf", "world", "Tip"),
@@ -58,7 +58,10 @@ EXAMPLE_ROBOT_DATA: Mapping[str, tuple[str, str, str]] = {
     "tiago_pro_left": ("tiago_pro_description/robots/tiago_pro.urdf", "torso_lift_link", "arm_left_tool_link"),
     "tiago_pro_right": ("tiago_pro_description/robots/tiago_pro.urdf", "torso_lift_link", "arm_right_tool_link"),
 }
-"""Arms of example-robot-data: file below its ``robots`` folder, base link and tip link."""
+"""Arms of example-robot-data: file below its ``robots`` folder, base link and tip link.
+
+These are the links that the file gives by itself, but for a name that means one of several arms or tool frames.
+"""
 
 INSTALL_EXAMPLE_ROBOT_DATA = "pip install 'urdf-ik[robots]'"
 _DISTRIBUTION = "example-robot-data"

@@ -53,7 +53,8 @@ def joined(model: UrdfModel, other: UrdfModel, link: str, pose: NDArray[np.float
     folders = [each.path.parent for each in (model, other) if each.path is not None]
     roots = tuple(dict.fromkeys((*model.mesh_roots, *other.mesh_roots, *folders)))
     whole = read(etree.tostring(robot, encoding="utf-8"), mesh_roots=roots)
-    return replace(whole, source=model.source, left_out=(*model.left_out, *other.left_out, *whole.left_out))
+    there = (each.within(prefix) for each in other.warnings)
+    return replace(whole, source=model.source, warnings=(*model.warnings, *there, *whole.warnings))
 
 
 def _numbers(values: NDArray[np.float64]) -> str:

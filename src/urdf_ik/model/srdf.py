@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from urdf_ik.errors import UrdfError
@@ -12,7 +13,11 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Collection
 
-__all__ = ["chain_groups", "disabled_pairs"]
+__all__ = ["chain_groups", "disabled_pairs", "groups_beside"]
+
+_FOLDERS = (".", "../srdf", "../config", "../moveit")
+"""Where the SRDF of a URDF lies, from the URDF's folder."""
+_MOST = 20
 
 
 def disabled_pairs(source: str | os.PathLike[str] | bytes, links: Collection[str]) -> tuple[tuple[str, str], ...]:
@@ -59,6 +64,37 @@ def chain_groups(
         if len(found) == 1 and group.get("name"):
             groups.append((group.get("name"), _two_links(found[0], "base_link", "tip_link", links, name)))
     return tuple(groups)
+
+
+def groups_beside(path: Path, robot: str, links: Collection[str]) -> dict[str, tuple[str, str]]:
+    """The groups with a ``<chain>`` of the SRDFs beside a URDF, found without being named.
+
+    They lie in the URDF's own folder, or in ``srdf``, ``config`` or ``moveit`` beside it, and have the robot's name.
+    One that cannot be read, or that is another URDF's, is passed over.
+
+    Args:
+        path: the URDF's file.
+        robot: its robot's name.
+        links: names of its links.
+
+    Returns:
+        Base link and tip link by the group's name, those of the file with the URDF's name first.
+
+    Example:
+        >>> group = '<group name="arm"><chain base_link="a" tip_link="b"/></group>'
+        >>> _ = Path("r.srdf").write_text(f'<robot name="r">{group}</robot>')
+        >>> groups_beside(Path("r.urdf"), "r", ["a", "b"])
+        {'arm': ('a', 'b')}
+    """
+    found = [file for folder in _FOLDERS for file in sorted((path.parent / folder).glob("*.srdf"))[:_MOST]]
+    groups: dict[str, tuple[str, str]] = {}
+    for file in sorted(found, key=lambda each: each.stem != path.name.split(".")[0]):
+        try:
+            if _opened(file)[0].get("name") == robot:
+                groups = dict(chain_groups(file, links)) | groups
+        except UrdfError:
+            continue
+    return groups
 
 
 def _opened(source: str | os.PathLike[str] | bytes) -> tuple[Any, str]:

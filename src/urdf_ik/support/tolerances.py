@@ -8,6 +8,10 @@ LARGEST = 1e15
 """Greatest length [m], angle [rad] or factor that is taken: beyond it a double holds no digit of a millimetre or of an
 angle, and squares of what solvers multiply begin to overflow. ``src/core/kinematics/arm.hpp`` has the same."""
 
+STILL = 1e-17
+"""A joint that mimics another with a smaller multiplier stands still: in a turn it moves less than rounding."""
+
+
 @dataclass(frozen=True)
 class SolverTolerances:
     """What the compiled solvers compare with: ``Tolerances`` of src/core/kinematics/arm.hpp.

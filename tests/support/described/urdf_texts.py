@@ -49,9 +49,9 @@ def edited(line: int, old: str, new: str, text: str = TINY) -> str:
 
 
 def refused(source: object, **options: object) -> UrdfError:
-    """The error that reading ``source`` raises."""
+    """The error that reading ``source`` raises, where every defect is one."""
     with pytest.raises(UrdfError) as caught:
-        read(source, **options)  # type: ignore[arg-type]
+        read(source, strict=True, **options)  # type: ignore[arg-type]
     return caught.value
 
 

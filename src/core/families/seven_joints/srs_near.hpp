@@ -139,7 +139,12 @@ struct SrsNear {
         for (int i = 0; i < many; ++i) {
             double q[7];
             for (int j = 0; j < 7; ++j) q[j] = search.q[j][i];
-            keep_solution(search, q, out.error[i], out.least[i], search.column[i]);
+            double error = out.error[i];
+            // Next to a fold an error below the tolerance still leaves a joint 1e-5 rad off: go on until it converges.
+            if (error > CONVERGED && error <= search.model.tolerances.reach) {
+                error = polish_one<true>(search.model, search.goal, q, {20, CONVERGED, PATIENCE}).error;
+            }
+            keep_solution(search, q, error, out.least[i], search.column[i]);
         }
     }
 

@@ -58,6 +58,7 @@ def as_json(arm: Arm, angles: Angles) -> str:
         {
             "robot": arm.name,
             "source": arm.model.source,
+            "warnings": [str(each) for each in arm.model.warnings],
             "base": arm.base,
             "tip": arm.tip,
             "units": {"angle": angles.unit, "length": "m"},
@@ -156,6 +157,7 @@ def as_text(arm: Arm, angles: Angles) -> str:
         ]
         branches = [f"{'branches' if i == 0 else '':<14}{line}" for i, line in enumerate(_columns(structure.branches))]
     solver = [(heading, text) for heading, text in solver if text]
+    facts += [("warning", str(each)) for each in arm.model.warnings]
     return tables.render(_facts(facts), "", joints, "", axes, "", _facts(solver), *branches)
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik.errors import UnsupportedArm
-from urdf_ik.kinematics.chain.mimic import coupled
+from urdf_ik.kinematics.chain.mimic import coupled, follows
 from urdf_ik.kinematics.chain.serial import Chain, Follower, TreeJoint
 from urdf_ik.model.urdf import MOVABLE
 from urdf_ik.support.text import quoted
@@ -27,6 +27,7 @@ def from_urdf(model: UrdfModel, base: str | None = None, tip: str | None = None)
         tip: tip link; default: the end of the only movable chain below the base.
 
     Raises:
+        UrdfError: a part of the URDF that the chain uses has a defect.
         ChainError: base or tip is unknown, ambiguous, or not on one chain.
         UnsupportedArm: a joint of the chain is of a type that cannot be solved.
 
@@ -37,6 +38,7 @@ def from_urdf(model: UrdfModel, base: str | None = None, tip: str | None = None)
         ('joint_1', 'joint_2')
     """
     base, tip = model.resolve_chain(base, tip)
+    model.require_sound(base, tip)
     movable: list[Joint] = []
     H: list[NDArray[np.float64]] = []
     points: list[NDArray[np.float64]] = [np.zeros(3)]
@@ -55,7 +57,8 @@ def from_urdf(model: UrdfModel, base: str | None = None, tip: str | None = None)
         if upwards:
             frame = frame @ np.linalg.inv(joint.origin)
     points.append(frame[:3, 3].copy())
-    names = tuple(dict.fromkeys(model.driver(joint)[0].name for joint in movable))
+    rows = [model.driver(joint) for joint in movable]
+    names = tuple(dict.fromkeys(driver.name for driver, multiplier, _ in rows if follows(multiplier)))
     limits = [(-np.inf, np.inf) if joint.type == "continuous" else (joint.lower, joint.upper) for joint in movable]
     chain = Chain(
         base=base,
@@ -76,8 +79,9 @@ def from_urdf(model: UrdfModel, base: str | None = None, tip: str | None = None)
 def _require_supported(model: UrdfModel, joint: Joint) -> None:
     if joint.type not in MOVABLE:
         raise UnsupportedArm(
-            f"{model.source}: joint {quoted(joint.name)} of the chain is {joint.type}; "
-            f"only fixed, {', '.join(MOVABLE)} joints can be solved"
+            f"{model.source}: joint {quoted(joint.name)} of the chain is {joint.type}; only fixed, "
+            f"{', '.join(MOVABLE)} joints can be solved; begin behind it with base={quoted(joint.child)}, or end "
+            f"before it with tip={quoted(joint.parent)}"
         )
 
 

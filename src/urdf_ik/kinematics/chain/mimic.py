@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik.kinematics.chain.serial import Chain, held_values, standing
+from urdf_ik.support.tolerances import STILL
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -143,6 +144,16 @@ class CoupledChain(Chain):
         )
 
 
+def follows(multiplier: float) -> bool:
+    """Whether a joint that mimics another with this multiplier moves.
+
+    Example:
+        >>> follows(-1e-12), follows(0.0)
+        (True, False)
+    """
+    return abs(multiplier) > STILL
+
+
 def coupled(model: UrdfModel, axes: Chain, movable: list[Joint]) -> Chain:
     """The chain of the independent joints.
 
@@ -152,14 +163,17 @@ def coupled(model: UrdfModel, axes: Chain, movable: list[Joint]) -> Chain:
         movable: these joints of the URDF.
     """
     rows = [model.driver(joint) for joint in movable]
-    drivers = list({driver.name: driver for driver, _, _ in rows}.values())
+    kept = np.array([follows(multiplier) for _, multiplier, _ in rows], dtype=np.bool_)
+    moving = [row for row, keep in zip(rows, kept, strict=True) if keep]
+    drivers = list({driver.name: driver for driver, _, _ in moving}.values())
     names = tuple(driver.name for driver in drivers)
-    gain = np.zeros((len(rows), len(names)))
-    for row, (driver, multiplier, _) in zip(gain, rows, strict=True):
+    gain = np.zeros((len(moving), len(names)))
+    for row, (driver, multiplier, _) in zip(gain, moving, strict=True):
         row[names.index(driver.name)] = multiplier
     offsets = np.array([offset for _, _, offset in rows])
     # An axis seen from below turns the other way round; its joint's value is the same.
-    moved = _moved(axes, offsets, np.ones(len(rows), dtype=np.bool_))
+    moved = _moved(axes, offsets, kept)
+    moved = replace(moved, followers=tuple(each for each in axes.followers if follows(each.multiplier)))
     limits = np.array([_limits(driver, movable, rows) for driver in drivers]).reshape(-1, 2)
     return _joined(moved, gain, names, tuple(driver.type for driver in drivers), limits)
 
@@ -173,7 +187,7 @@ def _limits(driver: Joint, movable: list[Joint], rows: list[tuple[Joint, float, 
     lower, upper = own
     for joint, (leader, multiplier, offset) in zip(movable, rows, strict=True):
         bounded = joint.type != "continuous" and joint.lower < joint.upper
-        if leader.name == driver.name and joint.name != driver.name and multiplier and bounded:
+        if leader.name == driver.name and joint.name != driver.name and follows(multiplier) and bounded:
             ends = sorted(((joint.lower - offset) / multiplier, (joint.upper - offset) / multiplier))
             lower, upper = max(lower, ends[0]), min(upper, ends[1])
     return (lower, upper) if lower <= upper else own

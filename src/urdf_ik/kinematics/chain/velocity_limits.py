@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 def velocity_limits(model: UrdfModel, chain: Chain) -> NDArray[np.float64]:
     """(n,) rad/s or m/s, greatest speed of each joint of a chain of the URDF; infinite where the URDF gives no speed.
 
-    A speed of zero counts as not given: files have it where nobody filled it in, and the joint could not move. So does
-    one beyond 1e15, which programs write for none. A joint of the chain that mimics another narrows its speed as it
-    does its limits.
+    A speed of zero counts as not given: files have it where nobody filled it in, and the joint could not move. So do
+    one below 1e-15, which is zero by rounding, and one beyond 1e15, which programs write for none. A joint of the chain
+    that mimics another narrows its speed as it does its limits.
 
     Example:
         >>> import urdf_ik
@@ -34,7 +34,9 @@ def velocity_limits(model: UrdfModel, chain: Chain) -> NDArray[np.float64]:
     for joint in model.joints:
         driver, multiplier, _ = model.driver(joint)
         speed = joint.velocity if joint.name == driver.name or joint.name in followers else None
-        if speed and speed <= LARGEST and multiplier and joint.type in MOVABLE and driver.name in speeds:
+        if speed is None or not 1.0 / LARGEST <= speed <= LARGEST:
+            continue
+        if multiplier and joint.type in MOVABLE and driver.name in speeds:
             speeds[driver.name] = min(speeds[driver.name], speed / abs(multiplier))
     limits = np.array([speeds[name] for name in chain.joint_names], dtype=np.float64)
     limits.setflags(write=False)

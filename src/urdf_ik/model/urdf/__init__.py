@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from urdf_ik.model.urdf.chains import Candidate
 from urdf_ik.model.urdf.checks import MOVABLE
+from urdf_ik.model.urdf.defects import UrdfWarning
 from urdf_ik.model.urdf.joint import Joint
-from urdf_ik.model.urdf.urdf_model import UrdfModel, read, resolve_mesh
+from urdf_ik.model.urdf.reader import read
+from urdf_ik.model.urdf.urdf_model import UrdfModel, resolve_mesh
 
 __all__ = [
     "MOVABLE",
     "Candidate",
     "Joint",
     "UrdfModel",
+    "UrdfWarning",
     "read",
     "resolve_mesh",
 ]

@@ -2,26 +2,36 @@
 
 from __future__ import annotations
 
+import itertools
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import islice
 
 import numpy as np
 
 from urdf_ik.errors import ChainError
 from urdf_ik.model.urdf.checks import MOVABLE
 from urdf_ik.model.urdf.joint import Joint
-from urdf_ik.support.text import quoted
+from urdf_ik.model.urdf.limbs import Ending, Limb, named
+from urdf_ik.support.text import nearest, quoted
 
 FINGER_JOINTS = 3
 """A branch with more joints than that is no finger, whatever it is called."""
 SLIDING_JOINTS = 1
 """A slide with no more joints than that, beside others at the end of an arm, is a finger's."""
+_MOST_NAMES = 40
+"""Names of chains and limbs that an error lists at most."""
+_SHOWN = 8
+"""Chains that an error spells out at most."""
 ARM_JOINTS = 3
 """A hand is looked for behind at least so many joints."""
 
-_FINGER = re.compile(r"finger|knuckle|gripper|jaw|claw|thumb|mors|grip_|_grip", re.IGNORECASE)
+_FINGER = re.compile(
+    r"finger|knuckle|gripper|jaw|claw|thumb|mors|grip_|_grip|(?<![a-z])(index|middle|ring|pinky|little)(?![a-z])",
+    re.IGNORECASE,
+)
 _WRIST = re.compile(r"rot|roll|pitch|yaw|wrist|base|mount", re.IGNORECASE)
 _SIDES = {"left": "left", "l": "left", "right": "right", "r": "right"}
 # Names of tool frames, the most telling first.
@@ -69,7 +79,7 @@ class Candidate:
         return f"{self.base} to {self.tip}, {count} joint{'' if count == 1 else 's'}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Body:
     """Links that are fixed to each other, and the movable joints that carry them and that they carry."""
 
@@ -110,6 +120,46 @@ class Chains:
             self._candidate(way, start, len(meant) == 1 and k == 0, names[k] if k < len(names) else "")
             for k, (way, start) in enumerate(zip(ways, starts, strict=True))
         )
+
+    def limbs(self) -> tuple[Limb, ...]:
+        """Every limb, from where it parts from the others, in the file's order; fingers follow their arm."""
+        ways = [way for way in self._ways() if _actuated(way)]
+        endings: dict[tuple[str, str], Ending] = {}
+        for k, way in enumerate(ways):
+            others = [other for j, other in enumerate(ways) if j != k]
+            shared = [_common([way, other]) for other in others]
+            # A branch with one joint, such as a camera's, parts no limb.
+            forks = {at for at, other in zip(shared, others, strict=True) if _actuated(other[at + 1 :]) > 1}
+            stops = [0, *sorted(forks - {0, len(way) - 1}), len(way) - 1]
+            hand, arm = len(way) - 1, Ending("", "", (), ())
+            for start, end in itertools.pairwise(stops):
+                last, own = end == len(way) - 1, way[start + 1 : end + 1]
+                if last or _actuated(own) >= ARM_JOINTS:
+                    ending = self._ending([way[start], *own], arm.names)
+                    endings.setdefault((ending.base, ending.tip), ending)
+                    if not arm.names and ending.kind == "arm":
+                        hand, arm = end, ending
+            for k, body in enumerate(way[: hand + 1]):
+                for ending in self._fingers(body, _actuated(way[: k + 1]), arm.names or way[0].links):
+                    endings.setdefault((ending.base, ending.tip), ending)
+        return named(list(endings.values()))
+
+    def _ending(self, way: Sequence[_Body], arm: tuple[str, ...]) -> Ending:
+        """The limb along bodies, the first of which does not move with it."""
+        carriers = [body.carrier for body in way[1:] if body.carrier is not None]
+        joints = tuple(joint.name for joint in carriers if _moves(joint))
+        words = (*joints, *(joint.child for joint in carriers))
+        return Ending(way[0].links[0], self._tip(way[-1])[0] or way[-1].links[0], joints, words, arm)
+
+    def _fingers(self, body: _Body, depth: int, arm: tuple[str, ...]) -> Iterator[Ending]:
+        """The fingers that a body carries, each along its longest way."""
+        for joint in body.carried:
+            if joint.type in MOVABLE and self._is_finger(joint, len(body.carried), depth) and self._height(joint):
+                way = [body, self._body(joint.child, joint)]
+                while moving := [each for each in way[-1].carried if each.type in MOVABLE]:
+                    longest = max(moving, key=self._height)
+                    way.append(self._body(longest.child, longest))
+                yield self._ending(way, arm)
 
     def _body(self, link: str, carrier: Joint | None) -> _Body:
         """``link`` and the links that fixed joints carry below it."""
@@ -197,6 +247,10 @@ class Chains:
         leaves = [link for link in body.links if not self._carried.get(link)]
         if len(leaves) == 1:
             return leaves[0], "the only link at the end"
+        if not leaves:  # each carries a finger
+            ends = [link for link in body.links if all(below.type != "fixed" for below in self._carried[link])]
+            if len(ends) == 1:
+                return ends[0], "the only link at the end of those that are fixed to it"
         if found := [link for link in body.links if _FLANGE.search(link)]:
             return (found[0], "named as a flange") if len(found) == 1 else (None, "several flanges")
         apart = [link for link in leaves if self._is_apart(link)]
@@ -210,21 +264,26 @@ class Chains:
         return bool(np.abs(carrier.origin[:3, 3]).max() > 0.0)
 
 
-def doubt(source: str, candidates: Sequence[Candidate], chain: str | None) -> ChainError:
+def doubt(source: str, candidates: Sequence[Candidate], limbs: Sequence[Limb], chain: str | None) -> ChainError:
     """The error where no candidate is chosen, or none or several have the name that was asked for."""
-    tips: list[str] = []
     if chain is not None:
-        named = "; ".join(f"{quoted(each.name)}: {each}" for each in candidates)
-        return ChainError(f"{source}: no chain, or more than one, is called {quoted(chain)}; there are {named}")
+        every = dict.fromkeys([*(each.name for each in candidates), *(limb.name for limb in limbs)])
+        names = ", ".join(quoted(name) for name in islice(every, _MOST_NAMES))
+        close = nearest(chain, [limb.name for limb in limbs])
+        meant = f"; did you mean {' or '.join(map(quoted, close))}?" if close else ""
+        return ChainError(f"{source}: no chain, or more than one, is called {quoted(chain)}{meant}; there are {names}")
     longest = len(candidates[0].before) + len(candidates[0].joints)
     rivals = [each for each in candidates if 2 * (len(each.before) + len(each.joints)) > longest]
     if len(rivals) == 1:
         tips = [candidates[0].tip, *candidates[0].frames]
         why = f"the joints are {', '.join(candidates[0].joints)}, but their end has {candidates[0].reason}"
         return ChainError(f"{source}: the tip is ambiguous: {why}; name one with tip=...", tips)
-    named = "; ".join(f"{quoted(each.name)}: {each}" for each in rivals)
-    why = f"{len(rivals)} movable chains come into question: {named}"
-    return ChainError(f"{source}: {why}; name one with chain=... or tip=...", [each.tip for each in candidates])
+    named = "; ".join(f"{quoted(each.name)}: {each}" for each in rivals[:_SHOWN])
+    more = f"; and {len(rivals) - _SHOWN} more" if len(rivals) > _SHOWN else ""
+    by_limb = ", ".join(f"{limb.name} ({len(limb.joints)})" for limb in limbs if limb.kind != "finger")
+    why = f"{len(rivals)} movable chains come into question: {named}{more}"
+    way_out = f"name one with chain=... or tip=...; limbs and their joints: {by_limb}"
+    return ChainError(f"{source}: {why}; {way_out}", [each.tip for each in candidates])
 
 
 def _moves(joint: Joint) -> bool:
@@ -239,7 +298,7 @@ def _common(ways: Sequence[Sequence[_Body]]) -> int:
     """Index of the last body that all ways share."""
     count = 0
     for bodies in zip(*ways, strict=False):
-        if len({body.links for body in bodies}) > 1:
+        if len({body.links[0] for body in bodies}) > 1:
             break
         count += 1
     return max(count - 1, 0)

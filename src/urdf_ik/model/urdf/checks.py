@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
-from typing import Any, NoReturn
+from functools import partial
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 from lxml import etree
 
@@ -14,10 +15,13 @@ from urdf_ik.model.xml import XACRO_HINT, child, has_xacro, is_xacro, tag, writt
 from urdf_ik.support.text import nearest, quoted
 from urdf_ik.support.tolerances import LARGEST
 
-LEAST = 1e-15
-"""Lengths that are a smaller share of the URDF's size, and smaller factors of mimics, are left over from rounding."""
-MIN_AXIS = 1e-12
-"""A shorter axis is what rounding leaves of zero, and gives no direction."""
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from urdf_ik.model.urdf.defects import Defects
+
+_T = TypeVar("_T")
+
 _LONGEST = 1000
 """Characters of an attribute that holds numbers, at most: six times what three numbers with all their digits have."""
 MOVABLE = ("revolute", "continuous", "prismatic")
@@ -38,12 +42,16 @@ class Place:
     element: Any
     label: str
 
-    def fail(self, problem: str, *, hint: str, at: Any = None) -> NoReturn:
-        """Raise the error, at a child of the place where ``at`` is given."""
+    def error(self, problem: str, *, hint: str, at: Any = None) -> UrdfError:
+        """The error of a defect here, or at a child of the place where ``at`` is given."""
         where, label = self.element, self.label
         if at is not None and at is not self.element:
             where, label = at, f"<{written_tag(at)}> of {self.label}"
-        raise UrdfError(problem, source=self.source, line=where.sourceline, element=label, hint=hint)
+        return UrdfError(problem, source=self.source, line=where.sourceline, element=label, hint=hint)
+
+    def fail(self, problem: str, *, hint: str, at: Any = None) -> NoReturn:
+        """Raise :meth:`error`."""
+        raise self.error(problem, hint=hint, at=at)
 
     def numbers(self, element: Any, attribute: str, count: int, default: str | None = None) -> list[str]:
         """The attribute's ``count`` finite decimal numbers, as written."""
@@ -132,37 +140,92 @@ class RawJoint:
             etree.SubElement(joint, "mimic", joint=driver, multiplier=repr(multiplier), offset=repr(offset))
 
 
-def check_joint(place: Place, links: dict[str, Any]) -> RawJoint:
-    """Check one ``<joint>`` by itself, and that its two links are declared.
+def check_joint(
+    place: Place, links: dict[str, Any], taken: Mapping[str, RawJoint], defects: Defects
+) -> RawJoint | None:
+    """One ``<joint>`` by itself, its defects kept; None where it does not join two links.
 
-    Raises:
-        UrdfError: something about it is missing, unreadable or senseless.
+    A link that it joins and that is not declared is added to ``links``.
     """
-    element, name, kind = place.element, check_name(place), place.element.get("type")
-    if name == "universe":
-        place.fail("the joint name 'universe' is Pinocchio's own", hint="give the joint another name")
-    if kind not in TYPES:
-        problem = "type is missing" if kind is None else f"unknown type {quoted(kind)}"
-        place.fail(problem, hint=f"one of {', '.join(TYPES)}")
-    for part in element:
-        if is_xacro(part):
-            place.fail("an unresolved xacro instruction", hint=XACRO_HINT, at=part)
-    parent, below = (_end(place, end, links) for end in ("parent", "child"))
-    lower, upper, velocity, effort = _limits(place, kind)
+    element = place.element
+    name = _joint_name(place, taken, defects)
+
+    def part(rule: str, read: Callable[[], _T], otherwise: _T) -> _T:
+        try:
+            return read()
+        except UrdfError as error:
+            defects.add(rule, error, joints=(name,))
+            return otherwise
+
+    kind = part("joint type", lambda: _type(place), "fixed")
+    part("joint xacro", lambda: _require_no_xacro(place), None)
+    ends = part("ends", lambda: (_end(place, "parent"), _end(place, "child")), None)
+    if ends is None:
+        return None
+    for end, link in zip(("parent", "child"), ends, strict=True):
+        if link not in links:
+            defects.add("undeclared", _undeclared(place, end, link, links), joints=[name], links=[link])
+            links[link] = etree.Element("link", name=link)
+    origin: dict[str, str] = part("origin", lambda: place.origin(element), {})
+    axis = part("axis", lambda: _axis(place), None) if kind in MOVABLE else None
+    limits = part("limit", lambda: _bounds(place, kind), None)
+    if limits is None or (axis is None and kind in MOVABLE):
+        kind, axis, limits = "fixed", None, (-math.inf, math.inf)
+    limit = child(element, "limit") if kind in MOVABLE else None
+    velocity = effort = None
+    if limit is not None:
+        velocity, effort = (part(each, partial(_capacity, place, limit, each), 0.0) for each in ("velocity", "effort"))
+    lower, upper = limits
+    if lower > upper:
+        ordered = partial(_refuse_bounds, place, lower, upper)
+        lower, upper = part("bounds", ordered, (upper, lower))
     return RawJoint(
         name=name,
         type=kind,
-        parent=parent,
-        child=below,
-        origin=place.origin(element),
-        axis=_axis(place) if kind in MOVABLE else None,
+        parent=ends[0],
+        child=ends[1],
+        origin=origin,
+        axis=axis,
         lower=lower,
         upper=upper,
         velocity=velocity,
         effort=effort,
-        mimic=_mimic(place) if kind in MOVABLE else None,
+        mimic=part("mimic", lambda: _mimic(place), None) if kind in MOVABLE else None,
         place=place,
     )
+
+
+def _joint_name(place: Place, taken: Mapping[str, RawJoint], defects: Defects) -> str:
+    """The joint's name, or one made of its line where it has none of its own."""
+    name, other = place.element.get("name"), None
+    try:
+        check_name(place)
+        if name == "universe":
+            place.fail("the joint name 'universe' is Pinocchio's own", hint="give the joint another name")
+        if (other := taken.get(name)) is not None:
+            problem = f"the joint name {quoted(name)} is taken by line {other.line}"
+            place.fail(problem, hint="give each joint a name of its own")
+    except UrdfError as error:
+        own = f"{name or 'joint'} (line {place.element.sourceline})"
+        while own in taken:
+            own += "'"
+        defects.add("joint name", error, joints=[own] if other is None else [own, other.name])
+        return own
+    return str(name)
+
+
+def _type(place: Place) -> str:
+    kind: str | None = place.element.get("type")
+    if kind not in TYPES:
+        problem = "type is missing" if kind is None else f"unknown type {quoted(kind)}"
+        place.fail(problem, hint=f"one of {', '.join(TYPES)}")
+    return kind
+
+
+def _require_no_xacro(place: Place) -> None:
+    for part in place.element:
+        if is_xacro(part):
+            place.fail("an unresolved xacro instruction", hint=XACRO_HINT, at=part)
 
 
 def check_name(place: Place) -> str:
@@ -181,22 +244,24 @@ def label_of(element: Any) -> str:
     return f"<{tag(element)}>" if name is None else f'<{tag(element)} name="{quoted(name)[1:-1]}">'
 
 
-def _end(place: Place, end: str, links: dict[str, Any]) -> str:
+def _end(place: Place, end: str) -> str:
     element = child(place.element, end)
     if element is None:
         place.fail(f"<{end}> is missing", hint=f'write <{end} link="..."/>')
     name: str | None = element.get("link")
     if not name:
         place.fail("link is missing", hint=f'write <{end} link="..."/>', at=element)
-    if has_xacro(name):
-        place.fail(f"link={quoted(name)} holds an unresolved xacro expression", hint=XACRO_HINT, at=element)
-    if name not in links:
-        close = nearest(name, links)
-        hint = f"declare it with <link name={quoted(name)}/>" + (
-            f", or did you mean {listed(close)}?" if close else ""
-        )
-        place.fail(f"link {quoted(name)} is not declared", hint=hint, at=element)
     return name
+
+
+def _undeclared(place: Place, end: str, name: str, links: Mapping[str, Any]) -> UrdfError:
+    element = child(place.element, end)
+    if has_xacro(name):
+        problem = f"link={quoted(name)} holds an unresolved xacro expression"
+        return place.error(problem, hint=XACRO_HINT, at=element)
+    close = nearest(name, links)
+    hint = f"declare it with <link name={quoted(name)}/>" + (f", or did you mean {listed(close)}?" if close else "")
+    return place.error(f"link {quoted(name)} is not declared", hint=hint, at=element)
 
 
 def _axis(place: Place) -> str:
@@ -206,43 +271,43 @@ def _axis(place: Place) -> str:
         return "1 0 0"
     values = place.numbers(element, "xyz", 3)
     x, y, z = map(float, values)
-    length = math.hypot(x, y, z)
-    if not length > MIN_AXIS:
+    largest = max(abs(x), abs(y), abs(z))
+    if not largest:
         problem = f"xyz={quoted(element.get('xyz'))} is a zero axis"
         place.fail(problem, hint='write a direction, such as "0 0 1"', at=element)
-    if abs(length - 1.0) < 1e-15:
+    if abs(math.hypot(x, y, z) - 1.0) < 1e-15:
         return " ".join(values)
-    largest = max(abs(x), abs(y), abs(z))  # first, so that the length of a huge axis does not overflow
-    x, y, z = x / largest, y / largest, z / largest
+    x, y, z = x / largest, y / largest, z / largest  # first, so that no length overflows, and none vanishes
     length = math.hypot(x, y, z)
     return f"{x / length!r} {y / length!r} {z / length!r}"
 
 
-def _limits(place: Place, kind: str) -> tuple[float, float, float | None, float | None]:
-    """Lower, upper, velocity, effort; a bound that is not written is 0, as the URDF standard says."""
-    element = child(place.element, "limit")
-    if kind not in ("revolute", "prismatic") and (element is None or kind != "continuous"):
-        return -math.inf, math.inf, None, None
-    if element is None:
+def _bounds(place: Place, kind: str) -> tuple[float, float]:
+    """Lower and upper; a bound that is not written is 0, as the URDF standard says."""
+    element, bounded = child(place.element, "limit"), kind in ("revolute", "prismatic")
+    if element is None and bounded:
         place.fail(
             f"a {kind} joint without <limit>",
             hint='write <limit lower="..." upper="..." effort="..." velocity="..."/>'
             + (", or make it continuous" if kind == "revolute" else ""),
         )
-    bounds = [float(place.numbers(element, name, 1, "0")[0]) for name in ("lower", "upper")]
-    velocity, effort = (float(place.numbers(element, name, 1)[0]) for name in ("velocity", "effort"))
-    for name, value in (("velocity", velocity), ("effort", effort)):
-        if value < 0:
-            place.fail(f"{name}={quoted(element.get(name))} is negative", hint="write zero or more", at=element)
-    if 0.0 < velocity < LEAST:
-        problem = f"velocity={quoted(element.get('velocity'))} is below {LEAST:g}, where the joint does not move"
-        place.fail(problem, hint="write what it can do, or 0 for no limit", at=element)
-    if kind == "continuous":
-        return -math.inf, math.inf, velocity, effort
-    lower, upper = bounds
-    if lower > upper:
-        place.fail(f"lower {lower:g} is greater than upper {upper:g}", hint="swap them, or correct a sign", at=element)
-    return lower, upper, velocity, effort
+    if element is None or kind not in MOVABLE:
+        return -math.inf, math.inf
+    lower, upper = (float(place.numbers(element, name, 1, "0")[0]) for name in ("lower", "upper"))
+    return (lower, upper) if bounded else (-math.inf, math.inf)
+
+
+def _refuse_bounds(place: Place, lower: float, upper: float) -> NoReturn:
+    limit = child(place.element, "limit")
+    place.fail(f"lower {lower:g} is greater than upper {upper:g}", hint="swap them, or correct a sign", at=limit)
+
+
+def _capacity(place: Place, limit: Any, name: str) -> float:
+    """The joint's greatest velocity or effort."""
+    value = float(place.numbers(limit, name, 1)[0])
+    if value < 0:
+        place.fail(f"{name}={quoted(limit.get(name))} is negative", hint="write zero or more", at=limit)
+    return value
 
 
 def _mimic(place: Place) -> tuple[str, float, float] | None:
@@ -256,7 +321,4 @@ def _mimic(place: Place) -> tuple[str, float, float] | None:
         float(place.in_range(element, name, place.numbers(element, name, 1, default))[0])
         for name, default in (("multiplier", "1"), ("offset", "0"))
     )
-    if 0.0 < abs(multiplier) < LEAST:
-        problem = f"multiplier={quoted(element.get('multiplier'))} is below {LEAST:g}, where the joint does not move"
-        place.fail(problem, hint="write 0, or a fixed joint", at=element)
     return driver, multiplier, offset

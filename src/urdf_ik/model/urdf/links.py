@@ -17,7 +17,7 @@ from urdf_ik.model.xml import child, children, tag, written_tag
 from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from urdf_ik.model.urdf.defects import Defects
 
 MAX_PARTS = 10_000
 """Shapes, inertias and materials of a URDF at most."""
@@ -31,9 +31,8 @@ _SHAPES["capsule"] = _SHAPES["cylinder"]
 _INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
-def write_links(robot: Any, links: dict[str, Any], source: str) -> tuple[UrdfError, ...]:
-    """Append every link to the clean tree; gives the errors of the parts that were left out."""
-    left_out: list[UrdfError] = []
+def write_links(robot: Any, links: dict[str, Any], source: str, defects: Defects) -> None:
+    """Append every link to the clean tree; the parts that are left out are kept as defects."""
     count = 0
     for name, element in links.items():
         link = etree.SubElement(robot, "link", name=name)
@@ -47,8 +46,13 @@ def write_links(robot: Any, links: dict[str, Any], source: str) -> tuple[UrdfErr
                         f"more than {MAX_PARTS} shapes and inertias", hint="make one mesh of what moves together"
                     )
                 place = Place(source, part, f'<{kind}> of <link name="{quoted(name)[1:-1]}">')
-                left_out.extend(_attempt(write, place, link))
-    return tuple(left_out)
+                out = etree.Element(tag(part))
+                try:
+                    write(place, out)
+                except UrdfError as error:
+                    defects.add(kind, error)
+                else:
+                    link.append(out)
 
 
 def write_materials(robot: Any, original: Any, source: str) -> None:
@@ -60,16 +64,6 @@ def write_materials(robot: Any, original: Any, source: str) -> None:
         name = element.get("name")
         if name not in written and child(element, "color") is not None:
             written.update([name] if _material(Place(source, element, "<material>"), element, robot) else [])
-
-
-def _attempt(write: Callable[[Place, Any], None], place: Place, link: Any) -> list[UrdfError]:
-    part = etree.Element(tag(place.element))
-    try:
-        write(place, part)
-    except UrdfError as error:
-        return [error.with_traceback(None)]
-    link.append(part)
-    return []
 
 
 def _inertial(place: Place, out: Any) -> None:

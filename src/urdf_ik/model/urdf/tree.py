@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from urdf_ik.errors import listed, printable
+from urdf_ik.errors import UrdfError, listed, printable
 from urdf_ik.model.urdf.checks import MOVABLE, Place, RawJoint, check_joint, check_name, label_of
 from urdf_ik.model.xml import XACRO_HINT, child, children, is_xacro, written_tag
 from urdf_ik.support.text import nearest, quoted
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Mapping
+
+    from urdf_ik.model.urdf.defects import Defects
 
 MAX_LINKS = 500
 """Pinocchio crashes on chains of a few thousand links and yourdfpy hangs before that."""
@@ -20,148 +22,198 @@ _SHOWN = 8
 VERSIONS = ("1.0", "1.1", "1.2")
 
 
-def check_robot(robot: Any, source: str) -> str:
-    """Name of the robot, which may be empty but not missing; its version and its parts' namespaces are known.
+def check_robot(robot: Any, source: str, defects: Defects) -> str:
+    """Name of the robot, '' where it has none; instructions of xacro that were left over are kept as defects.
 
     Raises:
-        UrdfError: no name, another version of the format, or an instruction of xacro that could have made
-            links or joints.
+        UrdfError: another version of the format.
     """
     place = Place(source, robot, "<robot>")
-    name: str | None = robot.get("name")
-    if name is None:
-        place.fail("the robot has no name", hint='write <robot name="...">')
     if (version := robot.get("version", "1.0")) not in VERSIONS:
         place.fail(f"unknown version {quoted(version)}", hint=f"one of {', '.join(VERSIONS)}, or none")
+    name: str | None = robot.get("name")
+    if name is None:
+        defects.add("robot name", place.error("the robot has no name", hint='write <robot name="...">'))
     for element in robot:
         if is_xacro(element):
-            label = f"<{written_tag(element)}>"
-            Place(source, element, label).fail("an unresolved xacro instruction", hint=XACRO_HINT)
-    return name
+            left = Place(source, element, f"<{written_tag(element)}>")
+            defects.add("robot xacro", left.error("an unresolved xacro instruction", hint=XACRO_HINT))
+    return name or ""
 
 
-def check_links(robot: Any, source: str) -> dict[str, Any]:
-    """Link elements by name, in the file's order.
+def check_links(robot: Any, source: str, defects: Defects) -> dict[str, Any]:
+    """Link elements by name, in the file's order; without those that have no name of their own.
 
     Raises:
-        UrdfError: a link without a name of its own, no link, or too many.
+        UrdfError: there is no link, or there are too many.
     """
     links: dict[str, Any] = {}
     for element in children(robot, "link"):
         place = Place(source, element, label_of(element))
-        name = check_name(place)
+        name: str = element.get("name") or ""
+        try:
+            check_name(place)
+        except UrdfError as error:
+            defects.add("link xacro" if name else "link name", error, links=[name] if name else [])
         if name in links:
-            first = links[name].sourceline
-            problem = f"the link name {quoted(name)} is taken by line {first}"
-            place.fail(problem, hint="give each link a name of its own")
-        links[name] = element
+            problem = f"the link name {quoted(name)} is taken by line {links[name].sourceline}"
+            twice = place.error(problem, hint="give each link a name of its own")
+            defects.add("link twice", twice, links=[name], collides=_collides([element]))
+        elif name:
+            links[name] = element
         if len(links) > MAX_LINKS:
             place.fail(f"more than {MAX_LINKS} links", hint=f"keep to {MAX_LINKS} links: split the robot")
     if not links:
-        Place(source, robot, "<robot>").fail("there is no <link>", hint="a robot has one <link> at least")
+        left = defects.found[0].error if defects.found else None
+        hint = left.hint if left is not None and left.hint == XACRO_HINT else "a robot has one <link> at least"
+        Place(source, robot, "<robot>").fail("there is no <link>", hint=hint)
     return links
 
 
-def check_joints(robot: Any, links: dict[str, Any], source: str) -> list[RawJoint]:
-    """Joints with sound attributes, in the file's order; their tree is not checked yet.
+def check_joints(robot: Any, links: dict[str, Any], source: str, defects: Defects) -> list[RawJoint]:
+    """Joints that join two links, in the file's order; their tree and their mimics are not checked yet.
 
     Raises:
-        UrdfError: a joint that is broken, or whose name or mimic clashes with another's.
+        UrdfError: there are too many.
     """
     joints: dict[str, RawJoint] = {}
-    for element in children(robot, "joint"):
-        joint = check_joint(Place(source, element, label_of(element)), links)
-        if joint.name in joints:
-            problem = f"the joint name {quoted(joint.name)} is taken by line {joints[joint.name].line}"
-            joint.place.fail(problem, hint="give each joint a name of its own")
-        joints[joint.name] = joint
-        if len(joints) > MAX_LINKS:
-            joint.place.fail(f"more than {MAX_LINKS} joints", hint=f"keep to {MAX_LINKS} links: split the robot")
-    _check_lengths(joints)
-    _check_mimics(joints)
+    for count, element in enumerate(children(robot, "joint"), 1):
+        place = Place(source, element, label_of(element))
+        if count > MAX_LINKS:
+            place.fail(f"more than {MAX_LINKS} joints", hint=f"keep to {MAX_LINKS} links: split the robot")
+        joint = check_joint(place, links, joints, defects)
+        if joint is not None:
+            joints[joint.name] = joint
     return list(joints.values())
 
 
-def check_tree(joints: Sequence[RawJoint], links: dict[str, Any], source: str) -> str:
-    """Check that the joints make one tree of all links; gives its root link.
+def check_tree(
+    joints: list[RawJoint], links: dict[str, Any], source: str, defects: Defects
+) -> tuple[str, list[RawJoint], dict[str, Any]]:
+    """The root link, and the joints and links of its tree: the part of the file that has most moving joints.
 
     Raises:
-        UrdfError: a link with two parents, a cycle, or several roots.
+        UrdfError: all links are parts of circles.
     """
     parent_of: dict[str, RawJoint] = {}
     for joint in joints:
         other = parent_of.setdefault(joint.child, joint)
         if other is not joint:
-            joint.place.fail(
+            error = joint.place.error(
                 f"link {quoted(joint.child)} has two parents: this joint and {quoted(other.name)} at line {other.line}",
                 hint="a link is the child of one joint only; a closed loop cannot be written as a URDF",
                 at=child(joint.place.element, "child"),
             )
+            defects.add("two parents", error, joints=[other.name, joint.name])
+    first = next((link for link in links if link not in parent_of), "")
+    if len(parent_of) + 1 == len(links) == len(_below(first, parent_of)):  # one tree
+        return first, list(parent_of.values()), links
+    circles = _circles(links, parent_of)
+    trees = {root: _below(root, parent_of) for root in links if root not in parent_of}
+    if not trees:
+        raise circles[0][0]
+    moving = {root: sum(parent_of[link].type in MOVABLE for link in tree - {root}) for root, tree in trees.items()}
+    root = max(trees, key=lambda each: moving[each])  # the first of several with as many
+    for start, apart in trees.items():
+        if start != root:
+            error = Place(source, links[start], label_of(links[start])).error(
+                f"{len(trees)} links have no parent ({listed(trees, 10)}), so the robot falls into parts",
+                hint="join them with fixed joints, or remove all but one",
+            )
+            circles.append((error, apart))
+    for error, apart in circles:
+        carriers = [parent_of[link] for link in links if link in apart and link in parent_of]
+        moving_apart = [joint.name for joint in carriers if joint.type in MOVABLE]
+        collides = _collides(links[link] for link in apart)
+        defects.add("parts", error, joints=moving_apart, links=sorted(apart), collides=collides)
+    kept = {link: element for link, element in links.items() if link in trees[root]}
+    return root, [joint for joint in parent_of.values() if joint.child in kept], kept
+
+
+def check_mimics(joints: list[RawJoint], defects: Defects) -> list[RawJoint]:
+    """The joints, without the ``<mimic>`` of those whose row of mimics does not end at a joint that moves by itself."""
+    by_name = {joint.name: joint for joint in joints}
+    for joint in joints:
+        name = joint.name
+        if joint.mimic is not None and (error := _refused_driver(joint, by_name)) is not None:
+            by_name[name] = replace(joint, mimic=None)
+            defects.add("mimic", error, joints=[name])
+    sound: set[str] = set()  # joints whose row of mimics ends
+    for start in by_name:
+        name, walked = start, dict[str, None]()
+        while name not in sound and (mimic := by_name[name].mimic) is not None:
+            if name in walked:
+                circle = list(walked)[list(walked).index(name) :]
+                first = min(circle, key=list(by_name).index)
+                defects.add("mimic", _circle_error(by_name[first], by_name), joints=[first])
+                by_name[first] = replace(by_name[first], mimic=None)
+                break
+            walked[name] = None
+            name = mimic[0]
+        sound.update(walked)
+    return list(by_name.values())
+
+
+def _below(root: str, parent_of: Mapping[str, RawJoint]) -> set[str]:
+    """The links of the tree below a link, itself included."""
+    carried: dict[str, list[str]] = {}
+    for link, joint in parent_of.items():
+        carried.setdefault(joint.parent, []).append(link)
+    found, waiting = {root}, [root]
+    while waiting:
+        new = [link for link in carried.get(waiting.pop(), ()) if link not in found]
+        found.update(new)
+        waiting += new
+    return found
+
+
+def _circles(links: Mapping[str, Any], parent_of: Mapping[str, RawJoint]) -> list[tuple[UrdfError, set[str]]]:
+    """The error of each circle of links, and the links in it and below it."""
+    circles = []
     sound: set[str] = set()
-    for link in links:
-        walked: dict[str, None] = {}
+    for start in links:
+        link, walked = start, dict[str, None]()
         while link in parent_of and link not in sound:
             if link in walked:
                 loop = list(walked)[list(walked).index(link) :]
                 shown = " <- ".join(map(printable, [*loop[:_SHOWN], *(["..."] if len(loop) > _SHOWN else []), link]))
                 problem = f"the links form a cycle: {shown}"
                 hint = "remove the joint that closes the cycle, so that the links form a tree"
-                parent_of[link].place.fail(problem, hint=hint)
+                circles.append((parent_of[link].place.error(problem, hint=hint), _below(link, parent_of)))
+                sound.update(circles[-1][1])
+                break
             walked[link] = None
             link = parent_of[link].parent
         sound.update(walked)
-    roots = [link for link in links if link not in parent_of]
-    if len(roots) > 1:
-        Place(source, links[roots[1]], label_of(links[roots[1]])).fail(
-            f"{len(roots)} links have no parent ({listed(roots, 10)}), so the robot falls into parts",
-            hint="join them with fixed joints, or remove all but one",
-        )
-    return roots[0]
+    return circles
 
 
-_LOST = 1e-25
-"""Share of all lengths below which one is no number that was meant: what rounding leaves of zero is 1e-17 or so."""
+def _collides(elements: Iterable[Any]) -> bool:
+    """Whether one of these links has a collision shape."""
+    return any(child(element, "collision") is not None for element in elements)
 
 
-def _check_lengths(joints: dict[str, RawJoint]) -> None:
-    """Refuse steps from joint to joint so short that they are lost beside the others, though they are not zero."""
-    lengths = {name: math.hypot(*map(float, joint.origin.get("xyz", "0").split())) for name, joint in joints.items()}
-    size = sum(lengths.values())
-    for name, length in lengths.items():
-        if 0.0 < length < _LOST * size:
-            place = joints[name].place
-            origin = child(place.element, "origin")
-            place.fail(
-                f"xyz={quoted(origin.get('xyz'))} is {length:.3g} m long, no digit beside the URDF's {size:.3g} m",
-                hint='write xyz="0 0 0"',
-                at=origin,
-            )
+def _refused_driver(joint: RawJoint, joints: Mapping[str, RawJoint]) -> UrdfError | None:
+    """The error of a joint that mimics one that is not there, or that has no value."""
+    driver = joint.mimic[0] if joint.mimic else ""
+    element = child(joint.place.element, "mimic")
+    if driver not in joints:
+        close = nearest(driver, joints)
+        hint = "name a joint of this URDF" + (f"; did you mean {listed(close)}?" if close else "")
+        return joint.place.error(f"it mimics {quoted(driver)}, and there is no such joint", hint=hint, at=element)
+    if (kind := joints[driver].type) not in MOVABLE:
+        why = "does not move" if kind == "fixed" else "has no single value"
+        problem = f"it mimics {quoted(driver)}, a {kind} joint, which {why}"
+        return joint.place.error(problem, hint=f"mimic a {', '.join(MOVABLE)} joint", at=element)
+    return None
 
 
-def _check_mimics(joints: dict[str, RawJoint]) -> None:
-    sound: set[str] = set()  # joints whose row of mimics ends at one that moves by itself
-    for joint in joints.values():
-        if joint.mimic is None:
-            continue
-        element = child(joint.place.element, "mimic")
-        driver = joint.mimic[0]
-        if driver not in joints:
-            close = nearest(driver, joints)
-            hint = "name a joint of this URDF" + (f"; did you mean {listed(close)}?" if close else "")
-            joint.place.fail(f"it mimics {quoted(driver)}, and there is no such joint", hint=hint, at=element)
-        if (kind := joints[driver].type) not in MOVABLE:
-            why = "does not move" if kind == "fixed" else "has no single value"
-            problem = f"it mimics {quoted(driver)}, a {kind} joint, which {why}"
-            joint.place.fail(problem, hint=f"mimic a {', '.join(MOVABLE)} joint", at=element)
-        followed = {joint.name: None}
-        while driver in joints and driver not in sound:
-            if driver == joint.name:
-                way = " -> ".join(printable(name) for name in [*list(followed)[:_SHOWN], "..."][: len(followed)])
-                problem = "it mimics itself" + (f", through {way} -> {printable(driver)}" if len(followed) > 1 else "")
-                joint.place.fail(problem, hint="let one joint of the circle move by itself", at=element)
-            mimic = joints[driver].mimic
-            if mimic is None or driver in followed:  # a circle further on is the fault of the joints in it
-                break
-            followed[driver] = None
-            driver = mimic[0]
-        sound.update(followed)
+def _circle_error(joint: RawJoint, joints: Mapping[str, RawJoint]) -> UrdfError:
+    way, mimic = [joint.name], joint.mimic
+    while mimic is not None and mimic[0] != joint.name:
+        way.append(mimic[0])
+        mimic = joints[mimic[0]].mimic
+    shown = " -> ".join(printable(name) for name in [*way[:_SHOWN], *(["..."] if len(way) > _SHOWN else [])])
+    problem = "it mimics itself" + (f", through {shown} -> {printable(joint.name)}" if len(way) > 1 else "")
+    element = child(joint.place.element, "mimic")
+    return joint.place.error(problem, hint="let one joint of the circle move by itself", at=element)

@@ -4,28 +4,25 @@ from __future__ import annotations
 
 import io
 import os
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from lxml import etree
 
 from urdf_ik.errors import ChainError, UrdfError, printable
-from urdf_ik.model import formats, meshes, ros_packages
-from urdf_ik.model.urdf import checks, links, tree
+from urdf_ik.model import meshes, ros_packages
 from urdf_ik.model.urdf.chains import Candidate, Chains, doubt
 from urdf_ik.model.urdf.checks import MOVABLE
+from urdf_ik.model.urdf.defects import TAKEN_FOR_FIXED, UrdfWarning
 from urdf_ik.model.urdf.joint import Joint
-from urdf_ik.model.xml import open_source, parse
+from urdf_ik.model.urdf.limbs import Limb
 from urdf_ik.support import files, inputs
 from urdf_ik.support.text import nearest, quoted
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
+    pass
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,8 +38,8 @@ class UrdfModel:
         joints: in the file's order.
         root: the link without a parent.
         mesh_roots: folders that meshes may come from, besides the URDF's own.
-        left_out: errors of the shapes and inertias that no reader could use and that ``xml`` is without;
-            kinematics does not touch them, but a collision check would miss them.
+        warnings: defects in parts that a chain need not use, and how they were read. ``xml`` is without these
+            defects, so Pinocchio and yourdfpy read what is read here.
         robot: yourdfpy's model of ``xml``, without meshes and without a scene.
 
     Example:
@@ -60,12 +57,12 @@ class UrdfModel:
     joints: tuple[Joint, ...] = field(repr=False)
     root: str
     mesh_roots: tuple[Path, ...] = ()
-    left_out: tuple[UrdfError, ...] = field(repr=False, default=())
+    warnings: tuple[UrdfWarning, ...] = field(repr=False, default=())
 
     @cached_property
     def robot(self) -> Any:
         """The yourdfpy.URDF of ``xml``, without meshes and without a scene."""
-        return _yourdfpy(self.xml)
+        return yourdfpy_model(self.xml)
 
     @property
     def folders(self) -> list[Path]:
@@ -164,7 +161,31 @@ class UrdfModel:
             >>> print(urdf_ik.load("planar_2r").model.chains()[0])
             base_link to tool0, 2 joints
         """
-        return Chains(self._require(self.root if base is None else base, "base"), self.joints).candidates()
+        return self._chains_below(base).candidates()
+
+    def limbs(self, base: str | None = None) -> tuple[Limb, ...]:
+        """The limbs below a link, by the names of their joints and links: arms, legs, a head, fingers.
+
+        Args:
+            base: link that they are looked for below; default: the root.
+
+        Raises:
+            ChainError: there is no such link.
+
+        Example:
+            >>> import urdf_ik
+            >>> [(limb.name, len(limb.joints)) for limb in urdf_ik.load("dual_6r").model.limbs()]
+            [('left_arm', 6), ('right_arm', 6)]
+        """
+        return self._chains_below(base).limbs()
+
+    def _chains_below(self, base: str | None) -> Chains:
+        # Joints that were only taken for fixed, for their defects, are parts of the chains that may be meant.
+        still = {name for each in self.warnings if each.assumed == TAKEN_FOR_FIXED for name in each.joints}
+        joints = self.joints
+        if still:
+            joints = tuple(replace(each, type="continuous") if each.name in still else each for each in joints)
+        return Chains(self._require(self.root if base is None else base, "base"), joints)
 
     def resolve_chain(
         self, base: str | None = None, tip: str | None = None, chain: str | None = None
@@ -176,7 +197,7 @@ class UrdfModel:
         Args:
             base: base link.
             tip: tip link.
-            chain: name of one of ``chains``, where the tip is not given.
+            chain: name of one of ``chains``, or of ``limbs``, where the tip is not given.
 
         Raises:
             ChainError: there is no such link, or it is in doubt which chain is meant; the candidates say what is
@@ -191,8 +212,13 @@ class UrdfModel:
             raise ChainError(f"chain={quoted(chain)} given; the name of a chain is needed")
         if tip is not None:
             return self.root if base is None else self._require(base, "base"), self._require(tip, "tip")
+        if base is None and any(each.rule == "parts" and each.joints for each in self.warnings):
+            # The arm that is meant may be apart: say what took the robot apart.
+            raise next(each.error for each in self.warnings if each.rule in ("undeclared", "ends", "parts"))
         candidates = self.chains(base)
         if not candidates:
+            if base is None and (defects := [each for each in self.warnings if each.joints or each.links]):
+                raise defects[0].error  # without it there might be a chain
             start = self.root if base is None else base
             raise ChainError(
                 f"{self.source}: no {', '.join(MOVABLE)} joint below base {quoted(start)}: there is no movable chain",
@@ -201,7 +227,37 @@ class UrdfModel:
         meant = [each for each in candidates if (each.chosen if chain is None else each.name == chain)]
         if len(meant) == 1:
             return meant[0].base if base is None else base, meant[0].tip
-        raise doubt(self.source, candidates, chain)
+        limbs = self.limbs(base)
+        if named := [limb for limb in limbs if limb.name == chain]:
+            return named[0].base if base is None else base, named[0].tip
+        raise doubt(self.source, candidates, limbs, chain)
+
+    def require_sound(self, base: str, tip: str) -> None:
+        """Refuse the chain between two links where it uses a part of the URDF that has a defect.
+
+        Raises:
+            UrdfError: a joint of it, a joint that one of these mimics, or a link has a defect.
+            ChainError: there is no such link.
+
+        Example:
+            >>> import urdf_ik
+            >>> urdf_ik.load("planar_2r").model.require_sound("base_link", "tool0")
+        """
+        if not self.warnings:
+            return
+        path = self.path_between(base, tip)
+        links = {base, tip}.union(*((joint.parent, joint.child) for joint in path))
+        joints = {each.name for joint in path for each in self._row(joint)}
+        for warning in self.warnings:
+            if not (joints.isdisjoint(warning.joints) and links.isdisjoint(warning.links)):
+                raise warning.error
+
+    def _row(self, joint: Joint) -> list[Joint]:
+        """The joint, and those that it follows."""
+        row = [joint]
+        while (mimic := row[-1].mimic) is not None:
+            row.append(self._by_name[mimic[0]])
+        return row
 
     def driver(self, joint: Joint) -> tuple[Joint, float, float]:
         """The joint at the end of a row of mimics, itself for one that is free, with multiplier and offset.
@@ -214,14 +270,15 @@ class UrdfModel:
             ('joint_1', 1.0, 0.0)
         """
         inputs.kind(joint, "mimic", "joint", "a joint of this URDF, one of .joints,")
-        by_name = self._by_name if joint.mimic else {}
+        if joint.mimic is None:
+            return joint, 1.0, 0.0
         multiplier, offset = 1.0, 0.0
-        while joint.mimic is not None and joint.mimic[0] in by_name:
-            name, factor, shift = joint.mimic
+        row = self._row(joint)
+        for each in row[:-1]:
+            _, factor, shift = each.mimic or ("", 1.0, 0.0)
             offset += multiplier * shift
             multiplier *= factor
-            joint = by_name[name]
-        return joint, multiplier, offset
+        return row[-1], multiplier, offset
 
     @cached_property
     def _by_name(self) -> dict[str, Joint]:
@@ -241,6 +298,8 @@ class UrdfModel:
     def _require(self, link: str, role: str = "link") -> str:
         if isinstance(link, str) and (link == self.root or link in self._carrier):
             return link
+        if apart := next((each for each in self.warnings if link in each.links), None):
+            raise apart.error  # the file has it, but in no tree with the others
         close = nearest(printable(link), self.links)
         hint = f"; did you mean {' or '.join(map(quoted, close))}?" if close else ""
         what = "link" if role == "link" else f"{role} link"
@@ -256,67 +315,6 @@ class UrdfModel:
             joints.append(joint)
             link = joint.parent
         return joints
-
-
-def read(
-    source: str | os.PathLike[str] | bytes | IO[str] | IO[bytes],
-    *,
-    mesh_roots: Sequence[str | os.PathLike[str]] = (),
-    xacro_args: Mapping[str, object] | None = None,
-) -> UrdfModel:
-    """Read a URDF and refuse what is broken.
-
-    Args:
-        source: a path, XML text, or an open text or binary file: a URDF, compressed or not, a MuJoCo model (MJCF), or
-            a xacro, which is a program: a file whose name ends in ``.xacro``, or anything with ``xacro_args``.
-        mesh_roots: folders that meshes may come from besides the URDF's own and its ROS package; meshes need not
-            exist. ROS packages are looked for here first, then in AMENT_PREFIX_PATH and ROS_PACKAGE_PATH.
-        xacro_args: values of a xacro's arguments by name.
-
-    Returns:
-        The model, with every joint's origin and axis as yourdfpy reads them.
-
-    Raises:
-        UrdfError: the URDF cannot be read, or is broken; the message names file, line, element and hint.
-        MissingPackage: a xacro or MJCF is given, and the package that reads it is not installed.
-
-    Example:
-        >>> from urdf_ik.model import catalogue
-        >>> model = read(catalogue.resolve("planar_2r").path)
-        >>> model.name, model.root, len(model.links)
-        ('planar_2r', 'base_link', 4)
-    """
-    folders = _folders(mesh_roots)
-    opened, lost = formats.as_urdf(open_source(source), folders, xacro_args)
-    original = parse(opened)
-    name = tree.check_robot(original, opened.name)
-    names = tree.check_links(original, opened.name)
-    raw = tree.check_joints(original, names, opened.name)
-    root = tree.check_tree(raw, names, opened.name)
-
-    # URDF 1.1 is the first in which urdfdom reads capsules, and the last in which both readers know rpy only.
-    clean, bare = (etree.Element("robot", name=name, version="1.1") for _ in range(2))
-    links.write_materials(clean, original, opened.name)
-    left_out = links.write_links(clean, names, opened.name)
-    for link in names:
-        etree.SubElement(bare, "link", name=link)
-    for robot in (clean, bare):
-        for joint in raw:
-            joint.write(robot)
-    xml = etree.tostring(clean, encoding="utf-8", xml_declaration=True, pretty_print=True)
-    # Kinematics need no shapes: reading them, too, takes most of yourdfpy's time.
-    theirs = _yourdfpy(etree.tostring(bare)).joint_map
-    return UrdfModel(
-        name=name,
-        source=opened.name,
-        path=opened.path,
-        xml=xml,
-        links=tuple(names),
-        joints=tuple(_joint(each, theirs[each.name]) for each in raw),
-        root=root,
-        mesh_roots=folders,
-        left_out=(*lost, *left_out),
-    )
 
 
 def resolve_mesh(model: UrdfModel, filename: str) -> Path:
@@ -346,7 +344,13 @@ def resolve_mesh(model: UrdfModel, filename: str) -> Path:
     return meshes.resolve(filename, model.folders, model.source)
 
 
-def _yourdfpy(xml: bytes) -> Any:
+def yourdfpy_model(xml: bytes) -> Any:
+    """The yourdfpy.URDF of clean XML, without meshes, a scene and capsules.
+
+    Example:
+        >>> yourdfpy_model(b'<robot name="r"><link name="only"/></robot>').robot.name
+        'r'
+    """
     import yourdfpy  # slow to import, and only reading needs it
 
     tree = etree.fromstring(xml)
@@ -356,31 +360,3 @@ def _yourdfpy(xml: bytes) -> Any:
     return yourdfpy.URDF.load(
         io.BytesIO(etree.tostring(tree) if capsules else xml), build_scene_graph=False, load_meshes=False
     )
-
-
-def _joint(raw: checks.RawJoint, theirs: Any) -> Joint:
-    origin = np.eye(4) if theirs.origin is None else np.array(theirs.origin, dtype=np.float64)
-    axis = np.array(theirs.axis, dtype=np.float64)
-    axis /= np.linalg.norm(axis)
-    for array in (origin, axis):
-        array.setflags(write=False)
-    return Joint(
-        name=raw.name,
-        type=raw.type,
-        parent=raw.parent,
-        child=raw.child,
-        origin=origin,
-        axis=axis,
-        lower=raw.lower,
-        upper=raw.upper,
-        velocity=raw.velocity,
-        effort=raw.effort,
-        mimic=raw.mimic,
-        line=raw.line,
-    )
-
-
-def _folders(roots: Iterable[str | os.PathLike[str]] | str | os.PathLike[str]) -> tuple[Path, ...]:
-    each = [roots] if isinstance(roots, str | os.PathLike) else roots
-    held = inputs.items(each, "mesh_roots", "paths of folders")
-    return tuple(inputs.path(root, "a folder of mesh_roots").absolute() for root in held)

@@ -1,0 +1,137 @@
+"""The limbs of a robot with several chains, by the names of their joints and links: arms, legs, heads, fingers."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
+_KINDS = {
+    "finger": "finger thumb pinky knuckle distal proximal phalanx mcp pip dip",
+    "wheel": "wheel caster roller steer",
+    "leg": "leg hip knee ankle thigh calf foot toe haa hfe kfe shank shin crus tarsus",
+    "head": "head neck eye eyes face gaze camera kinect",
+    "arm": "arm shoulder elbow wrist forearm upperarm biceps hand sh el wr clavicle ubarm",
+    "torso": "torso waist trunk spine chest lumbar thorax",
+}
+LONGEST_WHEEL = 2
+"""A limb with more joints is none of a wheel's, though it may end in one."""
+ARM_JOINTS = 5
+"""A limb whose names say nothing is an arm if it has so many joints."""
+_KIND_OF = {word: kind for kind, words in _KINDS.items() for word in words.split()}
+_SIDES = {"left": "left", "l": "left", "right": "right", "r": "right"}
+_ENDS = {"front": "front", "f": "front", "fore": "front", "rear": "rear", "hind": "rear", "back": "rear", "h": "rear"}
+_CORNERS = {
+    f"{side}{end}"[::order]: (_SIDES[side], where)
+    for side in "lr"
+    for end, where in {"f": "front", "h": "rear", "r": "rear", "b": "rear"}.items()
+    for order in (1, -1)
+    if side != end or end != "r"
+}
+_CORNERS["rr"] = ("right", "rear")
+_DIGITS = ("thumb", "index", "middle", "ring", "pinky", "little")
+
+
+@dataclass(frozen=True)
+class Limb:
+    """One limb of a robot.
+
+    Attributes:
+        name: such as 'left_arm', 'right_front_leg', 'head' or 'left_thumb_finger'; different from all others.
+        kind: 'arm', 'leg', 'head', 'finger', 'wheel', 'torso', or 'limb' where the names do not say.
+        base: link that it begins at, where it parts from the other limbs.
+        tip: its last link.
+        joints: its movable joints that follow no other, base to tip.
+
+    Example:
+        >>> import urdf_ik
+        >>> [limb.name for limb in urdf_ik.load("dual_6r").model.limbs()]
+        ['left_arm', 'right_arm']
+    """
+
+    name: str
+    kind: str
+    base: str
+    tip: str
+    joints: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Ending:
+    """A limb without a name: where it begins and ends, its joints, and every name that says what it may be.
+
+    ``arm`` holds the names of the arm that carries it, for a finger.
+    """
+
+    base: str
+    tip: str
+    joints: tuple[str, ...]
+    names: tuple[str, ...]
+    arm: tuple[str, ...] = ()
+
+    @property
+    def kind(self) -> str:
+        """What the names say, 'limb' where they say nothing."""
+        if self.arm:
+            return "finger"
+        votes = Counter(kind for name in self.names for word in _words(name) if (kind := _kind_of(word)))
+        if len(self.joints) > LONGEST_WHEEL:
+            del votes["wheel"]
+        if votes:
+            return votes.most_common(1)[0][0]
+        return "arm" if len(self.joints) >= ARM_JOINTS else "limb"
+
+
+def named(endings: Sequence[Ending]) -> tuple[Limb, ...]:
+    """The limbs with names of their own, in the order in which they are given.
+
+    Example:
+        >>> leg = Ending("hip", "foot", ("LHipYaw",), ("LHipYaw", "l_foot"))
+        >>> [limb.name for limb in named([leg, Ending("neck", "face", ("pan",), ("pan", "face"))])]
+        ['left_leg', 'head']
+    """
+    limbs: list[Limb] = []
+    kinds = [each.kind for each in endings]
+    wanted = [(kind, _name(each, kind)) for each, kind in zip(endings, kinds, strict=True)]
+    counts = Counter(name for _, name in wanted)
+    taken: Counter[str] = Counter()
+    for each, (kind, name) in zip(endings, wanted, strict=True):
+        taken[name] += 1
+        own = name if counts[name] == 1 else f"{name}_{taken[name]}"
+        limbs.append(Limb(own, kind, each.base, each.tip, each.joints))
+    return tuple(limbs)
+
+
+def _words(name: str) -> list[str]:
+    return [word.lower() for word in _WORD.findall(name)]
+
+
+def _kind_of(word: str) -> str | None:
+    """The kind of limb that a word means, such as 'hip' or 'lhip'."""
+    return _KIND_OF.get(word) or (_KIND_OF.get(word[1:]) if word[:1] in ("l", "r") else None)
+
+
+def _name(ending: Ending, kind: str) -> str:
+    sides: Counter[str] = Counter()
+    ends: Counter[str] = Counter()
+    digits = Counter(word for name in ending.names for word in _words(name) if word in _DIGITS)
+    for name in ending.arm or ending.names:
+        for word in set(_words(name)):
+            if word in _CORNERS:
+                side, end = _CORNERS[word]
+                sides[side] += 1
+                ends[end] += 1
+            elif word in _SIDES:
+                sides[_SIDES[word]] += 1
+            elif word[0] in "lr" and word not in _KIND_OF and word[1:] in _KIND_OF:
+                sides[_SIDES[word[0]]] += 1
+            elif word in _ENDS and len(word) > 1:
+                ends[_ENDS[word]] += 1
+    # Half of the names, so that a frame called 'front' on an arm says nothing.
+    half = len(ending.arm or ending.names) / 2.0
+    parts = [found.most_common(1)[0][0] for found in (sides, ends) if found and found.most_common(1)[0][1] >= half]
+    if kind == "finger" and digits:
+        parts.append(digits.most_common(1)[0][0])
+    return "_".join([*parts, kind])

@@ -1,0 +1,118 @@
+"""From a file, text or stream to a :class:`UrdfModel`: what is broken where nothing uses it is a warning."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any
+
+import numpy as np
+from lxml import etree
+
+from urdf_ik.model import formats
+from urdf_ik.model.urdf import checks, links, tree
+from urdf_ik.model.urdf.defects import Defects
+from urdf_ik.model.urdf.joint import Joint
+from urdf_ik.model.urdf.urdf_model import UrdfModel, yourdfpy_model
+from urdf_ik.model.xml import open_source, parse
+from urdf_ik.support import inputs
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+
+def read(
+    source: str | os.PathLike[str] | bytes | IO[str] | IO[bytes],
+    *,
+    mesh_roots: Sequence[str | os.PathLike[str]] = (),
+    xacro_args: Mapping[str, object] | None = None,
+    strict: bool = False,
+) -> UrdfModel:
+    """Read a URDF; a defect in a part that a chain need not use is a warning.
+
+    Args:
+        source: a path, XML text, or an open text or binary file: a URDF, compressed or not, a MuJoCo model (MJCF), or
+            a xacro, which is a program: a file whose name ends in ``.xacro``, or anything with ``xacro_args``.
+        mesh_roots: folders that meshes may come from besides the URDF's own and its ROS package; meshes need not
+            exist. ROS packages are looked for here first, then in AMENT_PREFIX_PATH and ROS_PACKAGE_PATH.
+        xacro_args: values of a xacro's arguments by name.
+        strict: whether every defect is an error.
+
+    Returns:
+        The model, with every joint's origin and axis as yourdfpy reads them.
+
+    Raises:
+        UrdfError: the URDF cannot be read, or is broken; the message names file, line, element and hint.
+        MissingPackage: a xacro or MJCF is given, and the package that reads it is not installed.
+
+    Example:
+        >>> from urdf_ik.model import catalogue
+        >>> model = read(catalogue.resolve("planar_2r").path)
+        >>> model.name, model.root, len(model.links)
+        ('planar_2r', 'base_link', 4)
+    """
+    folders = _folders(mesh_roots)
+    opened, lost = formats.as_urdf(open_source(source), folders, xacro_args)
+    original, defects = parse(opened), Defects()
+    for error in lost:
+        defects.add("collision", error, collides="<collision>" in (error.element or ""))
+    name = tree.check_robot(original, opened.name, defects)
+    every = tree.check_links(original, opened.name, defects)
+    joined = tree.check_joints(original, every, opened.name, defects)
+    root, joined, names = tree.check_tree(joined, every, opened.name, defects)
+    raw = tree.check_mimics(joined, defects)
+
+    # URDF 1.1 is the first in which urdfdom reads capsules, and the last in which both readers know rpy only.
+    clean, bare = (etree.Element("robot", name=name, version="1.1") for _ in range(2))
+    links.write_materials(clean, original, opened.name)
+    links.write_links(clean, names, opened.name, defects)
+    if strict and defects.found:
+        raise defects.found[0].error
+    for link in names:
+        etree.SubElement(bare, "link", name=link)
+    for robot in (clean, bare):
+        for joint in raw:
+            joint.write(robot)
+    xml = etree.tostring(clean, encoding="utf-8", xml_declaration=True, pretty_print=True)
+    # Kinematics need no shapes: reading them, too, takes most of yourdfpy's time.
+    theirs = yourdfpy_model(etree.tostring(bare)).joint_map
+    return UrdfModel(
+        name=name,
+        source=opened.name,
+        path=opened.path,
+        xml=xml,
+        links=tuple(names),
+        joints=tuple(_joint(each, theirs[each.name]) for each in raw),
+        root=root,
+        mesh_roots=folders,
+        warnings=tuple(defects.found),
+    )
+
+
+def _joint(raw: checks.RawJoint, theirs: Any) -> Joint:
+    origin = np.eye(4) if theirs.origin is None else np.array(theirs.origin, dtype=np.float64)
+    axis = np.array(theirs.axis, dtype=np.float64)
+    axis /= np.linalg.norm(axis)
+    for array in (origin, axis):
+        array.setflags(write=False)
+    return Joint(
+        name=raw.name,
+        type=raw.type,
+        parent=raw.parent,
+        child=raw.child,
+        origin=origin,
+        axis=axis,
+        lower=raw.lower,
+        upper=raw.upper,
+        velocity=raw.velocity,
+        effort=raw.effort,
+        mimic=raw.mimic,
+        line=raw.line,
+    )
+
+
+def _folders(roots: Iterable[str | os.PathLike[str]] | str | os.PathLike[str]) -> tuple[Path, ...]:
+    each = [roots] if isinstance(roots, str | os.PathLike) else roots
+    held = inputs.items(each, "mesh_roots", "paths of folders")
+    return tuple(inputs.path(root, "a folder of mesh_roots").absolute() for root in held)

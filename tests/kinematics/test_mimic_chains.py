@@ -1,0 +1,88 @@
+"""Rows of joints that mimic each other: circles, multipliers of zero and nearly zero, mimics of mimics."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import urdf_ik
+from urdf_ik import UrdfError
+from urdf_ik.cell.reference import Reference
+from urdf_ik.model.urdf import read
+
+AXES = (
+    ("0 0 1", "0 0 0.3"), ("0 1 0", "0.1 0 0.1"), ("0 1 0", "0 0 0.4"), ("0 1 0", "0.1 0 0.4"), ("0 0 1", "0 0.1 0.1")
+)  # fmt: skip
+
+
+def robot(mimics: dict[int, str], count: int = 5) -> str:
+    """Joints j0, j1, ... in a row, some of which mimic others: 'driver multiplier offset'."""
+    links = "".join(f'<link name="l{k}"/>' for k in range(count + 1))
+    joints = ""
+    for k, (axis, xyz) in enumerate(AXES[:count]):
+        follows = '<mimic joint="{}" multiplier="{}" offset="{}"/>'.format(*mimics[k].split()) if k in mimics else ""
+        joints += (
+            f'<joint name="j{k}" type="revolute"><parent link="l{k}"/><child link="l{k + 1}"/><origin xyz="{xyz}"/>'
+            f'<axis xyz="{axis}"/><limit lower="-3" upper="3" effort="1" velocity="1"/>{follows}</joint>\n'
+        )
+    return f'<robot name="r">{links}{joints}</robot>'
+
+
+@pytest.mark.parametrize(
+    ("mimics", "circle"),
+    [
+        ({0: "j1 1 0", 1: "j2 1 0", 2: "j1 1 0"}, "j1 -> j2 -> j1"),  # the first leads into a circle of the others
+        ({0: "j1 1 0", 1: "j2 1 0", 2: "j0 1 0"}, "j0 -> j1 -> j2 -> j0"),
+        ({0: "j3 1 0", 2: "j2 1 0"}, "mimics itself"),
+        ({0: "j1 1 0", 1: "j2 1 0", 2: "j3 1 0", 3: "j4 1 0", 4: "j3 1 0"}, "j3 -> j4 -> j3"),
+    ],
+)
+def test_circles_of_mimics_are_errors_of_the_chains_that_use_them(mimics: dict[int, str], circle: str) -> None:
+    """Reading ends, one warning names the circle, and a chain before it loads."""
+    xml = robot(mimics)
+    model = read(xml)
+    assert len(model.warnings) == 1 and circle in model.warnings[0].error.problem
+    with pytest.raises(UrdfError, match="mimics itself"):
+        urdf_ik.load(xml)
+    beside = xml.replace("</robot>", '<link name="t"/>') + (
+        '<joint name="turn" type="continuous"><parent link="l0"/><child link="t"/></joint></robot>'
+    )
+    assert urdf_ik.load(beside, tip="t").joint_names == ("turn",)
+
+
+@pytest.mark.parametrize("multiplier", ["0", "1e-17", "-1e-200", "5e-324"])
+@pytest.mark.parametrize("driver", ["j0", "j1"])
+def test_a_joint_that_follows_by_nothing_stands_at_its_offset(multiplier: str, driver: str) -> None:
+    """It is fixed, and the others are the arm that remains; every drawn joint vector is found."""
+    arm = urdf_ik.load(robot({4: f"{driver} {multiplier} 0.2"}))
+    assert arm.joint_names == ("j0", "j1", "j2", "j3") and not arm.chain.followers
+    found_all(arm)
+
+
+@pytest.mark.parametrize("multiplier", ["1e-12", "-1e-9", "1e-6"])
+def test_a_joint_that_follows_by_little_is_solved(multiplier: str) -> None:
+    """Pinocchio's forward kinematics hold with the small share, and no joint vector is lost."""
+    arm = urdf_ik.load(robot({3: f"j1 {multiplier} 0.2"}, 4))
+    assert arm.joint_names == ("j0", "j1", "j2")
+    found_all(arm)
+
+
+@pytest.mark.parametrize("shares", [("-0.5", "2"), ("0", "2"), ("1", "0"), ("1", "1e-12"), ("2", "0.5")])
+def test_mimics_of_mimics_multiply_their_shares(shares: tuple[str, str]) -> None:
+    """The row j3 -> j2 -> j1 is one share of j1; where it is zero the joint stands still."""
+    arm = urdf_ik.load(robot({2: f"j1 {shares[0]} 0.1", 3: f"j2 {shares[1]} 0.2"}))
+    assert arm.joint_names == ("j0", "j1", "j4")
+    found_all(arm)
+
+
+def found_all(arm: urdf_ik.Arm) -> None:
+    """Forward kinematics are Pinocchio's, every solution reaches its pose, and those that were drawn are found."""
+    reference = Reference(arm.model, arm.base, arm.tip)
+    assert reference.joint_names == arm.joint_names
+    for q in np.random.default_rng(3).uniform(-2.0, 2.0, (12, arm.dof)):
+        T = reference.pose(q)
+        np.testing.assert_allclose(arm.fk(q), T, atol=1e-12)
+        found = arm.ik(T).to_array()
+        assert np.abs(np.angle(np.exp(1j * (found - q)))).max(axis=1).min() < 1e-6
+        position, angle = reference.errors(found, T)
+        assert max(position.max(), angle.max()) < 1e-9
