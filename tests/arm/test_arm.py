@@ -197,7 +197,7 @@ def test_unsupported_arm(text: str, words: str) -> None:
 
 
 def test_a_first_call_is_silent(capfd: pytest.CaptureFixture[str]) -> None:
-    """Nothing is compiled at the first call: nothing is written, and no thread is left behind."""
+    """The first call compiles nothing: it writes nothing and leaves no thread behind."""
     before = threading.active_count()
     arm = urdf_ik.load("zyyzyz_6r")
     assert arm.ik(arm.fk(Q)).count == 8

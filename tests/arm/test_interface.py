@@ -41,7 +41,7 @@ def test_configurations_of_pinocchio_are_those_of_its_own_model(name: str) -> No
 
 
 @pytest.mark.parametrize("shape", [(), (3,), (2, 9)])
-def test_what_is_no_configuration_is_refused(shape: tuple[int, ...]) -> None:
+def test_invalid_configurations_are_refused(shape: tuple[int, ...]) -> None:
     """A configuration has nq numbers, all of them finite."""
     arm = from_catalogue("zyyzyz_6r").arm
     with pytest.raises(urdf_ik.ArgumentError, match="finite numbers are needed"):
@@ -73,8 +73,8 @@ def test_nearest_and_ik_nearest_treat_limits_alike(within_limits: bool) -> None:
         assert ((one.q >= arm.limits[:, 0] - 1e-9) & (one.q <= arm.limits[:, 1] + 1e-9)).all()
 
 
-def test_the_nearest_image_inside_the_limits_counts() -> None:
-    """Two turns allowed: near 5 rad the solution at -1.28 rad is taken by its image at 5 rad."""
+def test_ur5_image_at_5_rad_is_nearest() -> None:
+    """Two turns allowed: near 5 rad the solution at -1.28 rad is returned as its image at 5 rad."""
     arm = from_catalogue("ur5").arm
     q = np.array([5.0, -1.0, 1.2, -0.7, 0.9, -5.5])
     np.testing.assert_allclose(arm.ik_nearest(arm.fk(q), q).q[0], q, rtol=0.0, atol=1e-8)

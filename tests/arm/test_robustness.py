@@ -159,7 +159,7 @@ NO_POSES: dict[str, Callable[[Array], Array]] = {
 
 @pytest.mark.parametrize("problem", NO_POSES)
 @pytest.mark.parametrize("name", ["zyyzyz_6r", "ur5"])
-def test_what_is_no_pose_is_refused(name: str, problem: str) -> None:
+def test_invalid_poses_are_refused(name: str, problem: str) -> None:
     """NaN, infinities, reflections, scaled or sheared rotations raise PoseError, in a batch with the first index."""
     case = arm_of(name)
     poses = poses_of(case, 6)
@@ -186,8 +186,8 @@ def test_wrong_shapes_are_refused(shape: tuple[int, ...]) -> None:
 
 
 @pytest.mark.parametrize("value", ["pose", None, [["a"] * 4] * 4, np.full((4, 4), 1j), {"x": 1}])
-def test_what_is_no_array_is_refused(value: object) -> None:
-    """Text, None, complex numbers and the like raise PoseError, not whatever NumPy makes of them."""
+def test_invalid_arrays_are_refused(value: object) -> None:
+    """Text, None, complex numbers and the like raise PoseError instead of NumPy's own errors."""
     with pytest.raises(PoseError):
         arm_of("ur5").arm.ik(value)
 
@@ -203,7 +203,7 @@ def test_bad_joint_vectors_are_refused(q: Array) -> None:
 
 @pytest.mark.parametrize("name", ARMS)
 def test_empty_batch(name: str) -> None:
-    """No poses, no solutions, and the shapes that go with it."""
+    """A batch of no poses gives no solutions, in arrays of the matching shapes."""
     arm = arm_of(name).arm
     branches = len(arm.structure.branches)
     for shape in ((0,), (0, 3), (2, 0)):

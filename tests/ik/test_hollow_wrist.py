@@ -45,8 +45,8 @@ def test_planted_vectors_are_found(kind: str) -> None:
                 assert distances(arm, found[:i], found[i]).min() > 1e-7
 
 
-def test_against_pinocchio_that_mimics_by_itself() -> None:
-    """Pinocchio's own joint that follows puts the tip of every solution where the target is."""
+def test_irb_5400_solutions_reach_the_pose_of_pinocchios_mimic_joint() -> None:
+    """Pinocchio's own mimic joint puts the tip of every solution at the target."""
     arm, _ = arm_and_reference(hollow("irb_5400", 0))
     model = pin.buildModelFromXML(hollow("irb_5400"), mimic=True)
     data = model.createData()
@@ -62,7 +62,7 @@ def test_against_pinocchio_that_mimics_by_itself() -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_nothing_is_missing(kind: str) -> None:
-    """Newton's method from many starts over the whole joint space finds no solution that the solver does not."""
+    """Every solution that Newton's method finds from many starts over the whole joint space is there."""
     arm, reference = arm_and_reference(hollow(kind, 3))
     compared = 0
     for k, planted in enumerate(drawn(kind, 6, 5)):
@@ -156,7 +156,7 @@ def test_what_is_refused(case: str) -> None:
 
 
 def test_five_independent_joints_are_refused() -> None:
-    """Five independent joints with one that follows: how many are solved, and how many these are."""
+    """The refusal of five independent joints and a follower says how many are solved, and how many the arm has."""
     arm = urdf_ik.load(mimicking(random_arm("wrist, 2||3", 1).urdf, 4, "joint_2", -1.0), "base", "tool")
     with pytest.raises(UnsupportedArm, match="at most 4 independent ones.*5"):
         arm.ik(np.eye(4))

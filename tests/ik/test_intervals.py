@@ -87,7 +87,7 @@ def test_a_scan_finds_nothing_more(case: Case) -> None:
         np.testing.assert_array_equal(count[~edge], covering[~edge])
 
 
-def test_round_poses_of_a_calibrated_arm() -> None:
+def test_calibrated_srs_round_poses_agree_with_a_scan() -> None:
     """A scan agrees where wrist and shoulder are aligned on the way: curves all but meet, or close after two turns.
 
     Origins of an S-R-S arm are off by 1e-4 m. Straight elbows are left out: the edge of reach is as near as that.
@@ -202,8 +202,8 @@ def test_best_is_best_by_dense_sampling(case: Case) -> None:
             assert best.scores(by).max() >= np.nanmax(everything.scores(by)) - 1e-6
 
 
-def test_out_of_reach_there_is_none(case: Case) -> None:
-    """No interval, and nothing nearest or best."""
+def test_out_of_reach_there_is_no_interval(case: Case) -> None:
+    """Out of reach there is no interval, and no nearest or best solution."""
     found = case.arm.intervals(urdf_ik.pose([50.0, 0.0, 0.0]))
     assert len(found) == 0
     assert found.merged().shape == (0, 2)
@@ -267,7 +267,7 @@ def test_the_closed_form_is_what_following_the_curves_finds(monkeypatch: pytest.
         )
 
 
-def test_a_gap_between_curves_that_all_but_meet() -> None:
+def test_panda_elbow_down_has_a_gap_of_7_mrad() -> None:
     """Between two folds 0.007 rad apart the Panda has no solution with the elbow down; on both sides it has four."""
     arm = urdf_ik.load("panda")
     q = [2.255491088, -0.609099922, -2.229986609, -2.66782153, 1.876617404, 3.324392526, -1.920173338]
@@ -279,8 +279,8 @@ def test_a_gap_between_curves_that_all_but_meet() -> None:
     np.testing.assert_array_equal(count, covered(found, values))
 
 
-def test_three_folds_next_to_one_another() -> None:
-    """A curve of an arm with xArm7's frames: within 1e-5 rad of the parameter it turns back, on again, and back."""
+def test_xarm7_frames_three_folds_within_30_urad_are_told_apart() -> None:
+    """A curve of solutions turns back, on again, and back within 3e-5 rad of the parameter; a scan agrees."""
     quarter = 1.5708
     turns = (0.0, -quarter, quarter, quarter, quarter, quarter, -quarter)
     wrist = ((0, 0, 0), (0.076, 0.097, 0))

@@ -86,7 +86,7 @@ def test_planted_vectors_are_found(name: str) -> None:
 
 @pytest.mark.parametrize("name", [n for n in LINKAGES if n != "palletizer with wrist"])
 def test_nothing_is_missing(name: str) -> None:
-    """Newton's method from many starts over the whole joint space finds nothing that the solver does not."""
+    """Every solution that Newton's method finds from many starts over the whole joint space is there."""
     rng = np.random.default_rng(7)
     arm, reference = arm_and_reference(linkage(name, 3))
     turns = np.array(LINKAGES[name].images, dtype=np.float64)
@@ -138,8 +138,8 @@ def test_at_and_near_singularities(name: str) -> None:
     assert met
 
 
-def test_a_continuum() -> None:
-    """Where the last axis lies on the first, only the sum of their turns counts: an exact, marked representative."""
+def test_last_axis_on_the_first_gives_a_marked_representative() -> None:
+    """With the last axis on the first only the sum of their angles counts: an exact, marked representative."""
     heights = [0.0, 0.3, 0.7, 1.1, 1.1, 1.2]
     axes = np.array([Z, Y, Y, Y, Y, Z])
     text = few_urdf("R" * 6, axes, np.array(heights)[:, None] * Z, 1.25 * Z, np.random.default_rng(0))
@@ -197,8 +197,8 @@ def test_many_poses_are_one_by_one() -> None:
     np.testing.assert_array_equal(q, pickle.loads(pickle.dumps(arm)).ik(T).q)
 
 
-def test_images_after_whole_periods() -> None:
-    """A joint that drives another by 3/2 is back after two turns: one turn more is another solution, or none."""
+def test_halves_linkage_repeats_after_two_turns() -> None:
+    """A joint that drives another by 3/2 repeats after two turns; one turn more is another solution, or none."""
     text = limited(limited(limited(linkage("halves", 0), 1, -20.0, 20.0), 2, -99.0, 99.0), 3, -3.0, 3.0)
     arm, reference = urdf_ik.load(text, "base", "tool"), Reference(text, "base", "tool")
     q = np.array([0.5, -0.8])
@@ -216,8 +216,8 @@ def test_images_after_whole_periods() -> None:
     assert ((images.to_array() >= lower - 1e-9) & (images.to_array() <= upper + 1e-9)).all()
 
 
-def test_limits_of_the_driver_and_of_what_mimics_it() -> None:
-    """A joint is limited by what its followers allow, unless that is nothing at all."""
+def test_limits_of_a_driver_and_its_followers() -> None:
+    """A joint's limits are those that its followers allow, unless these allow nothing at all."""
     plain = random_arm("wrist, 2||3", 3).urdf
 
     def limits(multiplier: float, offset: float, lower: float, upper: float) -> Array:

@@ -65,8 +65,8 @@ def test_nothing_nearer_is_sampled(arm: str, name: str) -> None:
         assert np.linalg.norm(answer - near[k]) <= least + 1e-7
 
 
-def test_a_region_makes_a_pose_reachable() -> None:
-    """A target just out of reach has a solution with a box around it, and none with a smaller one."""
+def test_zyyzyz_5_cm_out_of_reach_is_reached_with_a_box_of_6_cm() -> None:
+    """A target just out of reach has a solution with a box around it, and none with a smaller box."""
     arm = urdf_ik.load("zyyzyz_6r")
     T = urdf_ik.pose([0.0, 0.0, 3.35])
     assert not arm.ik_nearest(T, np.zeros(6)).count

@@ -51,7 +51,7 @@ def test_a_reason_is_counted_from_the_base() -> None:
 
 @pytest.mark.parametrize("name", catalogue.BUNDLED)
 def test_every_bundled_arm_has_a_reason(name: str) -> None:
-    """What is solved says why it can be."""
+    """The structure of every solved arm gives the reason why it can be solved."""
     structure = urdf_ik.load(name).structure
     assert bool(structure.family) == bool(structure.reason)
     assert not re.search(r"[{}]|  ", structure.reason)

@@ -110,7 +110,7 @@ def test_batch_and_single_agree(case: Case) -> None:
 
 
 def test_nearest_without_a_solution(case: Case) -> None:
-    """Out of reach: no solution, and the reason; what does not fit is refused."""
+    """Out of reach there is no solution and a reason; arguments that do not fit are refused."""
     far = urdf_ik.pose([50.0, 0.0, 0.0])
     found = case.arm.ik_nearest(far, np.zeros(7))
     assert not found

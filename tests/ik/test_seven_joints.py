@@ -38,7 +38,7 @@ def draw(case: Case, seed: int, m: int) -> tuple[Array, Array, Array]:
 
 def numbers_of(case: Case) -> dict[str, Any]:
     """What an S-R-S arm's solver was made from."""
-    numbers: dict[str, Any] = case.arm._plan.solver.values
+    numbers: dict[str, Any] = case.arm.solver.require_member().solver.values
     return numbers
 
 
@@ -63,7 +63,7 @@ def test_random_poses(kind: str, seed: int, orthogonal: bool, aligned: bool) -> 
 
 @pytest.mark.parametrize("kind", SEVEN)
 def test_nothing_is_missing(kind: str) -> None:
-    """At a given parameter Newton's method from many starts, on the six free joints, finds nothing more."""
+    """At a given parameter, every solution that Newton's method finds from many starts is there."""
     case = member(kind, 0)
     parameter = case.arm.redundancy
     rng = np.random.default_rng(3)
@@ -140,8 +140,8 @@ def test_poses_and_values_broadcast(kind: str) -> None:
     assert arm.ik(targets[:0], redundancy=values[:0]).q.shape == (0, len(table.branches), 7)
 
 
-def test_what_does_not_fit_is_refused() -> None:
-    """Values that are no numbers or do not broadcast, and an arm that has no parameter."""
+def test_values_that_do_not_fit_are_refused() -> None:
+    """Values that are not numbers or do not broadcast, and an arm without a parameter."""
     arm = member("S-R-S", 0).arm
     T = np.tile(np.eye(4), (3, 1, 1))
     for value in (np.nan, "much", [0.0, np.inf]):
@@ -284,8 +284,8 @@ def above_the_base(case: Case, q: Array) -> Array | None:
     return q if np.linalg.norm(aside(q[1])) < 1e-12 else None
 
 
-def test_representatives_follow_the_reference() -> None:
-    """At an aligned shoulder and wrist the joints that only count together stand at zero, or near ``q_ref``."""
+def test_srs_straight_shoulder_and_wrist_stay_near_the_reference() -> None:
+    """Where only the sum of two joints counts, the free one is zero, or near ``q_ref``."""
     case = member("S-R-S", 1, True, True)
     numbers = numbers_of(case)
     q = np.array([0.4, -numbers["shoulder"]["shift"], 0.7, 1.1, -0.3, -numbers["wrist"]["shift"], 0.9])
@@ -382,8 +382,8 @@ def test_an_empty_answer_tells_where_there_are_solutions() -> None:
     assert explained
 
 
-def test_a_wrist_in_the_shoulder() -> None:
-    """Equal links folded fully leave no line to swivel about: still a solution, exact and marked, not an exception."""
+def test_srs_equal_links_folded_wrist_in_the_shoulder_is_marked() -> None:
+    """Equal links folded fully leave no line to swivel about: an exact solution, marked, and no exception."""
     origins = [((0, 0, 0.3), (0, 0, 0)), *[((0, 0, 0), (0, 0, 0))] * 2, ((0, 0, 0.4), (0, 0, 0))]
     origins += [((0, 0, 0.4), (0, 0, 0)), *[((0, 0, 0), (0, 0, 0))] * 2, ((0, 0, 0.1), (0, 0, 0))]
     text = serial_urdf("folded", origins, [Z, Y, Z, Y, Z, Y, Z, None])

@@ -188,8 +188,8 @@ def test_coordinates_of_the_plane() -> None:
     np.testing.assert_allclose(np.cross(*arm.solver.control.plane.axes), arm.solver.control.plane.normal, atol=1e-12)
 
 
-def test_known_two_link_arm() -> None:
-    """The two-link arm with links of 66 and 130: by the law of cosines, and its published limits."""
+def test_two_links_of_66_and_130_mm_obey_the_law_of_cosines() -> None:
+    """The elbow's two angles are those of the law of cosines; the column names tell which side the elbow is on."""
     points = np.array([0 * X, 0.066 * X])
     text = few_urdf("RR", np.array([Z, Z]), points, 0.196 * X, np.random.default_rng(0), aligned=True)
     case = case_of(text)

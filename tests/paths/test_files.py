@@ -115,7 +115,7 @@ HEADER = "x,y,z,qw,qx,qy,qz\n"
         (numpy_file(alone=T)[:60].replace(b"(5, 4, 4)", b"(9**9,4,)") + b"'", ("damaged",)),
     ],
 )
-def test_what_is_wrong_is_named_with_its_place(content: str | bytes, words: tuple[str, ...], tmp_path: Path) -> None:
+def test_errors_name_the_place_in_the_file(content: str | bytes, words: tuple[str, ...], tmp_path: Path) -> None:
     """Every message begins with the file, and names the line, the column, the value, or what would be valid."""
     file = tmp_path / "seam.csv"
     file.write_bytes(content.encode() if isinstance(content, str) else content)

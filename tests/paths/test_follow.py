@@ -66,7 +66,7 @@ def test_seven_joints_follow_a_moved_joint_path(name: str, seed: int) -> None:
     assert plan.cost <= 1.5 * (np.diff(q, axis=0) ** 2).sum()
 
 
-def test_across_half_a_turn() -> None:
+def test_ur5_joints_pass_half_a_turn_without_a_jump() -> None:
     """Joints pass pi without a jump where their limits allow it."""
     arm = urdf_ik.load("ur5")
     q = np.tile([3.0, -1.2, 1.1, 3.0, 1.2, -3.0], (41, 1)) + np.linspace(0.0, 0.6, 41)[:, None] * [1, 0, 0, 1, 0, -1]
@@ -75,8 +75,8 @@ def test_across_half_a_turn() -> None:
     assert np.abs(plan.q - q).max() < 1e-6
 
 
-def test_turns_that_run_into_a_limit() -> None:
-    """The last joint turns once and a half: only one of its images has room for that."""
+def test_ur5_last_joint_turns_one_and_a_half_times() -> None:
+    """Only one image of the last joint has room for one and a half turns; two turns are refused and named."""
     arm = urdf_ik.load("ur5")
     q = np.tile([0.4, -1.2, 1.1, 0.3, 1.2, 0.0], (181, 1))
     q[:, 5] = np.linspace(-1.0, -1.0 + 3.0 * np.pi, 181) - 4.0
@@ -96,7 +96,7 @@ def test_turns_that_run_into_a_limit() -> None:
 @pytest.mark.parametrize(
     ("turns", "given", "found"), [(8.0, False, True), (4.0, True, True), (8.0, True, False), (12.0, False, False)]
 )
-def test_limits_of_many_turns(turns: float, given: bool, found: bool) -> None:
+def test_zyyzyz_limits_of_10_turns_are_kept(turns: float, given: bool, found: bool) -> None:
     """A joint with 10.4 turns inside its limits is wound no further, nor from another turn than the start's."""
     model = etree.fromstring(urdf_ik.load("zyyzyz_6r").model.xml)
     (limit,) = model.xpath("joint[@name='joint_6']/limit")
@@ -172,7 +172,7 @@ def test_an_obstacle_is_gone_round_by_another_branch(seed: int, waypoint: int) -
     assert set(plan.branches).isdisjoint(free.branches)
 
 
-def test_reconfigurations_are_as_few_as_possible() -> None:
+def test_ur5_last_joint_beyond_its_limits_reconfigures_once() -> None:
     """The last joint would have to turn beyond its limits: one change of turn is enough."""
     arm = urdf_ik.load("ur5")
     q = np.tile([0.4, -1.2, 1.1, 0.3, 1.2, 0.0], (181, 1))

@@ -24,7 +24,7 @@ def test_a_waypoint_out_of_reach_is_named() -> None:
     assert "reach" in plan.explain()
 
 
-def test_a_limit_in_the_way_of_every_branch_is_named() -> None:
+def test_puma_limit_in_the_way_of_every_branch_is_named() -> None:
     """A limit in the way of every branch is named."""
     arm = urdf_ik.load("puma_560")
     q = np.tile([0.0, -0.6, 0.4, 0.3, 0.8, 0.5], (81, 1))
@@ -64,8 +64,8 @@ def test_each_branch_is_stopped_where_its_limit_is(kind: str) -> None:
 
 
 @pytest.mark.parametrize("room", [0.01, 0.4])
-def test_no_motion_passes_through_what_is_outside_the_limits(room: float) -> None:
-    """The last joint's limits leave a gap of twice the room at half a turn: none of its images crosses it."""
+def test_zyyzyz_no_motion_passes_the_gap_of_its_limits(room: float) -> None:
+    """The last joint's limits leave a gap of twice ``room`` at half a turn: none of its images crosses the gap."""
     model = etree.fromstring(urdf_ik.load("zyyzyz_6r").model.xml)
     for limit in model.xpath("joint/limit"):
         limit.set("lower", str(-np.pi + room))

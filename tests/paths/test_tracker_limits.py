@@ -28,8 +28,8 @@ def test_a_far_target_is_approached_along_the_straight_way() -> None:
     np.testing.assert_allclose(steps[-1].q, START + [0.5, 0.3, 0.2, -0.4, 0.3, 0.5], atol=1e-9)
 
 
-def test_what_is_missing_is_reported() -> None:
-    """``distance`` and ``angle`` are those to the target."""
+def test_distance_and_angle_to_the_target_are_reported() -> None:
+    """``distance`` and ``angle`` are those from the tip to the target."""
     arm = arm_of("zyyzyz_6r")
     T = arm.fk(Q0)
     T[:3, 3] += [0.3, 0.0, 0.0]
