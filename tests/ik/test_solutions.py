@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import pickle
-import timeit
 from collections import namedtuple
 from typing import Any
 
@@ -31,9 +30,7 @@ class Chain(namedtuple("Chain", "joint_types")):
 
 
 Nearest = namedtuple("Nearest", "links distance")
-FakeSolver = namedtuple(
-    "FakeSolver", "name joint_names limits dof chain why_none contacts parameters", defaults=((),)
-)
+FakeSolver = namedtuple("FakeSolver", "name joint_names limits dof chain why_none contacts parameters", defaults=((),))
 
 
 class Hits:
@@ -175,21 +172,20 @@ def test_pickle() -> None:
     """Solutions, filtered ones too, survive pickling where their arm does."""
     picked = ONE.turns().nearest([0, 0, 0])
     for s in (ONE, picked):
-        bare = s.solver._replace(contacts=None)
-        got = pickle.loads(pickle.dumps(IKSolutions(bare, s.poses, s.q, s._info, s.branches)))
+        got = pickle.loads(pickle.dumps(s))
         np.testing.assert_array_equal(got.q, s.q)
         np.testing.assert_array_equal(got.valid, s.valid)
+        np.testing.assert_array_equal(got.singular, s.singular)
         assert got.branches == s.branches
-    again = pickle.loads(pickle.dumps(picked))
-    assert again.names.tolist() == picked.names.tolist()
+        assert got.names.tolist() == s.names.tolist()
 
 
-def test_construction_is_cheap() -> None:
-    """Construction does nothing but keep references: it takes less time than one reduction over its flags."""
+def test_construction_copies_nothing() -> None:
+    """Solutions refer to the arrays that the solver filled."""
     T, q, info = np.eye(4), np.zeros((8, 6)), np.ones(8, np.uint8)
-    construct = min(timeit.repeat(lambda: IKSolutions(ARM, T, q, info, BRANCHES), number=20_000, repeat=9))
-    reduce = min(timeit.repeat(info.any, number=20_000, repeat=9))
-    assert construct < reduce
+    solutions = IKSolutions(ARM, T, q, info, BRANCHES)
+    assert np.shares_memory(solutions.q, q)
+    assert np.shares_memory(solutions.poses, T)
 
 
 def test_within_limits_gives_the_image_inside() -> None:

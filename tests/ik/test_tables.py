@@ -39,7 +39,7 @@ def test_a_frame_has_a_row_a_solution(arm: urdf_ik.Arm) -> None:
     np.testing.assert_array_equal(row[list(arm.joint_names)].to_numpy(float), batch[1, 2][0].q)
 
 
-def test_zyyzyz_straight_wrist_is_a_word_in_the_frame(arm: urdf_ik.Arm) -> None:
+def test_puma_straight_wrist_is_a_word_in_the_frame(arm: urdf_ik.Arm) -> None:
     """A straight wrist stands in the frame as a word."""
     pytest.importorskip("pandas")
     q = Q * [1, 1, 1, 1, 0, 1]

@@ -101,16 +101,21 @@ def test_srs_smoothing_finds_the_least_sum_of_squares() -> None:
     q = joint_path(arm, 40, 2, size=0.2)
     T = arm.fk(q)
     asked = settings.read(
-        arm, T, start=None, end=None, obstacles=None, cost="l2", weights=None, max_step=None, tolerance=None,
+        arm.solver, T, start=None, end=None, obstacles=None, cost="l2", weights=None, max_step=None, tolerance=None,
         margins=0.0, reconfigure=False,
     )  # fmt: skip
     whole = assembly.Refined(T, np.arange(40.0), np.ones(39))
     value = np.unwrap(arm.redundancy_of(q))
     better, moved = smoothing.smoothed(asked, whole, q, value)
+
+    def beside(step: float) -> np.ndarray:
+        found = arm.ik(T, redundancy=moved + step).nearest(better).q[:, 0]
+        return better + np.remainder(found - better + np.pi, 2.0 * np.pi) - np.pi
+
     before, after = ((np.diff(each, axis=0) ** 2).sum() for each in (q, better))
     assert after < before
     assert np.abs(arm.fk(better) - T).max() < 1e-9
-    t = smoothing._derivative(asked, whole, better, moved)
+    t = (beside(1e-6) - beside(-1e-6)) / 2e-6
     gaps = np.diff(better, axis=0)
     gradient = np.concatenate([[0.0], (t[1:] * gaps).sum(axis=1)]) - np.append((t[:-1] * gaps).sum(axis=1), 0.0)
     low, high = arm.limits.T
@@ -123,7 +128,7 @@ def test_panda_grid_is_finer_than_the_coarsest() -> None:
     arm = urdf_ik.load("panda")
     T = arm.fk(joint_path(arm, 10, 0))
     asked = settings.read(
-        arm, T, start=None, end=None, obstacles=None, cost="l2", weights=None, max_step=None, tolerance=None,
+        arm.solver, T, start=None, end=None, obstacles=None, cost="l2", weights=None, max_step=None, tolerance=None,
         margins=0.0, reconfigure=False,
     )  # fmt: skip
     whole = assembly.Refined(T, np.arange(10.0), np.ones(9))
