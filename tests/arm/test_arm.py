@@ -1,4 +1,4 @@
-"""An arm: what it says of itself, that it answers from any thread, refuses and travels."""
+"""An arm: its repr, immutability, pickling, threads, and the arms that it refuses to solve."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A free axis of the tip: solutions and nearest ones by Pinocchio, what refuses it, and what it leaves as it was."""
+"""A free axis of the tip: solutions and the nearest ones by Pinocchio, refusals, and the arm without a value."""
 
 from __future__ import annotations
 

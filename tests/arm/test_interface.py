@@ -1,4 +1,4 @@
-"""What an arm promises beyond its solutions: Pinocchio's configurations, the nearest solution, refused arguments."""
+"""An arm beyond its solutions: Pinocchio's configurations, the nearest solution, refused arguments."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Threads, forks, bad input, odd arrays, memory: what surrounds the solver."""
+"""Threads, forks, bad input, unusual arrays, memory."""
 
 from __future__ import annotations
 
@@ -259,13 +259,6 @@ def test_single_precision_and_integers() -> None:
     assert expected.valid.any()
     for kind in (np.float32, np.float16, np.longdouble, np.int64, np.int32):
         np.testing.assert_array_equal(case.arm.ik(pose.astype(kind)).q, expected.q)
-
-
-def test_pinocchio_pose() -> None:
-    """A pinocchio.SE3 is a pose."""
-    case = arm_of("ur5")
-    for pose in poses_of(case, 5):
-        np.testing.assert_array_equal(case.arm.ik(pin.SE3(pose)).q, case.arm.ik(pin.SE3(pose).homogeneous).q)
 
 
 @pytest.mark.parametrize("name", ARMS)

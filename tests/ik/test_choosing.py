@@ -95,7 +95,7 @@ def test_without_limits_angles_go_round(choice: dict[str, Any]) -> None:
 
 
 def test_the_same_after_other_filters() -> None:
-    """Bounds drop what is beyond them from turns and from a batch; what was chosen keeps its branch."""
+    """Bounds apply to turns and to batches; a chosen solution keeps its branch."""
     arm = from_catalogue("ur5").arm
     q = np.array([0.3, -1.0, 1.2, -0.7, 0.9, -0.5])
     s = arm.ik(arm.fk(np.stack([q, q + 0.1])))

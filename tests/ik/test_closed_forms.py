@@ -1,4 +1,4 @@
-"""Three parallel axes at one end, three axes through one point in the middle: what holds of both, from either end."""
+"""Families with three parallel axes at one end or a spherical middle, also reversed: the contract of ``ik``."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from closed_forms import member, members, near_member
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_random_poses(kind: str) -> None:
-    """Planted joint vectors come back, all are exact, none comes twice."""
+    """Planted joint vectors are found, all solutions are exact, none is given twice."""
     for case in members(kind):
         contract.holds(case, 40, 1)
 

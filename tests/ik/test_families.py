@@ -1,4 +1,4 @@
-"""Every family, on arms from the catalogue and on random members: complete, exact and without duplicates."""
+"""Every family, on catalogue arms and on random members: the contract of ``ik``, branches, published numbers."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from oracle import Oracle, angle_distance
 
 import urdf_ik
 
-# Families whose geometry gives every column a meaning: no path that avoids singularities changes the column.
+# On these arms a path that avoids singularities stays in its column.
 NAMED_BRANCHES = (
     "zyyzyz_6r",
     "dh_6r",

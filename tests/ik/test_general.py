@@ -199,7 +199,7 @@ def test_pinocchio_agrees_on_the_standard_table() -> None:
 
 
 def test_parallel_axes_2_3_4_and_5_6_lose_no_planted_vector() -> None:
-    """Some set-ups of the elimination give a determinant that lacks half of this arm's solutions: none is chosen."""
+    """The elimination is not set up with a determinant that lacks half of this arm's solutions."""
     axes = np.array([Z, Y, Y, Y, -Z, -Z])
     ends = [[0.61, 0, 0.18], [1.18, 0.17, 0.18], [1.18, 0.17, 0.06], [1.18, 0.29, 0.06]]
     points = np.array([[0, 0, 0.18], [0, 0, 0.18], *ends])

@@ -1,4 +1,4 @@
-"""Intervals of the redundancy parameter: what is in them, what ends them, and that none is missing."""
+"""Intervals of the redundancy parameter: they hold solutions, end for a reason, and none is missing."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def case(request: pytest.FixtureRequest) -> Case:
 
 
 def near_limits(arm: urdf_ik.Arm, rng: np.random.Generator, m: int) -> Array:
-    """Joint vectors (m, n) of which one joint is within 2 % of its range from a limit: windows are narrow there."""
+    """Joint vectors (m, n) with one joint within 2 % of its range from a limit, where intervals are narrow."""
     low, high = np.clip(arm.limits.T, -np.pi, np.pi)
     q = rng.uniform(low, high, (m, arm.dof))
     joint, upper = rng.integers(arm.dof, size=m), rng.integers(2, size=m) == 1
@@ -164,7 +164,7 @@ def test_loops_narrower_than_the_grid_are_found(kind: str) -> None:
 
 
 def test_batch_is_its_poses(case: Case) -> None:
-    """A batch holds what its poses hold one by one, whatever its shape; parts that are no single pose are refused."""
+    """A batch holds what its poses hold one by one, whatever its shape; what is not a single pose is refused."""
     arm = case.arm
     T = case.oracle.poses(near_limits(arm, np.random.default_rng(5), 6)).reshape(2, 3, 4, 4)
     batch = arm.intervals(T)
@@ -233,7 +233,7 @@ def test_free_axis() -> None:
 
 
 def test_contacts_end_intervals() -> None:
-    """With a wall in reach, what is left is free of contact, what was cut off is not, and the wall is named."""
+    """With a wall in reach the intervals are free of contact, the removed parts are not, and the wall is named."""
     arm, world = urdf_ik.load("srs_7r"), urdf_ik.World()
     q = np.array([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1])
     T = arm.fk(q)

@@ -1,4 +1,4 @@
-"""The count of what is lost: its reference is Pinocchio whatever the arm, and it catches what it is there for."""
+"""The benchmark that counts lost solutions: its reference is Pinocchio, and it counts each kind of fault."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Six joints of which some slide: complete, exact, named, and explained where a pose is out of reach."""
+"""Six joints, some of them slides: complete, exact, named, and explained where a pose is out of reach."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The container of solutions: indexing, filters, images, the nearest, and what it says when there are none."""
+"""The container of solutions: indexing, filters, images, the nearest, and the reason when there are none."""
 
 from __future__ import annotations
 

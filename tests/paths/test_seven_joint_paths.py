@@ -12,7 +12,7 @@ from urdf_ik.paths.planner import assembly, redundant, smoothing
 
 
 def narrow_path(arm: urdf_ik.Arm, seed: int, room: float = 4e-3) -> tuple[np.ndarray, np.ndarray]:
-    """A joint path (m, 7) of which two joints are near limits that the self-motion runs into on either side."""
+    """A joint path (m, 7) with two joints near limits, one on each side of the self-motion."""
     rng = np.random.default_rng(seed)
     low, high = arm.limits.T
     while True:

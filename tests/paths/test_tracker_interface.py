@@ -1,4 +1,4 @@
-"""What a tracker takes, what it answers with, and what it refuses."""
+"""A tracker's targets, its answers, and the inputs that it refuses."""
 
 from __future__ import annotations
 

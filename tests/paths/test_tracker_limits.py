@@ -1,4 +1,4 @@
-"""What a tracker keeps to: limits of speed, of acceleration and of the joints, and obstacles."""
+"""A tracker keeps the limits of speed, of acceleration and of the joints, and stops before obstacles."""
 
 from __future__ import annotations
 

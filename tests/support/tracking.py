@@ -1,4 +1,4 @@
-"""Arms and paths for trackers, and what every step of every tracker keeps to."""
+"""Arms and paths for trackers, and the checks that every step of a tracker must pass."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def gaps(name: str, q: Array, T: Array) -> Array:
 
 
 def run(tracker: Tracker, targets: Array) -> list[Step]:
-    """Every step of following the targets, of which each is checked against the limits."""
+    """The steps of following the targets; each step must keep the limits."""
     arm, before, steps = tracker.arm, tracker.q, []
     for target in targets:
         step = tracker.step(target)

@@ -1,4 +1,4 @@
-"""Arms that joints with one axis, lengths of zero or parallel axes make degenerate: no pose that they reach is lost."""
+"""Degenerate arms (joints on one axis, zero lengths, many parallel axes): no pose that they reach is lost."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Described:
         return few_urdf(self.kinds, axes, points, points[-1] + rng.uniform(0.05, 0.2, 3), rng)
 
 
-S = X + 0.4 * Y + 0.2 * Z  # no direction in particular
+S = X + 0.4 * Y + 0.2 * Z  # a skew direction
 SEVEN = {
     "axes 5 and 6 are one": Described(
         "RRRRRRR",
@@ -76,7 +76,7 @@ SEVEN = {
     ),
     "of rank 3: all meet": Described("RRRRRRR", (Z, Y, X, S, Y, Z, X), ((0, 0, 0),) * 7),
 }
-"""Seven joints of which the six others are singular everywhere, whichever end is held."""
+"""Arms with seven joints whose other six are singular everywhere when the first or the last joint is held."""
 
 
 def assert_reached(arm: urdf_ik.Arm, Q: Array) -> None:

@@ -1,6 +1,6 @@
-"""General arms where people work: joints at multiples of 90 degrees, the tool straight down, folded elbows.
+"""General arms at common poses: joints at multiples of 90 degrees, the tool straight down, folded elbows.
 
-There the determinant of an elimination vanishes for every value of the hidden joint, or has roots of high multiplicity.
+At these poses the elimination's determinant is zero for every value of the hidden joint, or has multiple roots.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def round_vectors(rng: np.random.Generator, count: int) -> Array:
 
 
 def assert_found(case: Case, Q: Array) -> None:
-    """Every one of the joint vectors is among the solutions of its pose, which are certain to be all."""
+    """Each joint vector is among the solutions of its pose, and ``certain`` says that these are complete."""
     solutions = case.arm.ik(case.arm.fk(Q))
     lost = np.nan_to_num(angle_distance(solutions.q, Q[:, None, :]), nan=np.inf).min(axis=1) > 1e-6
     assert not lost.any(), f"{lost.sum()} of {len(Q)} lost, the first at {Q[lost][0].tolist()}"
@@ -66,7 +66,7 @@ def assert_found(case: Case, Q: Array) -> None:
 @pytest.mark.parametrize("noise", NOISES)
 @pytest.mark.parametrize("name", MAKERS)
 def test_round_joint_vectors_are_found(name: str, noise: float) -> None:
-    """Joints at multiples of 90 degrees, exactly and nearly, of regular joint vectors."""
+    """Regular joint vectors with all joints at, or near, multiples of 90 degrees are found."""
     case, rng = named(name), np.random.default_rng(1)
     Q = round_vectors(rng, 500)
     Q = Q[least_singular_values(case, Q) > REGULAR][:60]
@@ -75,7 +75,7 @@ def test_round_joint_vectors_are_found(name: str, noise: float) -> None:
 
 @pytest.mark.parametrize("name", MAKERS)
 def test_rounding_does_not_change_the_number(name: str) -> None:
-    """Some units in the last place of position and rotation: a regular pose keeps its solutions."""
+    """A regular pose keeps its number of solutions when its entries change by a few units in the last place."""
     case, rng = named(name), np.random.default_rng(2)
     Q = np.vstack([round_vectors(rng, 300), rng.uniform(-np.pi, np.pi, (60, 6))])
     targets = case.arm.fk(Q)
@@ -121,12 +121,18 @@ def straight_down(case: Case, position: Array) -> Array:
     return target
 
 
-def test_known_numbers_of_a_crx() -> None:
-    """Fanuc's CRX-10iA/L: twelve solutions straight down in front of it, eight at a round joint vector."""
+def test_crx_straight_down_in_front_keeps_twelve() -> None:
+    """Fanuc's CRX-10iA/L has twelve solutions with the flange straight down 0.74 m in front of it."""
     case = named("crx")
     target = straight_down(case, np.array([0.74, 0.0, 0.52]))
     assert len(assert_exact(case, case.arm.ik(target), target)) == 12
-    assert len(case.arm.ik(case.arm.fk(np.radians([180.0, 90.0, -90.0, 90.0, -90.0, 90.0])))) == 8
+
+
+def test_crx_folded_elbow_keeps_eight() -> None:
+    """Fanuc's CRX-10iA/L has eight solutions at q3 = -90 degrees with all other joints at multiples of 90 degrees."""
+    case = named("crx")
+    target = case.oracle.pose(np.radians([180.0, 90.0, -90.0, 90.0, -90.0, 90.0]))
+    assert len(assert_exact(case, case.arm.ik(target), target)) == 8
 
 
 @pytest.mark.parametrize("place", range(6))

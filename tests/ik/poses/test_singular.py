@@ -1,4 +1,4 @@
-"""At and near singularities and the edge of reach: complete where solutions are isolated, honest where they are not."""
+"""At and near singularities and the edge of reach: isolated solutions are complete, continua are marked."""
 
 from __future__ import annotations
 
@@ -239,7 +239,7 @@ EDGES += [(name, 1) for name in ("zyyzyz_6r", "ur5", "industrial", "industrial-l
 
 @pytest.mark.parametrize(("name", "folded"), EDGES, ids=[f"{name}-{('straight', 'folded')[k]}" for name, k in EDGES])
 def test_edge_of_reach(name: str, folded: int) -> None:
-    """With the elbow straight or folded, elbow up and down are one solution; 1e-6 m further none, 1e-6 m inside two."""
+    """At the edge of reach elbow up and down merge into one solution; 1e-6 m inside there are two, outside none."""
     case, rng = named(name), np.random.default_rng(9)
     # Half a turn apart. Rounding says whether a draw meets one at pi, and on which side of zero one at zero lies.
     elbow = float(on_singularity(case, "elbow", rng)[2])
@@ -270,7 +270,7 @@ def test_edge_of_reach(name: str, folded: int) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_folds_of_every_family(kind: str) -> None:
-    """Where two solutions merge, the solver returns one; a step of 1e-6 m to one side none and to the other both."""
+    """Two solutions that merge are returned as one; 1e-6 m to one side there are both, to the other side neither."""
     checked = 0
     for name in MEMBERS_OF[kind]:
         case, rng = named(name), np.random.default_rng(10)
@@ -324,7 +324,7 @@ def test_drawn_joint_vectors(name: str, q: Array) -> None:
 @pytest.mark.parametrize("name", ["zyyzyz_6r", "dh_6r", "ur5", "industrial"])
 @given(q=all_near_special)
 def test_drawn_joint_vectors_near_several_singularities(name: str, q: Array) -> None:
-    """All joints at, or 1e-1 to 1e-12 rad from, quarter turns, so that singularities coincide: exact, none lost."""
+    """All joints at, or 1e-1 to 1e-12 rad from, quarter turns, so that singularities coincide: no solution is lost."""
     assert_planted(named(name), q)
 
 
