@@ -217,8 +217,8 @@ def test_empty_batch(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ARMS)
-def test_odd_arrays(name: str) -> None:
-    """Views, Fortran order, strides, read-only and other types give the same answers, and no input is modified."""
+def test_unusual_arrays(name: str) -> None:
+    """Views, Fortran order, strides, read-only and other types give the same answers; inputs stay unchanged."""
     case = arm_of(name)
     poses = poses_of(case, 24)
     expected = case.arm.ik(poses).q
@@ -264,7 +264,7 @@ def test_single_precision_and_integers() -> None:
 @pytest.mark.parametrize("name", ARMS)
 @pytest.mark.parametrize("threads", [1, 2])
 def test_memory_of_a_large_batch(name: str, threads: int) -> None:
-    """A batch of 100,000 poses takes the memory of its answer and little besides."""
+    """A batch of 100,000 poses takes at most 10 % and 72 bytes a pose more than its answer."""
     case = arm_of(name)
     poses = poses_of(case, 1000)[np.arange(100_000) % 1000]
     case.arm.ik(poses[:100], threads=threads)

@@ -57,7 +57,7 @@ def vectors(arm: urdf_ik.Arm, count: int, seed: int, *, of_round_values: bool) -
 @pytest.mark.parametrize("choice", CHOICES, ids=str)
 @pytest.mark.parametrize("name", ARMS)
 def test_nearest_of_all_turns(name: str, choice: dict[str, Any], of_round_values: bool) -> None:
-    """None of the images inside the limits is nearer; where none is within the bounds, nothing is returned."""
+    """No image inside the limits is nearer; where no image is within the bounds, nothing is returned."""
     arm = from_catalogue(name).arm
     planted = vectors(arm, 12, 1, of_round_values=of_round_values)
     references = vectors(arm, 12, 2, of_round_values=of_round_values)
@@ -94,7 +94,7 @@ def test_without_limits_angles_go_round(choice: dict[str, Any]) -> None:
         np.testing.assert_allclose(got, expected[: len(found)], atol=1e-9)
 
 
-def test_the_same_after_other_filters() -> None:
+def test_bounds_apply_to_turns_and_batches() -> None:
     """Bounds apply to turns and to batches; a chosen solution keeps its branch."""
     arm = from_catalogue("ur5").arm
     q = np.array([0.3, -1.0, 1.2, -0.7, 0.9, -0.5])
@@ -109,7 +109,7 @@ def test_the_same_after_other_filters() -> None:
 
 
 def test_ur5_elbow_beyond_its_bound_is_named() -> None:
-    """The reason names the joint of the closest solution that is too far away, by how much, and what was allowed."""
+    """The reason names the closest solution's joint that is too far away, its distance, and the bound."""
     arm = from_catalogue("ur5").arm
     q = np.array([0.3, -1.0, 1.2, -0.7, 0.9, -0.5])
     near = q + [0.0, 0.0, 0.25, 0.0, 0.0, 0.0]
@@ -140,7 +140,7 @@ def test_settings_that_make_no_sense_are_refused(options: dict[str, Any], error:
 
 
 def test_time_needs_speeds() -> None:
-    """An arm whose URDF gives no speed for a joint has no time; the message names the joint and what to do."""
+    """Without a joint's speed in the URDF the time metric is refused; the message names the joint and a remedy."""
     text = random_arm("wrist, 1x2", 0).urdf.replace('velocity="', 'velocity="0" was="', 1)
     arm = urdf_ik.load(text, "base", "tool")
     with pytest.raises(ArgumentError, match=r"'joint_1'.*velocity=.*weights of 1 / speed"):
@@ -167,7 +167,7 @@ def test_best_within_the_limits(name: str) -> None:
 
 
 def test_best_by_manipulability() -> None:
-    """The order is that of Pinocchio's Jacobians; a pose without solutions has none to choose."""
+    """Solutions are ordered by the manipulability of Pinocchio's Jacobians; a pose without solutions stays empty."""
     arm = from_catalogue("ur5").arm
     model = pin.buildModelFromXML(arm.model.xml.decode())
     data, frame = model.createData(), model.getFrameId(arm.tip)

@@ -118,7 +118,7 @@ def test_order_of_the_images() -> None:
 
 
 def test_batches_are_their_rows() -> None:
-    """A batch with NaN rows gives what each row alone gives; a NaN row stays one."""
+    """Each row of a batch gives what it gives alone; a row of NaN stays NaN."""
     rng = np.random.default_rng(5)
     q = rng.uniform(-PI, PI, (3, 4, 5, 6))
     q[rng.random((3, 4, 5)) < 0.2] = np.nan

@@ -45,7 +45,7 @@ def test_few_joints_return_the_path(name: str) -> None:
 
 
 def test_tasks_are_followed() -> None:
-    """An arm of a task takes targets of that task; what the task leaves open does not count."""
+    """An arm with a task takes targets of that task, and ignores the rest of the pose."""
     arm = arm_of("positioning_3r").for_task("position")
     Q = path(arm, 4)
     points = arm.fk(Q)[:, :3, 3]

@@ -93,12 +93,12 @@ def gaps(name: str, q: Array, T: Array) -> Array:
 
 def run(tracker: Tracker, targets: Array) -> list[Step]:
     """The steps of following the targets; each step must keep the limits."""
-    arm, before, steps = tracker.arm, tracker.q, []
+    limits, before, steps = tracker.solver.limits, tracker.q, []
     for target in targets:
         step = tracker.step(target)
         q = step.q
         assert (np.abs(q - before) <= tracker.velocity_limits * tracker.dt + ROUNDING).all()
-        assert ((q >= arm.limits[:, 0]) & (q <= arm.limits[:, 1])).all()
+        assert ((q >= limits[:, 0]) & (q <= limits[:, 1])).all()
         assert (step.why is None) == (step.status == "ok")
         if step.status == "held":
             np.testing.assert_array_equal(q, before)
