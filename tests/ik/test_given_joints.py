@@ -18,7 +18,7 @@ KINDS = ("S-R-S", "one before wrist, 1x2", "one behind 2||3||4, 5x6")
 
 
 def check(arm: urdf_ik.Arm, oracle: Oracle, seed: int, count: int) -> None:
-    """Planted joint vectors are found again at their own values, all solutions are exact and have them."""
+    """Planted joint vectors are found at their own values; all solutions are exact and have those values."""
     rng = np.random.default_rng(seed)
     q = rng.uniform(-1.5, 1.5, (count, arm.dof))
     T, values = oracle.poses(q), arm.redundancy_of(q)

@@ -44,7 +44,7 @@ def test_every_planted_joint_vector_is_in_an_interval(case: Case) -> None:
 
 
 def test_ends_are_ends(case: Case) -> None:
-    """A solution inside the limits 1e-7 inside each end, exact by the oracle; none on that branch 1e-7 outside."""
+    """1e-7 inside each end there is an exact solution within the limits, 1e-7 outside none on that branch."""
     arm = case.arm
     looked = 0
     for q in near_limits(arm, np.random.default_rng(2), 12):
@@ -149,7 +149,7 @@ def covered(intervals: list[Interval], values: Array) -> Array:
 
 @pytest.mark.parametrize("kind", ["one behind wrist, 1x2", "S-R-S"])
 def test_loops_narrower_than_the_grid_are_found(kind: str) -> None:
-    """Poses at the edge of what a branch reaches: their intervals may be narrower than the values of the grid apart."""
+    """At the edge of a branch's reach an interval may be narrower than a step of the grid; it is found."""
     case = described(random_seven(kind, 4))
     arm, rng = case.arm, np.random.default_rng(4)
     narrow = 0
@@ -181,7 +181,7 @@ def test_batch_is_its_poses(case: Case) -> None:
 
 @pytest.mark.parametrize("count", [0, 1, 300])
 def test_batches_of_every_size(count: int) -> None:
-    """The closed form takes poses part by part: no pose, one, and more than a part holds."""
+    """The closed form splits batches: no pose, one, and more than fit in a part give the same as single poses."""
     arm = urdf_ik.load("srs_7r")
     T = arm.fk(near_limits(arm, np.random.default_rng(12), 300))[:count]
     found = arm.intervals(T)
@@ -212,7 +212,7 @@ def test_out_of_reach_there_is_no_interval(case: Case) -> None:
 
 
 def test_arms_that_leave_nothing_free_are_refused() -> None:
-    """Six joints hold a pose in single joint vectors."""
+    """An arm with six joints has no redundancy parameter."""
     arm = urdf_ik.load("puma_560")
     with pytest.raises(urdf_ik.UnsupportedArm, match="nothing free"):
         arm.intervals(np.eye(4))
@@ -252,8 +252,8 @@ def test_contacts_end_intervals() -> None:
         assert int(free.count) == sum(value in interval for interval in left)
 
 
-def test_the_closed_form_is_what_following_the_curves_finds(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of an S-R-S arm with axes at right angles: the same intervals, branches, ends and reasons, in two ways."""
+def test_the_closed_form_agrees_with_following_the_curves(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On an orthogonal S-R-S arm both methods give the same intervals, branches, ends and reasons."""
     arm = urdf_ik.load("srs_7r")
     T = arm.fk(near_limits(arm, np.random.default_rng(8), 60))
     closed = arm.intervals(T)

@@ -28,7 +28,7 @@ def inside(arm: urdf_ik.Arm, rng: np.random.Generator, count: int) -> Array:
 
 
 def off(region: Region, T: Array, reached: Array) -> tuple[Array, float, float]:
-    """Where a pose is seen from a target: place, tilt of the axis, rotation, computed on its own."""
+    """Place, axis tilt and rotation of a pose relative to a target, computed independently."""
     a, at = np.array(region.axis.direction), np.array(region.axis.at)
     R = T[:3, :3].T @ reached[:3, :3]
     place = T[:3, :3].T @ (reached[:3, :3] @ at + reached[:3, 3] - T[:3, 3]) - at
@@ -91,7 +91,7 @@ def test_several_parameters() -> None:
 
 
 def test_settings_that_make_no_sense() -> None:
-    """Widths, angles, tasks and distances that there are not; a region can be pickled and compared."""
+    """Invalid widths, angles, tasks and metrics are refused; a region can be pickled and compared."""
     for wrong in ({"box": -1.0}, {"box": [1, 2]}, {"cone": 4.0}, {"rotation": -0.1}, {"axis": "w"}):
         with pytest.raises(ArgumentError):
             Region(**wrong)

@@ -37,7 +37,7 @@ def draw(case: Case, seed: int, m: int) -> tuple[Array, Array, Array]:
 
 
 def numbers_of(case: Case) -> dict[str, Any]:
-    """What an S-R-S arm's solver was made from."""
+    """The values from which an S-R-S arm's solver was made."""
     numbers: dict[str, Any] = case.arm.solver.require_member().solver.values
     return numbers
 
@@ -119,7 +119,7 @@ def newton_at(case: Case, q: Array, T: Array, value: float) -> Array | None:
 
 @pytest.mark.parametrize("kind", ["S-R-S, offset elbow", "one behind wrist, 1x2", "one before 2||3||4, 5x6"])
 def test_poses_and_values_broadcast(kind: str) -> None:
-    """Every pose at every value, one pose at many, many at one, threads: the same digits as one by one."""
+    """Every pose at every value, one at many, many at one, with threads: equal to single calls to the last bit."""
     arm = member(kind, 0).arm
     _, targets, _ = draw(member(kind, 0), 1, 70)
     values = np.linspace(-3.0, 3.0, 5)
@@ -217,7 +217,7 @@ def test_branch_names_mean_what_they_say(kind: str, seed: int) -> None:
 @pytest.mark.parametrize("where", ["elbow stretched", "elbow folded", "shoulder", "wrist", "on axis 1", "all"])
 @pytest.mark.parametrize("seed", range(4))
 def test_near_singularities(where: str, distance: float, seed: int) -> None:
-    """Stretched, folded, aligned, above the base: exact, without duplicates, marked; found again where it can be."""
+    """Stretched, folded, aligned, or above the base: exact and marked, none given twice, planted found if isolated."""
     kind = SWIVELLING[seed % 2]
     case = member(kind, seed, True, seed == 3)
     numbers = numbers_of(case)
@@ -299,7 +299,7 @@ def test_srs_straight_shoulder_and_wrist_stay_near_the_reference() -> None:
 
 @pytest.mark.parametrize("kind", ["S-R-S", "one before wrist, 2||3"])
 def test_out_of_reach(kind: str) -> None:
-    """Far away there is no solution and no exception, and the reason holds a number."""
+    """Out of reach there is no solution and no exception, and the reason holds a number."""
     arm = member(kind, 0).arm
     far = urdf_ik.pose([100.0, 0.0, 0.0])
     solutions = arm.ik(far, redundancy=0.3)
@@ -313,7 +313,7 @@ def test_out_of_reach(kind: str) -> None:
 
 @pytest.mark.parametrize(("joint", "given"), [(1, "joint_1"), (7, "joint_7")])
 def test_a_lift(joint: int, given: str) -> None:
-    """A sliding first or last joint is the parameter, in metres; its range is what the joint's limits are."""
+    """A sliding first or last joint is the parameter, in metres; its range is the joint's limits."""
     kind = "one before 2||3||4, 5x6" if joint == 1 else "one behind wrist, 1x2"
     text = sliding(random_seven(kind, 0).urdf, joint, 0.0, 0.8)
     arm, oracle = urdf_ik.load(text, "base", "tool"), Oracle(text)
@@ -365,7 +365,7 @@ def test_more_than_nine_joints_ask_for_locked_ones() -> None:
 
 
 def test_an_empty_answer_tells_where_there_are_solutions() -> None:
-    """Where the pose is out of reach at one value of the last joint, the reason names the values at which it is not."""
+    """Out of reach at one value of the last joint, the reason names the values with solutions."""
     case = member("one behind wrist, 1x2", 0)
     explained = 0
     for q, T in zip(*draw(case, 12, 12)[:2], strict=True):
