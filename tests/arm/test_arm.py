@@ -1,4 +1,4 @@
-"""An arm: what it says of itself, that it answers from any thread, refuses and travels."""
+"""An arm: its repr, immutability, pickling, threads, and the arms that it refuses to solve."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ TEXT = ur_like().urdf
 
 
 def test_repr() -> None:
-    """The name, the links and the family stand in the representation; the number of joints where there is none."""
+    """The repr shows the name, the links and the family, or the number of joints of an arm without a family."""
     assert repr(urdf_ik.load(TEXT, "base", "tool")) == "<Arm 'ur_like': base to tool, 6R 2||3||4 and 5x6>"
     assert repr(urdf_ik.load(TWO_HANDS, tip="left")) == "<Arm 'two': base to left, 2R>"
     assert repr(urdf_ik.load(_long(10), "base", "tool")) == "<Arm '10R': base to tool, 10 joints>"
@@ -35,7 +35,7 @@ def test_repr() -> None:
 
 @pytest.mark.parametrize("attribute", ["name", "base", "tip", "joint_names", "dof", "limits"])
 def test_an_arm_does_not_change(attribute: str) -> None:
-    """What an arm says of itself cannot be assigned, and its arrays cannot be written to."""
+    """Attributes of an arm cannot be assigned, and its arrays cannot be written to."""
     arm = urdf_ik.load(TEXT, "base", "tool")
     with pytest.raises(AttributeError):
         setattr(arm, attribute, None)
@@ -197,7 +197,7 @@ def test_unsupported_arm(text: str, words: str) -> None:
 
 
 def test_a_first_call_is_silent(capfd: pytest.CaptureFixture[str]) -> None:
-    """Nothing is compiled at the first call: nothing is written, and no thread is left behind."""
+    """The first call compiles nothing: it writes nothing and leaves no thread behind."""
     before = threading.active_count()
     arm = urdf_ik.load("zyyzyz_6r")
     assert arm.ik(arm.fk(Q)).count == 8
@@ -228,7 +228,7 @@ def test_an_arm_that_is_solved_from_its_tool(described_arm: DescribedArm) -> Non
 
 
 def test_solutions_belong_to_their_arm() -> None:
-    """Two arms in one process, each with its own URDF, do not share state: each answers for its own."""
+    """Two arms in one process do not share state: each solves its own URDF."""
     short, tall = described(industrial()), described(industrial(tool=(0.3, 0.1, 0.2)))
     target = short.oracle.pose(Q)
     for case in (short, tall, short):

@@ -48,8 +48,8 @@ def turns(m: int) -> Array:
     return np.array([pin.exp3(rng.uniform(-2.0, 2.0, 3)) for _ in range(m)])
 
 
-def test_explain_the_article_arm_out_of_reach() -> None:
-    """The text tells the wrist centre's true distance from the shoulder, and the reach: 1 m and 1.1 m in line."""
+def test_zyyzyz_out_of_reach_tells_the_wrist_distance() -> None:
+    """The text tells the wrist centre's distance from the shoulder, and the reach of 1 m + 1.1 m."""
     case = from_catalogue("zyyzyz_6r")
     shoulder, centre = origin_of(case.oracle, 2, np.zeros(6)), origin_of(case.oracle, 5, np.zeros(6))
     np.testing.assert_allclose([shoulder, centre], [[0.0, 0.0, 1.0], [0.0, 0.0, 3.1]], atol=1e-15)
@@ -62,7 +62,7 @@ def test_explain_the_article_arm_out_of_reach() -> None:
             assert "shoulder" in text and "reach" in text
 
 
-def test_explain_the_article_arm_folded() -> None:
+def test_zyyzyz_inside_the_folded_elbow_tells_the_folded_length() -> None:
     """Closer to the shoulder than the folded arm, the text tells that distance and the folded length of 0.1 m."""
     case = from_catalogue("zyyzyz_6r")
     in_tip = (np.linalg.inv(case.oracle.pose(np.zeros(6))) @ [0.0, 0.0, 3.1, 1.0])[:3]
@@ -73,8 +73,8 @@ def test_explain_the_article_arm_folded() -> None:
         assert "folded" in text
 
 
-def test_explain_with_a_shoulder_offset() -> None:
-    """The distance is the nearer of both ways to turn the shoulder, the reach that of the elbow's own lengths."""
+def test_industrial_arm_out_of_reach_counts_its_shoulder_offset() -> None:
+    """The distance is the smaller one of both ways to turn the shoulder, the reach is that of the elbow's lengths."""
     case = described(industrial())
     upper, lower = 0.6, math.hypot(0.35 + 0.35, 0.12)  # axis 2 to 3; axis 3 to the centre at (0.85, 1.22)
     in_tip = (np.linalg.inv(case.oracle.pose(np.zeros(6))) @ [0.85, 0.0, 1.22, 1.0])[:3]
@@ -85,7 +85,7 @@ def test_explain_with_a_shoulder_offset() -> None:
         assert numbers_in(case.arm.explain(target)) == pytest.approx([distance, upper + lower], rel=1e-5)
 
 
-def test_explain_with_a_lateral_offset() -> None:
+def test_industrial_lateral_arm_near_axis_1_tells_its_offset() -> None:
     """Closer to axis 1 than the lateral offset, the text tells the distance from the axis and the offset."""
     case = described(industrial(b=0.1))
     in_tip = (np.linalg.inv(case.oracle.pose(np.zeros(6))) @ [0.85, 0.1, 1.22, 1.0])[:3]
@@ -96,7 +96,7 @@ def test_explain_with_a_lateral_offset() -> None:
         assert "axis 1" in text
 
 
-def test_explain_a_ur_beside_its_first_axis() -> None:
+def test_ur5_wrist_near_axis_1_tells_its_offset() -> None:
     """Where the wrist would be closer to axis 1 than the sideways offset, the text tells both, as the URDF has them."""
     case = from_catalogue("ur5")
     wrist = origin_of(case.oracle, 6, np.zeros(6))
@@ -110,7 +110,7 @@ def test_explain_a_ur_beside_its_first_axis() -> None:
         assert "axis 1" in text and "axes 5 and 6" in text
 
 
-def test_explain_a_ur_out_of_reach() -> None:
+def test_ur5_out_of_reach_tells_the_distance_of_axes_2_and_4() -> None:
     """The text tells how far apart the pose wants axes 2 and 4, and the reach of the two links between them."""
     case = from_catalogue("ur5")
     places = [origin_of(case.oracle, joint, np.zeros(6)) for joint in (2, 3, 4)]
@@ -158,6 +158,6 @@ def test_a_pose_within_reach_is_explained_by_the_limits_alone(name: str) -> None
     ids=["NaN", "3 by 3", "a batch", "text"],
 )
 def test_explain_wants_one_pose(bad: Any) -> None:
-    """What is no single pose is refused by explain as by ik, instead of being read beyond its end."""
+    """Explain refuses every input that is not a single pose, as ik does."""
     with pytest.raises(PoseError):
         from_catalogue("zyyzyz_6r").arm.explain(bad)

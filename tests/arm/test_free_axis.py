@@ -1,4 +1,4 @@
-"""A free axis of the tip: solutions and nearest ones by Pinocchio, what refuses it, and what it leaves as it was."""
+"""A free axis of the tip: solutions and the nearest ones by Pinocchio, refusals, and the arm without a value."""
 
 from __future__ import annotations
 
@@ -137,8 +137,8 @@ def test_seven_joints_have_two_parameters() -> None:
         arm.ik(T, redundancy=v)
 
 
-def test_batches_of_nothing() -> None:
-    """Of no joint vectors there are no values; a reason is asked of one value of each parameter."""
+def test_empty_batches() -> None:
+    """An empty batch has no values; ``explain`` takes one value of each parameter."""
     arm = urdf_ik.load("srs_7r").with_free_axis("z")
     T = arm.fk([0.3] * 7)
     assert arm.redundancy_of(np.zeros((0, 7)), T).shape == (0, 2)
@@ -148,8 +148,8 @@ def test_batches_of_nothing() -> None:
             arm.explain(T, redundancy=values)
 
 
-def test_what_it_cannot_be() -> None:
-    """Axes that are none, arms that control less, a second axis, a tool behind it, joint vectors of another target."""
+def test_free_axes_that_are_refused() -> None:
+    """Invalid axes, arms that control less, a second axis, a tool behind it, joint vectors of another target."""
     arm = urdf_ik.load("puma_560")
     free = arm.with_free_axis("z")
     for axis, at in (("w", None), ((0, 0, 0), None), ("z", (1.0, 2.0)), ((1.0, np.nan, 0.0), None)):
@@ -176,8 +176,8 @@ def test_what_it_cannot_be() -> None:
         free.redundancy_of(np.zeros(6), np.ones((4, 4)))
 
 
-def test_why_there_is_no_solution() -> None:
-    """The reason of the turned target, and that no other rotation helps."""
+def test_an_empty_answer_is_explained() -> None:
+    """The reason is that of the turned target, and says that no other rotation helps."""
     arm = urdf_ik.load("zyyzyz_6r").with_free_axis("z")
     assert arm.explain(urdf_ik.pose([0.0, 0.0, 4.0])).endswith("nor at other values")
     tilted = urdf_ik.load("zyyzyz_6r").with_free_axis("z", at=(0.0, 0.5, 0.0))

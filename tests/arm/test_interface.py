@@ -1,4 +1,4 @@
-"""What an arm promises beyond its solutions: Pinocchio's configurations, the nearest solution, refused arguments."""
+"""An arm beyond its solutions: Pinocchio's configurations, the nearest solution, refused arguments."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ARMS = ("zyyzyz_6r", "planar_2r", "positioning_3r", "stanford_rrprrr", "srs_7r")
 
 
 def within(arm: urdf_ik.Arm, seed: int, m: int) -> np.ndarray:
-    """Joint vectors (m, n) inside the limits, within +-3 where there is none."""
+    """Joint vectors (m, n) inside the limits, or within +-3 where a joint has no limits."""
     lower, upper = np.clip(arm.limits, -3.0, 3.0).T
     return np.random.default_rng(seed).uniform(lower, upper, (m, arm.dof))
 
@@ -41,7 +41,7 @@ def test_configurations_of_pinocchio_are_those_of_its_own_model(name: str) -> No
 
 
 @pytest.mark.parametrize("shape", [(), (3,), (2, 9)])
-def test_what_is_no_configuration_is_refused(shape: tuple[int, ...]) -> None:
+def test_invalid_configurations_are_refused(shape: tuple[int, ...]) -> None:
     """A configuration has nq numbers, all of them finite."""
     arm = from_catalogue("zyyzyz_6r").arm
     with pytest.raises(urdf_ik.ArgumentError, match="finite numbers are needed"):
@@ -62,7 +62,7 @@ def test_the_nearest_of_any_arm_is_where_it_came_from(name: str) -> None:
 
 @pytest.mark.parametrize("within_limits", [False, True])
 def test_nearest_and_ik_nearest_treat_limits_alike(within_limits: bool) -> None:
-    """With the same argument, the nearest of the solutions is what ``ik_nearest`` gives."""
+    """``ik_nearest`` and ``nearest`` of all solutions agree for the same ``within_limits``."""
     arm = from_catalogue("ur5_limited").arm
     Q = within(arm, 3, 20)
     T = arm.fk(Q)
@@ -73,8 +73,8 @@ def test_nearest_and_ik_nearest_treat_limits_alike(within_limits: bool) -> None:
         assert ((one.q >= arm.limits[:, 0] - 1e-9) & (one.q <= arm.limits[:, 1] + 1e-9)).all()
 
 
-def test_the_nearest_image_inside_the_limits_counts() -> None:
-    """Two turns allowed: near 5 rad the solution at -1.28 rad is taken by its image at 5 rad."""
+def test_ur5_image_at_5_rad_is_nearest() -> None:
+    """Two turns allowed: near 5 rad the solution at -1.28 rad is returned as its image at 5 rad."""
     arm = from_catalogue("ur5").arm
     q = np.array([5.0, -1.0, 1.2, -0.7, 0.9, -5.5])
     np.testing.assert_allclose(arm.ik_nearest(arm.fk(q), q).q[0], q, rtol=0.0, atol=1e-8)
@@ -98,7 +98,7 @@ def test_less_than_one_thread_is_refused(threads: int) -> None:
 
 
 def test_errors_about_arguments_are_value_errors() -> None:
-    """Whoever expects a ValueError of a bad argument gets one; only a missing package and a lost cluster are not."""
+    """All errors are ValueErrors, except for a missing package and a failed job."""
     every = [kind for kind in vars(errors).values() if inspect.isclass(kind) and issubclass(kind, errors.UrdfIkError)]
     assert {kind.__name__ for kind in every if not issubclass(kind, ValueError)} == {
         "UrdfIkError",
@@ -119,8 +119,8 @@ def test_an_arm_is_a_small_record() -> None:
 
 
 @pytest.mark.parametrize("name", LINKAGES)
-def test_what_mimics_follows_in_pinocchios_configuration(name: str) -> None:
-    """The joints that mimic others follow them in the configuration: Pinocchio's tip is where the arm's is."""
+def test_mimic_joints_follow_in_pinocchios_configuration(name: str) -> None:
+    """In ``to_pinocchio`` mimic joints follow their drivers: Pinocchio's tip is the arm's."""
     arm = urdf_ik.load(linkage(name, 0), base="base", tip="tool")
     reference = Reference(arm.model, arm.base, arm.tip)
     model, data = reference.pin_model, reference.pin_model.createData()

@@ -1,4 +1,4 @@
-"""load: from every kind of source, by name, and what it refuses."""
+"""load: from every kind of source, by name, and the errors for inputs that it refuses."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def test_a_file_goes_before_a_name(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 
 
 def test_unknown_names_and_missing_files() -> None:
-    """A bare word that is no name raises ArgumentError with what is near; what looks like a path, UrdfError."""
+    """An unknown word raises ArgumentError with similar names; a missing path raises UrdfError."""
     with pytest.raises(ArgumentError, match="zyyzyz_6r"):
         urdf_ik.load("zyyzyz-6r")
     for missing in ("nowhere/arm.urdf", "arm.urdf", Path("zyyzyz_6r_not_here")):

@@ -1,4 +1,4 @@
-"""Threads, forks, bad input, odd arrays, memory: what surrounds the solver."""
+"""Threads, forks, bad input, unusual arrays, memory."""
 
 from __future__ import annotations
 
@@ -159,7 +159,7 @@ NO_POSES: dict[str, Callable[[Array], Array]] = {
 
 @pytest.mark.parametrize("problem", NO_POSES)
 @pytest.mark.parametrize("name", ["zyyzyz_6r", "ur5"])
-def test_what_is_no_pose_is_refused(name: str, problem: str) -> None:
+def test_invalid_poses_are_refused(name: str, problem: str) -> None:
     """NaN, infinities, reflections, scaled or sheared rotations raise PoseError, in a batch with the first index."""
     case = arm_of(name)
     poses = poses_of(case, 6)
@@ -186,8 +186,8 @@ def test_wrong_shapes_are_refused(shape: tuple[int, ...]) -> None:
 
 
 @pytest.mark.parametrize("value", ["pose", None, [["a"] * 4] * 4, np.full((4, 4), 1j), {"x": 1}])
-def test_what_is_no_array_is_refused(value: object) -> None:
-    """Text, None, complex numbers and the like raise PoseError, not whatever NumPy makes of them."""
+def test_invalid_arrays_are_refused(value: object) -> None:
+    """Text, None, complex numbers and the like raise PoseError instead of NumPy's own errors."""
     with pytest.raises(PoseError):
         arm_of("ur5").arm.ik(value)
 
@@ -203,7 +203,7 @@ def test_bad_joint_vectors_are_refused(q: Array) -> None:
 
 @pytest.mark.parametrize("name", ARMS)
 def test_empty_batch(name: str) -> None:
-    """No poses, no solutions, and the shapes that go with it."""
+    """A batch of no poses gives no solutions, in arrays of the matching shapes."""
     arm = arm_of(name).arm
     branches = len(arm.structure.branches)
     for shape in ((0,), (0, 3), (2, 0)):
@@ -217,8 +217,8 @@ def test_empty_batch(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ARMS)
-def test_odd_arrays(name: str) -> None:
-    """Views, Fortran order, strides, read-only and other types give the same answers, and no input is modified."""
+def test_unusual_arrays(name: str) -> None:
+    """Views, Fortran order, strides, read-only and other types give the same answers; inputs stay unchanged."""
     case = arm_of(name)
     poses = poses_of(case, 24)
     expected = case.arm.ik(poses).q
@@ -261,17 +261,10 @@ def test_single_precision_and_integers() -> None:
         np.testing.assert_array_equal(case.arm.ik(pose.astype(kind)).q, expected.q)
 
 
-def test_pinocchio_pose() -> None:
-    """A pinocchio.SE3 is a pose."""
-    case = arm_of("ur5")
-    for pose in poses_of(case, 5):
-        np.testing.assert_array_equal(case.arm.ik(pin.SE3(pose)).q, case.arm.ik(pin.SE3(pose).homogeneous).q)
-
-
 @pytest.mark.parametrize("name", ARMS)
 @pytest.mark.parametrize("threads", [1, 2])
 def test_memory_of_a_large_batch(name: str, threads: int) -> None:
-    """A batch of 100,000 poses takes the memory of its answer and little besides."""
+    """A batch of 100,000 poses takes at most 10 % and 72 bytes a pose more than its answer."""
     case = arm_of(name)
     poses = poses_of(case, 1000)[np.arange(100_000) % 1000]
     case.arm.ik(poses[:100], threads=threads)

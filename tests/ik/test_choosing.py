@@ -57,7 +57,7 @@ def vectors(arm: urdf_ik.Arm, count: int, seed: int, *, of_round_values: bool) -
 @pytest.mark.parametrize("choice", CHOICES, ids=str)
 @pytest.mark.parametrize("name", ARMS)
 def test_nearest_of_all_turns(name: str, choice: dict[str, Any], of_round_values: bool) -> None:
-    """None of the images inside the limits is nearer; where none is within the bounds, nothing is returned."""
+    """No image inside the limits is nearer; where no image is within the bounds, nothing is returned."""
     arm = from_catalogue(name).arm
     planted = vectors(arm, 12, 1, of_round_values=of_round_values)
     references = vectors(arm, 12, 2, of_round_values=of_round_values)
@@ -94,8 +94,8 @@ def test_without_limits_angles_go_round(choice: dict[str, Any]) -> None:
         np.testing.assert_allclose(got, expected[: len(found)], atol=1e-9)
 
 
-def test_the_same_after_other_filters() -> None:
-    """Bounds drop what is beyond them from turns and from a batch; what was chosen keeps its branch."""
+def test_bounds_apply_to_turns_and_batches() -> None:
+    """Bounds apply to turns and to batches; a chosen solution keeps its branch."""
     arm = from_catalogue("ur5").arm
     q = np.array([0.3, -1.0, 1.2, -0.7, 0.9, -0.5])
     s = arm.ik(arm.fk(np.stack([q, q + 0.1])))
@@ -108,8 +108,8 @@ def test_the_same_after_other_filters() -> None:
     assert found[0].explain() == ""
 
 
-def test_why_nothing_is_near_enough() -> None:
-    """The reason names the joint of the closest solution that is too far away, by how much, and what was allowed."""
+def test_ur5_elbow_beyond_its_bound_is_named() -> None:
+    """The reason names the closest solution's joint that is too far away, its distance, and the bound."""
     arm = from_catalogue("ur5").arm
     q = np.array([0.3, -1.0, 1.2, -0.7, 0.9, -0.5])
     near = q + [0.0, 0.0, 0.25, 0.0, 0.0, 0.0]
@@ -131,8 +131,8 @@ def test_why_nothing_is_near_enough() -> None:
         ({"weights": [1.0]}, ArgumentError, "weights has the shape"),
     ],
 )
-def test_what_makes_no_sense_is_refused(options: dict[str, Any], error: type[Exception], message: str) -> None:
-    """A metric, bounds or weights that do not fit: the message says what would."""
+def test_settings_that_make_no_sense_are_refused(options: dict[str, Any], error: type[Exception], message: str) -> None:
+    """A metric, bounds or weights that do not fit are refused with what would fit."""
     arm = from_catalogue("ur5").arm
     for ask in (arm.ik(np.eye(4)).nearest, lambda *a, **k: arm.ik_nearest(np.eye(4), *a, **k)):
         with pytest.raises(error, match=message):
@@ -140,7 +140,7 @@ def test_what_makes_no_sense_is_refused(options: dict[str, Any], error: type[Exc
 
 
 def test_time_needs_speeds() -> None:
-    """An arm whose URDF gives no speed for a joint has no time; the message names the joint and what to do."""
+    """Without a joint's speed in the URDF the time metric is refused; the message names the joint and a remedy."""
     text = random_arm("wrist, 1x2", 0).urdf.replace('velocity="', 'velocity="0" was="', 1)
     arm = urdf_ik.load(text, "base", "tool")
     with pytest.raises(ArgumentError, match=r"'joint_1'.*velocity=.*weights of 1 / speed"):
@@ -167,7 +167,7 @@ def test_best_within_the_limits(name: str) -> None:
 
 
 def test_best_by_manipulability() -> None:
-    """The order is that of Pinocchio's Jacobians; a pose without solutions has none to choose."""
+    """Solutions are ordered by the manipulability of Pinocchio's Jacobians; a pose without solutions stays empty."""
     arm = from_catalogue("ur5").arm
     model = pin.buildModelFromXML(arm.model.xml.decode())
     data, frame = model.createData(), model.getFrameId(arm.tip)
@@ -190,15 +190,15 @@ def test_best_by_manipulability() -> None:
     assert (np.isnan(scores) == ~s.valid).all()
 
 
-def test_best_of_a_planar_arm() -> None:
-    """An arm that controls a position only is rated by the translation: that of two links is l1 l2 |sin q2|."""
+def test_planar_2r_best_has_manipulability_l1_l2_sin_q2() -> None:
+    """An arm that controls a position only is rated by the translation: of two links, l1 l2 |sin q2|."""
     arm = urdf_ik.load("planar_2r_unit")
     s = arm.ik(arm.solver.control.target_of(arm.fk([0.4, 1.1])), task="planar position")
     np.testing.assert_allclose(s.scores("manipulability")[s.valid], np.abs(np.sin(s.to_array()[:, 1])), atol=1e-12)
 
 
-def test_what_cannot_be_rated_is_refused() -> None:
-    """An unknown quality, a world for what looks at none, more columns than there are."""
+def test_qualities_that_do_not_exist_are_refused() -> None:
+    """An unknown quality, a world for a quality that ignores it, and more columns than there are, are refused."""
     s: IKSolutions = from_catalogue("ur5").arm.ik(np.eye(4))
     with pytest.raises(ArgumentError, match="'limits', 'manipulability', 'clearance'"):
         s.best("speed")
@@ -210,7 +210,7 @@ def test_what_cannot_be_rated_is_refused() -> None:
 
 @pytest.mark.parametrize("choice", CHOICES, ids=str)
 def test_every_arm_takes_the_same_options(choice: dict[str, Any]) -> None:
-    """Six joints and a task: ``ik_nearest`` is ``nearest`` of all that there is."""
+    """With six joints and with a task, ``ik_nearest`` is ``nearest`` of all solutions, for every option."""
     arm = from_catalogue("ur5").arm
     q = vectors(arm, 5, 6, of_round_values=False)
     np.testing.assert_array_equal(

@@ -38,8 +38,8 @@ def case(name: str) -> Case:
 
 
 @pytest.mark.parametrize("name", ["wenger", "jaco", "crx"])
-def test_known_cuspidal_arms(name: str) -> None:
-    """Wenger's orthogonal arm, Kinova's JACO and Fanuc's CRX: the path joins two solutions and meets no singularity."""
+def test_wenger_jaco_and_crx_are_cuspidal(name: str) -> None:
+    """The path joins two solutions of one pose, and the Jacobian's determinant keeps its sign along it."""
     arm, oracle = case(name).arm, case(name).oracle
     assert is_cuspidal(arm.solver) is True
     path = nonsingular_change(arm.solver)
@@ -56,16 +56,16 @@ def test_known_cuspidal_arms(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["zyyzyz_6r", "dh_6r", "ur5"])
-def test_named_arms_that_are_not_cuspidal(name: str) -> None:
-    """Arms solved by quadratics are proven not cuspidal, and the search finds no path that would contradict that."""
+def test_zyyzyz_dh_6r_and_ur5_are_not_cuspidal(name: str) -> None:
+    """Arms solved by quadratics are proven not cuspidal, and the search finds no path that contradicts it."""
     arm = from_catalogue(name).arm
     assert is_cuspidal(arm.solver) is False
     assert nonsingular_change(arm.solver) is None
 
 
 @pytest.mark.parametrize("kind", QUADRATIC)
-def test_the_search_finds_nothing_where_there_is_nothing(kind: str) -> None:
-    """Random members of the families with a proof: no path, from either end."""
+def test_members_of_quadratic_families_are_not_cuspidal(kind: str) -> None:
+    """Random members of the families with a proof: the search finds no path, from either end."""
     arm = member(kind, 4).arm
     assert is_cuspidal(arm.solver) is False
     assert nonsingular_change(arm.solver) is None
@@ -83,7 +83,7 @@ def test_branches_of_quadratics_differ_in_the_signs_of_their_factors() -> None:
 
 
 def test_a_perturbed_arm_is_never_called_proven() -> None:
-    """A calibrated arm is no member of its family: not False, whatever the ideal arm is."""
+    """A calibrated arm is not a member of its family, so the family's proof does not apply: never False."""
     described_arm = ur_like()
     axes = described_arm.axes.copy()
     axes[2] = rotation(X, 1e-3) @ axes[2]
@@ -92,8 +92,8 @@ def test_a_perturbed_arm_is_never_called_proven() -> None:
     assert is_cuspidal(arm.solver) is not False
 
 
-def test_an_arm_that_is_singular_everywhere_is_not_cuspidal_by_rounding() -> None:
-    """With six parallel axes the determinant is rounding of zero, whose sign tells nothing."""
+def test_six_parallel_axes_are_not_cuspidal_by_rounding() -> None:
+    """With six parallel axes the determinant is rounding of zero, whose sign means nothing."""
     axes = [Z] * 6
     points = [(0.3 * i, 0.1 * i * i, 0.0) for i in range(6)]
     arm = described(from_screws("planar", "parallel", axes, points, (2.0, 0.0, 0.0))).arm
@@ -113,8 +113,8 @@ def test_the_determinant_has_two_harmonics_in_each_joint() -> None:
             assert harmonics[highest + 1 :].max() < 1e-12 * harmonics.max()
 
 
-def test_a_move_across_a_singularity_is_refused() -> None:
-    """Moves of the elbow: up to just before it is straight, and through it."""
+def test_zyyzyz_elbow_does_not_keep_its_sign_through_straight() -> None:
+    """The determinant keeps its sign up to just before the elbow is straight, not to it or through it."""
     chain = from_catalogue("zyyzyz_6r").arm.chain
     q = np.array([0.3, 0.4, 1.0, 0.2, 0.8, 0.1])
     assert keeps_its_sign(chain, q, 2, 0.3)
@@ -122,8 +122,8 @@ def test_a_move_across_a_singularity_is_refused() -> None:
     assert not keeps_its_sign(chain, q, 2, 0.0)
 
 
-def test_unsolved_arms_are_left_open_and_pickled_ones_can_be_asked() -> None:
-    """Two joints: None, at no cost. An arm that travelled between processes can be asked."""
+def test_an_unsolved_arm_is_undecided_and_a_pickled_one_is_decided() -> None:
+    """A chain of two joints gives None. An arm that was pickled gives the same answer as before."""
     text = serial_urdf("two", [(np.zeros(3), (0, 0, 0)), (Z, (0, 0, 0)), (X, (0, 0, 0))], [Z, X, None])
     assert is_cuspidal(urdf_ik.load(text, base="base", tip="tool").solver) is None
     arm = pickle.loads(pickle.dumps(from_catalogue("zyyzyz_6r").arm))

@@ -24,7 +24,6 @@ from arms_few import (
 from cases import Case, rows, worst_error
 from numpy.typing import NDArray
 
-import urdf_ik
 from urdf_ik.errors import PoseError, UnsupportedArm
 from urdf_ik.ik.solutions import Singular
 from urdf_ik.verify import crosscheck
@@ -108,8 +107,8 @@ def _joint_place(case: Case, q: Array, joint: int) -> Array:
     return np.asarray(case.arm.link_poses(q)[f"link_{joint + 1}"][:3, 3])
 
 
-def test_folded_arm_of_equal_links_leaves_a_joint_free() -> None:
-    """With the tip on axis 1 the first joint is free: one representative, marked, at the reference where given."""
+def test_rrp_folded_onto_axis_1_leaves_joint_1_free() -> None:
+    """With the tip on axis 1 joint 1 is free: one marked representative, at the reference where one is given."""
     text = few_urdf("RRP", np.array([Z, Z, Z]), np.array([0 * X, 0.4 * X, 0.8 * X]), 0.8 * X, np.random.default_rng(0),
                     aligned=True)  # fmt: skip
     case = case_of(text)
@@ -126,8 +125,8 @@ def test_folded_arm_of_equal_links_leaves_a_joint_free() -> None:
 
 @pytest.mark.parametrize("name", ["3R positioning", "4R palletizer", "4R 1x2+2||3+3x4", "5R 2||3||4+4x5", "5R 1x2+4x5"])
 @pytest.mark.parametrize("distance", [0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-3])
-def test_point_on_the_first_axis(name: str, distance: float) -> None:
-    """Where the point placed first lies on axis 1, the turns behind still tell joint 1: nothing is lost."""
+def test_wrist_point_on_axis_1_loses_no_planted_vector(name: str, distance: float) -> None:
+    """Where the point that is placed first lies on axis 1, the later joints' turns still determine joint 1."""
     build, rng = BUILDS[name], np.random.default_rng(11)
     axes, points, tool = axes_and_points(build, rng)
     points[:, 1] = points[0, 1]  # no sideways offset, so that the point can come onto axis 1
@@ -152,8 +151,8 @@ def test_point_on_the_first_axis(name: str, distance: float) -> None:
     assert_answers(case, rest, case.oracle.pose(rest), tol=1e-6 + 1e-11 / max(distance, 1e-4))
 
 
-def test_a_continuum_has_one_representative() -> None:
-    """Where axis 5 lies along axes 1, 2 and 3 the arm moves with its tip at rest: that is reported once, and marked."""
+def test_5r_axis_5_along_axes_1_2_3_gives_one_marked_representative() -> None:
+    """Where axis 5 lies along axes 1, 2 and 3 the arm moves with its tip at rest: one representative, marked."""
     case, rng = few("5R 1||2||3", 2), np.random.default_rng(8)
     for _ in range(5):
         q = draw(case, rng, 1)[0]
@@ -188,8 +187,8 @@ def test_redundant_arms_are_refused() -> None:
             arm.ik(np.eye(4))
 
 
-def test_slides_have_no_turns() -> None:
-    """Limits and images: a slide is in its limits or not, a turning joint may be 2 pi on."""
+def test_scara_slide_beyond_its_limit_has_no_turns() -> None:
+    """A slide is inside its limits or not; a revolute joint's image 2 pi away may be inside."""
     case = few("RRPR SCARA", 8)
     q = np.array([0.4, -0.8, 0.9 * TRAVEL, 2.0])
     T = case.oracle.pose(q)
@@ -234,7 +233,7 @@ def test_planar_arms_name_their_elbows(name: str) -> None:
 
 
 def test_bad_targets_are_refused() -> None:
-    """NaN and what is no rotation raise PoseError with the place in the batch, as with six joints."""
+    """NaN, infinity and a matrix that is not a rotation raise PoseError with the place in the batch."""
     for name in ("2R planar", "4R any", "5R any", "PPP gantry"):
         case = few(name, 0)
         T = case.oracle.poses(draw(case, np.random.default_rng(0), 40))
@@ -265,4 +264,3 @@ def test_an_arm_far_from_its_base_keeps_its_digits() -> None:
     case = case_of(moved)
     for q in draw(case, rng, 20):
         assert_answers(case, q, case.oracle.pose(q))
-    assert isinstance(urdf_ik.load(moved, "base", "tool").structure.family, str)

@@ -18,7 +18,7 @@ KINDS = ("S-R-S", "one before wrist, 1x2", "one behind 2||3||4, 5x6")
 
 
 def check(arm: urdf_ik.Arm, oracle: Oracle, seed: int, count: int) -> None:
-    """Planted joint vectors are found again at their own values, all solutions are exact and have them."""
+    """Planted joint vectors are found at their own values; all solutions are exact and have those values."""
     rng = np.random.default_rng(seed)
     q = rng.uniform(-1.5, 1.5, (count, arm.dof))
     T, values = oracle.poses(q), arm.redundancy_of(q)
@@ -36,7 +36,7 @@ def check(arm: urdf_ik.Arm, oracle: Oracle, seed: int, count: int) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("joint", range(1, 8))
 def test_any_of_seven_joints(kind: str, joint: int) -> None:
-    """Every joint may be the parameter, but for one that moves the tip as no others could make good."""
+    """Every joint may be the parameter, except one whose motion of the tip no other joints can undo."""
     text = random_seven(kind, 0).urdf
     if (kind, joint) == ("S-R-S", 4):
         # The elbow follows from the pose: holding it leaves six joints that are singular everywhere.
@@ -70,7 +70,7 @@ def test_a_middle_joint_at_many_values() -> None:
 
 
 def test_eight_and_nine_joints() -> None:
-    """Two and three parameters; named ones are among them, whichever end or middle they are."""
+    """Eight and nine joints have two and three parameters; joints named by the user are among them."""
     for n in (8, 9):
         text = skew(n)
         arm, oracle = urdf_ik.load(text, "base", "tool"), Oracle(text)
@@ -86,7 +86,7 @@ def test_eight_and_nine_joints() -> None:
 
 
 def test_names_that_cannot_be_given() -> None:
-    """A joint that there is not, one twice, more than a pose leaves free, and arms that leave nothing free."""
+    """Unknown joints, a joint given twice, too many joints, and arms without redundancy are refused."""
     seven = urdf_ik.load("srs_7r")
     with pytest.raises(ChainError, match="'elbow' cannot be the redundancy parameter"):
         seven.with_redundancy("elbow")
@@ -106,14 +106,14 @@ def test_names_that_cannot_be_given() -> None:
 
 
 def test_the_reason_says_why_that_end() -> None:
-    """The cheaper solver decides, and both are named."""
+    """The cheaper solver decides which end is held, and the reason names both ends."""
     reason = urdf_ik.load(random_seven("one behind 2||3||4, 5x6", 0).urdf, "base", "tool").structure.reason
     assert "with joint 7 given, whose others are solved in closed form" in reason
     assert "those of joint 1" in reason
 
 
-def test_long_names_are_cut_in_what_refuses_them() -> None:
-    """A message quotes what was given, and not all of it where it is as long as a file."""
+def test_errors_cut_long_names() -> None:
+    """A message quotes the given name, and cuts one that is as long as a file."""
     seven, long = urdf_ik.load("srs_7r"), "x y " * 50000
     for refused in (seven.with_redundancy, seven.with_free_axis):
         with pytest.raises((ChainError, ArgumentError)) as caught:

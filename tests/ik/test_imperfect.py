@@ -94,8 +94,8 @@ def test_contract_of_rounded_and_calibrated_arms(name: str) -> None:
 
 
 @pytest.mark.parametrize(("kind", "eps"), [(kind, eps) for kind, eps in ALL_MEMBERS if eps <= 1e-4])
-def test_the_report(kind: str, eps: float) -> None:
-    """Up to 1e-4 the wrist or the parallel axes are recognised; the imperfection is about eps, the method refines."""
+def test_the_structure_reports_the_imperfection(kind: str, eps: float) -> None:
+    """Up to 1e-4 the family is recognised, the reported imperfection is about eps, and the method refines."""
     structure, exact = near(kind, eps).arm.structure, ideal(kind).arm.structure
     assert structure.family.split(",")[0] == exact.family.split(",")[0]
     assert "refine" in structure.method
@@ -157,7 +157,7 @@ def test_the_ideal_arms_columns(kind: str) -> None:
     ids=["with an offset", "ur", "without an offset"],
 )
 def test_a_calibration_renames_no_branch(member: Callable[[], DescribedArm]) -> None:
-    """Off by 1e-4 to any side, each posture keeps its name: what stands where an offset of zero was names nothing."""
+    """Off by 1e-4 to any side, each posture keeps its branch name, also where an offset was zero before."""
     exact = described(tilted(member(), 0.0, 0))
     drawn = exact.oracle.draw(np.random.default_rng(0), 60)
     regular = [q for q in drawn if exact.oracle.sigma_min(q) > 0.03]
@@ -208,8 +208,8 @@ def stretched_or_over_itself(case: Case, rng: np.random.Generator, m: int) -> Ar
 
 
 @pytest.mark.parametrize("eps", [1e-6, 1e-5, 1e-4])
-def test_planted_near_two_singularities_at_once(eps: float) -> None:
-    """Next to a straight elbow, or with the wrist over axis 1, its axes aligned: more solutions than branches."""
+def test_industrial_arm_near_two_singularities_at_once_finds_the_planted_vector(eps: float) -> None:
+    """Wrist axes aligned, the elbow straight or the wrist over axis 1: more solutions than branches, none lost."""
     case, rng = described(tilted(industrial(), eps, 0)), np.random.default_rng(1)
     places = stretched_or_over_itself(case, rng, 120)
     q = rng.uniform(-np.pi, np.pi, (len(places), 6))
@@ -228,14 +228,14 @@ def test_planted_near_two_singularities_at_once(eps: float) -> None:
         ("wrist, 2||3", 5, (0.32867664, -2.12130531128, 0.81131019, 1.76529714, -0.41645764, -3.69337602)),
     ],
 )
-def test_straight_elbow_with_the_wrist_over_the_base(kind: str, seed: int, q: tuple[float, ...]) -> None:
-    """Planted vectors that the margins of elbow and shoulder, both next to zero, seemed to rule out."""
+def test_wrist_arms_1e_5_off_keep_the_straight_elbow_over_the_base(kind: str, seed: int, q: tuple[float, ...]) -> None:
+    """Straight elbow, wrist over axis 1: the planted vector is found although both margins are next to zero."""
     case = near(kind, 1e-5, seed)
     assert angle_distance(rows(case.arm.ik(case.oracle.pose(np.array(q)))), np.array(q)).min() < 1e-5
 
 
-def test_a_continuum_leaves_room_for_what_crosses_it() -> None:
-    """Wrist aligned and elbow straight: a continuum fills all columns, and another branch crosses it."""
+def test_rounded_wrist_arm_straight_wrist_and_elbow_keeps_the_crossing_branch() -> None:
+    """With wrist and elbow straight a continuum fills all columns; the branch that crosses it is found nevertheless."""
     case, rng = described(rounded_straight_wrist()), np.random.default_rng(0)
     q = np.tile([0.0, -2.88681243699, 1.32895199023, 0.0, 0.0, 0.0], (100, 1))
     q[:, [0, 5]] = rng.uniform(-np.pi, np.pi, (100, 2))

@@ -1,4 +1,4 @@
-"""Intervals of the redundancy parameter: what is in them, what ends them, and that none is missing."""
+"""Intervals of the redundancy parameter: they hold solutions, end for a reason, and none is missing."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def case(request: pytest.FixtureRequest) -> Case:
 
 
 def near_limits(arm: urdf_ik.Arm, rng: np.random.Generator, m: int) -> Array:
-    """Joint vectors (m, n) of which one joint is within 2 % of its range from a limit: windows are narrow there."""
+    """Joint vectors (m, n) with one joint within 2 % of its range from a limit, where intervals are narrow."""
     low, high = np.clip(arm.limits.T, -np.pi, np.pi)
     q = rng.uniform(low, high, (m, arm.dof))
     joint, upper = rng.integers(arm.dof, size=m), rng.integers(2, size=m) == 1
@@ -44,7 +44,7 @@ def test_every_planted_joint_vector_is_in_an_interval(case: Case) -> None:
 
 
 def test_ends_are_ends(case: Case) -> None:
-    """A solution inside the limits 1e-7 inside each end, exact by the oracle; none on that branch 1e-7 outside."""
+    """1e-7 inside each end there is an exact solution within the limits, 1e-7 outside none on that branch."""
     arm = case.arm
     looked = 0
     for q in near_limits(arm, np.random.default_rng(2), 12):
@@ -87,7 +87,7 @@ def test_a_scan_finds_nothing_more(case: Case) -> None:
         np.testing.assert_array_equal(count[~edge], covering[~edge])
 
 
-def test_round_poses_of_a_calibrated_arm() -> None:
+def test_calibrated_srs_round_poses_agree_with_a_scan() -> None:
     """A scan agrees where wrist and shoulder are aligned on the way: curves all but meet, or close after two turns.
 
     Origins of an S-R-S arm are off by 1e-4 m. Straight elbows are left out: the edge of reach is as near as that.
@@ -149,7 +149,7 @@ def covered(intervals: list[Interval], values: Array) -> Array:
 
 @pytest.mark.parametrize("kind", ["one behind wrist, 1x2", "S-R-S"])
 def test_loops_narrower_than_the_grid_are_found(kind: str) -> None:
-    """Poses at the edge of what a branch reaches: their intervals may be narrower than the values of the grid apart."""
+    """At the edge of a branch's reach an interval may be narrower than a step of the grid; it is found."""
     case = described(random_seven(kind, 4))
     arm, rng = case.arm, np.random.default_rng(4)
     narrow = 0
@@ -164,7 +164,7 @@ def test_loops_narrower_than_the_grid_are_found(kind: str) -> None:
 
 
 def test_batch_is_its_poses(case: Case) -> None:
-    """A batch holds what its poses hold one by one, whatever its shape; parts that are no single pose are refused."""
+    """A batch holds what its poses hold one by one, whatever its shape; what is not a single pose is refused."""
     arm = case.arm
     T = case.oracle.poses(near_limits(arm, np.random.default_rng(5), 6)).reshape(2, 3, 4, 4)
     batch = arm.intervals(T)
@@ -181,7 +181,7 @@ def test_batch_is_its_poses(case: Case) -> None:
 
 @pytest.mark.parametrize("count", [0, 1, 300])
 def test_batches_of_every_size(count: int) -> None:
-    """The closed form takes poses part by part: no pose, one, and more than a part holds."""
+    """The closed form splits batches: no pose, one, and more than fit in a part give the same as single poses."""
     arm = urdf_ik.load("srs_7r")
     T = arm.fk(near_limits(arm, np.random.default_rng(12), 300))[:count]
     found = arm.intervals(T)
@@ -202,8 +202,8 @@ def test_best_is_best_by_dense_sampling(case: Case) -> None:
             assert best.scores(by).max() >= np.nanmax(everything.scores(by)) - 1e-6
 
 
-def test_out_of_reach_there_is_none(case: Case) -> None:
-    """No interval, and nothing nearest or best."""
+def test_out_of_reach_there_is_no_interval(case: Case) -> None:
+    """Out of reach there is no interval, and no nearest or best solution."""
     found = case.arm.intervals(urdf_ik.pose([50.0, 0.0, 0.0]))
     assert len(found) == 0
     assert found.merged().shape == (0, 2)
@@ -212,7 +212,7 @@ def test_out_of_reach_there_is_none(case: Case) -> None:
 
 
 def test_arms_that_leave_nothing_free_are_refused() -> None:
-    """Six joints hold a pose in single joint vectors."""
+    """An arm with six joints has no redundancy parameter."""
     arm = urdf_ik.load("puma_560")
     with pytest.raises(urdf_ik.UnsupportedArm, match="nothing free"):
         arm.intervals(np.eye(4))
@@ -233,7 +233,7 @@ def test_free_axis() -> None:
 
 
 def test_contacts_end_intervals() -> None:
-    """With a wall in reach, what is left is free of contact, what was cut off is not, and the wall is named."""
+    """With a wall in reach the intervals are free of contact, the removed parts are not, and the wall is named."""
     arm, world = urdf_ik.load("srs_7r"), urdf_ik.World()
     q = np.array([0.3, 0.5, -0.4, 0.9, 0.2, -0.6, 0.1])
     T = arm.fk(q)
@@ -252,8 +252,8 @@ def test_contacts_end_intervals() -> None:
         assert int(free.count) == sum(value in interval for interval in left)
 
 
-def test_the_closed_form_is_what_following_the_curves_finds(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of an S-R-S arm with axes at right angles: the same intervals, branches, ends and reasons, in two ways."""
+def test_the_closed_form_agrees_with_following_the_curves(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On an orthogonal S-R-S arm both methods give the same intervals, branches, ends and reasons."""
     arm = urdf_ik.load("srs_7r")
     T = arm.fk(near_limits(arm, np.random.default_rng(8), 60))
     closed = arm.intervals(T)
@@ -267,7 +267,7 @@ def test_the_closed_form_is_what_following_the_curves_finds(monkeypatch: pytest.
         )
 
 
-def test_a_gap_between_curves_that_all_but_meet() -> None:
+def test_panda_elbow_down_has_a_gap_of_7_mrad() -> None:
     """Between two folds 0.007 rad apart the Panda has no solution with the elbow down; on both sides it has four."""
     arm = urdf_ik.load("panda")
     q = [2.255491088, -0.609099922, -2.229986609, -2.66782153, 1.876617404, 3.324392526, -1.920173338]
@@ -279,8 +279,8 @@ def test_a_gap_between_curves_that_all_but_meet() -> None:
     np.testing.assert_array_equal(count, covered(found, values))
 
 
-def test_three_folds_next_to_one_another() -> None:
-    """A curve of an arm with xArm7's frames: within 1e-5 rad of the parameter it turns back, on again, and back."""
+def test_xarm7_frames_three_folds_within_30_urad_are_told_apart() -> None:
+    """A curve of solutions turns back, on again, and back within 3e-5 rad of the parameter; a scan agrees."""
     quarter = 1.5708
     turns = (0.0, -quarter, quarter, quarter, quarter, quarter, -quarter)
     wrist = ((0, 0, 0), (0.076, 0.097, 0))

@@ -118,7 +118,7 @@ def test_order_of_the_images() -> None:
 
 
 def test_batches_are_their_rows() -> None:
-    """A batch with NaN rows gives what each row alone gives; a NaN row stays one."""
+    """Each row of a batch gives what it gives alone; a row of NaN stays NaN."""
     rng = np.random.default_rng(5)
     q = rng.uniform(-PI, PI, (3, 4, 5, 6))
     q[rng.random((3, 4, 5)) < 0.2] = np.nan
@@ -140,8 +140,8 @@ def test_batches_are_their_rows() -> None:
     assert not inside[np.isnan(q).any(axis=-1)].any()
 
 
-def test_the_limits_that_urdfs_write() -> None:
-    """Rounded limits mean what they say: 3.1416 lets a half turn stand on either side, 3.14 on none."""
+def test_rounded_limits_of_a_half_turn() -> None:
+    """3.1416 allows a half turn on either side, 3.14 on neither."""
     turning = np.array([True])
 
     def all_of(value: float, bound: float) -> list[float]:
@@ -156,8 +156,8 @@ def test_the_limits_that_urdfs_write() -> None:
     assert len(all_of(1.0, 2 * PI)) == 2
 
 
-def test_unbelievable_limits() -> None:
-    """Limits that stand for none, such as 1e16 or 1e308, neither overflow nor fill the memory."""
+def test_huge_limits_neither_overflow_nor_fill_the_memory() -> None:
+    """Limits such as 1e16 or 1e308, written for no limit, neither overflow nor fill the memory."""
     turning = np.array([True, True])
     for huge in (1e16, 1e308):
         bound = np.array([[-huge, huge], [-1.0, 1.0]])

@@ -13,7 +13,7 @@ from arms_few import few_urdf
 from arms_mimic import LINKAGES, limited, linkage, mimicking
 from numpy.typing import NDArray
 from typer.testing import CliRunner
-from with_reference import arm_and_reference, distances, scaled_jacobian
+from with_reference import arm_and_reference, distances, holds, scaled_jacobian
 
 import urdf_ik
 from urdf_ik.cell.reference import Reference
@@ -52,7 +52,7 @@ def test_kinematics_are_pinocchios(name: str) -> None:
 
 
 def test_against_pinocchio_that_mimics_by_itself() -> None:
-    """Pinocchio's own joints that mimic give the same pose and the same Jacobian."""
+    """Pinocchio's own mimic joints give the same pose and the same Jacobian."""
     text = linkage("palletizer", 1)
     arm = urdf_ik.load(text, "base", "tool")
     model = pin.buildModelFromXML(text, mimic=True)
@@ -69,24 +69,15 @@ def test_against_pinocchio_that_mimics_by_itself() -> None:
 
 @pytest.mark.parametrize("name", LINKAGES)
 def test_planted_vectors_are_found(name: str) -> None:
-    """The joint vector behind a pose is among its solutions, all of which are exact, and none of which comes twice."""
+    """The planted joint vector is found; all solutions are exact, and none is given twice."""
     for seed in range(3):
         arm, reference = arm_and_reference(linkage(name, seed))
-        planted = drawn(reference, 12, seed)
-        s = arm.ik(reference.pose(planted))
-        for k, q in enumerate(planted):
-            found = s[k].to_array()
-            sigma = np.linalg.svd(scaled_jacobian(reference, q), compute_uv=False)[-1]
-            assert distances(arm, found, q).min() < 1e-9 + 1e-11 / sigma
-            position, turn = reference.errors(found, reference.pose(q))
-            assert max(position.max(), turn.max()) <= 1e-9
-            for i in range(1, len(found)):
-                assert distances(arm, found[:i], found[i]).min() > 1e-7
+        holds(arm, reference, drawn(reference, 12, seed))
 
 
 @pytest.mark.parametrize("name", [n for n in LINKAGES if n != "palletizer with wrist"])
 def test_nothing_is_missing(name: str) -> None:
-    """Newton's method from many starts over the whole joint space finds nothing that the solver does not."""
+    """Every solution that Newton's method finds from many starts over the whole joint space is there."""
     rng = np.random.default_rng(7)
     arm, reference = arm_and_reference(linkage(name, 3))
     turns = np.array(LINKAGES[name].images, dtype=np.float64)
@@ -138,8 +129,8 @@ def test_at_and_near_singularities(name: str) -> None:
     assert met
 
 
-def test_a_continuum() -> None:
-    """Where the last axis lies on the first, only the sum of their turns counts: an exact, marked representative."""
+def test_last_axis_on_the_first_gives_a_marked_representative() -> None:
+    """With the last axis on the first only the sum of their angles counts: an exact, marked representative."""
     heights = [0.0, 0.3, 0.7, 1.1, 1.1, 1.2]
     axes = np.array([Z, Y, Y, Y, Y, Z])
     text = few_urdf("R" * 6, axes, np.array(heights)[:, None] * Z, 1.25 * Z, np.random.default_rng(0))
@@ -189,7 +180,7 @@ def test_poses_out_of_reach(name: str) -> None:
 
 
 def test_many_poses_are_one_by_one() -> None:
-    """A batch, split over threads, has the digits of its poses alone; so has a pickled arm."""
+    """A batch, split over threads, equals its poses to the last bit; so do the answers of a pickled arm."""
     arm, reference = arm_and_reference(linkage("halves", 0))
     T = reference.pose(drawn(reference, 9))
     q = arm.ik(T, threads=3).q
@@ -197,8 +188,8 @@ def test_many_poses_are_one_by_one() -> None:
     np.testing.assert_array_equal(q, pickle.loads(pickle.dumps(arm)).ik(T).q)
 
 
-def test_images_after_whole_periods() -> None:
-    """A joint that drives another by 3/2 is back after two turns: one turn more is another solution, or none."""
+def test_halves_linkage_repeats_after_two_turns() -> None:
+    """A joint that drives another by 3/2 repeats after two turns; one turn more is another solution, or none."""
     text = limited(limited(limited(linkage("halves", 0), 1, -20.0, 20.0), 2, -99.0, 99.0), 3, -3.0, 3.0)
     arm, reference = urdf_ik.load(text, "base", "tool"), Reference(text, "base", "tool")
     q = np.array([0.5, -0.8])
@@ -216,8 +207,8 @@ def test_images_after_whole_periods() -> None:
     assert ((images.to_array() >= lower - 1e-9) & (images.to_array() <= upper + 1e-9)).all()
 
 
-def test_limits_of_the_driver_and_of_what_mimics_it() -> None:
-    """A joint is limited by what its followers allow, unless that is nothing at all."""
+def test_limits_of_a_driver_and_its_followers() -> None:
+    """A joint's limits are those that its followers allow, unless these allow nothing at all."""
     plain = random_arm("wrist, 2||3", 3).urdf
 
     def limits(multiplier: float, offset: float, lower: float, upper: float) -> Array:
@@ -270,7 +261,7 @@ def test_held_joints() -> None:
 
 
 def refused() -> dict[str, tuple[str, str]]:
-    """URDF text of arms that are not solved, and what the reason says."""
+    """URDF text of arms that are not solved, and words of the reason."""
     endless = linkage("of no fraction", 0)
     for joint in (2, 3):
         endless = limited(endless, joint, -math.inf, math.inf)

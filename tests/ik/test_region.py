@@ -28,7 +28,7 @@ def inside(arm: urdf_ik.Arm, rng: np.random.Generator, count: int) -> Array:
 
 
 def off(region: Region, T: Array, reached: Array) -> tuple[Array, float, float]:
-    """Where a pose is seen from a target: place, tilt of the axis, rotation, computed on its own."""
+    """Place, axis tilt and rotation of a pose relative to a target, computed independently."""
     a, at = np.array(region.axis.direction), np.array(region.axis.at)
     R = T[:3, :3].T @ reached[:3, :3]
     place = T[:3, :3].T @ (reached[:3, :3] @ at + reached[:3, 3] - T[:3, 3]) - at
@@ -65,8 +65,8 @@ def test_nothing_nearer_is_sampled(arm: str, name: str) -> None:
         assert np.linalg.norm(answer - near[k]) <= least + 1e-7
 
 
-def test_a_region_makes_a_pose_reachable() -> None:
-    """A target just out of reach has a solution with a box around it, and none with a smaller one."""
+def test_zyyzyz_5_cm_out_of_reach_is_reached_with_a_box_of_6_cm() -> None:
+    """A target just out of reach has a solution with a box around it, and none with a smaller box."""
     arm = urdf_ik.load("zyyzyz_6r")
     T = urdf_ik.pose([0.0, 0.0, 3.35])
     assert not arm.ik_nearest(T, np.zeros(6)).count
@@ -94,7 +94,7 @@ def test_several_parameters() -> None:
 
 
 def test_settings_that_make_no_sense() -> None:
-    """Widths, angles, tasks and distances that there are not; a region can be pickled and compared."""
+    """Invalid widths, angles, tasks and metrics are refused; a region can be pickled and compared."""
     for wrong in ({"box": -1.0}, {"box": [1, 2]}, {"cone": 4.0}, {"rotation": -0.1}, {"axis": "w"}):
         with pytest.raises(ArgumentError):
             Region(**wrong)

@@ -23,7 +23,7 @@ FAMILIES = every()
 
 @pytest.mark.parametrize("family", FAMILIES, ids=lambda family: family.name)
 def test_a_record_is_whole(family: Family) -> None:
-    """A name, a reason and steps in words, and as many names of branches as it has columns, all different."""
+    """A family has a name, a reason, steps in words, and a different name for each of its columns."""
     assert family.name and family.reason and family.steps
     assert len(set(family.branches)) == len(family.branches) > 0
     assert not (family.by_elimination and family.by_quadratics)
@@ -37,13 +37,13 @@ def test_names_are_different() -> None:
 
 
 def test_closed_forms_come_in_the_order_of_cost() -> None:
-    """Those by quadratics come before the quartics."""
+    """Families solved by quadratics come before those solved by quartics."""
     costs = [not family.by_quadratics for family in registry.SIX_TURNING]
     assert costs == sorted(costs)
 
 
 def test_a_reason_is_counted_from_the_base() -> None:
-    """An arm that is seen from its tip has the numbers of its axes as they stand in the URDF."""
+    """The reason numbers the axes from the base, also for an arm that is solved from its tip."""
     family = spherical_wrist.TWO_PARALLEL
     assert family.why() == "axes 4, 5 and 6 meet in a point, and axes 2 and 3 are parallel"
     assert family.why(from_tip=True) == "axes 1, 2 and 3 meet in a point, and axes 4 and 5 are parallel"
@@ -51,7 +51,7 @@ def test_a_reason_is_counted_from_the_base() -> None:
 
 @pytest.mark.parametrize("name", catalogue.BUNDLED)
 def test_every_bundled_arm_has_a_reason(name: str) -> None:
-    """What is solved says why it can be."""
+    """The structure of every solved arm gives the reason why it can be solved."""
     structure = urdf_ik.load(name).structure
     assert bool(structure.family) == bool(structure.reason)
     assert not re.search(r"[{}]|  ", structure.reason)

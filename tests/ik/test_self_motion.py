@@ -47,7 +47,7 @@ def test_the_reference_itself_is_nearest_to_itself(case: Case) -> None:
 
 @pytest.mark.parametrize("name", ["srs_7r", "panda"])
 def test_round_joint_vectors_are_their_own_nearest(name: str) -> None:
-    """Straight and right-angled arms, whose poses leave surfaces of solutions: found again, and soon."""
+    """Straight and right-angled arms, whose poses leave surfaces of solutions, find the joint vector again."""
     arm, rng = urdf_ik.load(name), np.random.default_rng(0)
     round_ones = rng.integers(-1, 2, (12, 7)) * (0.5 * np.pi)
     straight = np.zeros((4, 7))
@@ -63,7 +63,7 @@ def test_round_joint_vectors_are_their_own_nearest(name: str) -> None:
 
 
 def test_nothing_nearer_is_found_by_dense_sampling(case: Case) -> None:
-    """Of 1000 values of the parameter none has a nearer solution inside the limits; the answer is exact and inside."""
+    """No value of 1000 has a nearer solution inside the limits; the answer is exact and inside."""
     rng = np.random.default_rng(1)
     values = np.linspace(-np.pi, np.pi, 1000)
     q = inside(case.arm, rng, 12)
@@ -110,7 +110,7 @@ def test_batch_and_single_agree(case: Case) -> None:
 
 
 def test_nearest_without_a_solution(case: Case) -> None:
-    """Out of reach: no solution, and the reason; what does not fit is refused."""
+    """Out of reach there is no solution and a reason; arguments that do not fit are refused."""
     far = urdf_ik.pose([50.0, 0.0, 0.0])
     found = case.arm.ik_nearest(far, np.zeros(7))
     assert not found
@@ -122,7 +122,7 @@ def test_nearest_without_a_solution(case: Case) -> None:
 
 
 def test_sweep_covers_what_can_be_reached(case: Case) -> None:
-    """Each value has a solution; the intervals' edges are edges; values outside have none, by 500 samples."""
+    """Each value has a solution; intervals end where solutions end; at most 2 % of values outside have one."""
     arm = case.arm
     rng = np.random.default_rng(5)
     edges = 0
@@ -154,7 +154,7 @@ def test_sweep_covers_what_can_be_reached(case: Case) -> None:
 
 
 def test_sweep_without_solutions_and_with_few_values(case: Case) -> None:
-    """Out of reach there is no interval; fewer values than intervals take the widest; the text tells the places."""
+    """Out of reach there is no interval; fewer values than intervals go to the widest; the text names the places."""
     far = case.arm.sweep(urdf_ik.pose([50.0, 0.0, 0.0]), n=5)
     assert far.intervals.shape == (0, 2)
     assert len(far.redundancy) == 5
@@ -184,7 +184,7 @@ WEIGHTS = np.array([4.0, 1.0, 0.5, 2.0, 1.0, 0.25, 1.0])
 
 @pytest.mark.parametrize(("metric", "weights"), [("l2", WEIGHTS), ("max", None), ("max", WEIGHTS)])
 def test_nothing_nearer_by_another_metric(case: Case, metric: str, weights: np.ndarray | None) -> None:
-    """Of 1000 values of the parameter none has a solution inside the limits that is nearer by the metric asked for."""
+    """No value of 1000 has a nearer solution inside the limits by the given metric."""
     arm, rng = case.arm, np.random.default_rng(4)
     values = np.linspace(-np.pi, np.pi, 1000)
     q = inside(arm, rng, 5)
@@ -203,7 +203,7 @@ def test_nothing_nearer_by_another_metric(case: Case, metric: str, weights: np.n
 
 
 def test_bounds_are_kept_where_some_value_keeps_them(case: Case) -> None:
-    """Near the planted joint vector, but with one joint held closer than the nearest solution has it: still found."""
+    """A bound on one joint that excludes the nearest solution, but not the planted one, is kept."""
     rng = np.random.default_rng(5)
     q = inside(case.arm, rng, 6)
     T = case.oracle.poses(q)

@@ -36,8 +36,8 @@ def draw(case: Case, seed: int, m: int) -> tuple[Array, Array, Array]:
 
 
 def numbers_of(case: Case) -> SrsArm:
-    """The numbers of an S-R-S arm."""
-    arm = case.arm._plan.solver.arm
+    """The numbers of the solver of an S-R-S arm."""
+    arm = case.arm.solver.require_member().solver.arm
     assert isinstance(arm, SrsArm)
     return arm
 
@@ -63,7 +63,7 @@ def test_random_poses(kind: str, seed: int, orthogonal: bool, aligned: bool) -> 
 
 @pytest.mark.parametrize("kind", SEVEN)
 def test_nothing_is_missing(kind: str) -> None:
-    """At a given parameter Newton's method from many starts, on the six free joints, finds nothing more."""
+    """At a given parameter, every solution that Newton's method finds from many starts is there."""
     case = member(kind, 0)
     parameter = case.arm.redundancy
     rng = np.random.default_rng(3)
@@ -119,7 +119,7 @@ def newton_at(case: Case, q: Array, T: Array, value: float) -> Array | None:
 
 @pytest.mark.parametrize("kind", ["S-R-S, offset elbow", "one behind wrist, 1x2", "one before 2||3||4, 5x6"])
 def test_poses_and_values_broadcast(kind: str) -> None:
-    """Every pose at every value, one pose at many, many at one, threads: the same digits as one by one."""
+    """Every pose at every value, one at many, many at one, with threads: equal to single calls to the last bit."""
     arm = member(kind, 0).arm
     _, targets, _ = draw(member(kind, 0), 1, 70)
     values = np.linspace(-3.0, 3.0, 5)
@@ -140,8 +140,8 @@ def test_poses_and_values_broadcast(kind: str) -> None:
     assert arm.ik(targets[:0], redundancy=values[:0]).q.shape == (0, len(table.branches), 7)
 
 
-def test_what_does_not_fit_is_refused() -> None:
-    """Values that are no numbers or do not broadcast, and an arm that has no parameter."""
+def test_values_that_do_not_fit_are_refused() -> None:
+    """Values that are not numbers or do not broadcast, and an arm without a parameter."""
     arm = member("S-R-S", 0).arm
     T = np.tile(np.eye(4), (3, 1, 1))
     for value in (np.nan, "much", [0.0, np.inf]):
@@ -217,7 +217,7 @@ def test_branch_names_mean_what_they_say(kind: str, seed: int) -> None:
 @pytest.mark.parametrize("where", ["elbow stretched", "elbow folded", "shoulder", "wrist", "on axis 1", "all"])
 @pytest.mark.parametrize("seed", range(4))
 def test_near_singularities(where: str, distance: float, seed: int) -> None:
-    """Stretched, folded, aligned, above the base: exact, without duplicates, marked; found again where it can be."""
+    """Stretched, folded, aligned, or above the base: exact and marked, none given twice, planted found if isolated."""
     kind = SWIVELLING[seed % 2]
     case = member(kind, seed, True, seed == 3)
     numbers = numbers_of(case)
@@ -284,8 +284,8 @@ def above_the_base(case: Case, q: Array) -> Array | None:
     return q if np.linalg.norm(aside(q[1])) < 1e-12 else None
 
 
-def test_representatives_follow_the_reference() -> None:
-    """At an aligned shoulder and wrist the joints that only count together stand at zero, or near ``q_ref``."""
+def test_srs_straight_shoulder_and_wrist_stay_near_the_reference() -> None:
+    """Where only the sum of two joints counts, the free one is zero, or near ``q_ref``."""
     case = member("S-R-S", 1, True, True)
     numbers = numbers_of(case)
     q = np.array([0.4, -numbers.shoulder.shift, 0.7, 1.1, -0.3, -numbers.wrist.shift, 0.9])
@@ -299,7 +299,7 @@ def test_representatives_follow_the_reference() -> None:
 
 @pytest.mark.parametrize("kind", ["S-R-S", "one before wrist, 2||3"])
 def test_out_of_reach(kind: str) -> None:
-    """Far away there is no solution and no exception, and the reason holds a number."""
+    """Out of reach there is no solution and no exception, and the reason holds a number."""
     arm = member(kind, 0).arm
     far = urdf_ik.pose([100.0, 0.0, 0.0])
     solutions = arm.ik(far, redundancy=0.3)
@@ -313,7 +313,7 @@ def test_out_of_reach(kind: str) -> None:
 
 @pytest.mark.parametrize(("joint", "given"), [(1, "joint_1"), (7, "joint_7")])
 def test_a_lift(joint: int, given: str) -> None:
-    """A sliding first or last joint is the parameter, in metres; its range is what the joint's limits are."""
+    """A sliding first or last joint is the parameter, in metres; its range is the joint's limits."""
     kind = "one before 2||3||4, 5x6" if joint == 1 else "one behind wrist, 1x2"
     text = sliding(random_seven(kind, 0).urdf, joint, 0.0, 0.8)
     arm, oracle = urdf_ik.load(text, "base", "tool"), Oracle(text)
@@ -365,7 +365,7 @@ def test_more_than_nine_joints_ask_for_locked_ones() -> None:
 
 
 def test_an_empty_answer_tells_where_there_are_solutions() -> None:
-    """Where the pose is out of reach at one value of the last joint, the reason names the values at which it is not."""
+    """Out of reach at one value of the last joint, the reason names the values with solutions."""
     case = member("one behind wrist, 1x2", 0)
     explained = 0
     for q, T in zip(*draw(case, 12, 12)[:2], strict=True):
@@ -382,8 +382,8 @@ def test_an_empty_answer_tells_where_there_are_solutions() -> None:
     assert explained
 
 
-def test_a_wrist_in_the_shoulder() -> None:
-    """Equal links folded fully leave no line to swivel about: still a solution, exact and marked, not an exception."""
+def test_srs_equal_links_folded_wrist_in_the_shoulder_is_marked() -> None:
+    """Equal links folded fully leave no line to swivel about: an exact solution, marked, and no exception."""
     origins = [((0, 0, 0.3), (0, 0, 0)), *[((0, 0, 0), (0, 0, 0))] * 2, ((0, 0, 0.4), (0, 0, 0))]
     origins += [((0, 0, 0.4), (0, 0, 0)), *[((0, 0, 0), (0, 0, 0))] * 2, ((0, 0, 0.1), (0, 0, 0))]
     text = serial_urdf("folded", origins, [Z, Y, Z, Y, Z, Y, Z, None])

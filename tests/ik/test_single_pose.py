@@ -13,7 +13,7 @@ import urdf_ik
 
 
 def test_solutions_of_a_single_pose_own_their_numbers() -> None:
-    """The compiled answer to one pose: its arrays, made when asked for, are those of a batch, and nobody else's."""
+    """The arrays of one pose's answer are those of a batch, and are shared with no other answer."""
     arm = urdf_ik.load("zyyzyz_6r")
     T = arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])
     target, kept = T.copy(), arm.ik(T[None])[0]

@@ -1,4 +1,4 @@
-"""Six joints of which some slide: complete, exact, named, and explained where a pose is out of reach."""
+"""Six joints, some of them slides: complete, exact, named, and explained where a pose is out of reach."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def test_batch_is_single(name: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_near_and_at_singularities(name: str) -> None:
-    """Where the Jacobian's determinant vanishes along one joint, and 1e-1 to 1e-7 from there, nothing is lost."""
+    """On a zero of the Jacobian's determinant, and 1e-1 to 1e-7 from there, no planted vector is lost."""
     case, rng = few(name, 6), np.random.default_rng(9)
     for _ in range(4):
         q, joint = singular(case, rng)
@@ -106,8 +106,8 @@ def singular(case: Case, rng: np.random.Generator) -> tuple[Array, int]:
     return q, joint
 
 
-def test_stanford_arm() -> None:
-    """The bundled arm: eight solutions, its check passes, and its wrist is named where it is singular."""
+def test_stanford_arm_has_eight_and_names_its_straight_wrist() -> None:
+    """The bundled arm has eight solutions, passes its check, and names its wrist where that is singular."""
     case = from_catalogue("stanford_rrprrr")
     arm = case.arm
     assert arm.structure.family == "RRPRRR spherical wrist"
@@ -142,8 +142,8 @@ def test_rounded_decimals_are_exact_as_written(name: str, off: float) -> None:
         assert len(assert_answers(case, q, case.oracle.pose(q))) % 2 == 0
 
 
-def test_limits_know_slides_from_turns() -> None:
-    """A slide is in its limits or not, a turning joint may be 2 pi on; the nearest solution is the planted one."""
+def test_stanford_boom_beyond_its_limit_has_no_turns() -> None:
+    """A slide is inside its limits or not; a revolute joint may be 2 pi away; the nearest is the planted one."""
     case = few("RRPRRR Stanford", 8)
     q = np.array([0.4, -0.8, 0.9 * TRAVEL, 2.0, 1.0, -2.0])
     inside = case.arm.ik(case.oracle.pose(q)).within_limits()
@@ -159,7 +159,7 @@ def test_limits_know_slides_from_turns() -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_out_of_reach_is_no_error(name: str) -> None:
-    """Whatever the pose, the answer is exact or empty, and what is empty is explained by a number."""
+    """Whatever the pose, the answer is exact or empty, and an empty one is explained by a number."""
     case, rng = few(name, 5), np.random.default_rng(3)
     T = case.oracle.poses(draw(case, rng, 10))
     T[:, :3, 3] = rng.normal(size=(10, 3))
@@ -171,7 +171,7 @@ def test_out_of_reach_is_no_error(name: str) -> None:
 
 
 def test_bad_targets_are_refused() -> None:
-    """NaN and what is no rotation raise PoseError with the place in the batch."""
+    """NaN, infinity and a matrix that is not a rotation raise PoseError with the place in the batch."""
     for name in ("RRPRRR Stanford", "RPRPRP any"):
         case = few(name, 0)
         T = case.oracle.poses(draw(case, np.random.default_rng(0), 40))

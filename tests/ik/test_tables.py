@@ -39,8 +39,8 @@ def test_a_frame_has_a_row_a_solution(arm: urdf_ik.Arm) -> None:
     np.testing.assert_array_equal(row[list(arm.joint_names)].to_numpy(float), batch[1, 2][0].q)
 
 
-def test_a_singular_solution_is_named(arm: urdf_ik.Arm) -> None:
-    """A stretched wrist stands in the frame as a word."""
+def test_puma_straight_wrist_is_a_word_in_the_frame(arm: urdf_ik.Arm) -> None:
+    """A straight wrist stands in the frame as a word."""
     pytest.importorskip("pandas")
     q = Q * [1, 1, 1, 1, 0, 1]
     assert "WRIST" in set(arm.ik(arm.fk(q)).to_frame()["singular"])

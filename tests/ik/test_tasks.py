@@ -42,7 +42,7 @@ def miss(case: Case, q: Array, target: Array) -> float:
 
 @pytest.mark.parametrize("name", BUILDS)
 def test_an_arm_knows_its_task(name: str) -> None:
-    """What the joints control is found: by the build, whatever the mount, the tool and the directions of the axes."""
+    """The task follows from the joints, whatever the mount, the tool and the directions of the axes."""
     for seed in range(3):
         arm = few(name, seed).arm
         assert arm.task == BUILDS[name].task
@@ -64,7 +64,7 @@ def test_six_joints_control_the_pose() -> None:
 @pytest.mark.parametrize("seed", [0, 1])
 @pytest.mark.parametrize("name", CONTROLLED)
 def test_planted_joint_vector_is_found(name: str, seed: int) -> None:
-    """A target that a joint vector gives is answered with it, every solution reaches it, and none is given twice."""
+    """A planted joint vector is found for its target; every solution reaches the target, none is given twice."""
     case = few(name, seed)
     for q in draw(case, np.random.default_rng(seed), 25):
         target = target_of(case, q)
@@ -78,7 +78,7 @@ def test_planted_joint_vector_is_found(name: str, seed: int) -> None:
 
 @pytest.mark.parametrize("name", CONTROLLED)
 def test_answers_are_complete(name: str) -> None:
-    """Nothing is missing that Newton's method, on numerical derivatives of the target, finds from random starts."""
+    """Every solution that Newton's method finds from random starts is there."""
     case, rng, arrived = few(name, 3), np.random.default_rng(1), 0
     for q in draw(case, rng, 3):
         target = target_of(case, q)
@@ -109,7 +109,7 @@ def _search(case: Case, q: Array, target: Array) -> Array | None:
 
 @pytest.mark.parametrize("name", CONTROLLED)
 def test_batch_is_single(name: str) -> None:
-    """A stack of targets has the answers of each; what is out of reach is empty and explained."""
+    """A stack of targets gives what each target gives; a target out of reach is empty and explained."""
     case = few(name, 4)
     targets = np.array([target_of(case, q) for q in draw(case, np.random.default_rng(2), 80)])
     if not case.arm.chain.prismatic.any():
@@ -188,8 +188,8 @@ def test_coordinates_of_the_plane() -> None:
     np.testing.assert_allclose(np.cross(*arm.solver.control.plane.axes), arm.solver.control.plane.normal, atol=1e-12)
 
 
-def test_known_two_link_arm() -> None:
-    """The two-link arm with links of 66 and 130: by the law of cosines, and its published limits."""
+def test_two_links_of_66_and_130_mm_obey_the_law_of_cosines() -> None:
+    """The elbow's two angles are those of the law of cosines; the column names tell which side the elbow is on."""
     points = np.array([0 * X, 0.066 * X])
     text = few_urdf("RR", np.array([Z, Z]), points, 0.196 * X, np.random.default_rng(0), aligned=True)
     case = case_of(text)
@@ -205,7 +205,7 @@ def test_known_two_link_arm() -> None:
 
 
 def test_a_direction_may_be_a_pair_of_any_length() -> None:
-    """Position and axis as six numbers or as a pair, batches too; the direction's length does not count."""
+    """Position and axis as six numbers or as a pair, batches too; the axis need not be a unit vector."""
     case = few("5R 2||3||4+4x5", 1)
     targets = np.array([target_of(case, q) for q in draw(case, np.random.default_rng(5), 12)])
     expected = case.arm.ik(targets, task="position and axis")
@@ -239,7 +239,7 @@ def test_the_last_axis_is_not_aimed() -> None:
     ],
 )
 def test_tasks_that_an_arm_cannot_control(name: str, task: str, target: Array, words: str) -> None:
-    """The error says what the arm controls instead."""
+    """The error names the task that the arm controls."""
     with pytest.raises(ArgumentError, match=words):
         few(name).arm.ik(target, task=task)
 

@@ -115,7 +115,7 @@ HEADER = "x,y,z,qw,qx,qy,qz\n"
         (numpy_file(alone=T)[:60].replace(b"(5, 4, 4)", b"(9**9,4,)") + b"'", ("damaged",)),
     ],
 )
-def test_what_is_wrong_is_named_with_its_place(content: str | bytes, words: tuple[str, ...], tmp_path: Path) -> None:
+def test_errors_name_the_place_in_the_file(content: str | bytes, words: tuple[str, ...], tmp_path: Path) -> None:
     """Every message begins with the file, and names the line, the column, the value, or what would be valid."""
     file = tmp_path / "seam.csv"
     file.write_bytes(content.encode() if isinstance(content, str) else content)
@@ -132,8 +132,8 @@ def test_a_file_that_is_not_there() -> None:
         urdf_ik.read_waypoints("no/seam.csv")
 
 
-def test_there_is_a_limit_to_what_is_read(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """Of a file, of an open one, and of what a compressed one unpacks to: named in the error, and no more is read."""
+def test_files_are_read_up_to_a_size(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """A file, an open one and a compressed one are read up to a size that the error names."""
     monkeypatch.setattr(number_files, "MAX_BYTES", 2**20)
     large = tmp_path / "seam.csv"
     large.write_bytes(table("x,y,z,qw,qx,qy,qz", XYZ, QUAT) + b" " * 2**20)

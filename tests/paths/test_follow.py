@@ -17,7 +17,7 @@ SEVEN = ("panda", "srs_7r")
 @pytest.mark.parametrize("name", SIX)
 @pytest.mark.parametrize("seed", range(4))
 def test_a_moved_joint_path_is_found_and_costs_no_more(name: str, seed: int) -> None:
-    """A moved joint path is found and costs no more."""
+    """The tip's path of a joint motion inside the limits is found, at the motion's cost or less."""
     arm = urdf_ik.load(name)
     q = joint_path(arm, 60, seed)
     plan = arm.follow(arm.fk(q), collisions=False)
@@ -27,7 +27,7 @@ def test_a_moved_joint_path_is_found_and_costs_no_more(name: str, seed: int) -> 
 
 @pytest.mark.parametrize("kind", ALL_KINDS)
 def test_members_of_every_family_follow_a_moved_joint_path(kind: str) -> None:
-    """Members of every family follow a moved joint path, and find none that costs more."""
+    """On members of every family the tip's path of a joint motion is found, at the motion's cost or less."""
     for seed in range(2):
         arm = described(kind, seed)
         q = smooth(arm, np.random.default_rng(seed))[::5]
@@ -38,7 +38,7 @@ def test_members_of_every_family_follow_a_moved_joint_path(kind: str) -> None:
 
 @pytest.mark.parametrize("cost", ["l1", "l2", "max"])
 def test_the_cost_is_what_was_asked_for(cost: str) -> None:
-    """The cost is what was asked for."""
+    """A plan's cost is the sum of its steps' lengths in the given metric."""
     arm = urdf_ik.load("ur5")
     plan = arm.follow(arm.fk(joint_path(arm, 40, 3)), cost=cost, collisions=False)
     steps = np.abs(np.diff(plan.q, axis=0))
@@ -47,7 +47,7 @@ def test_the_cost_is_what_was_asked_for(cost: str) -> None:
 
 
 def test_time_at_the_velocity_limits_is_a_cost() -> None:
-    """Time at the velocity limits is a cost."""
+    """With cost='time' a plan's cost is the time that its steps take at the URDF's velocity limits."""
     arm = urdf_ik.load("ur5")
     limits = {joint.name: joint.velocity for joint in arm.model.joints}
     v = np.array([limits[name] for name in arm.joint_names])
@@ -58,7 +58,7 @@ def test_time_at_the_velocity_limits_is_a_cost() -> None:
 @pytest.mark.parametrize("name", SEVEN)
 @pytest.mark.parametrize("seed", range(2))
 def test_seven_joints_follow_a_moved_joint_path(name: str, seed: int) -> None:
-    """Seven joints follow a moved joint path."""
+    """The tip's path of a seven-joint motion is found, at 1.5 times the motion's cost or less."""
     arm = urdf_ik.load(name)
     q = joint_path(arm, 60, seed)
     plan = arm.follow(arm.fk(q), collisions=False)
@@ -66,7 +66,7 @@ def test_seven_joints_follow_a_moved_joint_path(name: str, seed: int) -> None:
     assert plan.cost <= 1.5 * (np.diff(q, axis=0) ** 2).sum()
 
 
-def test_across_half_a_turn() -> None:
+def test_ur5_joints_pass_half_a_turn_without_a_jump() -> None:
     """Joints pass pi without a jump where their limits allow it."""
     arm = urdf_ik.load("ur5")
     q = np.tile([3.0, -1.2, 1.1, 3.0, 1.2, -3.0], (41, 1)) + np.linspace(0.0, 0.6, 41)[:, None] * [1, 0, 0, 1, 0, -1]
@@ -75,8 +75,8 @@ def test_across_half_a_turn() -> None:
     assert np.abs(plan.q - q).max() < 1e-6
 
 
-def test_turns_that_run_into_a_limit() -> None:
-    """The last joint turns once and a half: only one of its images has room for that."""
+def test_ur5_last_joint_turns_one_and_a_half_times() -> None:
+    """Only one image of the last joint has room for one and a half turns; two turns are refused and named."""
     arm = urdf_ik.load("ur5")
     q = np.tile([0.4, -1.2, 1.1, 0.3, 1.2, 0.0], (181, 1))
     q[:, 5] = np.linspace(-1.0, -1.0 + 3.0 * np.pi, 181) - 4.0
@@ -96,7 +96,7 @@ def test_turns_that_run_into_a_limit() -> None:
 @pytest.mark.parametrize(
     ("turns", "given", "found"), [(8.0, False, True), (4.0, True, True), (8.0, True, False), (12.0, False, False)]
 )
-def test_limits_of_many_turns(turns: float, given: bool, found: bool) -> None:
+def test_zyyzyz_limits_of_10_turns_are_kept(turns: float, given: bool, found: bool) -> None:
     """A joint with 10.4 turns inside its limits is wound no further, nor from another turn than the start's."""
     model = etree.fromstring(urdf_ik.load("zyyzyz_6r").model.xml)
     (limit,) = model.xpath("joint[@name='joint_6']/limit")
@@ -118,7 +118,7 @@ def test_limits_of_many_turns(turns: float, given: bool, found: bool) -> None:
 
 
 def test_coarse_waypoints_are_refined() -> None:
-    """Coarse waypoints are refined."""
+    """Five waypoints of a line keep their places; the plan's motion has places between them."""
     arm = urdf_ik.load("ur5")
     T0 = arm.fk([0.3, -1.2, 1.4, -0.4, 1.2, 0.5])
     T1 = T0.copy()
@@ -131,7 +131,7 @@ def test_coarse_waypoints_are_refined() -> None:
 
 
 def test_a_start_and_an_end_are_kept() -> None:
-    """A start and an end are kept."""
+    """A plan begins at the given start, and ends at the given end, to the last bit."""
     arm = urdf_ik.load("zyyzyz_6r")
     q = joint_path(arm, 30, 5)
     T = arm.fk(q)
@@ -144,7 +144,7 @@ def test_a_start_and_an_end_are_kept() -> None:
 
 
 def test_alternatives_are_the_best_from_each_branch() -> None:
-    """Alternatives are the best from each branch."""
+    """Alternatives start on different branches; none is cheaper than the plan."""
     arm = urdf_ik.load("ur5")
     plan = arm.follow(arm.fk(joint_path(arm, 30, 1, size=0.1)), collisions=False)
     assert plan.alternatives[0].cost == plan.cost
@@ -157,7 +157,7 @@ def test_alternatives_are_the_best_from_each_branch() -> None:
 
 @pytest.mark.parametrize(("seed", "waypoint"), [(0, 15), (1, 15), (3, 25)])
 def test_an_obstacle_is_gone_round_by_another_branch(seed: int, waypoint: int) -> None:
-    """A box by the elbow of the cheapest branch, met at the middle of the path or late on it."""
+    """A box at the elbow of the cheapest plan: the other plan stays clear of it, on other branches."""
     arm = urdf_ik.load("zyyzyz_6r")
     T = arm.fk(joint_path(arm, 30, seed, size=0.15))
     free = arm.follow(T)
@@ -172,7 +172,7 @@ def test_an_obstacle_is_gone_round_by_another_branch(seed: int, waypoint: int) -
     assert set(plan.branches).isdisjoint(free.branches)
 
 
-def test_reconfigurations_are_as_few_as_possible() -> None:
+def test_ur5_last_joint_beyond_its_limits_reconfigures_once() -> None:
     """The last joint would have to turn beyond its limits: one change of turn is enough."""
     arm = urdf_ik.load("ur5")
     q = np.tile([0.4, -1.2, 1.1, 0.3, 1.2, 0.0], (181, 1))
@@ -186,7 +186,7 @@ def test_reconfigurations_are_as_few_as_possible() -> None:
 
 
 def test_no_step_is_larger_than_allowed() -> None:
-    """No step is larger than allowed."""
+    """No joint steps farther than ``max_step``; no plan is found where that is too short for the waypoints."""
     arm = urdf_ik.load("ur5")
     q = joint_path(arm, 40, 6)
     most = np.abs(np.diff(q, axis=0)).max(axis=0) * 1.01
@@ -213,7 +213,7 @@ def test_no_step_is_larger_than_allowed() -> None:
     ],
 )
 def test_settings_that_make_no_sense(options: dict[str, object], words: str) -> None:
-    """Settings that make no sense."""
+    """An invalid setting raises ArgumentError that names it and its valid values."""
     arm = urdf_ik.load("zyyzyz_6r")
     T = arm.fk(joint_path(arm, 5, 0))
     with pytest.raises(urdf_ik.ArgumentError, match=words.replace("(", r"\(")):
@@ -221,7 +221,7 @@ def test_settings_that_make_no_sense(options: dict[str, object], words: str) -> 
 
 
 def test_waypoints_that_make_no_sense() -> None:
-    """Waypoints that make no sense."""
+    """No waypoints, a wrong shape, NaN, and a start outside the limits are refused."""
     arm = urdf_ik.load("zyyzyz_6r")
     T = arm.fk(joint_path(arm, 5, 0))
     with pytest.raises(urdf_ik.ArgumentError, match="no waypoint"):
@@ -237,7 +237,7 @@ def test_waypoints_that_make_no_sense() -> None:
 
 
 def test_a_single_waypoint_is_a_path() -> None:
-    """A single waypoint is a path."""
+    """A path of one waypoint costs nothing and has one alternative for each branch."""
     arm = urdf_ik.load("zyyzyz_6r")
     plan = arm.follow(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2]), collisions=False)
     assert plan.found

@@ -105,7 +105,7 @@ def test_given_ends_are_kept() -> None:
         free.follow(path, start=start, collisions=False)
 
 
-def test_a_path_that_needs_the_rotation() -> None:
+def test_puma_two_turns_of_the_workpiece_need_no_motion() -> None:
     """Two turns of the workpiece under the tool, as around a pipe: the free wrist stays where it is."""
     fixed = urdf_ik.load("puma_560")
     free = fixed.with_free_axis("z")

@@ -57,7 +57,7 @@ def test_a_singularity_of_every_family_is_crossed(kind: str) -> None:
     assert crossed
 
 
-def test_through_the_wrist_singularity() -> None:
+def test_puma_through_its_straight_wrist() -> None:
     """Joint 5 passes zero: the wrist changes its branch, and joints 4 and 6 need not turn."""
     arm = urdf_ik.load("puma_560")
     q = np.tile([0.2, -0.6, 0.4, 0.3, 0.0, 0.5], (41, 1))
@@ -69,8 +69,8 @@ def test_through_the_wrist_singularity() -> None:
     assert len(set(plan.branches)) > 1
 
 
-def test_along_the_wrist_singularity() -> None:
-    """Joint 5 stays at zero: each pose leaves joint 4 free, and its representative is carried along the path."""
+def test_puma_along_its_straight_wrist() -> None:
+    """Joint 5 stays at zero: each pose leaves joint 4 free, and the plan keeps its value from waypoint to waypoint."""
     arm = urdf_ik.load("puma_560")
     q = np.tile([0.2, -0.6, 0.4, 0.7, 0.0, 0.5], (21, 1))
     q[:, 0] += np.linspace(0.0, 0.3, 21)
@@ -80,7 +80,7 @@ def test_along_the_wrist_singularity() -> None:
     assert np.abs(np.diff(plan.q, axis=0)).max() < 0.05
 
 
-def test_along_the_edge_of_reach() -> None:
+def test_zyyzyz_along_the_edge_of_reach() -> None:
     """The elbow stretches to within 1e-4 rad and bends again, on the same side and on the other."""
     arm = urdf_ik.load("zyyzyz_6r")
     base = np.array([0.3, 0.4, 0.0, 0.5, 0.8, -0.3])
@@ -94,8 +94,8 @@ def test_along_the_edge_of_reach() -> None:
 
 
 @pytest.mark.parametrize("bend", [0.0, 1e-8, 1e-6, 1e-4])
-def test_along_a_fold(bend: float) -> None:
-    """The elbow stays straight to within the bend while the other joints move; it may wave from side to side."""
+def test_zyyzyz_along_its_straight_elbow(bend: float) -> None:
+    """The elbow stays within ``bend`` of straight while the other joints move; it may wave from side to side."""
     arm = urdf_ik.load("zyyzyz_6r")
     for waves in (0, 3):
         s = np.linspace(0.0, 1.0, 81)[:, None]
@@ -114,7 +114,7 @@ CRX_START = (2.0323, 1.2241, -1.1492, 2.8288, -2.9252, -0.3849)
 CRX_END = (-2.6111, -0.6297, -1.5088, 1.8854, -0.4309, 2.5802)
 
 
-def test_the_published_cuspidal_line() -> None:
+def test_crx_published_cuspidal_line_keeps_four_of_twelve() -> None:
     """Twelve solutions at the start, four at the end; four of the start branches lead there, as is published.
 
     The eight others end in pairs where two solutions merge and are gone: four of them at each of two folds.

@@ -12,7 +12,7 @@ from urdf_ik.paths.planner import assembly, redundant, smoothing
 
 
 def narrow_path(arm: urdf_ik.Arm, seed: int, room: float = 4e-3) -> tuple[np.ndarray, np.ndarray]:
-    """A joint path (m, 7) of which two joints are near limits that the self-motion runs into on either side."""
+    """A joint path (m, 7) with two joints near limits, one on each side of the self-motion."""
     rng = np.random.default_rng(seed)
     low, high = arm.limits.T
     while True:
@@ -30,7 +30,7 @@ def narrow_path(arm: urdf_ik.Arm, seed: int, room: float = 4e-3) -> tuple[np.nda
 
 @pytest.mark.parametrize("seed", range(4))
 def test_a_window_narrower_than_the_grid_is_found(seed: int) -> None:
-    """Near two limits, the self-motion leaves the parameter less than a step of the first grid."""
+    """Near two joint limits the parameter may vary by less than a step of the first grid; the plan is found."""
     arm = urdf_ik.load("panda")
     _, T = narrow_path(arm, seed)
     check(arm, arm.follow(T, collisions=False))
@@ -95,8 +95,8 @@ def test_steps_that_are_too_short_for_the_path_are_named(name: str) -> None:
         assert "max_step" in plan.explain()
 
 
-def test_smoothing_finds_the_least_sum_of_squares() -> None:
-    """At the end the sum does not change, to first order, with any value; and it is less than before."""
+def test_srs_smoothing_finds_the_least_sum_of_squares() -> None:
+    """No value changes the smoothed sum to first order, and the sum is less than before."""
     arm = urdf_ik.load("srs_7r")
     q = joint_path(arm, 40, 2, size=0.2)
     T = arm.fk(q)
@@ -104,10 +104,15 @@ def test_smoothing_finds_the_least_sum_of_squares() -> None:
     whole = assembly.Refined(T, np.arange(40.0), np.ones(39))
     value = np.unwrap(arm.redundancy_of(q))
     better, moved = smoothing.smoothed(asked, whole, q, value)
+
+    def beside(step: float) -> np.ndarray:
+        found = arm.ik(T, redundancy=moved + step).nearest(better).q[:, 0]
+        return better + np.remainder(found - better + np.pi, 2.0 * np.pi) - np.pi
+
     before, after = ((np.diff(each, axis=0) ** 2).sum() for each in (q, better))
     assert after < before
     assert np.abs(arm.fk(better) - T).max() < 1e-9
-    t = smoothing._derivative(asked, whole, better, moved)
+    t = (beside(1e-6) - beside(-1e-6)) / 2e-6
     gaps = np.diff(better, axis=0)
     gradient = np.concatenate([[0.0], (t[1:] * gaps).sum(axis=1)]) - np.append((t[:-1] * gaps).sum(axis=1), 0.0)
     low, high = arm.limits.T
@@ -115,8 +120,8 @@ def test_smoothing_finds_the_least_sum_of_squares() -> None:
     assert np.abs(gradient[loose]).max() < 1e-3 * np.abs(t).max() * np.abs(gaps).max() * 40
 
 
-def test_the_grid_is_finer_where_the_limits_leave_little() -> None:
-    """The Panda's limits leave few solutions of a pose, those of an arm without limits many."""
+def test_panda_grid_is_finer_than_the_coarsest() -> None:
+    """The Panda's limits leave few solutions of a pose, so the first grid has more values than the fewest."""
     arm = urdf_ik.load("panda")
     T = arm.fk(joint_path(arm, 10, 0))
     asked = settings.checked(arm.solver, T, PathSettings(), None)

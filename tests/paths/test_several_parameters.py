@@ -78,8 +78,8 @@ def test_other_costs_hold_all_but_one(cost: str) -> None:
     assert min(np.ptp(plan.q[:, 0]), np.ptp(plan.q[:, 1])) < 1e-12
 
 
-def test_what_stops_it() -> None:
-    """Out of reach at every value, with words."""
+def test_out_of_reach_is_explained() -> None:
+    """A path out of reach at every value of the parameters is explained in words."""
     cell = urdf_ik.load("positioner_6r", base="workpiece", tip="torch")
     far = urdf_ik.line(urdf_ik.pose([5.0, 0.0, 0.0]), urdf_ik.pose([5.0, 1.0, 0.0]), 3)
     plan = cell.follow(far, collisions=False)

@@ -45,7 +45,7 @@ def test_few_joints_return_the_path(name: str) -> None:
 
 
 def test_tasks_are_followed() -> None:
-    """An arm of a task takes targets of that task; what the task leaves open does not count."""
+    """An arm with a task takes targets of that task, and ignores the rest of the pose."""
     arm = arm_of("positioning_3r").for_task("position")
     Q = path(arm, 4)
     points = arm.fk(Q)[:, :3, 3]
@@ -71,7 +71,7 @@ def test_other_tasks_are_followed(name: str, task: str) -> None:
 
 
 def test_turns_are_kept() -> None:
-    """A joint that goes round and round keeps its turns: its angles are continuous beyond half a turn."""
+    """A joint that keeps turning keeps its turns: its angle is continuous beyond half a turn."""
     arm = arm_of("ur5")
     Q = np.tile([0.3, -1.2, 1.4, -0.5, 1.1, 0.0], (900, 1))
     Q[:, 0] = np.linspace(-3.5, 5.5, 900)

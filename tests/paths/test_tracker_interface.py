@@ -1,4 +1,4 @@
-"""What a tracker takes, what it answers with, and what it refuses."""
+"""A tracker's targets, its answers, and the inputs that it refuses."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def test_velocity_limits_come_from_the_urdf() -> None:
 
 @pytest.mark.parametrize("dt", [0.0, -0.1, math.nan, math.inf, "fast", None])
 def test_a_cycle_has_a_length(dt: object) -> None:
-    """A cycle of no length, or of none that is a number, is refused in words."""
+    """A cycle whose length is zero or not a number is refused in words."""
     with pytest.raises(ArgumentError, match="dt="):
         arm_of("zyyzyz_6r").tracker(Q0, dt)  # type: ignore[arg-type]
 
@@ -119,8 +119,8 @@ def test_limits_that_make_no_sense_are_refused() -> None:
         arm.tracker(Q0, DT, margin=-1.0)
 
 
-def test_what_is_no_pose_is_refused_and_moves_nothing() -> None:
-    """NaN, a reflection, a batch, words: PoseError, and the tracker stands where it stood."""
+def test_an_invalid_pose_is_refused_and_moves_nothing() -> None:
+    """NaN, a reflection, a batch, words: PoseError, and the tracker keeps its state."""
     arm = arm_of("zyyzyz_6r")
     tracker = arm.tracker(Q0, DT)
     tracker.step(arm.fk(Q0))
@@ -147,5 +147,5 @@ def test_arms_that_are_not_tracked_say_why() -> None:
 
 
 def test_a_tracker_names_its_arm() -> None:
-    """What a notebook shows of it."""
+    """The repr of a tracker names the arm."""
     assert repr(arm_of("zyyzyz_6r").tracker(Q0, 0.01)) == "<Tracker of 'zyyzyz_6r': 100 cycles a second>"

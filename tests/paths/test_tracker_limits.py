@@ -1,4 +1,4 @@
-"""What a tracker keeps to: limits of speed, of acceleration and of the joints, and obstacles."""
+"""A tracker keeps the limits of speed, of acceleration and of the joints, and stops before obstacles."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ def test_a_far_target_is_approached_along_the_straight_way() -> None:
     np.testing.assert_allclose(steps[-1].q, START + [0.5, 0.3, 0.2, -0.4, 0.3, 0.5], atol=1e-9)
 
 
-def test_what_is_missing_is_reported() -> None:
-    """``distance`` and ``angle`` are those to the target."""
+def test_distance_and_angle_to_the_target_are_reported() -> None:
+    """``distance`` and ``angle`` are those from the tip to the target."""
     arm = arm_of("zyyzyz_6r")
     T = arm.fk(Q0)
     T[:3, 3] += [0.3, 0.0, 0.0]
@@ -60,7 +60,7 @@ def test_random_targets_break_no_limit(name: str) -> None:
 
 
 def test_no_limit_is_no_jump() -> None:
-    """Without limits of speed a step of the target to another place is followed on the branch that the arm is on."""
+    """Without velocity limits a step of the target is followed in one cycle, on the arm's branch."""
     arm = arm_of("zyyzyz_6r")
     rng = np.random.default_rng(3)
     for _ in range(20):
@@ -71,7 +71,7 @@ def test_no_limit_is_no_jump() -> None:
 
 
 def test_acceleration_is_limited() -> None:
-    """A target far away: no acceleration above the limit, no overshoot worth the name, and at rest at the end."""
+    """Towards a far target the acceleration keeps its limit, and the arm comes to rest with little overshoot."""
     arm = arm_of("zyyzyz_6r")
     target = START + [0.5, 0.3, 0.2, -0.4, 0.3, 0.5]
     tracker = arm.tracker(START, DT, acceleration=5.0)
@@ -97,7 +97,7 @@ def test_a_smooth_path_is_followed_with_limited_acceleration() -> None:
 
 
 def test_limits_are_approached_with_braking() -> None:
-    """With limited acceleration a joint stops at its limit, not beyond, and brakes no harder than it may."""
+    """With limited acceleration a joint stops at its limit and brakes no harder than allowed."""
     arm = arm_of("zyyzyz_6r")
     Q = np.tile(Q0, (600, 1))
     Q[:, 4] = np.minimum(0.7 + 3.0 * DT * np.arange(600), 3.0)
@@ -108,7 +108,7 @@ def test_limits_are_approached_with_braking() -> None:
 
 
 def test_a_joint_limit_in_the_way() -> None:
-    """At a joint's limit the arm stays inside it, says so, and goes on when the target comes back."""
+    """The arm stops at a joint's limit, reports it, and continues when the target comes back."""
     arm = arm_of("zyyzyz_6r")
     Q = np.tile(Q0, (1600, 1))
     Q[:1000, 4] = 1.5 + 1.5 * (1.0 - np.abs(np.linspace(-1.0, 1.0, 1000)))
@@ -120,7 +120,7 @@ def test_a_joint_limit_in_the_way() -> None:
 
 
 def test_seven_joints_keep_off_their_limits() -> None:
-    """Where the pose leaves them free, seven joints leave the ends of their ranges; at a rate of 0 they do not."""
+    """With a recentring rate, seven joints leave the ends of their ranges; with a rate of 0 they do not."""
     arm = arm_of("panda")
     centre, half = middle(arm)
     q0 = centre + half * [0.0, 0.2, 0.0, 0.1, 0.95, 0.1, 0.0]
@@ -134,7 +134,7 @@ def test_seven_joints_keep_off_their_limits() -> None:
 
 
 def test_a_motion_into_an_obstacle_is_held() -> None:
-    """An obstacle in the way holds the arm in front of it; when it is moved away, the arm goes on."""
+    """The arm stops before an obstacle, and continues when the obstacle is removed."""
     arm = arm_of("ur5")
     q0 = np.array([0.0, -1.2, 1.4, -0.5, 1.1, 0.0])
     tip = arm.fk(q0)[:3, 3]

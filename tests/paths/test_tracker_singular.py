@@ -31,8 +31,8 @@ def past_the_wrist(arm: urdf_ik.Arm, offset: float) -> tuple[Array, Array]:
 
 
 @pytest.mark.parametrize("offset", [0.0, 1e-12, 1e-9, 1e-6, 1e-4, 1e-3, 3e-3, 1e-2])
-def test_through_a_wrist_singularity(offset: float) -> None:
-    """Bounded speed, an error no greater than the distance from the singularity, and exact again afterwards."""
+def test_zyyzyz_past_its_straight_wrist(offset: float) -> None:
+    """The error is no greater than the distance from the singularity, and the poses are exact again afterwards."""
     arm = arm_of("zyyzyz_6r")
     start, T = past_the_wrist(arm, offset)
     T = np.concatenate([T, np.repeat(T[-1:], 200, axis=0)])
@@ -45,8 +45,8 @@ def test_through_a_wrist_singularity(offset: float) -> None:
 
 
 @pytest.mark.parametrize("joints", [[0.3, -0.5, 0.8, 0.4, 0.0, -0.2], [0.3, -0.5, 0.0, 0.4, 0.5, -0.2]])
-def test_a_singular_start_is_left(joints: list[float]) -> None:
-    """From a wrist, or an elbow, that is exactly straight every pose nearby that has solutions is reached."""
+def test_zyyzyz_leaves_a_straight_wrist_and_a_straight_elbow(joints: list[float]) -> None:
+    """From an exactly straight wrist or elbow every pose nearby that has solutions is reached."""
     arm, q0 = arm_of("zyyzyz_6r"), np.array(joints)
     for axis in range(6):
         for sign in (-1.0, 1.0):
@@ -60,8 +60,8 @@ def test_a_singular_start_is_left(joints: list[float]) -> None:
 
 
 @pytest.mark.parametrize("way", [[2.0, 0.0, 0.0], [0.0, 0.0, 2.0], [1.0, 1.0, 1.0], [-3.0, 0.0, 0.0]])
-def test_out_of_reach_and_back(way: list[float]) -> None:
-    """Beyond its reach the arm stretches and says why; it comes back with its elbow where it was."""
+def test_zyyzyz_out_of_reach_and_back(way: list[float]) -> None:
+    """Beyond its reach the arm stretches and says why; it comes back with its elbow on the same side."""
     arm = arm_of("zyyzyz_6r")
     T = np.repeat(arm.fk(Q0)[None], 1200, axis=0)
     T[:800, :3, 3] += np.concatenate([np.linspace(0, 1, 400), np.linspace(1, 0, 400)])[:, None] * np.array(way)
@@ -72,8 +72,8 @@ def test_out_of_reach_and_back(way: list[float]) -> None:
     np.testing.assert_allclose(steps[-1].q, Q0, atol=1e-9)
 
 
-def test_far_out_of_reach_the_arm_comes_to_rest() -> None:
-    """A target that stays out of reach: held, stretched towards it, until one comes that is in reach."""
+def test_zyyzyz_far_out_of_reach_comes_to_rest() -> None:
+    """A target that stays out of reach holds the arm, stretched towards it, until a target is in reach."""
     arm = arm_of("zyyzyz_6r")
     T = arm.fk(Q0)
     T[:3, 3] *= 3.0
@@ -85,8 +85,8 @@ def test_far_out_of_reach_the_arm_comes_to_rest() -> None:
 
 
 @pytest.mark.parametrize("least", [0.1, 1e-2, 1e-4, 0.0])
-def test_along_the_edge_of_a_fold(least: float) -> None:
-    """A path whose elbow comes as near to straight as one likes is followed on its own side of it."""
+def test_zyyzyz_elbow_nearly_straight_stays_on_its_side(least: float) -> None:
+    """A path whose elbow comes arbitrarily near to straight is followed on its own side of it."""
     arm = arm_of("zyyzyz_6r")
     t = np.linspace(0.0, 2.0 * np.pi, 1500)[:, None]
     Q = Q0 + 0.1 * np.sin(t * [1.0, 2.0, 0.0, 1.0, 1.0, 2.0])
@@ -99,8 +99,8 @@ def test_along_the_edge_of_a_fold(least: float) -> None:
         assert statuses(steps) == {"ok": len(Q)}
 
 
-def test_an_elbow_that_would_have_to_turn_over_does_not() -> None:
-    """The poses of a path through the straight elbow are followed exactly, on the side where the arm began."""
+def test_zyyzyz_elbow_does_not_turn_over() -> None:
+    """The poses of a path through the straight elbow are followed on the side where the arm began."""
     arm = arm_of("zyyzyz_6r")
     Q = np.tile(Q0, (400, 1))
     Q[:, 2] = np.linspace(0.3, -0.3, 400)
@@ -111,8 +111,8 @@ def test_an_elbow_that_would_have_to_turn_over_does_not() -> None:
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3, 10, 19])
-def test_far_targets_lead_across_no_fold(seed: int) -> None:
-    """On the way to targets anywhere a general arm, all of whose singularities are folds, stays on its side of them."""
+def test_general_arms_cross_no_fold_towards_far_targets(seed: int) -> None:
+    """All singularities of a general arm are folds; towards any target it stays on its side of them."""
     arm = described(unstructured(seed)).arm
     rng = np.random.default_rng(seed)
     tracker = arm.tracker(rng.uniform(-2.0, 2.0, 6), DT, velocity=3.0)

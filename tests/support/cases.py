@@ -1,4 +1,4 @@
-"""Loaded arms with their reference, shared by the tests, and what is asked of every answer."""
+"""Loaded arms with their reference, and the checks that every answer must pass."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 ARM = "zyyzyz_6r"
 Q = (0.3, -0.5, 0.8, 0.4, 0.7, -0.2)
 TYPED = ",".join(map(str, Q))
-# Two joints about one axis: no solver takes what is redundant everywhere.
+# Two joints about one axis: redundant everywhere, so no solver takes the arm.
 TWO_JOINTS = """<robot name="planar"><link name="a"/><link name="b"/><link name="c"/>
 <joint name="one" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>
 <joint name="two" type="continuous"><parent link="b"/><child link="c"/><origin xyz="0 0 1"/><axis xyz="0 0 1"/></joint>
@@ -29,7 +29,7 @@ TWO_JOINTS = """<robot name="planar"><link name="a"/><link name="b"/><link name=
 
 
 def call(*args: str, given: str | bytes | None = None, **env: str) -> Result:
-    """Run the command in this process; an exception that is no exit is passed on."""
+    """Run the command in this process; any exception other than SystemExit is passed on."""
     result = CliRunner().invoke(app, list(args), input=given, env={"COLUMNS": "100", **env}, catch_exceptions=False)
     assert "Traceback" not in result.output
     return result
@@ -53,7 +53,7 @@ def strict_json(text: str) -> Any:
     """Parse JSON, and refuse the NaN and Infinity that Python would take."""
 
     def refuse(constant: str) -> None:
-        raise AssertionError(f"{constant} is no JSON")
+        raise AssertionError(f"{constant} is not JSON")
 
     return json.loads(text, parse_constant=refuse)
 

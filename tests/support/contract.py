@@ -1,4 +1,7 @@
-"""The contract of ``ik`` on random poses of any arm: complete, exact, nothing twice, a batch as its poses."""
+"""The contract of ``ik`` for any arm: complete, exact, nothing twice, empty out of reach, a batch as its poses.
+
+A *planted* joint vector is the one that a test draws and whose pose, by Pinocchio, it asks for.
+"""
 
 from __future__ import annotations
 
@@ -9,38 +12,67 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
+def finds(case: Case, q: Array, apart: float = 1e-7) -> Array:
+    """A planted joint vector is among its pose's solutions (k, n); all are exact, and no two closer than ``apart``."""
+    target = case.oracle.pose(q)
+    found = assert_exact(case, case.arm.ik(target), target)
+    assert nearest(found, q) <= case.oracle.tolerance(q), (case.name, q.tolist())
+    assert closest_pair(found) > apart, (case.name, q.tolist())
+    return found
+
+
 def holds(case: Case, poses: int, seed: int) -> None:
-    """On random poses the planted one is found, all are exact, none comes twice, and their number is even."""
+    """On random poses the planted joint vector is found, and the number of solutions is even.
+
+    Solutions appear and vanish in pairs, so their number is even where none of them is singular.
+    """
     for q in case.oracle.draw(np.random.default_rng(seed), poses):
-        target = case.oracle.pose(q)
-        found = assert_exact(case, case.arm.ik(target), target)
-        assert nearest(found, q) <= case.oracle.tolerance(q), (case.name, q)
-        assert closest_pair(found) > 1e-7, (case.name, q)
-        assert len(found) % 2 == 0 or min(case.oracle.sigma_min(x) for x in found) < 1e-6, (case.name, q)
+        found = finds(case, q)
+        assert len(found) % 2 == 0 or min(case.oracle.sigma_min(x) for x in found) < 1e-6, (case.name, q.tolist())
 
 
-def holds_near_singularities(case: Case, singularities: int, seed: int) -> None:
-    """At 1e-1 to 1e-7 rad from a singularity the planted ones are found; all exact, none twice."""
+def holds_near_singularities(case: Case, singularities: int, seed: int, decades: int = 7) -> None:
+    """At 1e-1 to 1e-decades rad from a singularity the planted joint vector is found."""
     rng = np.random.default_rng(seed)
     for _ in range(singularities):
         q0, joint = case.oracle.singular(rng)
-        for k in range(1, 8):
+        for k in range(1, decades + 1):
             q = q0.copy()
             q[joint] += 10.0**-k * rng.choice([-1.0, 1.0])
-            target = case.oracle.pose(q)
-            found = assert_exact(case, case.arm.ik(target), target)
-            assert closest_pair(found) > 1e-8, (case.name, q)
-            assert nearest(found, q) <= case.oracle.tolerance(q), (case.name, k, q.tolist())
+            finds(case, q, apart=1e-8)
 
 
-def is_complete(case: Case, poses: int, seed: int) -> None:
-    """The solutions are those of a multi-start Newton search on Pinocchio's model, or more."""
+def holds_on_singularities(case: Case, singularities: int, seed: int) -> None:
+    """Exactly on a singularity there are solutions, all exact and none given twice; those marked are singular."""
+    rng = np.random.default_rng(seed)
+    for _ in range(singularities):
+        q, _ = case.oracle.singular(rng)
+        target = case.oracle.pose(q)
+        solutions = case.arm.ik(target)
+        found, marked = assert_exact(case, solutions, target), flags(solutions) != 0
+        assert marked.any(), (case.name, q.tolist())
+        assert all(case.oracle.sigma_min(x) < 1e-5 for x in found[marked]), (case.name, q.tolist())
+        assert indistinct_pairs(case, found, target) == 0, (case.name, q.tolist())
+
+
+def is_complete(case: Case, poses: int, seed: int, starts: int = 120) -> None:
+    """Every solution that a multi-start Newton search on Pinocchio's model finds is there."""
     rng = np.random.default_rng(seed)
     for q in case.oracle.draw(rng, poses):
         target = case.oracle.pose(q)
-        found, searched = rows(case.arm.ik(target)), case.oracle.solutions(target, rng)
-        assert len(found) >= len(searched) > 0, (case.name, q)
-        assert all(nearest(found, x) <= 1e-5 for x in searched), (case.name, q)
+        found, searched = rows(case.arm.ik(target)), case.oracle.solutions(target, rng, starts)
+        assert len(found) >= len(searched) > 0, (case.name, q.tolist())
+        assert all(nearest(found, x) <= 1e-5 for x in searched), (case.name, q.tolist())
+
+
+def is_empty_out_of_reach(case: Case) -> None:
+    """A pose 1 % beyond all links, or far away, has no solution: every column is NaN, and nothing is raised."""
+    target = case.oracle.pose(np.zeros(case.oracle.dof))
+    for factor in (1.01, 3.0, 1e3):
+        target[:3, 3] = case.arm.chain.points[0] + np.array([0.0, factor * case.arm.chain.size, 0.0])
+        solutions = case.arm.ik(target)
+        assert len(assert_exact(case, solutions, target)) == 0, (case.name, factor)
+        assert list(solutions) == [], (case.name, factor)
 
 
 def batch_equals_single(case: Case, targets: Array) -> None:
@@ -55,11 +87,14 @@ def batch_equals_single(case: Case, targets: Array) -> None:
 
 
 def batch_equals_single_but_for_one(case: Case, seed: int) -> None:
-    """The same of 80 random poses, one of them far out of reach."""
+    """80 random poses, one of them far out of reach, give what each gives alone, in a batch of any shape."""
     targets = case.oracle.poses(case.oracle.draw(np.random.default_rng(seed), 80))
     targets[7, :3, 3] += 100.0
     batch_equals_single(case, targets)
-    assert not case.arm.ik(targets).valid[7].any()
+    batch, shaped = case.arm.ik(targets), case.arm.ik(targets.reshape(5, 8, 2, 4, 4))
+    assert not batch.valid[7].any()
+    np.testing.assert_array_equal(shaped.q, batch.q.reshape(5, 8, 2, *batch.q.shape[1:]))
+    np.testing.assert_array_equal(shaped.valid, batch.valid.reshape(5, 8, 2, -1))
 
 
 ROUND = np.array([0.0, 0.5 * np.pi, -0.5 * np.pi, np.pi])

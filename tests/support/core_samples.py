@@ -1,4 +1,4 @@
-"""What the tests of the core's steps share: arms, numbers to draw, formulas written out, a fresh interpreter."""
+"""For the tests of the core's steps: arms, numbers to draw, formulas written out, a fresh interpreter."""
 
 from __future__ import annotations
 

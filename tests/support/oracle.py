@@ -159,12 +159,12 @@ class Oracle:
         """All solutions (k, n) that Newton finds from so many random starts; slow, and complete on regular poses."""
         found: list[Array] = []
         for q in self.draw(rng, starts):
-            solution = self._newton(q, target)
+            solution = self.newton(q, target)
             if solution is not None and all(angle_distance(solution, other) > 1e-5 for other in found):
                 found.append((solution + np.pi) % (2.0 * np.pi) - np.pi)
         return np.array(found).reshape(-1, self.dof)
 
-    def _newton(self, q: Array, target: Array) -> Array | None:
+    def newton(self, q: Array, target: Array) -> Array | None:
         """Damped Newton from one start, or None where it does not arrive."""
         for _ in range(40):
             pose, jacobian = self._placed(q)

@@ -1,4 +1,4 @@
-"""Joint paths that are known, arms to move along them, and what every plan that was found keeps to."""
+"""Known joint paths, arms to move along them, and the checks that every found plan must pass."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def between(arm: urdf_ik.Arm, plan: Plan) -> float:
 
 
 def check(arm: urdf_ik.Arm, plan: Plan) -> None:
-    """What every plan that was found keeps to."""
+    """A found plan reaches its poses by Pinocchio, keeps the limits, and stays near the straight segments."""
     assert plan.found, plan.explain()
     reference = urdf_ik.cell.reference.Reference(arm.model, arm.base, arm.tip)
     assert np.abs(reference.pose(plan.q) - plan.poses).max() < 1e-8

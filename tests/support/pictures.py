@@ -1,4 +1,4 @@
-"""What tests ask of pictures."""
+"""Checks of pictures."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ def seam(length: float = 1.0, count: int = 30) -> np.ndarray:
 
 
 def blocked_plan(arm: Arm) -> Plan:
-    """What ``follow`` says of the seam with a box at its middle waypoint."""
+    """The plan that ``follow`` gives for the seam with a box at its middle waypoint."""
     T, world = seam(), World()
     world.add("box", Box(0.1), urdf_ik.pose(T[len(T) // 2, :3, 3] + [0.0, 0.0, -0.05]))
     plan = arm.follow(T, world=world)

@@ -1,4 +1,4 @@
-"""Arms and paths for trackers, and what every step of every tracker keeps to."""
+"""Arms and paths for trackers, and the checks that every step of a tracker must pass."""
 
 from __future__ import annotations
 
@@ -92,13 +92,13 @@ def gaps(name: str, q: Array, T: Array) -> Array:
 
 
 def run(tracker: Tracker, targets: Array) -> list[Step]:
-    """Every step of following the targets, of which each is checked against the limits."""
-    arm, before, steps = tracker.arm, tracker.q, []
+    """The steps of following the targets; each step must keep the limits."""
+    limits, before, steps = tracker.solver.limits, tracker.q, []
     for target in targets:
         step = tracker.step(target)
         q = step.q
         assert (np.abs(q - before) <= tracker.velocity_limits * tracker.dt + ROUNDING).all()
-        assert ((q >= arm.limits[:, 0]) & (q <= arm.limits[:, 1])).all()
+        assert ((q >= limits[:, 0]) & (q <= limits[:, 1])).all()
         assert (step.why is None) == (step.status == "ok")
         if step.status == "held":
             np.testing.assert_array_equal(q, before)

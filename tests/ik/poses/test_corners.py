@@ -1,4 +1,4 @@
-"""Poses as people teach them: right angles, straight and folded elbows, aligned wrists, several at once."""
+"""Poses as people teach them: right angles, straight and folded elbows, aligned wrists, and combinations of these."""
 
 from __future__ import annotations
 

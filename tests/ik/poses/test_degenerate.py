@@ -1,4 +1,4 @@
-"""Arms that joints with one axis, lengths of zero or parallel axes make degenerate: no pose that they reach is lost."""
+"""Degenerate arms (joints on one axis, zero lengths, many parallel axes): no pose that they reach is lost."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Described:
         return few_urdf(self.kinds, axes, points, points[-1] + rng.uniform(0.05, 0.2, 3), rng)
 
 
-S = X + 0.4 * Y + 0.2 * Z  # no direction in particular
+S = X + 0.4 * Y + 0.2 * Z  # a skew direction
 SEVEN = {
     "axes 5 and 6 are one": Described(
         "RRRRRRR",
@@ -76,7 +76,7 @@ SEVEN = {
     ),
     "of rank 3: all meet": Described("RRRRRRR", (Z, Y, X, S, Y, Z, X), ((0, 0, 0),) * 7),
 }
-"""Seven joints of which the six others are singular everywhere, whichever end is held."""
+"""Arms with seven joints whose other six are singular everywhere when the first or the last joint is held."""
 
 
 def assert_reached(arm: urdf_ik.Arm, Q: Array) -> None:
@@ -95,8 +95,8 @@ def assert_reached(arm: urdf_ik.Arm, Q: Array) -> None:
 
 
 @pytest.mark.parametrize("name", SEVEN)
-def test_seven_joints_with_another_joint_held(name: str) -> None:
-    """What no end joint parametrises, one in the middle does: no pose is lost, at any value."""
+def test_seven_joints_held_in_the_middle_lose_no_pose(name: str) -> None:
+    """Where holding an end joint leaves a singular arm, one in the middle is held: no pose is lost, at any value."""
     rng = np.random.default_rng(1)
     arm = urdf_ik.load(SEVEN[name].text(rng), "base", "tool")
     assert arm.redundancy is not None
@@ -106,8 +106,8 @@ def test_seven_joints_with_another_joint_held(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", [name for name in SEVEN if "are one" in name and "rank" not in name])
-def test_of_two_joints_with_one_axis_one_is_given(name: str) -> None:
-    """The six others are solved as ever: all at the given value, the planted one too, in a batch as alone."""
+def test_of_two_joints_with_one_axis_one_is_held(name: str) -> None:
+    """All solutions have the held value, the planted one is among them, and a batch gives what each pose gives."""
     rng = np.random.default_rng(2)
     arm = urdf_ik.load(SEVEN[name].text(rng), "base", "tool")
     pair = next(pair for pair in analyse(arm.chain).pairs if pair.relation in ("coincident", "parallel"))
@@ -125,8 +125,8 @@ def test_of_two_joints_with_one_axis_one_is_given(name: str) -> None:
         assert np.abs(alone.to_array()[:, ~arm.chain.prismatic]).max() <= np.pi
 
 
-def test_a_joint_held_in_the_middle_leaves_what_stands_alone() -> None:
-    """Of four parallel axes one is given: the planted joint vector is found at its value, unmarked."""
+def test_axes_2_to_5_parallel_with_one_held_finds_the_planted_vector() -> None:
+    """With one of four parallel axes held, the planted joint vector is found at its value and not marked singular."""
     rng = np.random.default_rng(3)
     arm = urdf_ik.load(SEVEN["axes 2 to 5 are parallel"].text(rng), "base", "tool")
     assert arm.redundancy is not None
@@ -153,7 +153,7 @@ def without_origins(text: bytes, joint: str, what: str) -> str:
 
 @pytest.mark.parametrize("name", ["puma_560", "zyyzyz_6r", "ur5", "srs_7r", "stanford_rrprrr", "scara_rrpr"])
 def test_catalogue_arms_without_an_origin(name: str) -> None:
-    """Each joint's ``<origin>`` forgotten in turn, or half of it: no pose is lost, or the refusal names joints."""
+    """With each joint's ``<origin>`` left out, or half of it, no pose is lost, or the refusal names the joints."""
     whole, rng = urdf_ik.load(name), np.random.default_rng(4)
     for joint in whole.joint_names:
         for what in STRIPPED:
@@ -168,7 +168,7 @@ def test_catalogue_arms_without_an_origin(name: str) -> None:
 @pytest.mark.parametrize("length", [0.0, 1e-18, 1e-16, 1e-12, 1e-9, 1e-7])
 @pytest.mark.parametrize("step", range(1, 6))
 def test_tiny_lengths(step: int, length: float) -> None:
-    """A step between two axes of a 6R arm as good as zero, and one between parallel axes: nothing is divided by it."""
+    """A step of 0 to 1e-7 m between two axes of a 6R arm, parallel ones too, loses no pose."""
     rng = np.random.default_rng(5)
     for axes in ((Z, Y, Y, X, Y, X), (Z, Y, X, Y, X, Y), (Z, Z, Y, X, Y, X), (Z, Y, Y, Y, X, Y)):
         points = np.cumsum(rng.uniform(0.1, 0.4, (6, 3)), axis=0)
@@ -178,7 +178,7 @@ def test_tiny_lengths(step: int, length: float) -> None:
 
 
 def test_random_degenerate_arms() -> None:
-    """Of 120 arms at random no pose is lost; what is refused is refused in words."""
+    """120 random degenerate arms: no pose is lost, and an arm that is not solved is refused as UnsupportedArm."""
     solved = 0
     for seed in range(120):
         rng = np.random.default_rng([7, seed])

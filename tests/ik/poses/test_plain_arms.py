@@ -1,4 +1,4 @@
-"""Arms as people type them, from round numbers, whose lengths of zero and slides hide solutions from a solver."""
+"""Arms typed by hand from round numbers: zero lengths and slides, where solvers lose solutions."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ def typed(kinds: str, axes: str, origins: Sequence[str], tip: str = "0 0 0") -> 
 
 
 def missed(arm: urdf_ik.Arm, Q: Array) -> Array:
-    """(m,) how far [rad, m] the nearest solution is from each joint vector (m, n), infinite where there is none.
+    """(m,) distance [rad, m] of each joint vector (m, n) to its pose's nearest solution; infinite without solutions.
 
-    Every solution is held to Pinocchio.
+    Every solution must reach the pose by Pinocchio.
     """
     reference = Reference(arm.model, arm.base, arm.tip)
     T = reference.pose(Q)
@@ -56,13 +56,13 @@ def missed(arm: urdf_ik.Arm, Q: Array) -> Array:
         ("RRRRRP", "zxyxyz", [1.214, 0.0, -HALF, 0.0, HALF, 1.0]),
     ],
 )
-def test_solutions_that_no_loop_leads_to(kinds: str, axes: str, q: list[float]) -> None:
-    """The solutions of all poses of an arm with slides may be several surfaces; this pose has some on each."""
+def test_arms_with_slides_find_the_pose_on_a_separate_surface(kinds: str, axes: str, q: list[float]) -> None:
+    """The solutions of all poses of these arms form separate surfaces: the planted vector on another one is found."""
     assert missed(typed(kinds, axes, OFFSETS, "0 0 .1"), np.array([q]))[0] < 1e-8
 
 
 def test_regular_poses_of_arms_with_slides() -> None:
-    """Random general arms with one to three slides: of 1,800 regular joint vectors all are found."""
+    """On 90 random general arms with one to three slides, all of 1,800 regular joint vectors are found."""
     rng, arms = np.random.default_rng(2), 0
     while arms < 90:
         kinds = np.array(list("RRRRRR"))
@@ -83,8 +83,8 @@ def test_regular_poses_of_arms_with_slides() -> None:
 
 
 @pytest.mark.parametrize("noise", [0.0, 1e-12, 1e-9, 1e-8, 1e-7, 1e-6, 1e-4, 1e-2])
-def test_a_wrist_centre_on_the_second_axis(noise: float) -> None:
-    """Axes 1 and 2 parallel, 3 meets 2: at the zero pose, and where joint 3 is, joint 2 is all but free."""
+def test_axes_1_and_2_parallel_wrist_centre_on_axis_2_is_found(noise: float) -> None:
+    """Axes 1 and 2 parallel, 3 meets 2: at the zero pose, and at joint 3 = 0, joint 2 barely moves the wrist centre."""
     arm = typed("RRRRRR", "zzyxyx", ("0 0 0", ".3 0 0", "0 0 0", "0 0 .25", "0 0 0", "0 0 0"))
     rng = np.random.default_rng(4)
     about_zero = noise * rng.uniform(-1.0, 1.0, (60, 6))
@@ -101,8 +101,8 @@ def test_a_wrist_centre_on_the_second_axis(noise: float) -> None:
 @pytest.mark.parametrize(
     ("kinds", "axes", "first"), [("PPP", "xyz", "0 0 0"), ("PPPR", "xyzz", "0 0 0"), ("RRR", "zyx", ".3 .1 1.2")]
 )
-def test_steps_that_rounding_left(kinds: str, axes: str, first: str, noise: str) -> None:
-    """A gantry, and a gimbal 1.2 m up, whose only step is what a sine of a half turn left: no pose is lost."""
+def test_gantry_and_gimbal_with_a_rounding_step_lose_no_pose(kinds: str, axes: str, first: str, noise: str) -> None:
+    """A gantry, and a gimbal 1.2 m up, whose only step is the rounded sine of a half turn: no pose is lost."""
     arm = typed(kinds, axes, [first, f"0 0 {noise}", *["0 0 0"] * (len(kinds) - 2)])
     Q = np.random.default_rng(1).uniform(-1.0, 1.0, (60, arm.dof))
     assert np.isfinite(missed(arm, Q)).all()

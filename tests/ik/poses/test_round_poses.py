@@ -1,6 +1,6 @@
-"""General arms where people work: joints at multiples of 90 degrees, the tool straight down, folded elbows.
+"""General arms at common poses: joints at multiples of 90 degrees, the tool straight down, folded elbows.
 
-There the determinant of an elimination vanishes for every value of the hidden joint, or has roots of high multiplicity.
+At these poses the elimination's determinant is zero for every value of the hidden joint, or has multiple roots.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def round_vectors(rng: np.random.Generator, count: int) -> Array:
 
 
 def assert_found(case: Case, Q: Array) -> None:
-    """Every one of the joint vectors is among the solutions of its pose, which are certain to be all."""
+    """Each joint vector is among the solutions of its pose, and ``certain`` says that these are complete."""
     solutions = case.arm.ik(case.arm.fk(Q))
     lost = np.nan_to_num(angle_distance(solutions.q, Q[:, None, :]), nan=np.inf).min(axis=1) > 1e-6
     assert not lost.any(), f"{lost.sum()} of {len(Q)} lost, the first at {Q[lost][0].tolist()}"
@@ -66,7 +66,7 @@ def assert_found(case: Case, Q: Array) -> None:
 @pytest.mark.parametrize("noise", NOISES)
 @pytest.mark.parametrize("name", MAKERS)
 def test_round_joint_vectors_are_found(name: str, noise: float) -> None:
-    """Joints at multiples of 90 degrees, exactly and nearly, of regular joint vectors."""
+    """Regular joint vectors with all joints at, or near, multiples of 90 degrees are found."""
     case, rng = named(name), np.random.default_rng(1)
     Q = round_vectors(rng, 500)
     Q = Q[least_singular_values(case, Q) > REGULAR][:60]
@@ -75,7 +75,7 @@ def test_round_joint_vectors_are_found(name: str, noise: float) -> None:
 
 @pytest.mark.parametrize("name", MAKERS)
 def test_rounding_does_not_change_the_number(name: str) -> None:
-    """Some units in the last place of position and rotation: a regular pose keeps its solutions."""
+    """A regular pose keeps its number of solutions when its entries change by a few units in the last place."""
     case, rng = named(name), np.random.default_rng(2)
     Q = np.vstack([round_vectors(rng, 300), rng.uniform(-np.pi, np.pi, (60, 6))])
     targets = case.arm.fk(Q)
@@ -91,8 +91,8 @@ def test_rounding_does_not_change_the_number(name: str) -> None:
 
 
 @pytest.mark.parametrize("distance", [1e-1, 1e-3, 1e-4, 1e-5, 1e-6])
-def test_near_the_folded_elbow(distance: float) -> None:
-    """Next to q3 = -90 degrees every joint vector is nearly singular, and none of them is lost."""
+def test_folding_arm_near_its_folded_elbow_loses_nothing(distance: float) -> None:
+    """Next to q3 = -90 degrees every joint vector is nearly singular, and every planted one is found."""
     case, rng = named("folding"), np.random.default_rng(3)
     Q = rng.uniform(-np.pi, np.pi, (150, 6))
     Q[:, 2] = -np.pi / 2.0 + distance * rng.choice([-1.0, 1.0], len(Q))
@@ -100,8 +100,8 @@ def test_near_the_folded_elbow(distance: float) -> None:
     assert (np.nan_to_num(angle_distance(solutions.q, Q[:, None, :]), nan=np.inf).min(axis=1) < 1e-6).all()
 
 
-def test_at_the_folded_elbow() -> None:
-    """Exactly there the arm is singular whatever the others do: a solution that says so must be among the answers."""
+def test_folding_arm_at_its_folded_elbow_is_marked_singular() -> None:
+    """At q3 = -90 degrees the arm is singular whatever the other joints do: one of the answers is marked."""
     case, rng = named("folding"), np.random.default_rng(4)
     Q = rng.uniform(-np.pi, np.pi, (150, 6))
     Q[:, 2] = -np.pi / 2.0
@@ -121,17 +121,23 @@ def straight_down(case: Case, position: Array) -> Array:
     return target
 
 
-def test_known_numbers_of_a_crx() -> None:
-    """Fanuc's CRX-10iA/L: twelve solutions straight down in front of it, eight at a round joint vector."""
+def test_crx_straight_down_in_front_keeps_twelve() -> None:
+    """Fanuc's CRX-10iA/L has twelve solutions with the flange straight down 0.74 m in front of it."""
     case = named("crx")
     target = straight_down(case, np.array([0.74, 0.0, 0.52]))
     assert len(assert_exact(case, case.arm.ik(target), target)) == 12
-    assert len(case.arm.ik(case.arm.fk(np.radians([180.0, 90.0, -90.0, 90.0, -90.0, 90.0])))) == 8
+
+
+def test_crx_folded_elbow_keeps_eight() -> None:
+    """Fanuc's CRX-10iA/L has eight solutions at q3 = -90 degrees with all other joints at multiples of 90 degrees."""
+    case = named("crx")
+    target = case.oracle.pose(np.radians([180.0, 90.0, -90.0, 90.0, -90.0, 90.0]))
+    assert len(assert_exact(case, case.arm.ik(target), target)) == 8
 
 
 @pytest.mark.parametrize("place", range(6))
-def test_straight_down_on_a_grid(place: int) -> None:
-    """Multi-start Newton on Pinocchio's model finds no solution that is not there."""
+def test_crx_straight_down_on_a_grid_is_complete(place: int) -> None:
+    """Every regular solution that multi-start Newton finds on Pinocchio's model is there."""
     case, rng = named("crx"), np.random.default_rng([5, place])
     position = np.array([0.05, 0.05, 0.05]) * rng.integers([6, -10, 0], [18, 10, 14])
     target = straight_down(case, position)
@@ -144,7 +150,7 @@ def test_straight_down_on_a_grid(place: int) -> None:
 
 
 def test_certainty_has_the_shape_of_the_poses_and_survives_filters() -> None:
-    """It belongs to the pose, not to the columns that are left."""
+    """Certainty belongs to the pose, not to the columns that a filter keeps."""
     case = named("crx")
     solutions = case.arm.ik(case.arm.fk(round_vectors(np.random.default_rng(6), 12)).reshape(3, 4, 4, 4))
     assert solutions.certain.shape == (3, 4)
@@ -152,8 +158,8 @@ def test_certainty_has_the_shape_of_the_poses_and_survives_filters() -> None:
     assert np.array_equal(solutions[1, 2:].certain, solutions.certain[1, 2:])
 
 
-def test_not_certain_where_the_arm_is_singular_everywhere() -> None:
-    """Axes 1 and 2 coincide: every pose leaves their difference free, and no count of solutions means anything."""
+def test_coaxial_axes_1_and_2_are_never_certain() -> None:
+    """Axes 1 and 2 coincide: every pose leaves their difference free, and no count of solutions is certain."""
     points = [(0, 0, 0), (0, 0, 0), (0, 0, 0.5), (0.3, 0, 0.5), (0.5, 0.1, 0.5), (0.6, -0.15, 0.7)]
     case = described(from_screws("coaxial", "1 = 2", [Z, Z, -Y, -X, -Y, -X], points, (0.7, -0.15, 0.9)))
     solutions = case.arm.ik(case.arm.fk(np.random.default_rng(7).uniform(-3.0, 3.0, (5, 6))))

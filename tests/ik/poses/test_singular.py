@@ -1,7 +1,8 @@
-"""At and near singularities and the edge of reach: complete where solutions are isolated, honest where they are not."""
+"""At and near singularities and the edge of reach: isolated solutions are complete, continua are marked."""
 
 from __future__ import annotations
 
+import contract
 import numpy as np
 import pytest
 from arms import KINDS
@@ -80,9 +81,7 @@ def test_planted_near_each_singularity(name: str, kind: str) -> None:
         for distance in DISTANCES:
             q = q0.copy()
             q[KINDS_OF_SINGULARITY[kind][0]] += distance * rng.choice([-1.0, 1.0])
-            target = case.oracle.pose(q)
-            found = assert_exact(case, case.arm.ik(target), target)
-            assert nearest(found, q) <= case.oracle.tolerance(q), (kind, distance, q)
+            contract.finds(case, q, apart=1e-8)
 
 
 @pytest.mark.parametrize("kind", KINDS_OF_SINGULARITY)
@@ -110,30 +109,14 @@ def test_exact_singularities_are_flagged(name: str, kind: str) -> None:
 
 @pytest.mark.parametrize("name", ALL)
 def test_on_any_singularity(name: str) -> None:
-    """Where the determinant of Pinocchio's Jacobian changes sign are exact solutions, marked, none given twice."""
-    case, rng = named(name), np.random.default_rng(3)
-    for _ in range(8):
-        q, _ = case.oracle.singular(rng)
-        target = case.oracle.pose(q)
-        solutions = case.arm.ik(target)
-        found = assert_exact(case, solutions, target)
-        assert len(found) > 0, q
-        assert flags(solutions).any(), q
-        assert indistinct_pairs(case, found, target) == 0, (q, found)
+    """Where the determinant of Pinocchio's Jacobian changes sign, solutions are exact, marked, and none given twice."""
+    contract.holds_on_singularities(named(name), 8, 3)
 
 
 @pytest.mark.parametrize("name", ALL)
 def test_planted_near_any_singularity(name: str) -> None:
     """At 1e-1 to 1e-8 rad from where the determinant of Pinocchio's Jacobian changes sign, the planted one is found."""
-    case, rng = named(name), np.random.default_rng(3)
-    for _ in range(8):
-        q0, joint = case.oracle.singular(rng)
-        for distance in DISTANCES:
-            q = q0.copy()
-            q[joint] += distance * rng.choice([-1.0, 1.0])
-            target = case.oracle.pose(q)
-            found = assert_exact(case, case.arm.ik(target), target)
-            assert nearest(found, q) <= case.oracle.tolerance(q), (distance, q)
+    contract.holds_near_singularities(named(name), 8, 3, decades=8)
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -190,10 +173,10 @@ def test_shoulder_representative(name: str) -> None:
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.4, -2.5])
-def test_article_arm_stretched_out(turn: float) -> None:
-    """The article's arm straight up, singular in wrist, shoulder and elbow at once, has an exact solution that says so.
+def test_zyyzyz_straight_up_is_marked_singular_three_ways(turn: float) -> None:
+    """Straight up the article's arm has an exact solution marked as singular in wrist, shoulder and elbow at once.
 
-    With a reference the planted joint vector itself is returned.
+    With the planted joint vector as the reference, that vector is returned.
     """
     case = from_catalogue("zyyzyz_6r")
     q = np.array([turn, 0.0, 0.0, 0.0, 0.0, 0.0])
@@ -233,7 +216,7 @@ def test_doubly_singular(name: str, other: str) -> None:
 @pytest.mark.parametrize(
     "name", ["ur3", "ur5", "ur10", "ur_like", "ur_like-negated-middle", *MEMBERS_OF["2||3||4, 5x6"]]
 )
-def test_ur_wrist_singularity(name: str) -> None:
+def test_ur_wrists_at_and_near_q5_zero_have_solutions(name: str) -> None:
     """With 2 || 3 || 4, poses of q5 on the wrist's singularity, exactly and within 1e-8, have exact solutions.
 
     On Universal Robots' arms that is q5 = 0, where EAIK has no valid solution for 4 percent of poses.
@@ -256,7 +239,7 @@ EDGES += [(name, 1) for name in ("zyyzyz_6r", "ur5", "industrial", "industrial-l
 
 @pytest.mark.parametrize(("name", "folded"), EDGES, ids=[f"{name}-{('straight', 'folded')[k]}" for name, k in EDGES])
 def test_edge_of_reach(name: str, folded: int) -> None:
-    """With the elbow straight or folded, elbow up and down are one solution; 1e-6 m further none, 1e-6 m inside two."""
+    """At the edge of reach elbow up and down merge into one solution; 1e-6 m inside there are two, outside none."""
     case, rng = named(name), np.random.default_rng(9)
     # Half a turn apart. Rounding says whether a draw meets one at pi, and on which side of zero one at zero lies.
     elbow = float(on_singularity(case, "elbow", rng)[2])
@@ -287,7 +270,7 @@ def test_edge_of_reach(name: str, folded: int) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_folds_of_every_family(kind: str) -> None:
-    """Where two solutions merge, the solver returns one; a step of 1e-6 m to one side none and to the other both."""
+    """Two solutions that merge are returned as one; 1e-6 m to one side there are both, to the other side neither."""
     checked = 0
     for name in MEMBERS_OF[kind]:
         case, rng = named(name), np.random.default_rng(10)
@@ -322,7 +305,7 @@ joint_vectors = st.lists(angles | near_special, min_size=6, max_size=6).map(np.a
 all_near_special = st.lists(near_special, min_size=6, max_size=6).map(np.array)
 
 
-def holds(case: Case, q: Array) -> None:
+def assert_planted(case: Case, q: Array) -> None:
     """The contract at any joint vector: exact, not empty, and the planted one unless it is one of a continuum."""
     target = case.oracle.pose(q)
     found = assert_exact(case, case.arm.ik(target), target)
@@ -334,15 +317,15 @@ def holds(case: Case, q: Array) -> None:
 @pytest.mark.parametrize("name", ["zyyzyz_6r", "dh_6r", "ur5", "industrial-lateral", "ur_like-negated-middle"])
 @given(q=joint_vectors)
 def test_drawn_joint_vectors(name: str, q: Array) -> None:
-    """Joint vectors with some joints at, or 1e-1 to 1e-12 rad from, quarter turns: exact, and the planted one found."""
-    holds(named(name), q)
+    """Some joints at, or 1e-1 to 1e-12 rad from, quarter turns: solutions are exact, and the planted one is found."""
+    assert_planted(named(name), q)
 
 
 @pytest.mark.parametrize("name", ["zyyzyz_6r", "dh_6r", "ur5", "industrial"])
 @given(q=all_near_special)
 def test_drawn_joint_vectors_near_several_singularities(name: str, q: Array) -> None:
-    """All joints at, or 1e-1 to 1e-12 rad from, quarter turns, so that singularities coincide: exact, none lost."""
-    holds(named(name), q)
+    """All joints at, or 1e-1 to 1e-12 rad from, quarter turns, so that singularities coincide: no solution is lost."""
+    assert_planted(named(name), q)
 
 
 @given(index=st.integers(0, 3), q=st.lists(angles, min_size=6, max_size=6).map(np.array), inside=st.floats(-12.0, -1.0))
@@ -350,4 +333,4 @@ def test_drawn_near_the_edge_of_reach(index: int, q: Array, inside: float) -> No
     """With the elbow 1e-12 to 1e-1 rad from straight, the edge of reach, the planted solution is found."""
     case = named(("zyyzyz_6r", "ur5", "ur_like", "ur_like-negated-middle")[index])
     q[2] = 10.0**inside
-    holds(case, q)
+    assert_planted(case, q)

@@ -41,7 +41,7 @@ def _parallel(h: Array, p: Array, rng: np.random.Generator, orthogonal: bool) ->
 
 
 def _chain(*relations: Relation) -> Maker:
-    """Axes of which each has its relation to the one before."""
+    """Axes, each with the given relation to the one before."""
 
     def screws(rng: np.random.Generator, orthogonal: bool) -> Screws:
         axes, points = [start(rng, orthogonal=orthogonal)], [np.zeros(3)]

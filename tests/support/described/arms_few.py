@@ -227,7 +227,7 @@ def assert_complete(case: Case) -> int:
         T = case.oracle.pose(q)
         found = rows(case.arm.ik(T))
         for start in draw(case, rng, 40):
-            other = case.oracle._newton(start, T)
+            other = case.oracle.newton(start, T)
             if other is not None and case.oracle.error(other, T) < 1e-10:
                 arrived += 1
                 assert apart(case, found, other).min() < 1e-5

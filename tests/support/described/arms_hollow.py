@@ -1,4 +1,4 @@
-"""URDF text of 6R arms with a hollow wrist: seven axes, the fifth and the sixth of which follow one joint."""
+"""URDF text of 6R arms with a hollow wrist: seven axes, the fifth and the sixth driven by one joint."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ IRB_5400 = (
 
 
 def hollow(kind: str, seed: int = 0) -> str:
-    """URDF text, links ``base`` and ``tool``, joints joint_1 to joint_7, of which joint_6 mimics joint_5.
+    """URDF text, links ``base`` and ``tool``, joints joint_1 to joint_7; joint_6 mimics joint_5.
 
     Args:
         kind: 'irb_5400' as published; 'mirrored', an exact and otherwise random wrist of that kind; 'one point', where
