@@ -212,6 +212,20 @@ def _kinematics(a: Description, b: Description, tolerance: Tolerance) -> list[Di
     return [Difference("kinematics", name, f"{what} {moved(distance, angle)}", distance, angle)]
 
 
+def greatest_change(a: Description, b: Description) -> tuple[float, float]:
+    """How far [m, rad] any axis, or the tip at q = 0, is from where it was.
+
+    Example:
+        >>> import urdf_ik
+        >>> from urdf_ik.verify.description import described
+        >>> a = described(urdf_ik.load("planar_2r"))
+        >>> greatest_change(a, a)
+        (0.0, 0.0)
+    """
+    changes = [*(_line(a, b, k) for k in range(len(a.moving))), apart(matrix(a.home), matrix(b.home))]
+    return max(each[0] for each in changes), max(each[1] for each in changes)
+
+
 def moved(distance: float, angle: float) -> str:
     """How far something moved, in words.
 

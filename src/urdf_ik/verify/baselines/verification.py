@@ -18,7 +18,7 @@ from urdf_ik.verify.baselines.baseline import Answer, Baseline, Pose
 from urdf_ik.verify.baselines.freezing import NOT_CHECKED, answered, contacts_of
 from urdf_ik.verify.crosscheck.properties import CONDITIONING, PLANTED
 from urdf_ik.verify.description import Description, described, matrix
-from urdf_ik.verify.differences import DEFAULT, Difference, Tolerance, apart, differences, ignored, moved, order_of
+from urdf_ik.verify.differences import DEFAULT, Difference, Tolerance, apart, differences, greatest_change, ignored, moved, order_of
 from urdf_ik.verify.reports import Report
 
 if TYPE_CHECKING:
@@ -40,7 +40,10 @@ ONE_BRANCH = 0.5
 LIMIT_MARGIN = 1e-6
 """Distance [rad or m] from a limit below which rounding says on which side of it a solution is."""
 
-_MOST_PLACES = 6
+FOLD = 1e-12
+"""Square of the smallest singular value below which rounding of the pose decides whether a solution is there."""
+
+_MOST_PLACES, _MOST_SHAPES = 6, 3
 
 
 @dataclass(frozen=True, repr=False)
@@ -76,7 +79,7 @@ class Verification(Report):
 
     def lines(self) -> tuple[str, ...]:
         """Every difference and note, a line each."""
-        out = [str(each) for each in self.differences]
+        out = list(summed(self.differences))
         out += [f"ignored: {each}" for each in self.ignored]
         out += [f"note: {each}" for each in self.notes]
         out += list(dict.fromkeys(f"replay: {each.replay}" for each in self.differences if each.replay))
@@ -88,6 +91,29 @@ class Verification(Report):
         found = f"{count} difference{'' if count == 1 else 's'}" if count else "no difference"
         then, now = self.solutions
         return f"{'PASSED' if self.passed else 'FAILED'}: {found}; {self.poses} poses, {then} solutions then, {now} now"
+
+
+def summed(found: tuple[Difference, ...]) -> tuple[str, ...]:
+    """Differences, a line each; those of many shapes in one line.
+
+    Example:
+        >>> summed((Difference("limits", "elbow", "its upper limit was 180 deg, and is 179 deg"),))
+        ('elbow: its upper limit was 180 deg, and is 179 deg',)
+    """
+    out, said = [], set()
+    for each in found:
+        if each.kind not in ("collisions", "visuals"):
+            out.append(str(each))
+            continue
+        alike = [other for other in found if other.kind == each.kind and other.name]
+        if len(alike) <= _MOST_SHAPES or not each.name:
+            out.append(str(each))
+        elif each.kind not in said:
+            said.add(each.kind)
+            links = list(dict.fromkeys(other.name for other in alike))
+            shown = ", ".join(links[:_MOST_PLACES]) + (", ..." if len(links) > _MOST_PLACES else "")
+            out.append(f"{shown}: {len(alike)} {each.kind[:-1]} shapes differ; the first: {alike[0].words}")
+    return tuple(out)
 
 
 def verify(
@@ -117,7 +143,10 @@ def verify(
             if baseline.poses:
                 found.append(Difference("solutions", "", f"the arm cannot be solved any more: {printable(error, 300)}"))
         else:
-            found += _solutions(baseline, today, reference, arm, order, tolerance, skipped)
+            distance, angle = greatest_change(then, now)
+            size = max(reference.size, 1e-300)
+            change = min(distance, tolerance.distance) / size + min(angle, tolerance.angle)
+            found += _solutions(baseline, today, reference, order, change)
     return Verification(
         arm=now,
         frozen=then,
@@ -212,14 +241,13 @@ def _solutions(
     baseline: Baseline,
     today: list[Pose],
     reference: Reference,
-    arm: Arm,
     order: tuple[int, ...],
-    tolerance: Tolerance,
-    skipped: frozenset[str],
+    change: float,
 ) -> list[Difference]:
+    """What the solutions show; ``change`` is that of the arm [rad, share of its size], as far as it is tolerated."""
     found = _Found([], [], [], [], [])
     for index, (then, now) in enumerate(zip(baseline.poses, today, strict=True)):
-        _compare(found, index, then, now, _Same(reference, order, then.matrix, tolerance), baseline.arm)
+        _compare(found, index, then, now, _Same(reference, order, then.matrix, change), baseline.arm)
     out = []
     for what, places in (("lost", found.lost), ("gained", found.gained)):
         if places:
@@ -260,12 +288,19 @@ def _places(places: list[tuple[int, str]]) -> str:
 
 @dataclass
 class _Same:
-    """Whether two solutions of a pose are one, to what rounding and the tolerance leave."""
+    """Whether two solutions of a pose are one, to what rounding and a tolerated change of the arm leave.
+
+    Attributes:
+        reference: Pinocchio's model of the arm.
+        order: its joints in the order of the baseline's.
+        T: (4, 4) m, the pose.
+        change: tolerated change of the arm [rad, share of its size].
+    """
 
     reference: Reference
     order: tuple[int, ...]
     T: Array
-    tolerance: Tolerance
+    change: float
 
     def gaps(self, q: Array, other: Array) -> Array:
         """Differences (k, m, n) of the joints of q (k, n) and other (m, n)."""
@@ -275,13 +310,22 @@ class _Same:
 
     def room(self, q: Array) -> Array:
         """How far apart (k,) [rad or m] two answers near q (k, n) may be, and still be one."""
+        sigma = self.sigma_min(q)
+        out: Array = np.minimum(CONDITIONING / sigma, LOOSEST) + np.minimum(10.0 * self.change / sigma, ONE_BRANCH)
+        return out + PLANTED
+
+    def is_fragile(self, q: Array) -> bool:
+        """Whether the change, or rounding, may join a solution (n,) with another one, so that both are gone.
+
+        Near a fold the smallest singular value falls with the root of the distance to it.
+        """
+        return bool(self.sigma_min(q[None])[0] ** 2 <= 10.0 * self.change + FOLD)
+
+    def sigma_min(self, q: Array) -> Array:
+        """Smallest singular value (k,) of the Jacobian at q (k, n), lengths as shares of the arm's size."""
         J = self.reference.jacobian(self._own(q))
-        size = max(self.reference.size, 1e-300)
-        J[..., :3, :] /= size
-        sigma = np.maximum(np.linalg.svd(J, compute_uv=False)[..., -1], 1e-300)
-        loose = self.tolerance.distance / size + self.tolerance.angle
-        loose = 10.0 * loose if self.tolerance != DEFAULT else CONDITIONING
-        out: Array = PLANTED + np.minimum(loose / sigma, LOOSEST)
+        J[..., :3, :] /= max(self.reference.size, 1e-300)
+        out: Array = np.maximum(np.linalg.svd(J, compute_uv=False)[..., -1], 1e-300)
         return out
 
     def one_root(self, q: Array, other: Array) -> bool:
@@ -302,8 +346,8 @@ def _compare(found: _Found, index: int, then: Pose, now: Pose, same: _Same, arm:
     """Pair the solutions of a pose, and note what is different."""
     before, after = list(then.answers), list(now.answers)
     if not before or not after:
-        found.lost += [(index, each.branch) for each in before]
-        found.gained += [(index, each.branch) for each in after]
+        found.lost += [(index, each.branch) for each in before if not same.is_fragile(np.array(each.q))]
+        found.gained += [(index, each.branch) for each in after if not same.is_fragile(np.array(each.q))]
         return
     gaps = same.gaps(then.q, now.q)
     far = gaps.max(axis=-1)
@@ -316,7 +360,9 @@ def _compare(found: _Found, index: int, then: Pose, now: Pose, same: _Same, arm:
             continue
         paired[i] = k
         taken.add(k)
-        if far[i, k] > room[i] and not free and not same.one_root(then.q[i], now.q[k]):
+        if far[i, k] <= room[i] or free or same.is_fragile(then.q[i]):
+            continue
+        if not same.one_root(then.q[i], now.q[k]):
             found.moved.append((float(far[i, k]), index, int(np.argmax(gaps[i, k]))))
     for i, each in enumerate(before):
         if i not in paired and not _double(same, then.q[i], now.q, each, after):
@@ -334,7 +380,12 @@ def _compare(found: _Found, index: int, then: Pose, now: Pose, same: _Same, arm:
 
 
 def _double(same: _Same, q: Array, others: Array, one: Answer, all_others: list[Answer]) -> bool:
-    """Whether a solution is a double root with one of the others, or stands for a continuum that they stand for."""
+    """Whether a solution that is not among the others is no difference.
+
+    It may vanish by rounding, be a double root with one of them, or stand for a continuum that one of them stands for.
+    """
+    if same.is_fragile(q):
+        return True
     near = same.gaps(q[None], others).max(axis=-1)[0]
     if any(same.one_root(q, others[k]) for k in np.flatnonzero(near < LOOSEST)):
         return True
