@@ -60,8 +60,8 @@ ik srs_7r --q SEVEN --redundancy 0.1,0.3 --no-check --best limits
 ik ARM --q TYPED --best manipulability
 check planar_2r -n 3 --seed 4 -f json
 check planar_2r -n 2 --complete
-compare planar_2r {arm} -n 2 --tip-b tool0
-compare {arm} {arm} -n 2 --lock-a joint_1=0 --lock-b joint_1=0 --tool-xyz-b 0,0,0.1 -f json
+compare planar_2r {arm} -n 2 --tip B=tool0
+compare {arm} {arm} -n 2 --lock joint_1=0 --tool-xyz B=0,0,0.1 -f json
 dh puma_560 --convention modified --degrees
 dh {table_csv} -o {out}.urdf
 dh {table_json} --snap 1e-6 -f csv

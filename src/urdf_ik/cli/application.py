@@ -179,48 +179,6 @@ def check(
 
 @app.command(
     help=help_text(
-        "Compare two arms, or two URDFs of one arm (another tool, a calibrated copy): structure, frames, limits, "
-        "reach, number of solutions for the same poses, joint values branch by branch, and how far B's tool is off "
-        "when it is given A's joint vectors.",
-        "urdf-ik compare zyyzyz_6r puma_560",
-        "urdf-ik compare zyyzyz_6r my_arm.urdf --tip-b tool0 -n 100",
-        "urdf-ik compare planar_2r planar_2r_unit -f json",
-    )
-)
-def compare(
-    a: options.RobotA,
-    b: options.RobotB,
-    base_a: options.BaseA = None,
-    tip_a: options.TipA = None,
-    lock_a: options.LockA = None,
-    tool_xyz_a: options.ToolXyzA = None,
-    tool_rpy_a: options.ToolRpyA = None,
-    base_b: options.BaseB = None,
-    tip_b: options.TipB = None,
-    lock_b: options.LockB = None,
-    tool_xyz_b: options.ToolXyzB = None,
-    tool_rpy_b: options.ToolRpyB = None,
-    n: options.Each = 200,
-    seed: options.Seed = 0,
-    printed_as: options.TextFormat = ReportFormat.TABLE,
-) -> None:
-    """Print the comparison."""
-    from urdf_ik.cli import console
-    from urdf_ik.cli.commands import compare as compare_command
-    from urdf_ik.cli.progress import Progress
-    from urdf_ik.verify import comparison
-
-    first = ChosenArm(a, base_a, tip_a, lock_a, tool_xyz=tool_xyz_a, tool_rpy=tool_rpy_a, suffix="-a")
-    second = ChosenArm(b, base_b, tip_b, lock_b, tool_xyz=tool_xyz_b, tool_rpy=tool_rpy_b, suffix="-b")
-    first.without_stdin(b, "B")
-    arms = first.load(), second.load()
-    with Progress("comparing", "solving") as progress:
-        found = comparison.compare(*arms, n=n, seed=seed, progress=progress.tick)
-    console.write(found.to_json() if printed_as is ReportFormat.JSON else compare_command.as_text(found), None)
-
-
-@app.command(
-    help=help_text(
         "Denavit-Hartenberg table of an arm, or an arm from a table (CSV or JSON).",
         "urdf-ik dh dh_6r --convention modified",
         "urdf-ik dh ur5 --degrees -o ur5.csv",

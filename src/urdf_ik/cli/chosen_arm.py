@@ -45,7 +45,6 @@ class ChosenArm:
     free_axis: str | None = None
     free_at: str | None = None
     degrees: bool = False
-    suffix: str = ""
 
     def load(self) -> Arm:
         """The arm.
@@ -58,7 +57,7 @@ class ChosenArm:
         from urdf_ik.cli import free_value
 
         source = self._source()
-        locked = free_value.locked(self.lock or (), f"--lock{self.suffix}")
+        locked = free_value.locked(self.lock or (), "--lock")
         tool = self._tool()
         arm = load(
             source,
@@ -138,7 +137,7 @@ class ChosenArm:
         from urdf_ik.model.poses import pose
 
         xyz, rpy = (
-            console.numbers("0,0,0" if typed is None else typed, f"{option}{self.suffix}", names)
+            console.numbers("0,0,0" if typed is None else typed, option, names)
             for typed, option, names in (
                 (self.tool_xyz, "--tool-xyz", ("x", "y", "z")),
                 (self.tool_rpy, "--tool-rpy", ("roll", "pitch", "yaw")),

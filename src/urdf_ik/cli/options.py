@@ -246,22 +246,6 @@ Collision = Annotated[
 ]
 
 
-# The two arms of compare.
-RobotA = Annotated[str, Argument(metavar="A", help="URDF file, a catalogue name, or - for stdin: the arm before.")]
-RobotB = Annotated[str, Argument(metavar="B", help="The same for the other arm, the one after.")]
-BaseA = Annotated[str | None, Option("--base-a", metavar="LINK", help="Base link of A.")]
-TipA = Annotated[str | None, Option("--tip-a", metavar="LINK", help="Tip link of A.")]
-LockA = Annotated[list[str] | None, Option("--lock-a", metavar="NAME=VALUE", help="Hold a joint of A; repeatable.")]
-ToolXyzA = Annotated[str | None, Option("--tool-xyz-a", metavar="X,Y,Z", help="Put a tool at the tip of A [m].")]
-ToolRpyA = Annotated[str | None, Option("--tool-rpy-a", metavar="R,P,Y", help="Orientation of that tool [rad].")]
-BaseB = Annotated[str | None, Option("--base-b", metavar="LINK", help="Base link of B.")]
-TipB = Annotated[str | None, Option("--tip-b", metavar="LINK", help="Tip link of B.")]
-LockB = Annotated[list[str] | None, Option("--lock-b", metavar="NAME=VALUE", help="Hold a joint of B; repeatable.")]
-ToolXyzB = Annotated[str | None, Option("--tool-xyz-b", metavar="X,Y,Z", help="Put a tool at the tip of B [m].")]
-ToolRpyB = Annotated[str | None, Option("--tool-rpy-b", metavar="R,P,Y", help="Orientation of that tool [rad].")]
-Each = Annotated[int, Option("-n", "--poses", min=1, max=MOST_POSES, help="Random poses that each arm makes.")]
-
-
 # Tables.
 TableOrRobot = Annotated[
     str, Argument(metavar="FILE", help="URDF file, a catalogue name, - for a URDF on stdin, or a table: .csv or .json.")

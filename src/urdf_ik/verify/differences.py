@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 KINDS = ("kinematics", "limits", "names", "collisions", "visuals")
 """Kinds of differences; each but the first can be ignored."""
 
-_MOST_LENGTH, _MOST_ANGLE = 1e3, math.pi
+_MOST_LENGTH = 1e6
+_MOST_PLACES, _MOST_SHAPES = 6, 3
 
 
 @dataclass(frozen=True)
@@ -402,3 +403,26 @@ def _changed_shape(kind: str, one: Shape, other: Shape, tolerance: Tolerance) ->
 
 def _called(shape: Shape) -> str:
     return f"{shape.role} {shape.kind}{f' {shape.file}' if shape.file else ''}"
+
+
+def summed(found: tuple[Difference, ...]) -> tuple[str, ...]:
+    """Differences, a line each; those of many shapes in one line.
+
+    Example:
+        >>> summed((Difference("limits", "elbow", "its upper limit was 180 deg, and is 179 deg"),))
+        ('elbow: its upper limit was 180 deg, and is 179 deg',)
+    """
+    out, said = [], set()
+    for each in found:
+        if each.kind not in ("collisions", "visuals"):
+            out.append(str(each))
+            continue
+        alike = [other for other in found if other.kind == each.kind and other.name]
+        if len(alike) <= _MOST_SHAPES or not each.name:
+            out.append(str(each))
+        elif each.kind not in said:
+            said.add(each.kind)
+            links = list(dict.fromkeys(other.name for other in alike))
+            shown = ", ".join(links[:_MOST_PLACES]) + (", ..." if len(links) > _MOST_PLACES else "")
+            out.append(f"{shown}: {len(alike)} {each.kind[:-1]} shapes differ; the first: {alike[0].words}")
+    return tuple(out)

@@ -7,12 +7,13 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 from urdf_ik.errors import escaped, printable
-from urdf_ik.support.text import json_text, plain
+from urdf_ik.support.text import Section, json_text, plain
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
 _SHORT_LINES = 4
+_GOOD, _BAD = "#2e7d32", "#c62828"
 
 
 class Written:
@@ -56,25 +57,45 @@ class Report(Written):
         return escaped("\n".join([self.title(), *(f"  {line}" for line in self.lines()), self.verdict()]))
 
     def __repr__(self) -> str:
-        lines = self.lines()
-        more = len(lines) - _SHORT_LINES
-        shown = [*lines[:_SHORT_LINES], f"and {more} lines more: print it"] if more > 1 else lines
-        if more == 1:
-            shown = [*lines[: _SHORT_LINES - 1], "and 2 lines more: print it"]
-        return printable_lines([f"<{type(self).__name__} {self.verdict()}>", *(f"  {line}" for line in shown)])
+        return short(f"{type(self).__name__} {self.verdict()}", self.lines())
 
     def _repr_html_(self) -> str:
-        colour = "#2e7d32" if self.passed else "#c62828"
-        items = "".join(f"<li>{escape(printable(line, 1000))}</li>" for line in self.lines())
-        head = f"<p><b>{escape(self.title())}</b><br/>"
-        return f'<div>{head}<span style="color:{colour}">{escape(self.verdict())}</span></p><ul>{items}</ul></div>'
+        return html_of(self.title(), self.verdict(), self.passed, (Section("", remarks=self.lines()),))
 
 
-def printable_lines(lines: Iterable[str]) -> str:
-    """Lines of text, each cut to 200 characters.
+def short(title: str, lines: Sequence[str]) -> str:
+    """A text of at most six lines: what a prompt shows.
 
     Example:
-        >>> printable_lines(["one", "two"])
-        'one\\ntwo'
+        >>> print(short("Report FAILED", ["one", "two"]))
+        <Report FAILED>
+          one
+          two
     """
-    return "\n".join(printable(line, 200) for line in lines)
+    shown = list(lines)
+    if len(shown) > _SHORT_LINES + 1:
+        shown = [*shown[:_SHORT_LINES], f"and {len(shown) - _SHORT_LINES} lines more: print it"]
+    return "\n".join(printable(line, 160) for line in (f"<{title}>", *(f"  {line}" for line in shown)))
+
+
+def html_of(title: str, verdict: str, well: bool, sections: Iterable[Section]) -> str:
+    """A report for a notebook: its title, its verdict, and every section as a table or a list; all of it is escaped.
+
+    Example:
+        >>> html_of("<arm>", "PASSED", True, [])
+        '<div><p><b>&lt;arm&gt;</b><br/><span style="color:#2e7d32">PASSED</span></p></div>'
+    """
+    parts = [f'<p><b>{_cell(title)}</b><br/><span style="color:{_GOOD if well else _BAD}">{_cell(verdict)}</span></p>']
+    for section in sections:
+        parts += [f"<p>{_cell(section.title)}</p>"] if section.title and section.title != verdict else []
+        if section.rows:
+            head = "".join(f"<th>{_cell(each)}</th>" for each in section.header)
+            body = "".join("<tr>" + "".join(f"<td>{_cell(each)}</td>" for each in row) + "</tr>" for row in section.rows)
+            parts.append(f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>")
+        if section.remarks:
+            parts.append("<ul>" + "".join(f"<li>{_cell(each.removeprefix('- '))}</li>" for each in section.remarks) + "</ul>")
+    return f"<div>{''.join(parts)}</div>"
+
+
+def _cell(text: str) -> str:
+    return escape(printable(text, 1000))

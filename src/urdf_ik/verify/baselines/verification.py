@@ -18,7 +18,7 @@ from urdf_ik.verify.baselines.baseline import Answer, Baseline, Pose
 from urdf_ik.verify.baselines.freezing import NOT_CHECKED, answered, contacts_of
 from urdf_ik.verify.crosscheck.properties import CONDITIONING, PLANTED
 from urdf_ik.verify.description import Description, described, matrix
-from urdf_ik.verify.differences import DEFAULT, Difference, Tolerance, apart, differences, greatest_change, ignored, moved, order_of
+from urdf_ik.verify.differences import DEFAULT, Difference, Tolerance, apart, differences, greatest_change, ignored, moved, order_of, summed
 from urdf_ik.verify.reports import Report
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ LIMIT_MARGIN = 1e-6
 FOLD = 1e-12
 """Square of the smallest singular value below which rounding of the pose decides whether a solution is there."""
 
-_MOST_PLACES, _MOST_SHAPES = 6, 3
+_MOST_PLACES = 6
 
 
 @dataclass(frozen=True, repr=False)
@@ -91,29 +91,6 @@ class Verification(Report):
         found = f"{count} difference{'' if count == 1 else 's'}" if count else "no difference"
         then, now = self.solutions
         return f"{'PASSED' if self.passed else 'FAILED'}: {found}; {self.poses} poses, {then} solutions then, {now} now"
-
-
-def summed(found: tuple[Difference, ...]) -> tuple[str, ...]:
-    """Differences, a line each; those of many shapes in one line.
-
-    Example:
-        >>> summed((Difference("limits", "elbow", "its upper limit was 180 deg, and is 179 deg"),))
-        ('elbow: its upper limit was 180 deg, and is 179 deg',)
-    """
-    out, said = [], set()
-    for each in found:
-        if each.kind not in ("collisions", "visuals"):
-            out.append(str(each))
-            continue
-        alike = [other for other in found if other.kind == each.kind and other.name]
-        if len(alike) <= _MOST_SHAPES or not each.name:
-            out.append(str(each))
-        elif each.kind not in said:
-            said.add(each.kind)
-            links = list(dict.fromkeys(other.name for other in alike))
-            shown = ", ".join(links[:_MOST_PLACES]) + (", ..." if len(links) > _MOST_PLACES else "")
-            out.append(f"{shown}: {len(alike)} {each.kind[:-1]} shapes differ; the first: {alike[0].words}")
-    return tuple(out)
 
 
 def verify(
