@@ -21,14 +21,14 @@ from urdf_ik.support.inputs import MOST_POSES
 if TYPE_CHECKING:
     from urdf_ik.verify.comparison import Comparison, ManyArms
 
-ONE = "for one arm: A=..., B=..."
+_ONE = "for one arm: A=..., B=..."
 
-_FOR_ONE = re.compile(r"([A-Z])=(.*)", re.DOTALL)
+_FOR__ONE = re.compile(r"([A-Z])=(.*)", re.DOTALL)
 _REPEATED = ("lock", "mesh_root", "xacro_arg", "redundancy_joint")
 
 
 def _option(name: str, metavar: str, what: str) -> Any:
-    return Annotated[list[str] | None, typer.Option(name, metavar=metavar, help=f"{what}; {ONE}")]
+    return typer.Option(name, metavar=metavar, help=f"{what}; {_ONE}")
 
 
 Robots = Annotated[
@@ -37,18 +37,18 @@ Robots = Annotated[
         metavar="A B [C ...]", help="URDF files, names, or - for stdin. The first is what the others are compared with."
     ),
 ]
-Base = _option("--base", "LINK", "Base link")
-Tip = _option("--tip", "LINK", "Tip link")
-Chain = _option("--chain", "NAME", "Which arm of several, as `info --chains` names it, or an SRDF's group")
-Srdf = _option("--srdf", "FILE", "SRDF, whose groups are the chains")
-Lock = _option("--lock", "NAME=VALUE", "Hold a joint there: rad or m, or 30deg")
-MeshRoot = _option("--mesh-root", "DIR", "Where meshes and ROS packages are looked for")
-XacroArg = _option("--xacro-arg", "NAME:=VALUE", "Argument of a xacro")
-ToolXyz = _option("--tool-xyz", "X,Y,Z", "Put a tool at the tip: its centre point in the tip link [m]")
-ToolRpy = _option("--tool-rpy", "R,P,Y", "Orientation of that tool [rad]")
-RedundancyJoint = _option("--redundancy-joint", "NAME", "Of more than six joints: the value of this one is free")
-FreeAxis = _option("--free-axis", "x|y|z|X,Y,Z", "Let the tip turn about this axis of it")
-FreeAt = _option("--free-at", "X,Y,Z", "A point of that axis, in the tip link [m]")
+Base = Annotated[list[str] | None, _option("--base", "LINK", "Base link")]
+Tip = Annotated[list[str] | None, _option("--tip", "LINK", "Tip link")]
+Chain = Annotated[list[str] | None, _option("--chain", "NAME", "Which arm of several, as `info --chains` names it, or an SRDF's group")]
+Srdf = Annotated[list[str] | None, _option("--srdf", "FILE", "SRDF, whose groups are the chains")]
+Lock = Annotated[list[str] | None, _option("--lock", "NAME=VALUE", "Hold a joint there: rad or m, or 30deg")]
+MeshRoot = Annotated[list[str] | None, _option("--mesh-root", "DIR", "Where meshes and ROS packages are looked for")]
+XacroArg = Annotated[list[str] | None, _option("--xacro-arg", "NAME:=VALUE", "Argument of a xacro")]
+ToolXyz = Annotated[list[str] | None, _option("--tool-xyz", "X,Y,Z", "Put a tool at the tip: its centre point in the tip link [m]")]
+ToolRpy = Annotated[list[str] | None, _option("--tool-rpy", "R,P,Y", "Orientation of that tool [rad]")]
+RedundancyJoint = Annotated[list[str] | None, _option("--redundancy-joint", "NAME", "Of more than six joints: the value of this one is free")]
+FreeAxis = Annotated[list[str] | None, _option("--free-axis", "x|y|z|X,Y,Z", "Let the tip turn about this axis of it")]
+FreeAt = Annotated[list[str] | None, _option("--free-at", "X,Y,Z", "A point of that axis, in the tip link [m]")]
 Poses = Annotated[
     str | None,
     typer.Option("--poses", metavar="FILE", help=f"Ask all arms for these, too: {options.POSES_IN_A_FILE}"),

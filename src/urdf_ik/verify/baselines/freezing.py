@@ -44,7 +44,7 @@ TOUCHING = 1e-6
 """Distance [m] below which nobody can tell whether two shapes touch."""
 
 _SEED = 20_260_101
-_TRIES = 64
+_TRIES, _ROUNDS = 64, 6
 NOT_CHECKED = "not checked"
 
 
@@ -163,7 +163,7 @@ def _planted(reference: Reference, rng: np.random.Generator) -> tuple[Planted, .
     n = reference.dof
     drawn = {
         "random": rng.uniform(lower, upper, (PLANTED["random"], n)),
-        "round": np.vstack([np.zeros(n), _round(reference, rng, PLANTED["round"] - 1)]),
+        "round": np.vstack([np.zeros(n), round_vectors(reference, rng, PLANTED["round"] - 1)]),
         "at limits": np.where(rng.integers(0, 2, (PLANTED["at limits"], n)), lower, upper),
     }
     out = []
@@ -176,8 +176,8 @@ def _random(arm: Arm, reference: Reference, rng: np.random.Generator, count: int
     return rng.uniform(*reference.ranges.T, (count, reference.dof))
 
 
-def _round(reference: Reference, rng: np.random.Generator, count: int) -> Array:
-    """Joints at multiples of 45 degrees or 0.1 m, inside the limits."""
+def round_vectors(reference: Reference, rng: np.random.Generator, count: int) -> Array:
+    """Joints at multiples of 45 degrees or 0.1 m, inside the limits: (count, n)."""
     lower, upper = reference.ranges.T
     grain = np.where(reference.prismatic, 0.1, 0.25 * np.pi)
     drawn = np.round(rng.uniform(lower, upper, (count, reference.dof)) / grain) * grain
@@ -185,7 +185,7 @@ def _round(reference: Reference, rng: np.random.Generator, count: int) -> Array:
 
 
 def _rounded(arm: Arm, reference: Reference, rng: np.random.Generator, count: int) -> Array:
-    return _round(reference, rng, count)
+    return round_vectors(reference, rng, count)
 
 
 def _near_limits(arm: Arm, reference: Reference, rng: np.random.Generator, count: int) -> Array:
@@ -199,31 +199,37 @@ def _near_limits(arm: Arm, reference: Reference, rng: np.random.Generator, count
     return Q
 
 
-def _near_singularity(arm: Arm, reference: Reference, rng: np.random.Generator, count: int) -> Array:
-    """Joint vectors one of whose joints is a little away from where the Jacobian's smallest singular value is least."""
-    Q = _random(arm, reference, rng, count)
+def near_singularity(
+    arm: Arm, reference: Reference, rng: np.random.Generator, count: int, *, away: bool = True
+) -> Array:
+    """Joint vectors (count, n) where the Jacobian's smallest singular value is least, or a joint beside that."""
     lower, upper = reference.ranges.T
+    Q = rng.uniform(lower, upper, (count, reference.dof))
     if not reference.dof:
         return Q
     for k in range(count):
         tried = rng.uniform(lower, upper, (_TRIES, reference.dof))
-        q = tried[int(np.argmin(_dexterity(reference, tried)))]
+        q = tried[int(np.argmin(least_singular_value(arm, tried)))]
         joint = int(rng.integers(reference.dof))
-        for _ in range(4):
-            line = np.tile(q, (_TRIES, 1))
-            line[:, joint] = np.linspace(lower[joint], upper[joint], _TRIES)
-            q = line[int(np.argmin(_dexterity(reference, line)))]
+        for _ in range(_ROUNDS):
             joint = (joint + 1) % reference.dof
-        away = NEAR[k % len(NEAR)] * min(1.0, upper[joint] - lower[joint])
-        q[joint] += away if q[joint] + away <= upper[joint] else -away
+            low, high = lower[joint], upper[joint]
+            for _ in range(_ROUNDS):  # ever finer about the least
+                line = np.tile(q, (_TRIES, 1))
+                line[:, joint] = np.linspace(low, high, _TRIES)
+                q = line[int(np.argmin(least_singular_value(arm, line)))]
+                step = (high - low) / (_TRIES - 1)
+                low, high = max(lower[joint], q[joint] - step), min(upper[joint], q[joint] + step)
+        beside = NEAR[k % len(NEAR)] * min(1.0, upper[joint] - lower[joint]) if away else 0.0
+        q[joint] += beside if q[joint] + beside <= upper[joint] else -beside
         Q[k] = q
     return Q
 
 
-def _dexterity(reference: Reference, Q: Array) -> Array:
-    """Product (...) of the Jacobian's singular values but for zeros that every posture has."""
-    J = reference.jacobian(Q)
-    J[..., :3, :] /= max(reference.size, 1e-300)
+def least_singular_value(arm: Arm, Q: Array) -> Array:
+    """Smallest singular value (...) of the Jacobian at Q (..., n), lengths as shares of the arm's size."""
+    J = np.array(arm.jacobian(Q))
+    J[..., :3, :] /= arm.chain.size
     least: Array = np.linalg.svd(J, compute_uv=False)[..., -1]
     return least
 
@@ -236,4 +242,4 @@ def _made_by() -> tuple[tuple[str, str], ...]:
     return (("pinocchio", str(pin.__version__)), ("urdf-ik", __version__))
 
 
-_DRAWN = {"random": _random, "round": _rounded, "near limits": _near_limits, "near singularity": _near_singularity}
+_DRAWN = {"random": _random, "round": _rounded, "near limits": _near_limits, "near singularity": near_singularity}

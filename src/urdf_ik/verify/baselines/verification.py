@@ -15,7 +15,7 @@ from urdf_ik.support.angles import shortest
 from urdf_ik.support.tolerances import DEFAULT as SOLVERS
 from urdf_ik.verify import arms
 from urdf_ik.verify.baselines.baseline import Answer, Baseline, Pose
-from urdf_ik.verify.baselines.freezing import NOT_CHECKED, answered, contacts_of
+from urdf_ik.verify.baselines.freezing import answered, contacts_of, least_singular_value
 from urdf_ik.verify.crosscheck.properties import CONDITIONING, PLANTED
 from urdf_ik.verify.description import Description, described, matrix
 from urdf_ik.verify.differences import DEFAULT, Difference, Tolerance, apart, differences, greatest_change, ignored, moved, order_of, summed
@@ -123,7 +123,7 @@ def verify(
             distance, angle = greatest_change(then, now)
             size = max(reference.size, 1e-300)
             change = min(distance, tolerance.distance) / size + min(angle, tolerance.angle)
-            found += _solutions(baseline, today, reference, order, change)
+            found += _solutions(baseline, today, arm, reference, order, change)
     return Verification(
         arm=now,
         frozen=then,
@@ -217,6 +217,7 @@ class _Found:
 def _solutions(
     baseline: Baseline,
     today: list[Pose],
+    arm: Arm,
     reference: Reference,
     order: tuple[int, ...],
     change: float,
@@ -224,7 +225,7 @@ def _solutions(
     """What the solutions show; ``change`` is that of the arm [rad, share of its size], as far as it is tolerated."""
     found = _Found([], [], [], [], [])
     for index, (then, now) in enumerate(zip(baseline.poses, today, strict=True)):
-        _compare(found, index, then, now, _Same(reference, order, then.matrix, change), baseline.arm)
+        _compare(found, index, then, now, _Same(arm, reference, order, then.matrix, change), baseline.arm)
     out = []
     for what, places in (("lost", found.lost), ("gained", found.gained)):
         if places:
@@ -268,12 +269,14 @@ class _Same:
     """Whether two solutions of a pose are one, to what rounding and a tolerated change of the arm leave.
 
     Attributes:
-        reference: Pinocchio's model of the arm.
+        arm: the arm of today.
+        reference: Pinocchio's model of it.
         order: its joints in the order of the baseline's.
         T: (4, 4) m, the pose.
         change: tolerated change of the arm [rad, share of its size].
     """
 
+    arm: Arm
     reference: Reference
     order: tuple[int, ...]
     T: Array
@@ -300,10 +303,7 @@ class _Same:
 
     def sigma_min(self, q: Array) -> Array:
         """Smallest singular value (k,) of the Jacobian at q (k, n), lengths as shares of the arm's size."""
-        J = self.reference.jacobian(self._own(q))
-        J[..., :3, :] /= max(self.reference.size, 1e-300)
-        out: Array = np.maximum(np.linalg.svd(J, compute_uv=False)[..., -1], 1e-300)
-        return out
+        return np.maximum(least_singular_value(self.arm, self._own(q)), 1e-300)
 
     def one_root(self, q: Array, other: Array) -> bool:
         """Whether the arm is in the pose half way between two joint vectors (n,): one double root."""
