@@ -170,7 +170,7 @@ class CheckedArm(pytest.Collector):
         self._reported_by = ""
         self.add_marker(MARK)
 
-    def collect(self) -> Iterator[Property]:
+    def collect(self) -> Iterator[_Stated]:
         """One test a property of the cross-check and of the lock, and one for reading the file."""
         from urdf_ik.verify.crosscheck import PROPERTIES
 

@@ -102,7 +102,9 @@ def test_another_instruction_set_has_the_same_answers(isa: str, tmp_path: Path) 
         "    assert found.passed, found"
     )
     environment = {**os.environ, "URDF_IK_ISA": isa}
-    done = subprocess.run([sys.executable, "-c", code, *names], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code, *names], cwd=tmp_path, env=environment, capture_output=True, text=True
+    )
     if "URDF_IK_ISA" in done.stderr:
         pytest.skip(f"this processor has no {isa}")
     assert not done.returncode, done.stderr
@@ -185,10 +187,28 @@ def test_what_is_no_lock_file_is_refused(text: str, match: str) -> None:
 def test_a_damaged_lock_file_is_refused() -> None:
     """Each entry taken away, or replaced by something else, is found when it is read."""
     data = json.loads(urdf_ik.freeze(urdf_ik.load("planar_2r")).to_text())
-    for place in (data, data["arm"], data["poses"][0], data["planted"][0], data["arm"]["steps"][0], data["arm"]["shapes"][0]):
+    for place in (
+        data,
+        data["arm"],
+        data["poses"][0],
+        data["planted"][0],
+        data["arm"]["steps"][0],
+        data["arm"]["shapes"][0],
+    ):
         for key in list(place):
             kept = place.pop(key)
-            if key not in ("held", "backwards", "file", "digest", "family", "reason", "task", "locked", "redundancy", "task"):
+            if key not in (
+                "held",
+                "backwards",
+                "file",
+                "digest",
+                "family",
+                "reason",
+                "task",
+                "locked",
+                "redundancy",
+                "task",
+            ):
                 with pytest.raises(ArgumentError):
                     Baseline.from_text(json.dumps(data))
             for wrong in (None, {"a": 1}, [None]):

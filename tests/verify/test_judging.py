@@ -30,7 +30,9 @@ def right(T: Any) -> Any:
     return PUMA.ik(T).to_array()
 
 
-@pytest.mark.parametrize("name", ["puma_560", "ur5", "zyyzyz_6r", "scara_rrpr", "stanford_rrprrr", "planar_2r", "srs_7r"])
+@pytest.mark.parametrize(
+    "name", ["puma_560", "ur5", "zyyzyz_6r", "scara_rrpr", "stanford_rrprrr", "planar_2r", "srs_7r"]
+)
 def test_a_right_solver_passes(name: str) -> None:
     """At every kind of pose, singular ones too, in any order, with whole turns added."""
     arm = urdf_ik.load(name)
@@ -136,10 +138,17 @@ def test_a_file_a_process_and_their_ends(tmp_path: Path, monkeypatch: pytest.Mon
     assert judge(PUMA, solver_of("mine.py:solve", PUMA), n=2).passed
     with SolverProcess([sys.executable, "mine.py"]) as process:
         assert judge(PUMA, process, n=2).passed
-    for code in ("", "print('nonsense', flush=True); input()", "import json; input(); print(json.dumps({'error': 'no'}))"):
+    for code in (
+        "",
+        "print('nonsense', flush=True); input()",
+        "import json; input(); print(json.dumps({'error': 'no'}))",
+    ):
         with SolverProcess([sys.executable, "-c", code]) as process:
             assert {each.fault for each in judge(PUMA, process, n=1).faults} == {"failed"}
-    with SolverProcess([sys.executable, "-c", "input(); input()"], timeout=0.2) as process, pytest.raises(ArgumentError):
+    with (
+        SolverProcess([sys.executable, "-c", "input(); input()"], timeout=0.2) as process,
+        pytest.raises(ArgumentError),
+    ):
         process(np.eye(4))
     with pytest.raises(ArgumentError):
         SolverProcess(["/no/such/program"])

@@ -8,7 +8,6 @@ import sys
 from pathlib import Path
 
 import pytest
-from urdf_ik_pytest import UNCHANGED
 from urdf_mutants import mutants
 
 import urdf_ik
@@ -16,6 +15,7 @@ from urdf_ik import ArgumentError, ChainError
 from urdf_ik.model import catalogue
 from urdf_ik.verify.crosscheck import PROPERTIES, check
 from urdf_ik.verify.testing import assert_agrees_with_pinocchio, verdict
+from urdf_ik_pytest import UNCHANGED
 
 ARM = catalogue.resolve("zyyzyz_6r").path
 # Two joints about one axis: no solver takes it.
@@ -111,7 +111,9 @@ def test_plugin_says_what_is_wrong_with_the_urdf(pytester: pytest.Pytester) -> N
     chosen.assert_outcomes(failed=1, skipped=1, deselected=len(PROPERTIES) - 1 + len(UNCHANGED))
     assert chosen.ret == pytest.ExitCode.TESTS_FAILED
     pytester.path.joinpath("unsolved.urdf").write_text(UNSOLVED)
-    run(pytester, "--urdf", "unsolved.urdf", "--urdf-poses", "2").assert_outcomes(passed=8, failed=5, skipped=2 + len(UNCHANGED))
+    run(pytester, "--urdf", "unsolved.urdf", "--urdf-poses", "2").assert_outcomes(
+        passed=8, failed=5, skipped=2 + len(UNCHANGED)
+    )
     wrong = run(pytester, *["--urdf", "planar_2r"] * 3, *["--tip", "tool0"] * 2)
     assert wrong.ret == pytest.ExitCode.USAGE_ERROR
     wrong.stderr.fnmatch_lines(["*--tip is given 2 times, --urdf 3 times*"])
@@ -129,12 +131,15 @@ def test_plugin_leaves_the_root_and_the_configuration_alone(pytester: pytest.Pyt
     pytester.makepyfile("import pytest\n\n@pytest.mark.mine\ndef test_own(pytestconfig):\n"
                         f"    assert str(pytestconfig.rootpath) == {str(pytester.path)!r}\n")  # fmt: skip
     words = spelled.format(elsewhere / "arm.urdf", lock).split()
-    done = pytester.runpytest_subprocess("-p", "urdf_ik_pytest", *words, "--urdf-poses", "2", "-k", "read or own or names")
+    done = pytester.runpytest_subprocess(
+        "-p", "urdf_ik_pytest", *words, "--urdf-poses", "2", "-k", "read or own or names"
+    )
     done.assert_outcomes(passed=3, deselected=len(PROPERTIES) + len(UNCHANGED) - 1)
     done.stdout.fnmatch_lines([f"rootdir: {pytester.path}", "configfile: pytest.ini"])
-    assert "arm.urdf::unchanged names" in pytester.runpytest_subprocess(
-        "-p", "urdf_ik_pytest", *words, "-k", "names", "-v"
-    ).stdout.str()
+    assert (
+        "arm.urdf::unchanged names"
+        in pytester.runpytest_subprocess("-p", "urdf_ik_pytest", *words, "-k", "names", "-v").stdout.str()
+    )
 
 
 def test_plugin_freezes_verifies_and_names_the_joint(pytester: pytest.Pytester) -> None:
@@ -154,7 +159,9 @@ def test_plugin_freezes_verifies_and_names_the_joint(pytester: pytest.Pytester) 
         path.write_bytes(mutant.xml)
         done = run(pytester, "--urdf", "my_arm.urdf", *quick)
         assert done.ret == pytest.ExitCode.TESTS_FAILED, mutant.what
-        done.stdout.fnmatch_lines([f"*{mutant.names[0]}*: *", "*if that is meant: urdf-ik verify my_arm.urdf*--update*"])
+        done.stdout.fnmatch_lines(
+            [f"*{mutant.names[0]}*: *", "*if that is meant: urdf-ik verify my_arm.urdf*--update*"]
+        )
         done.stdout.no_fnmatch_line("*Traceback*")
     missing = run(pytester, "--urdf", "my_arm.urdf", "--urdf-lock", "other.lock.json", *quick)
     assert missing.ret == pytest.ExitCode.TESTS_FAILED

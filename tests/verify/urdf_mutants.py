@@ -191,7 +191,9 @@ def merged_fixed_joints(arm: Arm) -> bytes | None:
             if other.find("parent").get("link") == child:
                 _shift(other, T)
                 other.find("parent").set("link", parent)
-        link, into = (next(each for each in tree.iterfind("link") if each.get("name") == name) for name in (child, parent))
+        link, into = (
+            next(each for each in tree.iterfind("link") if each.get("name") == name) for name in (child, parent)
+        )
         for body in (*link.findall("collision"), *link.findall("visual")):
             _shift(body, T)
             into.append(body)

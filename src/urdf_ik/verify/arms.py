@@ -1,4 +1,4 @@
-"""What every check needs of an arm: Pinocchio's model of it, its collision shapes, and its solutions of planted poses."""
+"""What every check needs of an arm: Pinocchio's model of it, its collision shapes, and its solutions."""
 
 from __future__ import annotations
 

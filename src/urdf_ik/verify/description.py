@@ -193,7 +193,10 @@ def described(arm: Arm, *, shapes: bool = True) -> Description:
 
 
 def from_dict(data: Mapping[str, Any]) -> Description:
-    """The description that :meth:`Description.to_dict` gave; any mistake in it raises KeyError, TypeError or ValueError.
+    """The description that :meth:`Description.to_dict` gave.
+
+    Raises:
+        KeyError, TypeError, ValueError: it is something else.
 
     Example:
         >>> import urdf_ik

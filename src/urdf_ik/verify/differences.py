@@ -164,7 +164,9 @@ def _joints(a: Description, b: Description) -> list[Difference]:
         was, now = (
             f"{side[name][2]:g} {side[name][1]} {side[name][3]:+g}" if name in side else "" for side in (before, after)
         )
-        words = f"mimics a joint now: {now}" if not was else f"mimicked {was}, and {'mimics ' + now if now else 'moves'}"
+        words = (
+            f"mimics a joint now: {now}" if not was else f"mimicked {was}, and {'mimics ' + now if now else 'moves'}"
+        )
         out.append(Difference("kinematics", name, words + ("" if now else " by itself")))
     if a.dof != b.dof:
         gone = [name for name in a.joint_names if name not in b.joint_names and name not in after]
@@ -202,7 +204,9 @@ def _kinematics(a: Description, b: Description, tolerance: Tolerance) -> list[Di
             out.append(Difference("kinematics", ", ".join(names), f"{what} {moved(*origin)}", *origin))
         if turned > tolerance.angle:
             flipped = turned > math.pi - 1e-6
-            words = "its axis is negated, so that it turns the other way" if flipped else f"its axis {moved(0.0, turned)}"
+            words = (
+                "its axis is negated, so that it turns the other way" if flipped else f"its axis {moved(0.0, turned)}"
+            )
             out.append(Difference("kinematics", name, words.replace("turns", "slides") if slid else words, 0.0, turned))
     if out:
         return out

@@ -90,10 +90,14 @@ def html_of(title: str, verdict: str, well: bool, sections: Iterable[Section]) -
         parts += [f"<p>{_cell(section.title)}</p>"] if section.title and section.title != verdict else []
         if section.rows:
             head = "".join(f"<th>{_cell(each)}</th>" for each in section.header)
-            body = "".join("<tr>" + "".join(f"<td>{_cell(each)}</td>" for each in row) + "</tr>" for row in section.rows)
+            body = "".join(
+                "<tr>" + "".join(f"<td>{_cell(each)}</td>" for each in row) + "</tr>" for row in section.rows
+            )
             parts.append(f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>")
         if section.remarks:
-            parts.append("<ul>" + "".join(f"<li>{_cell(each.removeprefix('- '))}</li>" for each in section.remarks) + "</ul>")
+            parts.append(
+                "<ul>" + "".join(f"<li>{_cell(each.removeprefix('- '))}</li>" for each in section.remarks) + "</ul>"
+            )
     return f"<div>{''.join(parts)}</div>"
 
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 _ONE = "for one arm: A=..., B=..."
 
-_FOR__ONE = re.compile(r"([A-Z])=(.*)", re.DOTALL)
+_FOR_ONE = re.compile(r"([A-Z])=(.*)", re.DOTALL)
 _REPEATED = ("lock", "mesh_root", "xacro_arg", "redundancy_joint")
 
 
@@ -39,14 +39,23 @@ Robots = Annotated[
 ]
 Base = Annotated[list[str] | None, _option("--base", "LINK", "Base link")]
 Tip = Annotated[list[str] | None, _option("--tip", "LINK", "Tip link")]
-Chain = Annotated[list[str] | None, _option("--chain", "NAME", "Which arm of several, as `info --chains` names it, or an SRDF's group")]
+Chain = Annotated[
+    list[str] | None,
+    _option("--chain", "NAME", "Which arm of several, as `info --chains` names it, or an SRDF's group"),
+]
 Srdf = Annotated[list[str] | None, _option("--srdf", "FILE", "SRDF, whose groups are the chains")]
 Lock = Annotated[list[str] | None, _option("--lock", "NAME=VALUE", "Hold a joint there: rad or m, or 30deg")]
 MeshRoot = Annotated[list[str] | None, _option("--mesh-root", "DIR", "Where meshes and ROS packages are looked for")]
 XacroArg = Annotated[list[str] | None, _option("--xacro-arg", "NAME:=VALUE", "Argument of a xacro")]
-ToolXyz = Annotated[list[str] | None, _option("--tool-xyz", "X,Y,Z", "Put a tool at the tip: its centre point in the tip link [m]")]
+ToolXyz = Annotated[
+    list[str] | None,
+    _option("--tool-xyz", "X,Y,Z", "Put a tool at the tip: its centre point in the tip link [m]"),
+]
 ToolRpy = Annotated[list[str] | None, _option("--tool-rpy", "R,P,Y", "Orientation of that tool [rad]")]
-RedundancyJoint = Annotated[list[str] | None, _option("--redundancy-joint", "NAME", "Of more than six joints: the value of this one is free")]
+RedundancyJoint = Annotated[
+    list[str] | None,
+    _option("--redundancy-joint", "NAME", "Of more than six joints: the value of this one is free"),
+]
 FreeAxis = Annotated[list[str] | None, _option("--free-axis", "x|y|z|X,Y,Z", "Let the tip turn about this axis of it")]
 FreeAt = Annotated[list[str] | None, _option("--free-at", "X,Y,Z", "A point of that axis, in the tip link [m]")]
 Poses = Annotated[
@@ -59,9 +68,9 @@ ExitCode = Annotated[bool, typer.Option("--exit-code", help="End with status 1 w
 
 @app.command(
     help=help_text(
-        "Compare arms, or URDFs of one arm (another tool, a calibrated copy): structure, frames, limits, shapes, reach, "
-        "number of solutions for the same poses, joint values branch by branch, and how far B's tool is off when it is "
-        "given A's joint vectors. What is the same to rounding is called the same.\n\n"
+        "Compare arms, or URDFs of one arm (another tool, a calibrated copy): structure, frames, limits, shapes, "
+        "reach, number of solutions for the same poses, joint values branch by branch, and how far B's tool is off "
+        "when it is given A's joint vectors. What is the same to rounding is called the same.\n\n"
         "An option is for all arms; with a letter it is for one of them: --tip tool0, or --tip B=flange.",
         "urdf-ik compare zyyzyz_6r puma_560",
         "urdf-ik compare nominal.urdf calibrated.urdf --exit-code --tolerance-mm 0.5",
@@ -111,8 +120,15 @@ def compare(
     with Progress("comparing", "solving") as progress:
         found = [
             comparison.compare(
-                arms[0], other, n=n, seed=seed, poses=own, tolerance_mm=tolerance_mm, tolerance_deg=tolerance_deg,
-                ignore=ignore or (), progress=progress.tick,
+                arms[0],
+                other,
+                n=n,
+                seed=seed,
+                poses=own,
+                tolerance_mm=tolerance_mm,
+                tolerance_deg=tolerance_deg,
+                ignore=ignore or (),
+                progress=progress.tick,
             )  # fmt: skip
             for other in arms[1:]
         ]
@@ -180,7 +196,9 @@ def _chosen(robots: list[str], given: dict[str, list[str] | None]) -> list[Chose
             if not taken:
                 continue
             if name not in _REPEATED and len(taken) > 1:
-                raise console.usage(f"given {len(taken)} times for arm {string.ascii_uppercase[k]}; once is enough", option)
+                raise console.usage(
+                    f"given {len(taken)} times for arm {string.ascii_uppercase[k]}; once is enough", option
+                )
             arms[k] = replace(arms[k], **{name: _typed(name, taken, option)})
     return arms
 

@@ -52,7 +52,7 @@ def freeze(
     chosen.without_stdin(poses, "--poses")
     files.writable(output)
     own = None if poses is None else console.read_poses(poses, "--poses")
-    wanted: bool | str = {None: True, True: "require", False: False}[collisions]
+    wanted: bool | str = collisions is None or ("require" if collisions else False)
     lock = freeze(chosen.load(), own, collisions=wanted)
     lock.save(output)
     console.write(f"{repr(lock)[1:-1]}, in {output}\n", None)

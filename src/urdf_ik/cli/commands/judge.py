@@ -28,8 +28,8 @@ Solver = Annotated[
     typer.Option(
         "--solver",
         metavar="SPEC",
-        help="module:function, file.py:function, process:COMMAND (a line of JSON a pose), ikfast:LIBRARY.so, or eaik, frankik, "
-        "ik-geo, py-opw, ssik, ssik-built, ssik-prebuilt:VENDOR.ARM.",
+        help="module:function, file.py:function, process:COMMAND (a line of JSON a pose), ikfast:LIBRARY.so, or eaik, "
+        "frankik, ik-geo, py-opw, ssik, ssik-built, ssik-prebuilt:VENDOR.ARM.",
     ),
 ]
 Each = Annotated[int, typer.Option("-n", "--poses", min=1, max=MOST_POSES, help="Poses of each of the five kinds.")]
@@ -43,9 +43,9 @@ Output = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", h
 
 @app.command(
     help=help_text(
-        "Judge another solver on an arm: what it has wrong, misses or doubles, at random poses, round joint angles, with "
-        "the tool down, near singularities and at them, with the pose to replay. Pinocchio measures every solution. The "
-        "status is 1 when there is a fault.\n\n"
+        "Judge another solver on an arm: what it has wrong, misses or doubles, at random poses, round joint angles, "
+        "with the tool down, near singularities and at them, with the pose to replay. Pinocchio measures every "
+        "solution. The status is 1 when there is a fault.\n\n"
         'A process reads {"T": 4x4} and answers {"q": [[...], ...]}, a line each, in the arm\'s order of joints.',
         "urdf-ik judge ur5 --solver my_solver.py:solve",
         "urdf-ik judge my_arm.urdf --tip tool0 --solver ikfast:libmy_arm_ikfast.so -n 200",
@@ -82,7 +82,11 @@ def judge(
     finally:
         if isinstance(solve, SolverProcess):
             solve.close()
-    written = {JudgeFormat.TABLE: lambda: f"{found}\n", JudgeFormat.JSON: found.to_json, JudgeFormat.JUNIT: found.to_junit}
+    written = {
+        JudgeFormat.TABLE: lambda: f"{found}\n",
+        JudgeFormat.JSON: found.to_json,
+        JudgeFormat.JUNIT: found.to_junit,
+    }
     console.write(written[printed_as](), output)
     if not found.passed:
         raise typer.Exit(Status.FAILED)

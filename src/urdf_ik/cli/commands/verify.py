@@ -69,7 +69,9 @@ def verify(
         arm = loaded(chosen, lock)
     except ChainError as error:
         if chosen.base is None and chosen.tip is None and chosen.chain is None:
-            console.write(message(f"FAILED: {lock.arm.base} to {lock.arm.tip} of the lock is gone: {error}") + "\n", None)
+            console.write(
+                message(f"FAILED: {lock.arm.base} to {lock.arm.tip} of the lock is gone: {error}") + "\n", None
+            )
             raise typer.Exit(Status.FAILED) from None
         raise
     found = lock.verify(arm, tolerance_mm=tolerance_mm, tolerance_deg=tolerance_deg, ignore=ignore or ())

@@ -227,7 +227,8 @@ class Baseline:
             raise ArgumentError(f'{name} is no lock file: it has no "format": "{FORMAT}"{hint}')
         if data.get("version") != VERSION:
             raise ArgumentError(
-                f"{name} is a lock file of version {quoted(data.get('version'))}; this release reads {VERSION}{hint} anew"
+                f"{name} is a lock file of version {quoted(data.get('version'))}; "
+                f"this release reads {VERSION}{hint} anew"
             )
         try:
             return _read(data)

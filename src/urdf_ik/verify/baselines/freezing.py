@@ -48,9 +48,7 @@ _TRIES, _ROUNDS = 64, 6
 NOT_CHECKED = "not checked"
 
 
-def freeze(
-    arm: Arm, poses: Any = None, *, seed: int = _SEED, collisions: str | bool = True
-) -> Baseline:
+def freeze(arm: Arm, poses: Any = None, *, seed: int = _SEED, collisions: str | bool = True) -> Baseline:
     """An arm's answers of today, to be compared with those of tomorrow.
 
     Kept are joints, axes, limits, shapes, Pinocchio's pose at 20 joint vectors, and every solution of 50 poses: random
@@ -117,7 +115,9 @@ def contacts_of(arm: Arm, wanted: str | bool) -> tuple[CollisionModel | None, st
         return shapes, ""
     if wanted == "require":
         raise UrdfError(shapes.missing, source=arm.model.source)
-    missing = len({each.file for each in described(arm).shapes if each.role == "collision" and each.digest == "missing"})
+    missing = len(
+        {each.file for each in described(arm).shapes if each.role == "collision" and each.digest == "missing"}
+    )
     reason = f"{missing} mesh{'es' if missing > 1 else ''} missing" if missing else "no collision shapes"
     why = f"{NOT_CHECKED}: {reason}"
     if missing:
@@ -136,7 +136,8 @@ def answered(arm: Arm, kind: str, T: Array, found: IKSolutions, values: Array | 
         rows = zip(answer_rows(found.q[i, valid]), found.names[i, valid], within[i, valid], found.singular[i, valid],
                    touching, strict=True)  # fmt: skip
         answers = tuple(
-            Answer(q, str(branch), bool(inside), bool(singular), contact) for q, branch, inside, singular, contact in rows
+            Answer(q, str(branch), bool(inside), bool(singular), contact)
+            for q, branch, inside, singular, contact in rows
         )
         redundancy = () if values is None else tuple(float(each) for each in np.ravel(values[i]))
         out.append(Pose(kind, pose_row(T[i]), redundancy, answers))
@@ -168,12 +169,16 @@ def _planted(reference: Reference, rng: np.random.Generator) -> tuple[Planted, .
     }
     out = []
     for kind, Q in drawn.items():
-        out += [Planted(kind, q, pose_row(T)) for q, T in zip(answer_rows(Q), reference.pose(np.round(Q, 12)), strict=True)]
+        out += [
+            Planted(kind, q, pose_row(T)) for q, T in zip(answer_rows(Q), reference.pose(np.round(Q, 12)), strict=True)
+        ]
     return tuple(out)
 
 
 def _random(arm: Arm, reference: Reference, rng: np.random.Generator, count: int) -> Array:
-    return rng.uniform(*reference.ranges.T, (count, reference.dof))
+    lower, upper = reference.ranges.T
+    drawn: Array = rng.uniform(lower, upper, (count, reference.dof))
+    return drawn
 
 
 def round_vectors(reference: Reference, rng: np.random.Generator, count: int) -> Array:
@@ -193,8 +198,7 @@ def _near_limits(arm: Arm, reference: Reference, rng: np.random.Generator, count
     Q = rng.uniform(lower, upper, (count, reference.dof))
     for k in range(count):
         near = NEAR[k % len(NEAR)] * (upper - lower).clip(max=1.0)
-        one = rng.integers(0, reference.dof, 2) if reference.dof else []
-        for i in one:
+        for i in rng.integers(0, reference.dof, min(2, reference.dof)):
             Q[k, i] = lower[i] + near[i] if rng.integers(0, 2) else upper[i] - near[i]
     return Q
 
@@ -204,18 +208,18 @@ def near_singularity(
 ) -> Array:
     """Joint vectors (count, n) where the Jacobian's smallest singular value is least, or a joint beside that."""
     lower, upper = reference.ranges.T
-    Q = rng.uniform(lower, upper, (count, reference.dof))
+    Q: Array = rng.uniform(lower, upper, (count, reference.dof))
     if not reference.dof:
         return Q
     for k in range(count):
-        tried = rng.uniform(lower, upper, (_TRIES, reference.dof))
+        tried: Array = rng.uniform(lower, upper, (_TRIES, reference.dof))
         q = tried[int(np.argmin(least_singular_value(arm, tried)))]
         joint = int(rng.integers(reference.dof))
         for _ in range(_ROUNDS):
             joint = (joint + 1) % reference.dof
             low, high = lower[joint], upper[joint]
             for _ in range(_ROUNDS):  # ever finer about the least
-                line = np.tile(q, (_TRIES, 1))
+                line: Array = np.tile(q, (_TRIES, 1))
                 line[:, joint] = np.linspace(low, high, _TRIES)
                 q = line[int(np.argmin(least_singular_value(arm, line)))]
                 step = (high - low) / (_TRIES - 1)
@@ -228,9 +232,9 @@ def near_singularity(
 
 def least_singular_value(arm: Arm, Q: Array) -> Array:
     """Smallest singular value (...) of the Jacobian at Q (..., n), lengths as shares of the arm's size."""
-    J = np.array(arm.jacobian(Q))
+    J: Array = np.array(arm.jacobian(Q), dtype=np.float64)
     J[..., :3, :] /= arm.chain.size
-    least: Array = np.linalg.svd(J, compute_uv=False)[..., -1]
+    least: Array = np.asarray(np.linalg.svd(J, compute_uv=False)[..., -1], dtype=np.float64)
     return least
 
 

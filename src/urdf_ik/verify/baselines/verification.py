@@ -18,7 +18,18 @@ from urdf_ik.verify.baselines.baseline import Answer, Baseline, Pose
 from urdf_ik.verify.baselines.freezing import answered, contacts_of, least_singular_value
 from urdf_ik.verify.crosscheck.properties import CONDITIONING, PLANTED
 from urdf_ik.verify.description import Description, described, matrix
-from urdf_ik.verify.differences import DEFAULT, Difference, Tolerance, apart, differences, greatest_change, ignored, moved, order_of, summed
+from urdf_ik.verify.differences import (
+    DEFAULT,
+    Difference,
+    Tolerance,
+    apart,
+    differences,
+    greatest_change,
+    ignored,
+    moved,
+    order_of,
+    summed,
+)
 from urdf_ik.verify.reports import Report
 
 if TYPE_CHECKING:
@@ -169,9 +180,7 @@ def _reach(reference: Reference) -> float:
     return (1.0 + reference.dof) * max(1.0, reference.size)
 
 
-def _answers(
-    baseline: Baseline, arm: Arm, order: tuple[int, ...], no_contacts: bool, notes: list[str]
-) -> list[Pose]:
+def _answers(baseline: Baseline, arm: Arm, order: tuple[int, ...], no_contacts: bool, notes: list[str]) -> list[Pose]:
     """Today's answers to the poses of the baseline, joints in its order."""
     groups: dict[bool, list[int]] = {}
     for index, pose in enumerate(baseline.poses):
@@ -258,7 +267,9 @@ def _places(places: list[tuple[int, str]]) -> str:
         branches.setdefault(branch, []).append(index)
     parts = []
     for branch, indices in list(branches.items())[:_MOST_PLACES]:
-        shown = ", ".join(map(str, sorted(set(indices))[:_MOST_PLACES])) + (", ..." if len(indices) > _MOST_PLACES else "")
+        shown = ", ".join(map(str, sorted(set(indices))[:_MOST_PLACES])) + (
+            ", ..." if len(indices) > _MOST_PLACES else ""
+        )
         parts.append(f"{branch!r} at pose {shown}")
     parts += [f"and {len(branches) - _MOST_PLACES} branches more"] if len(branches) > _MOST_PLACES else []
     return f"{len(places)} solution{'' if len(places) == 1 else 's'}, {'; '.join(parts)}"
@@ -375,4 +386,3 @@ def _at_limit(answer: Answer, limits: Array, margin: float) -> bool:
     gap = np.abs(q - limits)
     turned = np.abs(shortest(np.where(np.isfinite(limits), q - limits, np.pi)))
     return bool(np.minimum(gap, turned).min(initial=np.inf) <= margin)
-

@@ -183,9 +183,7 @@ class ManyArms(Written):
         )
 
 
-def compare_many(
-    arms: Mapping[str, Arm] | Iterable[Arm], poses: Any, *, collisions: str | bool = True
-) -> ManyArms:
+def compare_many(arms: Mapping[str, Arm] | Iterable[Arm], poses: Any, *, collisions: str | bool = True) -> ManyArms:
     """What many arms answer to the same poses.
 
     Args:
@@ -204,8 +202,8 @@ def compare_many(
 
     Example:
         >>> import urdf_ik
-        >>> a = urdf_ik.load("zyyzyz_6r")
-        >>> found = compare_many({"before": a, "after": urdf_ik.load("puma_560")}, a.fk([[0.3, -0.5, 0.8, 0.4, 0.7, -0.2]]))
+        >>> a, b = urdf_ik.load("zyyzyz_6r"), urdf_ik.load("puma_560")
+        >>> found = compare_many({"before": a, "after": b}, a.fk([[0.3, -0.5, 0.8, 0.4, 0.7, -0.2]]))
         >>> found.reached("before"), found.reached("after")
         (1, 0)
     """

@@ -14,6 +14,7 @@ from urdf_ik.support.text import quoted
 from urdf_ik.verify import arms
 from urdf_ik.verify.baselines.freezing import least_singular_value, near_singularity, round_vectors
 from urdf_ik.verify.completeness.sameness import Sameness
+from urdf_ik.verify.crosscheck.properties import EXACT
 from urdf_ik.verify.judging.report import DOUBLED, FAILED, MISSING, OUTSIDE, WRONG, Fault, Judgement, Kind
 
 if TYPE_CHECKING:
@@ -59,8 +60,8 @@ def judge(
 
     Args:
         arm: the arm.
-        solve: the solver: takes a pose (4, 4) of the tip in the base [m], returns joint vectors (k, n) [rad or m] in the
-            order of ``arm.joint_names``; none: an empty array. Rows of NaN are no solutions.
+        solve: the solver: takes a pose (4, 4) of the tip in the base [m], returns joint vectors (k, n) [rad or m] in
+            the order of ``arm.joint_names``; none: an empty array. Rows of NaN are no solutions.
         n: poses of each of five kinds: random, joints at round angles, tool down, 1e-2 to 1e-4 from a singularity, and
             at one.
         seed: the same seed gives the same poses.
@@ -193,16 +194,18 @@ class _Judged:
                 gap = float(self._gaps(q, good).min(initial=np.inf))
                 near = f"the nearest that it has is {gap:.2g} away" if len(good) else "it has none"
                 self._add(MISSING, 4, kind, index, q, near)
-        counts[8] += sum(not self._has(T, q, expected) for q in good) if len(good) and not self._within else 0
+        if len(good) and not self._within:
+            exact = good[self._misses(self._reference.pose(good), T) <= EXACT]
+            counts[8] += sum(not self._has(T, q, expected) for q in exact)
 
     def _right(self, kind: str, index: int, T: Array, found: Array) -> Array:
         """Those (m, n) that reach the pose."""
         if not len(found):
             return found
-        finite = np.isfinite(found).all(axis=1)
+        finite: NDArray[np.bool_] = np.asarray(np.isfinite(found).all(axis=1))
         T_found = self._reference.pose(np.where(finite[:, None], found, 0.0))
         errors = self._misses(T_found, T)
-        right = finite & (errors <= self._tolerance)
+        right = np.array([known and error <= self._tolerance for known, error in zip(finite, errors, strict=True)])
         for q, error, known in zip(found[~right], errors[~right], finite[~right], strict=True):
             words = f"misses the pose by {error:.2g} (m, rad)" if known else "is infinite, or not a number in part"
             self._add(WRONG, 3, kind, index, q, words)
@@ -238,7 +241,9 @@ class _Judged:
                 self.counts[kind][6] += 1
                 if self._within:
                     k = int(np.argmax(np.maximum(low - q, q - high)))
-                    words = f"{self._arm.joint_names[k]} is at {q[k]:.6g}, its limits are {low[k]:.6g} and {high[k]:.6g}"
+                    words = (
+                        f"{self._arm.joint_names[k]} is at {q[k]:.6g}, its limits are {low[k]:.6g} and {high[k]:.6g}"
+                    )
                     self.faults.append(Fault(OUTSIDE, kind, index, tuple(map(float, q)), words))
 
     def _has(self, T: Array, q: Array, others: Array) -> bool:

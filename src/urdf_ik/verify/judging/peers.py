@@ -42,16 +42,22 @@ def eaik(arm: Arm) -> Solve:
         UnsupportedArm: it has no decomposition for the arm.
     """
     try:
-        import eaik.pybindings.EAIK as binding
-        from eaik.IK_Robot import IKRobot
+        binding, wrapper = _package("eaik.pybindings.EAIK"), _package("eaik.IK_Robot")
     except ImportError:
         raise missing("EAIK", "eaik") from None
     chain = _six(arm, "EAIK")
-    robot = IKRobot()
+    robot = wrapper.IKRobot()
     robot._robot = binding.Robot(np.array(chain.H).T, np.array(chain.P).T, np.array(chain.R_tip), [], True)
     if not robot.hasKnownDecomposition():  # asked first: without one, it raises or ends the process
         raise UnsupportedArm(f"{arm.name}: EAIK has no decomposition for this arm")
-    return _named("EAIK", lambda T: np.array(robot.IK(T).Q))
+
+    def solve(T: Array) -> Array:
+        answer = robot.IK(T)
+        # What it flags as least squares it does not call a solution.
+        good: Array = np.array(answer.Q).reshape(-1, 6)[~np.array(answer.is_LS, dtype=bool)]
+        return good
+
+    return _named("EAIK", solve)
 
 
 def ik_geo(arm: Arm) -> Solve:
@@ -62,7 +68,7 @@ def ik_geo(arm: Arm) -> Solve:
         UnsupportedArm: the arm has not six turning joints.
     """
     try:
-        import ik_geo as package
+        package = _package("ik_geo")
     except ImportError:
         raise missing("ik-geo", "ik-geo") from None
     chain = _six(arm, "ik-geo")
@@ -88,14 +94,14 @@ def ik_geo(arm: Arm) -> Solve:
 
 
 def ssik(arm: Arm) -> Solve:
-    """ssik's general entry point, from the URDF, without its joint limits.
+    """Ssik's general entry point, from the URDF, without its joint limits.
 
     Raises:
         MissingPackage: it is not installed.
         UnsupportedArm: it does not take the arm.
     """
     try:
-        import ssik as package
+        package = _package("ssik")
     except ImportError:
         raise missing("ssik", "ssik") from None
     with tempfile.TemporaryDirectory() as folder:
@@ -160,14 +166,16 @@ def py_opw(arm: Arm) -> Solve:
         UnsupportedArm: the arm has not the axes z y y z y z, all frames aligned with the base at q = 0.
     """
     try:
-        import py_opw_kinematics as opw
+        opw = _package("py_opw_kinematics")
     except ImportError:
         raise missing("py-opw-kinematics", "py-opw-kinematics") from None
     chain = _six(arm, "py-opw")
     H, points, tip = np.array(chain.H), chain.points, np.array(chain.P).sum(axis=0)
     Z, Y = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])
     aligned = np.abs(H - [Z, Y, Y, Z, Y, Z]).max() < 1e-9 and np.abs(np.array(chain.R_tip) - np.eye(3)).max() < 1e-9
-    centre = next((np.array(each.point) for each in arm.structure.triples if each.first == 4 and each.point is not None), None)
+    centre = next(
+        (np.array(each.point) for each in arm.structure.triples if each.first == 4 and each.point is not None), None
+    )
     if not aligned or centre is None or np.abs(points[0, :2]).max() > 1e-9 or np.abs((tip - centre)[:2]).max() > 1e-9:
         raise UnsupportedArm(f"{arm.name}: py-opw takes ortho-parallel arms whose axes are z y y z y z at q = 0")
     shoulder, elbow = points[1], points[2]
@@ -182,14 +190,14 @@ def py_opw(arm: Arm) -> Solve:
 
 
 def frankik(arm: Arm) -> Solve:
-    """frankik's solver of Franka's Panda and FR3, at the middle of the seventh joint's range.
+    """Frankik's solver of Franka's Panda and FR3, at the middle of the seventh joint's range.
 
     Raises:
         MissingPackage: it is not installed.
         UnsupportedArm: the arm is neither of these.
     """
     try:
-        import frankik as package
+        package = _package("frankik")
     except ImportError:
         raise missing("frankik", "frankik") from None
     if arm.dof != 7:
@@ -204,9 +212,15 @@ def frankik(arm: Arm) -> Solve:
 
     def solve(T: Array) -> Array:
         found = np.asarray(package.ik_full(np.asarray(T) @ first, q7=q7, is_fr3="fr3" in arm.name.lower()))
-        return found[~np.isnan(found).any(axis=1)]
+        good: Array = found[~np.isnan(found).any(axis=1)]
+        return good
 
     return _named("frankik", solve)
+
+
+def _package(name: str) -> Any:
+    """A package that need not be installed."""
+    return importlib.import_module(name)
 
 
 def _six(arm: Arm, solver: str) -> Any:

@@ -103,7 +103,9 @@ class Judgement(Report):
 
     def title(self) -> str:
         """Who was judged on what."""
-        return f"{self.solver} on {self.robot}, {self.base} to {self.tip}: {self.n} poses of each kind, seed {self.seed}"
+        return (
+            f"{self.solver} on {self.robot}, {self.base} to {self.tip}: {self.n} poses of each kind, seed {self.seed}"
+        )
 
     def section(self) -> Section:
         """The counts as a table."""
@@ -153,10 +155,13 @@ class Judgement(Report):
                 own = [each for each in self.faults if each.fault == fault and each.kind == kind.name]
                 text = "".join(f"{printable(each, 1000)}\n" for each in own)
                 body = f"<failure message={quoteattr(f'{len(own)} {fault}')}>{escape(text)}</failure>" if own else ""
-                cases.append(f'<testcase classname={quoteattr(kind.name)} name={quoteattr(f"none {fault}")}>{body}</testcase>')
+                cases.append(
+                    f"<testcase classname={quoteattr(kind.name)} name={quoteattr(f'none {fault}')}>{body}</testcase>"
+                )
             failures = sum("<failure" in case for case in cases)
             suites.append(
                 f'<testsuite name={quoteattr(kind.name)} tests="{len(cases)}" failures="{failures}">'
                 f"{''.join(cases)}</testsuite>"
             )
-        return f'<?xml version="1.0" encoding="utf-8"?>\n<testsuites name={quoteattr(self.title())}>{"".join(suites)}</testsuites>\n'
+        head = '<?xml version="1.0" encoding="utf-8"?>'
+        return f"{head}\n<testsuites name={quoteattr(self.title())}>{''.join(suites)}</testsuites>\n"

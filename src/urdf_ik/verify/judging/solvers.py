@@ -11,6 +11,7 @@ import select
 import shlex
 import subprocess
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -42,7 +43,7 @@ _FREE = ("GetNumFreeParameters", "_Z20GetNumFreeParametersv")
 
 
 def solver_of(spec: str, arm: Arm) -> Callable[[Array], Any]:
-    """The solver that a text names.
+    r"""The solver that a text names.
 
     Args:
         spec: ``module:function`` or ``file.py:function``, which takes a pose; ``process:COMMAND``, see
@@ -56,7 +57,7 @@ def solver_of(spec: str, arm: Arm) -> Callable[[Array], Any]:
 
     Example:
         >>> import urdf_ik
-        >>> _ = Path("mine.py").write_text("def solve(T):\\n    return []\\n")
+        >>> _ = Path("mine.py").write_text("def solve(T):\n    return []\n")
         >>> solver_of("mine.py:solve", urdf_ik.load("puma_560"))([])
         []
     """
@@ -94,14 +95,14 @@ def _from_file(place: str) -> Any:
 
 
 class SolverProcess:
-    """A process that reads poses and writes joint vectors, a line of JSON each.
+    r"""A process that reads poses and writes joint vectors, a line of JSON each.
 
-    It reads ``{"T": [[...], [...], [...], [...]]}`` and answers ``{"q": [[...], ...]}``, or ``{"error": "why"}``, in one
-    line, and flushes it. Its standard input ends when there are no more poses.
+    It reads ``{"T": [[...], [...], [...], [...]]}`` and answers ``{"q": [[...], ...]}``, or ``{"error": "why"}``, in
+    one line, and flushes it. Its standard input ends when there are no more poses.
 
     Example:
         >>> import sys
-        >>> code = "import sys\\nfor line in sys.stdin: print('{\\"q\\": []}', flush=True)"
+        >>> code = "import sys\nfor line in sys.stdin: print('{\"q\": []}', flush=True)"
         >>> with SolverProcess([sys.executable, "-c", code]) as solver:
         ...     solver(np.eye(4))
         []
@@ -118,7 +119,9 @@ class SolverProcess:
         try:
             self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         except (OSError, ValueError, IndexError) as error:
-            raise ArgumentError(f"the solver {quoted(' '.join(command))} cannot be started: {printable(error)}") from None
+            raise ArgumentError(
+                f"the solver {quoted(' '.join(command))} cannot be started: {printable(error)}"
+            ) from None
         self._held = b""
 
     def __call__(self, T: Array) -> Any:
@@ -163,10 +166,8 @@ class SolverProcess:
         """End the process."""
         for stream in (self._process.stdin, self._process.stdout):
             if stream is not None:
-                try:
+                with suppress(OSError):
                     stream.close()
-                except OSError:
-                    pass
         try:
             self._process.wait(1.0)
         except subprocess.TimeoutExpired:
@@ -202,8 +203,8 @@ _OTHER = ctypes.CFUNCTYPE(ctypes.c_size_t, ctypes.c_void_p)
 class IKFastLibrary:
     """A shared library that IKFast generated, of the type Transform6D, with ``ComputeIk`` on doubles.
 
-    Compile it with ``g++ -O2 -shared -fPIC -DIKFAST_NO_MAIN -DIKFAST_CLIBRARY``. The list of solutions that ``ComputeIk``
-    fills is handed over as a C++ object by the rules that GCC and Clang share on Linux and macOS.
+    Compile it with ``g++ -O2 -shared -fPIC -DIKFAST_NO_MAIN -DIKFAST_CLIBRARY``. The list of solutions that
+    ``ComputeIk`` fills is handed over as a C++ object by the rules that GCC and Clang share on Linux and macOS.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
