@@ -200,7 +200,8 @@ class CheckedArm(pytest.Collector):
             self._reported_by = name
             raise _Disagrees(str(error))
         pytest.skip(
-            f"not run: {self.given.source} cannot be read or checked; the test {self._reported_by!r} failed and says why"
+            f"not run: {self.given.source} cannot be read or checked; "
+            f"the test {self._reported_by!r} failed and says why"
         )
 
 
@@ -250,7 +251,7 @@ class Unchanged(_Stated):
     def runtest(self) -> None:
         """Fail where there is one; skip where there is no lock."""
         import urdf_ik
-        from urdf_ik.verify.differences import summed
+        from urdf_ik.verify.difference import summed
 
         assert isinstance(self.parent, CheckedArm)
         given = self.parent.given

@@ -44,7 +44,7 @@ TOUCHING = 1e-6
 """Distance [m] below which nobody can tell whether two shapes touch."""
 
 _SEED = 20_260_101
-_TRIES, _ROUNDS = 64, 6
+_TRIES, _ROUNDS = 64, 12
 NOT_CHECKED = "not checked"
 
 
@@ -206,26 +206,26 @@ def _near_limits(arm: Arm, reference: Reference, rng: np.random.Generator, count
 def near_singularity(
     arm: Arm, reference: Reference, rng: np.random.Generator, count: int, *, away: bool = True
 ) -> Array:
-    """Joint vectors (count, n) where the Jacobian's smallest singular value is least, or a joint beside that."""
+    """Joint vectors (count, n) at which the Jacobian's smallest singular value is least, or one joint beside that."""
     lower, upper = reference.ranges.T
     Q: Array = rng.uniform(lower, upper, (count, reference.dof))
-    if not reference.dof:
-        return Q
-    for k in range(count):
+    for k in range(count if reference.dof else 0):
         tried: Array = rng.uniform(lower, upper, (_TRIES, reference.dof))
         q = tried[int(np.argmin(least_singular_value(arm, tried)))]
-        joint = int(rng.integers(reference.dof))
-        for _ in range(_ROUNDS):
-            joint = (joint + 1) % reference.dof
+        first = int(rng.integers(reference.dof))
+        for joint in (first, (first + 1) % reference.dof, (first + 2) % reference.dof):
             low, high = lower[joint], upper[joint]
-            for _ in range(_ROUNDS):  # ever finer about the least
+            for _ in range(_ROUNDS):  # ever finer about the least, down to rounding
                 line: Array = np.tile(q, (_TRIES, 1))
                 line[:, joint] = np.linspace(low, high, _TRIES)
                 q = line[int(np.argmin(least_singular_value(arm, line)))]
                 step = (high - low) / (_TRIES - 1)
                 low, high = max(lower[joint], q[joint] - step), min(upper[joint], q[joint] + step)
-        beside = NEAR[k % len(NEAR)] * min(1.0, upper[joint] - lower[joint]) if away else 0.0
-        q[joint] += beside if q[joint] + beside <= upper[joint] else -beside
+        if away:
+            beside = NEAR[k % len(NEAR)] * np.minimum(1.0, upper - lower)
+            moved = q + np.diag(np.where(q + beside <= upper, beside, -beside))
+            # The joint that leads out of the singularity.
+            q = moved[int(np.argmax(least_singular_value(arm, moved)))]
         Q[k] = q
     return Q
 

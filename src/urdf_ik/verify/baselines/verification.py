@@ -18,18 +18,8 @@ from urdf_ik.verify.baselines.baseline import Answer, Baseline, Pose
 from urdf_ik.verify.baselines.freezing import answered, contacts_of, least_singular_value
 from urdf_ik.verify.crosscheck.properties import CONDITIONING, PLANTED
 from urdf_ik.verify.description import Description, described, matrix
-from urdf_ik.verify.differences import (
-    DEFAULT,
-    Difference,
-    Tolerance,
-    apart,
-    differences,
-    greatest_change,
-    ignored,
-    moved,
-    order_of,
-    summed,
-)
+from urdf_ik.verify.difference import DEFAULT, Difference, Tolerance, apart, ignored, moved, summed
+from urdf_ik.verify.differences import differences, greatest_change, order_of
 from urdf_ik.verify.reports import Report
 
 if TYPE_CHECKING:

@@ -13,7 +13,8 @@ from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.verify.comparison import answers
 from urdf_ik.verify.comparison.report import AxisChange, Comparison, Fact, LimitChange, Side
 from urdf_ik.verify.description import described
-from urdf_ik.verify.differences import Tolerance, angle_between, apart, differences, ignored
+from urdf_ik.verify.difference import Tolerance, angle_between, apart, ignored
+from urdf_ik.verify.differences import differences
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
