@@ -213,7 +213,6 @@ def test_a_library_without_the_functions_is_refused(tmp_path: Path) -> None:
     [
         ("eaik", "eaik", "puma_560"), ("ik-geo", "ik_geo", "ur5"), ("py-opw", "py_opw_kinematics", "zyyzyz_6r"),
         ("ssik", "ssik", "ur5"), ("ssik-built", "ssik", "ur5"), ("ssik-prebuilt:universal_robots.ur5", "ssik", "ur5"),
-        ("frankik", "frankik", "panda"),
     ],
 )  # fmt: skip
 def test_peers_answer_random_poses(spec: str, package: str, name: str) -> None:

@@ -29,7 +29,7 @@ Solver = Annotated[
         "--solver",
         metavar="SPEC",
         help="module:function, file.py:function, process:COMMAND (a line of JSON a pose), ikfast:LIBRARY.so, or eaik, "
-        "frankik, ik-geo, py-opw, ssik, ssik-built, ssik-prebuilt:VENDOR.ARM.",
+        "ik-geo, py-opw, ssik, ssik-built, ssik-prebuilt:VENDOR.ARM.",
     ),
 ]
 Each = Annotated[int, typer.Option("-n", "--poses", min=1, max=MOST_POSES, help="Poses of each of the five kinds.")]

@@ -107,9 +107,9 @@ class Baseline:
 
     Example:
         >>> import urdf_ik
-        >>> lock = urdf_ik.freeze(urdf_ik.load("zyyzyz_6r"))
+        >>> lock = urdf_ik.freeze(urdf_ik.load("planar_2r"))
         >>> lock
-        <Baseline of zyyzyz_6r, base_link to tool0: 50 poses, 398 solutions>
+        <Baseline of planar_2r, base_link to tool0: 50 poses, ... solutions>
         >>> lock.save("arm.lock.json")
         >>> Baseline.load("arm.lock.json") == lock
         True

@@ -75,11 +75,25 @@ class Verification(Report):
         return not self.differences
 
     def title(self) -> str:
-        """What was compared."""
+        """What was compared.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("planar_2r")
+            >>> urdf_ik.freeze(arm).verify(arm).title()
+            'planar_2r, base_link to tool0, against its lock'
+        """
         return f"{self.arm.title}, against its lock"
 
     def lines(self) -> tuple[str, ...]:
-        """Every difference and note, a line each."""
+        """Every difference and note, a line each.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("planar_2r")
+            >>> urdf_ik.freeze(arm).verify(arm).lines()
+            ()
+        """
         out = list(summed(self.differences))
         out += [f"ignored: {each}" for each in self.ignored]
         out += [f"note: {each}" for each in self.notes]
@@ -87,7 +101,14 @@ class Verification(Report):
         return tuple(out)
 
     def verdict(self) -> str:
-        """The last line."""
+        """The last line.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("planar_2r")
+            >>> urdf_ik.freeze(arm).verify(arm).verdict().split(';')[0]
+            'PASSED: no difference'
+        """
         count = len(self.differences)
         found = f"{count} difference{'' if count == 1 else 's'}" if count else "no difference"
         then, now = self.solutions

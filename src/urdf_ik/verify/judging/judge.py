@@ -39,6 +39,7 @@ TWICE = 1e-6
 """Two joint vectors closer than this in every joint [rad or m] are one solution, unless the pose has two there."""
 
 _NEAR = 1e-5
+_ALONG = np.linspace(0.0, 1.0, 9)[1:-1, None]  # places on the way from one solution to another
 _FAR = 0.05  # rad or m: solutions further apart are two, however near a singularity
 
 
@@ -253,12 +254,20 @@ class _Judged:
         gaps = self._gaps(q, others)
         if gaps.min() <= _NEAR:
             return True
+        if any(self._joined(T, q, other) for other in others):
+            return True
         if self._sameness is not None:
             return self._sameness.has(T, q, others)
         sigma = max(float(least_singular_value(self._arm, q[None])[0]), 1e-300)
         if gaps.min() <= _NEAR + min(10.0 * self._tolerance / sigma, _FAR):
             return True
         return any(self._one_root(T, q, others[k]) for k in np.flatnonzero(gaps < _FAR))
+
+    def _joined(self, T: Array, q: Array, other: Array) -> bool:
+        """Whether the arm stays in the pose on the straight way from the one to the other: one flat continuum."""
+        step = other - q
+        step = np.where(self._reference.prismatic, step, shortest(step))
+        return bool((self._misses(self._reference.pose(q + _ALONG * step), T) <= self._tolerance).all())
 
     def _one_root(self, T: Array, q: Array, other: Array) -> bool:
         step = q - other

@@ -88,7 +88,9 @@ def ik_geo(arm: Arm) -> Solve:
     def solve(T: Array) -> Array:
         # Version 1.0.3 reads a rotation that is an array by columns; its poses carry no home rotation.
         R = np.ascontiguousarray((T[:3, :3] @ home.T).T)
-        return np.array([q for q, _ in robot.get_ik(R, np.ascontiguousarray(T[:3, 3]))])
+        answer = robot.get_ik(R, np.ascontiguousarray(T[:3, 3]))
+        # The flag says that it is a least-squares answer, no solution.
+        return np.array([q for q, flag in answer if not flag])
 
     return _named("ik-geo", solve)
 
@@ -189,35 +191,6 @@ def py_opw(arm: Arm) -> Solve:
     return _named("py-opw", lambda T: np.array(robot.inverse(opw.RigidTransform.from_matrix(T))))
 
 
-def frankik(arm: Arm) -> Solve:
-    """Frankik's solver of Franka's Panda and FR3, at the middle of the seventh joint's range.
-
-    Raises:
-        MissingPackage: it is not installed.
-        UnsupportedArm: the arm is neither of these.
-    """
-    try:
-        package = _package("frankik")
-    except ImportError:
-        raise missing("frankik", "frankik") from None
-    if arm.dof != 7:
-        raise UnsupportedArm(f"{arm.name}: frankik takes the Panda and the FR3")
-    low, high = np.array(arm.limits).T
-    Q = np.random.default_rng(0).uniform(low, high, (2, 7))
-    # Its tip is another frame of the same flange.
-    first, second = (np.linalg.solve(arm.fk(q), package.fk(q)) for q in Q)
-    if np.abs(first - second).max() > 1e-9:
-        raise UnsupportedArm(f"{arm.name}: frankik takes the Panda and the FR3, and this arm is neither")
-    q7 = float(low[6] + high[6]) / 2.0 + 0.5
-
-    def solve(T: Array) -> Array:
-        found = np.asarray(package.ik_full(np.asarray(T) @ first, q7=q7, is_fr3="fr3" in arm.name.lower()))
-        good: Array = found[~np.isnan(found).any(axis=1)]
-        return good
-
-    return _named("frankik", solve)
-
-
 def _package(name: str) -> Any:
     """A package that need not be installed."""
     return importlib.import_module(name)
@@ -236,7 +209,6 @@ def _named(name: str, solve: Solve) -> Solve:
 
 PEERS: dict[str, Callable[..., Solve]] = {
     "eaik": eaik,
-    "frankik": frankik,
     "ik-geo": ik_geo,
     "py-opw": py_opw,
     "ssik": ssik,

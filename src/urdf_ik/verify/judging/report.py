@@ -102,13 +102,26 @@ class Judgement(Report):
         return not self.faults
 
     def title(self) -> str:
-        """Who was judged on what."""
+        """Who was judged on what.
+
+        Example:
+            >>> Judgement("mine", "arm", "base", "tip", 5, 0, 1e-7, False, (), ()).title()
+            'mine on arm, base to tip: 5 poses of each kind, seed 0'
+        """
         return (
             f"{self.solver} on {self.robot}, {self.base} to {self.tip}: {self.n} poses of each kind, seed {self.seed}"
         )
 
     def section(self) -> Section:
-        """The counts as a table."""
+        """The counts as a table.
+
+        Example:
+            >>> import urdf_ik
+            >>> from urdf_ik.verify import judge
+            >>> arm = urdf_ik.load("puma_560")
+            >>> judge(arm, lambda T: arm.ik(T).to_array(), n=1).section().rows[0][:4]
+            ('random', '1', '8', '8')
+        """
         header = ("poses", "number", "expected", "found", "wrong", "missing", "doubled", "outside limits", "failed")
         rows = tuple(
             (k.name, *map(str, (k.poses, k.expected, k.found, k.wrong, k.missing, k.doubled, k.outside, k.failed)))
@@ -117,7 +130,12 @@ class Judgement(Report):
         return Section("", header, rows, left=("poses",))
 
     def lines(self) -> tuple[str, ...]:
-        """The first faults of each sort, and how to see their poses again."""
+        """The first faults of each sort, and how to see their poses again.
+
+        Example:
+            >>> Judgement("mine", "arm", "base", "tip", 5, 0, 1e-7, False, (), ()).lines()
+            ()
+        """
         out = []
         for fault in (*FAULTS, OUTSIDE):
             own = [each for each in self.faults if each.fault == fault]
@@ -133,7 +151,12 @@ class Judgement(Report):
         return tuple(out)
 
     def verdict(self) -> str:
-        """The last line."""
+        """The last line.
+
+        Example:
+            >>> Judgement("mine", "arm", "base", "tip", 5, 0, 1e-7, False, (), ()).verdict()
+            'PASSED: 0 poses, nothing wrong, missing or doubled'
+        """
         counts = [(sum(each.fault == fault for each in self.faults), fault) for fault in (*FAULTS, OUTSIDE)]
         parts = ", ".join(f"{count} {fault}" for count, fault in counts if count)
         poses = sum(kind.poses for kind in self.kinds)
@@ -147,7 +170,12 @@ class Judgement(Report):
         return html_of(self.title(), self.verdict(), self.passed, sections)
 
     def to_junit(self) -> str:
-        """JUnit XML: a test suite a kind of pose, a test case a sort of fault."""
+        """JUnit XML: a test suite a kind of pose, a test case a sort of fault.
+
+        Example:
+            >>> Judgement("mine", "arm", "base", "tip", 5, 0, 1e-7, False, (), ()).to_junit()[:5]
+            '<?xml'
+        """
         suites = []
         for kind in self.kinds:
             cases = []

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 FORMS = (
     "module:function, file.py:function, process:COMMAND, ikfast:LIBRARY.so, or the name of a peer: "
-    "eaik, frankik, ik-geo, py-opw, ssik, ssik-built, ssik-prebuilt:VENDOR.ARM"
+    "eaik, ik-geo, py-opw, ssik, ssik-built, ssik-prebuilt:VENDOR.ARM"
 )
 TIMEOUT = 60.0
 """Seconds that a process may take for a pose."""
