@@ -20,12 +20,26 @@ class Written:
     """A frozen record that is written as plain values and as JSON."""
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain lists, numbers and text; numbers that are not finite are the text 'inf', '-inf' or 'nan'."""
+        """Plain lists, numbers and text; numbers that are not finite are the text 'inf', '-inf' or 'nan'.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("planar_2r")
+            >>> urdf_ik.compare_many([arm], arm.fk([[0.3, -0.5]])).to_dict()["poses"]
+            1
+        """
         out: dict[str, Any] = plain(asdict(self))  # type: ignore[call-overload]
         return out
 
     def to_json(self) -> str:
-        """:meth:`to_dict` as strict JSON."""
+        """:meth:`to_dict` as strict JSON.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("planar_2r")
+            >>> urdf_ik.compare_many([arm], arm.fk([[0.3, -0.5]])).to_json()[0]
+            '{'
+        """
         return json_text(self.to_dict())
 
 
@@ -50,7 +64,14 @@ class Report(Written):
         raise NotImplementedError
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain lists, numbers and text, ``passed`` first."""
+        """Plain lists, numbers and text, ``passed`` first.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("planar_2r")
+            >>> urdf_ik.freeze(arm).verify(arm).to_dict()["passed"]
+            True
+        """
         return {"passed": self.passed, **super().to_dict()}
 
     def __str__(self) -> str:

@@ -163,7 +163,12 @@ class SolverProcess:
         return line
 
     def close(self) -> None:
-        """End the process."""
+        """End the process.
+
+        Example:
+            >>> import sys
+            >>> SolverProcess([sys.executable, "-c", "pass"]).close()
+        """
         for stream in (self._process.stdin, self._process.stdout):
             if stream is not None:
                 with suppress(OSError):
