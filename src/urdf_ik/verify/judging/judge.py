@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -267,7 +268,13 @@ class _Judged:
         """Whether the arm stays in the pose on the straight way from the one to the other: one flat continuum."""
         step = other - q
         step = np.where(self._reference.prismatic, step, shortest(step))
-        return bool((self._misses(self._reference.pose(q + _ALONG * step), T) <= self._tolerance).all())
+        # Half a turn may go either way.
+        half = [int(k) for k in np.flatnonzero(np.abs(np.abs(step) - np.pi) < _NEAR)]
+        for signs in product((1.0, -1.0), repeat=len(half)):
+            step[half] = np.pi * np.array(signs)
+            if (self._misses(self._reference.pose(q + _ALONG * step), T) <= self._tolerance).all():
+                return True
+        return False
 
     def _one_root(self, T: Array, q: Array, other: Array) -> bool:
         step = q - other
