@@ -6,6 +6,7 @@ its own documentation gives. Whatever a peer wants prepared (a pose object, anot
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 import subprocess
 import sys
@@ -270,4 +271,33 @@ class SsikBuilt(Peer):
         return np.array([s.q for s in self.module.solve(prepared, respect_limits=False)])
 
 
-PEERS: tuple[type[Peer], ...] = (UrdfIk, Eaik, IkGeo, Opw, SsikBuilt, Ssik)
+class SsikPrebuilt(Peer):
+    """The module that ssik ships for an arm of a maker: no build, and the arm's own numbers in it."""
+
+    name = "ssik, prebuilt"
+    single_call = "np.array([s.q for s in arm_ik.solve(T, respect_limits=False, enumerate_windings=False)])"
+
+    def __init__(self, robot: Robot) -> None:
+        """Import it, and hold it to the arm: the same joint vector must have the same pose but for fixed frames."""
+        if importlib.util.find_spec("ssik") is None:
+            raise Unavailable("not installed")
+        which = PREBUILT.get(robot.name)
+        if which is None:
+            raise Unavailable("ships no module for this arm")
+        self.name = f"ssik {version('ssik')}, prebuilt"
+        self.module: Any = importlib.import_module(f"ssik.prebuilt.{which}_ik")
+        q = np.full(6, 0.3)
+        found = self.solve(robot.reference.pose(q)).reshape(-1, 6)
+        if not len(found) or np.abs(robot.reference.pose(found[0]) - robot.reference.pose(q)).max() > 1e-6:
+            raise Unavailable("ships a module with other frames")
+
+    def solve(self, prepared: Any) -> np.ndarray:
+        """One pose."""
+        found = self.module.solve(prepared, respect_limits=False, enumerate_windings=False)
+        return np.array([s.q for s in found])
+
+
+PREBUILT = {"UR5": "universal_robots.ur5"}
+"""Modules of ``ssik.prebuilt`` by the name of the benchmark's arm."""
+
+PEERS: tuple[type[Peer], ...] = (UrdfIk, Eaik, IkGeo, Opw, SsikPrebuilt, SsikBuilt, Ssik)

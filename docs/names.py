@@ -25,7 +25,7 @@ PAGES = {
     ),
     "paths": ("Paths", ("line", "arc", "polyline", "read_waypoints", "Plan")),
     "redundancy": ("Redundancy", ("Interval", "Intervals", "Region")),
-    "tables": ("Tables and comparisons", ("DHTable", "compare", "Comparison")),
+    "tables": ("Tables and comparisons", ("DHTable", "compare", "compare_many", "Comparison", "freeze")),
 }
 ROOMS = {
     "show.plot": "Pictures",
@@ -34,6 +34,9 @@ ROOMS = {
     "maps.workspaces": "Workspaces",
     "maps.datasets": "Data sets",
     "maps.placements": "Base positions",
+    "verify.baselines": "Lock files",
+    "verify.comparison": "Arms compared",
+    "verify.judging": "Other solvers judged",
     "verify.surveys": "Checks of many arms",
     "maps.engine": "Work in blocks",
     "verify.crosscheck": "The cross-check against Pinocchio",

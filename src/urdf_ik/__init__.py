@@ -34,7 +34,8 @@ if TYPE_CHECKING:
     from urdf_ik.kinematics.structure import Structure
     from urdf_ik.model.poses import pose
     from urdf_ik.paths import Plan, arc, line, polyline, read_waypoints
-    from urdf_ik.verify.comparison import Comparison, compare
+    from urdf_ik.verify.baselines import freeze
+    from urdf_ik.verify.comparison import Comparison, compare, compare_many
 
 __version__ = "0.1.0"
 
@@ -69,6 +70,8 @@ __all__ = [
     "World",
     "arc",
     "compare",
+    "compare_many",
+    "freeze",
     "line",
     "load",
     "polyline",
@@ -108,6 +111,8 @@ _MODULE = {
     "World": "cell.world",
     "arc": "paths",
     "compare": "verify.comparison",
+    "compare_many": "verify.comparison",
+    "freeze": "verify.baselines",
     "line": "paths",
     "load": "arm",
     "polyline": "paths",

@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 import math
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 from arms import industrial, ur_like
 from typer.testing import CliRunner
+from urdf_mutants import mutants, rewritten
 
 import urdf_ik
 from urdf_ik import Arm, Comparison, DHTable, UrdfIkError
@@ -265,3 +267,75 @@ def test_the_command_prints_what_the_package_finds() -> None:
     wrong = CliRunner().invoke(app, ["compare", *arms, "--tip", "A=hand"])
     assert wrong.exit_code == 3
     assert "hand" in wrong.stderr
+
+
+@pytest.mark.parametrize("name", [ARM, "ur5", "scara_rrpr"])
+def test_small_changes_differ_and_rewritings_do_not(name: str) -> None:
+    """Each small change is a difference that names the joint; a file that says the same in another way is the same."""
+    arm = urdf_ik.load(name)
+    assert urdf_ik.compare(arm, arm, n=2).same
+
+    def again(xml: bytes) -> Arm:
+        return urdf_ik.load(xml.decode(), base=arm.base, tip=arm.tip, mesh_roots=arm.model.package_dirs)
+
+    for mutant in mutants(arm):
+        found = urdf_ik.compare(arm, again(mutant.xml), n=2)
+        assert not found.same, mutant.what
+        named = " ".join(each.name for each in found.differences).replace(",", "").split()
+        assert set(mutant.names) & set(named), mutant.what
+    for same in rewritten(arm):
+        found = urdf_ik.compare(arm, again(same.xml), n=2)
+        assert found.same and "same to rounding" in str(found), f"{same.what}: {found}"
+
+
+def test_a_comparison_is_short_in_a_prompt_and_a_table_in_a_notebook() -> None:
+    """At most six lines; HTML holds the tables."""
+    found = urdf_ik.compare(urdf_ik.load(ARM), urdf_ik.load("puma_560"), n=5)
+    assert 2 <= len(repr(found).splitlines()) <= 6
+    assert found._repr_html_().count("<table>") >= 4
+
+
+def test_many_arms_answer_the_same_poses() -> None:
+    """One row a solution, one for a pose that is not reached; contacts as coal sees them, or said to be unchecked."""
+    arm = urdf_ik.load(ARM)
+    T = arm.fk(np.random.default_rng(4).uniform(-2.0, 2.0, (12, 6)))
+    found = urdf_ik.compare_many({"old": arm, "new": urdf_ik.load("puma_560")}, T)
+    old = [row for row in found.rows if row.arm == "old"]
+    s = arm.ik(T)
+    assert len(old) == int(s.count.sum()) and found.reached("old") == 12
+    assert found.reached("new") == int((urdf_ik.load("puma_560").ik(T).count > 0).sum())
+    assert sum(row.in_limits for row in old) == int(s.within_limits().count.sum())
+    free = sum(row.contact is False for row in old)
+    assert free == sum(not hit for row, hit in zip(old, arm.cell.collisions.in_collision(s.q[s.valid]), strict=True))
+    assert found.svg().count("<rect") >= 5 and len(repr(found).splitlines()) <= 6
+    frame = found.to_frame()
+    assert list(frame.columns) == [
+        "arm", "pose", "branch", "reachable", "in_limits", "limit_margin", "manipulability", "contact"
+    ]  # fmt: skip
+    bare = urdf_ik.load(arm.model.xml.decode().replace("collision", "visual"))
+    words = urdf_ik.compare_many([bare], T)
+    assert "not checked" in repr(words) and {row.contact for row in words.rows} == {"not checked"}
+    with pytest.raises(UrdfIkError):
+        urdf_ik.compare_many([], T)
+
+
+def test_the_command_takes_many_arms_poses_and_an_exit_code(tmp_path: Path) -> None:
+    """Status 1 only with --exit-code and a difference; every option for all arms or for one; poses from a file."""
+    np.save(tmp_path / "T.npy", urdf_ik.load(ARM).fk(np.zeros((2, 6)) + 0.3))
+
+    def run(*words: str) -> tuple[int, str, str]:
+        done = CliRunner().invoke(app, ["compare", "-n", "2", *words], catch_exceptions=False)
+        return done.exit_code, done.stdout, done.stderr
+
+    assert run(ARM, ARM, "--exit-code")[0] == 0
+    assert run(ARM, ARM, "--tool-xyz", "B=0,0,0.1")[0] == 0
+    assert run(ARM, ARM, "--tool-xyz", "B=0,0,0.1", "--exit-code")[0] == 1
+    assert run(ARM, ARM, "--tool-xyz", "0,0,0.1", "--exit-code")[0] == 0
+    loose = "--exit-code", "--tolerance-mm", "0.2", "--ignore", "names"
+    assert run(ARM, ARM, "--tool-xyz", "B=0,0,0.0001", *loose)[0] == 0
+    status, out, _ = run(ARM, "puma_560", "dh_6r", "--poses", str(tmp_path / "T.npy"))
+    assert status == 0 and "C dh_6r" in out and "the same poses" in out
+    status, out, _ = run(ARM, "puma_560", "--poses", str(tmp_path / "T.npy"), "-f", "json")
+    assert json.loads(out)["poses"]["poses"] == 2
+    for words in ((ARM,), (ARM, ARM, "--tip", "C=tool0"), (ARM, ARM, "--tip", "tool0", "--tip", "link_6"), ("-", "-")):
+        assert run(*words)[0] == 2

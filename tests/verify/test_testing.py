@@ -8,12 +8,14 @@ import sys
 from pathlib import Path
 
 import pytest
+from urdf_mutants import mutants
 
 import urdf_ik
 from urdf_ik import ArgumentError, ChainError
 from urdf_ik.model import catalogue
 from urdf_ik.verify.crosscheck import PROPERTIES, check
 from urdf_ik.verify.testing import assert_agrees_with_pinocchio, verdict
+from urdf_ik_pytest import UNCHANGED
 
 ARM = catalogue.resolve("zyyzyz_6r").path
 # Two joints about one axis: no solver takes it.
@@ -82,10 +84,10 @@ def test_plugin_runs_one_test_a_property(pytester: pytest.Pytester) -> None:
     words = ["--urdf", str(ARM), "--urdf", "planar_2r", "--base", "base_link", "--tip", "tool0", "--tip", "tool0"]
     done = run(pytester, *words, "--urdf-poses", "5", "-v")
     assert done.ret == 0
-    done.assert_outcomes(passed=2 * len(PROPERTIES) + 2)
+    done.assert_outcomes(passed=2 * len(PROPERTIES) + 2, skipped=2 * len(UNCHANGED))
     done.stdout.fnmatch_lines(["*zyyzyz_6r.urdf::planted joint vector PASSED*", "*planar_2r::duplicates PASSED*"])
     chosen = run(pytester, "--urdf", "planar_2r", "--urdf-poses", "2", "-m", "urdf", "-k", "Jacobian")
-    chosen.assert_outcomes(passed=1, deselected=len(PROPERTIES))
+    chosen.assert_outcomes(passed=1, deselected=len(PROPERTIES) + len(UNCHANGED))
 
 
 def test_plugin_stands_beside_the_users_tests(pytester: pytest.Pytester) -> None:
@@ -93,7 +95,7 @@ def test_plugin_stands_beside_the_users_tests(pytester: pytest.Pytester) -> None
     pytester.makeconftest(WRONG)
     pytester.makepyfile("def test_own(): pass")
     done = run(pytester, "--urdf", str(ARM), "--urdf-poses", "3", "-k", "forward or planted or test_own or read")
-    done.assert_outcomes(passed=3, failed=2, deselected=len(PROPERTIES) - 3)
+    done.assert_outcomes(passed=3, failed=2, deselected=len(PROPERTIES) - 3 + len(UNCHANGED))
     done.stdout.fnmatch_lines(["*forward kinematics, position: worst *", "*replay: q, T =*"])
     done.stdout.no_fnmatch_line("*Traceback*")
 
@@ -102,17 +104,79 @@ def test_plugin_says_what_is_wrong_with_the_urdf(pytester: pytest.Pytester) -> N
     """A file that is no URDF fails one test, with the reader's message; an unsolved arm fails what it lacks."""
     pytester.path.joinpath("broken.urdf").write_text("<robot name='x'><link")
     done = run(pytester, "--urdf", "broken.urdf", "-rs")
-    done.assert_outcomes(failed=1, skipped=len(PROPERTIES))
+    done.assert_outcomes(failed=1, skipped=len(PROPERTIES) + len(UNCHANGED))
     done.stdout.fnmatch_lines(["*broken.urdf:1*", "*not run: broken.urdf cannot be read*'can be read' failed*"])
     # Whatever is chosen, an arm that cannot be read is a failure.
     chosen = run(pytester, "--urdf", "broken.urdf", "-k", "Jacobian or duplicates")
-    chosen.assert_outcomes(failed=1, skipped=1, deselected=len(PROPERTIES) - 1)
+    chosen.assert_outcomes(failed=1, skipped=1, deselected=len(PROPERTIES) - 1 + len(UNCHANGED))
     assert chosen.ret == pytest.ExitCode.TESTS_FAILED
     pytester.path.joinpath("unsolved.urdf").write_text(UNSOLVED)
-    run(pytester, "--urdf", "unsolved.urdf", "--urdf-poses", "2").assert_outcomes(passed=8, failed=5, skipped=2)
+    run(pytester, "--urdf", "unsolved.urdf", "--urdf-poses", "2").assert_outcomes(
+        passed=8, failed=5, skipped=2 + len(UNCHANGED)
+    )
     wrong = run(pytester, *["--urdf", "planar_2r"] * 3, *["--tip", "tool0"] * 2)
     assert wrong.ret == pytest.ExitCode.USAGE_ERROR
     wrong.stderr.fnmatch_lines(["*--tip is given 2 times, --urdf 3 times*"])
+
+
+@pytest.mark.parametrize("spelled", ["--urdf {0}", "--urdf={0}", "--urdf {0} --urdf-lock {1}"])
+def test_plugin_leaves_the_root_and_the_configuration_alone(pytester: pytest.Pytester, spelled: str) -> None:
+    """An absolute URDF of another folder, in any spelling: rootdir and pytest.ini stay those of the working folder."""
+    elsewhere = pytester.path.parent / f"elsewhere_{pytester.path.name}"
+    elsewhere.mkdir()
+    elsewhere.joinpath("arm.urdf").write_text(ARM.read_text())
+    lock = elsewhere / "arm.lock.json"
+    urdf_ik.freeze(urdf_ik.load(ARM)).save(lock)
+    pytester.path.joinpath("pytest.ini").write_text("[pytest]\nmarkers = mine: a mark\naddopts = --strict-markers\n")
+    pytester.makepyfile("import pytest\n\n@pytest.mark.mine\ndef test_own(pytestconfig):\n"
+                        f"    assert str(pytestconfig.rootpath) == {str(pytester.path)!r}\n")  # fmt: skip
+    words = spelled.format(elsewhere / "arm.urdf", lock).split()
+    done = pytester.runpytest_subprocess(
+        "-p", "urdf_ik_pytest", *words, "--urdf-poses", "2", "-k", "read or own or names"
+    )
+    done.assert_outcomes(passed=3, deselected=len(PROPERTIES) + len(UNCHANGED) - 1)
+    done.stdout.fnmatch_lines([f"rootdir: {pytester.path}", "configfile: pytest.ini"])
+    assert (
+        "arm.urdf::unchanged names"
+        in pytester.runpytest_subprocess("-p", "urdf_ik_pytest", *words, "-k", "names", "-v").stdout.str()
+    )
+
+
+def test_plugin_freezes_verifies_and_names_the_joint(pytester: pytest.Pytester) -> None:
+    """--urdf-freeze writes what is missing; every small change fails the test of its kind, and names the joint."""
+    arm = urdf_ik.load(ARM)
+    path = pytester.path / "my_arm.urdf"
+    path.write_text(ARM.read_text())
+    quick = "--urdf-poses", "2", "-k", "unchanged"
+    run(pytester, "--urdf", "my_arm.urdf", *quick).assert_outcomes(
+        skipped=len(UNCHANGED), deselected=len(PROPERTIES) + 1
+    )
+    run(pytester, "--urdf", "my_arm.urdf", "--urdf-freeze", *quick).assert_outcomes(
+        passed=len(UNCHANGED), deselected=len(PROPERTIES) + 1
+    )
+    assert path.with_name("my_arm.lock.json").is_file()
+    for mutant in list(mutants(arm))[::4]:
+        path.write_bytes(mutant.xml)
+        done = run(pytester, "--urdf", "my_arm.urdf", *quick)
+        assert done.ret == pytest.ExitCode.TESTS_FAILED, mutant.what
+        done.stdout.fnmatch_lines(
+            [f"*{mutant.names[0]}*: *", "*if that is meant: urdf-ik verify my_arm.urdf*--update*"]
+        )
+        done.stdout.no_fnmatch_line("*Traceback*")
+    missing = run(pytester, "--urdf", "my_arm.urdf", "--urdf-lock", "other.lock.json", *quick)
+    assert missing.ret == pytest.ExitCode.TESTS_FAILED
+
+
+def test_plugin_hands_arms_and_locks_to_the_users_tests(pytester: pytest.Pytester) -> None:
+    """Each test that takes them runs once an arm; without --urdf it is skipped; a fixture of the user's goes first."""
+    pytester.makepyfile("def test_own(arm, arm_lock):\n    assert arm_lock.verify(arm).passed\n")
+    done = run(pytester, "--urdf", "planar_2r", "--urdf", "scara_rrpr", "--urdf-freeze", "-k", "own", "-v")
+    done.assert_outcomes(passed=2, deselected=2 * (len(PROPERTIES) + len(UNCHANGED) + 1))
+    done.stdout.fnmatch_lines(["*test_own[[]planar_2r[]] PASSED*"])
+    run(pytester).assert_outcomes(skipped=1)
+    pytester.makepyfile("import pytest\n\n@pytest.fixture\ndef arm():\n    return 3\n\n"
+                        "def test_own(arm):\n    assert arm == 3\n")  # fmt: skip
+    run(pytester).assert_outcomes(passed=1)
 
 
 def test_plugin_costs_nothing_where_it_is_not_asked_for(pytester: pytest.Pytester) -> None:

@@ -1,7 +1,23 @@
-"""Checks of an arm: against Pinocchio, against a second solver, against another URDF; many arms; your own tests."""
+"""Is it right, is it complete, is it what it was: an arm, a changed URDF or a foreign solver against a reference.
+
+One vocabulary: a *reference* is Pinocchio, a second solver, a lock file or another arm; a *report* has a verdict, the
+*properties* that hold and do not, and the *pose to replay*.
+"""
 
 from __future__ import annotations
 
 from urdf_ik.support.lazy import attributes
 
-__getattr__ = attributes(__name__)
+__all__ = ["Baseline", "Verification", "compare", "compare_many", "freeze", "judge"]
+
+__getattr__ = attributes(
+    __name__,
+    {
+        "Baseline": "baselines",
+        "Verification": "baselines",
+        "compare": "comparison",
+        "compare_many": "comparison",
+        "freeze": "baselines",
+        "judge": "judging",
+    },
+)

@@ -1,53 +1,107 @@
-"""Compare two arms, or two URDFs of one arm (another tool, a calibrated copy).
+"""Compare arms, or URDFs of one arm (another tool, a calibrated copy).
 
-It compares structure, frames, limits, reach, the number of solutions for the same poses and the joint values branch by
-branch, and says how far B's tool is off when B gets A's joint vectors.
+It compares structure, frames, limits, shapes, reach, the number of solutions for the same poses and the joint values
+branch by branch, and says how far B's tool is off when B gets A's joint vectors. What is the same to rounding is called
+the same.
 
-An option is for both arms; with a letter it is for one of them: --tip tool0, or --tip B=flange.
+An option is for all arms; with a letter it is for one of them: --tip tool0, or --tip B=flange.
 
 Examples:
     urdf-ik compare zyyzyz_6r puma_560
+    urdf-ik compare nominal.urdf calibrated.urdf --exit-code --tolerance-mm 0.5
     urdf-ik compare zyyzyz_6r my_arm.urdf --tip B=tool0 -n 100
-    urdf-ik compare planar_2r planar_2r_unit -f json
+    urdf-ik compare ur5 ur10 puma_560 --poses stations.csv
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import string
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
-from urdf_ik.cli import console, options, tables
+import typer
+
+from urdf_ik.cli import options
+from urdf_ik.cli.commands.verify import Degrees, Ignored, Millimetres
+from urdf_ik.cli.errors import Status
 from urdf_ik.cli.options import ReportFormat
-from urdf_ik.cli.progress import Progress
 from urdf_ik.cli.several_arms import SeveralArms
+from urdf_ik.support.inputs import MOST_POSES
 
 if TYPE_CHECKING:
-    from rich.table import Table
+    from urdf_ik.verify.comparison import Comparison, ManyArms
 
-    from urdf_ik.verify.comparison.report import Comparison
+Poses = Annotated[
+    str | None,
+    typer.Option("--poses", metavar="FILE", help=f"Ask all arms for these, too: {options.POSES_IN_A_FILE}"),
+]
+Each = Annotated[int, typer.Option("-n", "--random", min=1, max=MOST_POSES, help="Random poses that each arm makes.")]
+ExitCode = Annotated[bool, typer.Option("--exit-code", help="End with status 1 where arms differ.")]
 
 
 def command(
     *,
     arms: SeveralArms,
-    n: options.Poses = 200,
+    poses: Poses = None,
+    n: Each = 200,
     seed: options.Seed = 0,
+    tolerance_mm: Millimetres = None,
+    tolerance_deg: Degrees = None,
+    ignore: Ignored = None,
+    exit_code: ExitCode = False,
     printed_as: options.TextFormat = ReportFormat.TABLE,
 ) -> None:
     """Print the comparison."""
+    from urdf_ik.cli import console
+    from urdf_ik.cli.progress import Progress
+    from urdf_ik.support.text import json_text
     from urdf_ik.verify import comparison
 
-    a, b = (each.load() for each in arms.each(most=2))
+    chosen = arms.each()
+    for each in chosen:
+        each.without_stdin(poses, "--poses")
+    own = None if poses is None else console.read_poses(poses, "--poses")
+    loaded = [each.load() for each in chosen]
     with Progress("comparing", "solving") as progress:
-        found = comparison.compare(a, b, n=n, seed=seed, progress=progress.tick)
-    console.write(found.to_json() if printed_as is ReportFormat.JSON else as_text(found), None)
+        found = [
+            comparison.compare(
+                loaded[0],
+                other,
+                n=n,
+                seed=seed,
+                poses=own,
+                tolerance_mm=tolerance_mm,
+                tolerance_deg=tolerance_deg,
+                ignore=ignore or (),
+                progress=progress.tick,
+            )  # fmt: skip
+            for other in loaded[1:]
+        ]
+    many = None
+    if own is not None:
+        many = comparison.compare_many({_called(k, arms.robots): arm for k, arm in enumerate(loaded)}, own)
+    if printed_as is ReportFormat.JSON:
+        whole = {"comparisons": [each.to_dict() for each in found], "poses": None if many is None else many.to_dict()}
+        console.write(found[0].to_json() if len(found) == 1 and many is None else json_text(whole), None)
+    else:
+        console.write(as_text(found, many), None)
+    if exit_code and not all(each.same for each in found):
+        raise typer.Exit(Status.FAILED)
 
 
-def as_text(comparison: Comparison) -> str:
-    """The comparison's tables."""
-    parts: list[Table | str] = []
-    for section in comparison.sections():
+def as_text(found: list[Comparison], many: ManyArms | None) -> str:
+    """The tables of every comparison, and of the poses that were given."""
+    from urdf_ik.cli import tables
+
+    parts: list[Any] = []
+    sections = [section for each in found for section in each.sections()]
+    for section in [*sections, *([] if many is None else [many.section()])]:
         parts += [""] * bool(parts) + [section.title]
         if section.rows:
             parts.append(tables.grid(section.header, section.rows, left=section.left))
         parts += section.remarks
     return tables.render(*parts)
+
+
+def _called(k: int, robots: list[str]) -> str:
+    return f"{string.ascii_uppercase[k]} {Path(robots[k]).name}"

@@ -6,6 +6,7 @@ pose (see ``Arm.task``); where a tip really is, Pinocchio says.
 
 from __future__ import annotations
 
+from urdf_ik.verify.comparison.many import ManyArms, Row, compare_many
 from urdf_ik.verify.comparison.report import (
     AxisChange,
     BranchChange,
@@ -24,8 +25,11 @@ __all__ = [
     "Comparison",
     "Fact",
     "LimitChange",
+    "ManyArms",
     "Reach",
+    "Row",
     "Side",
     "ToolError",
     "compare",
+    "compare_many",
 ]

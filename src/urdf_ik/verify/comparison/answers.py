@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from urdf_ik.support.angles import shortest
 from urdf_ik.support.text import quoted
+from urdf_ik.verify import arms
 from urdf_ik.verify.comparison.report import BranchChange, Reach, ToolError
 
 if TYPE_CHECKING:
@@ -34,9 +36,7 @@ class Drawn:
     """
 
     def __init__(self, arm: Arm, n: int, seed: int) -> None:
-        from urdf_ik.cell.reference import Reference  # brings in Pinocchio
-
-        self.reference = Reference(arm.model, arm.base, arm.tip, locked=dict(arm.chain.locked))
+        self.reference = arms.reference_of(arm)
         lower, upper = self.reference.ranges.T
         self.arm = arm
         self.q: Array = np.random.default_rng(seed).uniform(lower, upper, (n, arm.dof))
@@ -47,10 +47,17 @@ class Drawn:
         return self.reference.pose(self.q)
 
 
+@dataclass(frozen=True, eq=False)
+class Given:
+    """Poses (m, 4, 4) [m] that no arm's joint vectors made."""
+
+    T: Array
+
+
 class Answers:
     """The solutions of two arms for the poses that one of them made."""
 
-    def __init__(self, a: Arm, b: Arm, drawn: Drawn) -> None:
+    def __init__(self, a: Arm, b: Arm, drawn: Drawn | Given) -> None:
         """Solve.
 
         Raises:
@@ -160,25 +167,16 @@ def tool_error(a: Reference, b: Reference, q: Array, order: list[int]) -> ToolEr
     return ToolError(len(q), _spread(position), _spread(rotation), _floats(q[int(np.argmax(position))]))
 
 
-def apart(one: Array, other: Array) -> tuple[float, float]:
-    """Distance [m] and angle [rad] between two poses (4, 4)."""
-    from urdf_ik.cell.reference import pose_errors
-
-    position, rotation = pose_errors(one, other)
-    return float(position), float(rotation)
-
-
-def _solve(arm: Arm, drawn: Drawn) -> IKSolutions:
+def _solve(arm: Arm, drawn: Drawn | Given) -> IKSolutions:
     """What ``arm`` answers to the poses of ``drawn``, asked for what it controls."""
-    if arm.task != "pose":
-        return arm.for_task(arm.task).ik(arm.solver.control.target_of(drawn.T))
-    if arm.redundancy is None or not (arm is drawn.arm or _same_parameter(arm, drawn.arm)):
-        return arm.ik(drawn.T)
-    return arm.ik(drawn.T, redundancy=drawn.arm.redundancy_of(drawn.q))
+    values = None
+    if isinstance(drawn, Drawn) and (arm is drawn.arm or _same_parameter(arm, drawn.arm)):
+        values = arms.redundancy_at(drawn.arm, drawn.q)
+    return arms.solutions_of(arm, drawn.T, values)
 
 
 def _same_parameter(a: Arm, b: Arm) -> bool:
-    one, other = ([(each.kind, each.joint) for each in arm.solver.parameters] for arm in (a, b))
+    one, other = arms.parameters_of(a), arms.parameters_of(b)
     return bool(one) and one == other
 
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from urdf_ik.support.text import Section, json_text, plain
+from urdf_ik.support.text import Section
+from urdf_ik.verify.difference import DEFAULT, Difference, same_limit, summed
+from urdf_ik.verify.reports import Written, html_of, short
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -79,8 +81,8 @@ class LimitChange:
 
     @property
     def same(self) -> bool:
-        """Whether both limits are the same number."""
-        return self.a == self.b
+        """Whether both limits are the same to rounding."""
+        return all(same_limit(mine, other) for mine, other in zip(self.a, self.b, strict=True))
 
 
 @dataclass(frozen=True)
@@ -88,7 +90,7 @@ class Reach:
     """How both arms answer the same poses.
 
     Attributes:
-        made_by: whose joint vectors made the poses, 'A' or 'B'; they were drawn within its limits.
+        made_by: whose joint vectors made the poses, 'A' or 'B', drawn within its limits; 'you' where they were given.
         poses: how many.
         solved: poses that A, and that B, has a solution for.
         within_limits: poses that A, and that B, has a solution for within its limits.
@@ -143,11 +145,12 @@ class ToolError:
     q: tuple[float, ...]
 
 
-@dataclass(frozen=True)
-class Comparison:
+@dataclass(frozen=True, repr=False)
+class Comparison(Written):
     """Two arms, compared; ``print`` shows it as tables.
 
     Attributes:
+        differences: what is different beyond rounding, or the tolerances given, in words.
         a: the first arm.
         b: the second arm.
         n: number of poses that each of them made.
@@ -169,6 +172,7 @@ class Comparison:
         [0.196, 2.0]
     """
 
+    differences: tuple[Difference, ...]
     a: Side
     b: Side
     n: int
@@ -183,6 +187,11 @@ class Comparison:
     tool: ToolError | None
     notes: tuple[str, ...]
 
+    @property
+    def same(self) -> bool:
+        """Whether both are the same arm, to rounding or the tolerances given."""
+        return not self.differences
+
     def to_dict(self) -> dict[str, Any]:
         """The comparison as plain lists, numbers and text; numbers that are not finite are the text 'inf', 'nan'.
 
@@ -192,20 +201,25 @@ class Comparison:
             >>> comparison.to_dict()["b"]["robot"]
             'planar_2r_unit'
         """
-        out: dict[str, Any] = plain(asdict(self))
-        return {"units": {"length": "m", "angle": "rad"}, **out}
+        return {"same": self.same, "units": {"length": "m", "angle": "rad"}, **super().to_dict()}
 
-    def to_json(self) -> str:
-        """:meth:`to_dict` as strict JSON.
+    def verdict(self) -> str:
+        """In a line, whether they differ.
 
         Example:
-            >>> import json
             >>> import urdf_ik
-            >>> comparison = urdf_ik.compare(urdf_ik.load("planar_2r"), urdf_ik.load("planar_2r_unit"), n=5)
-            >>> json.loads(comparison.to_json())["n"]
-            5
+            >>> arm = urdf_ik.load("planar_2r")
+            >>> urdf_ik.compare(arm, arm, n=5).verdict()
+            'same to rounding'
         """
-        return json_text(self.to_dict())
+        count = len(self.differences)
+        return f"{count} difference{'' if count == 1 else 's'}" if count else "same to rounding"
+
+    def __repr__(self) -> str:
+        return short(f"Comparison of {self.a.robot} and {self.b.robot}: {self.verdict()}", summed(self.differences))
+
+    def _repr_html_(self) -> str:
+        return html_of(f"{self.a.robot} and {self.b.robot}", self.verdict(), self.same, self.sections()[1:])
 
     def sections(self) -> tuple[Section, ...]:
         """The tables of the text, in order.
@@ -213,7 +227,7 @@ class Comparison:
         Example:
             >>> import urdf_ik
             >>> comparison = urdf_ik.compare(urdf_ik.load("planar_2r"), urdf_ik.load("planar_2r_unit"), n=5)
-            >>> print(comparison.sections()[3])
+            >>> print(comparison.sections()[4])
             limits: 2 of 2 joints differ
             joint    A lower  A upper  B lower  B upper  unit
             -------  -------  -------  -------  -------  ----
@@ -231,6 +245,10 @@ def _sides(comparison: Comparison) -> Section:
     return Section("\n".join(f"{letter}: {s.robot}, {s.base} to {s.tip} ({s.source})" for letter, s in named))
 
 
+def _differences(comparison: Comparison) -> Section:
+    return Section(comparison.verdict(), remarks=tuple(f"- {each}" for each in summed(comparison.differences)))
+
+
 def _structure(comparison: Comparison) -> Section:
     facts = comparison.structure
     differ = sum(not fact.same for fact in facts)
@@ -242,11 +260,13 @@ def _structure(comparison: Comparison) -> Section:
 def _frames(comparison: Comparison) -> Section | None:
     distance, angle = comparison.tip
     tip = f"tip at q = 0: {_mm(distance)} mm and {_deg(angle)} deg apart"
+    if distance <= DEFAULT.distance and angle <= DEFAULT.angle:
+        tip = "tip at q = 0: at the same place"
     far = "farthest sampled tip from the base: A {:.4f} m, B {:.4f} m".format(*comparison.farthest)
     rows = tuple(
         (_pair(c.joint, c.joint_b), _deg(c.angle), _mm(c.distance), "flipped" if c.flipped else "")
         for c in comparison.axes
-        if c.angle or c.distance
+        if c.angle > DEFAULT.angle or c.distance > DEFAULT.distance
     )
     title = "frames: " + (f"{len(rows)} of {len(comparison.axes)} axes moved" if rows else "no axis moved")
     title = title if comparison.axes else "frames"
@@ -360,4 +380,4 @@ def _number(value: float) -> str:
     return f"{value:.4g}" if abs(value) < 1e-3 else f"{value:.4f}".rstrip("0").rstrip(".")
 
 
-_SECTIONS = (_sides, _structure, _frames, _limits, _reach, _branches, _tool, _notes)
+_SECTIONS = (_sides, _differences, _structure, _frames, _limits, _reach, _branches, _tool, _notes)

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdf_ik.errors import UrdfIkError
 from urdf_ik.ik.cuspidality import is_cuspidal
+from urdf_ik.model.poses import as_pose_array, check_poses
 from urdf_ik.support import inputs
 from urdf_ik.support.tolerances import DEFAULT
 from urdf_ik.verify.comparison import answers
 from urdf_ik.verify.comparison.report import AxisChange, Comparison, Fact, LimitChange, Side
+from urdf_ik.verify.description import described
+from urdf_ik.verify.difference import Tolerance, angle_between, apart, ignored
+from urdf_ik.verify.differences import differences
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from numpy.typing import NDArray
 
@@ -23,10 +27,20 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 _SAMPLES = 20_000
+_ROUNDING = 1e-9  # rad, m: an imperfection that is no more than rounded decimals
 
 
 def compare(
-    a: Arm, b: Arm, n: int = 200, seed: int = 0, *, progress: Callable[[int, int], None] | None = None
+    a: Arm,
+    b: Arm,
+    n: int = 200,
+    seed: int = 0,
+    *,
+    poses: Any = None,
+    tolerance_mm: float | None = None,
+    tolerance_deg: float | None = None,
+    ignore: str | Iterable[str] = (),
+    progress: Callable[[int, int], None] | None = None,
 ) -> Comparison:
     """What is different between two arms.
 
@@ -40,13 +54,18 @@ def compare(
         b: the second arm, such as the calibrated one.
         n: number of poses that each arm makes.
         seed: the same seed gives the same comparison.
+        poses: (..., 4, 4) m, poses of your own, which both are asked for as well.
+        tolerance_mm: lengths [mm] up to which a difference counts as none; default: 1e-6.
+        tolerance_deg: angles [deg], likewise; default: 6e-8.
+        ignore: kinds of differences that do not count: 'limits', 'collisions', 'visuals', 'names'.
         progress: called with (steps done, steps).
 
     Returns:
         The comparison; ``print`` it, or take its fields.
 
     Raises:
-        ArgumentError: n is below 1, or the seed is negative.
+        ArgumentError: n is below 1, the seed or a tolerance is negative, or a kind cannot be ignored.
+        PoseError: one of ``poses`` is no pose.
 
     Example:
         >>> import urdf_ik
@@ -59,6 +78,8 @@ def compare(
     n, seed = inputs.poses(n), inputs.whole(seed, "seed", high=2**64)
     notes: list[str] = []
     inputs.callback(progress, "progress")
+    tolerance, skipped = Tolerance.read(tolerance_mm, tolerance_deg), ignored(ignore)
+    own = None if poses is None else check_poses(as_pose_array(poses)).reshape(-1, 4, 4)
     order, reason = answers.paired(a, b)
     if reason:
         notes.append(f"axes, limits, joint differences and the tool error: {reason}")
@@ -77,17 +98,22 @@ def compare(
     tried = given[0].of_a if given else first.q
     axes = () if order is None else _axes(a, b, order)
     signs = np.array([-1.0 if axis.flipped else 1.0 for axis in axes])
+    found = differences(described(a), described(b), tolerance)
+    reach = [each.reach("AB"[k]) for k, each in enumerate(given)] if both else []
+    if both and own is not None and len(own):
+        reach.append(answers.Answers(a, b, answers.Given(own)).reach("you"))
     return Comparison(
+        differences=tuple(each for each in found if each.kind not in skipped),
         a=_side(a),
         b=_side(b),
         n=n,
         seed=seed,
         structure=_structure(a, b),
         axes=axes,
-        tip=answers.apart(a.fk(np.zeros(a.dof)), b.fk(np.zeros(b.dof))),
+        tip=apart(a.fk(np.zeros(a.dof)), b.fk(np.zeros(b.dof))),
         limits=() if order is None else _limits(a, b, order),
         farthest=(_farthest(a, seed), _farthest(b, seed)),
-        reach=tuple(each.reach("AB"[k]) for k, each in enumerate(given)) if both else (),
+        reach=tuple(reach),
         branches=given[0].branches(order, signs) if both and order is not None else (),
         tool=None if order is None else answers.tool_error(first.reference, second.reference, tried, order),
         notes=tuple(notes),
@@ -135,7 +161,7 @@ def _structure(a: Arm, b: Arm) -> tuple[Fact, ...]:
 
 def _off(arm: Arm) -> str:
     angle, distance = arm.structure.imperfection
-    if max(angle, distance) == 0.0:
+    if angle <= _ROUNDING and distance <= _ROUNDING:
         return arm.structure.imperfection_in_words()
     return f"off by {angle:.2g} rad, {distance:.2g} m"
 
@@ -144,7 +170,7 @@ def _axes(a: Arm, b: Arm, order: list[int]) -> tuple[AxisChange, ...]:
     out = []
     for i, k in enumerate(order):
         u, v = a.chain.H[i], b.chain.H[k]
-        angle = float(np.arctan2(np.linalg.norm(np.cross(u, v)), u @ v))
+        angle = angle_between(u, v)
         slides = bool(a.chain.prismatic[i])
         distance = 0.0 if slides else float(np.linalg.norm(np.cross(a.chain.points[i] - b.chain.points[k], v)))
         flipped = angle > np.pi - DEFAULT.near_angle

@@ -157,6 +157,10 @@ class Sameness:
         out.planted_lost = not self._has(T, planted, answered, None)
         return out
 
+    def has(self, T: Array, q: Array, others: Array) -> bool:
+        """Whether q (6,) is one of the others (k, 6), as solutions of the pose T (4, 4)."""
+        return self._has(T, q, others, None)
+
     def sigma_min(self, q: Array) -> float:
         """Smallest singular value of the Jacobian at q (6,)."""
         return float(np.linalg.svd(self._jacobian(q), compute_uv=False)[-1])

@@ -1,0 +1,90 @@
+"""Judge another solver on an arm: the solutions that it has wrong, misses or doubles.
+
+It is asked at random poses, round joint angles, with the tool down, near singularities and at them. Pinocchio measures
+every solution, and each fault comes with the pose to replay. The status is 1 when there is a fault.
+
+A process reads {"T": 4x4} and answers {"q": [[...], ...]}, a line each, in the arm's order of joints.
+
+Examples:
+    urdf-ik judge ur5 --solver my_solver.py:solve
+    urdf-ik judge my_arm.urdf --tip tool0 --solver ikfast:libmy_arm_ikfast.so -n 200
+    urdf-ik judge puma_560 --solver eaik -f junit -o eaik.xml
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from urdf_ik.cli import options
+from urdf_ik.cli.arm_options import ArmOptions
+from urdf_ik.cli.errors import Status
+from urdf_ik.support.inputs import MOST_POSES
+
+
+class JudgeFormat(StrEnum):
+    """Output of a judgement."""
+
+    TABLE = "table"
+    JSON = "json"
+    JUNIT = "junit"
+
+
+Solver = Annotated[
+    str,
+    typer.Option(
+        "--solver",
+        metavar="SPEC",
+        help="module:function, file.py:function, process:COMMAND (a line of JSON a pose), ikfast:LIBRARY.so, or eaik, "
+        "ik-geo, py-opw, ssik, ssik-built, ssik-prebuilt:VENDOR.ARM.",
+    ),
+]
+Each = Annotated[int, typer.Option("-n", "--poses", min=1, max=MOST_POSES, help="Poses of each of the five kinds.")]
+Tolerance = Annotated[
+    float | None, typer.Option("--tolerance", metavar="E", min=0.0, help="Error [m; rad] of a solution. Default: 1e-7.")
+]
+Within = Annotated[bool, typer.Option("--within-limits", help="The solver returns only what is inside the limits.")]
+Printed = Annotated[JudgeFormat, typer.Option("--format", "-f", help="How to print it.")]
+Output = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Write here instead of stdout.")]
+
+
+def command(
+    *,
+    solver: Solver,
+    n: Each = 50,
+    seed: options.Seed = 0,
+    tolerance: Tolerance = None,
+    within_limits: Within = False,
+    chosen: ArmOptions,
+    printed_as: Printed = JudgeFormat.TABLE,
+    output: Output = None,
+) -> None:
+    """Print the judgement."""
+    from urdf_ik.cli import console
+    from urdf_ik.cli.progress import Progress
+    from urdf_ik.verify.judging import SolverProcess, solver_of
+    from urdf_ik.verify.judging import judge as judged
+    from urdf_ik.verify.judging.judge import TOLERANCE
+
+    arm = chosen.load()
+    solve = solver_of(solver, arm)
+    try:
+        with Progress("judging poses", "solving") as progress:
+            found = judged(
+                arm, solve, n=n, seed=seed, tolerance=TOLERANCE if tolerance is None else tolerance,
+                within_limits=within_limits, name=str(getattr(solve, "__name__", solver)), progress=progress.tick,
+            )  # fmt: skip
+    finally:
+        if isinstance(solve, SolverProcess):
+            solve.close()
+    written = {
+        JudgeFormat.TABLE: lambda: f"{found}\n",
+        JudgeFormat.JSON: found.to_json,
+        JudgeFormat.JUNIT: found.to_junit,
+    }
+    console.write(written[printed_as](), output)
+    if not found.passed:
+        raise typer.Exit(Status.FAILED)

@@ -1,0 +1,15 @@
+"""An arm's answers of today, kept in a lock file, and what of them holds tomorrow.
+
+>>> import urdf_ik
+>>> lock = urdf_ik.freeze(urdf_ik.load("planar_2r"))
+>>> lock.verify(urdf_ik.load("planar_2r")).passed
+True
+"""
+
+from __future__ import annotations
+
+from urdf_ik.verify.baselines.baseline import Baseline, Planted, Pose
+from urdf_ik.verify.baselines.freezing import freeze
+from urdf_ik.verify.baselines.verification import Verification
+
+__all__ = ["Baseline", "Planted", "Pose", "Verification", "freeze"]

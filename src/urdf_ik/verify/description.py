@@ -1,0 +1,314 @@
+"""An arm as plain numbers and words: what two arms are compared by, and what a lock file holds of one."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from lxml import etree
+
+from urdf_ik.errors import UrdfIkError, printable
+from urdf_ik.model.poses import pose
+from urdf_ik.model.urdf import resolve_mesh
+from urdf_ik.verify.arms import parameters_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from urdf_ik.arm import Arm
+
+    Array = NDArray[np.float64]
+
+MISSING = "missing"
+"""Stands for the digest of a mesh whose file is not there."""
+
+_BLOCK = 2**20
+_SIZES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",), "capsule": ("radius", "length"),
+          "mesh": ("scale",)}  # fmt: skip
+
+Row = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Step:
+    """One joint of the URDF on the way from base to tip, fixed ones included.
+
+    Attributes:
+        name: the joint's name.
+        type: its type in the URDF.
+        origin: 12 numbers, the upper three rows of its pose in the link before it [m].
+        axis: (3,) unit direction in its own frame.
+        held: value [rad or m] of a joint that is held, else 0.
+        backwards: whether the way leads from the child link to the parent link.
+    """
+
+    name: str
+    type: str
+    origin: Row
+    axis: Row
+    held: float = 0.0
+    backwards: bool = False
+
+
+@dataclass(frozen=True)
+class Shape:
+    """One shape of a link.
+
+    Attributes:
+        link: the link.
+        role: 'collision' or 'visual'.
+        kind: 'box', 'cylinder', 'sphere', 'capsule' or 'mesh'.
+        size: what the URDF says of its size [m], or a mesh's scale.
+        place: 12 numbers, the upper three rows of its pose [m] in the frame of the rigid body that the link is part of:
+            of the link that a movable joint carries, or of the root. Fixed joints between links do not change it.
+        file: name of a mesh's file, without its folder.
+        digest: SHA-256 of a mesh's file, ``MISSING`` where it cannot be read; '' for other shapes.
+    """
+
+    link: str
+    role: str
+    kind: str
+    size: Row
+    place: Row
+    file: str = ""
+    digest: str = ""
+
+
+@dataclass(frozen=True)
+class Description:
+    """An arm in plain numbers and words.
+
+    Attributes:
+        robot: the robot's name.
+        base: base link.
+        tip: tip link.
+        joint_names: joints of a joint vector, base to tip.
+        joint_types: 'revolute', 'continuous' or 'prismatic', one a joint.
+        limits: (n, 2) rad or m; infinite where there is none.
+        moving: every axis that moves, base to tip: those of ``joint_names`` and of the joints that mimic them.
+        directions: (m, 3) unit directions of these axes at q = 0, in the base.
+        points: (m, 3) m, a point on each.
+        sliding: (m,) whether the joint slides along it.
+        home: 12 numbers, the upper three rows of the tip's pose at q = 0 [m].
+        followers: (joint, joint that it follows, multiplier, offset) of those that mimic.
+        steps: the URDF's joints from base to tip.
+        shapes: those of every link.
+        locked: (joint, value) of those that are held.
+        redundancy: redundancy parameters, in words.
+        task: what the arm controls of a pose.
+        family: name of its family, '' where no solver takes it.
+        reason: why it is that family.
+    """
+
+    robot: str
+    base: str
+    tip: str
+    joint_names: tuple[str, ...]
+    joint_types: tuple[str, ...]
+    limits: tuple[Row, ...]
+    moving: tuple[str, ...]
+    directions: tuple[Row, ...]
+    points: tuple[Row, ...]
+    sliding: tuple[bool, ...]
+    home: Row
+    followers: tuple[tuple[str, str, float, float], ...]
+    steps: tuple[Step, ...]
+    shapes: tuple[Shape, ...]
+    locked: tuple[tuple[str, float], ...] = ()
+    redundancy: tuple[str, ...] = ()
+    task: str = "pose"
+    family: str = ""
+    reason: str = ""
+
+    @property
+    def dof(self) -> int:
+        """Number of joints of a joint vector."""
+        return len(self.joint_names)
+
+    @property
+    def title(self) -> str:
+        """The arm in a line.
+
+        Example:
+            >>> import urdf_ik
+            >>> described(urdf_ik.load("planar_2r")).title
+            'planar_2r, base_link to tool0'
+        """
+        return f"{self.robot}, {self.base} to {self.tip}"
+
+    def __repr__(self) -> str:
+        return f"<Description of {printable(self.title)}: {self.dof} joints, {len(self.shapes)} shapes>"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Lists, numbers and text; see :func:`from_dict` for the way back.
+
+        Example:
+            >>> import urdf_ik
+            >>> described(urdf_ik.load("planar_2r")).to_dict()["joint_names"]
+            ('joint_1', 'joint_2')
+        """
+        return asdict(self)
+
+
+def described(arm: Arm, *, shapes: bool = True) -> Description:
+    """The description of an arm.
+
+    Args:
+        arm: the arm.
+        shapes: whether to read the shapes of its links, too: every mesh is read once.
+
+    Example:
+        >>> import urdf_ik
+        >>> described(urdf_ik.load("scara_rrpr")).joint_types
+        ('revolute', 'revolute', 'prismatic', 'revolute')
+    """
+    axes = arm.chain.axes
+    structure = arm.structure
+    return Description(
+        robot=arm.name,
+        base=arm.base,
+        tip=arm.tip,
+        joint_names=tuple(arm.joint_names),
+        joint_types=tuple(arm.chain.joint_types),
+        limits=_rows(arm.limits),
+        moving=_moving(arm),
+        directions=_rows(axes.H),
+        points=_rows(axes.points),
+        sliding=tuple(bool(each) for each in axes.prismatic),
+        home=flat(arm.fk(np.zeros(arm.dof))),
+        followers=tuple((f.name, f.driver, float(f.multiplier), float(f.offset)) for f in arm.chain.followers),
+        steps=_steps(arm),
+        shapes=_shapes(arm) if shapes else (),
+        locked=tuple((name, float(value)) for name, value in sorted(arm.chain.locked)),
+        redundancy=parameters_of(arm),
+        task=arm.task,
+        family=structure.family or "",
+        reason=structure.reason or "",
+    )
+
+
+def from_dict(data: Mapping[str, Any]) -> Description:
+    """The description that :meth:`Description.to_dict` gave.
+
+    Raises:
+        KeyError, TypeError, ValueError: it is something else.
+
+    Example:
+        >>> import urdf_ik
+        >>> found = described(urdf_ik.load("planar_2r"))
+        >>> from_dict(found.to_dict()) == found
+        True
+    """
+    held = {name: _tuples(value) for name, value in data.items()}
+    held["steps"] = tuple(Step(**{name: _tuples(value) for name, value in each.items()}) for each in data["steps"])
+    held["shapes"] = tuple(Shape(**{name: _tuples(value) for name, value in each.items()}) for each in data["shapes"])
+    held["limits"] = tuple((float(low), float(high)) for low, high in data["limits"])
+    out = Description(**held)
+    for rows, width in ((out.limits, 2), (out.directions, 3), (out.points, 3), ((out.home,), 12)):
+        array = np.array(rows, dtype=np.float64).reshape(-1, width)
+        if len(array) != len(rows) or np.isnan(array).any():
+            raise ValueError("numbers are missing")
+    steps = np.array([[*each.origin, *each.axis, each.held] for each in out.steps], dtype=np.float64)
+    if not np.isfinite(steps).all() or (len(steps) and steps.shape[1] != 16):
+        raise ValueError("a step's numbers are missing")
+    lengths = {len(out.joint_names), len(out.joint_types), len(out.limits)}
+    if len(lengths) != 1 or len({len(out.moving), len(out.directions), len(out.points), len(out.sliding)}) != 1:
+        raise ValueError("the lists of the joints are not equally long")
+    return out
+
+
+def without_shapes(description: Description) -> Description:
+    """The description without its shapes."""
+    return replace(description, shapes=())
+
+
+def flat(T: Array) -> Row:
+    """The upper three rows of a pose (4, 4), 12 numbers."""
+    return tuple(float(each) for each in T[:3].reshape(-1))
+
+
+def matrix(row: Row) -> Array:
+    """The pose (4, 4) of 12 numbers."""
+    return np.vstack([np.array(row, dtype=np.float64).reshape(3, 4), [0.0, 0.0, 0.0, 1.0]])
+
+
+def _rows(array: Array) -> tuple[Row, ...]:
+    return tuple(tuple(float(each) for each in row) for row in np.asarray(array))
+
+
+def _tuples(value: Any) -> Any:
+    return tuple(_tuples(each) for each in value) if isinstance(value, list | tuple) else value
+
+
+def _moving(arm: Arm) -> tuple[str, ...]:
+    """Names of the joints that move between base and tip, those that mimic others included."""
+    held = dict(arm.chain.locked)
+    path = arm.model.path_between(arm.base, arm.tip)
+    followed = {each.name: arm.model.driver(each)[0].name for each in path}
+    return tuple(each.name for each in path if each.type != "fixed" and followed[each.name] not in held)
+
+
+def _steps(arm: Arm) -> tuple[Step, ...]:
+    out, link = [], arm.base
+    locked = dict(arm.chain.locked)
+    for joint in arm.model.path_between(arm.base, arm.tip):
+        backwards = joint.child == link
+        link = joint.parent if backwards else joint.child
+        driver, multiplier, offset = arm.model.driver(joint)
+        held = multiplier * locked[driver.name] + offset if driver.name in locked else 0.0
+        axis = tuple(float(each) for each in joint.axis)
+        out.append(Step(joint.name, joint.type, flat(joint.origin), axis, float(held), backwards))
+    return tuple(out)
+
+
+def _shapes(arm: Arm) -> tuple[Shape, ...]:
+    tree, known, out = etree.fromstring(arm.model.xml), {}, []
+    in_body: dict[str, Array] = {}
+    for role in ("collision", "visual"):
+        for body in tree.iterfind(f"link/{role}"):
+            geometry = body.find("geometry")[0]
+            size = tuple(x for name in _SIZES.get(geometry.tag, ()) for x in _numbers(geometry.get(name)))
+            origin = body.find("origin")
+            T = np.eye(4)
+            if origin is not None:
+                T = pose(_numbers(origin.get("xyz")) or (0.0,) * 3, rpy=_numbers(origin.get("rpy")) or (0.0,) * 3)
+            name, digest = geometry.get("filename") or "", ""
+            if geometry.tag == "mesh":
+                if name not in known:
+                    known[name] = _digest(arm, name)
+                digest = known[name]
+            file = name.replace("\\", "/").rpartition("/")[2]
+            link = body.getparent().get("name")
+            if link not in in_body:
+                in_body[link] = _in_body(arm, link)
+            out.append(Shape(link, role, geometry.tag, size, flat(in_body[link] @ T), file, digest))
+    return tuple(out)
+
+
+def _in_body(arm: Arm, link: str) -> Array:
+    """Pose (4, 4) of a link in the rigid body that it is part of."""
+    T = np.eye(4)
+    while (joint := arm.model.parent_joint(link)) is not None and joint.type == "fixed":
+        T, link = joint.origin @ T, joint.parent
+    return T
+
+
+def _numbers(text: str | None) -> Row:
+    return tuple(float(each) for each in (text or "").split())
+
+
+def _digest(arm: Arm, name: str) -> str:
+    try:
+        path: Path = resolve_mesh(arm.model, name)
+        digest = hashlib.sha256()
+        with path.open("rb") as file:
+            while block := file.read(_BLOCK):
+                digest.update(block)
+    except (UrdfIkError, OSError):
+        return MISSING
+    return digest.hexdigest()

@@ -1,0 +1,276 @@
+"""The differences between two descriptions of an arm, each with the joint or link that it is about."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdf_ik.support.text import quoted
+from urdf_ik.verify.description import MISSING, Description, Shape, Step, matrix
+from urdf_ik.verify.difference import DEFAULT, Difference, Tolerance, angle_between, apart, moved, same_limit, within
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+
+def differences(a: Description, b: Description, tolerance: Tolerance = DEFAULT) -> tuple[Difference, ...]:
+    """What is different in ``b``, in ``a``'s words; empty where both describe the same arm to the tolerance.
+
+    Example:
+        >>> import urdf_ik
+        >>> from urdf_ik.verify.description import described
+        >>> a = described(urdf_ik.load("planar_2r"))
+        >>> differences(a, a)
+        ()
+    """
+    out = [*_names(a, b), *_joints(a, b)]
+    if a.sliding == b.sliding:
+        out += _kinematics(a, b, tolerance)
+    if a.dof == b.dof:
+        out += _limits(a, b, tolerance)
+    out += _shapes(a, b, tolerance)
+    return tuple(out)
+
+
+def order_of(a: Description, b: Description) -> tuple[int, ...]:
+    """Columns of b's joint vectors in the order of a's: by name where both have the same names, else by place."""
+    if set(a.joint_names) == set(b.joint_names):
+        return tuple(b.joint_names.index(name) for name in a.joint_names)
+    return tuple(range(b.dof))
+
+
+def _names(a: Description, b: Description) -> list[Difference]:
+    out = [
+        Difference("names", theirs, f"the {what} was {quoted(ours)}, and is {quoted(theirs)}")
+        for what, ours, theirs in (("base", a.base, b.base), ("tip", a.tip, b.tip))
+        if ours != theirs
+    ]
+    if a.dof != b.dof:
+        return out
+    if set(a.joint_names) == set(b.joint_names):
+        moved = [name for name, other in zip(a.joint_names, b.joint_names, strict=True) if name != other]
+        if moved:
+            before, after = ", ".join(a.joint_names), ", ".join(b.joint_names)
+            # A joint that has another place moves another part of the arm: that is no matter of names.
+            out.append(Difference("kinematics", ", ".join(moved), f"the joints' order was {before}, and is {after}"))
+        return out
+    gone = set(a.joint_names) - set(b.joint_names)
+    for name, other in zip(a.joint_names, b.joint_names, strict=True):
+        if name != other:
+            words = f"renamed to {quoted(other)}" if name in gone else f"its place is taken by {quoted(other)}"
+            out.append(Difference("names", name, words))
+    return out
+
+
+def _joints(a: Description, b: Description) -> list[Difference]:
+    """Numbers, types and mimicry of the joints, and what is held."""
+    out = []
+    before, after = ({each[0]: each for each in side.followers} for side in (a, b))
+    for name in (*before, *(name for name in after if name not in before)):
+        if before.get(name) == after.get(name):
+            continue
+        was, now = (
+            f"{side[name][2]:g} {side[name][1]} {side[name][3]:+g}" if name in side else "" for side in (before, after)
+        )
+        words = (
+            f"mimics a joint now: {now}" if not was else f"mimicked {was}, and {'mimics ' + now if now else 'moves'}"
+        )
+        out.append(Difference("kinematics", name, words + ("" if now else " by itself")))
+    if a.dof != b.dof:
+        gone = [name for name in a.joint_names if name not in b.joint_names and name not in after]
+        new = [name for name in b.joint_names if name not in a.joint_names and name not in before]
+        words = f"the arm had {a.dof} joints, and has {b.dof}"
+        words += f"; gone: {', '.join(gone)}" if gone else ""
+        words += f"; new: {', '.join(new)}" if new else ""
+        out.append(Difference("kinematics", ", ".join((*gone, *new)), words))
+    elif a.joint_types != b.joint_types:
+        for name, was, now in zip(a.joint_names, a.joint_types, b.joint_types, strict=True):
+            if was != now:
+                kind = "limits" if "prismatic" not in (was, now) else "kinematics"
+                out.append(Difference(kind, name, f"was {was}, and is {now}"))
+    if a.locked != b.locked:
+        held = [", ".join(f"{name} = {value:g}" for name, value in side.locked) or "nothing" for side in (a, b)]
+        names = sorted({name for name, _ in {*a.locked, *b.locked} - ({*a.locked} & {*b.locked})})
+        out.append(Difference("kinematics", ", ".join(names), f"held: {held[0]} before, {held[1]} now"))
+    if a.task != b.task:
+        out.append(Difference("kinematics", "", f"controlled the {a.task}, and controls the {b.task}"))
+    return out
+
+
+def _kinematics(a: Description, b: Description, tolerance: Tolerance) -> list[Difference]:
+    """Changed joints; none where every axis and the tip are where they were, however the file says it."""
+    lines = [_line(a, b, k) for k in range(len(a.moving))]
+    tip = apart(matrix(a.home), matrix(b.home))
+    if all(within(each, tolerance) for each in (*lines, tip)):
+        return []
+    out = []
+    for ours, theirs, name in _segments(a, b):
+        origin, (turned, slid) = _origin(ours, theirs), _axis(ours, theirs)
+        if not within(origin, tolerance):
+            names = _changed(ours, theirs, tolerance) or [name]
+            what = "the tip frame" if name == a.tip else "its origin"
+            out.append(Difference("kinematics", ", ".join(names), f"{what} {moved(*origin)}", *origin))
+        if turned > tolerance.angle:
+            flipped = turned > math.pi - 1e-6
+            words = (
+                "its axis is negated, so that it turns the other way" if flipped else f"its axis {moved(0.0, turned)}"
+            )
+            out.append(Difference("kinematics", name, words.replace("turns", "slides") if slid else words, 0.0, turned))
+    if out:
+        return out
+    # Frames that are written in another way, too small a change in each of them: the first axis that is elsewhere.
+    k = next((k for k, each in enumerate(lines) if not within(each, tolerance)), None)
+    distance, angle = tip if k is None else lines[k]
+    what, name = ("the tip frame", b.tip) if k is None else ("its axis", b.moving[k])
+    return [Difference("kinematics", name, f"{what} {moved(distance, angle)}", distance, angle)]
+
+
+def greatest_change(a: Description, b: Description) -> tuple[float, float]:
+    """How far [m, rad] any axis, or the tip at q = 0, is from where it was.
+
+    Example:
+        >>> import urdf_ik
+        >>> from urdf_ik.verify.description import described
+        >>> a = described(urdf_ik.load("planar_2r"))
+        >>> greatest_change(a, a)
+        (0.0, 0.0)
+    """
+    changes = [*(_line(a, b, k) for k in range(len(a.moving))), apart(matrix(a.home), matrix(b.home))]
+    return max(each[0] for each in changes), max(each[1] for each in changes)
+
+
+def _line(a: Description, b: Description, k: int) -> tuple[float, float]:
+    """How far axis k moved [m] and turned [rad]; an axis of a joint that slides has no place."""
+    u, v = np.array(a.directions[k]), np.array(b.directions[k])
+    away = np.array(a.points[k]) - np.array(b.points[k])
+    return 0.0 if a.sliding[k] else float(np.linalg.norm(np.cross(away, v))), angle_between(u, v)
+
+
+def _segments(a: Description, b: Description) -> list[tuple[list[Step], list[Step], str]]:
+    """The ways from each moving joint to the next, in both: fixed joints and the moving one, or the tip."""
+    ours, theirs = _cut(a), _cut(b)
+    names = (*a.moving, a.tip)
+    return [(mine, other, name) for mine, other, name in zip(ours, theirs, names, strict=False)]
+
+
+def _cut(side: Description) -> list[list[Step]]:
+    out: list[list[Step]] = [[]]
+    for step in side.steps:
+        out[-1].append(step)
+        if step.name in side.moving:
+            out.append([])
+    return out
+
+
+def _pose(steps: Sequence[Step]) -> Array:
+    """Pose (4, 4) of the last joint's frame in the frame before the first one."""
+    T = np.eye(4)
+    for step in steps:
+        T = T @ (np.linalg.inv(matrix(step.origin)) if step.backwards else matrix(step.origin) @ _held(step))
+    return T
+
+
+def _held(step: Step) -> Array:
+    """What a joint that is held adds, (4, 4)."""
+    T = np.eye(4)
+    if step.held:
+        axis = np.array(step.axis)
+        if step.type == "prismatic":
+            T[:3, 3] = step.held * axis
+        else:
+            K = np.cross(np.eye(3), axis)
+            T[:3, :3] += math.sin(step.held) * -K + (1.0 - math.cos(step.held)) * K @ K
+    return T
+
+
+def _origin(ours: Sequence[Step], theirs: Sequence[Step]) -> tuple[float, float]:
+    return apart(_pose(ours), _pose(theirs))
+
+
+def _axis(ours: Sequence[Step], theirs: Sequence[Step]) -> tuple[float, bool]:
+    """By how much [rad] the axis of the moving joint turned in its frame, and whether the joint slides."""
+    if not ours or not theirs or "fixed" in (ours[-1].type, theirs[-1].type):
+        return 0.0, False
+    return angle_between(np.array(ours[-1].axis), np.array(theirs[-1].axis)), ours[-1].type == "prismatic"
+
+
+def _changed(ours: Sequence[Step], theirs: Sequence[Step], tolerance: Tolerance) -> list[str]:
+    """Names of the joints that the file gives another origin, where both have joints of the same names."""
+    if [step.name for step in ours] != [step.name for step in theirs]:
+        return []
+    pairs = zip(ours, theirs, strict=True)
+    return [mine.name for mine, other in pairs if not within(_origin([mine], [other]), tolerance)]
+
+
+def _limits(a: Description, b: Description, tolerance: Tolerance) -> list[Difference]:
+    out = []
+    for k, name in enumerate(a.joint_names):
+        slides = a.joint_types[k] == "prismatic"
+        scale, unit = (1e3, "mm") if slides else (180.0 / math.pi, "deg")
+        for what, was, now in zip(("lower", "upper"), a.limits[k], b.limits[k], strict=True):
+            if same_limit(was, now, tolerance):
+                continue
+            words = f"its {what} limit was {_shown(was * scale)} {unit}, and is {_shown(now * scale)} {unit}"
+            gap = abs(was - now) if math.isfinite(was - now) else 0.0
+            out.append(Difference("limits", name, words, gap if slides else 0.0, 0.0 if slides else gap))
+    return out
+
+
+def _shown(value: float) -> str:
+    return f"{value:.6g}" if math.isfinite(value) else "none"
+
+
+def _shapes(a: Description, b: Description, tolerance: Tolerance) -> list[Difference]:
+    out: list[Difference] = []
+    for role, kind in (("collision", "collisions"), ("visual", "visuals")):
+        left = [each for each in a.shapes if each.role == role]
+        right = [each for each in b.shapes if each.role == role]
+        for same in (_same_place(tolerance), lambda p, q: p.link == q.link and p.file == q.file and p.kind == q.kind):
+            kept = []
+            for shape in left:
+                match = next((other for other in right if same(shape, other)), None)
+                if match is None:
+                    kept.append(shape)
+                    continue
+                right.remove(match)
+                out += _changed_shape(kind, shape, match, tolerance)
+            left = kept
+        out += [Difference(kind, each.link, f"its {_called(each)} is gone") for each in left]
+        out += [Difference(kind, each.link, f"its {_called(each)} is new") for each in right]
+    return out
+
+
+def _same_place(tolerance: Tolerance):  # type: ignore[no-untyped-def]
+    def same(one: Shape, other: Shape) -> bool:
+        return (one.kind, one.digest) == (other.kind, other.digest) and not _changed_shape("", one, other, tolerance)
+
+    return same
+
+
+def _changed_shape(kind: str, one: Shape, other: Shape, tolerance: Tolerance) -> list[Difference]:
+    if one.digest != other.digest:
+        words = "is missing: its file cannot be read" if other.digest == MISSING else "has another content"
+        words = "was missing, and is there" if one.digest == MISSING else words
+        return [Difference(kind, other.link, f"its {_called(other)} {words}")]
+    if len(one.size) != len(other.size) or np.abs(np.subtract(one.size, other.size)).max(initial=0.0) > max(
+        tolerance.distance, DEFAULT.distance
+    ):
+        return [Difference(kind, other.link, f"its {_called(other)} has another size")]
+    if one.file != other.file and one.digest == MISSING:
+        return [Difference(kind, other.link, f"its {_called(other)} was {one.file}")]
+    change = apart(matrix(one.place), matrix(other.place))
+    if not within(change, tolerance):
+        return [Difference(kind, other.link, f"its {_called(other)} {moved(*change)}", *change)]
+    return []
+
+
+def _called(shape: Shape) -> str:
+    return f"{shape.role} {shape.kind}{f' {shape.file}' if shape.file else ''}"
+
+

@@ -1,0 +1,16 @@
+"""Any solver judged on an arm: what it has wrong, misses or doubles, with the pose to replay.
+
+>>> import urdf_ik
+>>> from urdf_ik.verify import judge
+>>> arm = urdf_ik.load("puma_560")
+>>> judge(arm, lambda T: arm.ik(T).to_array(), n=3).passed
+True
+"""
+
+from __future__ import annotations
+
+from urdf_ik.verify.judging.judge import judge, replay
+from urdf_ik.verify.judging.report import Fault, Judgement, Kind
+from urdf_ik.verify.judging.solvers import IKFastLibrary, SolverProcess, solver_of
+
+__all__ = ["Fault", "IKFastLibrary", "Judgement", "Kind", "SolverProcess", "judge", "replay", "solver_of"]

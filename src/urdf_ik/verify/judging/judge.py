@@ -1,0 +1,311 @@
+"""Judging a solver: poses of five kinds, the solutions that they have, and what the solver makes of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdf_ik.errors import ArgumentError, printable
+from urdf_ik.support import inputs
+from urdf_ik.support.angles import TURN, shortest
+from urdf_ik.support.text import quoted
+from urdf_ik.verify import arms
+from urdf_ik.verify.baselines.freezing import least_singular_value, near_singularity, round_vectors
+from urdf_ik.verify.completeness.sameness import Sameness
+from urdf_ik.verify.crosscheck.properties import EXACT
+from urdf_ik.verify.judging.report import DOUBLED, FAILED, MISSING, OUTSIDE, WRONG, Fault, Judgement, Kind
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from urdf_ik.arm import Arm
+    from urdf_ik.cell.reference import Reference
+
+    Array = NDArray[np.float64]
+
+Solve = Callable[[Any], Any]
+"""A solver: a pose (4, 4) [m] of the tip in the base in, joint vectors (k, n) [rad or m] out."""
+
+KINDS = ("random", "round", "tool down", "near singularity", "at singularity")
+TOLERANCE = 1e-7
+"""Error [m; rad] above which a solution is wrong, unless another is given."""
+
+LIMIT = 1e-6
+"""How far [rad or m] a solution may lie beyond a limit."""
+
+TWICE = 1e-6
+"""Two joint vectors closer than this in every joint [rad or m] are one solution, unless the pose has two there."""
+
+_NEAR = 1e-5
+_ALONG = np.linspace(0.0, 1.0, 9)[1:-1, None]  # places on the way from one solution to another
+_FAR = 0.05  # rad or m: solutions further apart are two, however near a singularity
+
+
+def judge(
+    arm: Arm,
+    solve: Solve,
+    *,
+    n: int = 50,
+    seed: int = 0,
+    tolerance: float = TOLERANCE,
+    within_limits: bool = False,
+    name: str | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Judgement:
+    """Hold a solver to an arm: is each of its solutions one, and does it have all of them, once?
+
+    Pinocchio measures every solution. The solutions that a pose has are those of this package, which Pinocchio has
+    measured, too; of an arm with more than six joints a pose has infinitely many, and the solver has to have one.
+
+    Args:
+        arm: the arm.
+        solve: the solver: takes a pose (4, 4) of the tip in the base [m], returns joint vectors (k, n) [rad or m] in
+            the order of ``arm.joint_names``; none: an empty array. Rows of NaN are no solutions.
+        n: poses of each of five kinds: random, joints at round angles, tool down, 1e-2 to 1e-4 from a singularity, and
+            at one.
+        seed: the same seed gives the same poses.
+        tolerance: error [m; rad] above which a solution is wrong.
+        within_limits: the solver returns only solutions inside the joint limits, so no others are expected.
+        name: what the report calls it; default: the function's name.
+        progress: called with (poses done, poses).
+
+    Returns:
+        The report: ``print`` it, or ``to_json()``, ``to_junit()``.
+
+    Raises:
+        ArgumentError: ``solve`` cannot be called, or a number makes no sense.
+        UnsupportedArm: this package does not solve the arm, so that nobody knows what is missing.
+
+    Example:
+        >>> import urdf_ik
+        >>> arm = urdf_ik.load("puma_560")
+        >>> judge(arm, lambda T: arm.ik(T).to_array()[1:], n=1, name="forgetful").passed
+        False
+    """
+    inputs.arm(arm)
+    if not callable(solve):
+        raise ArgumentError(f"solve={quoted(solve)} given; a function that takes a pose is needed")
+    n, seed = inputs.poses(n), inputs.whole(seed, "seed", high=2**64)
+    tolerance = inputs.number(tolerance, "tolerance", low=0.0, high=1.0)
+    within_limits = inputs.flag(within_limits, "within_limits")
+    inputs.callback(progress, "progress")
+    reference = arms.reference_of(arm)
+    judged = _Judged(arm, reference, tolerance, within_limits)
+    index = 0
+    for kind in KINDS:
+        T, values = _poses(arm, reference, kind, n, seed)
+        for k in range(len(T)):
+            judged.take(kind, index, T[k], None if values is None else values[k], solve)
+            index += 1
+            if progress is not None:
+                progress(index, n * len(KINDS))
+    return Judgement(
+        solver=name or str(getattr(solve, "name", "") or getattr(solve, "__name__", type(solve).__name__)),
+        robot=arm.name,
+        base=arm.base,
+        tip=arm.tip,
+        n=n,
+        seed=seed,
+        tolerance=tolerance,
+        within_limits=within_limits,
+        kinds=tuple(Kind(kind, *judged.counts[kind]) for kind in KINDS),
+        faults=tuple(judged.faults),
+    )
+
+
+def replay(arm: Arm, n: int, seed: int, index: int) -> Array:
+    """Pose ``index`` of a judgement once more, (4, 4) [m].
+
+    Raises:
+        ArgumentError: there is no such pose.
+
+    Example:
+        >>> import urdf_ik
+        >>> replay(urdf_ik.load("puma_560"), n=2, seed=0, index=3).shape
+        (4, 4)
+    """
+    inputs.arm(arm)
+    n, seed = inputs.poses(n), inputs.whole(seed, "seed", high=2**64)
+    index = inputs.whole(index, "index", high=n * len(KINDS) - 1)
+    T: Array = _poses(arm, arms.reference_of(arm), KINDS[index // n], n, seed)[0][index % n]
+    return T
+
+
+def _poses(arm: Arm, reference: Reference, kind: str, n: int, seed: int) -> tuple[Array, Array | None]:
+    """Poses (n, 4, 4) of a kind, and the redundancy parameters at which they are solved here."""
+    rng = np.random.default_rng([seed, KINDS.index(kind)])
+    lower, upper = reference.ranges.T
+    q = rng.uniform(lower, upper, (n, reference.dof))
+    if kind == "round":
+        q = round_vectors(reference, rng, n)
+    elif kind == "near singularity":
+        q = near_singularity(arm, reference, rng, n)
+    elif kind == "at singularity":
+        q = near_singularity(arm, reference, rng, n, away=False)
+    T = reference.pose(q)
+    if kind != "tool down" or arm.task != "pose" or reference.dof < 6:
+        return T, arms.redundancy_at(arm, q)
+    down = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
+    angle = rng.uniform(-np.pi, np.pi, n)
+    turn = np.zeros((n, 3, 3))
+    turn[:, 0, 0] = turn[:, 1, 1] = np.cos(angle)
+    turn[:, 1, 0], turn[:, 0, 1], turn[:, 2, 2] = np.sin(angle), -np.sin(angle), 1.0
+    T[:, :3, :3] = turn @ down
+    return T, None
+
+
+class _Judged:
+    """The faults so far."""
+
+    def __init__(self, arm: Arm, reference: Reference, tolerance: float, within_limits: bool) -> None:
+        self.faults: list[Fault] = []
+        self.counts = {kind: [0] * 9 for kind in KINDS}
+        self._arm, self._reference = arm, reference
+        self._tolerance, self._within = tolerance, within_limits
+        six = arm.dof == 6 and arm.structure.is_6r
+        self._sameness = Sameness(arm.chain, reference) if six else None
+
+    def take(self, kind: str, index: int, T: Array, value: Any, solve: Solve) -> None:
+        """Judge one pose (4, 4)."""
+        counts = self.counts[kind]
+        counts[0] += 1
+        own = arms.solutions_of(self._arm, T[None], None if value is None else np.asarray(value)[None])
+        if self._within:
+            own = own.within_limits()
+        expected = own.q[0, own.valid[0]]
+        counts[1] += len(expected)
+        try:
+            found = _read(solve(T.copy()), self._arm.dof)
+        except Exception as error:  # whatever a foreign solver raises is its fault
+            counts[7] += 1
+            self.faults.append(Fault(FAILED, kind, index, (), printable(f"{type(error).__name__}: {error}", 300)))
+            return
+        counts[2] += len(found)
+        good = self._right(kind, index, T, found)
+        self._doubled(kind, index, good, expected)
+        self._outside(kind, index, good)
+        if self._arm.redundancy is not None:
+            if len(expected) and not len(good):
+                self._add(MISSING, 4, kind, index, (), "no solution, where the pose has infinitely many")
+            return
+        for q in expected:
+            if not self._has(T, q, good):
+                gap = float(self._gaps(q, good).min(initial=np.inf))
+                near = f"the nearest that it has is {gap:.2g} away" if len(good) else "it has none"
+                self._add(MISSING, 4, kind, index, q, near)
+        if len(good) and not self._within:
+            exact = good[self._misses(self._reference.pose(good), T) <= EXACT]
+            counts[8] += sum(not self._has(T, q, expected) for q in exact)
+
+    def _right(self, kind: str, index: int, T: Array, found: Array) -> Array:
+        """Those (m, n) that reach the pose."""
+        if not len(found):
+            return found
+        finite: NDArray[np.bool_] = np.asarray(np.isfinite(found).all(axis=1))
+        T_found = self._reference.pose(np.where(finite[:, None], found, 0.0))
+        errors = self._misses(T_found, T)
+        right = np.array([known and error <= self._tolerance for known, error in zip(finite, errors, strict=True)])
+        for q, error, known in zip(found[~right], errors[~right], finite[~right], strict=True):
+            words = f"misses the pose by {error:.2g} (m, rad)" if known else "is infinite, or not a number in part"
+            self._add(WRONG, 3, kind, index, q, words)
+        out: Array = found[right]
+        return out
+
+    def _misses(self, found: Array, T: Array) -> Array:
+        """By how much poses (k, 4, 4) miss T, in what the arm controls of a pose."""
+        if self._arm.task == "pose":
+            from urdf_ik.cell.reference import pose_errors
+
+            position, rotation = pose_errors(found, T)
+            return np.maximum(position, rotation)
+        control = self._arm.solver.control
+        out: Array = np.abs(np.asarray(control.target_of(found)) - control.target_of(T[None])).max(axis=-1)
+        return out
+
+    def _doubled(self, kind: str, index: int, good: Array, expected: Array) -> None:
+        for k in range(1, len(good)):
+            # A solution a turn away is another joint vector; beside a fold there are two so near to each other.
+            alike = int((np.abs(good[: k + 1] - good[k]).max(axis=1) < TWICE).sum())
+            there = int((self._gaps(good[k], expected) < 2.0 * TWICE).sum()) if len(expected) else 0
+            if alike > max(1, there):
+                self._add(DOUBLED, 5, kind, index, good[k], "given before")
+
+    def _outside(self, kind: str, index: int, good: Array) -> None:
+        low, high = np.asarray(self._arm.limits).T
+        for q in good:
+            turns = np.where(self._reference.prismatic, 0.0, np.ceil((low - LIMIT - q) / TURN))
+            image = q + np.where(np.isfinite(turns), turns, 0.0) * TURN
+            image = q if self._within else image
+            if ((image < low - LIMIT) | (image > high + LIMIT)).any():
+                self.counts[kind][6] += 1
+                if self._within:
+                    k = int(np.argmax(np.maximum(low - q, q - high)))
+                    words = (
+                        f"{self._arm.joint_names[k]} is at {q[k]:.6g}, its limits are {low[k]:.6g} and {high[k]:.6g}"
+                    )
+                    self.faults.append(Fault(OUTSIDE, kind, index, tuple(map(float, q)), words))
+
+    def _has(self, T: Array, q: Array, others: Array) -> bool:
+        """Whether q (n,) is one of the others (k, n), double roots and continua considered."""
+        if not len(others):
+            return False
+        gaps = self._gaps(q, others)
+        if gaps.min() <= _NEAR:
+            return True
+        if any(self._joined(T, q, other) for other in others):
+            return True
+        if self._sameness is not None:
+            return self._sameness.has(T, q, others)
+        sigma = max(float(least_singular_value(self._arm, q[None])[0]), 1e-300)
+        if gaps.min() <= _NEAR + min(10.0 * self._tolerance / sigma, _FAR):
+            return True
+        return any(self._one_root(T, q, others[k]) for k in np.flatnonzero(gaps < _FAR))
+
+    def _joined(self, T: Array, q: Array, other: Array) -> bool:
+        """Whether the arm stays in the pose on the straight way from the one to the other: one flat continuum."""
+        step = other - q
+        step = np.where(self._reference.prismatic, step, shortest(step))
+        # Half a turn may go either way.
+        half = [int(k) for k in np.flatnonzero(np.abs(np.abs(step) - np.pi) < _NEAR)]
+        for signs in product((1.0, -1.0), repeat=len(half)):
+            step[half] = np.pi * np.array(signs)
+            if (self._misses(self._reference.pose(q + _ALONG * step), T) <= self._tolerance).all():
+                return True
+        return False
+
+    def _one_root(self, T: Array, q: Array, other: Array) -> bool:
+        step = q - other
+        half = other + 0.5 * np.where(self._reference.prismatic, step, shortest(step))
+        return bool(self._misses(self._reference.pose(half)[None], T)[0] <= self._tolerance)
+
+    def _gaps(self, q: Array, others: Array) -> Array:
+        step = others - q
+        out: Array = np.abs(np.where(self._reference.prismatic, step, shortest(step))).max(axis=-1, initial=0.0)
+        return out
+
+    def _add(self, fault: str, column: int, kind: str, index: int, q: Any, words: str) -> None:
+        self.counts[kind][column] += 1
+        self.faults.append(Fault(fault, kind, index, tuple(float(each) for each in q), words))
+
+
+def _read(answer: Any, n: int) -> Array:
+    """A solver's answer as joint vectors (k, n); rows that are NaN throughout are left out.
+
+    Raises:
+        ArgumentError: it is something else.
+    """
+    if answer is None:
+        return np.zeros((0, n))
+    try:
+        q = np.asarray(answer, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"the solver returned {quoted(answer)}; joint vectors (k, {n}) are needed") from None
+    if not q.size:
+        return np.zeros((0, n))
+    if q.ndim == 0 or q.shape[-1] != n:
+        raise ArgumentError(f"the solver returned an array of shape {q.shape}; joint vectors (k, {n}) are needed")
+    q = q.reshape(-1, n)
+    return q[~np.isnan(q).all(axis=1)]

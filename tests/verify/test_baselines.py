@@ -1,0 +1,255 @@
+"""A baseline: what an arm answers today holds for its rewritten URDF, and for no changed one."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+from urdf_mutants import mutants, rewritten
+
+import urdf_ik
+from urdf_ik.arm import Arm
+from urdf_ik.cli import app
+from urdf_ik.errors import ArgumentError, PoseError, UrdfError
+from urdf_ik.model import catalogue
+from urdf_ik.verify.baselines import Baseline
+from urdf_ik.verify.baselines.freezing import SIZE
+
+ARM = "zyyzyz_6r"
+TEXT = catalogue.resolve(ARM).path.read_text()
+# A folder of URDFs: `URDF_IK_FOLDER=lab pytest tests/verify/test_baselines.py -k folder` tries every change on each.
+FOLDER = os.environ.get("URDF_IK_FOLDER", "")
+
+
+def again(arm: Arm, xml: bytes) -> Arm:
+    """A changed URDF of the arm, its meshes where they were."""
+    return urdf_ik.load(xml.decode(), base=arm.base, tip=arm.tip, mesh_roots=arm.model.package_dirs)
+
+
+def hold(arm: Arm) -> None:
+    """Every mutant of an arm is found and its joint named among the first differences; every rewriting passes."""
+    lock = Baseline.from_text(urdf_ik.freeze(arm, collisions=False).to_text())
+    assert lock.verify(arm).passed
+    for mutant in mutants(arm):
+        found = lock.verify(again(arm, mutant.xml))
+        assert not found.passed, mutant.what
+        named = " ".join(each.name for each in found.differences[:3])
+        assert any(name in named for name in mutant.names), f"{mutant.what}: {found}"
+    for same in rewritten(arm):
+        found = lock.verify(again(arm, same.xml))
+        assert found.passed, f"{same.what}: {found}"
+
+
+@pytest.mark.parametrize("name", [ARM, "ur5", "scara_rrpr"])
+def test_every_small_change_is_found_and_named(name: str) -> None:
+    """An axis, an order, an origin, a limit, the tip, a name, mimicry, a mesh; rewritings are no change."""
+    hold(urdf_ik.load(name))
+
+
+@pytest.mark.skipif(not FOLDER, reason="URDF_IK_FOLDER names no folder of URDFs")
+def test_every_small_change_of_a_folder_is_found_and_named() -> None:
+    """The same for every arm of a folder that can be loaded by itself."""
+    tried = 0
+    for path in sorted(Path(FOLDER).rglob("*.urdf")):
+        try:
+            arm = urdf_ik.load(path)
+        except urdf_ik.UrdfIkError:
+            continue
+        hold(arm)
+        tried += 1
+    assert tried
+
+
+def test_a_lock_file_reads_back_and_diffs_well(tmp_path: Path) -> None:
+    """Equal after reading, at most 200 kB, sorted keys, one pose a line, the same text every time."""
+    lock = urdf_ik.freeze(urdf_ik.load(ARM))
+    lock.save(tmp_path / "arm.lock.json")
+    text = (tmp_path / "arm.lock.json").read_text()
+    assert Baseline.load(tmp_path / "arm.lock.json") == lock
+    assert len(text) <= SIZE
+    assert text == urdf_ik.freeze(urdf_ik.load(ARM)).to_text()
+    data = json.loads(text)
+    assert list(data) == sorted(data)
+    lines = text.splitlines()
+    start = lines.index(' "poses": [') + 1
+    assert [json.loads(line.strip().rstrip(",")) for line in lines[start : start + len(lock.poses)]] == data["poses"]
+
+
+def test_a_lock_file_follows_its_schema() -> None:
+    """The schema in the docs describes what is written."""
+    jsonschema = pytest.importorskip("jsonschema")
+    schema = json.loads(Path(__file__).parents[2].joinpath("docs/_static/arm-lock.schema.json").read_text())
+    for name in (ARM, "srs_7r", "planar_2r"):
+        jsonschema.validate(json.loads(urdf_ik.freeze(urdf_ik.load(name)).to_text()), schema)
+
+
+@pytest.mark.parametrize("isa", ["v2", "v3"])
+def test_another_instruction_set_has_the_same_answers(isa: str, tmp_path: Path) -> None:
+    """A lock file of this process holds in one that is forced to another instruction set."""
+    names = (ARM, "srs_7r", "stanford_rrprrr", "positioning_3r")
+    for name in names:
+        urdf_ik.freeze(urdf_ik.load(name)).save(tmp_path / f"{name}.lock.json")
+    code = (
+        "import sys, urdf_ik\nfrom urdf_ik.verify.baselines import Baseline\n"
+        "for name in sys.argv[1:]:\n"
+        "    found = Baseline.load(f'{name}.lock.json').verify(urdf_ik.load(name))\n"
+        "    assert found.passed, found"
+    )
+    environment = {**os.environ, "URDF_IK_ISA": isa}
+    done = subprocess.run(
+        [sys.executable, "-c", code, *names], cwd=tmp_path, env=environment, capture_output=True, text=True
+    )
+    if "URDF_IK_ISA" in done.stderr:
+        pytest.skip(f"this processor has no {isa}")
+    assert not done.returncode, done.stderr
+
+
+def test_poses_of_the_user_are_kept_and_tolerances_and_ignored_kinds_count() -> None:
+    """A tool 0.05 mm longer passes with 0.1 mm; a limit passes where limits are ignored, and nothing else does."""
+    arm = urdf_ik.load(ARM)
+    T = arm.fk(np.array([[0.3, -0.5, 0.8, 0.4, 0.7, -0.2]]))
+    lock = urdf_ik.freeze(arm, T)
+    assert [pose.kind for pose in lock.poses][-1] == "own"
+    assert np.array_equal(lock.poses[-1].matrix, T[0])
+    assert len(lock.poses[-1].answers) == 8
+    longer = urdf_ik.load(arm.with_tool(urdf_ik.pose([0.0, 0.0, 5e-5])).model.xml.decode(), tip="tool")
+    found = lock.verify(longer, tolerance_mm=0.1, ignore="names")
+    assert found.passed, found
+    assert [each.name for each in found.ignored] == ["tool"]
+    assert not lock.verify(longer, tolerance_mm=0.01, ignore=["names"]).passed
+    cut = urdf_ik.load(TEXT.replace('upper="2.6"', 'upper="2.5"', 1))
+    assert not lock.verify(cut).passed
+    assert lock.verify(cut, ignore="limits,collisions").passed
+    with pytest.raises(ArgumentError, match="limits, names, collisions, visuals"):
+        lock.verify(arm, ignore="axes")
+    with pytest.raises(PoseError):
+        urdf_ik.freeze(arm, np.zeros((4, 4)))
+
+
+def test_a_solver_that_loses_gains_renames_or_reorders() -> None:
+    """Sets are compared: a lost or gained solution is found with its pose, another order or name is none."""
+    arm = urdf_ik.load(ARM)
+    lock = urdf_ik.freeze(arm, collisions=False)
+    first = lock.poses[0]
+    changed = {
+        "lost": first.answers[1:],
+        "gained": (*first.answers, first.answers[0].__class__((0.1,) * 6, "odd", True, False, None)),
+        "": tuple(answer.__class__(answer.q, "x", *_rest(answer)) for answer in reversed(first.answers)),
+    }
+    for words, answers in changed.items():
+        held = Baseline(lock.arm, lock.planted, (first.__class__(first.kind, first.T, (), answers), *lock.poses[1:]))
+        found = held.verify(arm)
+        # What the lock has too much was lost since, and the other way round.
+        expected = {"lost": "gained", "gained": "lost", "": ""}[words]
+        assert found.passed == (not words)
+        assert not words or (str(found.differences[0]).startswith(expected) and "pose 0" in str(found.differences[0]))
+
+
+def _rest(answer: object) -> tuple[object, ...]:
+    return answer.within_limits, answer.singular, answer.contact  # type: ignore[attr-defined]
+
+
+def test_meshes_that_are_missing_are_said() -> None:
+    """One warning, in the repr and in the file; where contacts are required it is an error."""
+    text = TEXT.replace('<cylinder radius="0.17" length="0.15"/>', '<mesh filename="not_there.stl"/>')
+    assert text != TEXT
+    arm = urdf_ik.load(text)
+    with pytest.warns(UserWarning, match="contacts not checked: 1 mesh missing"):
+        lock = urdf_ik.freeze(arm)
+    assert "contacts not checked: 1 mesh missing" in repr(lock)
+    assert lock.contacts in lock.to_text()
+    with pytest.raises(UrdfError):
+        urdf_ik.freeze(arm, collisions="require")
+
+
+@pytest.mark.parametrize(
+    ("text", "match"),
+    [
+        ("", "no lock file"),
+        ("[]", "no lock file"),
+        ("[" * 100_000, "no lock file"),
+        ('{"format": "urdf-ik lock", "version": 99}', "version 99"),
+        ('{"format": "urdf-ik lock", "version": 1}', "damaged"),
+    ],
+)
+def test_what_is_no_lock_file_is_refused(text: str, match: str) -> None:
+    """Whatever the text is."""
+    with pytest.raises(ArgumentError, match=match):
+        Baseline.from_text(text)
+
+
+def test_a_damaged_lock_file_is_refused() -> None:
+    """Each entry taken away, or replaced by something else, is found when it is read."""
+    data = json.loads(urdf_ik.freeze(urdf_ik.load("planar_2r")).to_text())
+    for place in (
+        data,
+        data["arm"],
+        data["poses"][0],
+        data["planted"][0],
+        data["arm"]["steps"][0],
+        data["arm"]["shapes"][0],
+    ):
+        for key in list(place):
+            kept = place.pop(key)
+            if key not in (
+                "held",
+                "backwards",
+                "file",
+                "digest",
+                "family",
+                "reason",
+                "task",
+                "locked",
+                "redundancy",
+                "task",
+            ):
+                with pytest.raises(ArgumentError):
+                    Baseline.from_text(json.dumps(data))
+            for wrong in (None, {"a": 1}, [None]):
+                place[key] = wrong
+                with contextlib.suppress(ArgumentError):  # and nothing else
+                    Baseline.from_text(json.dumps(data))
+            place[key] = kept
+    assert Baseline.from_text(json.dumps(data)).arm.robot == "planar_2r"
+
+
+def test_the_commands_freeze_verify_and_update(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Status 0 and 1; base and tip come from the lock; --update rewrites it; a tip that is gone is a failure."""
+    monkeypatch.chdir(tmp_path)
+    Path("arm.urdf").write_text(TEXT)
+    Path("bad.urdf").write_text(TEXT.replace('<axis xyz="0 1 0"/>', '<axis xyz="0 -1 0"/>', 1))
+    Path("gone.urdf").write_text(TEXT.replace('"tool0"', '"flange"'))
+
+    def run(*words: str) -> tuple[int, str]:
+        done = CliRunner().invoke(app, words, catch_exceptions=False)
+        return done.exit_code, done.stdout
+
+    assert run("freeze", "arm.urdf", "-o", "arm.lock.json")[0] == 0
+    assert run("verify", "arm.urdf", "arm.lock.json")[0] == 0
+    status, out = run("verify", "bad.urdf", "arm.lock.json")
+    assert status == 1 and "joint_2: its axis is negated" in out and "replay" in out
+    status, out = run("verify", "bad.urdf", "arm.lock.json", "-f", "json")
+    assert status == 1 and json.loads(out)["differences"][0]["name"] == "joint_2"
+    status, out = run("verify", "gone.urdf", "arm.lock.json")
+    assert status == 1 and "FAILED" in out and "tool0" in out
+    assert run("verify", "arm.urdf", "arm.lock.json", "--ignore", "axes")[0] == 2
+    status, out = run("verify", "bad.urdf", "arm.lock.json", "--update")
+    assert status == 0 and "negated" in out
+    assert run("verify", "bad.urdf", "arm.lock.json")[0] == 0
+
+
+def test_a_verification_is_short_in_a_prompt_and_readable_in_a_notebook() -> None:
+    """At most six lines, and HTML without markup of the file's."""
+    lock = urdf_ik.freeze(urdf_ik.load(ARM))
+    found = lock.verify(urdf_ik.load("puma_560"))
+    assert not found.passed
+    assert len(repr(found).splitlines()) <= 6
+    assert len(found.lines()) < 60
+    assert found._repr_html_().startswith("<div>")

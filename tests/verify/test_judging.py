@@ -1,0 +1,248 @@
+"""Solvers judged: a right one passes, and each seeded fault is found with its pose."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import sys
+import textwrap
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import urdf_ik
+from urdf_ik.cli import app
+from urdf_ik.errors import ArgumentError, MissingPackage
+from urdf_ik.verify import judge
+from urdf_ik.verify.judging import IKFastLibrary, Judgement, SolverProcess, replay, solver_of
+
+PUMA = urdf_ik.load("puma_560")
+
+
+def right(T: Any) -> Any:
+    """This package's own answers."""
+    return PUMA.ik(T).to_array()
+
+
+@pytest.mark.parametrize(
+    "name", ["puma_560", "ur5", "zyyzyz_6r", "scara_rrpr", "stanford_rrprrr", "planar_2r", "srs_7r"]
+)
+def test_a_right_solver_passes(name: str) -> None:
+    """At every kind of pose, singular ones too, in any order, with whole turns added."""
+    arm = urdf_ik.load(name)
+    turn = np.where(arm.chain.prismatic, 0.0, 2.0 * np.pi)
+
+    def solve(T: Any) -> Any:
+        if arm.task != "pose":
+            return arm.for_task(arm.task).ik(arm.solver.control.target_of(T)).to_array()[::-1] + turn
+        return arm.ik(T).to_array()[::-1] + turn
+
+    found = judge(arm, solve, n=8)
+    assert found.passed, found
+    assert [kind.poses for kind in found.kinds] == [8] * 5
+
+
+def drop(q: np.ndarray) -> np.ndarray:
+    """A branch is lost."""
+    return q[1:]
+
+
+def sign(q: np.ndarray) -> np.ndarray:
+    """A joint turns the other way."""
+    return q * np.array([1.0, 1.0, -1.0, 1.0, 1.0, 1.0])
+
+
+def off(q: np.ndarray) -> np.ndarray:
+    """A joint is off by 1e-6 rad."""
+    return q + np.array([0.0, 0.0, 0.0, 0.0, 1e-6, 0.0])
+
+
+def twice(q: np.ndarray) -> np.ndarray:
+    """A solution stands there twice."""
+    return np.concatenate([q, q[:1]])
+
+
+@pytest.mark.parametrize(("seeded", "fault"), [(drop, "missing"), (sign, "wrong"), (off, "wrong"), (twice, "doubled")])
+def test_each_seeded_fault_is_found_with_its_pose(seeded: Callable[[np.ndarray], np.ndarray], fault: str) -> None:
+    """One of 25 poses is enough, and its pose comes again."""
+    at = replay(PUMA, n=5, seed=3, index=7)
+
+    def solve(T: Any) -> Any:
+        q = right(T)
+        return seeded(q) if np.array_equal(T, at) else q
+
+    found = judge(PUMA, solve, n=5, seed=3)
+    assert not found.passed
+    own = [each for each in found.faults if each.fault == fault]
+    assert own and {each.index for each in found.faults} == {7}
+    assert "index=7" in str(found)
+    assert {kind.name for kind in found.kinds if kind.wrong or kind.missing or kind.doubled} == {"round"}
+
+
+def test_limits_errors_and_odd_answers() -> None:
+    """A solver that is to keep inside the limits; one that raises; one that returns other shapes, NaN or text."""
+    assert judge(PUMA, lambda T: PUMA.ik(T).within_limits().to_array(), n=5, within_limits=True).passed
+    outside = judge(PUMA, right, n=5, within_limits=True)
+    assert any(each.fault == "outside limits" for each in outside.faults)
+
+    def raises(T: Any) -> Any:
+        raise RuntimeError("no")
+
+    assert {each.fault for each in judge(PUMA, raises, n=1).faults} == {"failed"}
+    for odd in (np.zeros((2, 5)), "text", np.zeros(()), object()):
+        assert {each.fault for each in judge(PUMA, lambda T, odd=odd: odd, n=1).faults} == {"failed"}
+    for nothing in (None, [], np.full((8, 6), np.nan)):
+        found = judge(PUMA, lambda T, nothing=nothing: nothing, n=1)
+        assert {each.fault for each in found.faults} == {"missing"}
+    infinite = judge(PUMA, lambda T: [[np.inf] * 6], n=1)
+    assert {"wrong", "missing"} == {each.fault for each in infinite.faults}
+    with pytest.raises(ArgumentError):
+        judge(PUMA, 3, n=1)  # type: ignore[arg-type]
+
+
+def test_a_report_is_text_json_junit_and_html() -> None:
+    """The same counts in each."""
+    found = judge(PUMA, lambda T: right(T)[1:], n=2, name="<mine>")
+    data = json.loads(found.to_json())
+    assert data["passed"] is False and len(data["faults"]) == len(found.faults) > 0
+    tree = ElementTree.fromstring(found.to_junit())
+    assert len(tree.findall("testsuite")) == 5
+    assert len(tree.findall("testsuite/testcase/failure")) == len({(each.kind, each.fault) for each in found.faults})
+    assert "&lt;mine&gt;" in found._repr_html_()
+    assert len(repr(found).splitlines()) <= 6
+
+
+SOLVER = """
+import json, sys
+import numpy as np
+import urdf_ik
+arm = urdf_ik.load("puma_560")
+def solve(T):
+    return arm.ik(np.array(T)).to_array()
+if __name__ == "__main__":
+    for line in sys.stdin:
+        print(json.dumps({"q": solve(json.loads(line)["T"]).tolist()}), flush=True)
+"""
+
+
+def test_a_file_a_process_and_their_ends(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A function of a file, a process by lines of JSON; one that ends, talks nonsense or is silent is a fault."""
+    monkeypatch.chdir(tmp_path)
+    Path("mine.py").write_text(SOLVER)
+    assert judge(PUMA, solver_of("mine.py:solve", PUMA), n=2).passed
+    with SolverProcess([sys.executable, "mine.py"]) as process:
+        assert judge(PUMA, process, n=2).passed
+    for code in (
+        "",
+        "print('nonsense', flush=True); input()",
+        "import json; input(); print(json.dumps({'error': 'no'}))",
+    ):
+        with SolverProcess([sys.executable, "-c", code]) as process:
+            assert {each.fault for each in judge(PUMA, process, n=1).faults} == {"failed"}
+    with (
+        SolverProcess([sys.executable, "-c", "input(); input()"], timeout=0.2) as process,
+        pytest.raises(ArgumentError),
+    ):
+        process(np.eye(4))
+    with pytest.raises(ArgumentError):
+        SolverProcess(["/no/such/program"])
+    for spec in ("nothing", "mine.py:absent", "no.such.module:solve", "ikfast:absent.so"):
+        with pytest.raises(ArgumentError):
+            solver_of(spec, PUMA)
+
+
+# What ikfast.h declares, and a ComputeIk that gives two solutions which hold the target's numbers.
+IKFAST = """
+#include <vector>
+#include <cstddef>
+namespace ikfast {
+template <typename T> class IkSingleDOFSolutionBase { public:
+  T fmul, foffset; signed char freeind; unsigned char jointtype, maxsolutions, indices[5]; };
+template <typename T> class IkSolutionBase;
+template <typename T> class IkSolutionListBase { public:
+  virtual ~IkSolutionListBase() {}
+  virtual size_t AddSolution(const std::vector<IkSingleDOFSolutionBase<T>>&, const std::vector<int>&) = 0;
+  virtual const IkSolutionBase<T>& GetSolution(size_t) const = 0;
+  virtual size_t GetNumSolutions() const = 0;
+  virtual void Clear() = 0; };
+}
+HEAD int GetNumJoints() { return 6; }
+HEAD int GetNumFreeParameters() { return 0; }
+HEAD bool ComputeIk(const double* t, const double* r, const double*, ikfast::IkSolutionListBase<double>& out) {
+  out.Clear();
+  for (int k = 0; k < 2; ++k) {
+    std::vector<ikfast::IkSingleDOFSolutionBase<double>> v(6);
+    for (int i = 0; i < 6; ++i) v[i].foffset = k + (i < 3 ? t[i] : r[3 * (i - 3) + 1]);
+    out.AddSolution(v, std::vector<int>());
+  }
+  return out.GetNumSolutions() == 2;
+}
+"""
+
+
+@pytest.mark.skipif(shutil.which("g++") is None or sys.platform == "win32", reason="no C++ compiler")
+@pytest.mark.parametrize("head", ['extern "C"', ""])
+def test_a_library_of_ikfast_is_called_as_its_header_says(tmp_path: Path, head: str) -> None:
+    """Solutions, rotation by rows and translation pass the C++ interface unchanged, with C and with C++ names."""
+    source, library = tmp_path / "arm.cpp", tmp_path / "arm.so"
+    source.write_text(textwrap.dedent(IKFAST).replace("HEAD", head))
+    subprocess.run(["g++", "-shared", "-fPIC", "-O1", "-w", str(source), "-o", str(library)], check=True, timeout=120)
+    solve = IKFastLibrary(library)
+    T = PUMA.fk([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
+    expected = np.concatenate([T[:3, 3], T[:3, 1]])
+    for _ in range(3):
+        np.testing.assert_array_equal(solve(T), [expected, expected + 1.0])
+    assert {"wrong", "missing"} == {each.fault for each in judge(PUMA, solve, n=1).faults}
+
+
+def test_a_library_without_the_functions_is_refused(tmp_path: Path) -> None:
+    """A file that is no library."""
+    tmp_path.joinpath("odd.so").write_bytes(b"no library")
+    with pytest.raises(ArgumentError):
+        IKFastLibrary(tmp_path / "odd.so")
+
+
+@pytest.mark.parametrize(
+    ("spec", "package", "name"),
+    [
+        ("eaik", "eaik", "puma_560"), ("ik-geo", "ik_geo", "ur5"), ("py-opw", "py_opw_kinematics", "zyyzyz_6r"),
+        ("ssik", "ssik", "ur5"), ("ssik-built", "ssik", "ur5"), ("ssik-prebuilt:universal_robots.ur5", "ssik", "ur5"),
+    ],
+)  # fmt: skip
+def test_peers_answer_random_poses(spec: str, package: str, name: str) -> None:
+    """Where a peer is installed, its adapter solves random poses; where it is not, the error says what to install."""
+    arm = urdf_ik.load(name)
+    try:
+        __import__(package)
+    except ImportError:
+        with pytest.raises(MissingPackage, match="pip install"):
+            solver_of(spec, arm)
+        return
+    found = judge(arm, solver_of(spec, arm), n=5, tolerance=1e-6)
+    assert isinstance(found, Judgement)
+    assert not found.kinds[0].wrong and found.kinds[0].found
+
+
+def test_the_command_judges(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Status 0 and 1; JUnit XML in a file; an unknown solver is a usage error that lists the forms."""
+    monkeypatch.chdir(tmp_path)
+    Path("mine.py").write_text(SOLVER + "\ndef forgetful(T):\n    return solve(T)[1:]\n")
+
+    def run(*words: str) -> tuple[int, str, str]:
+        done = CliRunner().invoke(app, ["judge", "puma_560", "-n", "2", *words], catch_exceptions=False)
+        return done.exit_code, done.stdout, done.stderr
+
+    assert run("--solver", "mine.py:solve")[0] == 0
+    assert run("--solver", f"process:{sys.executable} mine.py")[0] == 0
+    status, out, _ = run("--solver", "mine.py:forgetful")
+    assert status == 1 and "missing" in out and "replay" in out
+    assert run("--solver", "mine.py:forgetful", "-f", "junit", "-o", "out.xml")[0] == 1
+    assert ElementTree.parse("out.xml").getroot().tag == "testsuites"
+    status, _, err = run("--solver", "nothing")
+    assert status == 2 and "process:COMMAND" in err
