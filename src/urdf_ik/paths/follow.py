@@ -1,4 +1,4 @@
-"""Following a path: the cheapest joint motion through all waypoints, over all branches and turns."""
+"""``follow``: the cheapest joint motion through all waypoints, over all branches and turns."""
 
 from __future__ import annotations
 
@@ -55,39 +55,39 @@ def follow(
 ) -> Plan:
     """The cheapest joint motion along a path, over all branches and turns, without a jump.
 
-    From waypoint to waypoint the joints move linearly, and the tip is proven to keep within a tolerance of the
-    straight segment; where it would not, waypoints are put in between, and ``Plan.motion`` holds them. Of an arm
-    with a redundancy parameter, its values are searched on a grid first, and then on finer ones around the way
-    found: the cheapest in that neighbourhood. With a free axis (:meth:`Arm.with_free_axis`) the rotation about it
-    does not count, and the plan never costs more than the one that keeps it. Of several parameters all but one are
-    held at a few values, and moved together then: see :mod:`urdf_ik.paths.planner.several_parameters`.
+    From waypoint to waypoint the joints move linearly, and the tip provably stays within a tolerance of the
+    straight segment. Where it would leave it, ``follow`` adds waypoints; ``Plan.motion`` holds them. A redundancy
+    parameter is searched on a coarse grid, then on finer grids around the path found; the plan is the cheapest in
+    that neighbourhood. With a free axis (:meth:`Arm.with_free_axis`) the rotation about it does not count, and the
+    plan never costs more than with the rotation fixed. With several parameters, all but one are first held at a few
+    values, then all are moved together: see :mod:`urdf_ik.paths.planner.several_parameters`.
 
     Args:
         solver: of the arm.
         cell: of the arm.
         T: (m, 4, 4) m, waypoints; see :func:`urdf_ik.line`, :func:`urdf_ik.arc`, :func:`urdf_ik.polyline`.
-        start: (n,) joint vector at the first waypoint; default: whichever is best.
-        end: (n,) joint vector at the last waypoint; default: whichever is best.
+        start: (n,) joint vector at the first waypoint; default: the best.
+        end: (n,) joint vector at the last waypoint; default: the best.
         world: the :class:`urdf_ik.World` of obstacles to stay clear of.
         margin: m that bodies must stay apart.
-        collisions: whether collisions are checked, at the waypoints and all the way between them: of the arm with
+        collisions: whether to check collisions, at the waypoints and along the motions between them: of the arm with
             itself, where the URDF has collision shapes, and with the world.
-        cost: what is minimised, summed over the steps: 'l1' the sum of ``|dq|`` of the joints, 'l2' that of dq^2,
+        cost: the measure to minimise, summed over the steps: 'l1' the sum of ``|dq|`` of the joints, 'l2' that of dq^2,
             'max' the largest ``|dq|``, 'time' the time of a step at the URDF's velocity limits.
         weights: (n,) factors of ``|dq|``, of dq^2 for 'l2'; default: 1, which adds rad and m.
-        margins: weight of a further cost at each waypoint: the square of how near the joints come to their limits,
-            0 in the middle of a joint's range and 1 at its limit, of the joint that comes nearest.
+        margins: weight of an additional cost at each waypoint, for the joint nearest to its limit: the square of its
+            distance from the middle of its range, 0 in the middle and 1 at the limit.
         max_step: rad or m that a joint may move between two waypoints: a number, or (n,).
-        tolerance: (m, rad) that the tip may stray from the straight segments; default: (0.001, 0.02), four times as
-            much where no plan keeps to that. ``Plan.tolerance`` says which.
-        reconfigure: where no joint motion leads all the way, the plan with the fewest changes of branch between
-            waypoints.
+        tolerance: (m, rad) that the tip may stray from the straight segments; default: (0.001, 0.02), or four times as
+            much where no plan stays within that. ``Plan.tolerance`` holds the one used.
+        reconfigure: where no joint motion reaches the last waypoint, return the plan with the fewest changes of
+            branch between waypoints.
 
     Returns:
         See :class:`urdf_ik.Plan`; where ``found`` is false, ``explain()`` says how far each branch gets.
 
     Raises:
-        ArgumentError: waypoints, ``start``, ``end`` or a setting do not fit; the message says what would be valid.
+        ArgumentError: waypoints, ``start``, ``end`` or a setting do not fit; the message names the valid values.
         PoseError: a waypoint is not a pose.
         UrdfError: a world is given, and the arm has no collision shapes.
         UnsupportedArm: no solver takes this arm.

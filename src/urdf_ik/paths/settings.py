@@ -1,4 +1,4 @@
-"""What a path is asked to keep to: costs, limits of the steps, tolerances; checked once."""
+"""The settings of a path: costs, limits of the steps, tolerances."""
 
 from __future__ import annotations
 
@@ -25,30 +25,30 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 POSITION, ROTATION = 1e-3, 0.02
-"""m and rad: how far the tip may stray from the straight segment between two waypoints, where nothing else is asked."""
+"""m and rad: default tolerance of the tip from the straight segment between two waypoints."""
 LOOSER = 4.0
-"""Factor on both, where no tolerance is asked for and no plan keeps to them."""
+"""Factor on both, where no tolerance is given and no plan stays within the default."""
 AT_WAYPOINT = 1e-6
-"""m and rad: a start or an end whose pose is farther from its waypoint does not solve it."""
+"""m and rad: the pose of a start or end joint vector may be this far from its waypoint."""
 
 
 @dataclass(frozen=True)
 class Settings:
-    """See :meth:`urdf_ik.Arm.follow`.
+    """The checked settings of one call of ``follow``; see :func:`urdf_ik.paths.follow.follow` for their meaning.
 
     Attributes:
         solver: the arm's solver.
-        joints: how its joints turn.
+        joints: the images of joint vectors whole turns apart, and the steps between them.
         kind: index of the cost in ``COSTS``.
         weights: (n,).
-        max_step: (n,) rad or m between two waypoints, infinite where there is no such limit.
-        tolerance: from the straight segments.
+        max_step: (n,) rad or m between two waypoints, infinite where a joint has no such limit.
+        tolerance: of the tip from the straight segments.
         start: (n,) joint vector at the first waypoint, or None.
-        end: (n,) at the last one, or None.
-        obstacles: what to stay clear of.
+        end: (n,) joint vector at the last waypoint, or None.
+        obstacles: the bodies to stay clear of.
         margins: weight of the costs of being near a joint limit.
         reconfigure: whether the branch may be changed.
-        looser: whether a plan may stray ``LOOSER`` times as far where no plan keeps to the tolerance.
+        looser: whether a plan may stray ``LOOSER`` times as far where no plan stays within the tolerance.
     """
 
     solver: Solver
