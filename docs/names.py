@@ -112,7 +112,8 @@ def _directive(path: str, module: ModuleType, name: str) -> str:
     if inspect.isclass(value):
         inherited = "\n   :inherited-members:" if path == "urdf_ik" and name in ("Arm", "IKSolutions", "Plan") else ""
         bases = "\n   :show-inheritance:" if _is_error(value) else ""
-        return f".. autoclass:: {path}.{name}\n   :members:{inherited}{bases}"
+        again = "\n   :no-index:" if path != "urdf_ik" and getattr(urdf_ik, name, None) is value else ""
+        return f".. autoclass:: {path}.{name}\n   :members:{inherited}{bases}{again}"
     if callable(value):
         return f".. autofunction:: {path}.{name}"
     return f".. autodata:: {_home(module, name)}.{name}\n   :no-value:"

@@ -166,12 +166,12 @@ class Tracker:
 
     @property
     def q(self) -> Array:
-        """(n,) rad or m, where the joints are to be: the last step's ``q``, or where tracking began; a copy."""
+        """The commanded joint vector (n,) rad or m, from the last step or from the start; a copy."""
         return self._start.copy() if self._last is None else self._last.q
 
     @property
     def velocity(self) -> Array:
-        """(n,) rad/s or m/s, the joints' speeds in the last cycle; a copy."""
+        """The joints' speeds (n,) rad/s or m/s in the last cycle; a copy."""
         return self._start_velocity.copy() if self._last is None else self._last.velocity
 
     def reset(self, q: ArrayLike, velocity: ArrayLike | None = None) -> None:
