@@ -34,14 +34,14 @@ myst_heading_anchors = 3
 suppress_warnings = ["myst.header"]  # a page's first heading may stand below its picture
 
 # The notebooks stand in notebooks/ and are executed here.
-nb_execution_mode = "cache"  # executed anew when it has changed, and in a fresh checkout
+nb_execution_mode = "cache"  # a notebook runs again after a change, and in a fresh checkout
 nb_execution_timeout = 300
 nb_execution_raise_on_error = True
 nb_execution_show_tb = True
 nb_merge_streams = True
 
 autodoc_member_order = "bysource"
-autodoc_typehints = "none"  # docstrings say what they are, with shapes and units
+autodoc_typehints = "none"  # docstrings give types, shapes and units
 autodoc_preserve_defaults = True
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False
@@ -49,7 +49,7 @@ napoleon_use_ivar = True
 napoleon_use_rtype = False
 default_role = "code"
 
-# How the pages call what lies outside of docs/.
+# Links of the pages to files outside docs/, and their places in the build.
 OUTSIDE = {"../notebooks/": "/notebooks/", "../CHANGELOG.md": "/changelog.md", "../CONTRIBUTING.md": "/contributing.md"}
 
 
@@ -75,6 +75,6 @@ def point_inside(app: Any, name: str, source: list[str]) -> None:
 
 
 def setup(app: Any) -> None:
-    """Do both when the build begins."""
+    """Connect both functions to the build."""
     app.connect("builder-inited", copy_sources)
     app.connect("source-read", point_inside)

@@ -1,4 +1,4 @@
-"""Writes the pages of the reference: a directive for every public name, so that none is forgotten.
+"""The pages of the reference: a directive for every public name.
 
 Run by hand, `python docs/names.py FOLDER` writes them there.
 """
@@ -14,7 +14,7 @@ from types import ModuleType
 
 import urdf_ik
 
-# Names of `urdf_ik` itself by page; errors have one of their own, and what is listed nowhere stands on the last one.
+# Names of `urdf_ik` itself by page. Errors have a page of their own; names without a page go to "Other names".
 PAGES = {
     "arm": ("Loading, and the arm", ("load", "Arm", "Chain", "Structure")),
     "solutions": ("Solutions", ("IKSolutions", "Solution", "Singular")),
@@ -40,11 +40,22 @@ ROOMS = {
     "verify.surveys": "Checks of many arms",
     "maps.engine": "Work in blocks",
     "verify.crosscheck": "The cross-check against Pinocchio",
-    "verify.completeness": "The second way to all solutions",
+    "verify.completeness": "The second solver",
     "verify.testing": "Tests of your own",
     "model.catalogue": "Names of arms",
     "model.urdf": "Reading a URDF",
+    "arm.changes": "Changes of an arm",
+    "arm.positioner": "Positioners",
+    "cell.cell": "The cell of an arm",
+    "cell.collision_model": "Collision models",
     "cell.reference": "Pinocchio's own model of the file",
+    "paths.follow": "Settings of a path",
+    "paths.tracker": "The tracker",
+    "ik.solver": "The solver of an arm",
+    "ik.nearest": "The nearest solution",
+    "ik.redundancy.interval_search": "Search of intervals",
+    "ik.redundancy.sweep": "Sweeps",
+    "ik.redundancy.values": "Values of redundancy parameters",
     "kinematics.velocity": "Velocities",
     "ik.tasks": "Tasks",
     "ik.cuspidality": "Cuspidality",
@@ -104,7 +115,8 @@ def _directive(path: str, module: ModuleType, name: str) -> str:
     if inspect.isclass(value):
         inherited = "\n   :inherited-members:" if path == "urdf_ik" and name in ("Arm", "IKSolutions", "Plan") else ""
         bases = "\n   :show-inheritance:" if _is_error(value) else ""
-        return f".. autoclass:: {path}.{name}\n   :members:{inherited}{bases}"
+        again = "\n   :no-index:" if path != "urdf_ik" and getattr(urdf_ik, name, None) is value else ""
+        return f".. autoclass:: {path}.{name}\n   :members:{inherited}{bases}{again}"
     if callable(value):
         return f".. autofunction:: {path}.{name}"
     return f".. autodata:: {_home(module, name)}.{name}\n   :no-value:"

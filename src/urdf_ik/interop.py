@@ -1,4 +1,4 @@
-"""An arm and its solutions in the programs beside this one: ROS messages, pink, viser and rerun scenes.
+"""Arms and solutions as the types of other programs: ROS messages, pink, viser and rerun.
 
 Pinocchio's configurations are methods of the arm: ``arm.to_pinocchio(q)`` and ``arm.from_pinocchio(q_pin)``.
 """

@@ -1,4 +1,4 @@
-"""The record that users hold, and ``load``, which makes it."""
+"""``load``, and the record ``Arm`` that it returns."""
 
 from __future__ import annotations
 

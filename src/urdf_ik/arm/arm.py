@@ -107,7 +107,7 @@ class Arm:
 
     @property
     def redundancy(self) -> Redundancy | None:
-        """The redundancy parameter of an arm with seven joints or a free axis; None where a pose leaves nothing free.
+        """The redundancy parameter of an arm with seven joints or a free axis; None for other arms.
 
         The first one of an arm with several; ``arm.solver.parameters`` holds all.
         """
@@ -130,7 +130,7 @@ class Arm:
         return velocity.manipulability(self.chain, q, part)
 
     def limit_margin(self, q: ArrayLike) -> Array:
-        """How far (..., n) rad or m are from the joint limits: (...), the least joint's share of half its range.
+        """Distance (...) of joint vectors (..., n) from the joint limits: the least over joints, in half ranges.
 
         1 in the middle of all ranges, 0 at a limit, negative outside; see :func:`urdf_ik.ik.solutions.limits.margin`.
         """
@@ -139,7 +139,7 @@ class Arm:
     def to_pinocchio(self, q: ArrayLike) -> Array:
         """Configurations (..., nq) of Pinocchio's model of the whole URDF: joints by name, continuous ones (cos, sin).
 
-        Joints beside the chain stay at zero; those that mimic others follow them. ``arm.cell.reference.pin_model`` is
+        Joints outside the chain stay at zero. Joints that mimic others follow them. ``arm.cell.reference.pin_model`` is
         the ``pinocchio.Model``. See :meth:`urdf_ik.cell.reference.Reference.configurations`.
         """
         return self.cell.reference.configurations(self.chain.check(q))
@@ -174,18 +174,18 @@ class Arm:
                 ``ik(T[:, None], redundancy=values)`` solves every pose at every value. Default:
                 ``self.redundancy.default``. (..., k) for an arm with k parameters.
             threads: number of threads that share a batch.
-            task: what ``T`` is; default: a pose. An arm with few joints controls less, and takes that as target too,
-                see :attr:`task`: 'position' (..., 3) m in the base; 'position and axis' (..., 6), position and a
-                direction in the base for the tip's z axis (its x axis, else y, where the joints do not control z: see
-                ``arm.solver.control.aimed``), or a pair of these; 'planar position' (..., 2) m and 'planar pose'
+            task: the kind of target; default: a pose. An arm with few joints also takes the parts of a pose that it
+                controls, see :attr:`task`: 'position' (..., 3) m in the base; 'position and axis' (..., 6), position
+                and a direction in the base for the tip's z axis (its x axis, else y, where the joints do not control z:
+                see ``arm.solver.control.aimed``), or a pair of these; 'planar position' (..., 2) m and 'planar pose'
                 (..., 3) m, m, rad in the arm's plane, see ``arm.solver.control.plane``.
 
         Returns:
-            The solutions, (..., B, n), one column a branch. Those of seven joints are all that exist at the given
-            value, and ``singular`` says where the Jacobian drops rank while it is kept.
+            The solutions, (..., B, n), one column a branch. With seven joints these are all solutions at the given
+            value, and ``singular`` marks those at which the Jacobian loses rank while the value is held.
 
         Raises:
-            PoseError: a target is not finite, or is no pose.
+            PoseError: a target is not finite or not a rigid pose.
             ArgumentError: ``q_ref``, ``redundancy``, ``threads`` or ``task`` does not fit.
             UnsupportedArm: no solver takes this arm.
 
@@ -200,22 +200,22 @@ class Arm:
         return solve(solver, T, q_ref, redundancy, threads)
 
     def ik_nearest(self, T: Any, q_ref: ArrayLike, *, task: str | None = None, **options: Any) -> IKSolutions:
-        """The joint vector nearest to ``q_ref``: of all solutions, and over all values of a redundancy parameter.
+        """The solution nearest to ``q_ref``, over all branches and all values of the redundancy parameters.
 
         Args:
             T: as in ``ik``.
             q_ref: (n,), or one for each pose (..., n), rad or m.
-            task: what ``T`` is; see ``ik``.
+            task: the kind of target; see ``ik``.
             **options: ``metric``, ``weights``, ``within``, ``within_limits`` (True), ``region`` and ``threads``: see
                 :func:`urdf_ik.ik.nearest.nearest`.
 
         Returns:
-            One column a pose; of a continuum what ``ik`` gives near ``q_ref``. With seven joints, ``redundancy`` holds
-            the values of the parameter, of all in :meth:`intervals`, to 1e-8. With a region, ``poses`` holds the
-            targets that were chosen in it.
+            One column a pose. At a continuum it is the representative near ``q_ref``. With seven joints, ``redundancy``
+            holds the values of the parameter to 1e-8, found over all of :meth:`intervals`. With a region, ``poses``
+            holds the poses chosen in it.
 
         Raises:
-            PoseError: a target is no pose.
+            PoseError: a target is not a rigid pose.
             ArgumentError: ``q_ref``, ``task`` or an option does not fit.
             UnsupportedArm: no solver takes this arm.
 
@@ -230,7 +230,7 @@ class Arm:
         return nearest(solver, T, q_ref, **options)
 
     def explain(self, T: Any, redundancy: ArrayLike | None = None) -> str:
-        """Why the single pose ``T`` (4, 4) has no solution inside the joint limits, with what is out of range.
+        """The reason why one pose ``T`` (4, 4) has no solution inside the joint limits, and by how much it fails.
 
         Arguments, errors and an example: :func:`urdf_ik.ik.explanation.explain`.
         """
@@ -239,21 +239,21 @@ class Arm:
     def intervals(
         self, T: Any, within_limits: bool = True, world: World | None = None, *, threads: int = 1
     ) -> Intervals:
-        """Where along the redundancy parameter each branch has solutions, and what ends them.
+        """The intervals of the redundancy parameter in which each branch has solutions, and the cause of each end.
 
         Arguments, errors and an example: :func:`urdf_ik.ik.redundancy.interval_search.intervals`.
         """
         return intervals(self.solver, T, within_limits=within_limits, world=world, threads=threads)
 
     def sweep(self, T: Any, n: int = 64, *, within_limits: bool = False, threads: int = 1) -> Sweep:
-        """The solutions of one pose at ``n`` values of the redundancy parameter, and where there are any.
+        """The solutions of one pose at ``n`` values of the redundancy parameter, and the intervals that hold any.
 
         Arguments, errors and an example: :func:`urdf_ik.ik.redundancy.sweep.sweep`.
         """
         return sweep(self.solver, T, n, within_limits=within_limits, threads=threads)
 
     def redundancy_of(self, q: ArrayLike, T: Any = None) -> Array:
-        """Values of the redundancy parameters at joint vectors: ``ik`` finds them again at these.
+        """Values of the redundancy parameters at joint vectors; ``ik`` at these values returns the joint vectors.
 
         Arguments, errors and an example: :func:`urdf_ik.ik.redundancy.values.redundancy_of`.
         """
@@ -267,7 +267,7 @@ class Arm:
         return self.cell.clearance(q, world)
 
     def motion_is_free(self, q0: ArrayLike, q1: ArrayLike, world: World | None = None, margin: float = 0.0) -> Motions:
-        """Whether straight motions in joint space are free of contact from end to end: proven, not sampled.
+        """Whether straight motions in joint space are free of contact from end to end; proven, not sampled.
 
         Arguments, errors and an example: :meth:`urdf_ik.cell.cell.Cell.motion_is_free`.
         """
@@ -276,9 +276,9 @@ class Arm:
     def follow(self, T: Any, **settings: Any) -> Plan:
         """The cheapest joint motion along a path, over all branches and turns, without a jump.
 
-        From waypoint to waypoint the joints move linearly, and the tip is proven to keep within a tolerance of the
-        straight segment; where it would not, waypoints are put in between, and ``Plan.motion`` holds them. Values of a
-        redundancy parameter are searched on a grid first, and then on finer ones around the way found.
+        From waypoint to waypoint the joints move linearly, and the tip provably stays within a tolerance of the
+        straight segment. Where it would leave it, ``follow`` adds waypoints; ``Plan.motion`` holds them. Redundancy
+        parameters are searched on a coarse grid, then on finer grids around the path found.
 
         Args:
             T: (m, 4, 4) m, waypoints; see :func:`urdf_ik.line`, :func:`urdf_ik.arc`, :func:`urdf_ik.polyline`.
@@ -289,7 +289,7 @@ class Arm:
 
         Raises:
             ArgumentError: waypoints, ``start``, ``end`` or a setting do not fit.
-            PoseError: a waypoint is no pose.
+            PoseError: a waypoint is not a rigid pose.
             UrdfError: a world is given, and the arm has no collision shapes.
             UnsupportedArm: no solver takes this arm.
 
@@ -308,7 +308,7 @@ class Arm:
         return follow(self.solver, self.cell, T, **settings)
 
     def tracker(self, q0: ArrayLike, dt: float, **options: Any) -> Tracker:
-        """A tracker of targets, one each cycle of ``dt`` s, from ``q0`` on: see :class:`urdf_ik.paths.Tracker`.
+        """A tracker that starts at ``q0`` and takes one target every ``dt`` s: see :class:`urdf_ik.paths.Tracker`.
 
         Example:
             >>> import urdf_ik
@@ -320,42 +320,42 @@ class Arm:
         return Tracker(self.solver, q0, dt, **options)
 
     def with_tool(self, pose: Any, shapes: Shapes = (), name: str = "tool") -> Arm:
-        """This arm with a tool at its tip: a new arm whose tip is the tool's centre point, and whose tool collides.
+        """A new arm with a tool at the tip: its tip is the tool's centre point, and the tool's shapes collide.
 
         Arguments, errors and an example: :func:`urdf_ik.arm.changes.with_tool`.
         """
         return Arm(*changes.with_tool(self._parts, pose, shapes, name))
 
     def with_free_axis(self, axis: Any, at: ArrayLike | None = None) -> Arm:
-        """This arm, its tip free to turn about an axis: a new arm with one redundancy parameter more.
+        """A new arm whose tip may turn about an axis: it has one more redundancy parameter.
 
         Arguments, errors and an example: :func:`urdf_ik.arm.changes.with_free_axis`.
         """
         return Arm(*changes.with_free_axis(self._parts, axis, at))
 
     def with_redundancy(self, *joints: str) -> Arm:
-        """This arm, the values of these joints being its redundancy parameters: a new arm.
+        """A new arm whose redundancy parameters are the values of these joints.
 
         Arguments, errors and an example: :func:`urdf_ik.arm.changes.with_redundancy`.
         """
         return Arm(*changes.with_redundancy(self._parts, *joints))
 
     def with_locked(self, values: Mapping[str, float]) -> Arm:
-        """This arm, joints being held at these values [rad or m]: a new arm of the other joints.
+        """A new arm with joints locked at these values [rad or m]; the other joints move.
 
         Arguments, errors and an example: :func:`urdf_ik.arm.changes.with_locked`.
         """
         return Arm(*changes.with_locked(self._parts, values))
 
     def with_cell(self, cell: Cell) -> Arm:
-        """This arm in another cell: a new arm with other allowed collisions.
+        """A new arm in another cell, such as one with other allowed collisions.
 
         Arguments, errors and an example: :func:`urdf_ik.arm.changes.with_cell`.
         """
         return Arm(*changes.with_cell(self._parts, cell))
 
     def for_task(self, task: str) -> Arm:
-        """This arm, its ``ik`` and ``explain`` taking targets of a task; see :meth:`ik`.
+        """A new arm whose ``ik`` and ``explain`` take targets of a task; see :meth:`ik`.
 
         Arguments, errors and an example: :func:`urdf_ik.arm.changes.for_task`.
         """

@@ -1,4 +1,4 @@
-"""An arm with a change: a tool, a free axis, other redundancy parameters, held joints, another task."""
+"""Arms with one setting changed: a tool, a free axis, redundancy parameters, locked joints, a task."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def assembled(
     Args:
         model: the URDF.
         chain: the joints from base to tip.
-        task: what targets are; see :meth:`urdf_ik.Arm.ik`.
+        task: the kind of targets; see :meth:`urdf_ik.Arm.ik`.
         free_axis: a line in the tip about which it may be turned; see :meth:`urdf_ik.Arm.with_free_axis`.
         given: names of joints whose values are redundancy parameters; see :meth:`urdf_ik.Arm.with_redundancy`.
         cell: self-collision and worlds; default: those of the URDF.
@@ -62,16 +62,16 @@ def assembled(
 
 
 def with_tool(arm: Parts, pose: Any, shapes: Shapes = (), name: str = "tool") -> Parts:
-    """This arm with a tool at its tip: a new arm whose tip is the tool's centre point, and whose tool collides.
+    """A new arm with a tool at the tip: its tip is the tool's centre point, and the tool's shapes collide.
 
-    The tool is a link of the new arm's URDF, fixed to the present tip, so that Pinocchio sees it too, and
+    The tool is a link of the new arm's URDF, fixed to the present tip. So Pinocchio sees it too, and
     ``arm.model.write`` writes it. Tools may be stacked. Base, locked joints, task and changes of the
     allowed-collision table stay. A tool may touch the links that any link in its place may touch.
 
     Args:
         arm: its parts.
         pose: (4, 4) of the tool's centre point in the present tip link [m], or a ``pinocchio.SE3``.
-        shapes: what the tool is made of, each a shape or a pair (shape, pose in the present tip link [m]):
+        shapes: the tool's shapes, each a shape or a pair (shape, pose in the present tip link [m]):
             ``Box``, ``Sphere``, ``Cylinder``, ``Capsule`` and ``Mesh``.
         name: of the tool's link.
 
@@ -92,12 +92,12 @@ def with_tool(arm: Parts, pose: Any, shapes: Shapes = (), name: str = "tool") ->
 
 
 def with_free_axis(arm: Parts, axis: Any, at: ArrayLike | None = None) -> Parts:
-    """This arm, its tip free to turn about an axis: a new arm with one redundancy parameter more.
+    """A new arm whose tip may turn about an axis: it has one more redundancy parameter.
 
-    For tools that are round: welding, spraying, drilling, gripping a cylinder. The parameter's value v [rad] says
-    how far the tip is turned from the target: ``ik(T, redundancy=v)`` solves the target turned by v about the axis,
+    For round tools: welding, spraying, drilling, gripping a cylinder. The parameter's value v [rad] is the angle
+    by which the tip is turned from the target: ``ik(T, redundancy=v)`` solves the target turned by v about the axis,
     ``T @ arm.solver.free_axis.rotation(v)``; ``ik(T)`` is v = 0. ``ik_nearest`` and ``follow`` choose the rotation.
-    Mount a tool first: the axis belongs to the tip link. An arm with seven joints has two parameters then, this
+    Mount a tool first: the axis belongs to the tip link. An arm with seven joints then has two parameters, this
     one first, and takes values ``redundancy=(..., 2)``.
 
     Args:
@@ -107,7 +107,7 @@ def with_free_axis(arm: Parts, axis: Any, at: ArrayLike | None = None) -> Parts:
 
     Raises:
         ArgumentError: an invalid axis, the arm has a free axis already, a joint in its middle is given, or it
-            has less than six joints or controls less than a pose.
+            has fewer than six joints or controls less than a pose.
         UnsupportedArm: no solver takes this arm.
 
     Example:
@@ -122,21 +122,21 @@ def with_free_axis(arm: Parts, axis: Any, at: ArrayLike | None = None) -> Parts:
 
 
 def with_redundancy(arm: Parts, *joints: str) -> Parts:
-    """This arm, the values of these joints being its redundancy parameters: a new arm.
+    """A new arm whose redundancy parameters are the values of these joints.
 
-    A rail, the joint of a positioner, or any other of seven joints or more. An end joint costs what the six others
-    cost. One in the middle makes another arm of every value, prepared when the value is first asked for: a
-    fraction of a millisecond for closed forms, up to a second for an elimination. ``arm.structure.reason`` says
-    which parameter an arm has by itself, and why.
+    Any joint of an arm with seven or more may be chosen, such as a rail or the joint of a positioner. With an end
+    joint, a value costs as much as solving the other six. With a joint in the middle, each value is another arm,
+    prepared when the value is first used: a fraction of a millisecond for closed forms, up to a second for an
+    elimination. ``arm.structure.reason`` names the default parameter and the reason for it.
 
     Args:
         arm: its parts.
-        joints: names, as many as a pose leaves free, or fewer, to which others are added.
-            ``arm.solver.parameters`` says in which order ``ik`` takes their values.
+        joints: names, at most one for each redundancy parameter of the arm; missing ones are added.
+            ``arm.solver.parameters`` has the order in which ``ik`` takes their values.
 
     Raises:
         ChainError: the chain has no such joint; the error lists those it has.
-        ArgumentError: more joints than a pose leaves free.
+        ArgumentError: more joints than the arm has redundancy parameters.
         UnsupportedArm: no solver takes the other joints, or joints mimic others.
 
     Example:
@@ -149,10 +149,10 @@ def with_redundancy(arm: Parts, *joints: str) -> Parts:
 
 
 def with_locked(arm: Parts, values: Mapping[str, float]) -> Parts:
-    """This arm, joints being held at these values [rad or m]: a new arm of the other joints.
+    """A new arm with joints locked at these values [rad or m]; the other joints move.
 
-    Joints of the chain become part of the fixed geometry; those beside it, such as the joints of a second arm,
-    stand there as obstacles. Joints that are held already stay held, unless ``values`` names them anew.
+    Locked joints of the chain become fixed geometry. Joints outside it, such as those of a second arm, put their
+    links there as obstacles. Joints that are locked already stay so, unless ``values`` gives them a new value.
 
     Raises:
         ChainError: the URDF has no such joint; the error lists those that it has.
@@ -172,7 +172,7 @@ def with_locked(arm: Parts, values: Mapping[str, float]) -> Parts:
 
 
 def with_cell(arm: Parts, cell: Cell) -> Parts:
-    """This arm in another cell: a new arm with other allowed collisions.
+    """A new arm in another cell, such as one with other allowed collisions.
 
     Example:
         >>> import urdf_ik
@@ -184,10 +184,10 @@ def with_cell(arm: Parts, cell: Cell) -> Parts:
 
 
 def for_task(arm: Parts, task: str) -> Parts:
-    """This arm, its ``ik`` and ``explain`` taking targets of a task; see :meth:`urdf_ik.Arm.ik`.
+    """A new arm whose ``ik`` and ``explain`` take targets of a task; see :meth:`urdf_ik.Arm.ik`.
 
     Raises:
-        ArgumentError: there is no such task, or the arm cannot control it.
+        ArgumentError: the task is unknown, or the arm cannot control it.
         UnsupportedArm: no solver takes this arm.
 
     Example:

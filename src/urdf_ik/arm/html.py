@@ -1,4 +1,4 @@
-"""An arm as HTML, for notebooks."""
+"""The table of an arm in a notebook."""
 
 from __future__ import annotations
 

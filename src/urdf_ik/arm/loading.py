@@ -1,4 +1,4 @@
-"""From a URDF to an arm that is ready to be solved."""
+"""``load``: from a URDF to an arm."""
 
 from __future__ import annotations
 
@@ -34,22 +34,22 @@ def load(
     """Read a URDF and prepare its solver.
 
     Args:
-        source: a path, XML text, an open file, or a name such as 'zyyzyz_6r', 'ur5' or 'ur10e_description': of the
-            catalogue, or of robot_descriptions, which downloads it when it is first asked for. A file may be
-            compressed by gzip, be a MuJoCo model (MJCF), or a xacro if its name ends in ``.xacro``.
+        source: a path, XML text, an open file, or a name such as 'zyyzyz_6r', 'ur5' or 'ur10e_description'. Names are
+            those of the catalogue and of robot_descriptions, which downloads a model at its first use. A file may be
+            compressed by gzip, a MuJoCo model (MJCF), or a xacro if its name ends in ``.xacro``.
         base: base link; default: the root.
-        tip: tip link; default: the tool frame of the longest chain, where that leaves no doubt (see
+        tip: tip link; default: the tool frame of the longest chain, if there is only one (see
             :meth:`urdf_ik.model.urdf.UrdfModel.chains`).
-        chain: which arm of several is meant, instead of a tip: a group of the SRDF, or of one beside the file, or a
+        chain: instead of a tip, the name of one arm of several: a group of the SRDF, or of one beside the file, or a
             name that ``urdf-ik info --chains`` lists, such as 'left' or 'left_arm'.
-        srdf: an SRDF, whose groups with a ``<chain>`` are the chains that come into question.
-        locked: joints that are held at these values [rad or m]; the arm is that of the others. An arm with more than
-            nine joints needs it to be solved. Joints beside the chain, such as those of a second arm, stand at these
-            values instead of at zero, where what they carry can be run into; :meth:`urdf_ik.Arm.with_locked`.
-        redundancy: joint, or joints, whose values are to be the redundancy parameters of an arm with more than six
-            joints; default: what is cheapest to solve. See :meth:`urdf_ik.Arm.with_redundancy`.
-        mesh_roots: folders that meshes may be read from, besides the URDF's own and its ROS package; packages are
-            looked for in them first, then in AMENT_PREFIX_PATH and ROS_PACKAGE_PATH.
+        srdf: an SRDF; its groups with a ``<chain>`` are the chains to choose from.
+        locked: values [rad or m] of joints that do not move. An arm with more than nine joints needs locked joints
+            to be solved. Joints outside the chain, such as those of a second arm, are at zero unless they are locked
+            elsewhere; collision checks see their links there. See :meth:`urdf_ik.Arm.with_locked`.
+        redundancy: joint or joints whose values are the redundancy parameters of an arm with more than six joints;
+            default: those that are cheapest to solve. See :meth:`urdf_ik.Arm.with_redundancy`.
+        mesh_roots: folders from which meshes may be read, besides the URDF's own and its ROS package. Packages are
+            searched in these first, then in AMENT_PREFIX_PATH and ROS_PACKAGE_PATH.
         xacro_args: arguments of a xacro, by name. A xacro is a program: expand only what you trust.
         strict: whether every defect of the URDF is an error; default: those in parts that the chain does not use
             are in ``arm.model.warnings``.
@@ -58,11 +58,11 @@ def load(
         UrdfError: the URDF is broken where the chain uses it; the error names line, element and hint.
         ChainError: base, tip, a locked joint or one of ``redundancy`` is unknown, or base or tip ambiguous; the error
             lists the candidates.
-        ArgumentError: a locked joint's value is no finite number.
-        ArgumentError: a name that there is not, or whose model cannot be downloaded.
+        ArgumentError: a locked joint's value is not a finite number.
+        ArgumentError: the name is unknown, or its model cannot be downloaded.
         MissingPackage: the package that reads a xacro or MJCF is not installed.
-        ArgumentError: more joints are in ``redundancy`` than a pose leaves free.
-        UnsupportedArm: a joint of the chain cannot be handled.
+        ArgumentError: ``redundancy`` names more joints than the arm has redundancy parameters.
+        UnsupportedArm: the chain holds a joint of a kind that is not supported.
 
     Example:
         >>> load("zyyzyz_6r")
@@ -94,7 +94,7 @@ def read(
 
     Raises:
         UrdfError: the URDF is broken.
-        ArgumentError: a name that there is not, or whose model cannot be downloaded.
+        ArgumentError: the name is unknown, or its model cannot be downloaded.
         MissingPackage: the package that reads a xacro or MJCF is not installed.
 
     Example:

@@ -1,4 +1,4 @@
-"""Arms with a positioner that carries the workpiece."""
+"""Arms whose workpiece is carried by a positioner."""
 
 from __future__ import annotations
 
@@ -14,21 +14,22 @@ from urdf_ik.support import inputs
 
 
 def with_positioner(arm: Arm, positioner: Arm, pose: Any, name: str = "positioner") -> Arm:
-    """An arm with a positioner of another URDF, whose tip carries the workpiece: poses are in its tip's frame.
+    """An arm with a positioner from another URDF that carries the workpiece; poses are in the positioner's tip frame.
 
     The new arm is the chain from the positioner's tip, back to its base, and up the arm: its base is the link
-    ``f"{name}_{positioner.tip}"``, its first joints are the positioner's, the last one first, and what they leave
-    free are redundancy parameters. A positioner in the same URDF needs no more than ``load(..., base=workpiece)``.
+    ``f"{name}_{positioner.tip}"``, its first joints are the positioner's, from its tip to its base. The
+    joints beyond six give redundancy parameters. For a positioner in the same URDF, ``load(..., base=workpiece)`` is
+    enough.
 
     Args:
         arm: the arm.
-        positioner: its chain from base to the link that carries the workpiece, as ``load`` gives it.
+        positioner: the chain from its base to the link that carries the workpiece, as ``load`` returns it.
         pose: (4, 4) m of the positioner's root link in the arm's base, or a ``pinocchio.SE3``.
-        name: stands before the names of its links and joints.
+        name: prefix of the names of the positioner's links and joints.
 
     Raises:
         PoseError: an invalid pose.
-        ArgumentError: a name is taken, or ``name`` cannot stand in a URDF.
+        ArgumentError: a name is taken, or ``name`` is not valid in a URDF.
         UnsupportedArm: no solver takes the joints.
 
     Example:

@@ -1,4 +1,4 @@
-"""The question that inverse kinematics asks of a cell: does anything touch?"""
+"""The interface of a cell, as inverse kinematics uses it: contact and distance of joint vectors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether an arm can change from one solution of a pose to another without crossing a singularity: a cuspidal arm.
+"""Cuspidality: whether an arm can change from one solution of a pose to another without crossing a singularity.
 
 Not cuspidal, by proof: an arm whose solver takes the joint angles from the roots of quadratics, one step after the
 other. The Jacobian's determinant is then, but for factors that never vanish, the product of the steps' derivatives,
@@ -47,7 +47,7 @@ _DISTINCT = 1e-3  # rad
 
 
 def is_cuspidal(solver: Solver) -> bool | None:
-    """Whether an arm can change solutions without crossing a singularity; None where that is not known.
+    """Whether an arm can change solutions without crossing a singularity; None if unknown.
 
     Example:
         >>> import urdf_ik
@@ -65,7 +65,7 @@ def is_cuspidal(solver: Solver) -> bool | None:
 
 
 def in_words(cuspidal: bool | None) -> str:
-    """Whether it changes solution without crossing a singularity, after "cuspidal".
+    """The text that follows "cuspidal" in reports: yes, no or not known, with the meaning.
 
     Example:
         >>> in_words(True).split(":")[0], in_words(False).split(":")[0]
@@ -85,8 +85,8 @@ def nonsingular_change(solver: Solver) -> Array | None:
         solver: of an arm of six turning joints.
 
     Returns:
-        (k, 6) rad, joint vectors from one solution of a pose to another, each a move of one of the joints 2 to 5 away
-        from the one before, but for the last, which moves joints 1 and 6; None where none was found.
+        (k, 6) rad, joint vectors from one solution of a pose to another, each step moves one of the joints 2 to 5,
+        and the last one joints 1 and 6; None if no path was found.
     """
     inputs.kind(solver, "single", "solver", "the solver of an arm, arm.solver,")
     grid = _Grid(solver.chain)

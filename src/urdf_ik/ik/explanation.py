@@ -1,4 +1,4 @@
-"""Why a target has no solution, in words."""
+"""Explanations of targets without a solution."""
 
 from __future__ import annotations
 

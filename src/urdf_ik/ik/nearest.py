@@ -1,4 +1,4 @@
-"""The solution nearest to a joint vector: of all solutions, over all values of a redundancy parameter, in a region."""
+"""``ik_nearest``: the solution nearest to a joint vector, over all redundancy parameters or in a target region."""
 
 from __future__ import annotations
 

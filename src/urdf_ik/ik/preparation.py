@@ -1,4 +1,4 @@
-"""From a chain to its solver: the structure of its axes, the family that takes it, the compiled solver."""
+"""From a chain to its solver: the structure of the axes, the family, the compiled solver."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Why an arm cannot be solved, and what would help."""
+"""Reasons why an arm has no solver, with hints."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which member of a continuum stands for it, where every pose of a batch has a reference of its own."""
+"""Representatives of continua, each chosen near the reference joint vector of its own pose."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Solving: every joint vector that brings the tip to a target."""
+"""From targets to their solutions."""
 
 from __future__ import annotations
 

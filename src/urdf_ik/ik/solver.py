@@ -1,4 +1,4 @@
-"""Solver: a chain that is ready to be solved, as every function of this room takes it."""
+"""``Solver``: a chain with its family and compiled solver."""
 
 from __future__ import annotations
 

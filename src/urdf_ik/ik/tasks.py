@@ -1,4 +1,4 @@
-"""What an arm with few joints can control of its tip, and solving for just that.
+"""Tasks: the parts of a pose that an arm with few joints controls, and targets of only those.
 
 A task counts the numbers that a target fixes: 'pose' (a 4x4 matrix), 'position' (x, y, z), 'position and axis' (x, y,
 z and a direction), 'planar position' (x, y in the arm's plane), 'planar pose' (x, y, angle in the arm's plane).
@@ -38,12 +38,12 @@ _HALF = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Control:
-    """What an arm can control of its tip.
+    """The part of the tip's pose that an arm controls.
 
     Attributes:
         task: one of ``TASKS``.
-        plane: of a planar arm, else None.
-        aimed: (3,) the tip's axis whose direction is controlled, in the tip, for 'position and axis', else None.
+        plane: the plane of a planar arm, else None.
+        aimed: for 'position and axis', the axis (3,) in the tip's frame whose direction is controlled, else None.
     """
 
     task: str
@@ -56,7 +56,7 @@ class Control:
         return "translation" if self.task in ("position", "planar position") else "all"
 
     def target_of(self, T: Array) -> Array:
-        """What the task fixes of poses ``T`` (..., 4, 4) of the tip [m]: a target for it.
+        """The target of this task that belongs to poses ``T`` (..., 4, 4) of the tip [m].
 
         Example:
             >>> import urdf_ik
@@ -75,7 +75,7 @@ class Control:
 
 
 def control_of(chain: Chain) -> Control:
-    """What the arm can control: see ``Arm.task``.
+    """The part of the tip's pose that a chain controls; see ``Arm.task``.
 
     Example:
         >>> import urdf_ik
@@ -113,7 +113,7 @@ def control_of(chain: Chain) -> Control:
 
 
 class Targets:
-    """How an arm is asked for a task instead of for a pose: what reads its targets, and what solves for them.
+    """The targets of a task other than 'pose': their check, and the poses that the solver gets for them.
 
     Attributes:
         task: one of ``TASKS``, but 'pose'.
@@ -125,11 +125,11 @@ class Targets:
         Args:
             name: the robot's name.
             chain: its joints.
-            control: what they control.
-            task: what targets are.
+            control: the part of the tip's pose that they control.
+            task: the kind of targets.
 
         Raises:
-            ArgumentError: there is no such task, or the arm cannot control it.
+            ArgumentError: the task is unknown, or the arm cannot control it.
         """
         if task not in TASKS:
             raise ArgumentError(f"no task is called {quoted(task)}; tasks: {', '.join(map(repr, TASKS))}")
@@ -197,7 +197,7 @@ class Targets:
         return target
 
     def poses(self, target: Array) -> Array:
-        """The target (m, k) as poses (m, 4, 4), of which the solver heeds what the task fixes."""
+        """The target (m, k) as poses (m, 4, 4), of which the solver uses only the parts that the task fixes."""
         control = self._control
         T = np.zeros((len(target), 4, 4))
         T[:, range(4), range(4)] = 1.0

@@ -1,4 +1,4 @@
-"""Geometry of a chain: screw axes, forward kinematics and Jacobian, how the axes lie, DH tables, velocities."""
+"""Kinematics of a chain: screw axes, forward kinematics, Jacobian, structure of the axes, DH tables, velocities."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How the joint axes of a chain lie to each other, with the measured imperfection of each relation."""
+"""``Structure``: parallel, intersecting and coincident joint axes, with the measured imperfection of each relation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an arm's Jacobian says: manipulability, condition, singular directions, joint velocities for a twist.
+"""Functions of the Jacobian: manipulability, condition number, singular directions, joint velocities for a twist.
 
 A twist is (vx, vy, vz, wx, wy, wz) [m/s, rad/s] of the tip, in base axes at the tip, as the Jacobian's rows. Where
 metres and radians have to be compared, lengths are shares of a characteristic length: linear rows, and the speeds

@@ -1,4 +1,4 @@
-"""Motion of an arm: poses followed as they come, and paths planned as a whole."""
+"""Paths: waypoints, plans through them, their timing, and a tracker for targets that arrive one by one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Following a path: the cheapest joint motion through all waypoints, over all branches and turns."""
+"""``follow``: the cheapest joint motion through all waypoints, over all branches and turns."""
 
 from __future__ import annotations
 
@@ -40,12 +40,12 @@ if TYPE_CHECKING:
 def follow(solver: Solver, cell: Cell, T: Any, **settings: Any) -> Plan:
     """The cheapest joint motion along a path, over all branches and turns, without a jump.
 
-    From waypoint to waypoint the joints move linearly, and the tip is proven to keep within a tolerance of the
-    straight segment; where it would not, waypoints are put in between, and ``Plan.motion`` holds them. With a
-    redundancy parameter, its values are searched on a grid first, and then on finer ones around the way found: the
-    plan is the cheapest in that neighbourhood. With a free axis (:meth:`urdf_ik.Arm.with_free_axis`) the rotation
-    about it does not count, and the plan never costs more than the one that keeps it. With several parameters all but
-    one are held at a few values first, and then moved together: see :mod:`urdf_ik.paths.planner.several_parameters`.
+    From waypoint to waypoint the joints move linearly, and the tip provably stays within a tolerance of the
+    straight segment. Where it would leave it, ``follow`` adds waypoints; ``Plan.motion`` holds them. A redundancy
+    parameter is searched on a coarse grid, then on finer grids around the path found; the plan is the cheapest in
+    that neighbourhood. With a free axis (:meth:`urdf_ik.Arm.with_free_axis`) the rotation about it does not count, and the
+    plan never costs more than with the rotation fixed. With several parameters, all but one are first held at a few
+    values, then all are moved together: see :mod:`urdf_ik.paths.planner.several_parameters`.
 
     Args:
         solver: the arm's solver.

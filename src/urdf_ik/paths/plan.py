@@ -1,4 +1,4 @@
-"""Plan: what ``arm.follow`` returns."""
+"""``Plan``, the result of ``arm.follow``."""
 
 from __future__ import annotations
 
@@ -47,17 +47,17 @@ class Change(NamedTuple):
 
 
 EVERY_BRANCH = "every branch"
-"""Stands for a branch where none gets past a waypoint."""
+"""The branch of a ``Stop`` at which no branch gets past a waypoint."""
 
 
 class Stop(NamedTuple):
-    """Where the ways from one branch of the first waypoint end.
+    """The end of all paths from one branch of the first waypoint.
 
     Attributes:
         branch: name of the branch at the first waypoint, or ``EVERY_BRANCH``.
         waypoint: number of the first waypoint that cannot be reached from it.
         cause: 'reach', 'limit', 'contact' or 'jump'.
-        reason: the same in words, with the number, the joint or the bodies.
+        reason: the cause in words, with the number, the joint or the bodies.
     """
 
     branch: str
@@ -71,11 +71,11 @@ class Stop(NamedTuple):
 
 @dataclass(frozen=True)
 class Margins:
-    """How much room a plan leaves, waypoint by waypoint.
+    """The margins of a plan at each waypoint.
 
     Attributes:
-        limits: (m,) rad or m, to the nearest joint limit; infinite where no joint has one.
-        clearance: (m,) m, between the nearest two bodies that must not touch; NaN where no collisions are checked.
+        limits: (m,) rad or m, distance to the nearest joint limit; infinite where no joint has one.
+        clearance: (m,) m, least distance between bodies that must not touch; NaN where collisions are not checked.
         manipulability: (m,) Yoshikawa's.
     """
 
@@ -86,7 +86,7 @@ class Margins:
 
 @dataclass(frozen=True)
 class _Listed:
-    """Alternatives that are there already."""
+    """Alternatives that are already computed."""
 
     plans: tuple[Plan, ...]
 
@@ -104,15 +104,15 @@ class Plan:
         found: whether there is a plan.
         q: (m, n) rad or m, one joint vector a waypoint; (0, n) where there is no plan.
         branches: m names of branches.
-        cost: what was minimised, summed over the path; infinite where there is no plan.
-        changes: reconfigurations; () for a plan without.
-        stops: where there is no plan, what stops the ways from each branch of the first waypoint.
-        motion: (k, n) rad or m, the joint vectors with those between waypoints, where the segments had to be refined:
-            moving linearly from one to the next, the tip keeps to the path.
-        place: (k,) where each one is: 2.5 is half way from waypoint 2 to waypoint 3.
-        tolerance: (m, rad) of the straight segments that every motion was proven to keep within.
-        obstacles: what the plan stays clear of; None where no collisions are checked.
-        others: what finds the ``alternatives`` when they are asked for.
+        cost: the minimised measure, summed over the path; infinite where there is no plan.
+        changes: reconfigurations.
+        stops: where there is no plan, the reason for each branch of the first waypoint.
+        motion: (k, n) rad or m, the joint vectors with those added between waypoints. Moving linearly from one to the
+            next, the tip stays within the tolerance of the path.
+        place: (k,) position of each of these along the path: 2.5 is half way from waypoint 2 to waypoint 3.
+        tolerance: (m, rad) from the straight segments within which every motion was proven to stay.
+        obstacles: the bodies that the plan stays clear of; None where collisions are not checked.
+        others: computes the ``alternatives`` at their first use.
 
     Example:
         >>> import urdf_ik
@@ -153,7 +153,7 @@ class Plan:
         return () if self.others is None else self.others()
 
     def with_others(self, others: Callable[[], tuple[Plan, ...]]) -> Plan:
-        """This plan, its alternatives found by ``others`` when they are asked for.
+        """This plan with a function that computes its alternatives at their first use.
 
         Example:
             >>> import urdf_ik

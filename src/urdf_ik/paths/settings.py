@@ -31,7 +31,7 @@ POSITION, ROTATION = 1e-3, 0.02
 LOOSER = 4.0
 """Factor on the default tolerance, where no plan keeps to it."""
 AT_WAYPOINT = 1e-6
-"""m and rad: a start or an end whose pose is farther from its waypoint does not solve it."""
+"""m and rad: the pose of a start or end joint vector may be this far from its waypoint."""
 
 
 @dataclass(frozen=True)
@@ -40,17 +40,17 @@ class CheckedSettings:
 
     Attributes:
         solver: the arm's solver.
-        joints: how its joints turn.
+        joints: the images of joint vectors whole turns apart, and the steps between them.
         kind: index of the cost in ``COSTS``.
         weights: (n,).
-        max_step: (n,) rad or m between two waypoints, infinite where there is no such limit.
-        tolerance: from the straight segments.
+        max_step: (n,) rad or m between two waypoints, infinite where a joint has no such limit.
+        tolerance: of the tip from the straight segments.
         start: (n,) joint vector at the first waypoint, or None.
         end: (n,) at the last one, or None.
         obstacles: the bodies that the arm must not touch, or None.
         limit_cost: weight of the cost of being near a joint limit.
         reconfigure: whether the branch may be changed.
-        looser: whether a plan may stray ``LOOSER`` times as far where no plan keeps to the tolerance.
+        looser: whether a plan may stray ``LOOSER`` times as far where no plan stays within the tolerance.
     """
 
     solver: Solver

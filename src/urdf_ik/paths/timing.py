@@ -1,4 +1,4 @@
-"""When an arm is where along a plan: as fast as the limits of velocity and acceleration allow."""
+"""Timed plans: as fast as the limits of velocity and acceleration allow."""
 
 from __future__ import annotations
 

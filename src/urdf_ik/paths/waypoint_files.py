@@ -1,4 +1,4 @@
-"""Waypoints from files: CSV with named columns, JSON, and NumPy's own formats; and files that plans are written to."""
+"""Files of waypoints: CSV with named columns, JSON, NumPy's formats; and files of plans."""
 
 from __future__ import annotations
 

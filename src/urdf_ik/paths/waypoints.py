@@ -1,4 +1,4 @@
-"""Waypoints: straight lines, arcs and polylines of poses, and what lies between two of them."""
+"""Waypoints along lines, arcs and polylines, and the poses between two waypoints."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Arms with seven joints: the redundancy parameter, and solutions along it."""
+"""Redundancy parameters: their values, the intervals with solutions, and the choice along them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Intervals as bars, for whoever draws them: a row a branch, the joints' margin to their limits, what ends them."""
+"""Intervals as bars for drawings: one row a branch, with margins to the joint limits and the causes of the ends."""
 
 from __future__ import annotations
 

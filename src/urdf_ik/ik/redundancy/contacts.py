@@ -1,4 +1,4 @@
-"""Intervals of the redundancy parameter without the values at which the arm touches itself or an obstacle."""
+"""Intervals of the redundancy parameter that are free of contact."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Intervals of the redundancy parameter as arrays, and why they end."""
+"""Intervals of the redundancy parameter as arrays, with the causes of their ends."""
 
 from __future__ import annotations
 

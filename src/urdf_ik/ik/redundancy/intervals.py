@@ -1,4 +1,4 @@
-"""Intervals of the redundancy parameter, what ends them, and what is chosen along them."""
+"""``Intervals``: where each branch has solutions, what ends each interval, and the choice along them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Intervals in closed form where the tip may turn about the axis of the last joint: that joint alone moves.
+"""Intervals in closed form for a tip that may turn about the axis of the last joint.
 
 With the target turned by v, the last joint turns by v or by -v, as the two axes point, and the others stay. So each
 branch has the solutions of v = 0 all round, and the limits of the last joint cut out one interval.

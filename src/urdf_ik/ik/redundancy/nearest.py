@@ -1,4 +1,4 @@
-"""The joint vector of an arm with seven joints that is nearest to a reference, over all values of its parameter."""
+"""The joint vector nearest to a reference, over all values of one redundancy parameter."""
 
 from __future__ import annotations
 

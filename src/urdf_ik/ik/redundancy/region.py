@@ -1,4 +1,4 @@
-"""Target regions: how far the tip may be from a target, in the target's frame."""
+"""``Region``: how far the tip may be from a target, in the target's frame."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ Range = tuple[float, float]
 
 @dataclass(frozen=True, init=False)
 class Region:
-    """What is allowed of the tip beside the target itself: a box for its position, a cone for an axis, a rotation.
+    """The poses allowed around a target: a box for the position, a cone for an axis, a range of rotations.
 
-    What is left out is exact: ``Region()`` is the target alone.
+    A part that is not given is exact: ``Region()`` is the target alone.
 
     Attributes:
         box: three pairs (low, high) m, along the target's x, y and z.
-        cone: rad, how far the axis may be tilted from where the target has it, in any direction.
-        rotation: rad, how far the tip may be turned about the axis, either way; pi: any rotation.
-        axis: the line in the tip, through the point whose position is meant.
+        cone: rad, how far the axis may be tilted from the target's, in any direction.
+        rotation: rad, how far the tip may be turned about the axis, in both directions; pi: any rotation.
+        axis: the axis in the tip, through the point that the box bounds.
 
     Example:
         >>> import numpy as np
@@ -61,12 +61,12 @@ class Region:
         Args:
             box: m, half the width along the target's x, y and z: one number, three, or three pairs (low, high).
             cone: rad, half the angle of the cone about the axis, below pi.
-            rotation: rad about the axis, to either side; pi or more: any.
+            rotation: rad about the axis, in both directions; pi or more: any.
             axis: 'x', 'y', 'z' or a direction (3,) of the tip.
-            at: (3,) m, the point of the tip whose position is meant; default: its origin.
+            at: (3,) m, the point of the tip that the box bounds; default: the tip's origin.
 
         Raises:
-            ArgumentError: a width, an angle or an axis that makes no sense.
+            ArgumentError: a width, an angle or an axis is invalid.
         """
         needed = "a half width [m], three, or three pairs (low, high)"
         given = inputs.real(box, "box", needed)
@@ -87,9 +87,9 @@ class Region:
             object.__setattr__(self, name, value)
 
     def measured(self, T: Array, reached: Array) -> tuple[Array, Array, Array]:
-        """Where poses (..., 4, 4) are seen from targets: (..., 3) m, the axis' direction (..., 3), the rotation (...).
+        """Poses (..., 4, 4) relative to targets: position (..., 3) m, the axis' direction (..., 3), rotation (...) rad.
 
-        The rotation is what is left when the tilt is undone the short way.
+        The rotation is the one that remains after the shortest rotation that undoes the tilt.
 
         Example:
             >>> import numpy as np

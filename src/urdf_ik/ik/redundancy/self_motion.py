@@ -1,4 +1,4 @@
-"""Along the curves of joint vectors that hold a pose: where on them a cost is least."""
+"""The least cost along the self-motion of a pose (the curves of joint vectors that reach it)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""All solutions of one pose along the redundancy parameter, and the intervals in which there are any.
+"""``Sweep``: all solutions of one pose at evenly spread values of the redundancy parameter.
 
 They rest on :meth:`urdf_ik.Arm.intervals`, which says more: each branch by itself, and what ends it.
 """
@@ -37,10 +37,10 @@ class Sweep:
     """Solutions of one pose along the redundancy parameter.
 
     Attributes:
-        solutions: those at n values, (n, B, 7); ``solutions.redundancy`` holds the values.
-        intervals: (k, 2) rad or m, where there are solutions, lowest first, edges included to 1e-9. One that passes
-            half a turn goes on beyond pi; one that is the whole circle is (-pi, pi).
-        parameter: what the values mean.
+        solutions: the solutions at n values, (n, B, 7); ``solutions.redundancy`` holds the values.
+        intervals: (k, 2) rad or m, intervals with solutions, lowest first, ends to 1e-9. An interval across half a
+            turn ends beyond pi; the whole circle is (-pi, pi).
+        parameter: the redundancy parameter.
 
     Example:
         >>> import urdf_ik

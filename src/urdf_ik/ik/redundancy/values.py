@@ -1,4 +1,4 @@
-"""Values of the redundancy parameters that belong to joint vectors."""
+"""The redundancy parameters of given joint vectors."""
 
 from __future__ import annotations
 

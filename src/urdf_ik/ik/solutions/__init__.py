@@ -1,4 +1,4 @@
-"""IKSolutions: what ``arm.ik`` returns, and how solutions are filtered, multiplied and chosen."""
+"""``IKSolutions``, the result of ``arm.ik``: filters, turns, and the choice of a solution."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which solution to take: the nearest to a reference, by several measures of distance."""
+"""Measures for the choice of a solution: distance from a reference, and quality."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Solutions in words: why a pose has no solution, and a table."""
+"""Texts about solutions: the reason why a pose has none, and a table."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""IKSolutions: what ``arm.ik`` returns, and how solutions are filtered, multiplied and chosen."""
+"""``IKSolutions``, the result of ``arm.ik``: filters, turns, and the choice of a solution."""
 
 from __future__ import annotations
 
@@ -43,12 +43,12 @@ class IKSolutions(KeptSolutions):
     def within_limits(self, tol: float = limits.LIMIT_TOLERANCE) -> IKSolutions:
         """The solutions inside the joint limits.
 
-        The solver gives angles in (-pi, pi]. One that is outside is replaced by its +-2 pi image inside the
-        limits, the nearest to it: -1 becomes 5.28 for a joint from 0 to 6.28. What has no image inside is
-        dropped. A continuous joint is always inside. Images that ``turns`` gave are kept or dropped as they are.
+        The solver returns angles in (-pi, pi]. An angle outside the limits is replaced by its nearest image, whole
+        turns away, inside them: -1 becomes 5.28 for a joint from 0 to 6.28. A solution without such an image is
+        dropped. A continuous joint is always inside. Images made by ``turns`` are kept or dropped unchanged.
 
         Args:
-            tol: rad or m that a returned value may exceed a limit by; negative: the margin to keep.
+            tol: rad or m that a returned value may exceed a limit by; a negative value is a margin to keep.
 
         Raises:
             ArgumentError: ``tol`` is not finite.
@@ -65,10 +65,10 @@ class IKSolutions(KeptSolutions):
     def turns(self, tol: float = limits.LIMIT_TOLERANCE) -> IKSolutions:
         """Every +-2 pi image inside the joint limits: up to 8 x 64 for six joints of +-2 pi.
 
-        The columns of one branch lie together, the image of fewest turns first. A column's name gives its
-        turns, '... [q1+360°]', where they are the same for every pose, which they are for a single one,
-        else the number of the image; ``names`` and ``Solution.branch`` always give the turns. A prismatic
-        or continuous joint has only the value it has. Filter collisions first: images do not change them.
+        The columns of one branch are neighbours, the image with the fewest turns first. A column's name ends with
+        its turns, '... [q1+360°]', where all poses share them (a single pose always does), else with the number
+        of the image. ``names`` and ``Solution.branch`` always give the turns. A prismatic or continuous joint has
+        one image only. Filter collisions first: images do not change them.
 
         Args:
             tol: rad or m that a returned value may exceed a limit by.
@@ -96,9 +96,9 @@ class IKSolutions(KeptSolutions):
         return self._derived(turned.q, info, branches, step)
 
     def iter_turns(self, tol: float = limits.LIMIT_TOLERANCE) -> Iterator[Solution]:
-        """The solutions of ``turns()`` for a single pose one by one, ``index`` being the column here.
+        """The solutions of ``turns()`` for a single pose one by one; ``index`` is the column in these solutions.
 
-        Each is made when it is asked for, however many there are: of a tolerance of 1e6 rad no list is wanted.
+        Each is made when the iteration reaches it, so that their number does not matter.
 
         Raises:
             ArgumentError: this is a batch.
@@ -129,8 +129,8 @@ class IKSolutions(KeptSolutions):
     ) -> IKSolutions:
         """The solution nearest to a joint vector, for every pose: one column, or ``n`` of them, nearest first.
 
-        The difference of an angle is taken on the circle, at most pi. After ``turns`` it is the way the joint has to
-        go, but for continuous joints, which can go round. Equally near solutions: the first branch.
+        The difference of two angles is taken on the circle, at most pi. After ``turns`` it is the full motion of the
+        joint, except for continuous joints. Of equally near solutions, the first branch counts.
 
         Args:
             q_ref: (n,) or one for each pose (..., n), rad or m.
@@ -139,14 +139,14 @@ class IKSolutions(KeptSolutions):
             metric: 'l2': ``sqrt(sum of weight * difference^2)``; 'max': the greatest ``weight * |difference|``; 'time':
                 the greatest ``weight * |difference| / speed``, seconds at the URDF's velocity limits,
                 ``arm.solver.velocity_limits``.
-            within: rad or m, one number or one a joint, that no joint may be further away; what is beyond is dropped.
-            within_limits: whether only what lies inside the joint limits counts, each solution by its image there that
-                is nearest to ``q_ref``; the difference is then the way that the joint has to go. That is the nearest
-                of all ``turns()``, which need not be listed for it.
+            within: rad or m, one number or one a joint, that no joint may be further away; others are dropped.
+            within_limits: whether to consider only images inside the joint limits; each solution counts by its image
+                nearest to ``q_ref``, and the difference is the full motion of the joint. The result is the nearest of
+                all ``turns()``, without listing them.
 
         Raises:
             ArgumentError: ``q_ref``, ``weights`` or ``within`` do not fit the arm, or are not finite.
-            ArgumentError: ``n`` is not a number of columns, ``within`` is negative, there is no such metric, or the
+            ArgumentError: ``n`` is not a number of columns, ``within`` is negative, ``metric`` is unknown, or the
                 URDF lacks a speed that 'time' needs.
 
         Example:
@@ -176,18 +176,18 @@ class IKSolutions(KeptSolutions):
     def best(self, by: distances.Quality, n: int = 1, *, world: Any = None) -> IKSolutions:
         """The solution that is best by a measure of quality, for every pose: one column, or ``n``, best first.
 
-        Equally good solutions: the first branch.
+        Of equally good solutions, the first branch counts.
 
         Args:
-            by: 'limits': farthest from the joint limits, each solution by its image farthest inside them, which is the
-                best of all ``turns()``; what has no image inside is dropped. 'manipulability' and 'clearance': see
-                :meth:`scores`.
+            by: 'limits': farthest from the joint limits. Each solution counts by its image farthest inside them, the
+                best of its ``turns()``; a solution without an image inside is dropped. 'manipulability' and
+                'clearance': see :meth:`scores`.
             n: number of columns, at most B.
             world: obstacles for 'clearance', a ``urdf_ik.World``.
 
         Raises:
-            ArgumentError: there is no such measure, ``n`` is not a number of columns, or a world is given that the
-                measure does not look at.
+            ArgumentError: ``by`` is unknown, ``n`` is not a number of columns, or a world is given to a measure
+                other than 'clearance'.
             UrdfError: 'clearance' is asked for, and the URDF's collision shapes are missing or cannot be read.
 
         Example:
@@ -205,16 +205,16 @@ class IKSolutions(KeptSolutions):
         return kept._picked(distances.least_columns(np.where(np.isnan(scores), np.inf, -scores), n), "best")
 
     def scores(self, by: distances.Quality, *, world: Any = None) -> Array:
-        """How good each solution is as it stands: (..., B), more is better, NaN where there is no solution.
+        """The quality of each solution, (..., B): more is better, NaN where there is no solution.
 
         Args:
             by: 'limits': how far it is from the joint limits, see :func:`urdf_ik.ik.solutions.limits.margin`.
-                'manipulability': Yoshikawa's measure, of the translation alone for an arm that controls no more.
+                'manipulability': Yoshikawa's measure, of the translation for an arm that controls only a position.
                 'clearance': m, how far the arm's links are from touching each other or the world.
             world: obstacles for 'clearance', a ``urdf_ik.World``.
 
         Raises:
-            ArgumentError: there is no such measure, or a world is given that the measure does not look at.
+            ArgumentError: ``by`` is unknown, or a world is given to a measure other than 'clearance'.
             UrdfError: 'clearance' is asked for, and the URDF's collision shapes are missing or cannot be read.
 
         Example:

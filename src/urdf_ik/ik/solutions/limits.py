@@ -1,4 +1,4 @@
-"""Joint limits: which +-2 pi images of an angle lie inside them, and by how much a value is out.
+"""Joint limits: images of an angle 2 pi apart inside them, and how far a value is outside.
 
 Pure functions over joint vectors (..., B, n), NaN rows where there is no solution. The limits are closed
 intervals, widened by a tolerance: half a turn and limits such as 3.1416 or 3.14 mean what they say.

@@ -1,4 +1,4 @@
-"""The solutions of poses as they are kept: arrays, names, single solutions, and parts of a batch."""
+"""The stored solutions of a batch of poses: arrays, names, single solutions, parts of a batch."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Solutions as tables of pandas and data sets of xarray, and as HTML for a notebook."""
+"""Solutions as pandas tables, as xarray data sets, and as HTML for a notebook."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Names of the images of a solution 2 pi away: ' [q1+360°, q6-360°]' behind the branch."""
+"""Names of the images of a solution 2 pi apart, such as 'elbow up [q1+360°, q6-360°]'."""
 
 from __future__ import annotations
 

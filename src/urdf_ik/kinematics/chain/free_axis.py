@@ -1,4 +1,4 @@
-"""A line in the tip about which it may be turned: what welding, drilling or gripping something round leaves free."""
+"""A free axis: a line in the tip about which the tip may turn (welding, drilling, gripping a cylinder)."""
 
 from __future__ import annotations
 

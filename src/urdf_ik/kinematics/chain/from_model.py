@@ -1,4 +1,4 @@
-"""The chain of a URDF, from a base link to a tip link."""
+"""The chain of a URDF between two links."""
 
 from __future__ import annotations
 

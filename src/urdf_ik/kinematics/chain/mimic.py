@@ -1,4 +1,4 @@
-"""Chains in which one joint drives several: joints that mimic others, value = multiplier * q[driver] + offset.
+"""Chains whose joints mimic others: value = multiplier * q[driver] + offset.
 
 The joint vector holds the drivers alone, in the order in which the chain first needs them, base to tip; a mimic of a
 mimic follows the joint at the end of the row, and a driver beside the chain counts by what it drives in it.

@@ -1,4 +1,4 @@
-"""The plane in which a planar arm moves its tip, and coordinates in it."""
+"""The plane in which a planar arm moves its tip, with its coordinates."""
 
 from __future__ import annotations
 

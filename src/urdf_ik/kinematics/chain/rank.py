@@ -1,4 +1,4 @@
-"""What a chain's joints do at almost every joint vector: their kinds, and whether they are redundant."""
+"""The generic rank of a chain's Jacobian: which motions its joints control, and which joints are redundant."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ def kinds_of(chain: Chain) -> str:
 def is_redundant(chain: Chain) -> bool:
     """Whether the Jacobian loses rank everywhere: then a pose has a continuum of solutions, or no solution.
 
-    It has lost rank where the solvers call a joint vector singular; everywhere, if it has at the middle one of those
-    that are sampled. Of seven joints, six do not move the tip in every way then.
+    Joint vectors are sampled; the chain is redundant if at least half of them are singular by the solvers' measure.
+    Seven joints of a redundant chain do not control all six directions of the tip.
 
     Example:
         >>> import urdf_ik

@@ -1,4 +1,4 @@
-"""Redundancy parameters: the values that a pose leaves free in an arm with more joints than the pose controls."""
+"""The redundancy parameters of arms with more joints than a pose fixes."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ if TYPE_CHECKING:
 SWIVEL, LOCKED_JOINT, FREE_AXIS = "swivel", "locked joint", "free axis"
 
 FARTHEST = 1e6
-"""rad: an angle beyond has lost the digits that a pose of 1e-9 m and rad needs. A range wider than that is no limit."""
+"""rad: a larger angle lacks the digits that a pose of 1e-9 m and rad needs. A wider range counts as no limit."""
 
 
 @dataclass(frozen=True)
 class Redundancy:
-    """What a redundancy parameter of an arm is.
+    """One redundancy parameter of an arm: its kind, range and default.
 
     A 'locked joint' is the value of a joint. A 'free axis' is the angle by which the tip is turned about a line in it,
     see :meth:`urdf_ik.Arm.with_free_axis`. A 'swivel' is the angle about the line from the
@@ -37,15 +37,15 @@ class Redundancy:
     that holds axis 1 and W (axis 1 times SW) to the direction of axis 4, less its part along SW. Where axis 4 is at
     right angles to upper arm and forearm, this is the angle between that plane and the arm's own; at zero the elbow
     lies in the plane of axis 1 and W, above SW as axis 1 points or below. Where W lies on axis 1, to 1e-7 rad, the
-    plane is undefined, and the common normal of axes 1 and 2 at q = 0 stands in for its normal: there the angle jumps.
+    plane is undefined, and the common normal of axes 1 and 2 at q = 0 replaces its normal: there the angle jumps.
 
     Attributes:
         kind: 'swivel', 'locked joint' or 'free axis'.
-        joint: name of the locked joint, or of the elbow's joint; of a free axis the axis in words.
-        range: least and greatest value [unit]: the joint's limits, half a turn to both sides where it has none;
-            infinite for a sliding joint without limits.
-        default: value [unit] that ``ik`` takes where none is given: zero for a swivel and a free axis, the middle of
-            the joint's limits, zero where it has none.
+        joint: name of the locked joint, or of the elbow's joint; for a free axis, the axis in words.
+        range: least and greatest value [unit]: the joint's limits; (-pi, pi) for a turning joint without
+            limits, infinite for a sliding one.
+        default: value [unit] that ``ik`` uses by default: zero for a swivel or a free axis, else the middle of the
+            joint's limits, zero without limits.
         unit: 'rad' or 'm'.
 
     Example:
@@ -83,7 +83,7 @@ class Redundancy:
         """``value`` as an array (...) of finite numbers.
 
         Raises:
-            ArgumentError: a value is not a finite number, or an angle beyond 1e6 rad, which has lost its digits.
+            ArgumentError: a value is not a finite number, or an angle is beyond 1e6 rad, where its digits are lost.
 
         Example:
             >>> import urdf_ik
@@ -103,8 +103,8 @@ class Redundancy:
         """Poses (..., 4, 4) and values (...) broadcast against each other, in arrays of their own.
 
         Raises:
-            PoseError: ``poses`` is no array of poses.
-            ArgumentError: the values are no finite numbers, or the shapes do not fit.
+            PoseError: ``poses`` is not an array of poses.
+            ArgumentError: the values are not finite numbers, or the shapes do not fit.
 
         Example:
             >>> import urdf_ik

@@ -31,8 +31,8 @@ class TreeJoint(Frozen):
     """One joint of the URDF's whole tree, as :meth:`Chain.link_poses` walks it.
 
     ``column`` is the index in the joint vector that drives it (None: it stays at ``offset``), with
-    value = multiplier * q[column] + offset; ``driver`` is the joint that it follows, itself where it mimics none, ''
-    for a joint that does not move.
+    value = multiplier * q[column] + offset; ``driver`` is the joint that it mimics, or the joint itself; '' for a
+    joint that does not move.
     """
 
     parent: str

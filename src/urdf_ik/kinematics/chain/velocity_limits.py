@@ -1,4 +1,4 @@
-"""The greatest speeds that a URDF allows its joints."""
+"""Velocity limits of a URDF's joints."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Links of cylinders and boxes for an arm that is known by its joint frames only.
+"""Links made of cylinders and boxes, for an arm of which only the joint frames are known.
 
 A link is a hub about its own joint's axis and legs to the next joint. What collides is less than what is seen, so
 that contacts mean something: a leg ends short of the next joint's hub, and of hubs that overlap (where axes meet)

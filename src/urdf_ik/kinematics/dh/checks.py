@@ -1,4 +1,4 @@
-"""What a Denavit-Hartenberg table must hold, checked with errors that name row, column and value."""
+"""Checks of a Denavit-Hartenberg table; errors name row, column and value."""
 
 from __future__ import annotations
 

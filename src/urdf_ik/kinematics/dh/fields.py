@@ -1,4 +1,4 @@
-"""What a Denavit-Hartenberg table holds, for the functions that read one without making one."""
+"""The fields of a Denavit-Hartenberg table."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The Denavit-Hartenberg table of a chain: frames on its axes, and what of base and tool the rows can hold."""
+"""The Denavit-Hartenberg table of a chain, with base and tool as far as its rows can hold them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""URDF text of a Denavit-Hartenberg table, written to be read by people, too."""
+"""Readable URDF text of a Denavit-Hartenberg table."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""How a path is followed: a graph of all branches and turns, the search through it, proofs and what stops a path."""
+"""The planner: a graph of all branches and turns, the search through it, proofs, and the reasons for a stop."""

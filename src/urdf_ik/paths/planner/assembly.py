@@ -1,4 +1,4 @@
-"""Steps that the plans of all arms share: long segments are cut, motions priced, and a way made into a plan."""
+"""Steps that all planners share: cutting long segments, pricing motions, making the plan."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How the joints of an arm turn: images of joint vectors whole turns apart, and the shortest way between two."""
+"""Steps between joint vectors: images 2 pi apart, and the shortest step between two vectors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The joint vectors at each waypoint that a path may pass through."""
+"""The nodes of the graph: the joint vectors at each waypoint."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a path must stay clear of."""
+"""Collision checks of a path with the arm itself and a world."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Paths of arms with a redundancy parameter: a coarse grid of its values finds the way, finer ones improve it."""
+"""Paths of arms with one redundancy parameter: a coarse grid of its values, then finer ones around the best path."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Motions between waypoints that stray too far from the straight segment when the joints move linearly: cut in halves.
+"""Bisection of motions whose tip strays too far from the straight segment while the joints move linearly.
 
 In the middle of the segment the arm is solved anew, and the solution nearest to the middle of the motion is taken. Each
 half is then a motion of its own, cut again where it strays too far. Every piece is proven in the end, so that no jump

@@ -1,4 +1,4 @@
-"""What stops a path: for every branch of the first waypoint how far it gets, and why no farther."""
+"""The stops of a path without a plan: how far each branch of the first waypoint gets, and why it ends."""
 
 from __future__ import annotations
 

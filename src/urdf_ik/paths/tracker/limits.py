@@ -1,4 +1,4 @@
-"""The limits that a tracker keeps to, checked."""
+"""The limits of position, velocity and acceleration that a tracker keeps."""
 
 from __future__ import annotations
 

@@ -77,14 +77,14 @@ class TrackedArm:
 class Tracker:
     """An arm that follows targets, one a control cycle; made by :meth:`urdf_ik.Arm.tracker`.
 
-    One tracker must not be stepped from several threads at once; different trackers may. A copy goes on from its ``q``
-    and ``velocity``.
+    One tracker must not be stepped from several threads at once; different trackers may. A copy starts from the ``q``
+    and ``velocity`` of the original.
 
     Attributes:
         solver: the solver of the arm.
         dt: s, length of a cycle.
-        velocity_limits: (n,) rad/s or m/s, infinite where there is none.
-        acceleration_limits: (n,) rad/s^2 or m/s^2, infinite where there is none.
+        velocity_limits: (n,) rad/s or m/s, infinite for a joint without one.
+        acceleration_limits: (n,) rad/s^2 or m/s^2, infinite for a joint without one.
 
     Example:
         >>> import urdf_ik
@@ -108,27 +108,27 @@ class Tracker:
         self_collision: bool = False,
         margin: float = 0.0,
     ) -> None:
-        """Begin at a joint vector.
+        """Start at a joint vector.
 
         Args:
             solver: the solver of the arm.
-            q0: (n,) rad or m, where the joints are, within their limits.
+            q0: (n,) rad or m, the present joint vector, within the limits.
             dt: s, length of a cycle.
-            velocity: greatest speed of each joint (n,), or of all, rad/s or m/s; the URDF's where left out, and no
-                limit for a joint of which the URDF states none, or zero.
-            acceleration: greatest acceleration of each joint (n,), or of all, rad/s^2 or m/s^2; no limit where left
-                out (a URDF states none).
+            velocity: greatest speed of each joint (n,), or of all, rad/s or m/s; default: the URDF's, and no
+                limit for a joint for which the URDF states no speed, or zero.
+            acceleration: greatest acceleration of each joint (n,), or of all, rad/s^2 or m/s^2; default: no
+                limit (a URDF states none).
             recentring: 1/s, the rate at which seven joints leave the outer tenth of their ranges (at most 0.2 rad, or
-                0.2 of the arm's size) while the tip moves, as far as it leaves them free; ``RECENTRING`` where left
-                out, 0: they move as little as they can.
-            world: obstacles to keep free of, see :class:`urdf_ik.World`; the arm is checked against itself too.
+                0.2 of the arm's size) while the tip moves, as far as the target allows; default: ``RECENTRING``; 0: the
+                joints move as little as possible.
+            world: obstacles to stay clear of, see :class:`urdf_ik.World`; the arm is checked against itself too.
             self_collision: whether the arm is checked against itself where no world is given.
             margin: m, clearance to keep.
 
         Raises:
             ArgumentError: ``q0`` does not fit the arm, or is outside the limits.
             ArgumentError: ``dt``, ``recentring`` or ``margin`` is out of its range.
-            ArgumentError: a limit of velocity or acceleration is.
+            ArgumentError: a limit of velocity or acceleration is not positive.
             UnsupportedArm: the arm has more than seven joints, joints that mimic others, or a free axis.
         """
         chain = solver.chain
@@ -191,12 +191,12 @@ class Tracker:
 
     @property
     def q(self) -> Array:
-        """(n,) rad or m, where the joints are to be: the last step's ``q``, or where tracking began; a copy."""
+        """The commanded joint vector (n,) rad or m, from the last step or from the start; a copy."""
         return self._start.copy() if self._last is None else self._last.q
 
     @property
     def velocity(self) -> Array:
-        """(n,) rad/s or m/s, the joints' speeds in the last cycle; a copy."""
+        """The joints' speeds (n,) rad/s or m/s in the last cycle; a copy."""
         return self._start_velocity.copy() if self._last is None else self._last.velocity
 
     def reset(self, q: ArrayLike, velocity: ArrayLike | None = None) -> None:
@@ -230,26 +230,26 @@ class Tracker:
         """One cycle: move towards a target, as far as the limits allow.
 
         Args:
-            T: (4, 4) pose of the tip in the base [m], or a ``pinocchio.SE3``; of a tracker of ``arm.for_task(...)`` one
+            T: (4, 4) pose of the tip in the base [m], or a ``pinocchio.SE3``; for ``arm.for_task(...)`` one
                 target of that task.
 
         Returns:
-            ``q`` (n,), where the joints are to be at the end of the cycle, and ``velocity``; each access makes a new
+            ``q`` (n,), the joint vector to command for the end of the cycle, and ``velocity``; each access makes a new
             array. ``status`` and ``why``:
 
             - ``'ok'``: the tip is at the target, to 1e-9 m and rad; ``why`` is None.
-            - ``'limited'``: the joints moved, and are not there yet. Where they would have to be faster than they
-              may be (``why`` is ``'velocity'``), the tip went along the straight way to the target, as far as they can.
-              Where a joint stands at its limit (``'limit'``), the pose is out of reach (``'reach'``), or near a
-              singularity, they went to where the squared distance from the target (rad, and lengths as shares of the
-              arm's size) is least. ``'acceleration'``: they would be there, but for their limits of acceleration.
-            - ``'held'``: the joints stand still, since no motion brings the tip nearer: ``'limit'``, ``'reach'``,
-              ``'singularity'``; or ``'collision'``: the motion would not be free of it.
+            - ``'limited'``: the joints moved, but the tip is not at the target. ``why`` is ``'velocity'`` where they
+              would exceed their speeds: the tip moved straight towards the target, as far as the speeds allow. At a
+              joint limit (``'limit'``), out of reach (``'reach'``) or near a singularity, they moved to where the
+              squared distance from the target (rad, and lengths as shares of the arm's size) is least. ``why`` is
+              ``'acceleration'`` where only the limits of acceleration kept them from the target.
+            - ``'held'``: the joints do not move, since no motion brings the tip nearer: ``'limit'``, ``'reach'``,
+              ``'singularity'``; or ``'collision'``, where the motion would not be free of contact.
 
-            ``distance`` [m] and ``angle`` [rad] are what is left to the target.
+            ``distance`` [m] and ``angle`` [rad] remain to the target.
 
         Raises:
-            PoseError: ``T`` is no pose, or no target of the task; nothing has moved.
+            PoseError: ``T`` is not a pose or not a target of the task. The joints did not move.
 
         Example:
             >>> import urdf_ik
