@@ -43,8 +43,8 @@ def follow(solver: Solver, cell: Cell, T: Any, **settings: Any) -> Plan:
     From waypoint to waypoint the joints move linearly, and the tip provably stays within a tolerance of the
     straight segment. Where it would leave it, ``follow`` adds waypoints; ``Plan.motion`` holds them. A redundancy
     parameter is searched on a coarse grid, then on finer grids around the path found; the plan is the cheapest in
-    that neighbourhood. With a free axis (:meth:`urdf_ik.Arm.with_free_axis`) the rotation about it does not count, and the
-    plan never costs more than with the rotation fixed. With several parameters, all but one are first held at a few
+    that neighbourhood. With a free axis (:meth:`urdf_ik.Arm.with_free_axis`) the rotation about it does not count, and
+    the plan never costs more than with the rotation fixed. With several parameters, all but one are first held at a few
     values, then all are moved together: see :mod:`urdf_ik.paths.planner.several_parameters`.
 
     Args:

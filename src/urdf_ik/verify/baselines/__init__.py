@@ -8,8 +8,9 @@ True
 
 from __future__ import annotations
 
-from urdf_ik.verify.baselines.baseline import Baseline, Planted, Pose
+from urdf_ik.verify.baselines.baseline import Baseline
 from urdf_ik.verify.baselines.freezing import freeze
+from urdf_ik.verify.baselines.records import Planted, Pose
 from urdf_ik.verify.baselines.verification import Verification
 
 __all__ = ["Baseline", "Planted", "Pose", "Verification", "freeze"]

@@ -12,7 +12,9 @@ import numpy as np
 from urdf_ik.errors import ArgumentError, printable
 from urdf_ik.support import files
 from urdf_ik.support.text import plain, quoted
-from urdf_ik.verify.description import Description, Row, flat, from_dict, matrix
+from urdf_ik.verify.baselines.records import KINDS, Answer, Planted, Pose, Recorded
+from urdf_ik.verify.baselines.verification import Verification, verify
+from urdf_ik.verify.description import Row, from_dict
 
 if TYPE_CHECKING:
     import os
@@ -21,7 +23,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
-    from urdf_ik.verify.baselines.verification import Verification
 
     Array = NDArray[np.float64]
 
@@ -29,81 +30,9 @@ FORMAT, VERSION = "urdf-ik lock", 1
 MOST_BYTES = 2**26
 """Bytes of a lock file at most."""
 
-KINDS = ("random", "round", "at limits", "near limits", "near singularity", "own")
-"""Kinds of poses; 'own' are the user's."""
-
-
 @dataclass(frozen=True)
-class Planted:
-    """Where Pinocchio has the tip at a joint vector.
-
-    Attributes:
-        kind: one of ``KINDS``.
-        q: (n,) rad or m.
-        T: 12 numbers, the upper three rows of the pose [m].
-    """
-
-    kind: str
-    q: Row
-    T: Row
-
-
-@dataclass(frozen=True)
-class Answer:
-    """One solution of a pose.
-
-    Attributes:
-        q: (n,) rad or m.
-        branch: its branch.
-        within_limits: whether it, or an image a turn away, lies inside the joint limits.
-        singular: whether the Jacobian loses rank there.
-        contact: whether something touches that must not; None: not checked, or too near to tell.
-    """
-
-    q: Row
-    branch: str
-    within_limits: bool
-    singular: bool
-    contact: bool | None
-
-
-@dataclass(frozen=True)
-class Pose:
-    """A pose and every solution of it.
-
-    Attributes:
-        kind: one of ``KINDS``.
-        T: 12 numbers, the upper three rows of the pose [m].
-        redundancy: values of the redundancy parameters at which it was solved, or () for an arm without.
-        answers: the solutions.
-    """
-
-    kind: str
-    T: Row
-    redundancy: Row
-    answers: tuple[Answer, ...]
-
-    @property
-    def matrix(self) -> Array:
-        """The pose (4, 4) [m]."""
-        return matrix(self.T)
-
-    @property
-    def q(self) -> Array:
-        """(k, n) rad or m, the solutions."""
-        return np.array([answer.q for answer in self.answers], dtype=np.float64)
-
-
-@dataclass(frozen=True)
-class Baseline:
+class Baseline(Recorded):
     """An arm and its answers as they were: what :func:`urdf_ik.freeze` makes and a lock file holds.
-
-    Attributes:
-        arm: the arm.
-        planted: joint vectors with Pinocchio's pose for each.
-        poses: poses with every solution; none where no solver takes the arm.
-        contacts: '' where contacts were checked, else why not.
-        made_by: versions of what made it.
 
     Example:
         >>> import urdf_ik
@@ -115,11 +44,6 @@ class Baseline:
         True
     """
 
-    arm: Description
-    planted: tuple[Planted, ...]
-    poses: tuple[Pose, ...]
-    contacts: str = ""
-    made_by: tuple[tuple[str, str], ...] = ()
 
     def __repr__(self) -> str:
         found = sum(len(pose.answers) for pose in self.poses)
@@ -154,8 +78,6 @@ class Baseline:
             >>> print(lock.verify(urdf_ik.load("planar_2r_unit"), ignore="collisions,visuals").differences[0])
             joint_2: its origin moved by 934 mm
         """
-        from urdf_ik.verify.baselines.verification import verify
-
         return verify(self, arm, tolerance_mm=tolerance_mm, tolerance_deg=tolerance_deg, ignore=ignore)
 
     def to_text(self) -> str:
@@ -235,16 +157,6 @@ class Baseline:
         except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
             reason = f"{type(error).__name__} {error}"
             raise ArgumentError(f"{name} is a damaged lock file: {printable(reason, 200)}{hint} anew") from None
-
-
-def answer_rows(q: Array) -> tuple[Row, ...]:
-    """Joint vectors (k, n) rounded to 1e-12, so that a file differs only where an answer does."""
-    return tuple(tuple(float(each) + 0.0 for each in row) for row in np.round(q, 12))
-
-
-def pose_row(T: Array) -> Row:
-    """The 12 numbers of a pose (4, 4)."""
-    return flat(T)
 
 
 def _pose_dict(pose: Pose) -> dict[str, Any]:

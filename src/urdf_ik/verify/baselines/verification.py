@@ -14,8 +14,8 @@ from urdf_ik.support import inputs
 from urdf_ik.support.angles import shortest
 from urdf_ik.support.tolerances import DEFAULT as SOLVERS
 from urdf_ik.verify import arms
-from urdf_ik.verify.baselines.baseline import Answer, Baseline, Pose
-from urdf_ik.verify.baselines.freezing import answered, contacts_of, least_singular_value
+from urdf_ik.verify.baselines.pose_sampling import answered, contacts_of, least_singular_value
+from urdf_ik.verify.baselines.records import Answer, Pose, Recorded
 from urdf_ik.verify.crosscheck.properties import CONDITIONING, PLANTED
 from urdf_ik.verify.description import Description, described, matrix
 from urdf_ik.verify.difference import DEFAULT, Difference, Tolerance, apart, ignored, moved, summed
@@ -116,7 +116,7 @@ class Verification(Report):
 
 
 def verify(
-    baseline: Baseline,
+    baseline: Recorded,
     arm: Arm,
     *,
     tolerance_mm: float | None = None,
@@ -167,7 +167,7 @@ def _notes(then: Description, now: Description) -> list[str]:
 
 
 def _planted(
-    baseline: Baseline, reference: Reference, order: tuple[int, ...], tolerance: Tolerance
+    baseline: Recorded, reference: Reference, order: tuple[int, ...], tolerance: Tolerance
 ) -> list[Difference]:
     """Pinocchio's poses at the baseline's joint vectors, the worst one."""
     worst = (-1.0, 0.0, 0.0, 0)
@@ -191,7 +191,7 @@ def _reach(reference: Reference) -> float:
     return (1.0 + reference.dof) * max(1.0, reference.size)
 
 
-def _answers(baseline: Baseline, arm: Arm, order: tuple[int, ...], no_contacts: bool, notes: list[str]) -> list[Pose]:
+def _answers(baseline: Recorded, arm: Arm, order: tuple[int, ...], no_contacts: bool, notes: list[str]) -> list[Pose]:
     """Today's answers to the poses of the baseline, joints in its order."""
     groups: dict[bool, list[int]] = {}
     for index, pose in enumerate(baseline.poses):
@@ -235,7 +235,7 @@ class _Found:
 
 
 def _solutions(
-    baseline: Baseline,
+    baseline: Recorded,
     today: list[Pose],
     arm: Arm,
     reference: Reference,

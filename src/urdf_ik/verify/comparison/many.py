@@ -13,7 +13,7 @@ from urdf_ik.model.poses import as_pose_array, check_poses
 from urdf_ik.support import inputs
 from urdf_ik.support.text import Section
 from urdf_ik.verify import arms as of_arms
-from urdf_ik.verify.baselines.freezing import contacts, contacts_of
+from urdf_ik.verify.baselines.pose_sampling import contacts, contacts_of
 from urdf_ik.verify.reports import Written, html_of, short
 
 if TYPE_CHECKING:

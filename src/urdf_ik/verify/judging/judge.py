@@ -13,7 +13,7 @@ from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN, shortest
 from urdf_ik.support.text import quoted
 from urdf_ik.verify import arms
-from urdf_ik.verify.baselines.freezing import least_singular_value, near_singularity, round_vectors
+from urdf_ik.verify.baselines.pose_sampling import least_singular_value, near_singularity, round_vectors
 from urdf_ik.verify.completeness.sameness import Sameness
 from urdf_ik.verify.crosscheck.properties import EXACT
 from urdf_ik.verify.judging.report import DOUBLED, FAILED, MISSING, OUTSIDE, WRONG, Fault, Judgement, Kind

@@ -17,9 +17,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik.errors import ArgumentError, UnsupportedArm, printable
+from urdf_ik.errors import ArgumentError, MissingPackage, UnsupportedArm, printable
 from urdf_ik.support.text import quoted
-from urdf_ik.verify.judging.solvers import missing
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -216,3 +215,8 @@ PEERS: dict[str, Callable[..., Solve]] = {
     "ssik-prebuilt": ssik_prebuilt,
 }
 """Every adapter by the name that ``urdf-ik judge --solver`` takes."""
+
+
+def missing(package: str, install: str) -> MissingPackage:
+    """The error that says which package a peer needs."""
+    return MissingPackage(f"the solver {package} is not installed: pip install {install}")

@@ -17,8 +17,9 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from urdf_ik.errors import ArgumentError, MissingPackage, printable
+from urdf_ik.errors import ArgumentError, printable
 from urdf_ik.support.text import quoted
+from urdf_ik.verify.judging import peers
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -61,8 +62,6 @@ def solver_of(spec: str, arm: Arm) -> Callable[[Array], Any]:
         >>> solver_of("mine.py:solve", urdf_ik.load("puma_560"))([])
         []
     """
-    from urdf_ik.verify.judging import peers
-
     kind, _, rest = spec.partition(":")
     if kind in peers.PEERS:
         return peers.PEERS[kind](arm, rest) if rest else peers.PEERS[kind](arm)
@@ -264,8 +263,3 @@ class IKFastLibrary:
     def _clear(self, _: Any) -> int:
         self._found = []
         return 0
-
-
-def missing(package: str, install: str) -> MissingPackage:
-    """The error that says which package a peer needs."""
-    return MissingPackage(f"the solver {package} is not installed: pip install {install}")
