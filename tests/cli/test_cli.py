@@ -82,7 +82,7 @@ COMMANDS = ("info", "fk", "ik", "check", "compare", "dh", "workspace", "path", "
         (("info", ARM, "--lock", "joint_1"), None, 2, ("--lock", "'joint_1'", "NAME=VALUE")),
         (("info", ARM, "--mesh-root", "no/such"), None, 2, ("--mesh-root", "no/such", "does not exist")),
         (("ik", ARM, "--base", "tool0", "--tip", "tool0"), None, 4, ("no joint moves between 'tool0' and 'tool0'",)),
-        (("compare", ARM), None, 2, ("1 arm given", "two can be compared")),
+        (("compare", ARM), None, 2, ("1 arm given", "two to 26 can be compared")),
         (("compare", ARM, ARM, "--tip", "C=tool0"), None, 2, ("--tip", "no arm C, the last one is B")),
         (("compare", ARM, ARM, "--tip", "tool0", "--tip", "tool0"), None, 2, ("--tip", "2 times for arm A")),
         (("compare", ARM, ARM, "--srdf", "B=no.srdf"), None, 2, ("--srdf", "no file 'no.srdf'")),

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from oracle import Oracle
 
 from urdf_ik import _core
-from urdf_ik.ik.families.parts.elimination import elimination_values
+from urdf_ik.ik.families.parts.elimination import elimination_arm
 
 Array = NDArray[np.float64]
 
@@ -130,10 +130,10 @@ def test_the_elimination_alone_finds_nearly_all(name: str) -> None:
     """Without the continuation, 98 of 100 poses keep all their solutions, and a certain count is never too small."""
     case = named(name)
     targets = case.oracle.poses(case.oracle.draw(np.random.default_rng(11), 100))
-    values = elimination_values(case.arm.chain)
-    counts = np.empty((len(values["first"]), len(targets)), np.uint8)
+    setup = elimination_arm(case.arm.chain)
+    counts = np.empty((len(setup.variant.first), len(targets)), np.uint8)
     certain = np.empty_like(counts)
-    _core.try_elimination(values, targets, counts, certain)
+    _core.try_elimination(setup, setup.variant, targets, counts, certain)
     complete = counts == case.arm.ik(targets).count
     assert complete.mean() >= 0.98
     assert complete[certain > 0].all()

@@ -19,10 +19,10 @@ from test_copies import OBJECTS, Q
 import urdf_ik
 from urdf_ik.maps import workspaces
 from urdf_ik.show.plot import figures
-from urdf_ik.verify import completeness, crosscheck, surveys
+from urdf_ik.verify import completeness, crosscheck, judging, surveys
 
-HELD_OPEN = {"Folder", "RerunArm", "Sliders", "Viewer", "ViserArm"}
-"""Classes whose objects hold a window, a server, a recording or a locked store."""
+HELD_OPEN = {"Folder", "IKFastLibrary", "RerunArm", "Sliders", "SolverProcess", "Viewer", "ViserArm"}
+"""Classes whose objects hold a window, a server, a process, a library, a recording or a locked store."""
 INNER = ("urdf_ik.cli", "urdf_ik.ik.families")
 """Packages without objects for users: the command, and how an arm is solved."""
 WAYS: dict[str, Callable[[Any], Any]] = {
@@ -63,6 +63,13 @@ def more_objects(folder: Path) -> Iterator[Any]:
     yield completeness.compare(six, n=2)
     yield crosscheck.check(six, n=2)
     yield urdf_ik.compare(six, urdf_ik.load("puma_560"), n=2)
+    lock = urdf_ik.freeze(two)
+    yield from (lock, lock.verify(two), urdf_ik.compare_many({"two": two}, two.fk([[0.1, 0.2]])))
+    yield judging.judge(two, lambda T: np.zeros((1, 2)), n=2)
+    left_over = '<robot name="r"><link name="a"/><link name="b"/><xacro:left xmlns:xacro="x"/><joint name="j" '
+    left_over += 'type="revolute"><parent link="a"/><child link="b"/><limit lower="-1" upper="1" effort="1" '
+    left_over += 'velocity="1"/></joint></robot>'
+    yield from urdf_ik.load(left_over).model.warnings
     yield from six.model.chains()
     yield from (OBJECTS["plan"].margins, urdf_ik.paths.Change(1, "elbow up", "elbow down", True))
     yield completeness.Difference(0, None, (0.1,), (0.2,), "solver", "elbow up", 0.1, 0.5, 1e-12, 1e-12)

@@ -8,9 +8,9 @@ An option is for all arms; with a letter it is for one of them: --tip tool0, or 
 
 Examples:
     urdf-ik compare zyyzyz_6r puma_560
-    urdf-ik compare nominal.urdf calibrated.urdf --exit-code --tolerance-mm 0.5
+    urdf-ik compare zyyzyz_6r my_arm.urdf --exit-code --tolerance-mm 0.5
     urdf-ik compare zyyzyz_6r my_arm.urdf --tip B=tool0 -n 100
-    urdf-ik compare ur5 ur10 puma_560 --poses stations.csv
+    urdf-ik compare ur5 ur10 puma_560 -n 20
 """
 
 from __future__ import annotations
