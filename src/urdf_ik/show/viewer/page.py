@@ -337,7 +337,12 @@ class Viewer:
         self._latest.put("refused", lambda: self._say(reason))
 
     def _agree(self) -> None:
-        """Send every page what all sliders and the target are: two pages that move them at once may differ."""
+        """Send every page the values of all sliders and the target: two pages that move them at once may differ.
+
+        A single page is left alone: on a slow machine it may still be sending newer values.
+        """
+        if len(self.server.get_clients()) < 2:
+            return
         self._show(self.state)
         self.panel.send_again()
         self.drawing.send_target_again()
