@@ -1,11 +1,11 @@
 // All solutions of six revolute joints whose axes 1, 2 and 3 are parallel.
 //
-// Joints 1 to 3 move the wrist across the parallel direction h and turn it about h by psi; they change neither its height
-// along h nor the angle under which it sees h. Seen from the last axis, h is known: its angle to axis 5 and the height of
-// the last axis are two equations in joints 4 and 6. Joint 5 and psi follow by plain turns, and a planar two-link arm is
-// left. Where a pair of the wrist's axes meets or is parallel the two equations fall apart into two steps; else they end
-// in a quartic in joint 6. Source: Elias and Wen 2022 (three parallel axes, subproblem 6).
-// Columns: 4 front/back + 2 up/down + noflip/flip.
+// Joints 1 to 3 move the wrist across the parallel direction h and turn it about h by psi. The wrist's height along h
+// and its tilt against h do not change. The target gives h in the frame of joint 6: the angle from h to axis 5 and the
+// height of axis 6 along h are two equations in joints 4 and 6. Joint 5 and psi then follow directly, and a planar
+// two-link arm gives joints 1 to 3. If two neighbouring axes of the wrist meet or are parallel, the two equations are
+// solved one after the other; otherwise they lead to a quartic in joint 6. Source: Elias and Wen 2022 (three parallel
+// axes, subproblem 6). Columns: 4 front/back + 2 up/down + noflip/flip.
 #pragma once
 
 #include "answers/beside.hpp"
@@ -97,7 +97,7 @@ PART Quartic last_angles(const IdealFrames& arm, const Height<double>& at) {
     return roots;
 }
 
-// Joint 5 from where h is seen from joints 4 and 6.
+// Joint 5 from the direction of h, seen through joint 4 and seen through joint 6.
 template <class V> struct MiddleTurn {
     Turn<V> t5;
     V arm5, sense;  // squared sine between axis 5 and h; its cosine
@@ -183,7 +183,7 @@ template <LastAxes kind> struct ParallelShoulder {
         const Block uu = u.x * u.x + u.y * u.y, arm1 = uu * scale, arms = min(min(middle.arm5, arm6), arm1);
         const Fold<Block> f = fold<Block>(uu, ideal.a[0], ideal.a[1], side, 1.0);
         const Block miss = f.wx * f.wx + f.wy * f.wy - uu, wrist = min(ends.first, ends.second);
-        // Where an earlier step is at its branch's end, later steps are inaccurate.
+        // Past the end of an earlier step's branch, later steps are inaccurate.
         const Block rough = ROUGH_BY_MARGIN / tol.edge, edge = tol.edge;
         const auto lost = (ends.first < -edge) | ((ends.second < -rough) & (ends.first > edge)) |
                           ((f.margin < -rough) & (min(wrist, min(middle.arm5, arm6)) > edge));
@@ -278,10 +278,11 @@ template <LastAxes kind> struct ParallelShoulder {
         return out;
     }
 
-    // Further values of joint 6 that are tried if two joints are free and the elbow allows only a part of their range.
+    // Number of further values of joint 6 that are tried if two joints are free and the elbow allows only a part of
+    // their range.
     static constexpr int PLACES = 24;
 
-    // Joints 5 and 6 [rad], the turn psi, and what is left to the elbow.
+    // Joints 5 and 6 [rad], the turn psi, and the point that the two links have to reach.
     struct Left {
         double t5, t6;
         Turn<double> psi;
@@ -296,7 +297,7 @@ template <LastAxes kind> struct ParallelShoulder {
         const Hand<double> hand = hand_at(ideal, at.ends.t4);
         const bool aligned = at.middle.arm5 < ALMOST_ALIGNED;
         Left out = {angle(at.middle.t5), angle(t6), turn_of_hand(ideal, R, hand, at.middle.t5, t6), {}, true};
-        // From axis 1 to axis 3, by way of the last point that no free joint moves.
+        // From axis 1 to axis 3 through the last point that no free joint moves.
         Plane<double> o = {p.x, p.y}, f;
         if (sight.free6 && !aligned) {
             f = last_across(ideal, at.ends.t4, hand, at.middle.t5);
