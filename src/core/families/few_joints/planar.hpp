@@ -50,14 +50,14 @@ template <int N, bool of_points = false> struct Planar {
         }
     }
 
-    // The angle, a turn off at most, in (-pi, pi], without a sign on zero.
+    // The angle, at most a turn off, wrapped to (-pi, pi], with -0 made 0.
     static STEP Block shown(const Block& q) { return wrap(q) + 0.0; }
 
     static PART void closely(const Arm& arm, const Goal<double>& goal, const Seen<double>&, const Reference<N>& reference,
                              const Columns<N>& columns, unsigned) {
         columns.clear();
         FewJoints<N, 2>::solve(arm, goal, reference, columns);
-        // Which way the elbow bends; where it does not, the first column has it.
+        // Order the columns by the bend of the elbow; a straight arm goes to the first column.
         const auto bend = [&](int b) { return wrap(arm.sign[1] * columns.row(b)[arm.joint[1]] + arm.bend); };
         if (columns.valid(0) && bend(0) > 0.0 && (!columns.valid(1) || bend(1) <= 0.0)) columns.swap(0, 1);
         for (int b = 0; b < 2; ++b) {

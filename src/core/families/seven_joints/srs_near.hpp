@@ -1,6 +1,6 @@
-// All solutions, at a swivel angle, of an arm whose axes 1 to 3 and 5 to 7 nearly meet: the eight of the nearest S-R-S arm
-// lead to those of the arm as written by Newton's method at the same swivel angle. Near a singularity of the ideal arm the
-// solutions of the two differ in number, and further starts around the singularity are tried.
+// All solutions, at a swivel angle, of an arm whose axes 1 to 3 and 5 to 7 nearly meet. Newton's method at this swivel
+// angle leads from the eight solutions of the nearest S-R-S arm to those of the arm as written. Near a singularity of
+// the ideal arm the two arms differ in their number of solutions, and further starts around the singularity are tried.
 #pragma once
 
 #include "families/seven_joints/srs.hpp"
