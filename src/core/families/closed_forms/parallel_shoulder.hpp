@@ -78,7 +78,7 @@ STEP WristEnds<V> wrist_ends(const IdealFrames& arm, const Height<V>& at, const 
     }
 }
 
-// Angles of joint 6 of a general wrist; exact where axis 5 is almost parallel to axes 1 to 3.
+// Angles of joint 6 of a general wrist, sharpened where axis 5 is almost parallel to axes 1 to 3.
 PART Quartic last_angles(const IdealFrames& arm, const Height<double>& at) {
     const double a4 = arm.a[3], a5 = arm.a[4], d5 = arm.d[3], ca3 = arm.cos_alpha[2], sa3 = arm.sin_alpha[2];
     const double ca4 = arm.cos_alpha[3], sa4 = arm.sin_alpha[3], ca5 = arm.cos_alpha[4], sa5 = arm.sin_alpha[4];
@@ -123,7 +123,7 @@ template <class V> STEP Hand<V> hand_at(const IdealFrames& arm, const Turn<V>& t
             through_joint<V>({V(0.0), V(sense * arm.cos_alpha[2]), V(-sense * arm.sin_alpha[2])}, t4, ca4, sa4)};
 }
 
-// The turn psi about the parallel axes that joints 1 to 3 make together, from all of the rotation.
+// The turn psi about the parallel axes by joints 1 to 3 together, from all components of the rotation.
 template <class V> STEP Turn<V> turn_of_hand(const IdealFrames& arm, const Rot<V>& R, const Hand<V>& hand, const Turn<V>& t5,
                                              const Turn<V>& t6) {
     Vec<V> x = through_joint(hand.x, t5, arm.cos_alpha[4], arm.sin_alpha[4]),
@@ -151,7 +151,7 @@ template <class V> STEP Plane<V> last_across(const IdealFrames& arm, const Turn<
 template <class V> STEP Plane<V> rest_across(const Plane<V>& o, const Plane<V>& f, const Turn<V>& psi) {
     return {o.x - (psi.c * f.x - psi.s * f.y), o.y - (psi.s * f.x + psi.c * f.y)};
 }
-// An angle up to a few turns off in (-pi, pi].
+// Wraps an angle that may be a few turns off to (-pi, pi].
 template <class V> STEP V wrap_far(const V& a) { return wrap(wrap(wrap(a))); }
 
 template <LastAxes kind> struct ParallelShoulder {
@@ -254,7 +254,7 @@ template <LastAxes kind> struct ParallelShoulder {
         int marks;
     };
 
-    // A joint that the target leaves free (squared arm below `continuum`) takes the reference's value.
+    // If the target leaves a joint free (squared arm below `continuum`), it takes the reference's value.
     static PART Settled settle(const Arm& arm, const Sight& sight, const Reference<6>& reference, int b, int root) {
         const auto& ideal = arm.ideal;
         const Tolerances& tol = arm.written.tolerances;
@@ -337,7 +337,7 @@ template <LastAxes kind> struct ParallelShoulder {
             const double m2 = e.margin, arm1 = (left.u.x * left.u.x + left.u.y * left.u.y) * scale;
             const bool near = min(abs(m1), min(abs(m2), abs(m3))) < NEAR || min(arm1, min(arm5, arm6)) < NEAR;
             free = free || min(arm1, min(arm5, arm6)) < ALMOST_ALIGNED;
-            // Next to a fold or an aligned wrist the angles are rough: let Newton's method decide.
+            // Next to a fold or an aligned wrist the angles are inaccurate: Newton's method decides.
             const double least = max(min(m1, min(m3, arm5)), 0.0);
             const double rough = (kind == LastAxes::general ? ROUGH_BY_ROOT : ROUGH_BY_MARGIN) / (least + 1e-12);
             if (m2 < -max(max(ideal.clamp, ROUGH), rough)) continue;

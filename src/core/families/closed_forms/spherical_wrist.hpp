@@ -192,8 +192,8 @@ template <Shoulder kind> struct SphericalWrist {
                 min(arms, after(turns.fixed, before))};
     }
 
-    // A margin within `fold` of zero is a double root, of which one branch is kept; a joint that the target leaves free
-    // (squared arm below `continuum`) takes the reference's value.
+    // A margin within `fold` of zero is a double root, and one of its branches is kept. If the target leaves a joint
+    // free (squared arm below `continuum`), it takes the reference's value.
     static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
                                  const Columns<6>& columns, unsigned wanted) {
         Quartic roots = {};

@@ -58,8 +58,8 @@ STEP Affine<double> along(const ThreeParallelArm& arm, const Vec<double>& v) {
     return {arm.ideal.cos_alpha[0] * v.z, -arm.ideal.sin_alpha[0] * v.y, arm.ideal.sin_alpha[0] * v.x};
 }
 
-// First angles of an arm whose axes 5 and 6 are skew: direction and height of axis 6 along the parallel axes give cos t5
-// and sin t5. Where axis 6 is almost parallel to axes 2 to 4 they are made exact.
+// Angles of joint 1 of an arm whose axes 5 and 6 are skew: direction and height of axis 6 along the parallel axes give
+// cos t5 and sin t5. The angles are sharpened where axis 6 is almost parallel to axes 2 to 4.
 PART Quartic first_angles(const ThreeParallelArm& arm, const Seen<double>& seen) {
     const Twists t = twists(arm);
     const double w = -1.0 / (t.sa * t.sb);
@@ -241,8 +241,8 @@ template <Hand kind> struct ThreeParallel {
         bool loose;  // phi may be free
     };
 
-    // Joint 1 of branch b. A margin within `fold` of zero is a double root, of which one branch is kept; a joint that the
-    // target leaves free (squared arm below `continuum`) takes the reference's value.
+    // Joint 1 of branch b. A margin within `fold` of zero is a double root, and one of its branches is kept. If the
+    // target leaves the joint free (squared arm below `continuum`), it takes the reference's value.
     static STEP bool settle_first(const Arm& arm, const Seen<double>& seen, const Reference<6>& reference, int b, Settled& to) {
         const auto& ideal = arm.ideal;
         const Tolerances& tol = arm.written.tolerances;

@@ -11,10 +11,11 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// The remaining conditions, which are compared with the target.
+// Error bounds that accept every target: for the height if a slide sets it, for the turn if a third joint sets it or
+// the target is a point.
 inline constexpr double ANY_HEIGHT = 1e300, ANY_TURN = 4.0;
 
-// of_points: the targets are points in the plane, of two joints.
+// of_points: the targets are points in the plane, for two joints.
 template <int N, bool of_points = false> struct Planar {
     using Arm = PlanarArm<N>;
     static constexpr int branches = 2;

@@ -140,7 +140,8 @@ struct Srs {
     static constexpr int IMPOSSIBLE = -1;
 
     // One of the two solutions for three meeting axes that make the rotation M, written to q[at] and the two joints
-    // after it. Returns IMPOSSIBLE if there is none or if it equals the other one, 1 near a singularity, else 0.
+    // after it. Returns IMPOSSIBLE if the solution does not exist or equals the other one, 1 near a singularity, else
+    // 0.
     static PART int turned_closely(const Task& task, const MeetingAxes& axes, const Rot<double>& M, int flip, int at,
                                    double (&q)[7]) {
         const Tolerances& tol = task.arm.written.tolerances;
