@@ -342,8 +342,9 @@ bool complete(const EliminationArm& arm, const Goal<double>& goal, const Columns
     }
     // If solutions are missing or in doubt, they may be next to a singular solution.
     if (!(certain && search.all_known)) certain &= !search_beside_folds(arm.written, goal, columns);
-    // Real solutions come in pairs, since the complex ones do: an odd number lacks one, double roots aside, so more
-    // valleys are searched. A valley with a Jacobian this near to rank loss is searched in any case.
+    // Complex solutions of real equations come in pairs, and so real ones do: an odd number lacks one, double roots
+    // aside. The valleys of all weak solutions are then searched; after an even number, only those of nearly singular
+    // ones.
     if (!certain) walk_valleys(arm.written, goal, columns.count() % 2 ? SECOND_NEXT_DOOR : IN_A_VALLEY, columns);
     return certain;
 }
