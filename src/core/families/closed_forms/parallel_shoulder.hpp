@@ -1,11 +1,11 @@
 // All solutions of six revolute joints whose axes 1, 2 and 3 are parallel.
 //
-// Joints 1 to 3 move the wrist across the parallel direction h and turn it about h by psi; they change neither its height
-// along h nor the angle under which it sees h. Seen from the last axis, h is known: its angle to axis 5 and the height of
-// the last axis are two equations in joints 4 and 6. Joint 5 and psi follow by plain turns, and a planar two-link arm is
-// left. Where a pair of the wrist's axes meets or is parallel the two equations fall apart into two steps; else they end
-// in a quartic in joint 6. Source: Elias and Wen 2022 (three parallel axes, subproblem 6).
-// Columns: 4 front/back + 2 up/down + noflip/flip.
+// Joints 1 to 3 move the wrist across the parallel direction h and turn it about h by psi. The wrist's height along h
+// and its tilt against h do not change. The target gives h in the frame of joint 6: the angle from h to axis 5 and the
+// height of axis 6 along h are two equations in joints 4 and 6. Joint 5 and psi then follow directly, and a planar
+// two-link arm gives joints 1 to 3. If two neighbouring axes of the wrist meet or are parallel, the two equations are
+// solved one after the other; otherwise they lead to a quartic in joint 6. Source: Elias and Wen 2022 (three parallel
+// axes, subproblem 6). Columns: 4 front/back + 2 up/down + noflip/flip.
 #pragma once
 
 #include "answers/beside.hpp"
@@ -78,7 +78,7 @@ STEP WristEnds<V> wrist_ends(const IdealFrames& arm, const Height<V>& at, const 
     }
 }
 
-// Angles of joint 6 of a general wrist; exact where axis 5 is almost parallel to axes 1 to 3.
+// Angles of joint 6 of a general wrist, sharpened where axis 5 is almost parallel to axes 1 to 3.
 PART Quartic last_angles(const IdealFrames& arm, const Height<double>& at) {
     const double a4 = arm.a[3], a5 = arm.a[4], d5 = arm.d[3], ca3 = arm.cos_alpha[2], sa3 = arm.sin_alpha[2];
     const double ca4 = arm.cos_alpha[3], sa4 = arm.sin_alpha[3], ca5 = arm.cos_alpha[4], sa5 = arm.sin_alpha[4];
@@ -97,7 +97,7 @@ PART Quartic last_angles(const IdealFrames& arm, const Height<double>& at) {
     return roots;
 }
 
-// Joint 5 from where h is seen from joints 4 and 6.
+// Joint 5 from the direction of h, seen through joint 4 and seen through joint 6.
 template <class V> struct MiddleTurn {
     Turn<V> t5;
     V arm5, sense;  // squared sine between axis 5 and h; its cosine
@@ -123,7 +123,7 @@ template <class V> STEP Hand<V> hand_at(const IdealFrames& arm, const Turn<V>& t
             through_joint<V>({V(0.0), V(sense * arm.cos_alpha[2]), V(-sense * arm.sin_alpha[2])}, t4, ca4, sa4)};
 }
 
-// The turn psi about the parallel axes that joints 1 to 3 make together, from all of the rotation.
+// The turn psi about the parallel axes by joints 1 to 3 together, from all components of the rotation.
 template <class V> STEP Turn<V> turn_of_hand(const IdealFrames& arm, const Rot<V>& R, const Hand<V>& hand, const Turn<V>& t5,
                                              const Turn<V>& t6) {
     Vec<V> x = through_joint(hand.x, t5, arm.cos_alpha[4], arm.sin_alpha[4]),
@@ -151,7 +151,7 @@ template <class V> STEP Plane<V> last_across(const IdealFrames& arm, const Turn<
 template <class V> STEP Plane<V> rest_across(const Plane<V>& o, const Plane<V>& f, const Turn<V>& psi) {
     return {o.x - (psi.c * f.x - psi.s * f.y), o.y - (psi.s * f.x + psi.c * f.y)};
 }
-// An angle up to a few turns off in (-pi, pi].
+// Wraps an angle that may be a few turns off to (-pi, pi].
 template <class V> STEP V wrap_far(const V& a) { return wrap(wrap(wrap(a))); }
 
 template <LastAxes kind> struct ParallelShoulder {
@@ -183,7 +183,7 @@ template <LastAxes kind> struct ParallelShoulder {
         const Block uu = u.x * u.x + u.y * u.y, arm1 = uu * scale, arms = min(min(middle.arm5, arm6), arm1);
         const Fold<Block> f = fold<Block>(uu, ideal.a[0], ideal.a[1], side, 1.0);
         const Block miss = f.wx * f.wx + f.wy * f.wy - uu, wrist = min(ends.first, ends.second);
-        // Where an earlier step is at its branch's end, later steps are inaccurate.
+        // Past the end of an earlier step's branch, later steps are inaccurate.
         const Block rough = ROUGH_BY_MARGIN / tol.edge, edge = tol.edge;
         const auto lost = (ends.first < -edge) | ((ends.second < -rough) & (ends.first > edge)) |
                           ((f.margin < -rough) & (min(wrist, min(middle.arm5, arm6)) > edge));
@@ -254,7 +254,7 @@ template <LastAxes kind> struct ParallelShoulder {
         int marks;
     };
 
-    // A joint that the target leaves free (squared arm below `continuum`) takes the reference's value.
+    // If the target leaves a joint free (squared arm below `continuum`), it takes the reference's value.
     static PART Settled settle(const Arm& arm, const Sight& sight, const Reference<6>& reference, int b, int root) {
         const auto& ideal = arm.ideal;
         const Tolerances& tol = arm.written.tolerances;
@@ -278,10 +278,11 @@ template <LastAxes kind> struct ParallelShoulder {
         return out;
     }
 
-    // Further values of joint 6 that are tried if two joints are free and the elbow allows only a part of their range.
+    // Number of further values of joint 6 that are tried if two joints are free and the elbow allows only a part of
+    // their range.
     static constexpr int PLACES = 24;
 
-    // Joints 5 and 6 [rad], the turn psi, and what is left to the elbow.
+    // Joints 5 and 6 [rad], the turn psi, and the point that the two links have to reach.
     struct Left {
         double t5, t6;
         Turn<double> psi;
@@ -296,7 +297,7 @@ template <LastAxes kind> struct ParallelShoulder {
         const Hand<double> hand = hand_at(ideal, at.ends.t4);
         const bool aligned = at.middle.arm5 < ALMOST_ALIGNED;
         Left out = {angle(at.middle.t5), angle(t6), turn_of_hand(ideal, R, hand, at.middle.t5, t6), {}, true};
-        // From axis 1 to axis 3, by way of the last point that no free joint moves.
+        // From axis 1 to axis 3 through the last point that no free joint moves.
         Plane<double> o = {p.x, p.y}, f;
         if (sight.free6 && !aligned) {
             f = last_across(ideal, at.ends.t4, hand, at.middle.t5);
@@ -336,7 +337,7 @@ template <LastAxes kind> struct ParallelShoulder {
             const double m2 = e.margin, arm1 = (left.u.x * left.u.x + left.u.y * left.u.y) * scale;
             const bool near = min(abs(m1), min(abs(m2), abs(m3))) < NEAR || min(arm1, min(arm5, arm6)) < NEAR;
             free = free || min(arm1, min(arm5, arm6)) < ALMOST_ALIGNED;
-            // Next to a fold or an aligned wrist the angles are rough: let Newton's method decide.
+            // Next to a fold or an aligned wrist the angles are inaccurate: Newton's method decides.
             const double least = max(min(m1, min(m3, arm5)), 0.0);
             const double rough = (kind == LastAxes::general ? ROUGH_BY_ROOT : ROUGH_BY_MARGIN) / (least + 1e-12);
             if (m2 < -max(max(ideal.clamp, ROUGH), rough)) continue;

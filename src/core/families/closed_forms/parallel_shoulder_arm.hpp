@@ -5,7 +5,7 @@
 
 namespace urdf_ik {
 
-// The relation of a pair of the last three axes; it decides how joints 4 and 6 are solved for.
+// The relation of a pair of the last three axes; it decides the method for joints 4 and 6.
 enum class LastAxes { intersecting_56, parallel_56, intersecting_45, parallel_45, general };
 
 struct ParallelShoulderArm {

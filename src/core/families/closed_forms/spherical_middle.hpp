@@ -1,11 +1,12 @@
 // All solutions of six revolute joints whose axes 2, 3 and 4 meet in a point C.
 //
-// Only joint 1 moves C as seen from the base, only joints 5 and 6 as seen from the tip: C runs on a circle about axis 1 and
-// on a torus about axes 5 and 6. Its height along axis 6 and its distance from it are two equations, each affine in (cos,
-// sin) of joint 1 and of joint 5. Where axes 5 and 6 meet (the torus is a sphere) or are parallel (a plane) one of them
-// holds joint 1 alone; else they end in a quartic in joint 1. Joint 6 follows by a plain turn, and joints 2 to 4 give the
-// rotation that is left like a wrist. Source: Pieper 1968, whose decoupling does not ask where in the arm the axes are.
-// Columns: 4 front/back + 2 up/down + noflip/flip; of the quartic 2 root + noflip/flip.
+// Seen from the base, only joint 1 moves C; seen from the tip, only joints 5 and 6 do. So C lies on a circle about axis
+// 1 and on a torus about axes 5 and 6. Its height along axis 6 and its squared distance from the origin of frame 6 give
+// two equations, each affine in (cos, sin) of joint 1 and of joint 5. If axes 5 and 6 meet (the torus is a sphere) or
+// are parallel (a plane), one equation holds joint 1 alone; otherwise they lead to a quartic in joint 1. Joint 6 then
+// follows directly, and joints 2 to 4 make the remaining rotation like a wrist. Source: Pieper 1968, whose decoupling
+// works wherever in the arm the three axes are. Columns: 4 front/back + 2 up/down + noflip/flip; of the quartic 2 root
+// + noflip/flip.
 #pragma once
 
 #include "answers/beside.hpp"
@@ -96,7 +97,7 @@ template <class V> STEP Rot<V> turned_back(const Rot<V>& R, const Turn<V>& t, do
     const Vec<V> x = t.c * R.x - t.s * R.y, y = t.c * R.y + t.s * R.x;
     return {x, V(ca) * y - V(sa) * R.z, V(ca) * R.z + V(sa) * y};
 }
-// The rotation that joints 2 to 4 are to make, from before joint 2 turns.
+// The rotation that joints 2 to 4 have to make, in the frame before joint 2 turns.
 template <class V>
 STEP Rot<V> middle_rotation(const IdealFrames& arm, const Rot<V>& R, const Turn<V>& t1, const Turn<V>& t5, const Turn<V>& t6) {
     const Rot<V> M = turned_back(turned_back(R, t6, arm.cos_alpha[4], arm.sin_alpha[4]), t5, arm.cos_alpha[3], arm.sin_alpha[3]);
@@ -134,7 +135,7 @@ template <LastPair kind> struct SphericalMiddle {
         const Bend<Block> bend = wrist_bend<Block>(M.z, t, 1.0);
         const WristTurns<Block> turns = wrist_turns(M, bend.turn, t), flip = wrist_turns(M, {bend.turn.c, -bend.turn.s}, t);
         const Block arm6 = (u.x * u.x + u.y * u.y) * scale, arms = min(min(first.arm1, arm6), min(turns.fixed, flip.fixed));
-        // Where an earlier step is at its branch's end, later steps are inaccurate.
+        // Past the end of an earlier step's branch, later steps are inaccurate.
         const Block rough = ROUGH_BY_MARGIN / tol.edge, edge = tol.edge, before = min(first.margin, first.arm1);
         const auto lost = (first.margin < -edge) | ((last.margin < -rough) & (before > edge)) |
                           ((bend.margin < -rough) & (min(before, min(last.margin, arm6)) > edge));
@@ -180,8 +181,8 @@ template <LastPair kind> struct SphericalMiddle {
         int marks;
     };
 
-    // A joint that the target leaves free (squared arm below `continuum`) takes the reference's value, or what is nearest to
-    // it within reach.
+    // If the target leaves a joint free (squared arm below `continuum`), it takes the reference's value, or the nearest
+    // value within reach.
     static PART Settled settle(const Arm& arm, const Seen<double>& seen, const Reference<6>& reference, int k,
                                const Quartic& roots) {
         const auto& ideal = arm.ideal;
@@ -205,7 +206,8 @@ template <LastPair kind> struct SphericalMiddle {
         out.last = last_turns<kind, double>(arm, u, ideal.signs[1][2 * k]);
         out.arm6 = (u.x * u.x + u.y * u.y) * scale;
         const double m2 = out.last.margin;
-        // Next to a fold, or to an axis that nothing turns about, angles are rough: let Newton's method decide.
+        // Next to a fold, or if a point to be turned lies near the axis, angles are inaccurate: Newton's method
+        // decides.
         if (m2 < -max(max(ideal.clamp, ROUGH), ROUGH_BY_MARGIN / (max(min(m1, arm1), 0.0) + 1e-12))) return out;
         if (out.arm6 <= tol.continuum) out.last.t6 = exact_turn(reference.q[5] + ideal.offset[5]);
         if (m2 <= tol.fold || out.arm6 <= tol.fold) out.marks |= WRIST;
@@ -228,7 +230,7 @@ template <LastPair kind> struct SphericalMiddle {
         }
     }
 
-    // Angles of joint 1 of the general kind.
+    // Angles of joint 1 if axes 5 and 6 are skew.
     static STEP Quartic first_roots(const Arm& arm, const Seen<double>& seen) {
         const double gz = arm.centre_5[2], a5 = arm.ideal.a[4], r = reach_of_5(arm);
         Affine<double> square = square_of_centre(arm, seen.p), height = height_of_centre(arm, seen);
@@ -236,7 +238,7 @@ template <LastPair kind> struct SphericalMiddle {
         return linked_roots(scaled(square, -0.5 / (a5 * r)), scaled(height, -1.0 / (arm.ideal.sin_alpha[4] * r)));
     }
 
-    // Both ways to turn joints 2 to 4. Returns whether a joint is nearly free.
+    // Both solutions for joints 2 to 4. Returns whether a joint is nearly free.
     static PART bool middle_closely(const Arm& arm, const Goal<double>& goal, const Rot<double>& R, const Reference<6>& reference,
                                     const Settled& at, int b, const Columns<6>& columns) {
         const auto& ideal = arm.ideal;

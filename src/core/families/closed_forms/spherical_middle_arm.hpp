@@ -5,7 +5,7 @@
 
 namespace urdf_ik {
 
-// The relation of axes 5 and 6; it decides how joint 1 is solved for.
+// The relation of axes 5 and 6; it decides the method for joint 1.
 enum class LastPair { intersecting, parallel, general };
 
 struct SphericalMiddleArm {

@@ -8,7 +8,7 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// The target's rotation seen from frame 3.
+// The rotation of the target in frame 3.
 template <class V> STEP Rot<V> wrist_rotation(const Rot<V>& R, const IdealFrames& arm, const Place<V>& at) {
     const Turn<double> a1 = {arm.cos_alpha[0], arm.sin_alpha[0]}, a2 = {arm.cos_alpha[1], arm.sin_alpha[1]};
     const Turn<double> a3 = {arm.cos_alpha[2], arm.sin_alpha[2]};
@@ -26,8 +26,9 @@ template <Shoulder kind> struct SphericalWrist {
     static constexpr bool by_signs = kind != Shoulder::general;
     static constexpr bool by_height = kind == Shoulder::parallel_23;  // the shoulder's margin comes before the elbow's
 
-    // Angles of a block that are taken together, so that the processor finds independent work: t1 of both fronts and the
-    // bend of their elbows (parallel_23), or t3 of both elbows and t1 of each pair; t2, and the wrist's turns, of each pair.
+    // Angles of a block that are computed together, which gives the processor independent work: t1 of both fronts and
+    // the bend of their elbows (parallel_23), or t3 of both elbows and t1 of each pair; then t2 and the wrist's turns
+    // of each pair.
     using Angles = AnglesOf<32>;
     // Margins and squared arms of a place of the first three joints, and the squared error of its position.
     struct Margins {
@@ -64,7 +65,7 @@ template <Shoulder kind> struct SphericalWrist {
         const Front<Block> front = face<Block>(arm, seen.p, ideal.signs[0][4 * outer]);
         at.set(OUTER + outer, front.t1);
         const Rot<Block> R = each(seen.R, [&](const Vec<Block>& v) { return before_second(ideal, v, front.t1); });
-        // Where the angle of joint 1 brings the wrist's plane, against where it should be.
+        // The distance of the wrist centre from its place on the arm's plane, at this angle of joint 1.
         const Vec<Block> p = before_second(ideal, seen.p, front.t1) - Vec<Block>{Block(ideal.a[0]), Block(0.0), Block(0.0)};
         const Block off_plane = p.z - arm.height, off_x = p.x - front.ux, off_y = p.y - front.uy;
         const Block off1 = off_plane * off_plane + off_x * off_x + off_y * off_y;
@@ -139,7 +140,7 @@ template <Shoulder kind> struct SphericalWrist {
         const Tolerances& tol = arm.written.tolerances;
         const Block least = min(min(place.shoulder, place.elbow), margin), arms = min(place.arms, fixed);
         const auto doubt = (min(least, arms) <= Block(tol.edge)) | !(place.error + off <= Block(tol.reach * tol.reach * 1e-2));
-        // Where an earlier step is at its branch's end, later steps are inaccurate.
+        // Past the end of an earlier step's branch, later steps are inaccurate.
         const Block &first = by_height ? place.shoulder : place.elbow, &second = by_height ? place.elbow : place.shoulder;
         const auto lost = (first < Block(-tol.edge)) | ((second < Block(-tol.edge)) & (min(first, place.arms) > Block(tol.edge))) |
                           ((margin < Block(-tol.edge)) & (min(min(first, second), place.arms) > Block(tol.edge)));
@@ -191,8 +192,8 @@ template <Shoulder kind> struct SphericalWrist {
                 min(arms, after(turns.fixed, before))};
     }
 
-    // A margin within `fold` of zero is a double root, of which one branch is kept; a joint that the target leaves free
-    // (squared arm below `continuum`) takes the reference's value.
+    // A margin within `fold` of zero is a double root, and one of its branches is kept. If the target leaves a joint
+    // free (squared arm below `continuum`), it takes the reference's value.
     static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
                                  const Columns<6>& columns, unsigned wanted) {
         Quartic roots = {};
@@ -220,8 +221,8 @@ template <Shoulder kind> struct SphericalWrist {
         bool near, kept, unsure;
     };
 
-    // The margins of a place one after the other, each by what the ones before leave of its digits. False where one is beyond
-    // its end.
+    // Checks the margins of a place one after the other, each with the accuracy that the steps before it leave. Returns
+    // false if one is beyond its end.
     static STEP bool is_inside(const Arm& arm, double m1, double m2, Settled& to) {
         const Tolerances& tol = arm.written.tolerances;
         const double clamp = arm.ideal.clamp, arm1 = to.at.arm1, arm2 = to.at.arm2;
@@ -290,7 +291,7 @@ template <Shoulder kind> struct SphericalWrist {
         const Twists t = {ideal.cos_alpha[3], ideal.sin_alpha[3], ideal.cos_alpha[4], ideal.sin_alpha[4]};
         const double flip = ideal.signs[2][b];
         Bend<double> bend = wrist_bend(M.z, t, flip);
-        // The quartic's roots are rough where it is ill-conditioned: let Newton's method decide.
+        // The roots of an ill-conditioned quartic are inaccurate: Newton's method decides.
         const double rough = kind == Shoulder::general ? ROUGH : 0.0;
         if (bend.margin < -max(max(ideal.clamp, rough), place.drift.of_margin())) return place.drift.hides(bend.margin);
         WristTurns<double> turns = wrist_turns(M, bend.turn, t);

@@ -1,9 +1,9 @@
 // All solutions of six revolute joints whose axes 2, 3 and 4 are parallel.
 //
-// Seen along the parallel axes, joints 2 to 4 only shift the wrist across them and turn it by one angle phi. The
-// component along them fixes joints 1 and 5, phi and joint 6 follow like a wrist's two turns, and a planar two-link arm
-// is left. Sources: Hawkins 2013 (Universal Robots); Elias and Wen 2022 (three parallel axes).
-// Columns: 4 front/back + 2 up/down + noflip/flip.
+// Joints 2 to 4 shift the wrist across the parallel axes and turn it about them by one angle phi; heights along the
+// axes do not change. The components along them therefore give joints 1 and 5. phi and joint 6 follow like two turns of
+// a wrist, and a planar two-link arm gives joints 2 to 4. Sources: Hawkins 2013 (Universal Robots); Elias and Wen 2022
+// (three parallel axes). Columns: 4 front/back + 2 up/down + noflip/flip.
 #pragma once
 
 #include "answers/blocks.hpp"
@@ -42,7 +42,7 @@ template <class V> STEP Across<V> forearm(const ThreeParallelArm& arm, const Tur
     const double a5 = arm.ideal.a[4];
     return {arm.ideal.a[3] + a5 * t5.c, arm.cos_first * a5 * t5.s - arm.sin_first * arm.ideal.d[3]};
 }
-// Where that puts axis 4, seen from axis 2.
+// The place of axis 4 after this step, seen from axis 2.
 template <class V> STEP Across<V> to_axis_4(const Vec<V>& p, const Turn<V>& phi, const Across<V>& f) {
     return {p.x - (phi.c * f.x - phi.s * f.y), p.y - (phi.s * f.x + phi.c * f.y)};
 }
@@ -58,8 +58,8 @@ STEP Affine<double> along(const ThreeParallelArm& arm, const Vec<double>& v) {
     return {arm.ideal.cos_alpha[0] * v.z, -arm.ideal.sin_alpha[0] * v.y, arm.ideal.sin_alpha[0] * v.x};
 }
 
-// First angles of an arm whose axes 5 and 6 are skew: direction and height of axis 6 along the parallel axes give cos t5
-// and sin t5. Where axis 6 is almost parallel to axes 2 to 4 they are made exact.
+// Angles of joint 1 of an arm whose axes 5 and 6 are skew: direction and height of axis 6 along the parallel axes give
+// cos t5 and sin t5. The angles are sharpened where axis 6 is almost parallel to axes 2 to 4.
 PART Quartic first_angles(const ThreeParallelArm& arm, const Seen<double>& seen) {
     const Twists t = twists(arm);
     const double w = -1.0 / (t.sa * t.sb);
@@ -81,11 +81,11 @@ template <Hand kind> struct ThreeParallel {
     static constexpr int branches = 8;
     static constexpr bool by_signs = kind != Hand::general;
 
-    // Angles of a block that are taken together, so that the processor finds independent work: joints 1 and 5 of both
-    // shoulders, phi and joint 6 of both, or of all four wrists, the elbow's bend of these, joint 2 of all branches.
+    // Angles of a block that are computed together, which gives the processor independent work: joints 1 and 5 of both
+    // shoulders; phi and joint 6 of both, or of all four wrists; the elbow's bend for these; joint 2 of all branches.
     using Angles = AnglesOf<28>;
     static constexpr int FIRST = 0, FIFTH = 2, PHI = 4, SIXTH = 6, BEND = 8, SECOND = 12, PHI_FLIPPED = 20, SIXTH_FLIPPED = 22;
-    // The remaining problem for the elbow.
+    // Margins, squared arms and error of the steps before the elbow.
     struct Upstream {
         Block margin1, margin5, arm1, fixed, error;
     };
@@ -95,7 +95,7 @@ template <Hand kind> struct ThreeParallel {
         else solve_block<false>(arm, seen, found);
     }
 
-    // Shoulder by shoulder; wrists and elbows share what they have in common.
+    // One shoulder after the other; wrists and elbows share intermediate results.
     template <bool square, class Out> static STEP void solve_block(const Arm& arm, const Seen<Block>& seen, Out& found) {
         Angles at;
         State state[4];
@@ -142,13 +142,13 @@ template <Hand kind> struct ThreeParallel {
                      scale = 1.0 / (ideal.size * ideal.size);
         const Block uu = u.x * u.x + u.y * u.y;
         const Fold<Block> f = fold<Block>(uu, ideal.a[1], ideal.a[2], arm.turn_3, 1.0);
-        // The links turned towards axis 4 miss it by what the lengths differ, at most miss / |u|.
+        // The links, turned towards axis 4, miss it by the difference of the lengths, at most miss / |u|.
         const Block miss = f.wx * f.wx + f.wy * f.wy - uu;
         const Block arms = min(min(up.arm1, uu * scale), up.fixed), before = min(up.margin1, up.margin5);
         const Block xx = f.wx * u.x, xy = f.wx * u.y, yx = f.wy * u.x, yy = f.wy * u.y;
         at.set(BEND + k, f.bend), at.set(SECOND + 2 * k, {xx + yy, xy - yx}), at.set(SECOND + 2 * k + 1, {xx - yy, xy + yx});
-        // Where the wrist leaves phi free, another phi may bring the elbow within reach;
-        // and what a later step says where an earlier one is at its end is rough.
+        // If the wrist leaves phi free, another phi may bring the elbow within reach. Past the end of an earlier step's
+        // branch, later steps are inaccurate.
         const auto lost = (up.margin1 < Block(-edge)) | ((up.margin5 < Block(-edge)) & (up.margin1 > Block(edge))) |
                           ((f.margin < Block(-edge)) & (min(before, min(up.fixed, up.arm1)) > Block(edge)));
         const auto doubt = (min(min(before, f.margin), arms) <= Block(edge)) |
@@ -241,8 +241,8 @@ template <Hand kind> struct ThreeParallel {
         bool loose;  // phi may be free
     };
 
-    // Joint 1 of branch b. A margin within `fold` of zero is a double root, of which one branch is kept; a joint that the
-    // target leaves free (squared arm below `continuum`) takes the reference's value.
+    // Joint 1 of branch b. A margin within `fold` of zero is a double root, and one of its branches is kept. If the
+    // target leaves the joint free (squared arm below `continuum`), it takes the reference's value.
     static STEP bool settle_first(const Arm& arm, const Seen<double>& seen, const Reference<6>& reference, int b, Settled& to) {
         const auto& ideal = arm.ideal;
         const Tolerances& tol = arm.written.tolerances;
@@ -259,7 +259,7 @@ template <Hand kind> struct ThreeParallel {
         return true;
     }
 
-    // freely: phi takes a representative's value where rounding may have made up what the pose says.
+    // freely: phi also takes a representative's value if rounding may have produced the phi of the pose.
     static PART Settled settle(const Arm& arm, const Seen<double>& seen, const Reference<6>& reference, int b, int root,
                                const Quartic& roots, bool freely = false) {
         const auto& ideal = arm.ideal;
@@ -304,8 +304,8 @@ template <Hand kind> struct ThreeParallel {
         return out;
     }
 
-    // Only the sum (or the difference) of phi and joint 6 counts: joint 6 takes the reference's value, or what is nearest
-    // to it within the elbow's reach. False where nothing is.
+    // Only the sum (or the difference) of phi and joint 6 is determined: joint 6 takes the reference's value, or the
+    // nearest one within the elbow's reach. Returns false if no value is within reach.
     static STEP bool free_wrist(const Arm& arm, const Seen<double>& at, const Reference<6>& reference, const Turn<double>& t5,
                                 const Across<double>& f, WristTurns<double>& turns) {
         const auto& ideal = arm.ideal;
@@ -331,7 +331,7 @@ template <Hand kind> struct ThreeParallel {
         const double margin = e.margin;
         const bool near =
             min(abs(at.margin1), min(abs(margin), abs(at.margin5))) < NEAR || min(at.fixed, min(at.arm1, arm2)) < NEAR;
-        // A root next to an aligned wrist is rough, and phi with it: let Newton's method decide.
+        // Next to an aligned wrist a root, and with it phi, is inaccurate: Newton's method decides.
         const double rough = kind == Hand::general ? ROUGH_BY_ROOT / (at.fixed + 1e-8) : at.drift.of_margin();
         const bool unsure = at.drift.hides(margin) || at.drift.is_lost();
         if (margin < -max(ideal.clamp, rough)) return unsure;

@@ -9,8 +9,8 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// The three angles; margins of shoulder and elbow (dimensionless), squared arms that turn with joints 1 and 2 and squared
-// error of the position [shares of size^2].
+// The three angles; margins of shoulder and elbow (dimensionless); squared lever arms of joints 1 and 2, and the
+// squared error of the position [shares of size^2].
 template <class V> struct Place {
     Turn<V> t1, t2, t3;
     V margin1, margin2, arm1, arm2, error;
@@ -31,7 +31,7 @@ template <class V> STEP Vec<V> second_link(const SphericalWristArm& arm, const T
     return {ideal.a[1] + w0, ca2 * w1 - sa2 * w2, ideal.d[0] + sa2 * w1 + ca2 * w2};
 }
 
-// Squared distance from where the angles bring the wrist centre to where it should be [share of size^2].
+// Squared distance between the wrist centre at these angles and its target [share of size^2].
 template <class V> STEP V position_error(const SphericalWristArm& arm, const Vec<V>& p, const Place<V>& at, const Vec<V>& f) {
     const double ca1 = arm.ideal.cos_alpha[0], sa1 = arm.ideal.sin_alpha[0], scale = 1.0 / (arm.ideal.size * arm.ideal.size);
     const V gx = arm.ideal.a[0] + at.t2.c * f.x - at.t2.s * f.y, gy = at.t2.s * f.x + at.t2.c * f.y;
@@ -86,7 +86,8 @@ template <Shoulder kind, class V> STEP Third<kind, V> third(const SphericalWrist
     }
 }
 
-// A side of the triangle of joints 1 and 2 [share of size] that can be divided by; at a shorter one joint 2 is free.
+// The shortest side of the triangle of joints 1 and 2 [share of size] that is divided by; with a shorter one joint 2 is
+// free.
 inline constexpr double SHORTEST_SIDE = 1e-12;
 
 // Joints 1 and 2 for a given joint 3.

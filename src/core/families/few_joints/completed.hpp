@@ -21,8 +21,9 @@ PART void search_everywhere(const Written<5>& arm, const Goal<double>& goal, con
     }
 }
 
-// Verify the six joints' solutions on the real arm. At a singularity of the completed arm the added joint may move along a
-// continuum that holds isolated solutions of the real arm. Fixed starts all over the joint space then find them.
+// Verifies the solutions of the six joints on the real arm. At a singularity of the completed arm the added joint may
+// move along a continuum that holds isolated solutions of the real arm. Fixed starts all over the joint space then find
+// them.
 PART void keep_real(const CompletedArm& arm, const Batch& batch, const OfSix& six) {
     for (long i = 0; i < batch.m; ++i) {
         double proper[16];

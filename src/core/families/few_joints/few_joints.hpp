@@ -1,7 +1,7 @@
 // Arms with one to five joints, turning or sliding: a position step, then the remaining turns, verified on the arm as written.
 //
-// An arm of so few joints reaches few poses, so its Jacobian is a tall matrix and Newton's method solves least squares. The
-// position of every point of the tip is known from the target. Three joints place a point that the last turns do not move
+// An arm of so few joints reaches few poses, so its Jacobian is a tall matrix and Newton's method solves least squares.
+// The target gives the position of every point of the tip. Three joints place a point that the last turns do not move
 // (slide_position.hpp), and these turns follow from the rotation.
 #pragma once
 
@@ -19,14 +19,14 @@ STEP Goal<double> inverse(const Goal<double>& g) {
 STEP Rot<double> from_home(const Rot<double>& R, const double (&home)[3][3]) {
     return {R * vec<double>(home[0]), R * vec<double>(home[1]), R * vec<double>(home[2])};
 }
-// The rotation left when the turning ones of a step's three joints are undone.
+// The rotation R with the turning joints of the step undone.
 STEP Rot<double> behind(const PositionStep& step, const double (&q)[3], Rot<double> R) {
     for (int k = 0; k < 3; ++k) {
         if (!step.slides[k]) R = turned_about(R, vec<double>(step.direction[k]), cos_sin(-q[k]));
     }
     return R;
 }
-// Where the point of the tip given by shares of the size has to be, in such shares.
+// The target position of a point of the tip; both as shares of the size.
 STEP Vec<double> place_of(const Goal<double>& goal, const double (&in_tip)[3], double size) {
     return goal.R * vec<double>(in_tip) + (1.0 / size) * goal.p;
 }

@@ -5,20 +5,20 @@
 
 namespace urdf_ik {
 
-// Three joints that place a point, at zero. Lengths are shares of the arm's size.
+// Three joints that place a point, at joint values of zero. Lengths are shares of the arm's size.
 struct PositionStep {
     bool slides[3];
-    double direction[3][3], point[3][3];  // of each axis; of axes 1 and 2 the feet of their common normal
+    double direction[3][3], point[3][3];  // of each axis; the points of axes 1 and 2 are the feet of their common normal
     double X[3];
 };
 
 // A way to solve for few joints: a position step, and up to two turns behind it that leave its point in place.
 struct FewJointsWay {
     PositionStep step;
-    bool reversed;        // the chain from tip to base
-    int turns;            // behind the step
-    double axis[2][3];    // of these
-    int joint[5];         // of the arm that each of step and turns is; -1: added to it, and to stay at zero
+    bool reversed;        // whether this solves the chain from tip to base
+    int turns;            // number of turns behind the step
+    double axis[2][3];    // axes of these turns
+    int joint[5];         // the index in the arm of each joint of step and turns; -1: an added joint that has to stay at zero
     double home[3][3];    // the tip's rotation at zero
     double in_tip[3];     // the step's point in the tip [share of size]
 };
@@ -35,14 +35,14 @@ template <int N> struct PlanarArm : FewJointsArm<N> {
     double link[2], angle[2]; // lengths [m], and directions in the plane at zero [rad]
     double bend;              // the difference of the directions [rad]
     double sign[4];           // of joints 1, 2, 3 and the slide, against the plane's normal
-    int joint[4];             // which joint of the arm each of them is; -1: there is none
+    int joint[4];             // the index of each in the arm; -1: the arm lacks it
 };
 
-// Six joints with slides: three that turn and make the orientation, and a position step, or three slides.
+// Six joints with slides. Three turning joints make the orientation; the others are a position step or three slides.
 struct SlidesArm {
     Written<6> written;
     bool by_wrist;            // the last three axes meet; else three slides
-    PositionStep step;        // by_wrist: of the first three joints and the point where the others meet
+    PositionStep step;        // by_wrist: the first three joints, and the point where the other axes meet
     double in_tip[3];         // that point in the tip [share of size]
     int turn[3];              // the joints that make the orientation
     double first[3][3], last[3][3];  // frames on the first and the last of them at zero, rotations by rows
@@ -68,8 +68,8 @@ struct SampledHeldArm {
 // Five joints, solved as an arm of six with a joint added in front or behind.
 struct CompletedArm {
     Written<5> written;
-    int at;       // which of the six is the arm's first
-    int columns;  // of its answer
+    int at;       // the index among the six of the arm's first joint
+    int columns;  // columns of a pose
 };
 
 // Solutions of the arm of six: q (m, columns, 6), flags (m, columns).

@@ -11,10 +11,11 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// The remaining conditions, which are compared with the target.
+// Error bounds that accept every target: for the height if a slide sets it, for the turn if a third joint sets it or
+// the target is a point.
 inline constexpr double ANY_HEIGHT = 1e300, ANY_TURN = 4.0;
 
-// of_points: the targets are points in the plane, of two joints.
+// of_points: the targets are points in the plane, for two joints.
 template <int N, bool of_points = false> struct Planar {
     using Arm = PlanarArm<N>;
     static constexpr int branches = 2;
@@ -50,14 +51,14 @@ template <int N, bool of_points = false> struct Planar {
         }
     }
 
-    // The angle, a turn off at most, in (-pi, pi], without a sign on zero.
+    // The angle, at most a turn off, wrapped to (-pi, pi], with -0 made 0.
     static STEP Block shown(const Block& q) { return wrap(q) + 0.0; }
 
     static PART void closely(const Arm& arm, const Goal<double>& goal, const Seen<double>&, const Reference<N>& reference,
                              const Columns<N>& columns, unsigned) {
         columns.clear();
         FewJoints<N, 2>::solve(arm, goal, reference, columns);
-        // Which way the elbow bends; where it does not, the first column has it.
+        // Order the columns by the bend of the elbow; a straight arm goes to the first column.
         const auto bend = [&](int b) { return wrap(arm.sign[1] * columns.row(b)[arm.joint[1]] + arm.bend); };
         if (columns.valid(0) && bend(0) > 0.0 && (!columns.valid(1) || bend(1) <= 0.0)) columns.swap(0, 1);
         for (int b = 0; b < 2; ++b) {

@@ -1,8 +1,8 @@
 // Arms of six joints that are singular everywhere: a pose that they reach has a continuum of solutions, which is sampled.
 //
-// Newton's method runs from starts all over the joint space. Its steps are least-squares steps, so it ends on the continuum near
-// its start, and the samples are spread as the starts are. The same serves seven joints with one in the middle held at a value:
-// the arm of the six others depends on this value, so nothing can be prepared for it.
+// Newton's method runs from starts all over the joint space. Its steps are least-squares steps, so it ends on the
+// continuum near its start, and the samples are spread as the starts are. Seven joints with a middle one held are
+// solved alike: the arm of the six others depends on the held value, so nothing can be prepared for it.
 #pragma once
 
 #include "answers/blocks.hpp"
@@ -12,10 +12,11 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 // Samples of a continuum are at least this far apart in some joint [rad, share of size].
 inline constexpr double SPREAD = 0.3;
-// Largest number of starts. A pose with solutions is finished after so many starts without a new one: the first limit is for
-// samples of a continuum, the second one for isolated solutions, since others may be hard to find beside them.
+// Largest number of starts. A pose with solutions is finished after ENOUGH_STARTS starts without a new one if they are
+// samples of a continuum. Isolated solutions need ENOUGH_BESIDE_SINGLE, since others may be hard to find beside them.
 inline constexpr int MOST_STARTS = 512, ENOUGH_STARTS = 64, ENOUGH_BESIDE_SINGLE = 192;
-// Where several continua meet, each step gains little: further rounds for starts that came this near, if no start did better.
+// Where several continua meet, each step gains little. If no start led to a solution, the best starts with an error
+// below WITHIN_REACH get SLOW_ROUNDS rounds.
 inline constexpr double WITHIN_REACH = 1e-5;
 inline constexpr int SLOW_ROUNDS = 2000;
 
@@ -80,7 +81,7 @@ struct Sampled {
                 keep_sample(arm, goal, nearest[l], columns);
         }
         sort(columns);
-        // The result of a search.
+        // A search cannot prove that its result is complete.
         columns.flags[0] |= UNCERTAIN;
     }
 
@@ -89,7 +90,7 @@ struct Sampled {
     }
 };
 
-// first, then by the joint, then next.
+// The motion `first`, then that of the joint at its value, then `next`.
 STEP Motion joined(const Motion& first, bool slides, double value, const Motion& next) {
     const Frame<double> at = beyond(moved(constant_frame<double>(first), slides, value), next);
     return {{{at.R.x.x, at.R.y.x, at.R.z.x}, {at.R.x.y, at.R.y.y, at.R.z.y}, {at.R.x.z, at.R.y.z, at.R.z.z}},

@@ -1,4 +1,4 @@
-// Three joints, each turning or sliding, bring a point X to a position p: all (q1, q2, q3) with p = g1 g2 g3 X.
+// Three joints, each turning or sliding, move a point X to a position p: all (q1, q2, q3) with p = g1 g2 g3 X.
 //
 // Joint 3 moves X to an affine function of phi = (cos q3, sin q3), or of phi = (q3, q3^2) if it slides. Two numbers of p do not
 // depend on joint 1: height along its axis and distance from it, or for a slide the projection along it. They give two equations:
@@ -6,8 +6,8 @@
 //   m1.w = b1(phi), m2.w = b2(phi), and |w| = |y(phi)|. With both rows it is one equation of degree two in the harmonics of
 //   q3 (four in q3); where a row vanishes (axes 1 and 2 parallel or meeting) its b alone gives q3.
 // - joint 2 slides: q2 follows from one of them, and the other one gives q3.
-// A polynomial in q3 becomes a trigonometric one by q3 = tan(t / 2), so one root finder serves all; a root at infinity stands
-// at t = pi. Lengths are shares of the arm's size. Source: Pieper 1968, generalised to slides.
+// A polynomial in q3 becomes a trigonometric one by q3 = tan(t / 2), so one root finder serves all; a root at infinity
+// lies at t = pi. Lengths are shares of the arm's size. Source: Pieper 1968, generalised to slides.
 #pragma once
 
 #include "answers/answer.hpp"

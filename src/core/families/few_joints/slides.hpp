@@ -20,9 +20,9 @@ STEP Rot<double> rotation(const double (&R)[3][3]) {
     return {{R[0][0], R[1][0], R[2][0]}, {R[0][1], R[1][1], R[2][1]}, {R[0][2], R[1][2], R[2][2]}};
 }
 
-// The three turns that make the rotation E, measured from home, into their places of q. sign chooses the flip. Whether there
-// is one: not beyond the reach of a wrist with oblique axes, nor twice where the target leaves the first turn free; that is
-// then shared with the last one as the reference would have it.
+// Writes the three turns that make the rotation E, measured from home, to their places in q. sign chooses the flip.
+// Returns false beyond the reach of a wrist with oblique axes. If the target leaves the first turn free, only the
+// positive sign returns true; the reference then decides how the first and the last turn share the rotation.
 PART bool turn_wrist(const SlidesArm& arm, const Rot<double>& E, double sign, const Reference<6>& reference, double (&q)[6]) {
     const Twists t = {arm.ca, arm.sa, arm.cb, arm.sb};
     const Rot<double> M = seen_from(rotation(arm.first), E * arm.last);
@@ -37,7 +37,7 @@ PART bool turn_wrist(const SlidesArm& arm, const Rot<double>& E, double sign, co
     return true;
 }
 
-// The joint vector for values of the first three joints and one flip of the wrist. Returns whether there is one.
+// The joint vector for values of the first three joints and one flip of the wrist. Returns whether it exists.
 STEP bool wrist_behind(const SlidesArm& arm, const Goal<double>& goal, const double (&placed)[3], double sign,
                        const Reference<6>& reference, double (&q)[6]) {
     for (int k = 0; k < 3; ++k) q[k] = arm.step.slides[k] ? placed[k] * arm.written.size : wrap(placed[k]);
@@ -94,7 +94,7 @@ PART void by_slides(const SlidesArm& arm, const Goal<double>& goal, const Refere
             const Vec<double>& z = at.joint[j].R.z;
             if (arm.written.slides[j] && k < 3) along[k++] = {{z.x, z.y, z.z, 0.0, 0.0, 0.0}};
         }
-        // At a singularity, where the slides come into a plane, the shortest.
+        // If the slides lie in one plane, a singularity, take the shortest solution.
         const Solved<3, double> slid = least_squares<true>(along, {{rest.x, rest.y, rest.z, 0.0, 0.0, 0.0}}, CONVERGED);
         k = 0;
         for (int j = 0; j < 6; ++j) {
@@ -104,8 +104,8 @@ PART void by_slides(const SlidesArm& arm, const Goal<double>& goal, const Refere
     }
 }
 
-// The same with turns at values around the circle, if the wrist leaves two of its joints free and the slides fit few of their
-// values.
+// The same with turns at values around the circle: the wrist may leave two joints free while the slides fit only few of
+// their values.
 PART void by_slides_around(const SlidesArm& arm, const Goal<double>& goal, const Columns<6>& columns) {
     for (int k = 0; k < AROUND && !columns.count(); ++k) {
         Reference<6> at;
@@ -115,7 +115,7 @@ PART void by_slides_around(const SlidesArm& arm, const Goal<double>& goal, const
     }
 }
 
-// Mark those singular solutions as the wrist's whose three turns have axes in a plane.
+// Marks a singular solution as the wrist's if the axes of the three turns lie in a plane.
 STEP void name_singular(const SlidesArm& arm, const Columns<6>& columns) {
     for (int b = 0; b < columns.many; ++b) {
         if (!(columns.flags[b] & OTHER)) continue;

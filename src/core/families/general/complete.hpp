@@ -1,4 +1,4 @@
-// The general elimination as other families ask for it; see elimination.hpp.
+// The general elimination for use by other families; see elimination.hpp.
 #pragma once
 
 #include "answers/answer.hpp"

@@ -1,8 +1,7 @@
-// Paths of complex solutions, followed while the pose moves from a known one to the one asked for; see continuation.hpp for
-// why.
+// Follows paths of complex solutions while the pose moves from a known one to the target; continuation.hpp says why.
 //
-// The path of poses, at s from 1 (known) to 0 (asked for): quaternions (1 - s) q0 + s g q1, which need no length, and
-// positions ((1 - s) p0 + s g p1) / (1 - s + s g), with a complex number g off the real line.
+// The pose at s, from 1 (known) to 0 (target), has the quaternion (1 - s) q0 + s g q1, not normalised, and the position
+// ((1 - s) p0 + s g p1) / (1 - s + s g). The complex number g has length one and is not real.
 #pragma once
 
 #include "answers/answer.hpp"
@@ -13,22 +12,26 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 using CBlock = Complexes<Block>;
 
-// Greatest correction of a step: rad, and share of the step itself. A path that is taken for another is noticed at the end,
-// where two of them then meet.
+// A step whose correction exceeds either bound is rejected: an absolute one [rad, sizes], and a share of the step. A
+// path that jumps to another path is noticed at the end, where the two meet.
 inline constexpr double LARGEST_CORRECTION = 0.05, LARGEST_SHARE = 0.15;
-// Next to a singularity rounding makes corrections of some 1e-8 rad: shorter steps count as long as this.
+// Next to a singularity, rounding alone causes corrections of about 1e-8 rad: shorter steps count as long as this
+// [rad].
 inline constexpr double FLOOR = 3e-7;
-// A step longer than this [rad] is not tried. Steps are made as long as leads to corrections of the size AIM.
+// A step longer than LONGEST [rad] is rejected. The length of the next step is chosen so that its correction comes to
+// AIM [rad], or to AIM_SHARE of the step if that is less.
 inline constexpr double LONGEST = 0.7, AIM = 0.02, AIM_SHARE = 0.04;
-// A path that cannot be followed beyond this s, or in that many steps, ends at a singular solution.
+// A path stops if s falls below SHORTEST without reaching zero, or after MOST_STEPS rounds.
 inline constexpr double SHORTEST = 1e-15;
 inline constexpr double MOST_STEPS = 150.0;
-// A path leads to infinity where |e^(i angle)|^2 is beyond this, or below its inverse.
+// A path has gone to infinity if |e^(i angle)|^2 of a joint exceeds this, or falls below its inverse; for a slide, if
+// the square of its length [sizes] exceeds this.
 inline constexpr double INFINITE = 1e16;
-// Correction [rad] below which Newton's method has converged at the end of a path. Next to a singularity rounding alone is
-// larger: then one below AT_WEAK_END after so many rounds.
+// At the end of a path Newton's method has converged if its correction is below AT_END [rad]. Next to a singularity
+// rounding alone is larger: after ROUNDS_AT_END rounds a correction below AT_WEAK_END is enough.
 inline constexpr double AT_END = 1e-9, AT_WEAK_END = 1e-6, ROUNDS_AT_END = 8.0;
-// A path whose correction is still larger than this after so many rounds has left its way on its last step.
+// If the correction still exceeds ASTRAY [rad] after ROUNDS_ASTRAY rounds at the end, the last step went wrong: see
+// go_back().
 inline constexpr double ASTRAY = 1e-4, ROUNDS_ASTRAY = 3.0;
 
 template <class V> struct Quaternion {
@@ -52,7 +55,7 @@ struct Way {
     double g_re, g_im;
 };
 
-// The pose at s, and how it moves with s: a spatial twist, with the velocity of its own origin.
+// The pose at s, and its derivative by s: the velocity of the pose's origin [sizes], then the angular velocity.
 struct OnWay {
     Rot<CBlock> R;
     Vec<CBlock> p;
@@ -72,7 +75,7 @@ STEP OnWay on_way(const Way& way, const Block& s, double inverse_size) {
     at.R = rotation_of(q, inverse_norm);
     const auto &p0 = way.to_point, &p1 = way.from_point;
     at.p = weight * Vec<CBlock>{mixed(p0.x, p1.x), mixed(p0.y, p1.y), mixed(p0.z, p1.z)};
-    // d q^-1, its vector part.
+    // The vector part of d q^-1.
     const Vec<CBlock> w = (2.0 * inverse_norm) * (q.w * d.v - d.w * q.v - cross(d.v, q.v));
     const CBlock speed = inverse_size * (g * weight * weight);
     const Vec<double> apart = p1 - p0;
@@ -80,7 +83,7 @@ STEP OnWay on_way(const Way& way, const Block& s, double inverse_size) {
     return at;
 }
 
-// J x = a and J y = b by Gram and Schmidt's orthogonalisation; a and b become x and y.
+// Solves J x = a and J y = b by Gram-Schmidt orthogonalisation. x replaces a, y replaces b.
 STEP void solve_both(Six<CBlock> (&J)[6], Six<CBlock>& a, Six<CBlock>& b) {
     const auto along = [](const Six<CBlock>& u, const Six<CBlock>& v) {
         CBlock sum = conj(u[0]) * v[0];
@@ -109,7 +112,7 @@ STEP void solve_both(Six<CBlock> (&J)[6], Six<CBlock>& a, Six<CBlock>& b) {
     }
 }
 
-// Newton's step at the joints z towards the pose at s, and how the solution moves with s.
+// Newton's step from the joints z towards the pose at s, and the derivative of the solution by s.
 struct ComplexStep {
     Six<CBlock> correction, tangent;
 };
@@ -150,8 +153,8 @@ STEP void advance(const Written<6>& arm, CBlock (&z)[6], const Six<CBlock>& by) 
     for (int k = 0; k < 6; ++k) z[k] = arm.slides[k] ? z[k] + by[k] : z[k] * small_turn(by[k]);
 }
 
-// The complex solutions of a pose: which of them are regular, which of these next to a singularity, and the s at which the paths
-// of the others stopped.
+// The ends of the paths: joints, the s at which each path stopped (left), whether the end is a regular solution, and
+// whether this regular solution is next to a singularity (weak).
 struct PathEnds {
     static constexpr int most = KnownPose::most;
     int many;
@@ -160,8 +163,9 @@ struct PathEnds {
     bool regular[most], weak[most];
 };
 
-// A path in each lane, each with its own s and its own step. What is known of it: the last two places, one `way_back` apart,
-// and the tangents there. A path that rests is corrected where it is: at its start, at its end, and where a step failed.
+// One path per lane, each with its own s and step h. tangent belongs to the current point z, before to the previous
+// point, way_back is the move from that point, last the step by which s fell. A path that rests gets Newton's
+// corrections without a step: at its start, at its end, and after a rejected step.
 struct Walk {
     CBlock z[6];
     Six<CBlock> tangent, before, way_back;
@@ -170,7 +174,8 @@ struct Walk {
 };
 
 STEP Six<CBlock> next_step(const Walk& walk) {
-    // A cubic through both places: u in steps, from where it is (0) to where it was (1).
+    // A cubic through the last two points and their tangents. u counts in steps: 0 at the current point, 1 at the
+    // previous.
     const Block zero = 0.0, &h = walk.h, &last = walk.last;
     const auto first = last <= zero;
     const Block u = -(h / select(first, h, last)), uu = u * u;
@@ -185,7 +190,8 @@ STEP Six<CBlock> next_step(const Walk& walk) {
     return by;
 }
 
-// Back to the last place but one, for a shorter step: Newton's method at the end has not followed from where the last one led.
+// Back to the previous point, for a step a fifth as long: from the last point Newton's method did not converge at the
+// end.
 STEP void go_back(const Written<6>& arm, Walk& walk, const MaskOf<Block>& astray) {
     Six<CBlock> back;
     for (int k = 0; k < 6; ++k) {
@@ -197,8 +203,8 @@ STEP void go_back(const Written<6>& arm, Walk& walk, const MaskOf<Block>& astray
     walk.last = select(astray, Block(0.0), walk.last), walk.at_end = select(astray, Block(0.0), walk.at_end);
 }
 
-// Ahead by a cubic, then one step of Newton's method, which gives the next tangent too. Returns the lanes that arrived at a
-// regular end, those of them next to a singularity, and those that came to an end at all.
+// One step along the cubic, then one step of Newton's method, which also gives the next tangent. Returns the lanes that
+// reached a regular end. weak: those of them next to a singularity; ended: all lanes whose path stopped.
 PART unsigned walk_on(const Written<6>& arm, const Way& way, Walk& walk, unsigned& weak, unsigned& ended) {
     const Block zero = 0.0;
     walk.h = min(walk.h, walk.s);
@@ -243,7 +249,7 @@ PART unsigned walk_on(const Written<6>& arm, const Way& way, Walk& walk, unsigne
     return regular;
 }
 
-// All paths that begin at the solutions `from` of the known pose. A lane whose path has ended takes the next one.
+// Follows the paths of all solutions `from` of the known pose. A lane whose path has ended takes the next one.
 PART void follow_all(const Written<6>& arm, const Way& way, const ComplexJoints* from, int many, PathEnds& to) {
     Walk walk = {};
     int path[BLOCK], next = 0;

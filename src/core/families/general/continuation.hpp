@@ -1,23 +1,25 @@
 // All complex solutions of a pose, from those of another pose by continuation.
 //
-// The joints' equations with complex angles have the same number of solutions at almost every pose, and each isolated
-// solution of any pose is the end of a path of solutions that begins at such a pose and moves with it, on almost every path
-// of complex poses between the two (Sommese and Wampler, The Numerical Solution of Systems of Polynomials, 2005, chapter 7:
-// coefficient-parameter homotopy). Paths that end at a singular solution, or at infinity, are seen as such: so where all
-// paths end apart from each other at regular solutions, no solution is missing, however round the pose is.
+// With complex angles the loop equations have the same number of solutions at almost every pose. Let a path of complex
+// poses lead from such a pose to the target. On almost every such path, each isolated solution of the target is the end
+// of a path of solutions that starts at the first pose (Sommese and Wampler, The Numerical Solution of Systems of
+// Polynomials, 2005, chapter 7: coefficient-parameter homotopy). A path that ends at a singular solution or at infinity
+// is recognised. So if all paths end at different regular solutions, none is missing, even at poses with round numbers.
 #pragma once
 
 #include "families/general/complex_paths.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// A path that was lost with an imaginary part above this is not taken for one that leads to a real solution. Arms near a special
-// one have half of their solutions so far out, or farther, and these are left out: many cannot be followed.
+// A lost path with an imaginary part above this [rad, sizes] is assumed to lead to no real solution. An arm near a
+// special one has half of its solutions this far from real, or farther. Its known poses leave these out: many cannot be
+// followed.
 inline constexpr double DISTANT = 4.0;
-// Two ends of paths nearer than this [rad, sizes] are one solution of a known pose, whose solutions are regular.
+// Two path ends at a known pose are one solution if they differ by less than this [rad, sizes]: solutions of known
+// poses are regular.
 inline constexpr double SAME_SOLUTION = 1e-6;
 
-// Frame 6 in frame 1, as KnownPose has it.
+// The pose of frame 6 in frame 1, as in KnownPose.
 STEP Frame<double> inner_pose(const Written<6>& arm, const Goal<double>& goal) {
     const auto &first = arm.step[0], &last = arm.step[6];
     const auto rotated = [](const double (&R)[3][3], const Vec<double>& a) {  // by the transpose
@@ -33,7 +35,7 @@ STEP Frame<double> inner_pose(const Written<6>& arm, const Goal<double>& goal) {
     return {each(R, [&](const Vec<double>& a) { return rotated(first.R, a); }), rotated(first.R, p)};
 }
 
-// Shepperd's method (1978), from the greatest of the four.
+// Shepperd's method (1978), from the largest of the four components.
 STEP Quaternion<double> quaternion_of(const Rot<double>& R) {
     const double t[4] = {R.x.x + R.y.y + R.z.z, R.x.x, R.y.y, R.z.z};
     int most = 0;
@@ -50,7 +52,7 @@ STEP Quaternion<double> quaternion_of(const Rot<double>& R) {
     return {w * q.w, w * q.v};
 }
 
-// How far apart two complex solutions are: the greatest difference of a joint, rad or sizes.
+// The greatest difference of two complex solutions in a joint [rad, sizes].
 STEP double apart(const Written<6>& arm, const ComplexJoints& p, const ComplexJoints& q) {
     const auto &a = p.z, &b = q.z;
     double most = 0.0;
@@ -62,7 +64,7 @@ STEP double apart(const Written<6>& arm, const ComplexJoints& p, const ComplexJo
     return sqrt(most);
 }
 
-// How far from real a solution is: the greatest imaginary part of a joint [rad, sizes].
+// The greatest imaginary part of a joint, in magnitude [rad, sizes]; zero for a real solution.
 STEP double imaginary_part(const Written<6>& arm, const ComplexJoints& q) {
     const auto& z = q.z;
     double most = 0.0;
@@ -73,8 +75,8 @@ STEP double imaginary_part(const Written<6>& arm, const ComplexJoints& q) {
     return most;
 }
 
-// Paths that ended at the same solution, of which one left its own on the way: both count as lost. Returns how many paths
-// have a regular end of their own.
+// If several paths ended at one solution, all but the first count as lost: one of them jumped to another path. Returns
+// the number of different regular ends.
 PART int separate(const Written<6>& arm, PathEnds& ends) {
     bool met[PathEnds::most] = {};
     for (int i = 0; i < ends.many; ++i) {
@@ -87,7 +89,7 @@ PART int separate(const Written<6>& arm, PathEnds& ends) {
     return count;
 }
 
-// Cosine and sine that make a c + b s greatest.
+// The (c, s) that maximise a c + b s.
 STEP Turn<double> greatest(double a, double b) { return unit(a + TINY, b); }
 
 STEP Frame<double> pose_of(const KnownPose& known) {
@@ -95,8 +97,8 @@ STEP Frame<double> pose_of(const KnownPose& known) {
     return {rotation_of(q, 1.0), vec<double>(known.point)};
 }
 
-// A known pose, turned about axes 1 and 6, which turns joints 1 and 6 of its solutions, so that it is as near as can be to the
-// target: how near, the pose, the turns.
+// A known pose, turned about axes 1 and 6 to be as near as possible to the target: a measure of nearness, the pose, the
+// turns. Its solutions turn along in joints 1 and 6.
 struct Nearby {
     double gain;
     Frame<double> pose;
@@ -111,7 +113,7 @@ PART Nearby turned_to(const Written<6>& arm, const KnownPose& known, const Frame
     const Rot<double>& G = target.R;
     const Vec<double>& g = target.p;
     for (int round = 0; round < 2; ++round) {
-        // Turned about axis 6, then how far about axis 1: rows of both rotations.
+        // The pose turned about axis 6, then its best turn about axis 1: products of rows of both rotations.
         const Rot<double> L = turned(K, out.last).R;
         if (!arm.slides[0]) {
             const double along = L.x.x * G.x.x + L.y.x * G.y.x + L.z.x * G.z.x + L.x.y * G.x.y + L.y.y * G.y.y + L.z.y * G.z.y;
@@ -138,8 +140,9 @@ STEP Way way_between(const Frame<double>& from, const Frame<double>& to, double 
     return way;
 }
 
-// The complex solutions of the goal by continuation from the known pose that is nearest to it; the k-th further attempt starts
-// from the k-th next one, and takes another way. attempt: below the number of known poses. Returns how many solutions are regular.
+// The complex solutions of the goal by continuation from a known pose: the nearest one at attempt 0, the k-th next at
+// attempt k, each along another path of poses. attempt is below the number of known poses. Returns the number of
+// different regular solutions.
 PART int continue_from_nearest(const Written<6>& arm, const Continuation& by, const Goal<double>& goal, int attempt,
                                PathEnds& ends) {
     const Frame<double> target = inner_pose(arm, goal);
@@ -164,7 +167,7 @@ PART int continue_from_nearest(const Written<6>& arm, const Continuation& by, co
 // Adds a solution, or its conjugate, if it is not there yet.
 STEP void add_solution(const Written<6>& arm, KnownPose& pose, int& many, ComplexJoints q, bool conjugate) {
     for (int k = 0; conjugate && k < 6; ++k) {
-        // Of the conjugate angle: one over the conjugate of e^(i angle).
+        // The conjugate angle has one over the conjugate of e^(i angle).
         auto& z = q.z[k];
         const double w = 1.0 / (z[0] * z[0] + z[1] * z[1] + TINY);
         if (arm.slides[k]) z[1] = -z[1];
@@ -189,7 +192,8 @@ STEP KnownPose known_pose(const Written<6>& arm, const double (&q)[6], int& many
     return pose;
 }
 
-// Adds to `to` what the paths from `from` lead to, and its conjugates, since the pose is real.
+// Adds to `to` the regular ends of the paths from `from`, and their conjugates, which are solutions since the pose is
+// real.
 PART void carry(const Written<6>& arm, const KnownPose& from, int many, KnownPose& to, int& many_to, double angle) {
     PathEnds ends;
     follow_all(arm, way_between(pose_of(from), pose_of(to), angle), from.solution, many, ends);
@@ -209,13 +213,14 @@ STEP void leave_out_distant(const Written<6>& arm, KnownPose& pose, int& many) {
     many = kept;
 }
 
-// All solutions of the first of the poses of m joint vectors, by monodromy: paths that lead to other poses and back another
-// way end at other solutions than they began (Duff et al., Solving polynomial systems via homotopy continuation and
-// monodromy, 2019). It ends when all 16 are found, or when IDLE_ROUNDS rounds have found no new one. Then those of the other poses.
-// Loops do not lead from one part to another where the solutions of all poses are several separate surfaces, as those of many arms
-// with slides are: a pose's own joint vector then brings in its part, sooner or later.
-// near: whether the arm is near a special one. A pose whose joint vector is singular is not among them: where all are, the arm is
-// singular everywhere.
+// Finds all solutions at the pose of the first regular joint vector by monodromy: paths that lead to another pose and
+// back by another way end at other solutions than they started from (Duff et al., Solving polynomial systems via
+// homotopy continuation and monodromy, 2019). This stops when all 16 are found, or after IDLE_ROUNDS rounds without a
+// new one. Paths then lead to the other poses, and a pose that gets as many solutions is kept.
+// On many arms with slides the solutions of all poses form several separate surfaces, and no loop leads from one to
+// another. The joint vector of each other pose adds a start on its own surface, so more rounds are allowed.
+// near: whether the arm is near a special one; solutions far from real are then left out. Singular joint vectors are
+// skipped. With fewer than two regular ones, as on an arm that is singular everywhere, there are no known poses.
 inline constexpr int IDLE_ROUNDS = 8, IDLE_ROUNDS_WITH_SLIDES = 100, MOST_ROUNDS = 120, MOST_TRIED = 128;
 inline constexpr double REGULAR = 1e-3;
 PART void find_known_poses(const Written<6>& arm, const double (*all)[6], int m, bool near, Continuation& out) {

@@ -3,12 +3,12 @@
 
 namespace urdf_ik {
 
-// Of each joint e^(i angle), or its length in sizes of the arm: real and imaginary part.
+// For each joint the real and imaginary part of e^(i angle), or of a slide's length in sizes of the arm.
 struct ComplexJoints {
     double z[6][2];
 };
 
-// A pose is that of joint 6's frame, after the joint has moved, in joint 1's frame before it moves.
+// The pose of joint 6's frame after the joint has moved, in joint 1's frame before it moves.
 struct KnownPose {
     static constexpr int most = 16;
     double turn[4], point[3];  // unit quaternion (real part first), position [m]

@@ -1,10 +1,10 @@
 // All solutions of six joints without a special structure. Joints turn or slide.
 //
-// First the elimination to one joint's angle (hidden_joint.hpp): Newton's method on the arm as written starts from each real root.
-// This is fast, and almost always complete if the roots are well separated, which they often are not at round poses. The result is
-// accepted if every root that may be real led to a solution of its own, with the hidden joint at that root. Otherwise continuation
-// follows all complex solutions of a known pose to this one (continuation.hpp) and counts them: if as many regular solutions
-// arrive as started, none is missing.
+// First the elimination to one joint's angle (hidden_joint.hpp): Newton's method on the arm as written starts from each
+// real root. This is fast, and almost always complete if the roots are well separated. At poses with round numbers they
+// often are not. The result is accepted if each root that may be real led to a different solution, with the hidden
+// joint at that root. Otherwise continuation follows all complex solutions of a known pose to this one
+// (continuation.hpp) and counts them: if as many regular solutions arrive as started, none is missing.
 #pragma once
 
 #include "answers/beside.hpp"
@@ -16,13 +16,13 @@
 namespace urdf_ik::URDF_IK_LEVEL {
 
 // All dimensionless, or in rad; lengths count as shares of the arm's size.
-// A root this close to the unit circle (in its logarithm) may be real: a moved axis, and rounding, push double roots off
-// it by half their digits. One that is farther off is not.
+// A root may be real if |log |root|| is below this: rounding and moved axes push double roots off the unit circle by
+// half of their digits.
 inline constexpr double NEAR_CIRCLE = 0.1;
-// Of a hidden slide, the cosine below which a root stands for a length beyond all reach: 20 times the mean distance of the
-// axes.
+// A root of a hidden slide is skipped if its cosine is below this: the slide would be longer than 20 times the mean
+// distance of the axes.
 inline constexpr double FARTHEST = -0.995;
-// A determinant whose harmonics are noisier than this is not used.
+// A determinant with noisier harmonics than this never makes the result certain. If all_known(), it is not used at all.
 inline constexpr double LARGEST_NOISE = 1e-7;
 // A solution belongs to a root if its hidden joint is this close to it. Rounding and moved axes shift all roots of a cluster about
 // equally, so if this holds, no root of the cluster is as far off the circle as NEAR_CIRCLE.
@@ -33,18 +33,18 @@ inline constexpr double OWN_ROOT_NEAR_SPECIAL = 1e-6;
 inline constexpr double IMAGINARY = 1e-4, IMAGINARY_SINGULAR = 0.05;
 // Paths run from s = 1 to s = 0. A path that stops above this s was lost; one that stops below it ends at a singular solution.
 inline constexpr double AT_SINGULAR = 1e-10;
-// Attempts at continuation, each on other paths; and starts all over the joint space if they did not decide.
+// Attempts at continuation, each from another known pose; and starts all over the joint space if none of them decides.
 inline constexpr int ATTEMPTS = 4, ALL_OVER = 160;
 
 // The state of solving one pose.
 struct SearchState {
     Columns<6> columns;
-    double enough;  // error at which a candidate is a solution
-    double error = __builtin_inf(), best[6] = {};  // the best of the candidates that came to rest above that
+    double enough;  // a candidate with at most this error is a solution
+    double error = __builtin_inf(), best[6] = {};  // the candidate with the least error so far
     bool all_known = false;  // whether all complex solutions were accounted for, the distant ones too
 };
 
-// A block of joint vectors, and which of its lanes count.
+// A block of joint vectors, and a bit for each lane in use.
 struct Candidates {
     Block q[6];
     unsigned lanes;
@@ -59,8 +59,9 @@ STEP void lane_of(const Block (&q)[6], int l, double (&out)[6]) {
     for (int j = 0; j < 6; ++j) out[j] = q[j][l];
 }
 
-// Whether the known poses have all sixteen solutions of six turning joints. Arms near a special one have fewer known solutions: the
-// others are too far from real for their paths to be followed, and come near only where the special arm is singular.
+// Whether the known poses have all sixteen solutions of six turning joints. Arms near a special one have fewer known
+// solutions: the paths of the others are too far from real to be followed. These come near real only where the special
+// arm is singular.
 STEP bool all_known(const EliminationArm& arm) { return arm.paths.solutions == KnownPose::most; }
 
 // ---- collecting ------------------------------------------------------------------------------------------------------
@@ -85,7 +86,7 @@ PART int column_of(const EliminationArm& arm, const Goal<double>& goal, SearchSt
         for (int j = 0; j < 6; ++j) most = max(most, abs(gap(arm.written, j, q[j], columns.row(b)[j])));
         if (most < least_gap) least_gap = most, nearest = b;
     }
-    // Next to a singularity the most accurate approximation of the root is kept, and the others are dropped.
+    // Next to a singularity, keep only the most accurate approximation of the root.
     double known[6];
     for (int j = 0; j < 6; ++j) known[j] = columns.row(nearest)[j];
     if (least_gap > arm.written.tolerances.duplicate &&
@@ -167,8 +168,8 @@ PART void follow_slowly(const EliminationArm& arm, const Goal<double>& goal, Sea
     if (starts.lanes) columns_from<true>(arm, goal, search, starts, 40, unused);
 }
 
-// Add the solutions that one variant finds. Returns whether it is certain that they are all: each root that may be real led to a
-// solution of its own, and no other solution is known. A determinant without a confirming solution is not accepted.
+// Adds the solutions that one variant finds. Returns whether they are certain to be all: each root that may be real led
+// to a different solution, and no other solution is known. At least one solution has to confirm the determinant.
 PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, const Goal<double>& goal, SearchState& search) {
     Equations A;
     double D[SAMPLES];
@@ -213,16 +214,17 @@ PART bool gather(const EliminationArm& arm, const EliminationVariant& variant, c
 
 // ---- continuation --------------------------------------------------------------------------------------------------------
 
-// Whether each path ended at a regular solution of its own or was lost far from real, or some of them ended at singular ones,
-// which are known or not real. Ends that lead to one solution were one path's, so that another's is missing.
+// What the ends of all paths show. regular: each path ended at a different regular solution, or was lost far from real.
+// settled: some ended at singular solutions that were found or are not real. lost: a solution may be missing, for
+// example because two ends led to one solution.
 enum class Arrived { lost, settled, regular };
 
 // The classification of a path's end.
 struct PathEnd {
     bool smooth;    // regular and real
-    bool rough;     // a member of a continuum, or a double root: looked for from its real part
-    bool distant;   // lost far from real; of a continuum that leads there, real members are above its real part
-    bool accounts;  // whether nothing else is needed to account for the path
+    bool rough;     // a member of a continuum, or a double root: its real part becomes a start
+    bool distant;   // lost far from real; the real part becomes a start, for real members of a continuum
+    bool accounts;  // the path is accounted for without a solution from the start
 };
 
 STEP PathEnd path_end(const Written<6>& arm, const PathEnds& ends, int i) {
@@ -233,7 +235,8 @@ STEP PathEnd path_end(const Written<6>& arm, const PathEnds& ends, int i) {
     return {regular && real, rough, distant, regular || distant || (singular && !real)};
 }
 
-// Whether a regular solution is known that no path ended at: then the known poses lack a path, and others may be missing.
+// Whether a regular solution was found at which no path ended. The known poses then lack a path, and others may be
+// missing.
 STEP bool is_stranger(const Columns<6>& columns, unsigned owned) {
     for (int b = 0; b < columns.many; ++b) {
         if (columns.valid(b) && !(owned >> b & 1) && !(columns.flags[b] & SINGULAR)) return true;
@@ -241,7 +244,8 @@ STEP bool is_stranger(const Columns<6>& columns, unsigned owned) {
     return false;
 }
 
-// Add the real ends of all paths that lead to the goal, regular ones first: a continuum may take all columns that are left.
+// Adds the real ends of all paths to the goal, regular ones first: the members of a continuum may fill the other
+// columns.
 PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, SearchState& search, int attempt) {
     PathEnds ends;
     const int regular = continue_from_nearest(arm.written, arm.paths, goal, attempt, ends);
@@ -280,7 +284,7 @@ PART Arrived gather_ends(const EliminationArm& arm, const Goal<double>& goal, Se
     }
     search.all_known &= distant == 0;
     if (shared || is_stranger(search.columns, owned)) return Arrived::lost;
-    // Those that are not real come in pairs.
+    // Solutions that are not real come in pairs: an odd number lacks one.
     if (regular == arm.paths.solutions && (regular - real) % 2) return Arrived::lost;
     if (regular + distant == arm.paths.solutions) return Arrived::regular;
     return settled == arm.paths.solutions ? Arrived::settled : Arrived::lost;
@@ -312,7 +316,7 @@ PART bool find_all(const EliminationArm& arm, const Goal<double>& goal, SearchSt
     bool settled = false;
     for (int attempt = 0; attempt < ATTEMPTS && attempt < arm.paths.poses; ++attempt) {
         const Arrived all = gather_ends(arm, goal, search, attempt);
-        // Singular ends are believed when a second attempt has them too.
+        // A result with singular ends needs a second attempt that agrees.
         if (all == Arrived::regular || (all == Arrived::settled && settled)) return true;
         settled |= all == Arrived::settled;
     }
@@ -321,13 +325,14 @@ PART bool find_all(const EliminationArm& arm, const Goal<double>& goal, SearchSt
 }
 
 bool complete(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns) {
-    // A slide far out carries its rounding to the tip. A candidate so far out that this exceeds the tolerance is not a solution.
+    // The rounding of a slide far out moves the tip, so the accepted error grows with the distance of the goal, up to
+    // the tolerance.
     const double far = arm.any_slide ? 1.0 + sqrt(dot(goal.p, goal.p)) / arm.written.size : 1.0;
     SearchState search = {columns, min(CONVERGED * far, arm.written.tolerances.reach)};
     search.all_known = all_known(arm);
     bool certain = find_all(arm, goal, search);
-    // Where no candidate converges, the best is a double root if its error is so small already: rounding would carry the arm about
-    // in the direction in which it is singular, but for the damping HELD.
+    // If no candidate converged, the best may be a double root. Without the damping HELD, rounding would move the arm
+    // along its singular direction.
     if (columns.count() == 0 && search.error < NEARLY) {
         const Course held = {8, FINISHED, LONG_PATIENCE, HELD};
         if (polish_one<true>(arm.written, goal, search.best, held).error <= arm.written.tolerances.reach) {
@@ -337,8 +342,9 @@ bool complete(const EliminationArm& arm, const Goal<double>& goal, const Columns
     }
     // If solutions are missing or in doubt, they may be next to a singular solution.
     if (!(certain && search.all_known)) certain &= !search_beside_folds(arm.written, goal, columns);
-    // Solutions come in pairs, as the complex ones of real equations do: an odd number lacks one, but for double roots. And where a
-    // Jacobian has all but lost a rank, so have those of others on the same curve.
+    // Complex solutions of real equations come in pairs, and so real ones do: an odd number lacks one, double roots
+    // aside. The valleys of all weak solutions are then searched; after an even number, only those of nearly singular
+    // ones.
     if (!certain) walk_valleys(arm.written, goal, columns.count() % 2 ? SECOND_NEXT_DOOR : IN_A_VALLEY, columns);
     return certain;
 }

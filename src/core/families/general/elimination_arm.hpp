@@ -13,9 +13,9 @@ namespace urdf_ik {
 struct EliminationVariant {
     int first;      // a, 0 to 3
     bool reversed;  // whether this is the chain from tip to base
-    // The 162 coefficients of the equations, (equation, hidden, a + 4, a + 3) in this order, are the product of left
-    // (transposed here, with zeros behind it), the loop's motion of lines, and right. The loop's motion stands behind 3 - a
-    // of the joints a + 3 to a + 5, which are in right: it has 1, 3, 9 or 27 columns, and zeros behind them.
+    // The 162 coefficients of the equations, in the order (equation, hidden, a + 4, a + 3), are a product: left (stored
+    // transposed, padded with zeros), the loop's motion of lines, right. The loop's motion comes after 3 - a of the
+    // joints a + 3 to a + 5, and right holds these: it has 1, 3, 9 or 27 columns, padded with zeros.
     double left[15][168], right[15][32];
     double left_inverse[9][15];       // from a line to the products of (1, cos, sin) of joints a and a + 1
     double axes[6][3], points[6][3];  // directions, and points on them
@@ -32,17 +32,18 @@ struct EliminationArm {
     Continuation paths;
 };
 
-// How many solutions each variant alone finds of poses, and whether it is certain of them: (variants, poses) each.
+// The number of solutions that each variant alone finds of each pose, and whether it is certain of them: (variants,
+// poses).
 struct EliminationTrial {
     std::uint8_t *counts, *certain;
 };
 
 struct EliminationSolvers {
     long (*solve)(const EliminationArm&, const Batch&);
-    // So many variants on m poses T.
+    // Tries `variants` variants on m poses T.
     void (*trial)(const EliminationArm&, const EliminationVariant*, int variants, const double* T, long m, const EliminationTrial&);
-    // Poses whose solutions are all known, from m joint vectors (m, 6), two at least. near: without those far from real, for
-    // an arm near a special one.
+    // Finds poses with all their solutions from m joint vectors (m, 6), at least two. near: leaves out solutions far
+    // from real, for an arm near a special one.
     void (*find_known_poses)(const Written<6>&, const double (*q)[6], int m, bool near, Continuation&);
 };
 

@@ -9,8 +9,8 @@
 // trigonometric polynomial of degree eight in the hidden joint a + 5; it is sampled, and its 16 roots are found in the
 // complex plane.
 //
-// A joint that slides by d takes part as an angle t with d = tan(t / 2): what it does to lines is of degree two in d, so
-// it is of the form 1, cos t, sin t but for the factor cos^2(t / 2), which homogeneous equations do not see.
+// A joint that slides by d takes part as an angle t with d = tan(t / 2). Its action on lines is of degree two in d, so
+// it has the form 1, cos t, sin t up to the factor cos^2(t / 2), which cancels in homogeneous equations.
 #pragma once
 
 #include "answers/polish.hpp"
@@ -43,7 +43,7 @@ template <class V> STEP void move_line(const Frame<double>& G, const V (&w)[LINE
     out[8] = moment.x, out[9] = moment.y, out[10] = moment.z, out[12] = last.x, out[13] = last.y, out[14] = last.z;
 }
 
-// COLUMNS: how many products of joints stand behind the loop's motion.
+// COLUMNS: the number of products of joints behind the loop's motion.
 template <int COLUMNS> PART void equations_with(const EliminationVariant& v, const Frame<double>& G, Equations& A) {
     constexpr int rows = 162 / COLUMNS, blocks = (rows + BLOCK - 1) / BLOCK;
     constexpr int width = COLUMNS < 8 ? COLUMNS : 9, height = blocks < 8 ? blocks : 3;  // what stays in registers
@@ -107,7 +107,7 @@ template <class V> STEP void matrix_at(const Equations& A, const V& c, const V& 
     }
 }
 
-// One of Householder's reflections: column I becomes zero below its diagonal. Scaled so that it is 1 - v v^T.
+// A Householder reflection 1 - v v^T: makes column I zero below its diagonal.
 template <int I, class V> STEP void reflect(V (&M)[SIZE][SIZE]) {
     constexpr int N = SIZE - I;
     V v[N], square = 0.0;
@@ -132,7 +132,7 @@ template <int I, class V> STEP void reflect(V (&M)[SIZE][SIZE]) {
     }
 }
 
-// Upper triangular, several blocks of matrices in step: the roots of one wait while another is reflected.
+// Makes several blocks of matrices upper triangular in step: the square roots of one wait while another is reflected.
 template <int K, class V, int I = 0> STEP void make_triangular(V (&M)[K][SIZE][SIZE]) {
     if constexpr (I < SIZE - 1) {
 #pragma GCC unroll 1
@@ -181,8 +181,8 @@ PART void determinants(const Equations& A, double (&D)[SAMPLES]) {
     }
 }
 
-// Fourier coefficients -8 to 8 of the samples. Returns the largest of the harmonics 9 to 11, which must vanish, relative
-// to the largest of the others: what rounding has left of the determinant.
+// Fourier coefficients -8 to 8 of the samples. Returns the noise of the determinant: the largest of the harmonics 9 to
+// 11, which rounding alone makes nonzero, over the largest of the others.
 STEP double harmonics(const double (&D)[SAMPLES], Complex (&c)[2 * DEGREE + 1]) {
     double re[HARMONICS], im[HARMONICS];
     for (int b = 0; b < HARMONICS; b += BLOCK) {
@@ -203,7 +203,7 @@ STEP double harmonics(const double (&D)[SAMPLES], Complex (&c)[2 * DEGREE + 1]) 
     return largest > 0.0 ? sqrt(noise / largest) : __builtin_inf();
 }
 
-// Unit vectors that the matrices at the hidden angles (c, s) take to almost zero: inverse iteration on R^T R.
+// Unit vectors that are nearly null vectors of the matrices at the hidden angles (c, s): inverse iteration on R^T R.
 PART void null_vectors(const Equations& A, const Block& c, const Block& s, Block (&x)[SIZE]) {
     Block M[1][SIZE][SIZE], longest = 0.0, w[SIZE];
     matrix_at(A, c, s, M[0]);
@@ -247,7 +247,7 @@ template <class V> STEP Vec<V> undone(const EliminationVariant& at, int j, const
     return value.turn.c * x - value.turn.s * cross(h, x) + ((1.0 - value.turn.c) * dot(h, x)) * h + p;
 }
 
-// The point v, moved backwards through joints a + 3, a + 4, a + 5, and by G where that stands among them.
+// The point v, moved backwards through joints a + 3, a + 4, a + 5, and by G at its place among them.
 template <class V> STEP Vec<V> other_side(const EliminationVariant& at, const Frame<V>& G, const Value<V> (&values)[6], Vec<V> v) {
     for (int k = 0; k < 4; ++k) {
         if (k + at.first == 3) v = G.R * v + G.p;
@@ -263,7 +263,8 @@ PART void remaining_values(const EliminationVariant& at, const Frame<double>& mo
     const Frame<Block> G = spread<Block>(motion);
     const int first = at.first, kept = (first + 3) % 6, kept_too = (first + 4) % 6, hidden = (first + 5) % 6;
     Value<Block> values[6];
-    // The null vector is (1, cos, sin) of joint a + 3 times a vector of the halves: of the three copies the longest.
+    // The null vector is (1, cos, sin) of joint a + 3 times a vector of the halves. Take the longest of these three
+    // copies.
     Block longest = x[0] * x[0] + x[1] * x[1], halves[4] = {x[0], x[1], x[2], x[3]};
     for (int j = 1; j < 3; ++j) {
         const Block square = x[4 * j] * x[4 * j] + x[4 * j + 1] * x[4 * j + 1];
@@ -281,7 +282,7 @@ PART void remaining_values(const EliminationVariant& at, const Frame<double>& mo
     const Turn<Block> half = unit(halves[0], halves[1]);
     values[kept_too] = {{half.c * half.c - half.s * half.s, 2.0 * half.c * half.s}, half.s / half.c};
     values[hidden] = {{c, s}, s / (1.0 + c)};
-    // The line of joint a + 2, as the other side has it, gives the products of joints a and a + 1.
+    // The line of joint a + 2, moved through the other side, gives the products of joints a and a + 1.
     const int k = first + 2;
     const Vec<Block> axis = vec<Block>(at.axes[k]), start = vec<Block>(at.points[k]), across = vec<Block>(at.across);
     const Vec<Block> p = other_side(at, G, values, start), l = other_side(at, G, values, start + axis) - p, m = cross(p, l);
@@ -296,7 +297,7 @@ PART void remaining_values(const EliminationVariant& at, const Frame<double>& mo
     const Block cos_first = product(3), cos_second = product(1);
     values[first] = {unit(cos_first, product(6)), cos_first};
     values[first + 1] = {unit(cos_second, product(2)), cos_second};
-    // The last one turns a vector across axis a + 2 to where the other side has it.
+    // Joint a + 2 turns a vector across its axis to the direction that the other side gives.
     Vec<Block> v = other_side(at, G, values, start + across);
     v = undone(at, first, values[first], v);
     v = undone(at, first + 1, values[first + 1], v) - start;

@@ -3,21 +3,24 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Twins whose negative margins are less than this factor apart are both beyond their end (34 would do if m were linear in x);
-// the same of a margin before and after a correction.
+// A branch is beyond its end if its negative margin differs by less than this factor from that of its twin, and from
+// its own before the last correction. 34 would do if m were linear in x.
 inline constexpr double AGREE = 2.0;
-// The rounds have come to rest where the last move is less than half of x: the square of it, over the margin.
+// The rounds have come to rest if the last move is less than half of x: its square is less than this share of the
+// margin.
 inline constexpr double REST = 0.25;
-// An angle is fixed where its arm is above this times the drift, both as shares of the size. Joints that change by x change
-// the correction by drift x at most, and that turns an angle of arm a by drift x / a: by less than x / 4, so that every round
-// leaves a quarter of the one before, CORRECTIONS rounds 1/256 of the first. Below, the ideal arm leaves the angle nearly free
-// (rounds converge slowly or not at all below 1, and the arm as written may have more solutions), and the elimination decides.
+// An angle is fixed if its lever arm exceeds this times the drift, both as shares of the size. If the joints change by
+// x, the correction changes by at most drift x. This turns an angle of lever arm a by drift x / a, less than x / 4. So
+// each round leaves a quarter of the one before, CORRECTIONS rounds 1/256 of the first. With a shorter lever arm the
+// ideal arm leaves the angle nearly free, and the elimination decides: the rounds converge slowly, and below 1 perhaps
+// not at all, and the arm as written may have more solutions.
 inline constexpr double FIXED_BY_DRIFT = 4.0;
-// A branch is beyond an end only where its margins' roots are above this times the drift: the joints of another root x move by
-// drift / x, and with them, by that share of itself, what tells the twins apart. By tests, 16 was too little for two of 20,000
-// vectors planted next to two singularities; 64 costs nothing, as few poses are so near to an end.
+// A branch is beyond an end only if the roots of its margins exceed this times the drift. Another root x moves the
+// joints by drift / x, and changes the margin that tells the twins apart by that share of itself. In tests 16 was too
+// little for two of 20,000 joint vectors planted next to two singularities. 64 costs no time, as few poses are so near
+// to an end.
 inline constexpr double BEYOND_BY_DRIFT = 64.0;
-// Kantorovich's share of the smallest singular value, see above.
+// Newton's method may move by this share of the Jacobian's smallest singular value; see imperfect.hpp.
 inline constexpr double KANTOROVICH = 0.5;
 // A margin below this is rounding.
 inline constexpr double ROUNDED_MARGIN = 1e-12;
@@ -42,7 +45,7 @@ STEP bool is_beyond(const Answers& before, const Answers& now, int b, double squ
     return false;
 }
 
-// Newton's method on a group of branches whose bits are in `inside`.
+// Newton's method on one block of branches, those whose bits are in `inside`.
 PART void follow(const BothArms& arm, const Goal<Block>& goal, const Answers& now, unsigned inside, int first, Known& known) {
     constexpr unsigned all = (1u << BLOCK) - 1;
     inside = inside >> first & all;
@@ -60,7 +63,7 @@ PART void follow(const BothArms& arm, const Goal<Block>& goal, const Answers& no
     }
 }
 
-// One more correction of all branches, then what it decides of those that are open.
+// Corrects the targets of all branches once more, then decides the open branches where this is possible.
 PART void decide(const BothArms& arm, const Goal<Block>& goal, const IdealAnswer& family, Answers& now, Known& known) {
     const Answers before = now;
     double square[8];
@@ -85,7 +88,7 @@ PART void decide(const BothArms& arm, const Goal<Block>& goal, const IdealAnswer
     for (int first = 0; first < 8; first += BLOCK) follow(arm, goal, now, inside, first, known);
 }
 
-// The branches that are decided, a bit each in `found` and `open` for what is not.
+// One bit per branch: in `found` if it is a solution, in `open` if it is undecided.
 Known decide_all(const BothArms& arm, const Seen<double>& seen, const IdealAnswer& family) {
     const Goal<Block> target = spread<Block>({seen.R, seen.p});
     Answers now;

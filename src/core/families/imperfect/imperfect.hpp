@@ -1,5 +1,5 @@
-// Arms near a family: the ideal arm's closed form, corrected for the arm as written. Poses that this leaves undecided are solved
-// by elimination.
+// Arms near a family: the ideal arm's closed form, corrected for the arm as written. Elimination solves the poses that
+// this leaves undecided.
 //
 // If the arm as written, W, reaches the target T at q, then the ideal arm I at q reaches I(q) W(q)^-1 T. This pose is near T and
 // changes slowly with q. The solutions of W are therefore the fixed points of an iteration: solve a branch of the ideal arm for
@@ -32,8 +32,8 @@ inline constexpr double CLOSE_BY = 1e-4;
 // A joint that the ideal arm leaves free has a few values on the arm as written. From this imperfection on they are far enough
 // apart for elimination and continuation to find them without all_around(). Chosen by tests: at 1e-3 a solution was lost.
 inline constexpr double FAR_OFF = 4e-3;
-// If the Jacobian's second smallest singular value is below DOUBLY_WEAK, two joints are nearly free, and so many pairs of values
-// are tried.
+// If the second smallest singular value of the Jacobian is below DOUBLY_WEAK, two joints are nearly free, and PAIRS
+// pairs of their values are tried.
 inline constexpr int PAIRS = 48;
 inline constexpr double DOUBLY_WEAK = 1e-2;
 // A quasirandom sequence of six joint values: joint j advances by this to the power j, as a share of a turn. It is 1 / x with
@@ -43,7 +43,7 @@ inline constexpr double IRRATIONAL = 0.8986537126286993;
 template <class Family> struct Imperfect {
     using Arm = ImperfectArm<typename Family::Arm>;
     static constexpr int branches = 16;
-    // Such a family's branches are not told apart by signs: all poses go to its careful path and to the elimination.
+    // Signs do not tell the branches of such a family apart: all poses go to its careful path and to the elimination.
     static constexpr bool by_quartic = !Family::by_signs;
 
     static PART void answer(const void* arm, const Seen<Block>& seen, int first, Answers& to) {

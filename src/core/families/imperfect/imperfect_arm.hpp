@@ -17,7 +17,7 @@ inline constexpr double ALMOST_FREE = 5.0;
 // values plus offsets.
 struct BothArms {
     Written<6> written, ideal;
-    double drift;  // how fast the motion between the two tips changes with the joints, at most [rad, share of size; a rad]
+    double drift;  // greatest rate at which the motion between the two tips changes with the joints [rad, share of size; a rad]
 };
 
 template <class FamilyArm> struct ImperfectArm {

@@ -1,11 +1,12 @@
 // Arms whose joints drive several axes each, by bisection: every part of the joint space is excluded or solved.
 //
-// In the scaled joints x the error of the tip is f(x) = ((p - p_target) / size, (R - R_target) / sqrt 2), twelve numbers. In
-// a box |x - c| <= w it is f(c) + J (x - c) + r with |r| <= rho(w), since second derivatives of a product of exponentials
-// are bounded by its links' lengths and their rates of turning. The box holds no solution if even so f cannot vanish: not
-// by its size, not across the range of J, not where its least squares lead. It holds at most one, to which Newton's method
-// leads from the middle, if that step contracts (Neumaier, Interval Methods for Systems of Equations, 1990, chapter 5).
-// All other boxes are halved. At double roots and on continua this does not end: the smallest boxes become starting points.
+// In the scaled joints x the error of the tip is f(x) = ((p - p_target) / size, (R - R_target) / sqrt 2), twelve
+// numbers. In a box |x - c| <= w it is f(c) + J (x - c) + r with |r| <= rho(w), since second derivatives of a product
+// of exponentials are bounded by its links' lengths and their rates of turning. The box holds no solution if f cannot
+// vanish in it: its size at c is too large, its part across the range of J is, or the least-squares step leaves the
+// box. The box holds at most one solution, and Newton's method leads to it from the middle, if that step contracts
+// (Neumaier, Interval Methods for Systems of Equations, 1990, chapter 5). All other boxes are halved. At double roots
+// and on continua this does not end, so the centres of the smallest boxes become starts.
 #pragma once
 
 #include "families/mimics/coupled_model.hpp"
@@ -13,16 +14,19 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Starts taken from the last boxes if they are more; the reach of the last ones [rad].
+// If more boxes than STARTS remain, only about STARTS of them become starts. Halving ends when rho is below SMALLEST
+// squared [rad].
 inline constexpr long STARTS = 400;
 inline constexpr double SMALLEST = 2e-4;
-// Rounding of a squared error; what makes up for a bound that only just holds; how much Newton's step has to contract.
+// Rounding of a squared error; a factor that covers the rounding of the bound; the contraction that Newton's step
+// needs.
 inline constexpr double SQUARE_ROUNDING = 1e-13, SLACK = 1.0 + 1e-9, CONTRACTING = 0.25;
 // A diagonal entry of the triangular factor below this share of its column: the columns depend on one another.
 inline constexpr double DEPENDENT = 1e-10;
 
-// rho: what second and higher orders can make of the error in a box of half widths w anywhere. The tip is the sum of the
-// links, each turned by all axes before it: the second derivative of a rotation is at most the square of its rate.
+// rho: a bound on the second and higher orders of the error in a box of half widths w, wherever the box lies. The tip
+// is the sum of the links, each turned by all axes before it. The second derivative of a rotation is at most the square
+// of its rate.
 template <int N> STEP double bound(const CoupledArm<N>& arm, const double (&w)[N]) {
     const auto& written = arm.written;
     double place = 0.0, rate = 0.0;
@@ -43,8 +47,8 @@ template <int N> STEP double bound(const CoupledArm<N>& arm, const double (&w)[N
     return 0.5 * sqrt(place * place + rate * rate * rate * rate) * SLACK;
 }
 
-// Boxes about c: in which lanes the box holds at most one solution, that `start` leads to; in which it is to be halved. In
-// the others there is none.
+// One bit per box. alone: it holds at most one solution, and `start` leads to it. halve: this is open. The others hold
+// none.
 template <int N> struct Verdict {
     unsigned alone, halve;
     Block start[N];

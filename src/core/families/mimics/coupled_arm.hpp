@@ -1,5 +1,5 @@
-// Arms whose joints drive several axes each, as the URDF has them. The joints are scaled: x is in rad, or in shares of the
-// arm's size for one that slides.
+// Arms whose joints drive several axes each, as in the URDF. The joints are scaled: x is in rad, or in shares of the
+// arm's size for a slide.
 #pragma once
 
 #include "kinematics/arm.hpp"
@@ -7,7 +7,7 @@
 namespace urdf_ik {
 
 inline constexpr int MOST_AXES = 12;
-// Columns of a pose, at most.
+// Most columns of a pose.
 inline constexpr int MOST_COLUMNS = 96;
 
 template <int N> struct Coupled {
@@ -15,20 +15,20 @@ template <int N> struct Coupled {
     int axes;
     Motion step[MOST_AXES + 1];  // as in Written
     bool slides[MOST_AXES];
-    double gain[MOST_AXES][N];  // of an axis [rad, m] by a scaled joint
-    double unit[N], period[N];  // of a scaled joint: what 1 is [rad, m]; after which it repeats, 0: never
+    double gain[MOST_AXES][N];  // change of an axis [rad, m] per unit of a scaled joint
+    double unit[N], period[N];  // of a scaled joint: the value of one unit [rad, m]; its period in units, 0 if it has none
     double size;
     Tolerances tolerances;
 };
 
 template <int N> struct CoupledArm {
     Coupled<N> written;
-    double middle[N], half[N];        // of where the scaled joints are looked for
-    double rates[MOST_AXES][N];       // greatest rates [rad] at which the joints turn what is behind each axis
+    double middle[N], half[N];        // of the box in which the scaled joints are searched
+    double rates[MOST_AXES][N];       // greatest rate [rad per unit] at which each joint turns the links behind an axis
     int columns;
 };
 
-// Boxes of one level of the search at most; what it needs of memory, in boxes.
+// Most boxes on one level of the search; its scratch memory, in boxes.
 inline constexpr long BOXES = 60000, SCRATCH = 2 * BOXES;
 
 struct HollowWristArm;

@@ -61,8 +61,8 @@ template <int N> STEP double advanced(const Driven<N>& model, int k, double x, d
 }
 template <int N> STEP double gap(const Driven<N>& model, int k, double a, double b) { return centred(model.arm, k, a - b); }
 
-// Polish the start x, which is replaced, and keep it if it is verified and new. searched: x may not be near a solution, so it has
-// to converge to rounding.
+// Polishes x in place and keeps the result if it is verified and new. searched: x may be far from any solution, so it
+// has to converge to rounding.
 template <int N> STEP void polish_and_keep(const Coupled<N>& arm, const Goal<double>& goal, double (&x)[N], bool searched,
                                            const Columns<N>& columns) {
     polish_and_keep(driven(arm), goal, x, searched ? Origin::searched : Origin::doubtful,

@@ -1,13 +1,14 @@
 // All solutions of a 6R arm with a hollow wrist, such as ABB's IRB 5400: seven axes; axes 5 and 6 follow one joint, axis 6
 // backwards.
 //
-// Axes 4 and 7 meet, in a point W that joint 5 moves along both. For a value of joint 5 the target gives W, so
-// joints 1 to 3 are known (two fronts, two elbows), and the angle between axes 4 and 7 has to be the one that joint 5 makes:
-// one equation in one unknown for each branch. Where all four axes meet in one point W stands still and the equation is a
-// trigonometric polynomial of degree two. In a mirrored wrist (axis 7 the mirror image of axis 4 in the plane between axes 5
-// and 6, a joint of constant velocity) the triangle of W and the two outer points is isosceles. Both, and what is nearly so,
-// are solved alike: signs of the equation over samples of joint 5, then Newton's method on the arm as written. A pair of
-// solutions nearer to each other than the samples is looked for where the equation comes near to zero between them.
+// Axes 4 and 7 meet in a point W that joint 5 moves along both. For a value of joint 5 the target gives W, and W gives
+// joints 1 to 3 (two fronts, two elbows). The angle between axes 4 and 7 then has to equal the one that joint 5 makes:
+// one equation in one unknown for each branch. If all four axes meet in one point, W stands still and the equation is a
+// trigonometric polynomial of degree two. In a mirrored wrist (axis 7 the mirror image of axis 4 in the plane between
+// axes 5 and 6, a joint of constant velocity) the triangle of W and the two outer points is isosceles. Both kinds, and
+// wrists near them, are solved alike: sign changes of the equation over samples of joint 5, then Newton's method on the
+// arm as written. If the equation comes near zero between samples, a pair of solutions closer together than the samples
+// is searched there.
 #pragma once
 
 #include "answers/blocks.hpp"
@@ -17,17 +18,20 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Sine of the angle between axes 4 and 7 below which the turn about axis 4 is tried all round; in so many directions.
+// The turn about axis 4 is determined by the sine of the angle from axis 4 to axis 7, times the sine of the angle from
+// axis 4 to the wanted direction of axis 7. If the product is below ALIGNED, TURNS_TRIED turns around the circle are
+// tried.
 inline constexpr double ALIGNED = 1e-2;
 inline constexpr int TURNS_TRIED = 8;
-// A squared sine that is missing so little at a sample may be there between two of them.
+// A margin that is negative at a sample by less than this may be positive between two samples.
 inline constexpr double ALMOST = 1e-2;
 
 struct HollowWrist {
     using Arm = HollowWristArm;
     static constexpr int branches = 32;
 
-    // The equation at one value of joint 5 on one branch: what is missing, the margin of the branch, and the joints.
+    // The equation at one value of joint 5 on one branch: its residual, the margin of the branch, and joints 5 and 1 to
+    // 3.
     struct Sample {
         double off, margin, joint_5, q[3];
         bool there() const { return margin >= 0.0; }
@@ -61,7 +65,7 @@ struct HollowWrist {
         finish(arm.written, columns);
     }
 
-    // The equation at sample i and the share t of the way to the next.
+    // The equation at the share t of the way from sample i to the next.
     static PART Sample at(Scan& search, int i, double t) {
         const Arm& arm = search.arm;
         const int k = i + 1 < arm.samples ? i + 1 : arm.round ? 0 : i;
@@ -122,7 +126,7 @@ struct HollowWrist {
         start(search, s, false);
     }
 
-    // The equation turns round near sample i without a change of sign: a parabola through three samples.
+    // The equation has an extremum near sample i and no change of sign: starts from a parabola through three samples.
     static PART void near_double_root(Scan& search, int i, double before, double off, double after) {
         const double bend = before - 2.0 * off + after;
         if (abs(bend) < TINY) return;
@@ -146,7 +150,7 @@ struct HollowWrist {
         start(search, at(search, i, inside + 0.1 * (from - inside)), true);
     }
 
-    // Turns about axes 4 and 7 for the other joints, then Newton's method.
+    // Finds the turns about axes 4 and 7 for a sample's joints, then runs Newton's method.
     static PART void start(Scan& search, const Sample& s, bool searched) {
         const auto& written = search.arm.written;
         double x[6] = {s.q[0], s.q[1], s.q[2], 0.0, s.joint_5, 0.0};

@@ -12,8 +12,9 @@ struct HollowWristArm {
     Coupled<6> written;
     Ends ideal;                  // the target as it stands
     SphericalWristArm position;  // axes 1 to 4, as if the wrist's centre were fixed; see `along`
-    // Axes 4 and 7 meet, in a point that joint 5 may move along both. At samples of joint 5: its value, the cosine of the
-    // angle between axes 4 and 7, the point's place along axis 4 beyond the fixed centre, and along axis 7 [m].
+    // Axes 4 and 7 meet in a point that joint 5 may move along both. At samples of joint 5: its value, the cosine of
+    // the angle between axes 4 and 7, and the place of the point [m] along axis 4 (beyond the fixed centre) and along
+    // axis 7.
     int samples;
     double value[MOST_SAMPLES], cosine[MOST_SAMPLES], along_4[MOST_SAMPLES], along_7[MOST_SAMPLES];
     bool round;                      // the last sample's neighbour is the first

@@ -1,6 +1,7 @@
-// Arms with an end joint given: T' = E1(v)^-1 T for the first joint, T' = T En(v)^-1 for the last one. The other joints form the
-// same arm for every value; only their targets move. A rotation of the target about an axis of the tip works alike. If two
-// neighbouring joints share an axis, the first of them may be given too: the other one takes its value back.
+// Arms with an end joint given: T' = E1(v)^-1 T for the first joint, T' = T En(v)^-1 for the last one. The other joints
+// form the same arm for every value; only their targets move. A free rotation of the target about an axis of the tip
+// works alike. If two neighbouring joints share an axis, the first of them may be given too: the other one compensates
+// for its value.
 #include "answers/blocks.hpp"
 #include "families/seven_joints/one_given_arm.hpp"
 
@@ -32,7 +33,7 @@ static STEP void move_block(const GivenJoint& given, const double* from, const B
     store_rows<Write::plain, 16>(out, to);
 }
 
-// The value at most half a turn from zero, in (-pi, pi]; those that are there already keep their digits.
+// The value wrapped to (-pi, pi]; a value already in this range keeps its digits.
 static STEP double as_joint_value(const GivenJoint& given, double value) { return given.turns ? on_circle(value) : value; }
 
 static void move(const GivenJoint& given, const Batch& part, double* T, double* values) {
@@ -50,7 +51,7 @@ static void move(const GivenJoint& given, const Batch& part, double* T, double* 
     }
 }
 
-// N: how many joints the others are, 0 where that is not known at compile time.
+// N: the number of other joints, 0 if unknown at compile time.
 template <int N> static STEP void insert_rows(const GivenJoint& given, const Batch& part, const double* others,
                                               const double* values, int joints, int branches) {
     const int n = N ? N : joints, first = given.last ? 0 : 1;

@@ -5,7 +5,7 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 namespace {
 
-// All branches of a block of targets, beyond their ends too.
+// All branches of a block of targets, those past their ends included.
 struct EveryBranch {
     Block q[8][7];
     STEP void set(int b, const Block (&angles)[7], const MaskOf<Block>&, const MaskOf<Block>&) {
@@ -13,7 +13,7 @@ struct EveryBranch {
     }
 };
 
-// See Batch::beyond. columns: of an answer, eight or more.
+// See Batch::beyond. columns: the number of columns per pose, at least eight.
 PART void branches_beyond_ends(const SrsArm& arm, const Batch& batch, int columns) {
     for (long start = 0; start < batch.m; start += BLOCK) {
         const int many = batch.m - start < BLOCK ? int(batch.m - start) : BLOCK;

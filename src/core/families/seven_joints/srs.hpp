@@ -1,9 +1,9 @@
-// All solutions of an S-R-S arm at a swivel angle; see swivel.hpp for what that is.
+// All solutions of an S-R-S arm at a swivel angle, which swivel.hpp defines.
 //
-// The target fixes W, and with it the elbow's bend: |W - S| depends on joint 4 alone (law of cosines). What is left of the
-// upper arm is a turn about the line SW, the swivel angle. Upper arm and forearm then have known rotations, and each of
-// the two triples of meeting axes brings its own about in two ways (Shimizu et al. 2008; subproblems: subproblems.hpp).
-// Columns: 4 shoulder + 2 elbow + wrist.
+// The target fixes W, and with it the elbow's bend: |W - S| depends on joint 4 alone (law of cosines). The upper arm
+// can still turn about the line SW, by the swivel angle. Upper arm and forearm then have known rotations, and each
+// triple of meeting axes makes its own in two ways (Shimizu et al. 2008; subproblems: subproblems.hpp). Columns: 4
+// shoulder + 2 elbow + wrist.
 #pragma once
 
 #include "answers/blocks.hpp"
@@ -13,8 +13,7 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 STEP Twists twists_of(const MeetingAxes& axes) { return {axes.cos_alpha, axes.sin_alpha, axes.cos_beta, axes.sin_beta}; }
 
-// The rotations that the two triples are to bring about: of the shoulder, seen from frame 1; of the wrist, seen from
-// frame 5.
+// The rotations that the two triples have to make: the shoulder in frame 1, the wrist in frame 5.
 template <class V> STEP Rot<V> shoulder_rotation(const SrsArm& arm, const UpperArm<V>& elbow) { return elbow.R * arm.to_frame_3; }
 template <class V> STEP Turn<V> fourth_turn(const SrsArm& arm, const UpperArm<V>& elbow) {
     Turn<V> t = elbow.bend;
@@ -29,8 +28,8 @@ template <class V> STEP Rot<V> wrist_rotation(const SrsArm& arm, const UpperArm<
     });
 }
 
-// The two ways in which three meeting axes bring a rotation about: angles of joints, the margin below which there is
-// none, the least of what makes a pose doubtful, and the squared error.
+// Both solutions for three meeting axes that make a rotation: joint angles, the margin (negative if there is no
+// solution), the smallest quantity that makes a pose doubtful, and the squared error.
 template <class V> struct BothWays {
     V q[2][3], margin, doubt, error;
 };
@@ -82,8 +81,9 @@ struct Srs {
         }
     }
 
-    // As in SphericalWrist::closely: a margin within rounding of zero is a double root, of which one branch is kept; axes
-    // that the target lets turn against each other take the reference's values, or zero.
+    // As in SphericalWrist::closely: a margin within rounding of zero is a double root, and one of its branches is
+    // kept. If the target determines only the sum or difference of two joints, they take the reference's values, or
+    // zero.
     static PART void closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, double value,
                              const Reference<7>& reference, const Columns<7>& columns, unsigned wanted) {
         const Tolerances& tol = arm.written.tolerances;
@@ -107,7 +107,7 @@ struct Srs {
         }
     }
 
-    // One pose at one swivel angle, and where its solutions go.
+    // One pose at one swivel angle, and the columns for its solutions.
     struct Task {
         const Arm& arm;
         const Goal<double>& goal;
@@ -139,8 +139,9 @@ struct Srs {
 
     static constexpr int IMPOSSIBLE = -1;
 
-    // One of the two ways in which three meeting axes bring the rotation about, to q[at] and the two behind it. Returns
-    // IMPOSSIBLE also where the other way gives the same, 1 near a singularity, else 0.
+    // One of the two solutions for three meeting axes that make the rotation M, written to q[at] and the two joints
+    // after it. Returns IMPOSSIBLE if the solution does not exist or equals the other one, 1 near a singularity, else
+    // 0.
     static PART int turned_closely(const Task& task, const MeetingAxes& axes, const Rot<double>& M, int flip, int at,
                                    double (&q)[7]) {
         const Tolerances& tol = task.arm.written.tolerances;

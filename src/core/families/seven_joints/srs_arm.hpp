@@ -8,11 +8,11 @@ namespace urdf_ik {
 // Three axes that meet: R(h1, q1) R(h2, q2) R(h3, q3) = F1 Rz(q1) Rx(alpha) Rz(q2 + shift) Rx(beta) Rz(q3) F3^T.
 struct MeetingAxes {
     double cos_alpha, sin_alpha, cos_beta, sin_beta, shift;
-    bool square;  // alpha and beta are exactly +-90 degrees, so that the two ways to turn differ by half turns
+    bool square;  // so the two solutions differ by half turns
 };
 
 struct SrsArm {
-    Ends ideal;  // frame 1 stands in S, the solved point is W
+    Ends ideal;  // the origin of frame 1 is S, the solved point is W
     Written<7> written;
     MeetingAxes shoulder, wrist;
     // The elbow's frame turns with the upper arm: z along axis 4, x from the parallel to axis 4 through S to axis 4.

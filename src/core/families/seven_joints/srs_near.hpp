@@ -1,22 +1,23 @@
-// All solutions, at a swivel angle, of an arm whose axes 1 to 3 and 5 to 7 nearly meet: the eight of the nearest S-R-S arm
-// lead to those of the arm as written by Newton's method at the same swivel angle. Near a singularity of the ideal arm the
-// solutions of the two differ in number, and further starts around the singularity are tried.
+// All solutions, at a swivel angle, of an arm whose axes 1 to 3 and 5 to 7 nearly meet. Newton's method at this swivel
+// angle leads from the eight solutions of the nearest S-R-S arm to those of the arm as written. Near a singularity of
+// the ideal arm the two arms differ in their number of solutions, and further starts around the singularity are tried.
 #pragma once
 
 #include "families/seven_joints/srs.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// A bend is the root x of a margin, x^2 = m on the ideal arm and m + e on the arm as written. Newton's method from sqrt(m) finds
-// it, and none but it, where |e| < m (Kantorovich: |x^2 - m - e| times the second derivative, 2, over the square of the first,
-// 4 m, is below one half). An error of the ideal arm changes the bend's cosine by that error over the product of the twists'
-// sines, a stretched elbow's by size^2 / (2 upper fore) times it, and the margin by twice that: 16 times the error where each
-// link is a quarter of the size, and the other triple adds its own. So a start is sure where m is UNSURE times the error. Below,
-// starts are taken from all around, too, at a margin BESIDE_UNSURE times the error beyond the ideal one: from outside Newton's
-// method comes down on the root, however small it is.
-// Measured on the four nearly S-R-S arms of a corpus (errors 2e-6 to 2e-3), 1500 poses each at 16 columns, half of them 1e-1 to
-// 1e-7 rad from a singularity: with UNSURE 10 two solutions of 46,459 more are lost, with 160 none less at two to four times the
-// time; with BESIDE_UNSURE 1 47 more are lost, 16 finds as many as 4.
+// A bend is the root x of a margin: x^2 = m on the ideal arm, x^2 = m + e on the arm as written. Newton's method from
+// sqrt(m) finds this root and no other if |e| < m (Kantorovich: |x^2 - m - e| times the second derivative, 2, over the
+// square of the first, 4 m, is below one half). An error of the ideal arm changes the cosine of a triple's bend by the
+// error over the product of the twists' sines, and that of a stretched elbow by size^2 / (2 upper fore) times the
+// error. The margin changes by twice as much: 16 times the error if each link is a quarter of the size. The other
+// triple adds its own. So a start is safe if m exceeds UNSURE times the error. Otherwise further starts are tried, at a
+// margin BESIDE_UNSURE times the error above the ideal one: from a larger x, Newton's method descends to the root,
+// however small it is.
+// Measured on the four nearly S-R-S arms of a corpus (errors 2e-6 to 2e-3), 1500 poses each at 16 columns, half of them
+// 1e-1 to 1e-7 rad from a singularity. UNSURE = 10 loses two more of 46,459 solutions; 160 loses no fewer, at two to
+// four times the time. BESIDE_UNSURE = 1 loses 47 more; 16 finds as many as 4.
 inline constexpr double UNSURE = 40.0, BESIDE_UNSURE = 4.0;
 // Where the wrist is nearer to the shoulder than this share of the size, the same error turns the line between them more.
 inline constexpr double SHORT_LINE = 0.3;
@@ -29,7 +30,7 @@ struct SrsNear {
     static constexpr bool redundant = true;
     static constexpr int MOST = 4 + 2 * TRIED_AROUND;  // ways of a triple
 
-    // Ways in which a triple of meeting axes nearly brings a rotation about.
+    // Joint values at which three axes that nearly meet make a given rotation, nearly.
     struct Ways {
         double q[MOST][3];
         int count;
@@ -44,7 +45,7 @@ struct SrsNear {
         const Columns<7>& columns;
         Block q[7];
         int column[BLOCK], filled;
-        double error;  // of the ideal arm, as it counts at this pose
+        double error;  // imperfection of the ideal arm, larger where the wrist is near the shoulder
         bool wide, failed;
     };
 
@@ -63,7 +64,8 @@ struct SrsNear {
         follow(search, seen, line, at);
     }
 
-    // The ideal arm's solutions as starts; where `search.wide`, those around its singularities. Returns whether it is near one.
+    // Starts from the ideal arm's solutions; if search.wide, also from joint vectors around its singularities. Returns
+    // whether the ideal arm is near one.
     static PART bool follow(StartQueue& search, const Seen<double>& seen, const Line<double>& line, const Swivelled<double>& at) {
         const Arm& arm = search.arm;
         bool doubtful = false;
@@ -74,7 +76,7 @@ struct SrsNear {
             const bool flat = elbow.margin < UNSURE * search.error;
             if (way >= 2) {
                 if (!flat) continue;
-                // A little nearer to the middle of its range the elbow is bent.
+                // Move the wrist a little towards the middle of the reach, so that the elbow bends.
                 const double far = elbow.bend.c > 0.0 ? -1.0 : 1.0;
                 elbow = upper_arm(arm, line, at, up, 1.0 + far * BESIDE_UNSURE * search.error);
             }
@@ -148,7 +150,7 @@ struct SrsNear {
         }
     }
 
-    // least: a bound from below on the Jacobian's smallest singular value near q.
+    // least: a lower bound on the Jacobian's smallest singular value near q.
     static PART void keep_solution(StartQueue& search, const double (&q)[7], double error, double least, int column) {
         const Tolerances& tol = search.model.tolerances;
         // Results of a wide search must converge to rounding: beside a fold just out of reach, errors fall below the tolerance.

@@ -1,9 +1,10 @@
 // The swivel angle of an S-R-S arm: axes 1, 2, 3 meet in S, axes 5, 6, 7 in W, axis 4 between.
 //
-// It is the angle about the line SW by which axis 4's direction, less its part along the line, is turned from the normal
-// of the plane that holds S, W and axis 1. Where W lies on axis 1, to ON_AXIS, there is no such plane, and frame 1's x
-// stands in for its normal. Unlike the elbow's position, the direction of axis 4 defines the angle for a stretched arm too.
-// Source: Shimizu, Kakuya, Yoon, Kitagaki and Kosuge 2008, there for axes at right angles.
+// The swivel angle turns about the line SW. It leads from the normal of the plane that holds S, W and axis 1 to axis
+// 4's direction, less its part along the line. If W lies on axis 1, to ON_AXIS, there is no such plane, and frame 1's
+// x, made perpendicular to the line, replaces the normal. Unlike the elbow's position, the direction of axis 4 defines
+// the angle for a stretched arm too. Source: Shimizu, Kakuya, Yoon, Kitagaki and Kosuge 2008, there for axes at right
+// angles.
 #pragma once
 
 #include "answers/polish.hpp"
@@ -30,13 +31,13 @@ template <class V> STEP Line<V> line_to_wrist(const Vec<V>& p) {
     const V u = 1.0 / sqrt(1.0 - d.x * d.x + TINY);
     const Vec<V> n = {select(on, (1.0 - d.x * d.x) * u, -p.y * v), select(on, -d.x * d.y * u, p.x * v),
                       select(on, -d.x * d.z * u, V(0.0))};
-    // A wrist in S gives no line at all; axis 1 stands in for it.
+    // If W coincides with S there is no line: axis 1 replaces it.
     d.z = select(length > V(0.0), d.z, 1.0);
     return {d, n, cross(d, n), length};
 }
 
-// The normal turned by the swivel angle: where axis 4 points, less its part along the line; and what is at right angles
-// to it and the line.
+// ahead: the normal turned by the swivel angle, the direction of axis 4 less its part along the line. level: the
+// direction perpendicular to `ahead` and the line.
 template <class V> struct Swivelled {
     Vec<V> ahead, level;
 };
@@ -57,7 +58,7 @@ STEP UpperArm<V> upper_arm(const SrsArm& arm, const Line<V>& line, const Swivell
     const double a = arm.upper, b = arm.fore, c = arm.along;
     const V length = line.length * longer, reach = length * length - c * c, across = sqrt(max(reach, V(0.0)));
     const Elbow<V> e = elbow(across, V(0.0), a, b, -1.0, up);
-    // Of a wrist on the parallel to axis 4 through S any direction is right.
+    // If W lies on the parallel to axis 4 through S, any direction is right.
     const Turn<V> first = unit(e.second.c + select(across > V(0.0), V(0.0), 1.0), e.second.s);
     const V w = 1.0 / (sqrt(across * across + c * c) + TINY), kappa = c * w, leaning = across * w;
     const V rho = select(leaning + abs(kappa) > V(0.0), leaning, 1.0);
@@ -73,8 +74,8 @@ STEP UpperArm<V> upper_arm(const SrsArm& arm, const Line<V>& line, const Swivell
     return out;
 }
 
-// An S-R-S arm at one swivel angle, as Newton's method sees it: the arm as written, and a seventh equation. The target
-// fixes the line SW, and with it the direction `level` (in the base) that axis 4 is at right angles to.
+// The model of an S-R-S arm at one swivel angle for Newton's method: the arm as written, and a seventh equation. The
+// target fixes the line SW, and with it the direction `level` (in the base) to which axis 4 is perpendicular.
 struct AtSwivel {
     static constexpr int joints = 7, rows = 7;
     const Written<7>& arm;
