@@ -5,7 +5,7 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// A target as the ideal arm sees it: the rotation of frame 6 and the solved point, both in frame 1.
+// A target for the ideal arm: the rotation of frame 6 and the solved point, both in frame 1.
 template <class V> struct Seen {
     Rot<V> R;
     Vec<V> p;
