@@ -106,7 +106,7 @@ template <int N> STEP double gap(const Written<N>& arm, int k, double a, double 
 // The conditions at which an iteration stops.
 struct Course {
     int rounds;             // greatest number of rounds
-    double enough;          // stop at this error
+    double enough;          // stop below this error
     int patience;           // stop after this many rounds in which the error has not fallen by a third
     double least_damping = LEAST_DAMPING;
 };
