@@ -18,7 +18,7 @@ using Kinds = nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu
 constexpr long AT_ONCE = 4096;
 using Fill = void (*)(const ChainArm&, const double*, long, double*);
 
-// A frame whose z axis is the unit vector z. Its x axis is orthogonal to z and to the coordinate axis with the largest angle to z.
+// A frame whose z axis is the unit vector z. Its x axis is orthogonal to z and to the coordinate axis most nearly orthogonal to z.
 Motion frame_on(const double* z, const double* origin) {
     int least = 0;
     for (int i = 1; i < 3; ++i) least = std::fabs(z[i]) < std::fabs(z[least]) ? i : least;

@@ -16,7 +16,7 @@ struct GraphJoints {
     int joints;
     const double *lower, *upper;  // limits, tolerance included [rad or m]
     const double* turn;           // distance of images [rad]
-    const std::uint8_t* counted;  // whether images inside the limits are states of their own
+    const std::uint8_t* counted;  // whether each image inside the limits is a separate state
 };
 
 // A solver's joint vectors, and the conditions for keeping one.

@@ -27,7 +27,7 @@ struct OnCurve {
     double along[7];  // unit tangent, of either sense
     double value;     // of the parameter [rad, m]
     double rate;      // derivative of the parameter along the tangent
-    double moved;     // how far Newton's method moved the point
+    double moved;     // distance by which Newton's method moved the point
     double left;      // the remaining error
     // Sign of the determinant of the Jacobian's rows and the tangent; constant along a curve, 0 at a singularity.
     int sense;

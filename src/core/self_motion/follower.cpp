@@ -238,8 +238,8 @@ bool Follower::add_parts(long cell, std::vector<CurveSample>& way, const std::ve
     return true;
 }
 
-// How far the chord between two samples differs from the mean of their tangents, as a share of the arc. On a circular arc it is
-// small. Infinite if the samples are too far apart for one step.
+// The difference between two samples' chord and the mean of their tangents times the arc, as a share of the arc. Small on a short
+// circular arc; infinite if the two samples cannot be joined.
 double Follower::off_line(const CurveSample& a, const CurveSample& b, double& arc, double& turned) const {
     double way[7], square = 0.0, same = 0.0;
     if (!agree(a, b)) return INFINITY;
