@@ -12,7 +12,7 @@
 //              `wanted`, added to the columns. If it returns a number, each set bit is a branch that rounding leaves
 //              open (see around.hpp)
 // and, if its targets are not poses of sixteen numbers,
-//   numbers    the number of numbers of a target
+//   numbers    the length of a target
 //   load       load(arm, from, t): a block of targets as poses
 // and, for arms with a redundancy parameter,
 //   redundant  true; Arm::value is its default; fast, closely and solve take it after `seen`
