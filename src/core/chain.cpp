@@ -6,7 +6,7 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// The pose of the tip for `many` joint vectors, one a lane; each(k, frame of joint k before it moves) as it is passed.
+// The pose of the tip for `many` joint vectors, one per lane. Calls each(k, frame of joint k before it moves) for every joint.
 template <class Each> STEP Frame<Block> walk(const ChainArm& arm, const double* Q, int many, const Each& each) {
     Frame<Block> at = constant_frame<Block>(arm.step[0]);
     for (int k = 0; k < arm.joints; ++k) {
@@ -36,7 +36,7 @@ static void poses(const ChainArm& arm, const double* Q, long m, double* T) {
     });
 }
 
-// The axes of `many` joint vectors, and where their tips are.
+// Writes the joint axes for `many` joint vectors. Returns the positions of the tips.
 STEP Vec<Block> axes_of(const ChainArm& arm, const double* Q, int many, double* J) {
     const int n = arm.joints;
     return walk(arm, Q, many,

@@ -1,4 +1,4 @@
-// A chain of any number of joints, for forward kinematics; its numbers are those of Written in arm.hpp.
+// A chain of any number of joints, for forward kinematics. Its numbers are defined as in Written, see arm.hpp.
 #pragma once
 
 #include "kinematics/arm.hpp"
@@ -11,8 +11,8 @@ struct ChainArm {
     const bool* slides;  // joints
 };
 
-// For joint vectors Q (m, joints) of any size: poses (m, 4, 4) of the tip; or of each joint its column of the Jacobian
-// at the tip, linear rows above angular ones, (m, 6, joints); or in its place the axis: origin above direction.
+// For joint vectors Q (m, joints) with angles of any size: poses (m, 4, 4) of the tip; Jacobians (m, 6, joints) at the tip, linear
+// rows above angular ones; axes (m, 6, joints), origin above direction.
 struct ChainFunctions {
     void (*poses)(const ChainArm&, const double* Q, long m, double* T);
     void (*jacobians)(const ChainArm&, const double* Q, long m, double* J);

@@ -1,4 +1,4 @@
-// The solvers that were compiled for one instruction set: pointers to the functions of each unit.
+// The solvers compiled for one instruction set: pointers to the functions of each unit.
 #pragma once
 
 #include "chain_arm.hpp"

@@ -29,7 +29,7 @@ static const LevelTable& table_in_use() {
     for (const LevelTable* each : TABLES) {
         if (name == each->name) found = each;
     }
-    return *found;  // a name in use is that of a table
+    return *found;  // level_in_use() returns only names that were built
 }
 
 const LevelTable& level() {

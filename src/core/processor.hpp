@@ -1,4 +1,4 @@
-// The instruction sets that the solvers were compiled for, and the one that is used.
+// The instruction sets for which the solvers were compiled, and the one in use.
 #pragma once
 
 #include <string>
@@ -6,10 +6,10 @@
 
 namespace urdf_ik {
 
-// The names of those that this processor runs, the least demanding first.
+// The names of the compiled instruction sets that this processor runs, the least demanding first.
 std::vector<std::string> levels_built();
 
-// The best of them, or the one that the environment variable URDF_IK_ISA names. Throws if there is no such one.
+// The most demanding of them, or the one named by the environment variable URDF_IK_ISA. Throws if it is not among them.
 std::string level_in_use();
 
 }  // namespace urdf_ik

@@ -1,4 +1,4 @@
-// What every family of six joints does with its candidates, compiled once for every instruction set; see answer.hpp.
+// accept() and instances for arms of six joints, compiled once for every instruction set; see answer.hpp.
 #include "answers/answer.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
@@ -22,7 +22,7 @@ void accept(const Written<6>& arm, const Goal<double>& goal, const double (&q)[6
             const Columns<6>& columns) {
     if (arm.raw) return keep(columns, b, q, marks);
     const double enough = arm.exact ? arm.tolerances.reach : CONVERGED;
-    // least: a bound from below on the smallest singular value of the Jacobian.
+    // least: a lower bound on the smallest singular value of the Jacobian.
     const auto keep_if_new = [&](double (&at)[6], double error, double least) {
         if (!(error <= enough) || !is_new(arm, goal, columns, at)) return;
         add(arm, goal, columns, b, at, near && least < NEAR_FOLD ? singular_marks(arm, goal, at, marks) : 0);

@@ -35,10 +35,10 @@ template <int N> struct Columns {
     }
 };
 
-// The reference: joints that a pose leaves free take values near it. It is the caller's joint vector, or zeros.
+// The reference: on a continuum of solutions, free joints take values near it. It is the caller's joint vector, or zeros.
 template <int N> struct Reference {
     double q[N];
-    double given;  // 1, or 0 where it stands for zeros
+    double given;  // 1 if the caller gave it, else 0
     // The distance between the target given to the closed form and the real one [rad, share of size].
     double displaced = 0.0;
 };
@@ -106,8 +106,8 @@ template <int N> STEP void keep(const Columns<N>& columns, int b, const double (
 // Joint values closer than this [rad, m] count as equal when columns are sorted, so that rounding does not change the order.
 inline constexpr double SAME_VALUE = 1e-6;
 
-// Order the solutions by their joint values, the first joint first, the invalid ones behind: columns of an arm whose
-// branches have no names stand in the same order for every way of finding them.
+// Sort the solutions by their joint values, the first joint first; invalid columns come last. If an arm's branches have no names,
+// the order of its columns then does not depend on the order in which solutions were found.
 template <int N> PART void sort(const Columns<N>& columns) {
     const auto before = [&](int a, int b) {
         if (columns.valid(a) != columns.valid(b)) return columns.valid(a);

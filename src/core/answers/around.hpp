@@ -1,4 +1,4 @@
-// Where rounding hides which branches a pose has, the closed form is solved for targets around it.
+// If rounding leaves open whether a branch exists, the closed form is solved for targets around the pose.
 //
 // Next to a singularity an angle is accurate to half of its digits only. A second singularity that depends on this angle may then
 // be on either side of the computed one, and a free joint may look fixed. Targets a small distance away are not affected. Their
@@ -10,8 +10,8 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// The distance of these targets [rad, share of size]; how many there are at most, in pairs on opposite sides; and after how many in
-// a row without a new solution the search ends.
+// The distance of these targets [rad, share of size]; their greatest number, in pairs on opposite sides; the search ends after
+// IN_VAIN targets in a row without a new solution.
 inline constexpr double DISPLACED = 1e-6;
 inline constexpr int DISPLACEMENTS = 16, IN_VAIN = 4;
 
@@ -20,7 +20,7 @@ STEP Seen<double> displaced(const Seen<double>& seen, int k, double size) {
     double by[6];
     Scatter scatter = Scatter::number(k / 2);
     for (double& each : by) each = (k % 2 ? DISPLACED : -DISPLACED) * scatter.next();
-    // A rotation to first order, and to rounding: unit vectors across each other.
+    // Turn to first order, then make the columns orthonormal.
     const Vec<double> turn = {by[0], by[1], by[2]};
     Vec<double> x = seen.R.x + cross(turn, seen.R.x), y = seen.R.y + cross(turn, seen.R.y);
     x = (1.0 / sqrt(dot(x, x))) * x;
@@ -69,8 +69,8 @@ template <class Model> PART void keep_unless_represented(const Model& arm, const
     if (!kinds || !is_represented(arm, goal, columns, b, unsigned(kinds), q)) keep(columns, b, q, kinds);
 }
 
-// Solve the branches of one pose whose bit is set in `wanted`; those that Family::closely is unsure of also from targets around
-// it.
+// Solve the branches of one pose whose bit is set in `wanted`. Branches of which Family::closely is unsure are also solved from
+// targets around the pose.
 template <class Family, int N>
 PART void closely_and_around(const typename Family::Arm& arm, const Goal<double>& goal, const Seen<double>& seen,
                              const Reference<N>& reference, const Columns<N>& columns, unsigned wanted) {

@@ -7,7 +7,7 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 // If the Jacobian's smallest singular value is below this, a second solution may be close by (rad, shares of the size).
 inline constexpr double SECOND_NEXT_DOOR = 5e-3;
-// Distances [rad] at which Newton's method starts beside it, half a decade apart.
+// Distances [rad] from a solution near a fold at which Newton's method starts, half a decade apart.
 inline constexpr double BESIDE_FOLD[16] = {0.3,  0.094868,  0.03, 0.0094868, 3e-3, 9.4868e-4, 3e-4, 9.4868e-5,
                                            3e-5, 9.4868e-6, 3e-6, 9.4868e-7, 3e-7, 9.4868e-8, 3e-8, 9.4868e-9};
 
@@ -79,7 +79,7 @@ inline constexpr int STRIDES = 128;
 // If a solution's singular value is below this, its valley is followed however many solutions are known.
 inline constexpr double IN_A_VALLEY = 1e-5;
 
-// Newton's method from a point of a valley; a new solution is kept.
+// Newton's method from a point in a valley. A new solution is kept.
 template <class Model>
 PART void polish_in_valley(const Model& arm, const Goal<double>& goal, double (&q)[Model::joints],
                            const Columns<Model::joints>& columns) {
@@ -88,9 +88,9 @@ PART void polish_in_valley(const Model& arm, const Goal<double>& goal, double (&
     }
 }
 
-// Solutions along the valley through q, one way: between two points whose errors point in opposite directions, and where an
-// error is smaller than those before and behind it, which may be a double root. Across the valley there is no error left, so the
-// error has but one direction there, and it changes sign with it. `passed`: a bit for each column whose solution lies in this
+// Search for solutions along the valley through `from`, in one direction. Damped steps remove the error across the valley, so the
+// remaining errors of its points lie along one direction. A solution lies between two points whose errors are opposite. A point
+// with a smaller error than its neighbours may be a double root. `passed`: a bit for each column whose solution lies in this
 // valley. Returns whether the valley is closed.
 template <class Model>
 PART bool walk_valley(const Model& arm, const Goal<double>& goal, const double* from, double way,
@@ -139,7 +139,7 @@ PART bool walk_valley(const Model& arm, const Goal<double>& goal, const double* 
     return false;
 }
 
-// Along the valleys of all solutions whose smallest singular value is below `weak`, both ways where they are not closed.
+// Walk the valleys of all solutions whose smallest singular value is at most `weak`, in both directions unless a valley is closed.
 template <class Model>
 PART void walk_valleys(const Model& arm, const Goal<double>& goal, double weak, const Columns<Model::joints>& columns) {
     unsigned passed = 0;

@@ -3,20 +3,20 @@
 //
 // A Family is a struct with
 //   Arm        an arm's numbers; Arm::ideal is IdealFrames, or Ends at least, Arm::written is Written<N>
-//   branches   how many columns it has
+//   branches   the number of columns
 //   fast       fast(arm, seen, found): all branches of a block of poses; found is Found<branches>
-//   by_signs   whether three signs tell its branches apart; if so
-//   branch     branch(arm, seen, signs): one branch a lane, each of its own pose, beyond their ends too (see margin_root);
-//              imperfect arms ask for it (families/imperfect/imperfect.hpp)
+//   by_signs   whether three signs distinguish its branches; if so
+//   branch     branch(arm, seen, signs): one branch and one pose per lane, also beyond a branch's end (see margin_root);
+//              imperfect arms use it (families/imperfect/imperfect.hpp)
 //   closely    closely(arm, goal, seen, reference, columns, wanted): the branches of one pose whose bit is set in
-//              `wanted`, added to the columns. If it returns a number, the bits of that number name the branches
-//              that it is unsure of (see around.hpp)
+//              `wanted`, added to the columns. If it returns a number, each set bit is a branch that rounding leaves
+//              open (see around.hpp)
 // and, if its targets are not poses of sixteen numbers,
-//   numbers    how many numbers a target has
+//   numbers    the length of a target
 //   load       load(arm, from, t): a block of targets as poses
 // and, for arms with a redundancy parameter,
 //   redundant  true; Arm::value is its default; fast, closely and solve take it after `seen`
-// A family without a fast path goes through solve_singly; it has closely, or instead of it
+// A family without a fast path is driven by solve_singly. It has closely, or instead of it
 //   solve      solve(arm, goal, reference, columns): all solutions of one pose
 #pragma once
 
@@ -117,7 +117,7 @@ template <Write how, int L> STEP void put(double* to, const typename Register<L>
     *(typename Register<L>::unaligned*)to = x;
 }
 
-// Rows of numbers, one a lane, to COUNT numbers a pose.
+// Store COUNT packs with one pose per lane as COUNT consecutive numbers per pose.
 template <Write how, int COUNT, int L, int K>
     requires(COUNT % L == 0)
 STEP void store_rows(const Pack<L, K>* rows, double* to) {
@@ -348,7 +348,7 @@ template <class Family> long solve_closed_form(const typename Family::Arm& arm, 
     return -1;
 }
 
-// The same, one pose after the other.
+// The same for families without a fast path, one pose after the other.
 template <class Family> long solve_singly(const typename Family::Arm& arm, const Batch& batch) {
     constexpr int B = Family::branches, N = joints_of<Family>;
     if constexpr (requires { &Family::beyond_ends; }) {

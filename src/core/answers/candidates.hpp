@@ -6,8 +6,8 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Where a candidate comes from: a closed form; a closed form in which a joint was nearly free, or which fits the arm only nearly;
-// a search.
+// The origin of a candidate: a closed form; a closed form in which a joint was nearly free, or of an arm that only approximates
+// this one; a search.
 enum class Origin { computed, doubtful, searched };
 
 // A closed form's candidate with a larger error than this leads to no solution [rad, share of size].

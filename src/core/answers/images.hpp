@@ -1,4 +1,4 @@
-// Images of a joint's value, whole turns away from it, inside its limits; see urdf_ik/solutions/limits.py.
+// Images of a joint's value, whole turns away from it, inside its limits; see urdf_ik/ik/solutions/limits.py.
 #pragma once
 
 #include <algorithm>
@@ -6,8 +6,8 @@
 
 namespace urdf_ik {
 
-// A joint's limits, already widened by what they may be exceeded by, and how far its images are apart: 0 where 2 pi more is
-// another posture. rad or m.
+// A joint's limits, already widened by the tolerance, and the distance of its images: 0 if the joint has only one image.
+// rad or m.
 struct Limit {
     double lower, upper, turn;
     bool one_sided, endless;
@@ -21,11 +21,11 @@ struct Limit {
           endless(apart != 0.0 && std::isinf(low) && std::isinf(high)) {}
 };
 
-// Turns to the first and the last image inside; first > last if there is no image.
+// Number of turns to the first and to the last image inside; first > last if no image is inside.
 struct ImageRange {
     double first, last;
     bool empty() const { return !(first <= last); }
-    // The turns in the range that are nearest to a number of them.
+    // The number in the range nearest to `turns`.
     double nearest(double turns) const { return std::min(std::max(turns, first), last); }
 };
 
@@ -39,7 +39,7 @@ inline ImageRange image_range(double q, const Limit& limit) {
     if (q + first * turn < lower) first += 1.0;
     if (q + (last + 1.0) * turn <= upper) last += 1.0;
     if (q + last * turn > upper) last -= 1.0;
-    // Without a limit on a side there is an image for every turn: the one nearest to the value stands for them.
+    // Without a limit on one side there are endlessly many images: the range then holds only the one nearest to the value.
     if (limit.one_sided && first <= last) first = last = std::min(std::max(0.0, first), last);
     return {first, last};
 }
@@ -49,7 +49,7 @@ inline bool has_image(double q, const Limit& limit) {
     return (q >= limit.lower && q <= limit.upper) || (limit.turn != 0.0 && !image_range(q, limit).empty());
 }
 
-// The image that is fewest turns away; only where there is one.
+// The image fewest turns away. Returns false if no image is inside.
 inline bool nearest_image(double q, const Limit& limit, double& image) {
     image = q;
     if (q >= limit.lower && q <= limit.upper) return true;
@@ -59,7 +59,7 @@ inline bool nearest_image(double q, const Limit& limit, double& image) {
     return true;
 }
 
-// The image that is nearest to a reference; only where there is one.
+// The image nearest to a reference. Returns false if no image is inside.
 inline bool image_near(double q, double reference, const Limit& limit, double& image) {
     const ImageRange range = image_range(q, limit);
     if (range.empty()) return false;

@@ -103,18 +103,18 @@ template <int N> STEP double gap(const Written<N>& arm, int k, double a, double 
     return arm.slides[k] ? (a - b) / arm.size : wrap(a - b);
 }
 
-// When an iteration stops.
+// The conditions at which an iteration stops.
 struct Course {
-    int rounds;             // at most
-    double enough;          // it rests below this error
-    int patience;           // rounds without the gain of a third after which it rests
+    int rounds;             // greatest number of rounds
+    double enough;          // stop below this error
+    int patience;           // stop after this many rounds in which the error has not fallen by a third
     double least_damping = LEAST_DAMPING;
 };
 
 // The result. The joint vector that was passed in is replaced by the best one found.
 template <class V> struct Polished {
-    V error;  // there
-    V least;  // bound from below on the Jacobian's smallest singular value, where the last step began
+    V error;  // at the best joint vector
+    V least;  // a lower bound on the Jacobian's smallest singular value, where the last step began
 };
 
 // Newton's method from q, which is replaced by the best vector found. Steps are limited to half a radian.
@@ -131,7 +131,7 @@ STEP Polished<V> polish(const Model& arm, const Goal<V>& goal, V (&q)[Model::joi
         Rows<Model::rows, V> J[N];
         const Error<V, Model::rows> e = error_and_jacobian(arm, goal, q, J);
         const auto better = moves & (e.size < out.error);
-        // Once the error is rounding, a step that gains nothing ends the iteration.
+        // Below CONVERGED, a step that does not halve the error ends the iteration.
         const auto settled = (min(out.error, e.size) < V(CONVERGED)) & !(e.size < 0.5 * out.error);
         for (int j = 0; j < N; ++j) best[j] = select(better, q[j], best[j]);
         out.error = select(better, e.size, out.error);

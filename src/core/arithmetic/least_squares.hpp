@@ -1,5 +1,5 @@
 // Steps of Newton's method: least squares by modified Gram-Schmidt on the columns of [J e], which is backward stable
-// for the solution (Bjorck, BIT 7, 1967). Damped: on [J; damping I] (Levenberg, Marquardt).
+// for the solution (Bjorck, BIT 7, 1967). Damped steps use [J; damping I] in place of J (Levenberg, Marquardt).
 #pragma once
 
 #include "arithmetic/vectors.hpp"
@@ -8,7 +8,7 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 template <int N, class V> struct Solved {
     V x[N];
-    V least;  // a bound from below on the smallest singular value of J, at most a factor of sqrt(N) off
+    V least;  // a lower bound on the smallest singular value of J, too small by a factor of at most sqrt(N)
 };
 
 // The triangular factor of J and the inverses of its diagonal: J = Q R, R[k][k] = 1 / w[k].
@@ -39,7 +39,7 @@ template <int N, class V> STEP V least_stretch(const Triangle<N, V>& f) {
 template <bool damped, int N, int rows, class V>
 STEP Solved<N, V> least_squares(Rows<rows, V> (&J)[N], Rows<rows, V> e, const V& damping) {
     Triangle<N, V> f;
-    V y[N], low[N][N], e_low[N];  // low: the rows below J, lower left of each column the only non-zero ones
+    V y[N], low[N][N], e_low[N];  // low: the rows below J; entry i of column k is zero for i > k
     if constexpr (damped) {
         for (int k = 0; k < N; ++k) {
             for (int i = 0; i < N; ++i) low[k][i] = i == k ? damping : V(0.0);

@@ -9,7 +9,7 @@
 
 // A step of a solver: always compiled into its caller, so that a block's numbers stay in registers.
 #define STEP inline __attribute__((always_inline))
-// A part that is called: too large to repeat, or rarely needed.
+// A part that stays a function call: too large to inline, or rarely needed.
 #define PART inline __attribute__((noinline))
-// A part that is a template and compiled in one unit for all, see answer.cpp.
+// A template that is instantiated in one unit for all others; see answer.cpp.
 #define SHARED __attribute__((noinline))

@@ -15,9 +15,9 @@ inline constexpr double LOST = 4e-16;
 // converge linearly, and they are accurate to half of their digits anyway.
 inline constexpr double AT_REST = 1e-22;
 
-// The logarithmic derivative p'(z) / p(z) of a self-inversive polynomial, a root a lane; outside the unit circle it is
-// n / z - conj(p'(u) / p(u)) / z^2 at the mirror image u = 1 / conj(z), so that no power overflows. Roots at which the value is
-// rounding stop moving.
+// The logarithmic derivative p'(z) / p(z) of a self-inversive polynomial, one root per lane. Outside the unit circle it is
+// n / z - conj(p'(u) / p(u)) / z^2 at the mirror image u = 1 / conj(z), so that no power overflows. A root at which the value of p
+// is rounding stops moving.
 template <int N, class V>
 STEP void slope_over_value(const Complex (&c)[N + 1], const V& x, const V& y, MaskOf<V>& moves, V& a, V& b) {
     const V square = x * x + y * y, inverse = 1.0 / square;

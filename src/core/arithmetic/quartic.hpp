@@ -1,4 +1,4 @@
-// The quartic in which some families end: real roots of a trigonometric polynomial of degree two.
+// Real roots of a trigonometric polynomial of degree two: the quartic of some families.
 #pragma once
 
 #include "arithmetic/polynomials.hpp"
@@ -10,7 +10,7 @@ struct Quartic {
     Turn<double> root[4];
     int count;
 
-    // Squared distance on the unit circle from a root to the nearest other one; 4 where it is alone.
+    // Squared distance on the unit circle from a root to the nearest other one; 4 if it is the only root.
     STEP double gap(int i) const {
         double least = 4.0;
         for (int k = 0; k < count; ++k) {

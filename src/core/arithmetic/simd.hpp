@@ -1,5 +1,5 @@
-// Numbers side by side. Pack<L, K> is K registers of L doubles each. The steps of the solvers are templates over a
-// number type V, which is a Pack (one pose, or one candidate, a lane) or a plain double: both share one text.
+// Pack<L, K>: K registers of L doubles each. The steps of the solvers are templates over a number type V. V is a Pack, with one
+// pose or one candidate per lane, or a plain double.
 #pragma once
 
 #include <cstdint>
@@ -18,11 +18,11 @@ template <int L> struct Register {
     typedef long long bits __attribute__((vector_size(8 * L)));
 };
 
-// ---- masks: which lanes a comparison holds in --------------------------------------------------------------------
+// ---- masks: the lanes in which a comparison holds ----------------------------------------------------------------
 
 template <int L, int K> struct Mask {
 #if defined(__AVX512F__)
-    std::uint8_t m[K];  // GCC would carry a vector comparison's result about as a vector
+    std::uint8_t m[K];  // GCC would keep the result of a vector comparison in a vector register
     static constexpr std::uint8_t all_lanes = (1u << L) - 1;
 #else
     typename Register<L>::bits m[K];
@@ -45,7 +45,7 @@ template <int L, int K> struct Mask {
     }
 };
 
-// One bit a lane.
+// One bit per lane.
 template <int L, int K> STEP unsigned bits(const Mask<L, K>& a) {
     unsigned r = 0;
     for (int k = 0; k < K; ++k) {
@@ -156,8 +156,8 @@ template <int L, int K> STEP Pack<L, K> select(const Mask<L, K>& m, double a, co
     return select(m, Pack<L, K>(a), b);
 }
 
-// The masked forms below, with all lanes set, are those that GCC does not warn about; it compiles them to the plain ones.
-// The smaller and the greater of two numbers; the second where one is NaN.
+// The smaller and the greater of two numbers; the second one if either is NaN. With AVX-512, GCC warns about the unmasked
+// intrinsics. It compiles the masked ones, with all lanes set, to the same instructions.
 template <int L, int K> STEP Pack<L, K> min(Pack<L, K> a, const Pack<L, K>& b) {
     for (int k = 0; k < K; ++k) {
         using R [[maybe_unused]] = typename Register<L>::type;
@@ -213,7 +213,7 @@ template <int L, int K> STEP Pack<L, K> sqrt(Pack<L, K> a) {
     return a;
 }
 
-// Roughly one over a: to four digits where the processor has an instruction for that.
+// Roughly one over a: to four digits if the processor has an instruction for it.
 template <int L, int K> STEP Pack<L, K> rough_inverse(Pack<L, K> a) {
     for (int k = 0; k < K; ++k) {
 #if defined(__AVX512F__)
@@ -228,8 +228,8 @@ template <int L, int K> STEP Pack<L, K> rough_inverse(Pack<L, K> a) {
     return a;
 }
 
-// 1 / a and 1 / sqrt(a) for a > 0, to about one unit in the last place. With AVX-512 from 14 bits and two steps of
-// Newton's method, a fifth of the time of a division or a root.
+// 1 / a and 1 / sqrt(a) for a > 0, to about one unit in the last place. With AVX-512: an estimate of 14 bits and two steps of
+// Newton's method take a fifth of the time of a division or a root.
 template <int L, int K> STEP Pack<L, K> inverse(const Pack<L, K>& a) {
 #if defined(__AVX512F__)
     Pack<L, K> y = rough_inverse(a);
@@ -305,7 +305,7 @@ STEP double copysign(double a, double b) { return __builtin_copysign(a, b); }
 
 // ---- memory ----------------------------------------------------------------------------------------------------------
 
-// Numbers that stand in a row, as a pack, and back.
+// A pack from consecutive numbers in memory, and back.
 template <class V> STEP V load(const double* from) {
     constexpr int K = int(sizeof(V::r) / sizeof(V::r[0])), L = V::lanes / K;
     V out;
@@ -331,7 +331,7 @@ template <int L> STEP void transpose(typename Register<L>::type (&r)[L]) {
         r[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7), r[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
     } else {
         static_assert(L == 8);
-        // Numbers change places with their neighbours, then pairs, then fours.
+        // Swap neighbouring numbers, then pairs, then fours.
         R s[8];
         for (int k = 0; k < 8; k += 2) {
             s[k] = __builtin_shufflevector(r[k], r[k + 1], 0, 8, 2, 10, 4, 12, 6, 14);
@@ -352,7 +352,7 @@ template <int L> STEP void transpose(typename Register<L>::type (&r)[L]) {
     }
 }
 
-// ---- the block of this instruction set: the V that batches are solved with ---------------------------------------------
+// ---- the block of this instruction set: the number type V for batches --------------------------------------------------
 
 #if defined(__AVX512F__)
 using Block = Pack<8, 1>;
@@ -362,7 +362,7 @@ using Block = Pack<4, 1>;
 using Block = Pack<2, 1>;
 #endif
 inline constexpr int BLOCK = Block::lanes;
-// N numbers side by side, in registers as wide as they fill; N is a power of two.
+// N numbers in the widest registers that they fill; N is a power of two.
 inline constexpr int WIDEST = sizeof(Block::r[0]) / sizeof(double);
 template <int N> using Row = Pack<(N < WIDEST ? N : WIDEST), (N < WIDEST ? 1 : N / WIDEST)>;
 

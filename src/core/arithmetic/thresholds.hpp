@@ -1,4 +1,4 @@
-// Thresholds at which the solvers change their method. The tolerances that solutions are verified with are in arm.hpp.
+// Thresholds at which the solvers change their method. The tolerances for verifying solutions are in arm.hpp.
 // All are dimensionless: lengths are shares of the arm's size, angles are in rad.
 #pragma once
 
@@ -36,7 +36,7 @@ inline constexpr double NEAR = 1e-3;
 // The product of a solution's margins and squared lever arms is the squared determinant of the Jacobian, up to a factor. Below
 // this the rank is checked too, even if none of the factors is small.
 inline constexpr double SMALL_TOGETHER = 1e-11;
-// Two solutions nearer to each other than this in every joint are checked for being one double root.
+// Two solutions closer than this in every joint may be one double root: is_new() checks it.
 inline constexpr double BESIDE = 1e-3;
 // If the Jacobian's smallest singular value is below this, a second solution may be close by.
 inline constexpr double NEAR_FOLD = 5e-3;

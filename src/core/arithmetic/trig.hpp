@@ -45,7 +45,7 @@ template <class V> STEP V wrap(V a) {
     return select(a <= V(-PI), a + 6.283185307179586, a);
 }
 
-// The angle a in (-pi, pi], for any a; an angle that is already there is unchanged.
+// The angle a in (-pi, pi], for any a. An angle inside is unchanged.
 STEP double on_circle(double a) {
     if (abs(a) < PI) return a;
     const double rest = __builtin_remainder(a, 6.283185307179586);
@@ -58,7 +58,7 @@ template <class V> STEP V half_turn_from(const V& a) {
     return select(b <= V(-PI), V(PI), b);  // a just above zero
 }
 
-inline constexpr double ROUNDS = 6755399441055744.0;  // added and taken off again, it rounds to whole numbers
+inline constexpr double ROUNDS = 6755399441055744.0;  // adding and then subtracting it rounds to a whole number
 
 // Cosine and sine of r + quarter * pi / 2: |r| at most a little over pi / 4, quarter a whole number from -2 to 2.
 // The Chebyshev expansions of (sin x / x - 1) / x^2 and (cos x - 1 + x^2 / 2) / x^4 in x^2, truncated after six terms:
@@ -85,14 +85,14 @@ template <class V> STEP Turn<V> turn_by(V r, V quarter) {
     return {select(odd, -(quarter * s), c), select(odd, quarter * c, s)};
 }
 
-// Cosine and sine of an angle in [-1.1 pi, 1.1 pi], error below one unit in the last place of 1: the nearest multiple
-// of pi / 2 is taken off in two parts.
+// Cosine and sine of an angle in [-1.1 pi, 1.1 pi], error below one unit in the last place of 1. The nearest multiple of pi / 2 is
+// subtracted in two parts.
 template <class V> STEP Turn<V> cos_sin(V a) {
     const V k = (a * 0.6366197723675814 + ROUNDS) - ROUNDS;
     return turn_by((a - k * 1.5707963267948966) - k * 6.123233995736766e-17, k);
 }
 
-// Angles beyond this [rad] are left to the C library: k below has more than 20 bits.
+// Beyond this angle [rad], k below has more than 20 bits, and the C library computes the functions.
 inline constexpr double FAR = 1.6e6;
 
 // The same for an angle of any size. pi / 2 is subtracted in three parts. The first two have 33 bits each, so their
@@ -110,7 +110,7 @@ template <class V> STEP Turn<V> cos_sin_of_any(V a) {
     return t;
 }
 
-// The same by the library, for any angle.
+// The same by the C library, for any angle.
 STEP Turn<double> exact_turn(double angle) { return {__builtin_cos(angle), __builtin_sin(angle)}; }
 
 // (c, s) scaled to length 1.

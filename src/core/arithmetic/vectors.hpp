@@ -26,7 +26,7 @@ template <class V> STEP Vec<V> operator*(const Rot<V>& R, const Vec<V>& a) {
             R.x.z * a.x + R.y.z * a.y + R.z.z * a.z};
 }
 
-// A frame: where its origin is, and its axes.
+// A frame: its axes and its origin.
 template <class V> struct Frame {
     Rot<V> R;
     Vec<V> p;

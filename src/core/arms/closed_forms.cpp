@@ -36,7 +36,7 @@ template <class Family> void read(const Values& v, ImperfectArm<Family>& arm) {
     arm.loose.written.tolerances.continuum = almost * almost;
 }
 
-// The place of the word "variant" in a list, which has the order of the family's enum.
+// The index of the word "variant" in a list in the order of the family's enum.
 template <int count> int variant_of(const Values& v, const char* const (&names)[count]) {
     const std::string variant = v.word("variant");
     for (int k = 0; k < count; ++k) {
@@ -45,7 +45,7 @@ template <int count> int variant_of(const Values& v, const char* const (&names)[
     throw v.error("variant", "no solver is called '" + variant + "'");
 }
 
-// Adds a family to `makers`, and to `imperfect` the solvers of arms near it.
+// Add a family to `makers`, and the solvers of arms near it to `imperfect`.
 template <class Arm, int count>
 void add(Makers& makers, Makers& imperfect, const char* kind, const char* const (&names)[count],
          const SolveArm<Arm> (&solve)[count], const SolveArm<ImperfectArm<Arm>> (&near)[count],

@@ -19,7 +19,7 @@ template <int N> class CoupledSolver : public Solver {
 public:
     CoupledArm<N> arm{};
     long solve(const Batch& batch) const override {
-        // One piece for the whole batch; what the search does not touch costs nothing.
+        // Allocated once per batch. Uninitialised: pages that the search does not touch cost nothing.
         const std::unique_ptr<double[]> scratch(new double[N * SCRATCH]);
         return level().coupled->solve<N>()(arm, batch, scratch.get());
     }

@@ -5,7 +5,7 @@
 
 namespace urdf_ik {
 
-// One of `parts` equal parts of an array, (parts, ...) among the values.
+// Read element `index` of an array with first dimension `parts`.
 template <class T> static void read_part(const Values& values, const char* name, int parts, int index, T& to) {
     using Number = std::remove_all_extents_t<T>;
     constexpr std::size_t count = sizeof(T) / sizeof(Number);

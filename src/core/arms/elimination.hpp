@@ -1,4 +1,4 @@
-// Arms of six joints that are solved by elimination, from named values.
+// Arms of six joints solved by elimination, from named values.
 #pragma once
 
 #include "arms/common.hpp"
@@ -9,7 +9,7 @@ namespace urdf_ik {
 void read(const Values& values, EliminationArm& to);
 // The same without the variant.
 void read_common(const Values& values, EliminationArm& to);
-// The `index`-th of several variants, whose arrays stand one after another.
+// The `index`-th of several variants. The first dimension of each array is the variant.
 void read_variant(const Values& values, int variants, int index, EliminationVariant& to);
 
 }  // namespace urdf_ik

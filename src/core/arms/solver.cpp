@@ -1,4 +1,4 @@
-// Every kind of solver by its name.
+// All kinds of solvers, by name.
 #include "arms/solver.hpp"
 
 namespace urdf_ik {

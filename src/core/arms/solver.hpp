@@ -1,4 +1,4 @@
-// The solver of one arm: its numbers, and the functions of this processor's instruction set that solve it.
+// The solver of one arm: its numbers, and the functions for this processor's instruction set.
 #pragma once
 
 #include <functional>
@@ -23,20 +23,20 @@ public:
     }
 
     int joints = 6, branches = 8;
-    int numbers = 16;    // of a target: a pose has sixteen
-    int parameters = 0;  // redundancy parameters: values that are given with each target
+    int numbers = 16;    // of a target; a pose has sixteen
+    int parameters = 0;  // redundancy parameters of each target
 };
 
 using SolverPointer = std::shared_ptr<const Solver>;
 
-// The solver of an arm, by the word "kind" among its values. Throws std::invalid_argument.
+// The solver of an arm; its value "kind" names the kind. Throws std::invalid_argument.
 SolverPointer make_solver(const Values& values);
 
 // Makes the solvers of one kind.
 using Maker = std::function<SolverPointer(const Values&)>;
 using Makers = std::map<std::string, Maker>;
 
-// A solver that consists of an arm's numbers and two functions.
+// A solver made of an arm's numbers and two functions.
 template <class Arm> class SolverOf : public Solver {
 public:
     SolverOf(SolveArm<Arm> function, DistancesOf<Arm> distances_of) : function_(function), distances_of_(distances_of) {}
@@ -52,7 +52,7 @@ private:
     const DistancesOf<Arm> distances_of_;
 };
 
-// The maker of such solvers; read(values, arm) fills in the arm's numbers.
+// The maker of a SolverOf; read(values, arm) fills in the arm's numbers.
 template <class Arm>
 Maker maker(SolveArm<Arm> function, int joints, int branches, std::type_identity_t<DistancesOf<Arm>> distances = nullptr,
             int parameters = 0) {
@@ -64,7 +64,7 @@ Maker maker(SolveArm<Arm> function, int joints, int branches, std::type_identity
     };
 }
 
-// The maker that an integer among the values chooses.
+// A maker that chooses another one by an integer among the values.
 inline Maker chosen_by(const char* name, std::map<int, Maker> choices) {
     return [=](const Values& v) {
         const auto chosen = choices.find(v.integer(name));
@@ -73,7 +73,7 @@ inline Maker chosen_by(const char* name, std::map<int, Maker> choices) {
     };
 }
 
-// Each adds the kinds of its file.
+// Each function adds the kinds of its file.
 void add_closed_forms(Makers& makers);
 void add_coupled(Makers& makers);
 void add_elimination(Makers& makers);

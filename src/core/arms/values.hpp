@@ -1,5 +1,5 @@
-// The named values that an arm is made of, wherever they come from: a Python dataclass (bindings/python_values.hpp), or a file.
-// Values are numbers, words, arrays of numbers, and groups of such values.
+// The named values of an arm, from any source, such as a Python dataclass (bindings/python_values.hpp). Values are numbers, words,
+// arrays of numbers, and groups of such values.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,7 @@ public:
     virtual ~Values() = default;
 
     virtual bool has(const char* name) const = 0;
-    // These throw std::invalid_argument where the name is missing or its value is of another type.
+    // These throw std::invalid_argument if the name is missing or its value has another type.
     virtual double number(const char* name) const = 0;  // false and true are 0 and 1
     virtual std::string word(const char* name) const = 0;
     virtual std::vector<double> array(const char* name) const = 0;  // of any shape, in C order
@@ -29,7 +29,7 @@ public:
         return int(value);
     }
 
-    // A number, or an array of fixed size and any number of dimensions, to a struct's member.
+    // Read a number, or an array of fixed size and any number of dimensions, into a struct's member.
     template <class T> void read(const char* name, T& to) const {
         if constexpr (std::is_array_v<T>) {
             using Number = std::remove_all_extents_t<T>;
@@ -40,7 +40,7 @@ public:
             to = integer(name);
         }
     }
-    // An array of `count` numbers.
+    // Read an array of `count` numbers.
     template <class T> void read(const char* name, T* to, std::size_t count) const {
         const std::vector<double> from = array(name);
         if (from.size() != count) {
@@ -54,7 +54,7 @@ public:
     }
 
 protected:
-    // The names that lead to this group, such as "imperfect.family".
+    // The names on the way to this group, such as "imperfect.family".
     const std::string path_;
 };
 

@@ -1,5 +1,5 @@
-// See answer.hpp. Written against the C-APIs of Python and NumPy: through nanobind's typed arrays a call takes several
-// times as long as a solve.
+// See answer.hpp. This uses the C-APIs of Python and NumPy: a call through nanobind's typed arrays takes several times as long as a
+// solve.
 #include "bindings/answer.hpp"
 
 #include <cstddef>
@@ -15,15 +15,15 @@ namespace urdf_ik {
 
 namespace {
 
-// The numbers are those of one pose: 16 of the target, then the joint vectors, then a byte of flags for each.
+// numbers: 16 of the target, then the joint vectors, then a byte of flags for each joint vector.
 struct Answer {
     PyObject_HEAD PyObject *solver, *branches, *origin, *step, *redundancy;
-    PyObject *poses, *q, *info;  // arrays; null: not asked for yet
+    PyObject *poses, *q, *info;  // arrays; null: not used yet
     double* numbers;
     npy_intp columns, joints;
 };
 
-PyTypeObject* answer_type = nullptr;  // set once, as the module is imported
+PyTypeObject* answer_type = nullptr;  // set when the module is imported
 
 constexpr long TARGET = 16;
 
@@ -33,7 +33,7 @@ PyObject* filled(int dimensions, const npy_intp* shape, int type, const void* fr
     return array;
 }
 
-// The array in one of the three fields, made from the numbers where it is not there yet.
+// The array in one of the three fields, made from the numbers at its first use.
 PyObject* array_of(Answer* self, PyObject*& field) {
     if (!field && self->numbers) {
         const npy_intp poses[2] = {4, 4}, q[2] = {self->columns, self->joints};
@@ -109,7 +109,7 @@ PyType_Slot slots[] = {
 PyType_Spec spec = {"urdf_ik._core.Answer", sizeof(Answer), 0, Py_TPFLAGS_DEFAULT | Py_TPFLAGS_BASETYPE | Py_TPFLAGS_HAVE_GC,
                     slots};
 
-// The numbers of an array of float64 in C order of this shape, null where the object is anything else.
+// The numbers of the object if it is a C-ordered float64 array of this shape, else null.
 template <int D> const double* numbers_of(nb::handle object, const npy_intp (&shape)[D]) {
     PyArrayObject* array = doubles(object);
     return array && PyArray_NDIM(array) == D && PyArray_CompareLists(PyArray_DIMS(array), shape, D)

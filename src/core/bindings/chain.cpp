@@ -1,4 +1,4 @@
-// Forward kinematics of a chain of joints, as Python calls it. Against NumPy's C-API, see answer.cpp.
+// Bindings of a chain's forward kinematics. They use NumPy's C-API; see answer.cpp.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -14,16 +14,16 @@ namespace {
 
 using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Kinds = nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-// Joint vectors between two questions whether to stop.
+// Joint vectors between two polls for signals.
 constexpr long AT_ONCE = 4096;
 using Fill = void (*)(const ChainArm&, const double*, long, double*);
 
-// A frame whose z axis is the unit vector z, with its x across z and the coordinate axis that is farthest from it.
+// A frame whose z axis is the unit vector z. Its x axis is orthogonal to z and to the coordinate axis most nearly orthogonal to z.
 Motion frame_on(const double* z, const double* origin) {
     int least = 0;
     for (int i = 1; i < 3; ++i) least = std::fabs(z[i]) < std::fabs(z[least]) ? i : least;
     double x[3] = {}, y[3], length = 0.0;
-    // z x e: e_1 gives (0, z3, -z2), and so on round.
+    // x = z cross e: for e_1 this is (0, z3, -z2), and cyclically for e_2 and e_3.
     x[(least + 1) % 3] = z[(least + 2) % 3], x[(least + 2) % 3] = -z[(least + 1) % 3];
     for (const double each : x) length += each * each;
     for (double& each : x) each /= std::sqrt(length);
@@ -47,8 +47,8 @@ Motion between(const Motion& a, const Motion& b) {
 
 }  // namespace
 
-// Directions H (n, 3) of the axes and steps P (n + 1, 3) from the base by a point on each to the tip, rotation R_tip
-// (3, 3) of the tip, all at q = 0 and in the base; slides (n).
+// Directions H (n, 3) of the axes; steps P (n + 1, 3) from the base through a point on each axis to the tip; rotation R_tip (3, 3)
+// of the tip: all at q = 0 and in the base. slides (n).
 struct PyChain {
     nb::tuple made_from;
     std::vector<Motion> step;
@@ -77,8 +77,8 @@ struct PyChain {
     }
     PyChain(const PyChain&) = delete;
 
-    // A function of joint vectors (..., n) as an array (..., rows, columns); None where they are anything but an array of
-    // float64 numbers in range in C order.
+    // Apply a function to joint vectors (..., n): an array (..., rows, columns). None unless q is a C-ordered float64 array with
+    // numbers in range.
     nb::object of(nb::handle q, Fill fill, npy_intp rows, npy_intp columns) const {
         PyArrayObject* from = doubles(q);
         const int dimensions = from ? PyArray_NDIM(from) : 0;

@@ -1,4 +1,4 @@
-// The setup of an elimination when an arm is loaded, as Python calls it.
+// Bindings for choosing an arm's elimination when the arm is loaded.
 #include <algorithm>
 #include <memory>
 #include <vector>
@@ -13,7 +13,7 @@ using Targets = nb::ndarray<const double, nb::shape<-1, 4, 4>, nb::c_contig, nb:
 using Bytes = nb::ndarray<std::uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using JointVectors = nb::ndarray<const double, nb::shape<-1, 6>, nb::c_contig, nb::device::cpu>;
 
-// How many solutions each variant alone finds of each pose, and whether it is certain of them.
+// For each variant and pose: the number of solutions found by this variant alone, and whether it is certain of them.
 static void try_elimination(nb::object object, nb::object variants_object, const Targets& T, const Bytes& counts,
                             const Bytes& certain) {
     const PythonValues values(object, "elimination"), rows(variants_object, "variants");
@@ -29,7 +29,7 @@ static void try_elimination(nb::object object, nb::object variants_object, const
     level().elimination->trial(*arm, all.data(), variants, T.data(), long(T.shape(0)), {counts.data(), certain.data()});
 }
 
-// A copy of numbers as an array that Python owns.
+// A copy of the numbers in an array owned by Python.
 static nb::object owned(const std::vector<double>& from, std::initializer_list<std::size_t> shape) {
     auto* copy = new double[from.size()];
     std::copy(from.begin(), from.end(), copy);
@@ -37,7 +37,7 @@ static nb::object owned(const std::vector<double>& from, std::initializer_list<s
     return nb::cast(nb::ndarray<nb::numpy, double>(copy, shape, owner));
 }
 
-// Poses whose solutions are all known: the fields of KnownPoses in Python.
+// Poses with all their solutions: the fields of KnownPoses in Python.
 static nb::dict known_poses(nb::object written, const JointVectors& q, bool near) {
     if (q.shape(0) < 2) throw nb::value_error("two joint vectors at least");
     Written<6> arm;

@@ -1,4 +1,4 @@
-// Images of joint vectors inside the limits, as Python calls them.
+// Bindings for the images of joint vectors inside the limits.
 #include "answers/images.hpp"
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace urdf_ik {
 
 namespace {
 
-// Joint vectors between two questions whether to stop, and so few that letting other threads run does not pay.
+// AT_ONCE: joint vectors between two polls for signals. Below FEW vectors, releasing the GIL costs more than it gains.
 constexpr long AT_ONCE = 4096, FEW = 100;
 
 // Joint vectors (..., n), and the limits of their joints.
@@ -39,7 +39,7 @@ struct Vectors {
         return found;
     }
     int joints() const { return int(limits.size()); }
-    // A new array (..., n) of numbers, or (...) of truth values.
+    // A new array: (..., n) of numbers, or (...) of booleans.
     template <class T> nb::object made(T*& to) const {
         const bool truth = sizeof(T) == 1;
         nb::object out =
@@ -48,7 +48,7 @@ struct Vectors {
         to = (T*)PyArray_DATA((PyArrayObject*)out.ptr());
         return out;
     }
-    // work(i) for every vector.
+    // Calls work(i) for every vector.
     template <class Work> void each(const Work& work) const {
         if (count < FEW) {
             for (long i = 0; i < count; ++i) work(i);
@@ -60,7 +60,7 @@ struct Vectors {
             }
         });
     }
-    // image(value, joint, to) for every value; a vector with a joint without an image is NaN.
+    // Calls image(vector, joint, to) for every value. A vector is NaN if one of its joints has no image.
     template <class Image> nb::tuple moved(const Image& image) const {
         double* to;
         std::uint8_t* inside;
@@ -96,7 +96,7 @@ nb::tuple nearest(nb::handle q, nb::handle bounds, nb::handle turns) {
     return given.moved([&](long i, int j, double& image) { return nearest_image(given.q[i * n + j], given.limits[j], image); });
 }
 
-// A reference for each `each` vectors: for all of them where there is but one.
+// The images nearest to references: one for all vectors, or one for each group of `each` consecutive vectors.
 nb::tuple near(nb::handle q, nb::handle q_ref, nb::handle bounds, nb::handle turns) {
     const Vectors given(q, bounds, turns);
     PyArrayObject* array = Vectors::needed(q_ref);
@@ -112,7 +112,7 @@ nb::tuple near(nb::handle q, nb::handle q_ref, nb::handle bounds, nb::handle tur
     });
 }
 
-// Which of the selected vectors have an image inside.
+// For each vector: whether it is selected and has an image inside.
 nb::object inside(nb::handle q, nb::handle asked, nb::handle bounds, nb::handle turns) {
     const Vectors given(q, bounds, turns);
     PyArrayObject* mask = (PyArrayObject*)asked.ptr();

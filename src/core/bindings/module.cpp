@@ -1,4 +1,4 @@
-// urdf_ik._core: the compiled solvers as Python sees them.
+// urdf_ik._core: the Python module of the compiled solvers.
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/vector.h>
 
@@ -12,7 +12,7 @@
 
 namespace urdf_ik {
 
-// A solver, and the dataclass that it was made from, which is also what is pickled.
+// A solver and the dataclass from which it was made. Pickling stores the dataclass.
 struct PySolver {
     nb::object arm;
     SolverPointer solver;
@@ -52,9 +52,9 @@ static long solve(const PySolver& self, const Targets& T, const std::optional<Nu
 NB_MODULE(_core, m) {
     using namespace urdf_ik;
     m.doc() = "The compiled solvers.";
-    // Arms that a caller still holds when Python ends are no news for its terminal.
+    // A caller may still hold arms when Python ends. nanobind would print a warning for each.
     nb::set_leak_warnings(false);
-    level();  // throws where URDF_IK_ISA names what this processor does not run
+    level();  // throws if URDF_IK_ISA names an instruction set that was not built or that this processor does not run
     m.def("isa", [] { return std::string(level().name); }, "The instruction set in use.");
     m.def("levels", &levels_built, "The instruction sets that were built and that this processor runs.");
     bind_elimination(m);
@@ -79,7 +79,7 @@ NB_MODULE(_core, m) {
                  const auto& s = nb::cast<const PySolver&>(self);
                  return nb::make_tuple(nb::type<PySolver>(), nb::make_tuple(s.arm));
              })
-        // Without names and None, arguments are passed on the quickest way.
+        // nanobind's fastest call takes arguments without names and without None.
         .def("one", [](const PySolver& s, nb::handle kind, nb::handle arm, nb::handle branches,
                        nb::handle T) { return solve_one(*s.solver, kind, arm, branches, T, nb::none()); })
         .def("one_near", [](const PySolver& s, nb::handle kind, nb::handle arm, nb::handle branches, nb::handle T,

@@ -1,4 +1,4 @@
-// The files of this folder each bind a part of the module urdf_ik._core.
+// Each file of this folder binds a part of the module urdf_ik._core.
 #pragma once
 
 #include <nanobind/nanobind.h>

@@ -1,4 +1,4 @@
-// NumPy's C-API, for the calls that are too short for nanobind's typed arrays.
+// NumPy's C-API, for short calls, in which nanobind's typed arrays would take most of the time.
 #pragma once
 
 #include <cmath>
@@ -16,14 +16,14 @@
 
 namespace urdf_ik {
 
-// The object as an array of float64 in C order, null where it is anything else.
+// The object if it is a C-ordered float64 array, else null.
 inline PyArrayObject* doubles(nanobind::handle object) {
     if (!PyArray_CheckExact(object.ptr())) return nullptr;
     PyArrayObject* array = (PyArrayObject*)object.ptr();
     return PyArray_TYPE(array) == NPY_DOUBLE && PyArray_ISCARRAY_RO(array) ? array : nullptr;
 }
 
-// Whether no number is NaN or beyond LARGEST.
+// Whether all numbers are within +-LARGEST; NaN is not.
 inline bool all_in_range(const double* x, npy_intp count) {
     bool bad = false;
     for (npy_intp i = 0; i < count; ++i) bad |= !(std::fabs(x[i]) <= LARGEST);

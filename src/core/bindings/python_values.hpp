@@ -1,4 +1,4 @@
-// A Python object's attributes as named values: those of a dataclass are its fields. None counts as missing.
+// The attributes of a Python object, such as a dataclass, as named values. None counts as missing.
 #pragma once
 
 #include <nanobind/nanobind.h>

@@ -14,11 +14,11 @@ namespace urdf_ik {
 
 namespace {
 
-// Poses of a part, which one thread solves at a time: whole multiples of every block's lanes, so that every pose is solved by
-// the same instructions whatever the parts; more while they take less than QUICK and fewer when they take more than SLOW.
+// Number of poses in a part, which one thread solves at a time. Parts are multiples of every block's lanes, so that the same
+// instructions solve a pose in any part. A thread doubles its parts if one takes less than QUICK, and halves them above SLOW.
 constexpr long FEWEST = 8, MOST = 1024;
 constexpr auto QUICK = std::chrono::milliseconds(1), SLOW = std::chrono::milliseconds(4);
-// A thread is started only if this much work is left for it; starting one takes about 30 microseconds.
+// A thread is started only if this much work remains for it. Starting one takes about 30 microseconds.
 constexpr auto WORTH_A_THREAD = std::chrono::microseconds(200);
 
 Batch part_of(const Solver& solver, const Batch& batch, long from, long many) {
@@ -30,9 +30,9 @@ Batch part_of(const Solver& solver, const Batch& batch, long from, long many) {
     return part;
 }
 
-// A batch's poses: a share for each thread, part by part, and whoever is done takes parts of the others' shares. So a thread
-// whose core is busy with other work, or whose poses take longer, delays nobody, and two threads seldom write to the same
-// page of fresh memory, for which they would wait in turn.
+// A batch's poses, divided into one share per thread. A thread takes parts of its own share, then of the others' shares. So a
+// thread whose core is busy, or whose poses take longer, does not delay the rest. Two threads seldom write to the same page of
+// fresh memory, where they would wait for each other.
 class Poses {
 public:
     Poses(const Solver& solver, const Batch& batch, int threads) : solver_(solver), batch_(batch), shares_(threads) {
@@ -42,8 +42,8 @@ public:
             shares_[k].end = k + 1 == threads ? batch.m : FEWEST * ((k + 1) * whole / threads);
         }
     }
-    // Solve parts, those of one's own share first, until none is left or `stop` says so. After each one `then` is called with
-    // how many poses it had and how long they took. Index of the first bad target of these parts, -1 where there is none.
+    // Solve parts, beginning with share `own`, until all are taken or `stop` ends the work. After each part, calls
+    // then(number of poses, time). Returns the index of an invalid target in these parts, or -1.
     template <class Then> long solve(int own, const Stop& stop, const Then& then) {
         const int threads = int(shares_.size());
         long many = FEWEST;
@@ -57,7 +57,7 @@ public:
                 const auto began = Signals::Clock::now();
                 const long bad = solver_.solve(part_of(solver_, batch_, start, now));
                 if (bad >= 0) {
-                    // Those before it are solved, or are being solved.
+                    // Parts behind the invalid target are skipped.
                     for (int after = which; after < threads; ++after) shares_[after].next = shares_[after].end;
                     return start + bad;
                 }
@@ -72,7 +72,7 @@ public:
         }
         return -1;
     }
-    // Poses that nobody has taken yet.
+    // Number of poses not yet taken.
     long left() const {
         long sum = 0;
         for (const Share& share : shares_) sum += share.next < share.end ? share.end - share.next : 0;
@@ -89,11 +89,11 @@ private:
     std::vector<Share> shares_;
 };
 
-// The threads that help the one that was called. One whose core is busy may begin late: after `close` it does nothing, and
-// nobody waits for it.
+// The threads that help the calling one. A thread whose core is busy may begin late. After `close` a late thread does nothing, and
+// wait() does not wait for it.
 class Helpers {
 public:
-    // Whether one more is on its way: a system may refuse it.
+    // Start one more thread. Returns false if the system refuses it.
     template <class Work> bool begin(const Work& work) {
         try {
             std::thread([gate = gate_, work] {
@@ -113,7 +113,7 @@ public:
         const std::lock_guard<std::mutex> lock(gate_->mutex);
         gate_->closed = true;
     }
-    // Until all that have begun are done, or some time has passed; whether all are.
+    // Wait until all threads that have begun are done, for at most one PERIOD. Returns whether they are done.
     bool wait() {
         std::unique_lock<std::mutex> lock(gate_->mutex);
         return gate_->done.wait_for(lock, Signals::PERIOD, [this] { return !gate_->working; });
@@ -149,7 +149,7 @@ long solve_shared(const Solver& solver, const Batch& given, int threads, const S
         Helpers helpers;
         int begun = 1;
         const auto help = [&](long many, Signals::Clock::duration took) {
-            if (begun == threads || (many == FEWEST && took < QUICK)) return;  // the first few wait for memory
+            if (begun == threads || (many == FEWEST && took < QUICK)) return;  // the first part's time includes waiting for memory
             const auto rest = took * poses.left() / many;
             while (begun < threads && rest > (begun + 1) * WORTH_A_THREAD &&
                    helpers.begin([&, k = begun] { bad[k] = poses.solve(k, when_ended, [](long, auto) {}); })) {

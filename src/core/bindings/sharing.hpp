@@ -6,8 +6,8 @@
 
 namespace urdf_ik {
 
-// Solve a batch; index of the first target that is no pose, -1 where all are. Called without the GIL. Where `stop` says
-// so it ends early, and the answers are incomplete. In any case no thread works on the batch afterwards.
+// Solve a batch. Returns the index of the first invalid target, or -1. Called without the GIL. If `stop` ends the work early, the
+// answers are incomplete. After the return no thread works on the batch.
 long solve_shared(const Solver& solver, const Batch& batch, int threads, const Stop& stop);
 
 }  // namespace urdf_ik

@@ -1,4 +1,4 @@
-// Long work ends at Ctrl-C: it polls at intervals, and Python's signal handlers run.
+// Ctrl-C ends long work: the work polls, and at intervals the poll runs Python's signal handlers.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -12,10 +12,10 @@ namespace urdf_ik {
 
 namespace nb = nanobind;
 
-// Of the thread that Python called, while it does not hold the GIL.
+// The signals of the thread that Python called. Used while this thread does not hold the GIL.
 class Signals {
 public:
-    // Whether the work is to end. Python's error is set then.
+    // Whether a signal handler has raised an error. Python's error is then set.
     bool asked() {
         if (raised_) return true;
         const auto now = Clock::now();
@@ -28,7 +28,7 @@ public:
     Stop stop() {
         return {[](void* self) { return static_cast<Signals*>(self)->asked(); }, this};
     }
-    // Throws what a handler raised; with the GIL.
+    // Throws the error that a handler raised. The caller holds the GIL.
     void raise() const {
         if (raised_) throw nb::python_error();
     }
@@ -41,7 +41,7 @@ private:
     bool raised_ = false;
 };
 
-// work(stop) without the GIL, and then what Python's signal handlers raised meanwhile.
+// Runs work(stop) without the GIL, then throws the error that a Python signal handler raised meanwhile.
 template <class Work> auto without_gil(const Work& work) {
     Signals signals;
     if constexpr (std::is_void_v<decltype(work(signals.stop()))>) {

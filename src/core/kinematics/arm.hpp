@@ -6,10 +6,10 @@
 
 namespace urdf_ik {
 
-// Greatest length [m] or angle [rad] that is taken: LARGEST of tolerances.py.
+// Greatest length [m] or angle [rad] that is accepted: LARGEST of tolerances.py.
 inline constexpr double LARGEST = 1e15;
 
-// See tolerances.py for what each of them means.
+// Documented in tolerances.py.
 struct Tolerances {
     double reach, edge, fold, continuum, singular, duplicate, rotation, exact_rotation, exact_structure;
 };
@@ -26,31 +26,31 @@ enum class Task : std::uint8_t { pose, position, position_and_axis, planar_posit
 // the tip. Each joint turns about its frame's z axis or slides along it (product of exponentials in the frames' own
 // axes; Lynch and Park, Modern Robotics, chapter 4, body form joint by joint).
 template <int N> struct Written {
-    static constexpr int joints = N, rows = 6;  // of the Jacobian
+    static constexpr int joints = N, rows = 6;  // rows of the Jacobian
     Motion step[N + 1];
     bool slides[N];
-    double size;  // length that tolerances are relative to [m]
+    double size;  // reference length of the tolerances [m]
     Tolerances tolerances;
-    // For closed forms. exact: the closed form is that of this arm. Otherwise, near singularities: beside, starts beside each
-    // candidate are tried too; raw, candidates are kept as they are, for the caller to polish.
+    // For closed forms. exact: the closed form holds for this arm exactly. On other arms, beside: near singularities, try starts
+    // beside each candidate too. raw: keep candidates unpolished; the caller polishes them.
     bool exact, beside, raw;
     Task task;
-    double aimed[3];   // the tip's axis that is aimed, in the tip (Task::position_and_axis, planar_pose)
+    double aimed[3];   // the aimed axis, in the tip (Task::position_and_axis, planar_pose)
     double normal[3];  // of the plane, in the base (Task::planar_position, planar_pose)
 };
 
 // The solver's own frames: the first one in the base, the last one in the tip.
 struct Ends {
     double base_rotation[3][3], base_origin[3];  // rotation transposed; origin of frame 1 in the base
-    double tool_rotation[3][3], tool_point[3];   // rotation transposed; the point that is solved for, in the tip
+    double tool_rotation[3][3], tool_point[3];   // rotation transposed; the solved point, in the tip
 };
 
 // The nearest arm that has its family's structure exactly, by Craig's Denavit-Hartenberg parameters:
 // T = base Rz(t1) Tx(a1) Rx(alpha1) Tz(d2) Rz(t2) ... Rz(t6) tool, with t = q + offset.
 struct IdealFrames : Ends {
     double cos_alpha[5], sin_alpha[5], a[5], d[4], offset[6], size;
-    double clamp;         // how far below zero a margin may fall before its branch is given up
-    double imperfection;  // how far its poses are from those of the arm as written [rad, share of size]; 0: exact
+    double clamp;         // a branch is given up if a margin is below -clamp
+    double imperfection;  // distance of its poses from those of the arm as written [rad, share of size]; 0: exact
     double signs[3][8];   // of shoulder, elbow and wrist, by branch
 };
 
@@ -58,14 +58,14 @@ struct IdealFrames : Ends {
 struct Batch {
     const double* T;       // (m, 4, 4) row by row
     long m;
-    const double* q_ref;   // (joints) near which a continuum is represented; null: zeros
+    const double* q_ref;   // (joints) free joints of a continuum take values near these; null: zeros
     const double* values;  // (m, parameters) redundancy parameters; null: the defaults
     double* q;
     std::uint8_t* flags;
     // Closed forms of six joints: return the joint vectors of all branches instead of solutions, also beyond a branch's end, where
     // the root of a margin is that of its absolute value. They are not verified, and flags are not set.
     bool beyond = false;
-    long whole = 0;        // poses of the whole call that this batch is a part of; 0: it is the whole call
+    long whole = 0;        // number of poses in the whole call if this batch is a part of it, else 0
 };
 // All solutions of a batch. Returns the index of the first invalid pose, or -1.
 template <class Arm> using SolveArm = long (*)(const Arm&, const Batch&);

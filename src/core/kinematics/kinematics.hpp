@@ -6,7 +6,7 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Where everything is at one joint vector: the frame of each joint before it moves, and the tip.
+// The frames at one joint vector: each joint's frame before the joint moves, and the tip.
 template <int N, class V> struct Posture {
     Frame<V> joint[N], tip;
 };
@@ -16,7 +16,7 @@ template <class V> STEP Frame<V> constant_frame(const Motion& m) {
             {m.t[0], m.t[1], m.t[2]}};
 }
 
-// The frame moved by a constant step, seen from the frame itself.
+// The frame after a constant step, which is given in the frame itself.
 template <class V> STEP Frame<V> beyond(const Frame<V>& at, const Motion& step) {
     return {at.R * step.R, at.p + combine(at.R, step.t[0], step.t[1], step.t[2])};
 }
@@ -40,7 +40,7 @@ template <int N, class V> STEP Posture<N, V> place(const Written<N>& arm, const 
     return at;
 }
 
-// Where the tip is, of joints that turn: by the turns.
+// The tip of an arm whose joints all turn.
 template <int N, class V> STEP Frame<V> tip_after(const Written<N>& arm, const Turn<V> (&turn)[N]) {
     Frame<V> at = constant_frame<V>(arm.step[0]);
 #pragma GCC unroll 8
@@ -48,8 +48,8 @@ template <int N, class V> STEP Frame<V> tip_after(const Written<N>& arm, const T
     return at;
 }
 
-// A joint's column of the geometric Jacobian at the tip, lengths as shares of the size (1 / inverse_size): of a joint
-// that slides by one size, the direction itself.
+// A joint's column of the geometric Jacobian at the tip, lengths as shares of the size (1 / inverse_size). For a slide it is the
+// joint's direction.
 template <class V> STEP Six<V> jacobian_column(const Frame<V>& joint, bool slides, const Vec<V>& tip, double inverse_size) {
     const Vec<V>& z = joint.R.z;
     if (slides) return {{z.x, z.y, z.z, V(0.0), V(0.0), V(0.0)}};

@@ -1,6 +1,6 @@
 // Two angles u and v, linked by two equations: cos u and sin u are both affine in (cos v, sin v). Since cos^2 u + sin^2 u = 1, v is
-// a root of a trigonometric polynomial of degree two: there are up to four pairs of angles. Families with a quartic end in this
-// problem: three parallel axes anywhere in the arm, and a spherical triple in its middle.
+// a root of a trigonometric polynomial of degree two: there are up to four pairs of angles. This problem occurs in arms with three
+// parallel axes, and in arms with a spherical triple in the middle.
 #pragma once
 
 #include "arithmetic/quartic.hpp"

@@ -1,4 +1,4 @@
-// Subproblems, from which the families are built. They run without branching, and angles are given as (cos, sin).
+// Subproblems: the building blocks of the families. Most run without branching. Angles are given as (cos, sin).
 //
 // A subproblem with two solutions takes a sign. Besides the angles it returns a margin: zero where the two solutions meet, negative
 // where there is no solution; the angles are then those of the double root. Frames are Denavit-Hartenberg frames in Craig's order,
@@ -41,7 +41,7 @@ template <class V, class W> STEP Fold<V> fold(const V& uu, const W& a, const W& 
     return {inner + b * max(folded, 0.0), side * b * s, {c, s}, margin};
 }
 
-// a e(q2) + b e(q2 + side gamma) = (ux, uy): the same, then subproblem 1.
+// a e(q2) + b e(q2 + side gamma) = (ux, uy), with e(q) = (cos q, sin q): fold, then subproblem 1.
 template <class V> struct Elbow {
     Turn<V> second, bend;  // q2, gamma
     V margin;  // sin^2 gamma
@@ -114,8 +114,8 @@ template <class V> STEP SquareWrist<V> square_wrist(const Rot<V>& M, const Twist
     return {first, {c, s}, {dot(v, M.x), -dot(v, M.y)}, fixed, along * along + length * length};
 }
 
-// The two turns of a wrist where only their sum (or difference) matters: the deviation from the wanted turns is split between
-// them. share 0 keeps the first turn as wanted.
+// The two turns of an aligned wrist, where only their sum (or difference) matters. The deviation from the wanted turns is split
+// between them; share 0 keeps the first turn as wanted.
 PART WristTurns<double> shared_turns(const Rot<double>& M, const Turn<double>& bend, const Twists& t, double first, double last,
                                      double share) {
     const double aligned = t.ca * t.cb - t.sa * t.sb * bend.c > 0.0 ? 1.0 : -1.0;

@@ -5,14 +5,14 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// A target as the ideal arm sees it: the rotation of frame 6 and the solved point, both in frame 1.
+// A target for the ideal arm: the rotation of frame 6 and the solved point, both in frame 1.
 template <class V> struct Seen {
     Rot<V> R;
     Vec<V> p;
 };
 
-// How far sixteen numbers are from a rigid motion: the largest entry of R^T R - I and of the last row's error. Infinite or NaN
-// for numbers that cannot be a rigid motion.
+// The distance of sixteen numbers from a rigid motion: the largest entry of R^T R - I and of the last row's error. Infinite or NaN
+// for a reflection, a NaN, an infinity or a position beyond LARGEST.
 template <class V> STEP V pose_defect(const V (&t)[16]) {
     const Vec<V> x = {t[0], t[4], t[8]}, y = {t[1], t[5], t[9]}, z = {t[2], t[6], t[10]};
     const V last = t[15] - 1.0, xx = abs(dot(x, x) - 1.0), yy = abs(dot(y, y) - 1.0), zz = abs(dot(z, z) - 1.0);

@@ -7,7 +7,7 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 static constexpr double INFINITE = __builtin_inf();
 
-// The lowest image of a joint's value inside its limits; returns how many there are.
+// The lowest image of a joint's value inside its limits. Returns the number of images.
 STEP std::uint8_t lowest_image(const GraphJoints& arm, int k, double q, double* lowest) {
     const double turn = arm.turn[k], low = arm.lower[k], high = arm.upper[k];
     *lowest = q;
@@ -48,12 +48,12 @@ static long choose(const GraphJoints& arm, const GraphChoice& choice, long m, st
     return count;
 }
 
-// How many turns apart the images are that are nearest to each other; 0 for a joint that slides.
+// The whole turns to add to b to bring it nearest to a; 0 for a joint that slides.
 STEP double turns_between(const GraphJoints& arm, int k, double a, double b) {
     return arm.turn[k] == 0.0 ? 0.0 : __builtin_rint((a - b) / arm.turn[k]);
 }
 
-// Squares of how far J dq is from the twist: of the position and of the rotation.
+// Squared lengths of J dq minus the twist: linear and angular part.
 struct Mismatch {
     double position, rotation;
 };
@@ -68,7 +68,8 @@ STEP Mismatch mismatch_of(const GraphJoints& arm, const double* jacobian, const 
     return {off[0] * off[0] + off[1] * off[1] + off[2] * off[2], off[3] * off[3] + off[4] * off[4] + off[5] * off[5]};
 }
 
-// Costs of the steps from a joint vector to each of `many`, joint by joint in `columns`; whether one is out of the window.
+// The costs of the steps from joint vector a to `many` others, stored joint by joint in `columns`. outside: the number of joints
+// whose step exceeds the window.
 STEP void costs_from(const GraphJoints& arm, const GraphMotions& motions, const double* a, const double* columns, long many,
                      double* cost, double* outside) {
     for (long b = 0; b < many; ++b) cost[b] = outside[b] = 0.0;
@@ -118,7 +119,7 @@ static long connect(const GraphJoints& arm, const GraphLayers& layers, const Gra
     return count;
 }
 
-// The states whose images lie in a range of each joint, low to high (exclusive): their number, and the states in `out`.
+// Write the states whose image of each joint k lies in [low[k], high[k]) to `out`. Returns their number.
 STEP long states_within(const GraphImages& images, int joints, const int* low, const int* high, int* out) {
     long count = 1;
     out[0] = 0;
@@ -140,7 +141,7 @@ STEP long states_within(const GraphImages& images, int joints, const int* low, c
 
 constexpr int MOST_JOINTS = 16, MOST_STATES = 1024;
 
-// Images whole turns apart: by how many the second of two nodes is ahead, joint by joint; returns what that adds to a state.
+// shift[k]: image i of joint k at node a is nearest to image i + shift[k] at node b. Returns the change of the state's number.
 STEP std::int64_t shift_between(const GraphJoints& arm, const double* q, const GraphImages& images, std::int64_t a, std::int64_t b,
                                 int* shift) {
     const int n = arm.joints;
@@ -152,8 +153,8 @@ STEP std::int64_t shift_between(const GraphJoints& arm, const double* q, const G
     return whole;
 }
 
-// Whether a motion connects two nodes' only images: it does not where a joint would pass through what is outside its limits.
-// Without strides images do not count.
+// For nodes with one image each: whether a motion connects these images. It does not if the shorter way round leads to another
+// turn, which is outside the limits. A joint with stride zero is not checked.
 STEP bool connects_only_images(const GraphJoints& arm, const double* q, const GraphImages& images, std::int64_t a, std::int64_t b) {
     const int n = arm.joints;
     for (int k = 0; k < n; ++k) {
@@ -181,7 +182,7 @@ STEP void each_passage(const GraphJoints& arm, const double* q, const GraphImage
     for (long s = 0; s < count; ++s) each(states[s], states[s] + long(whole));
 }
 
-// Calls each(state) for the images that a node has.
+// Calls each(state) for every state of a node.
 template <class Each> STEP void each_state(const GraphImages& images, int joints, std::int64_t node, const Each& each) {
     if (images.states == 1) return each(0);
     int low[MOST_JOINTS] = {}, high[MOST_JOINTS], states[MOST_STATES];

@@ -1,7 +1,7 @@
-// The graph of a path: joint vectors at each waypoint (nodes), and motions between those of one waypoint and the next (edges).
+// The graph of a path. Nodes are joint vectors at the waypoints. Edges are motions from one waypoint to the next.
 //
-// A node stands for all of its images inside the joint limits, whole turns apart; a state is a node and which image of each
-// joint it is. Plain data; arrays belong to the caller.
+// A node represents all of its images inside the joint limits, whole turns apart. A state is a node with a choice of one image
+// for each joint. Plain data; arrays belong to the caller.
 #pragma once
 
 #include <cstdint>
@@ -10,23 +10,23 @@
 
 namespace urdf_ik {
 
-// How the joints turn. A joint with `turn` zero slides; one that turns and is not `counted` has no limits that matter, and
-// differences of its values are taken on the circle.
+// A joint with `turn` zero slides. For a joint that turns and is not `counted`, limits do not matter, and differences of its
+// values are taken on the circle.
 struct GraphJoints {
     int joints;
     const double *lower, *upper;  // limits, tolerance included [rad or m]
     const double* turn;           // distance of images [rad]
-    const std::uint8_t* counted;  // whether images inside the limits are states of their own
+    const std::uint8_t* counted;  // whether each image inside the limits is a separate state
 };
 
-// Which of the joint vectors that a solver gives are wanted.
+// A solver's joint vectors, and the conditions for keeping one.
 struct GraphChoice {
     const double* q;             // (m, joints)
     const std::uint8_t* flags;   // (m) bit 0: valid
-    const double* centres;       // (m / of_each, joints) where only those near are wanted, else null
-    long of_each;                // how many joint vectors have a centre
+    const double* centres;       // (m / of_each, joints) keep only joint vectors near these; null: all
+    long of_each;                // number of joint vectors per centre
     double near;                 // greatest difference of a joint that turns from the centre [rad]
-    bool outside;                // whether those outside the limits are wanted, too; their counts are zero
+    bool outside;                // keep joint vectors outside the limits too; a joint outside has the count zero
 };
 
 struct GraphLayers {
@@ -49,43 +49,43 @@ struct GraphMotions {
 
 struct GraphEdges {
     std::int64_t* first;  // (nodes + 1) each node's first edge
-    std::int32_t* end;    // (room) the node that it leads to
+    std::int32_t* end;    // (room) the edge's second node
     double* cost;         // (room)
     long room;
 };
 
-// Which images states have: digit k of a state is the image of joint k.
+// The images of states: digit k of a state is the image of joint k.
 struct GraphImages {
     long states;                  // of a node, valid or not; at most 1024
     const std::uint8_t* digits;   // (states, joints)
-    const std::int64_t* strides;  // (joints) what one image more adds to a state's number
+    const std::int64_t* strides;  // (joints) a state's number grows by this with each image of the joint
     const std::uint8_t* counts;   // (nodes, joints) images of each node's joints
 };
 
 struct GraphValues {
-    const double* node;     // (nodes, states) cost of being there; infinite: excluded
-    double* value;          // (nodes, states) least cost from there to the last waypoint
-    std::int32_t* changes;  // (nodes, states) reconfigurations on the way; null: there may be none
+    const double* node;     // (nodes, states) cost of the state itself; infinite: excluded
+    double* value;          // (nodes, states) least cost from the state to the last waypoint
+    std::int32_t* changes;  // (nodes, states) reconfigurations on the way; null: not allowed
     std::int32_t* edge;     // (nodes, states) the edge to take; -1 at the end, -2 for a reconfiguration
     std::int64_t* jump;     // (waypoints) the state, node * states + digit, that a reconfiguration leads to
 };
 
 struct GraphFunctions {
-    // Those that take a Stop ask it after every waypoint, and leave the rest undone.
-    // Of m joint vectors those that are valid, inside the limits and near their centres: their numbers in `kept`, the lowest
-    // image of each joint and how many there are; returns how many are kept.
+    // Functions with a Stop poll it at every waypoint; when it stops them, the other waypoints are not done.
+
+    // Keep the joint vectors that meet the choice's conditions: their indices in `kept`, each joint's lowest image and number of
+    // images. Returns how many are kept.
     long (*choose)(const GraphJoints&, const GraphChoice&, long m, std::int64_t* kept, double* lowest, std::uint8_t* counts);
-    // Edges that may be motions along the path; their number, -1 where there is no room for all. Scratch: (joints + 2) times
-    // the nodes of the largest layer.
+    // Write the edges whose steps are inside the window and match the twist. Returns their number, or -1 if there is too little
+    // room. Scratch: (joints + 2) times the nodes of the largest layer.
     long (*connect)(const GraphJoints&, const GraphLayers&, const GraphMotions&, const GraphEdges&, double* scratch, const Stop&);
-    // The cheapest way from every state to the last waypoint, from the last to the first.
+    // The cheapest way from every state to the last waypoint, computed from the last waypoint to the first.
     void (*cheapest)(const GraphJoints&, const GraphLayers&, const GraphEdges&, const GraphImages&, const GraphValues&,
                      const Stop&);
-    // The states (waypoints) that the cheapest way from a state of the first waypoint passes, and the edges it takes, as in
-    // GraphValues::edge.
+    // The states (waypoints) on the cheapest way from a state of the first waypoint, and its edges, as in GraphValues::edge.
     void (*way)(const GraphJoints&, const GraphLayers&, const GraphEdges&, const GraphImages&, const GraphValues&,
                 std::int64_t state, std::int64_t* passed, std::int64_t* taken);
-    // Passes marks (nodes, states) on along the edges, from the first waypoint to the last.
+    // Propagate marks (nodes, states) along the edges, from the first waypoint to the last.
     void (*spread)(const GraphJoints&, const GraphLayers&, const GraphEdges&, const GraphImages&, const double* node,
                    std::uint64_t* marks, const Stop&);
 };

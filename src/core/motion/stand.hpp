@@ -1,4 +1,4 @@
-// Where a tracked arm stands, what is missing to its target, and the step of least squares that a cycle allows.
+// The state of a tracked arm, its error to the target, and the least-squares step inside a cycle's bounds.
 #pragma once
 
 #include "answers/polish.hpp"
@@ -7,20 +7,20 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Damping of the tracker's steps: too little to change a solution, enough that nothing is divided by zero.
+// Damping of the tracker's steps. It does not change a solution, and avoids a division by zero.
 inline constexpr double FAINT = 1e-9;
-// Beyond this rotation [rad] the angle is computed; below, it is taken from the Newton step, which has its sine.
+// If the sine of the rotation to the goal is above this, the angle is computed by atan2. Below, the Newton step's sine is used.
 inline constexpr double SMALL_TURN = 0.1;
 
-// The arm at one joint vector, and what is missing to a goal: lengths are shares of the size.
+// The arm at one joint vector, and its error to a goal. Lengths are shares of the size.
 template <int N> struct Stand {
     double q[N];
     Posture<N, double> at;
     Six<double> J[N], twist;
-    double square, size;  // of the twist: its squared length, its greatest entry
+    double square, size;  // of the twist: squared length; largest entry, or 2 beyond a right angle
 };
 
-// Where the joints may go in this cycle [rad, m], and on which sides that is a joint's limit (a bit a joint).
+// The bounds of the joints in this cycle [rad, m]. limit_below, limit_above: a bit per joint whose bound is a joint limit.
 template <int N> struct Box {
     double low[N], high[N];
     unsigned limit_below, limit_above;
@@ -34,7 +34,7 @@ template <int N> STEP void place_at(const Written<N>& arm, Stand<N>& s) {
     s.at = place(arm, q);
 }
 
-// The axis of a half turn that leads to the goal; of an axis to be aimed any across it.
+// The axis of a half turn to the goal. If the task aims an axis, any axis across it.
 template <int N> PART Vec<double> half_turn_axis(const Written<N>& arm, const Goal<double>& goal, const Frame<double>& tip) {
     if (arm.task == Task::planar_pose) return vec<double>(arm.normal);
     const Rot<double>&G = goal.R, &R = tip.R;
@@ -50,7 +50,7 @@ template <int N> PART Vec<double> half_turn_axis(const Written<N>& arm, const Go
     return (1.0 / sqrt(dot(column[longest], column[longest]))) * column[longest];
 }
 
-// The error to the goal, as for Newton's method but with the whole angle of the rotation.
+// The error to the goal as for Newton's method, but a large rotation enters with its angle instead of its sine.
 template <int N> STEP void face(const Written<N>& arm, const Goal<double>& goal, Stand<N>& s) {
     const Error<double> e = task_error(arm, goal, s.at.tip);
     const bool obtuse = e.size == 2.0;
@@ -65,7 +65,7 @@ template <int N> STEP void face(const Written<N>& arm, const Goal<double>& goal,
     s.square = dot(s.twist, s.twist);
 }
 
-// The pose at a share of the way along a twist.
+// The pose after a share of a twist from the tip.
 template <int N> STEP Goal<double> between(const Written<N>& arm, const Frame<double>& tip, const Six<double>& twist,
                                            double share) {
     const Vec<double> v = {twist[0], twist[1], twist[2]}, w = {twist[3], twist[4], twist[5]};
@@ -99,12 +99,12 @@ template <int N> STEP double apart(const Written<N>& arm, const Stand<N>& a, con
 template <int N> struct BoundedStep {
     double x[N];
     unsigned below, above;  // which joints are at their bounds
-    double left;            // squared length of what is left of e
-    double least;           // a bound from below on the smallest singular value of J, with the damping
+    double left;            // squared length of the remaining e
+    double least;           // a lower bound on the smallest singular value of J, with the damping
 };
 
-// The x that minimises |J x - e| between the bounds: joints that would leave are put at their bounds, first the one that would
-// leave by most, and the others do what they can.
+// The x between the bounds that approximately minimises |J x - e|. While a joint exceeds its bounds, the one that exceeds them
+// most is fixed at its bound, and the problem is solved again for the other joints.
 template <int N>
 PART BoundedStep<N> bounded_step(const Six<double> (&J)[N], Six<double> e, double damping, const double (&low)[N],
                                  const double (&high)[N]) {
@@ -139,7 +139,7 @@ PART BoundedStep<N> bounded_step(const Six<double> (&J)[N], Six<double> e, doubl
     }
 }
 
-// A bound from below on how far the joints move the tip in the direction in which they do so least.
+// A lower bound on the smallest singular value of J (for seven joints, of its transpose).
 template <int N> STEP double least_gain(const Six<double> (&J)[N]) {
     if constexpr (N <= 6) {
         Six<double> A[N];

@@ -1,4 +1,4 @@
-// Whether long work should end early. The work polls it after every small part. Plain functions, without Python.
+// A request to end long work early. The work polls it after every small part. Plain functions, without Python.
 #pragma once
 
 namespace urdf_ik {

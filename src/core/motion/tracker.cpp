@@ -1,4 +1,4 @@
-// Following poses one a cycle, compiled once for every instruction set; see tracker.hpp.
+// The tracker, compiled once for every instruction set; see tracker.hpp.
 #include "motion/tracker.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {

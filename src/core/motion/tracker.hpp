@@ -1,56 +1,58 @@
-// One cycle of following a pose: the joints move to where the last joint vector's own branch has the new pose, or as near
-// to it as they come in one cycle.
+// One cycle of following a pose. The joints stay on the branch of the last joint vector and move to its solution for the new
+// pose, or as near to it as one cycle allows.
 //
-// Candidates come from where the joints are, never from elsewhere: Newton's steps of least squares inside the box that the
-// cycle allows, each kept only if it makes the error smaller (a trust region; Nocedal and Wright, Numerical Optimization,
-// chapters 4 and 10). The motion of a cycle is cut into pieces until each is either proven to meet no singularity, or so
-// short that crossing one is seen and undone where it is a fold.
+// All candidates start at the current joints: Newton's least-squares steps inside the cycle's bounds, each kept only if it
+// reduces the error (a trust region; Nocedal and Wright, Numerical Optimization, chapters 4 and 10). The motion of a cycle is cut
+// into pieces. Each piece is either proven to meet no singularity, or so short that a crossed fold is detected and undone.
 #pragma once
 
 #include "motion/stand.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// A motion that is not proven regular is done in pieces of at most this [rad, share of size], at most so many of them.
+// A motion that is not proven regular is done in at most PIECES pieces of at most PIECE [rad, share of size].
 inline constexpr double PIECE = 0.05;
 inline constexpr int PIECES = 64;
-// Steps of Newton's method on a piece, refused ones counted; one that gains less than this share of what it promised is
-// refused, and the next may go a quarter as far. Below LEAST_TRUST [rad, share of size] nothing more is to be gained.
+// Most steps of Newton's method on a piece, refused ones included. A step is refused if it achieves less than ENOUGH_GAIN of the
+// predicted reduction; the next one may go a quarter as far. Below LEAST_TRUST [rad, share of size] the method stops.
 inline constexpr int TRIALS = 14;
 inline constexpr double ENOUGH_GAIN = 0.1, LEAST_TRUST = 1e-9;
-// An arm that moves less than this [rad, share of size], and is not at its target, is held.
+// An arm that moves less than this [rad, share of size] and is not at its target counts as held.
 inline constexpr double STILL = 1e-6;
-// How much the smallest singular value changes along the motion that does nothing, this far to either side [rad, share of size]
-// of where it is zero, per rad. Above: a fold, beyond which lies another branch. Below (the wrist, the shoulder): the motion
-// changes nothing, and the arm may pass to the other side. Measured at zero: exact wrists and shoulders below 1e-12, those of a
-// calibrated UR 6e-5, folds of general arms 6e-4 to 0.2; but where two folds meet (a cusp) a fold's is zero, too, and
-// grows with the distance.
+// At a singularity, the change of the smallest singular value per rad along the self-motion direction, measured PASSED_ON [rad,
+// share of size] to either side. Above PASSABLE the singularity is a fold, beyond which lies another branch. Below (the wrist,
+// the shoulder) the singularity persists along this motion, and the arm may pass to the other side. The derivative at the
+// singularity is below 1e-12 for exact wrists and shoulders, 6e-5 for those of a calibrated UR, and 6e-4 to 0.2 for folds of
+// general arms. Where two folds meet (a cusp) it is zero too, but the change grows with the distance.
 inline constexpr double PASSABLE = 2e-4, PASSED_ON[2] = {PIECE, -PIECE};
-// How fast it changes at the singularity or beside it, where that only words a reason.
+// The same derivative, at or beside a singularity, above which the reported reason is reach instead of singularity.
 inline constexpr double BLUNT = 5e-3;
-// A fold is approached to this share of the distance in one piece, and to a smallest singular value of LAST_GAIN: about
-// 1e-10 of the arm's size before the end of its reach. Only what is at its target may be nearer.
+// A piece that crosses a fold is moved back to where the smallest singular value is this share of the value before, but not below
+// LAST_GAIN: about 1e-10 of the arm's size before the edge of reach. Only a solution at its target may be closer to the fold.
 inline constexpr double APPROACH = 0.25, LAST_GAIN = 1e-5;
-// Smallest singular value below which the arm counts as exactly singular, and is pushed out where it would not move.
+// Smallest singular value below which the arm counts as exactly singular. If it would not move, it is pushed out.
 inline constexpr double EXACTLY_SINGULAR = 1e-8;
-// Damping of the estimate how fast the joints would have to be: singular directions slow nothing down.
+// Damping of the estimate of the joint speeds needed, so that singular directions do not slow the arm down.
 inline constexpr double SINGULAR_ASIDE = 0.1;
-// Of a joint's range, and at most of a radian or a size: how far from a limit seven joints begin to move away from it.
+// An arm of seven joints moves away from limits closer than NEAR_LIMIT of the joint's range, or NEAR_LIMIT_AT_MOST [rad, share of
+// size] if that is less.
 inline constexpr double NEAR_LIMIT = 0.1, NEAR_LIMIT_AT_MOST = 0.2;
-// Share of what the speeds allow with singular directions aside that they have to allow with them for these to count.
+// The speeds allow a share of the twist. Singular directions count in it only if it is then more than REGULAR times the share
+// without them.
 inline constexpr double REGULAR = 0.5;
-// Share of the missing twist that joints at their limits would have to make good for the limits to count as the reason.
+// Joint limits are the reason if the gains of the joints at their limits exceed this share of the remaining twist.
 inline constexpr double FELT = 1e-2;
 
-// Which joints a bound kept from going further; whether a fold did; the bound on the Jacobian's gain at the start.
+// The joints stopped at a bound, a bit each; whether a fold stopped the arm; a lower bound on the smallest singular value at the
+// start.
 struct Went {
     unsigned below, above;
     bool folded;
     double least;
 };
 
-// Newton's method towards a goal from where `s` stands, inside the box, as far as the error falls; drift is what the joints
-// would do of their own, as far as the tip leaves them free.
+// Newton's method from `s` towards a goal, inside the box, while the error falls. drift: the secondary motion of seven joints,
+// applied to the first step only.
 template <int N>
 PART Went approach(const Written<N>& arm, const Goal<double>& goal, const Box<N>& box, const double (&drift)[N], Stand<N>& s) {
     face(arm, goal, s);
@@ -90,9 +92,9 @@ PART Went approach(const Written<N>& arm, const Goal<double>& goal, const Box<N>
     return went;
 }
 
-// Whether the straight motion of the joints from a to b meets no singularity: the Jacobian nowhere differs from that at a
-// by as much as its smallest singular value (Weyl). Between a and b it differs by what it does at b, and by an eighth of
-// what its second derivative along the motion may be: each column's is at most twice its length times |x|_1^2.
+// Whether the straight joint motion from a to b meets no singularity: by Weyl's inequality there is none if the Jacobian changes
+// by less than its smallest singular value at a. The change is at most the change from a to b plus an eighth of a bound on the
+// second derivative along the motion. For each column that bound is twice its length times |x|_1^2.
 template <int N> STEP bool regular_between(const Written<N>& arm, const Stand<N>& a, const Stand<N>& b, double least) {
     double square = 0.0, along = 0.0, lengths = 0.0;
     for (int k = 0; k < N; ++k) {
@@ -102,7 +104,7 @@ template <int N> STEP bool regular_between(const Written<N>& arm, const Stand<N>
     return sqrt(square) + 0.25 * sqrt(lengths) * along * along < least;
 }
 
-// The direction in which the joints move the tip least: their motion, the twist that it gives (of length 1), and its gain.
+// The weakest direction: smallest singular value (gain), joint motion, and the unit twist that this motion causes.
 template <int N> struct Weak {
     double gain, motion[N];
     Six<double> twist;
@@ -130,20 +132,20 @@ template <int N> PART Weak<N> weak_at(const Stand<N>& s) {
     }
     return out;
 }
-// The gain of a weak direction at another joint vector.
+// The gain of this motion and this twist at another joint vector.
 template <int N> STEP double gain_at(const Weak<N>& weak, const Stand<N>& s) {
     double sum = 0.0;
     for (int k = 0; k < N; ++k) sum += weak.motion[k] * dot(weak.twist, s.J[k]);
     return sum;
 }
-// The same of the weak direction that is there in its place: below zero where the motion there gives the opposite twist.
+// The gain of the weakest direction at another joint vector. It is negative if a motion of like sense gives the opposite twist.
 template <int N> STEP double signed_gain(const Weak<N>& weak, const Stand<N>& s) {
     const Weak<N> there = weak_at(s);
     double along = 0.0;
     for (int k = 0; k < N; ++k) along += weak.motion[k] * there.motion[k];
     return copysign(there.gain, along * dot(weak.twist, there.twist));
 }
-// How fast the gain changes as the joints move in that direction, by a central difference.
+// The derivative of the gain along the weak motion, by a central difference.
 template <int N> PART double gain_rate(const Written<N>& arm, const Weak<N>& weak, const Stand<N>& s) {
     constexpr double step = 1e-4;
     double change = 0.0;
@@ -157,8 +159,8 @@ template <int N> PART double gain_rate(const Written<N>& arm, const Weak<N>& wea
     }
     return change / (2.0 * step);
 }
-// Whether what is singular where the gain comes to zero, on the way from a to b, at which it has these values, stays so as the
-// joints move in the direction that does nothing there. Where it has not come to zero, that is asked at b.
+// Whether the arm stays singular along the self-motion direction at the point between a and b where the gain is zero (see
+// PASSABLE). The point is interpolated from the gains at a and b; if the gain has not changed sign, it is b.
 template <int N>
 PART bool passes(const Written<N>& arm, const Stand<N>& a, const Stand<N>& b, double gain, double gain_at_b) {
     const double share = gain_at_b < 0.0 ? gain / (gain - gain_at_b) : 1.0;
@@ -176,8 +178,8 @@ PART bool passes(const Written<N>& arm, const Stand<N>& a, const Stand<N>& b, do
     return true;
 }
 
-// Where the short motion from a to b has crossed a fold, b is moved back along the weak direction, which moves the tip
-// hardly at all. With joints at their limits nothing is crossed: what is left then is no way to the target. Whether it was.
+// If the short motion from a to b has crossed a fold, move b back along the weak direction, which hardly moves the tip. With joints
+// at their limits, no singularity may be crossed, not even a passable one. Returns whether b was changed.
 template <int N> PART bool keep_side(const Written<N>& arm, const Goal<double>& goal, const Box<N>& box, const Stand<N>& a,
                                      bool at_limit, Stand<N>& b) {
     const Weak<N> weak = weak_at(a);
@@ -197,7 +199,7 @@ template <int N> PART bool keep_side(const Written<N>& arm, const Goal<double>& 
         place_at(arm, b);
         jacobian_at(arm, b.at, b.J);
     }
-    // Where the box leaves no room for that, the motion ends before the fold.
+    // At a passable singularity, or if b is still not on the side of a, the motion from a ends before the singularity.
     if (passable || !(signed_gain(weak, b) > 0.0)) {
         const double share = max(weak.gain - wanted, 0.0) / (weak.gain - gain);
         for (int k = 0; k < N; ++k) b.q[k] = a.q[k] + share * (crossed.q[k] - a.q[k]);
@@ -208,7 +210,7 @@ template <int N> PART bool keep_side(const Written<N>& arm, const Goal<double>& 
     return true;
 }
 
-// Along the straight way of the tip from where `s` stands, by a share of the twist to the goal.
+// Move the tip straight along a share of the twist to the goal.
 template <int N>
 PART Went march(const Written<N>& arm, const Goal<double>& goal, const Six<double>& twist, double share, const Box<N>& box,
                 const double (&drift)[N], Stand<N>& s) {
@@ -229,7 +231,7 @@ PART Went march(const Written<N>& arm, const Goal<double>& goal, const Six<doubl
             const bool at_limit = (now.below & box.limit_below) | (now.above & box.limit_above);
             if (keep_side(arm, next_goal, box, s, at_limit, next)) {
                 folded = true;
-                // From there the goal's solution on this side may be in reach.
+                // From here Newton's method may reach a solution on this side of the fold.
                 Stand<N> again = next;
                 approach(arm, next_goal, box, drift, again);
                 if (!keep_side(arm, next_goal, box, s, at_limit, again)) next = again;
@@ -242,7 +244,7 @@ PART Went march(const Written<N>& arm, const Goal<double>& goal, const Six<doubl
     return went;
 }
 
-// Whether the goal is no further than all joints at their greatest speeds would move the tip, did they move it alike.
+// Whether the goal is no farther than the tip would move if all joints moved to their bounds and their effects added up.
 template <int N> STEP bool within_a_cycle(const Written<N>& arm, const Stand<N>& s, const Box<N>& box) {
     double furthest = 0.0;
     for (int k = 0; k < N; ++k) {
@@ -252,7 +254,7 @@ template <int N> STEP bool within_a_cycle(const Written<N>& arm, const Stand<N>&
     return s.square <= furthest * furthest;
 }
 
-// Share of the twist to the goal that the joints' speeds allow, those aside that stand at their limits.
+// The share of the twist to the goal that the joint speeds allow. Joints at their limits do not count.
 template <int N> PART double affordable(const TrackedArm<N>& arm, const Stand<N>& s, const Box<N>& box, double damping) {
     double low[N], high[N];
     for (int k = 0; k < N; ++k) {
@@ -270,8 +272,8 @@ template <int N> PART double affordable(const TrackedArm<N>& arm, const Stand<N>
     return share;
 }
 
-// A push out of an exactly singular joint vector, at which no direction gains anything: along the motion that does nothing,
-// to the side from which the goal comes nearer. Whether there is one.
+// Push the arm out of an exactly singular joint vector from which no step reduces the error: along the weakest direction, to the
+// side from which Newton's method comes nearer to the goal. Returns whether the error fell.
 template <int N>
 PART bool push(const Written<N>& arm, const Goal<double>& goal, const Box<N>& box, const double (&drift)[N], Stand<N>& s) {
     Six<double> A[N];
@@ -297,15 +299,15 @@ PART bool push(const Written<N>& arm, const Goal<double>& goal, const Box<N>& bo
     return s.square < before.square;
 }
 
-// The greatest speed from which a joint stops within a distance [rad, m], its speed falling by the same amount each cycle,
-// the one that begins included: so many whole decrements, and a share.
+// The greatest speed from which a joint can stop within a distance [rad, m]. The cycle that begins runs at this speed; then the
+// speed falls by acceleration * dt per cycle.
 STEP double stopping_speed(double distance, double acceleration, double dt) {
     const double decrement = acceleration * dt, D = max(distance, 0.0) / (decrement * dt);
     const double whole = __builtin_floor(0.5 * (sqrt(1.0 + 8.0 * D) - 1.0));
     return decrement * (whole * 0.5 + D / (whole + 1.0));
 }
 
-// Where the joints may go in this cycle; with limits on the acceleration, as far as they need to stop from full speed.
+// The bounds of the joints in this cycle. With a limit on the acceleration, they include the distance to stop from full speed.
 template <int N> STEP Box<N> box_of(const TrackedArm<N>& arm, const TrackedState<N>& state) {
     Box<N> box = {{}, {}, 0, 0};
     for (int k = 0; k < N; ++k) {
@@ -318,7 +320,7 @@ template <int N> STEP Box<N> box_of(const TrackedArm<N>& arm, const TrackedState
     return box;
 }
 
-// The secondary motion of seven joints: away from limits that they are near to.
+// The secondary motion of seven joints: away from nearby limits.
 template <int N> STEP void own_motion(const TrackedArm<N>& arm, const Stand<N>& s, double (&drift)[N]) {
     for (int k = 0; k < N; ++k) {
         const double unit = unit_of(arm.written, k), range = arm.upper[k] - arm.lower[k];
@@ -329,9 +331,9 @@ template <int N> STEP void own_motion(const TrackedArm<N>& arm, const Stand<N>& 
     }
 }
 
-// The joints go after a goal within their limits of speed and acceleration: with the goal's own speed, where two targets in a
-// row have shown it, and relative to it no faster than they can brake; all of them by the same share of what is missing, as far as
-// their accelerations allow.
+// Move the joints towards a goal within their limits of speed and acceleration. After two exact goals in a row the goal's own
+// velocity is known and is added. Relative to it, joints go no faster than they can brake. All joints cover the same share of
+// their distances, as far as their accelerations allow.
 template <int N>
 PART void go_after(const TrackedArm<N>& arm, TrackedState<N>& state, const double (&goal)[N], bool exact, double (&q)[N]) {
     double speed[N], share = 1.0;
@@ -361,8 +363,8 @@ PART void go_after(const TrackedArm<N>& arm, TrackedState<N>& state, const doubl
     }
 }
 
-// Why an arm that no bound stops is not at its target: beside a fold or with too few joints it does not reach it; beside any
-// other singularity it might from elsewhere.
+// The reason why an arm that no bound stops is not at its target. The target is out of reach at a fold, or if the error does not
+// point mostly in the weakest direction of a nearly singular arm. At any other singularity the reason is the singularity.
 template <int N> PART Because because_of(const Written<N>& arm, const Stand<N>& s, const Went& went) {
     if (went.folded) return Because::reach;
     const Weak<N> weak = weak_at(s);
@@ -371,7 +373,7 @@ template <int N> PART Because because_of(const Written<N>& arm, const Stand<N>& 
     return abs(gain_rate(arm, weak, s)) > BLUNT ? Because::reach : Because::singularity;
 }
 
-// Whether the way to the target leads on beyond limits at which joints stand.
+// Whether joints at their limits would have to move beyond them to reduce the error.
 template <int N> STEP bool against_limits(const TrackedArm<N>& arm, const Stand<N>& s) {
     double square = 0.0;
     for (int k = 0; k < N; ++k) {

@@ -7,26 +7,26 @@ namespace urdf_ik {
 
 template <int N> struct TrackedArm {
     Written<N> written;
-    double lower[N], upper[N];               // limits [rad, m]; infinite where there is none
-    double velocity[N], acceleration[N];     // greatest [rad/s, m/s and so on]; infinite where there is none
-    double dt;                               // of a cycle [s]
-    double recentring;                       // rate at which seven joints move away from their limits [1/s]
+    double lower[N], upper[N];               // limits [rad, m]; infinite if a joint has none
+    double velocity[N], acceleration[N];     // limits [rad/s, rad/s^2, m/s, m/s^2]; infinite if a joint has none
+    double dt;                               // length of a cycle [s]
+    double recentring;                       // rate at which an arm of seven joints moves away from its limits [1/s]
 };
 
 template <int N> struct TrackedState {
-    double q[N], v[N];  // where the joints are, angles of any size, and how fast they got there [rad/s, m/s]
-    double goal[N];     // where the last target would have had them (with limits on the acceleration),
-    bool exact;         // and whether that was exact
+    double q[N], v[N];  // positions, angles of any size [rad, m], and velocities in the last cycle [rad/s, m/s]
+    double goal[N];     // the last cycle's joint vector before acceleration limits; unused without such limits
+    bool exact;         // whether it reaches the last target
 };
 
 enum class Tracking : std::uint8_t { ok, limited, held };
 enum class Because : std::uint8_t { nothing, velocity, acceleration, limit, reach, singularity, collision };
 
 struct Tracked {
-    bool is_pose;  // else nothing has happened
+    bool is_pose;  // if false, the target was invalid and the state is unchanged
     Tracking status;
     Because why;
-    double distance, angle;                // from the tip to what the task asks for [m, rad]
+    double distance, angle;                // from the tip to the target, as far as the task controls it [m, rad]
     double distance_before, angle_before;  // the same before the cycle
 };
 

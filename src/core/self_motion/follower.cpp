@@ -3,7 +3,8 @@
 
 namespace urdf_ik::self_motion {
 
-// One step along the curve; h is what it begins with, then what the next may be. `to` is turned as `from` is.
+// One step along the curve. h: the first length tried; on return, the length for the next step. The tangent of `to` points the
+// same way as that of `from`.
 bool Follower::step(const CurveSample& from, const CurveSample* before, double& h, CurveSample& to) const {
     for (;;) {
         if (h < SHORTEST) return false;
@@ -31,8 +32,7 @@ bool Follower::step(const CurveSample& from, const CurveSample* before, double& 
     }
 }
 
-// The fold between two samples, at which the parameter stands still: from where the cubic has it, by steps along the tangent
-// that the secant of the rate gives.
+// The fold between two samples, where the rate is zero: the secant method on the rate, from the cubic's stationary point.
 bool Follower::fold_between(const CurveSample& a, const CurveSample& b, CurveSample& to) const {
     double low = 0.0, high = b.arc, q[7];
     const double ahead = stand_still(a, b);
@@ -40,7 +40,7 @@ bool Follower::fold_between(const CurveSample& a, const CurveSample& b, CurveSam
     if (!settle(q, {Pin::nothing, 0, 0.0}, a.along, a.value, EXACT, to) || !agree(a, to)) return false;
     double at = b.arc * way_to(a, b, to), before = a.rate * to.rate > 0.0 ? high : low;
     double rate_before = before > 0.0 ? b.rate : a.rate;
-    double share = 1.0;  // of the next step: less after one that led elsewhere
+    double share = 1.0;  // of the secant step: reduced after a step that left the curve
     for (int round = 0; round < MOST_SECANTS && std::abs(to.rate) >= STANDS && high - low > 1e-12 * b.arc; ++round) {
         (to.rate * a.rate > 0.0 ? low : high) = at;
         double next = at - to.rate * (at - before) / (to.rate - rate_before);
@@ -60,7 +60,7 @@ bool Follower::fold_between(const CurveSample& a, const CurveSample& b, CurveSam
     return true;
 }
 
-// The point between two samples that has this value.
+// The point with this value between two samples.
 CurveSample Follower::at_value(const CurveSample& a, const CurveSample& b, double value, bool& found) const {
     double low = 0.0, high = 1.0;
     const double d = b.value - a.value, s = b.arc * a.rate, e = b.arc * b.rate;
@@ -80,13 +80,13 @@ CurveSample Follower::at_value(const CurveSample& a, const CurveSample& b, doubl
     return out;
 }
 
-// How far along the step between two samples a point is.
+// The position of a point along the step between two samples, from 0 to 1.
 double Follower::way_to(const CurveSample& a, const CurveSample& b, const CurveSample& point) const {
     double ahead = 0.0;
     for (int j = 0; j < 7; ++j) ahead += gap(j, point.q[j], a.q[j]) * a.along[j];
     return std::clamp(ahead / b.arc, 0.0, 1.0);
 }
-// Whether the step between two samples passes through a point, the way that its tangent points.
+// Whether the step between two samples passes through a point, in the direction of its tangent.
 bool Follower::closes(const CurveSample& a, const CurveSample& b, const CurveSample& point) const {
     if (apart(a.q, point.q) > 1.5 * b.arc || apart(b.q, point.q) > 1.5 * b.arc) return false;
     double ahead = 0.0, behind = 0.0, same = 0.0, q[7];
@@ -99,8 +99,8 @@ bool Follower::closes(const CurveSample& a, const CurveSample& b, const CurveSam
     return apart(q, point.q) < NEARLY_SAME;
 }
 
-// Along the curve, the way that the tangent of `from` points, until the value leaves [low, high] or the curve is closed.
-// way: the samples, `from` first; folds: their numbers.
+// Follow the curve in the direction of the tangent of `from`, until the value leaves [low, high] or the curve closes.
+// way: the samples, `from` first; folds: the indices of the samples that are folds.
 Follower::Stop Follower::travel(const CurveSample& from, double low, double high, std::vector<CurveSample>& way,
                                 std::vector<long>& folds) const {
     double h = 0.5 * longest_;
@@ -158,7 +158,7 @@ Follower::Stop Follower::travel(const CurveSample& from, double low, double high
             way[k].arc = arc;
             return Stop::closed;
         }
-        // What lies behind the fold may have left the cell already.
+        // The sample behind the fold may lie outside the cell.
         if (has_fold && ((to.value > high && to.rate > 0.0) || (to.value < low && to.rate < 0.0))) {
             bool found;
             const bool up = to.value > high;
@@ -172,7 +172,7 @@ Follower::Stop Follower::travel(const CurveSample& from, double low, double high
     return Stop::lost;
 }
 
-// The node at a value of the grid that is met.
+// The index of the node at a value of the grid that equals this sample, or -1.
 long Follower::node_at(long k, const CurveSample& at) const {
     long best = -1;
     double nearest = SAME;
@@ -183,7 +183,8 @@ long Follower::node_at(long k, const CurveSample& at) const {
     return best;
 }
 
-// Keep what was followed in a cell as parts along which the value grows. Returns whether nothing contradicts it.
+// Split a followed curve at its folds and add the parts. Returns false if it ends at its own start, or at a node that another
+// curve has met from this side.
 bool Follower::add_parts(long cell, std::vector<CurveSample>& way, const std::vector<long>& folds, long from_k, long from_node,
                          bool up, Stop stop) {
     long end_k = -1, end_node = -1;
@@ -237,7 +238,8 @@ bool Follower::add_parts(long cell, std::vector<CurveSample>& way, const std::ve
     return true;
 }
 
-// How far a way between two samples is from one that turns evenly, as a share of its length; infinite where it is no step.
+// The difference between two samples' chord and the mean of their tangents times the arc, as a share of the arc. Small on a short
+// circular arc; infinite if the two samples cannot be joined.
 double Follower::off_line(const CurveSample& a, const CurveSample& b, double& arc, double& turned) const {
     double way[7], square = 0.0, same = 0.0;
     if (!agree(a, b)) return INFINITY;
@@ -254,8 +256,8 @@ double Follower::off_line(const CurveSample& a, const CurveSample& b, double& ar
     return std::sqrt(off) / (arc + 1e-300);
 }
 
-// The samples behind `a` up to `b`, the curve halved until its steps are as short as those of step(); at least once. False
-// where the curve is not what the two ends let expect, or turns round on the way.
+// The samples behind `a` up to `b`: the curve is halved until its steps are as short as those of step(), at least once. Returns
+// false if a midpoint is far from the cubic, or if the value does not grow all the way.
 bool Follower::halved(const CurveSample& a, CurveSample b, int depth, std::vector<CurveSample>& way) const {
     double arc, turned, u;
     if (!(off_line(a, b, arc, turned) <= BRIDGE_OFF)) return false;
@@ -274,7 +276,7 @@ bool Follower::halved(const CurveSample& a, CurveSample b, int depth, std::vecto
     return halved(a, middle, depth + 1, way) && halved(middle, b, depth + 1, way);
 }
 
-// Join the solutions at both ends of a cell that lie on one curve beyond doubt.
+// Join solutions at the two ends of a cell that clearly lie on one curve.
 void Follower::bridge_cell(long cell) {
     const long after = next(cell);
     for (long i = 0; i < long(nodes_[cell].size()); ++i) {
@@ -297,8 +299,8 @@ void Follower::bridge_cell(long cell) {
     }
 }
 
-// Follow every solution at the ends of a cell into it. Returns whether each was met by one curve, and none was lost that might
-// go on straight.
+// Follow the curve of every solution at the ends of a cell into the cell. Returns false if a curve was contradicted (see
+// add_parts), or lost while crossings were not allowed.
 bool Follower::follow_cell(long cell) {
     const double low = low_of(cell), high = high_of(cell);
     bool agrees = true;
@@ -328,8 +330,8 @@ void Follower::follow_cells() {
         for (long cell = 0; cell < cells_ && !has_enough(); ++cell) {
             const std::size_t parts = parts_.size();
             for (int redone = 0; !follow_cell(cell) && redone < MOST_REDONE; ++redone) {
-                // A curve was lost, as where another one crosses it: next time it goes on straight. Or two curves met one
-                // solution, and one of them has left its way: the cell is followed again by shorter steps.
+                // Either a curve was lost, perhaps because another one crosses it: the next try allows it to go straight on.
+                // Or two curves met one solution, so one of them has jumped: later tries also take shorter steps.
                 if (straight_) longest_ *= 0.3;
                 straight_ = true;
                 parts_.resize(parts);
@@ -352,7 +354,7 @@ void Follower::follow_cells() {
     }
 }
 
-// A part and all that continue it.
+// The piece that begins with this part.
 Piece Follower::joined(Part& first) {
     Piece out;
     out.why[0] = first.node[0][0] >= 0 ? EndOf::range : first.why[0];
@@ -391,7 +393,7 @@ Piece Follower::joined(Part& first) {
     return out;
 }
 
-// Folds beyond which no branch has a solution are the edge of reach.
+// A fold is the edge of reach if no branch has a solution beyond it.
 void Follower::mark_reach(std::vector<Piece>& pieces) const {
     for (Piece& piece : pieces) {
         for (int side = 0; side < 2; ++side) {

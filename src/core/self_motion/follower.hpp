@@ -1,5 +1,5 @@
-// How the curves of one pose are followed; see curves.hpp. follower.cpp follows them from value to value of the grid, loops.cpp
-// looks for those that lie between two values, limits.cpp cuts them at the joint limits.
+// The follower of one pose's curves; see curves.hpp. follower.cpp follows them from value to value of the grid, loops.cpp looks
+// for loops between two values, limits.cpp cuts curves at the joint limits.
 #pragma once
 
 #include <algorithm>
@@ -9,50 +9,52 @@
 
 namespace urdf_ik::self_motion {
 
-// A step along a curve [rad, shares of size]: at most LONGEST, so long that the tangent turns by AIM, refused where it turns by
-// TOO_MUCH [rad] or where Newton's method leads further than ASIDE times the step away. A curve whose steps would have to be
-// shorter than SHORTEST has come to a singularity.
+// A step along a curve has at most the length LONGEST [rad, shares of size]. Its length is chosen so that the tangent turns by
+// about AIM [rad]. A step is refused if the tangent turns by more than TOO_MUCH [rad], or if Newton's method corrects it by more
+// than ASIDE times its length. A curve that would need steps below SHORTEST has reached a singularity.
 inline constexpr double LONGEST = 0.3, AIM = 0.2, TOO_MUCH = 0.45, ASIDE = 0.12, SHORTEST = 1e-7;
-// From one solution of the grid to the next: at most so far [rad, shares of size], the tangent turned by at most BRIDGE_TURN
-// [rad], the chord off the mean of the tangents by at most BRIDGE_OFF of its length, any other solution this many times further
-// off. The cubic between two samples is halved at most so often; Newton's method leads off it by at most BRIDGE_ASIDE of the way.
+// Two solutions at neighbouring values of the grid are joined without following if their arc is at most BRIDGE [rad, shares of
+// size], the tangent turns by at most BRIDGE_TURN [rad], the chord differs from the mean of the tangents by at most BRIDGE_OFF of
+// the arc, and this difference is BRIDGE_CLEAR times larger for every other solution. The cubic between them is halved at most
+// MOST_HALVED times; Newton's method may correct each midpoint by at most BRIDGE_ASIDE of the arc.
 inline constexpr double BRIDGE = 1.0, BRIDGE_TURN = 0.9, BRIDGE_OFF = 0.2, BRIDGE_CLEAR = 3.0, BRIDGE_ASIDE = 0.03;
 inline constexpr int MOST_HALVED = 3;
-// Newton's method ends below these errors: on the way, where steps are as long as WIDE_STEP (less by the square of shorter ones,
-// which there are next to singularities), and at the points that count.
+// Errors at which Newton's method stops. Samples of steps of WIDE_STEP or longer need ON_THE_WAY; for shorter steps, as next to
+// singularities, this falls with the square of the step. Folds, crossings and grid values need EXACT. A point with an error of
+// at most SETTLED is accepted even if Newton's method did not reach EXACT.
 inline constexpr double ON_THE_WAY = 1e-7, WIDE_STEP = 0.03, NEARLY_EXACT = 1e-9, EXACT = 3e-15, SETTLED = 1e-11;
 inline constexpr int FEW_ROUNDS = 4, MANY_ROUNDS = 12;
-// Two joint vectors nearer than this in every joint are one; the same for places between samples, which are interpolated.
+// Two joint vectors closer than SAME in every joint are equal. Points interpolated between samples are less accurate: NEARLY_SAME.
 inline constexpr double SAME = 1e-6, NEARLY_SAME = 3e-3;
-// Below this the parameter does not change along the tangent: at a fold, or where a joint is free at one value.
+// Below this rate the parameter counts as stationary along the tangent: at a fold, or where the other joints move at one value.
 inline constexpr double STANDS = 1e-9;
-// Where a joint comes this near [rad, m] to a limit between two samples, the place is looked at.
+// If a joint turns back this close [rad, m] to a limit between two samples, a sample is added there.
 inline constexpr double CLOSE = 4e-3;
-// Error [rad, share of size] of a branch beyond its ends from which it is not looked at.
+// A branch beyond its ends gives starts for the search only up to this pose error [rad, share of size].
 inline constexpr double FAR_FROM = 0.5;
-// Values to each side of where such a branch comes nearest that are starts, too.
+// Number of values on each side of such a start that are starts too.
 inline constexpr long BESIDE = 2;
 inline constexpr int MOST_SECANTS = 30, MOST_SPLITS = 5, MOST_STEPS = 4000, MOST_REDONE = 4;
-// Points settled for one pose, at most: hundreds are usual. A pose whose solutions are surfaces, as a straight S-R-S arm's are,
-// has no end of curves.
+// Greatest number of points settled for one pose; hundreds are usual. Solutions of some poses form surfaces (a straight S-R-S
+// arm), on which the search for curves would not end.
 inline constexpr long MOST_SETTLED = 15000;
 
-// A solution at a value of the grid, and the pieces that lead away from it on both sides; -1: none yet.
+// A solution at a value of the grid, and the parts that end and begin there; -1: not yet followed.
 struct Node {
     CurveSample at;
     int column, before = -1, behind = -1;
-    bool stands;  // the parameter does not change there
+    bool stands;  // the parameter is stationary there
 };
 
-// A part of a curve in one cell of the grid, along which the value grows.
+// A part of a curve in one cell of the grid, with growing values.
 struct Part {
     std::vector<CurveSample> samples;
-    long node[2][2];  // at both ends: number of the grid's value and of the node, or -1
+    long node[2][2];  // at both ends: index of the grid's value and of the node, or -1
     EndOf why[2];
     bool used = false;
 };
 
-// A whole part along which the value grows, over all cells.
+// Consecutive parts joined over all cells.
 struct Piece {
     std::vector<CurveSample> samples;
     std::vector<std::pair<double, int>> columns;  // values of the grid with the columns there
@@ -110,7 +112,7 @@ private:
         out.value = value_near(point.value, before), out.rate = point.rate, out.arc = 0.0, out.sense = point.sense;
         return out;
     }
-    // A solution that is given, turned so that the value grows along the tangent.
+    // A given solution, its tangent towards growing values.
     CurveSample sample_at(const double* q, double value) const {
         CurveSample out = sample_of(core_.settle(arm_, given_.T, q, {Pin::nothing, 0, 0.0}, 0, 0.0), value);
         out.value = value;
@@ -121,10 +123,11 @@ private:
         for (double& each : s.along) each = -each;
         s.rate = -s.rate, s.sense = -s.sense;
     }
-    // Whether two points with tangents along one way may be on one curve. Two curves that all but meet have different senses
-    // where one would seem to go on as the other (Allgower and Georg, chapter 8); where they do meet, each goes on straight.
+    // Whether two points with similar tangents may lie on one curve. If two curves nearly meet, a step that jumps from one to the
+    // other changes the sense (Allgower and Georg, chapter 8). At a crossing the curve goes straight on, and the sense may change.
     bool agree(const CurveSample& a, const CurveSample& b) const { return straight_ || a.sense * b.sense >= 0; }
-    // The point pinned down from a start near it; along: the sense of its tangent. Returns whether there is one.
+    // The point on the curve near q that meets the pin, its tangent oriented like `along`. Returns whether Newton's method
+    // converged.
     bool settle(const double* q, const Pinned& pin, const double* along, double before, double enough, CurveSample& out) const {
         if (++settled_ > MOST_SETTLED) return false;
         const int rounds = enough < ON_THE_WAY ? MANY_ROUNDS : FEW_ROUNDS;
@@ -141,7 +144,7 @@ private:
     void between(const CurveSample& a, const CurveSample& b, double u, double* q, double* along = nullptr) const {
         interpolate(arm_, a, b, u, q, along);
     }
-    // Where the parameter changes along the curve's cubic by least, between two samples in order.
+    // The least derivative of the parameter on the cubic between two samples, times the arc. u: where, if it is inside.
     double least_rate(const CurveSample& a, const CurveSample& b, double& u) const {
         const double d = b.value - a.value, s = b.arc * a.rate, e = b.arc * b.rate;
         const double third = s + e - 2.0 * d, second = 3.0 * d - 2.0 * s - e;
@@ -150,7 +153,7 @@ private:
         return s + u * (2.0 * second + 3.0 * u * third);
     }
 
-    // The point at which the parameter is stationary on the cubic between two samples, one before the fold and one behind it.
+    // The share at which the parameter is stationary on the cubic between two samples, one before the fold and one behind it.
     double stand_still(const CurveSample& a, const CurveSample& b) const {
         const double d = b.value - a.value, s = b.arc * a.rate, e = b.arc * b.rate;
         const double third = 3.0 * (s + e - 2.0 * d), second = 3.0 * d - 2.0 * s - e, root = second * second - third * s;
@@ -158,8 +161,8 @@ private:
         const double sum = -(second + std::copysign(std::sqrt(root), second)), one = sum / third;
         return one > 0.0 && one < 1.0 ? one : s / sum;
     }
-    // Whether the cubic in the arc from a sample to a fold has another fold in between: its rate, a quadratic that is zero at
-    // the fold, is zero on the way too if and only if it gains less than a third of what the rate at the sample would give.
+    // Whether the cubic in the arc from a sample to a fold has another fold in between. The rate is a quadratic that is zero at the
+    // fold. It has a second zero on the way if and only if the value gains less than a third of arc times the sample's rate.
     static bool folds_twice(const CurveSample& a, const CurveSample& fold, double arc) {
         return std::abs(fold.value - a.value) < std::abs(a.rate) * arc / 3.0;
     }
@@ -202,8 +205,8 @@ private:
     Piece joined(Part& first);
     void mark_reach(std::vector<Piece>& pieces) const;
 
-    // Of a limit: which joint, which side, where.
-    // The image of a joint of more than a turn leaves the limits there, another one is still inside: it ends nothing.
+    // A joint's crossing of a limit. wide: the joint's range is a turn or more, so another image is still inside and no interval
+    // ends.
     struct Crossing {
         CurveSample at;
         double share;

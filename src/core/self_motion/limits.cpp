@@ -3,7 +3,7 @@
 
 namespace urdf_ik::self_motion {
 
-// How far a joint is inside its limits by its best image, negative outside.
+// The distance of a joint's best image to the nearer limit, negative outside.
 double Follower::room(int j, double q) const {
     const double low = given_.lower[j], high = given_.upper[j];
     if (arm_.written.slides[j]) return std::min(q - low, high - q);
@@ -18,7 +18,7 @@ bool Follower::inside(const double* q) const {
     return true;
 }
 
-// Samples between two, where a joint turns round near a limit: `b` last.
+// Append `b`, after samples between `a` and `b` at which a joint turns back near a limit.
 void Follower::split(const CurveSample& a, const CurveSample& b, int depth, std::vector<CurveSample>& to) const {
     double where = -1.0;
     for (int j = 0; depth < MOST_SPLITS && b.arc > SAME && j < 7 && where < 0.0; ++j) {
@@ -59,7 +59,7 @@ void Follower::crossings(const CurveSample& a, const CurveSample& b, std::vector
             if (!std::isfinite(limit)) continue;
             const double from = gap(j, a.q[j], limit), d = gap(j, b.q[j], a.q[j]);
             if (std::abs(from) > 2.0 || from * (from + d) > 0.0 || (from + d == 0.0)) continue;
-            // The cubic's root, by bisection; where there are three, one of them: samples lie where a joint turns round.
+            // One root of the cubic, by bisection. split() has put samples where a joint turns back: three roots are not expected.
             const double s = b.arc * a.along[j], e = b.arc * b.along[j], third = s + e - 2.0 * d, second = 3.0 * d - 2.0 * s - e;
             double low = 0.0, high = 1.0;
             for (int round = 0; round < 40; ++round) {
@@ -80,7 +80,7 @@ void Follower::crossings(const CurveSample& a, const CurveSample& b, std::vector
     std::sort(to.begin() + before, to.end(), [](const Crossing& x, const Crossing& y) { return x.share < y.share; });
 }
 
-// Whether the middle of a part of the step is inside all limits.
+// Whether the midpoint of a part of the step is inside all limits.
 bool Follower::is_inside(const CurveSample& a, const CurveSample& b, double from, double to) const {
     double q[7];
     between(a, b, 0.5 * (from + to), q);
@@ -120,7 +120,7 @@ void Follower::cut(const Piece& piece, long pose, Intervals& to) const {
             const bool in = is_inside(a, b, from, end);
             if (in && !open) begin(crossed ? last_crossing.at : a, crossed);
             if (!in && open) {
-                // A joint left its limits without a crossing that was found: at the sample, then.
+                // If no crossing was found, the run ends at the last sample.
                 runs.back().why[1] = crossed ? (last_crossing.upper ? EndOf::upper_limit : EndOf::lower_limit) : EndOf::singularity;
                 runs.back().joint[1] = crossed ? last_crossing.joint : -1;
                 open = false;
@@ -143,9 +143,9 @@ void Follower::cut(const Piece& piece, long pose, Intervals& to) const {
         }
     }
     if (open) runs.back().why[1] = piece.why[1], runs.back().joint[1] = -1;
-    // A curve may be closed after several turns of the value only.
+    // A closed curve may need several turns of the value to close.
     const double turns = piece.samples.back().value - piece.samples.front().value;
-    // A run that passes the place where a closed curve was opened.
+    // On a closed curve, join the last run to the first if both touch the sample at which the curve was opened.
     if (piece.closed && runs.size() > 1 && runs.front().why[0] == EndOf::nothing && runs.back().why[1] == EndOf::nothing) {
         Run& back = runs.back();
         for (std::size_t i = 1; i < runs.front().samples.size(); ++i) {
@@ -162,7 +162,7 @@ void Follower::cut(const Piece& piece, long pose, Intervals& to) const {
     }
 }
 
-// A run, cut where the value passes the first one of the grid if it passes some values more than once.
+// A run; if it covers more than one turn of the value, it is cut where it passes the first value of the grid.
 std::vector<Follower::Run> Follower::by_turns(Run&& run) const {
     std::vector<Run> out;
     if (!given_.round || run.samples.back().value - run.samples.front().value <= TURN + NEARLY_EXACT) {
@@ -184,7 +184,7 @@ std::vector<Follower::Run> Follower::by_turns(Run&& run) const {
     return out;
 }
 
-// A run as an interval, with the column of the given solution that is nearest to its middle.
+// Add a run as an interval, with the column of the given solution nearest to its middle.
 void Follower::keep(const Piece& piece, const Run& run, double turns, long pose, Intervals& to) const {
     Interval found = {pose, long(to.samples.size()),  long(run.samples.size()),
                       -1,   {run.why[0], run.why[1]}, {run.joint[0], run.joint[1]}};

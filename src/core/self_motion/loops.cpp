@@ -1,10 +1,10 @@
-// Curves that hold no value of the grid; see follower.hpp.
+// Curves that pass no value of the grid; see follower.hpp.
 #include "self_motion/follower.hpp"
 
 namespace urdf_ik::self_motion {
 
-// Whether the curve that passes near q, along t, passes through a point, too: two may be next to each other, on both sides of an
-// elbow that is nearly straight. The joint that moves most is brought to its value at the point.
+// Whether the curve near q, with tangent t, passes through a point. Two curves may lie close together, on both sides of a nearly
+// straight elbow. The joint that moves most is pinned to its value at the point; the other joints then decide.
 bool Follower::meets(const double* q, const double* t, const CurveSample& point) const {
     int most = 0;
     for (int j = 1; j < 7; ++j) most = std::abs(t[j]) > std::abs(t[most]) ? j : most;
@@ -13,12 +13,12 @@ bool Follower::meets(const double* q, const double* t, const CurveSample& point)
     return apart(there.q, point.q) < SAME;
 }
 
-// Whether a point lies on what was followed.
+// Whether a point lies on a followed curve.
 bool Follower::known(const CurveSample& at) const {
     for (const Part& part : parts_) {
         const double low = part.samples.front().value, high = part.samples.back().value;
         const double value = turns_ ? low + (wrapped(at.value - low - PI) + PI) : at.value;
-        // A turn less, where it lies just below the beginning.
+        // A value just below the beginning is wrapped to the far end, so it is tried one turn lower too.
         for (const double there : {value, turns_ ? value - TURN : value}) {
             if (there < low - NEARLY_SAME || there > high + NEARLY_SAME) continue;
             for (std::size_t i = 1; i < part.samples.size(); ++i) {
@@ -42,7 +42,7 @@ bool Follower::known(const CurveSample& at) const {
     return false;
 }
 
-// Follow a curve that no solution of the grid lies on, or that one was missing on.
+// Follow a curve without a known solution at a value of the grid, from a point found on it.
 void Follower::add_loop(const CurveSample& at) {
     long cell = 0;
     double value = at.value;
@@ -62,7 +62,7 @@ void Follower::add_loop(const CurveSample& at) {
         straight_ = false;
     }
     if (stop == Stop::closed) {
-        // It begins and ends at a fold.
+        // Rotate the samples so that the loop begins and ends at a fold.
         if (folds.size() < 2) return;
         std::vector<CurveSample> turned(way.begin() + folds[0], way.end());
         for (long i = 1; i <= folds[0]; ++i) turned.push_back(way[i]);
@@ -72,7 +72,7 @@ void Follower::add_loop(const CurveSample& at) {
         return;
     }
     if (stop == Stop::lost) return;
-    // The loop leaves the cell: there it meets a solution that was not given.
+    // The curve leaves the cell at a solution that was not given. It becomes a node.
     const long k = stop == Stop::high ? next(cell) : cell;
     if (node_at(k, way.back()) >= 0) return;
     CurveSample node = way.back();
@@ -82,8 +82,8 @@ void Follower::add_loop(const CurveSample& at) {
     follow_cells();
 }
 
-// Where a branch of the closed form comes nearest to being a solution, beyond its ends, and next to its ends: starts for the
-// search.
+// Add starts for the search: the points of the closed form's branches beyond their ends at which the pose error has a minimum or
+// which are next to an end, and their neighbours.
 void Follower::add_nearest(std::vector<double>& starts) const {
     if (!given_.beyond) return;
     const long fine = given_.fine, branches = given_.branches;
@@ -104,7 +104,7 @@ void Follower::add_nearest(std::vector<double>& starts) const {
             if (!(here > given_.off && here < FAR_FROM)) continue;
             const bool nearest = !(before < here) && !(after < here), at_end = before <= given_.off || after <= given_.off;
             if (!nearest && !at_end) continue;
-            // Another loop may be beside the one that is nearest.
+            // Another loop may lie beside the nearest one.
             for (long near = k - BESIDE; near <= k + BESIDE; ++near) {
                 if (given_.round || (near >= 0 && near < fine)) wanted[(near + fine) % fine] = true;
             }

@@ -1,8 +1,7 @@
 // Points on the curve of joint vectors that hold a pose; see curve_arm.hpp. Compiled once for every instruction set.
 //
-// The curve is where six equations hold (the pose's error is zero) in seven unknowns. Its tangent is what the Jacobian's rows
-// leave; the least step of Newton's method is at right angles to it (Allgower and Georg, Numerical Continuation Methods,
-// chapter 3).
+// On the curve six equations in seven unknowns hold: the pose error is zero. The tangent is the null space of the Jacobian. The
+// minimum-norm step of Newton's method is orthogonal to it (Allgower and Georg, Numerical Continuation Methods, chapter 3).
 #include "self_motion/curve_arm.hpp"
 
 #include "answers/answer.hpp"
@@ -12,11 +11,11 @@ namespace urdf_ik::URDF_IK_LEVEL {
 
 namespace {
 
-// One number a joint, side by side; the eighth is zero.
+// One number per joint, in lanes; the eighth is zero.
 using Row = Pack<BLOCK, 8 / BLOCK>;
 constexpr int LANES = 8;
 
-// By halves, each added to the other.
+// The sum of a register's lanes, by halving.
 template <int L> STEP double sum_of(const typename Register<L>::type& r) {
     if constexpr (L == 2) return r[0] + r[1];
     else if constexpr (L == 4) {
@@ -44,11 +43,12 @@ STEP Row row_of(const double (&a)[LANES]) {
 constexpr double LONGEST_STEP = 0.5;
 // After orthogonalisation a row of the Jacobian shorter than this cannot be distinguished from rounding.
 constexpr double SINGULAR_ROW = 1e-7;
-// A search ends after so many rounds, or below this error.
+// A search stops after SEARCH_ROUNDS rounds, at the error SEARCH_ENOUGH, or after SEARCH_PATIENCE rounds without progress. It has
+// found a point if the error is at most SEARCH_FOUND.
 constexpr int SEARCH_ROUNDS = 40, SEARCH_PATIENCE = 14;
 constexpr double SEARCH_ENOUGH = 1e-9, SEARCH_FOUND = 1e-6;
 
-// Where the joints are: in the base, one a lane the axes and the origins of their frames; and the tip.
+// In the base frame: the joints' axes z and origins p, one joint per lane, and the tip.
 struct Axes {
     Vec<Row> z, p;
     Frame<double> tip;
@@ -78,12 +78,12 @@ STEP void rows_at(const FreeArm& arm, const Axes& at, Row (&J)[6]) {
     J[3] = turns * at.z.x, J[4] = turns * at.z.y, J[5] = turns * at.z.z;
 }
 
-// The parameter, and how it changes with each joint [by rad, by shares of the size].
+// The redundancy parameter and its gradient [per rad, per share of the size].
 struct Parameter {
     double value;
     Row slope;
 };
-// The swivel angle; see swivel.hpp. In frame 1, where the line is.
+// The swivel angle, computed in frame 1; see swivel.hpp.
 PART Parameter swivel_at(const FreeArm& arm, const Goal<double>& goal, const Axes& at) {
     const Line<double> line = line_to_wrist(to_frame_1<double>(goal, arm.ends).p);
     const auto of_joint = [&](int k) { return times(arm.ends.base_rotation, Vec<double>{at.z.x[k], at.z.y[k], at.z.z[k]}); };
@@ -103,8 +103,8 @@ STEP Parameter parameter_at(const FreeArm& arm, const Goal<double>& goal, const 
     return out;
 }
 
-// Equations (row i) x = e[i], made orthogonal: what lies along a row is taken out of all that come after it, and of their right
-// sides. The squares of the rows are kept as their inverses.
+// Equations (row i) x = e[i] after Gram-Schmidt orthogonalisation of the rows and right sides. `inverse` holds one over the squared
+// length of each row.
 template <int N> struct Orthogonal {
     Row row[N];
     double e[N], inverse[N];
@@ -120,13 +120,14 @@ template <int N> struct Orthogonal {
             }
         }
     }
-    // The shortest x.
+    // The minimum-norm solution.
     STEP Row least() const {
         Row x = 0.0;
         for (int i = 0; i < N; ++i) x = x + e[i] * inverse[i] * row[i];
         return x;
     }
-    // The unit direction that the first six rows leave: of the joint that they leave most of.
+    // The unit vector orthogonal to the first six rows: the projection of the joint axis with the longest projection. It is
+    // orthogonalised twice, to rounding.
     STEP Row free() const {
         Row left = 1.0, out = 0.0;
         for (int i = 0; i < 6; ++i) left = left - inverse[i] * (row[i] * row[i]);
@@ -139,7 +140,7 @@ template <int N> struct Orthogonal {
         }
         return (1.0 / (sqrt(inner(out, out)) + TINY)) * out;
     }
-    // The sign of the determinant of the first six rows and this one, by elimination; 0 where a row is next to nothing.
+    // The sign of the determinant of the first six rows and this one, by elimination; 0 if a row is shorter than SINGULAR_ROW.
     STEP int sense(const Row& along) const {
         Row rows[7];
         int sign = 1;
@@ -150,7 +151,7 @@ template <int N> struct Orthogonal {
             int most = -1;
             for (int j = 0; j < 7; ++j) most = lanes >> j & 1 && (most < 0 || abs(rows[i][j]) > abs(rows[i][most])) ? j : most;
             const double pivot = rows[i][most];
-            // The lanes that are left and stand before it: it is moved past them.
+            // Moving the pivot's column to the front flips the sign once for each remaining lane before it.
             if ((__builtin_popcount(lanes & ((1u << most) - 1)) & 1) != (pivot < 0.0)) sign = -sign;
             lanes &= ~(1u << most);
             for (int k = i + 1; k < 7; ++k) rows[k] = rows[k] - rows[k][most] / pivot * rows[i];

@@ -1,4 +1,4 @@
-// urdf_ik's steps one by one, as tests call them from Python. No part of a wheel; see steps.hpp.
+// Bindings of single solver steps for tests. They are in no wheel; see steps.hpp.
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 

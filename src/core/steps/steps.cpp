@@ -8,7 +8,7 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Steps for a number or a block: sets of inputs side by side, a set a lane.
+// A step for a block: one set of inputs per lane.
 template <int IN, int OUT, void (*step)(const Block*, Block*)> void side_by_side(const double* in, double* out, long sets) {
     for (long first = 0; first < sets; first += BLOCK) {
         Block x[IN], y[OUT];
@@ -37,7 +37,7 @@ template <class V> void do_swing(const V* in, V* out) {
     out[0] = s.turn.c, out[1] = s.turn.s, out[2] = s.X, out[3] = s.margin;
 }
 template <class V> void do_elbow(const V* in, V* out) {
-    // The side is a sign of the arm, the same for all.
+    // The side is a sign of the arm, the same in all lanes.
     const Elbow<V> e = elbow(in[0], in[1], in[2], in[3], lane(in[4], 0), in[5]);
     out[0] = e.second.c, out[1] = e.second.s, out[2] = e.bend.c, out[3] = e.bend.s, out[4] = e.margin;
 }
@@ -45,7 +45,7 @@ void do_wrist_bend(const double* in, double* out) {
     const Bend<double> b = wrist_bend(Vec<double>{in[0], in[1], in[2]}, {in[3], in[4], in[5], in[6]}, in[7]);
     out[0] = b.turn.c, out[1] = b.turn.s, out[2] = b.margin;
 }
-// Columns of the rotation, the bend, the twists, whether the first turn is held, and where.
+// In: columns of the rotation, the bend, the twists, whether the first turn is held, the held turn.
 void do_wrist_turns(const double* in, double* out) {
     const Rot<double> M = {{in[0], in[1], in[2]}, {in[3], in[4], in[5]}, {in[6], in[7], in[8]}};
     const WristTurns<double> t =
@@ -54,14 +54,14 @@ void do_wrist_turns(const double* in, double* out) {
 }
 void do_nearest_between(const double* in, double* out) { out[0] = nearest_between(in[0], in[1], in[2], in[3], in[4], in[5]); }
 
-// How many there are, then (cos, sin) of four.
+// Out: the number of roots, then (cos, sin) of four.
 void give(const Quartic& roots, double* out) {
     out[0] = roots.count;
     for (int k = 0; k < 4; ++k) out[1 + 2 * k] = roots.root[k].c, out[2 + 2 * k] = roots.root[k].s;
 }
 void do_trigonometric_roots(const double* in, double* out) { give(trigonometric_roots({in[0], in[1], in[2], in[3], in[4]}), out); }
 void do_linked_roots(const double* in, double* out) { give(linked_roots({in[0], in[1], in[2]}, {in[3], in[4], in[5]}), out); }
-// The extreme, the sine's affine function, how many roots, four roots.
+// In: the extreme, the sine's affine function, the number of roots, four roots.
 void do_sharpen_roots(const double* in, double* out) {
     Quartic roots = {};
     roots.count = int(in[8]);
@@ -69,7 +69,7 @@ void do_sharpen_roots(const double* in, double* out) {
     sharpen_roots({{in[0], in[1]}, in[2], in[3], in[4]}, {in[5], in[6], in[7]}, roots);
     give(roots, out);
 }
-// Real and imaginary parts from the constant up; of the roots likewise.
+// In: real and imaginary parts of the coefficients, from the constant up. Out: those of the roots.
 template <int N> void do_self_inversive_roots(const double* in, double* out) {
     Complex c[N + 1], z[N];
     for (int k = 0; k <= N; ++k) c[k] = {in[2 * k], in[2 * k + 1]};
@@ -86,7 +86,7 @@ template <class V> void do_pose_defect(const V* in, V* out) {
     for (int k = 0; k < 16; ++k) t[k] = in[k];
     out[0] = pose_defect(t);
 }
-// Two poses (4, 4), wanted and given, and one over the size; the twist, and its size.
+// In: two poses (4, 4), goal and tip, and one over the arm's size. Out: the twist and its size.
 void do_pose_error(const double* in, double* out) {
     const Error<double> e = pose_error(goal_of(in), goal_of(in + 16), in[32]);
     for (int k = 0; k < 6; ++k) out[k] = e.twist[k];
@@ -99,7 +99,7 @@ template <int N, class V> void load_columns(const V* in, Six<V> (&J)[N]) {
         for (int i = 0; i < 6; ++i) J[j][i] = in[6 * j + i];
     }
 }
-// The columns, the error, the damping; the step, and the bound on the smallest singular value.
+// In: the columns, the error, the damping. Out: the step and the bound on the smallest singular value.
 template <int N, class V> void do_least_squares(const V* in, V* out) {
     Six<V> J[N], e;
     load_columns<N>(in, J);

@@ -9,13 +9,13 @@ struct Step {
     const char* name;
     int inputs, outputs;
     void (*one)(const double* in, double* out);             // one set of numbers
-    void (*many)(const double* in, double* out, long sets);  // side by side, in blocks; null where there is no such step
+    void (*many)(const double* in, double* out, long sets);  // in blocks, one set per lane; null if there is no such version
 };
 
 struct Steps {
     const Step* all;
     int count;
-    // Newton's method on an arm as written: q (6) is replaced by the best vector met, whose error is returned.
+    // Newton's method on an arm as written. Replaces q (6) by the best vector found, and returns its error.
     double (*polish)(const Written<6>& arm, const double* T, double* q, bool damped, int rounds);
 };
 

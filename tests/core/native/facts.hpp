@@ -1,4 +1,4 @@
-// Facts that a test states. One that does not hold is printed, and counted; the program goes on with the next.
+// HOLDS(fact) checks a fact. A false one is printed and counted; the program goes on.
 #pragma once
 
 #include <cmath>
@@ -16,7 +16,7 @@ inline int facts = 0, wrong = 0;
         }                                                                         \
     } while (false)
 
-// Numbers that differ by at most `within`; two NaN never do.
+// Whether two numbers differ by at most `within`; false if one is NaN.
 inline bool near(double a, double b, double within) { return std::fabs(a - b) <= within; }
 
 void test_trig();

@@ -1,4 +1,4 @@
-// Tests of the solvers' steps, without Python. The exit status is 0 where every fact holds.
+// Tests of the solvers' steps, without Python. The exit status is 0 if every fact holds.
 #include "facts.hpp"
 
 int main() {

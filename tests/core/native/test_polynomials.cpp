@@ -1,4 +1,4 @@
-// Roots: planted ones are found, and every root that is returned makes the polynomial vanish.
+// Known roots are found, and the polynomial vanishes at every returned root.
 #include "arithmetic/quartic.hpp"
 
 #include "facts.hpp"
@@ -40,7 +40,7 @@ static void roots_come_in_the_order_of_their_angles() {
 }
 
 static void a_double_root_is_returned_twice() {
-    // m2 +- 0 is one double root; rounding splits it by the root of what it loses.
+    // m2 +- 0 is one double root. Rounding may split it by the square root of the rounding error.
     const Quartic found = trigonometric_roots(with_roots(0.5, 1.0, 2.5, 0.0));
     HOLDS(found.count == 4);
     int at_the_double_root = 0;

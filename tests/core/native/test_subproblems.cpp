@@ -1,4 +1,4 @@
-// Subproblems: each answer is put back into the equation that it solves.
+// Each subproblem's answer satisfies its equation.
 #include "kinematics/subproblems.hpp"
 
 #include "facts.hpp"
@@ -20,7 +20,7 @@ static Vec<double> wrist(const Turn<double>& first, const Turn<double>& bend, co
 static void a_swing_reaches_the_offset() {
     for (const double sign : {1.0, -1.0}) {
         const Swing<double> s = swing_to_offset(0.6, 0.5, 0.3, sign);
-        // Turned back by the answer, (x, y) has the first coordinate X and the second one k.
+        // (X, k) turned by the answer is (x, y).
         HOLDS(near(s.turn.c * s.X - s.turn.s * 0.3, 0.6, 1e-15) && near(s.turn.s * s.X + s.turn.c * 0.3, 0.5, 1e-15));
         HOLDS(near(s.margin, 0.36 + 0.25 - 0.09, 1e-15));
     }
@@ -69,7 +69,7 @@ static void a_wrist_turns_back_to_where_it_was() {
 }
 
 static void the_nearest_angle_is_within_the_bounds() {
-    // cos t between 0.5 and 0.8, nearest to a quarter turn: cos t = 0.5.
+    // The angle with cos t in [0.5, 0.8] nearest to a quarter turn has cos t = 0.5.
     HOLDS(near(nearest_between(0.5 * PI, 1.0, 0.0, 0.5, 0.8, 0.0), PI / 3.0, 1e-15));
     HOLDS(near(nearest_between(0.8, 1.0, 0.0, 0.5, 0.8, 0.0), 0.8, 1e-15));  // there already
     HOLDS(std::isnan(nearest_between(0.0, 1.0, 0.0, 1.5, 2.0, 0.0)));        // never so large

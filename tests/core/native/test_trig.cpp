@@ -1,4 +1,4 @@
-// Angles: against the C library, and on both sides of where a formula changes.
+// Trigonometric functions agree with the C library, also on both sides of each change of formula.
 #include "arithmetic/trig.hpp"
 
 #include "facts.hpp"
@@ -25,7 +25,7 @@ static void cosines_and_sines_are_the_librarys() {
         const Turn<double> t = cos_sin(a);
         HOLDS(near(t.c, std::cos(a), ULPS) && near(t.s, std::sin(a), ULPS));
     }
-    // Far angles, on both sides of where the C library takes over.
+    // Large angles, on both sides of FAR, beyond which the C library is used.
     for (const double a : {1.0e3, -12345.678, FAR - 1.0, FAR + 1.0, 1e9, -1e15}) {
         const Turn<double> t = cos_sin_of_any(a);
         HOLDS(near(t.c, std::cos(a), 4.0 * ULPS) && near(t.s, std::sin(a), 4.0 * ULPS));

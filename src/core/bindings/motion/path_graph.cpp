@@ -1,4 +1,4 @@
-// The graph of a path, as Python calls it: arrays in, arrays filled.
+// Bindings of the path graph: arrays in, arrays filled.
 #include "motion/path_graph.hpp"
 
 #include <nanobind/stl/optional.h>
@@ -46,7 +46,7 @@ struct PyPathGraph {
         return {long(first.size()) - 1, first.data(), q.data()};
     }
 
-    // Edges that were made by `connect`.
+    // Edges that `connect` made.
     GraphEdges edges(const Out<std::int64_t, 1>& first, const Out<std::int32_t, 1>& end, const Out<double, 1>& cost,
                      std::size_t nodes) const {
         require(first.size() == nodes + 1 && end.size() == cost.size() && std::size_t(first.data()[nodes]) <= end.size());

@@ -1,4 +1,4 @@
-// The curves of joint vectors that hold a pose, as Python calls them: arrays in, arrays out.
+// Bindings for self-motions: arrays in, arrays out.
 #include <cmath>
 #include <cstring>
 #include <optional>
@@ -46,7 +46,7 @@ struct PySelfMotion {
     }
 
     // T (m, 4, 4), grid (v) ascending, q (m, v, branches, 7), flags (m, v, branches), limits (7, 2), beyond (m, fine, branches, 7)
-    // with the error below which these are solutions, starts (k, 7).
+    // with the error up to which these count as solutions, starts (k, 7).
     nb::tuple intervals(const Doubles& T, const Doubles& grid, bool round, const Doubles& q, const Bytes& flags,
                         const Doubles& limits, const std::optional<Doubles>& beyond, double off, const Doubles& starts) const {
         const long m = long(T.size() / 16), values = long(grid.size());
@@ -97,8 +97,8 @@ struct PySelfMotion {
         return nb::make_tuple(array_of(samples, SAMPLE), array_of(found, 8), array_of(unseen, 2));
     }
 
-    // Points on curves between neighbouring samples (m, 17), at shares (m) of the way: (m, 8) value and joint vector, NaN where
-    // there is none.
+    // Points on curves between neighbouring samples (m, 17), at shares (m) of the way: (m, 8) value and joint vector. NaN if
+    // Newton's method does not converge.
     nb::object between(const Doubles& T, const Doubles& before, const Doubles& after, const Doubles& shares) const {
         const std::size_t m = shares.size();
         if (T.size() != 16 * m || before.size() != SAMPLE * m || after.size() != SAMPLE * m) {
@@ -125,7 +125,7 @@ struct PySelfMotion {
         return array_of(out, 8);
     }
 
-    // Samples of one pose's curve at joint vectors (m, 7) on it, of growing values (m): (m, 17).
+    // Samples (m, 17) of one pose's curve at joint vectors (m, 7) on it, in order of their values (m).
     nb::object samples(const Doubles& T, const Doubles& q, const Doubles& values) const {
         const std::size_t m = values.size();
         if (T.size() != 16 || q.size() != 7 * m) throw nb::value_error("arrays of a pose and joint vectors do not fit each other");
@@ -146,7 +146,8 @@ struct PySelfMotion {
         return array_of(out, SAMPLE);
     }
 
-    // Joint vectors at given values, from starts near them: T (m, 4, 4), q (m, 7), values (m) -> (m, 7), NaN where there is none.
+    // Joint vectors with given values, from starts near them: T (m, 4, 4), q (m, 7), values (m) -> (m, 7). NaN if Newton's method
+    // does not converge.
     nb::object at(const Doubles& T, const Doubles& q, const Doubles& values) const {
         const std::size_t m = values.size();
         if (T.size() != 16 * m || q.size() != 7 * m)

@@ -1,5 +1,4 @@
-// Following poses one a cycle, as Python calls it: a tracker's state, and what one cycle answers. Against NumPy's C-API, see
-// answer.cpp.
+// Bindings of the tracker: its state and the result of a cycle. They use NumPy's C-API; see answer.cpp.
 #include <algorithm>
 #include <cstring>
 #include <memory>
@@ -50,7 +49,7 @@ public:
         write(to);
         return last_.is_pose;
     }
-    // The joints stay where they were before the last step.
+    // Undo the last step: the joints are held where they were before it.
     Cycle back(Because why) override {
         state_ = before_;
         for (int k = 0; k < N; ++k) state_.v[k] = 0.0, state_.goal[k] = state_.q[k];
@@ -99,7 +98,7 @@ struct PyTracker {
     }
     PyTracker(const PyTracker&) = delete;
 
-    // None where the target is anything but an array (4, 4) of float64 in C order that is a pose.
+    // None unless the target is a C-ordered float64 array (4, 4) that is a pose.
     nb::object step(nb::handle T) {
         PyArrayObject* array = doubles(T);
         if (!array || PyArray_NDIM(array) != 2 || PyArray_DIM(array, 0) != 4 || PyArray_DIM(array, 1) != 4) return nb::none();
@@ -115,7 +114,7 @@ struct PyTracker {
     }
 };
 
-// The words of Tracking and of Because, in their orders; null: None.
+// The words for Tracking and Because, in the enums' order; null: None.
 constexpr const char* const STATUS[] = {"ok", "limited", "held"};
 constexpr const char* const WHY[] = {nullptr, "velocity", "acceleration", "limit", "reach", "singularity", "collision"};
 
