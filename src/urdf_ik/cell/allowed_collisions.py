@@ -1,4 +1,4 @@
-"""The allowed-collision table: which pairs must not touch, which may, and why."""
+"""The allowed-collision table: the pairs that must not touch, those that may, and the reasons."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The rigid bodies of a URDF: where each one is, and how far a motion of the joints can carry its points."""
+"""The rigid bodies of a URDF: their poses, and bounds on how far a motion of the joints can carry their points."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Cell: an arm's links as bodies, and Pinocchio's model of its URDF; both are built when they are first needed."""
+"""Cell: an arm's links as bodies, and Pinocchio's model of its URDF; both are built at first use."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Coal's check of one pair of shapes: whether they touch, and how far they are apart.
 
-The arm's shapes are placed by Pinocchio; an obstacle is placed when a pair with it is asked about.
+Pinocchio places the arm's shapes. An obstacle is placed when a pair with it is checked.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Coal's geometry of the shapes of an arm and of a world, with the balls, boxes and convex hulls that hold them."""
+"""Coal's geometry of the shapes of an arm and of a world, with their bounding balls, boxes and convex hulls."""
 
 from __future__ import annotations
 

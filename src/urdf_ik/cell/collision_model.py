@@ -1,4 +1,4 @@
-"""The collision shapes of an arm and of a world, and which pairs of them must not touch."""
+"""CollisionModel: the collision shapes of an arm and of a world, and the pairs that must not touch."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Lower bounds on distances, many joint vectors at a time, from balls about the shapes and boxes about the obstacles.
 
-Coal is asked only about pairs whose bound leaves the answer open. Pairs of two links are few, and each is bounded.
-Pairs of a link and an obstacle are never listed one by one: the index of the obstacles gives those that are near.
+Coal checks only the pairs that the bounds do not decide. Pairs of two links are few, and each gets a bound. Pairs of a
+link and an obstacle are never listed one by one: the index of the obstacles returns the near ones.
 """
 
 from __future__ import annotations

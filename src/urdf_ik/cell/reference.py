@@ -1,4 +1,4 @@
-"""Pinocchio's own model of a URDF, which this package's kinematics are held to. It shares no code with ``chain``."""
+"""Reference: Pinocchio's model of a URDF, the check of this package's kinematics. It shares no code with ``chain``."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""The shapes that obstacles and tools are made of; coal is imported when a shape is first made for it.
+"""The shapes of obstacles and tools; coal is imported when its first geometry is made.
 
-Each is centred at the origin of its own frame, cylinders and capsules along z, as in a URDF.
+Each shape is centred at the origin of its frame, cylinders and capsules along z, as in a URDF.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Straight motions in joint space, proven free of contact from end to end.
 
-Conservative advancement: from the middle of a piece of the motion, no pair of shapes can come closer on the way to
-either end than the sum over the joints between them of how far each can carry their points (:mod:`.bodies`). A pair
-that is farther apart than that is free over the whole piece; else the piece is cut. Nothing is sampled: a wall between
-two joint vectors is seen however thin it is.
+Conservative advancement: on the way from the middle of a piece of the motion to either end, the distance of two shapes
+shrinks by at most the sum, over the joints between them, of how far each joint can carry their points
+(:mod:`.bodies`). A pair that is farther apart than this sum at the middle is free over the whole piece; otherwise the
+piece is halved. Nothing is sampled: even the thinnest wall between two joint vectors is found.
 """
 
 from __future__ import annotations

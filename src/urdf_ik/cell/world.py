@@ -1,4 +1,4 @@
-"""A world: named shapes around the arm, placed in its base link's frame. No coal until a check asks for it."""
+"""World: named shapes around the arm, placed in its base link's frame. Only a check imports coal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What each name leads to: a URDF of this package, of example-robot-data, or of robot_descriptions."""
+"""The catalogue of robot names: URDFs of this package, of example-robot-data and of robot_descriptions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The models of robot_descriptions, which that package downloads when they are first asked for."""
+"""The models of robot_descriptions, which that package downloads at first use."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a URDF's links look like: their visual shapes, else their collision shapes, as triangles."""
+"""Triangle meshes of a URDF's links: their visual shapes, else their collision shapes."""
 
 from __future__ import annotations
 

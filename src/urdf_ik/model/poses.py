@@ -1,4 +1,4 @@
-"""Poses: from positions and orientations in the usual notations, back to them, and the check of what is given."""
+"""Poses: conversions from and to the usual notations of position and orientation, and the checks of given poses."""
 
 from __future__ import annotations
 

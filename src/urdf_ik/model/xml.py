@@ -1,4 +1,4 @@
-"""The hardened way from a path, XML text or open file to an XML tree whose elements know their lines."""
+"""The hardened XML parser: a path, XML text or open file in, an XML tree with line numbers out."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files: read up to a limit, without waiting for the writer of a pipe; written whole or not at all."""
+"""File access: reads are bounded and never wait for the writer of a pipe; writes are atomic."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Safe forks: a fork waits until no other thread holds a lock of this package or an import lock.
+"""Fork safety: a fork waits until no other thread holds a lock of this package or an import lock.
 
 A lock that another thread holds during fork() would stay locked in the child, which has only the thread that forked. A
-first call holds such locks: it imports modules and computes cached properties.
+thread holds such locks while it imports modules or computes cached properties, as every first call does.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Sequences given for arrays: their length is checked before they are expanded."""
+"""The length check of sequences that are converted to arrays; it runs before they are expanded."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One difference between two descriptions of an arm: its kind, its words, and what counts as the same."""
+"""Difference: one difference between two descriptions of an arm; and the tolerances below which values are the same."""
 
 from __future__ import annotations
 

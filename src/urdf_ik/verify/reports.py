@@ -1,4 +1,4 @@
-"""What every report of this room can do: be read as text, JSON, HTML and JUnit XML."""
+"""Base classes of the reports: output as text, JSON, HTML and JUnit XML."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""For tests of your own: an arm of yours must agree with Pinocchio.
+"""The assertion that an arm agrees with Pinocchio, for your own test suite.
 
 >>> from urdf_ik.verify.testing import assert_agrees_with_pinocchio
 >>> report = assert_agrees_with_pinocchio("planar_2r", n=20)

@@ -1,8 +1,8 @@
-"""The obstacles of a world at one moment, found by place: a tree of those that stand, a short list of those that move.
+"""The spatial index of a world's obstacles at one moment: a tree, and a short list of those changed since it was built.
 
-A change of the world makes a new index, which shares the tree with the last one. What was moved or added since the tree
-was made stands in the list, which every query looks through. What was moved or removed is no longer present in the
-tree. Where the list has grown too long, the next index has a new tree.
+A change of the world makes a new index, which shares the tree with the last one. Obstacles that were moved or added
+since the tree was built are in the list, which every query scans. Obstacles that were moved or removed no longer count
+in the tree. If the list has grown too long, the next index builds a new tree.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Question: the arrays of a map and all that they depend on. Solver: its answers at positions."""
+"""Question: the inputs that determine a map's arrays. Solver: the arrays at given positions."""
 
 from __future__ import annotations
 

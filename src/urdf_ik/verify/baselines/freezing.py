@@ -1,4 +1,4 @@
-"""Making a baseline: the poses that are kept of an arm, and its answers to them."""
+"""freeze(): draws the poses of a baseline and records an arm's answers to them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An arm of today against a baseline: what moved, which branches vanished, and at which poses."""
+"""verify(): compares an arm with a baseline, and reports moved frames, vanished branches and the poses."""
 
 from __future__ import annotations
 

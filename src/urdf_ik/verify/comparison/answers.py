@@ -1,4 +1,4 @@
-"""What two arms answer to the same poses, and how far apart the answers are."""
+"""Solutions of two arms for the same poses, and the distances between them."""
 
 from __future__ import annotations
 

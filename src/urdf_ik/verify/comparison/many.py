@@ -1,4 +1,4 @@
-"""Many arms asked for the same poses: one tidy table, and one picture of who reaches what."""
+"""Solutions of many arms for the same poses: one tidy table, and one picture of the reached poses."""
 
 from __future__ import annotations
 

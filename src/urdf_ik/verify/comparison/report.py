@@ -1,4 +1,4 @@
-"""What a comparison of two arms found. Lengths in m, angles in rad; the text shows mm and degrees."""
+"""Comparison: the report on two arms. Its fields are in m and rad; its text shows mm and degrees."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Two arms, or two URDFs of one arm: what is different, and what it does to the solutions and to the tool."""
+"""compare(): the differences of two arms, or of two URDFs of one arm, and their effect on solutions and tool."""
 
 from __future__ import annotations
 

@@ -1,15 +1,15 @@
-"""When two sets of solutions of one pose are the same: rounding, double roots and continua are no differences.
+"""Sameness: the comparison of two solution sets of one pose, up to rounding, double roots and continua.
 
-Two joint vectors of one pose, both polished on the arm as written, are one solution where
+Two joint vectors of one pose, both polished on the arm as written, count as one solution if
 
-- they are as close as rounding in the pose leaves them: 1e-6 rad, and more by 1e-13 over the Jacobian's smallest
-  singular value, up to 1e-3 rad;
-- or half way between them the arm is still in the pose, to the solvers' own tolerance ``fold``: one double root;
-- or both lie on one continuum of solutions: walking from the one along the direction that the Jacobian loses, with the
-  arm in the pose to ``fold`` at every step, leads to the other. Isolated solutions, however near a singularity, do not
-  hold the pose that long: the first step is 0.02 rad.
+- they differ by no more than rounding of the pose explains: 1e-6 rad, plus 1e-13 over the Jacobian's smallest singular
+  value, up to 1e-3 rad;
+- or the arm is still in the pose half way between them, to the solvers' tolerance ``fold``: a double root;
+- or both lie on one continuum of solutions: a walk from the one along the Jacobian's null direction, with the arm in
+  the pose to ``fold`` at every step, leads to the other. The first step is 0.02 rad, too long for an isolated solution
+  to stay in the pose, however near a singularity it lies.
 
-What misses the pose by more than 1e-9 under Pinocchio is no solution, and always a difference.
+A joint vector that misses the pose by more than 1e-9 under Pinocchio is not a solution, and always a difference.
 """
 
 from __future__ import annotations

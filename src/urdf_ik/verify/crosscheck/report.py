@@ -1,4 +1,4 @@
-"""What a cross-check found: one row a property, with the worst case in it."""
+"""Report: the result of a cross-check, one row a property, each with its worst case."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a judge found of a solver: counts by kind of pose, and every fault with its pose."""
+"""Judgement: the report on a solver, counts by kind of pose, and every fault with its pose."""
 
 from __future__ import annotations
 

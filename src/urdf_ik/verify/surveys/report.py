@@ -1,4 +1,4 @@
-"""What the checks of many arms found: one row an arm."""
+"""Survey: the report on many arms, one row an arm."""
 
 from __future__ import annotations
 

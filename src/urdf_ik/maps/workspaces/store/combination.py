@@ -1,4 +1,4 @@
-"""Stores of maps made from others: a part of one, two side by side; and what two of them differ in. Block by block."""
+"""Operations on stored maps, block by block: cut out a part, join two side by side, compare two."""
 
 from __future__ import annotations
 
