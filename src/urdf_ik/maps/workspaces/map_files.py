@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MAX_BYTES = 2**30
-"""What a map may unpack to where nothing else is said [bytes]."""
+"""Default of the greatest unpacked size of a map [bytes]."""
 FORMAT, VERSION = "urdf-ik workspace map", 2
 
 _Map = TypeVar("_Map")
