@@ -29,15 +29,15 @@ if TYPE_CHECKING:
 
 
 SPECK = 1e-8
-"""Size of the triangle that stands for a point of a cloud [m]: coal wants a triangle to have an area."""
+"""Size of the triangle in place of each point of a cloud [m]: coal needs triangles with an area."""
 
 
 class Shape:
-    """What every shape can do."""
+    """Base class of the shapes."""
 
     @property
     def inflation(self) -> float:
-        """Length [m] by which what :meth:`geometry` gives is to be grown on all sides."""
+        """Length [m] by which the caller must grow :meth:`geometry` on all sides."""
         return 0.0
 
     def geometry(self) -> Any:

@@ -134,7 +134,7 @@ def fetch(model: str, instead: str) -> Model:
 
 @cache
 def _descriptions() -> Mapping[str, Any]:
-    """What robot_descriptions knows of its models, {} where it is not installed."""
+    """The models that robot_descriptions lists, {} if it is not installed."""
     try:
         from robot_descriptions import DESCRIPTIONS
     except ImportError:

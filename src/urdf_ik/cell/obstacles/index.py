@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     Indices = NDArray[np.intp]
 
 FEW = 64
-"""Up to as many pieces of obstacles a world has no tree: looking at all of them takes no longer."""
+"""A world with at most so many pieces of obstacles has no tree: a scan of all pieces is as fast."""
 
 HOLD = np.dtype(
     [
@@ -43,7 +43,7 @@ HOLD = np.dtype(
         ("entry", np.int64),
     ]
 )
-"""What holds one piece of an obstacle: all points within ``radius`` of a box, which may be infinite on some sides.
+"""Bound of one piece of an obstacle: all points within ``radius`` of a box, which may be infinite on some sides.
 
 ``rotation`` brings points of the base link into the box's frame (``point @ rotation``), ``origin`` is subtracted then;
 ``box_low`` and ``box_high`` are the corners of an axis-aligned box about it in the base link. ``serial`` is the
