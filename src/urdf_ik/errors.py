@@ -1,4 +1,4 @@
-"""Every error that this package raises on purpose."""
+"""The exception classes of this package, and the functions that make text safe to print in their messages."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import reprlib
 from collections.abc import Callable, Iterable
 
 MOST_OF_A_NAME = 80
-"""Characters of a name or value that a message quotes at most."""
+"""Greatest length of a name or value in a message [characters]."""
 _LONG_WORD = re.compile(rf"[^\s/]{{{MOST_OF_A_NAME + 1},}}")
 SHORT = reprlib.Repr()
 SHORT.maxlist = SHORT.maxtuple = SHORT.maxdict = SHORT.maxset = 16
@@ -28,7 +28,7 @@ class UrdfIkError(Exception):
     """
 
     def __init__(self, *arguments: object) -> None:
-        # Names in files of unknown origin are no orders to the terminal that shows the message.
+        # Names in files of unknown origin may hold control sequences, which a terminal would carry out.
         super().__init__(*(message(each) if isinstance(each, str) else each for each in arguments))
 
     def __reduce__(self) -> tuple[Callable[..., UrdfIkError], tuple[object, ...]]:
@@ -36,7 +36,7 @@ class UrdfIkError(Exception):
 
 
 def _restored(kind: type[UrdfIkError], arguments: tuple[object, ...], fields: dict[str, object]) -> UrdfIkError:
-    """An error as it was before it was pickled or copied: each kind is made from other arguments."""
+    """Rebuild a pickled or copied error without ``__init__``, whose parameters differ between the classes."""
     error: UrdfIkError = kind.__new__(kind, *arguments)
     error.args = arguments
     error.__dict__.update(fields)
@@ -44,9 +44,9 @@ def _restored(kind: type[UrdfIkError], arguments: tuple[object, ...], fields: di
 
 
 class ArgumentError(UrdfIkError, ValueError, IndexError):
-    """An argument that does not fit: a joint vector, a task, a setting, an index, a name that the catalogue lacks.
+    """An invalid argument: a joint vector, a task, a setting, an index, a name that the catalogue lacks.
 
-    It is a ``ValueError``, and an ``IndexError`` since an index is an argument, too.
+    It is a ``ValueError``, and also an ``IndexError`` because an index may be the invalid argument.
 
     Example:
         >>> import urdf_ik
@@ -60,12 +60,11 @@ class ArgumentError(UrdfIkError, ValueError, IndexError):
 
 
 class UrdfError(UrdfIkError, ValueError):
-    """A URDF, or a table that becomes one, that is broken: where, and what to change.
+    """A defective URDF, or a defective table that is converted to one: the place, and the correction.
 
     Attributes:
-        source: the file's path, or ``<text>`` for XML that was given as a string or stream, '' for a table
-            that came from no file.
-        line: line number in the source, or None where the defect has no line.
+        source: the file's path, ``<text>`` for XML from a string or stream, '' for a table without a file.
+        line: line number in the source, or None if the defect has no line.
         element: the XML element at fault, such as ``<joint name="j2">``, or the table's 'row 2, column a', or None.
         hint: what would be valid.
 
@@ -112,7 +111,7 @@ class ChainError(UrdfIkError, ValueError):
 
 
 class PoseError(UrdfIkError, ValueError):
-    """An invalid pose or target; ``index`` is the place of the first bad one in a batch, else None.
+    """An invalid pose or target; ``index`` is the index of the first invalid one in a batch, else None.
 
     Example:
         >>> import numpy as np
@@ -130,11 +129,11 @@ class PoseError(UrdfIkError, ValueError):
 
 
 class UnsupportedArm(UrdfIkError, ValueError):
-    """The arm was read, but no solver of this package can solve it completely."""
+    """No solver of this package finds all solutions of the arm."""
 
 
 class JobError(UrdfIkError, RuntimeError):
-    """A long run that cannot go on: its store is in use or damaged, or its scheduler or workers do not answer."""
+    """A long run cannot go on: its store is in use or damaged, or its scheduler or workers do not answer."""
 
 
 class MissingPackage(UrdfIkError, ImportError):
@@ -142,9 +141,9 @@ class MissingPackage(UrdfIkError, ImportError):
 
 
 def escaped(text: str) -> str:
-    r"""``text`` with its lines, and without what a terminal takes for an order: such characters become escapes.
+    r"""``text`` with every unprintable character except the line end as an escape.
 
-    Control characters and marks that turn the direction of writing come with names in files of unknown origin.
+    Names in files of unknown origin may hold control characters and marks that reverse the direction of writing.
 
     Example:
         >>> escaped("tool\x9b31m\ntip\u202e")
@@ -156,20 +155,20 @@ def escaped(text: str) -> str:
 
 
 def printable(text: object, most: int = MOST_OF_A_NAME) -> str:
-    r"""``text`` as one line that any terminal can show: names come from files of unknown origin.
+    r"""``text`` as one line that is safe to show in a terminal.
 
-    Control characters, marks that turn the direction of writing, line ends and halves of surrogate pairs are written
-    as escapes.
+    Control characters, marks that reverse the direction of writing, line ends and halves of surrogate pairs become
+    escapes.
 
     Args:
         text: a name, or anything with a ``str``.
-        most: greatest number of characters; what is longer ends with '...'.
+        most: greatest number of characters; longer text is cut and ends with '...'.
 
     Example:
         >>> printable("tool\x9b31m\u202e")
         'tool\\x9b31m\\u202e'
     """
-    try:  # of lists in lists there may be more than memory holds
+    try:  # SHORT bounds the text of nested lists, which may be larger than memory
         written = SHORT.repr(text) if isinstance(text, list | tuple | dict | set | frozenset) else str(text)
     except Exception:  # an object of unknown origin
         written = f"<{type(text).__name__}>"
@@ -178,7 +177,7 @@ def printable(text: object, most: int = MOST_OF_A_NAME) -> str:
 
 
 def message(text: str) -> str:
-    r"""A message that any terminal can show: :func:`escaped`, and words longer than a name are cut.
+    r"""A message that is safe to show in a terminal: :func:`escaped`, with every word longer than a name cut.
 
     Example:
         >>> message("unknown option: \x1b" + 100 * "x")
@@ -188,7 +187,7 @@ def message(text: str) -> str:
 
 
 def listed(names: Iterable[object], most: int = 20) -> str:
-    """Names as a message lists them, each of them :func:`printable`; of many the first ones.
+    """The first ``most`` names, separated by commas, each :func:`printable`; longer lists end with the total.
 
     Example:
         >>> listed(["base", "tool"]), listed("abc", most=2)

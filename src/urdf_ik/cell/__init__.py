@@ -1,12 +1,12 @@
 """Collision and distance of an arm's links, with themselves and with a world, through Pinocchio and coal.
 
 A query goes through these modules: ``collision_model`` decides which pairs are checked (``allowed_collisions``),
-``collision_queries`` takes the joint vectors, ``distance_bounds`` leaves few pairs open (``bodies``: balls about the
-links; ``obstacles``: what is near), and ``coal_check`` asks coal about these
-(``coal_shapes``: its geometry). ``swept_motions`` proves whole motions free in the same way.
+``collision_queries`` takes the joint vectors, ``distance_bounds`` decides most pairs without coal (``bodies``: balls
+about the links; ``obstacles``: the near obstacles), and ``coal_check`` decides the others with coal (``coal_shapes``:
+its geometry). ``swept_motions`` proves whole motions free in the same way.
 
-Shapes and worlds are described without Pinocchio and coal; the modules that use these are imported with their first
-name.
+Shapes and worlds need neither Pinocchio nor coal; the modules that do are imported at the first use of one of their
+names.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The allowed-collision table: which pairs must not touch, which may, and why."""
+"""The allowed-collision table: the pairs that must not touch, those that may, and the reasons."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ contact in (nearly) all sampled joint vectors, or a call of ``CollisionModel.all
 
 @dataclass(frozen=True)
 class Table:
-    """What a check looks at; ``print(table)`` shows it, a pair a line.
+    """The pairs that a check includes, and those that it skips; ``print(table)`` shows one pair a line.
 
     Attributes:
         allowed: pairs that may touch, to the reason.
@@ -52,7 +52,7 @@ class Table:
 
 
 def _table(allowed: dict[Pair, str], checked: tuple[Pair, ...]) -> Table:
-    """A table as it was before it was copied."""
+    """Rebuild a pickled or copied table."""
     return Table(MappingProxyType(allowed), checked)
 
 
@@ -78,7 +78,7 @@ def among_links(arm: ArmShapes, rank: Mapping[str, int], excused: set[Pair]) -> 
 
 
 def always_colliding(check: LinkCheck, share: float, samples: int, seed: int) -> set[Pair]:
-    """Pairs of links that touch in this share of random joint vectors; one that cannot reach it is dropped early."""
+    """Pairs of links that touch in at least this share of random joint vectors."""
     lower, upper = check.arm.reference.ranges.T
     rng = np.random.default_rng(seed)
     free = dict.fromkeys((pair.names for pair in check.pairs), 0)
@@ -98,7 +98,7 @@ def always_colliding(check: LinkCheck, share: float, samples: int, seed: int) ->
 
 
 def with_obstacles(arm: ArmShapes, names: Sequence[str]) -> tuple[dict[Pair, str], list[Pair]]:
-    """Pairs of a link and an obstacle that may touch, as the link cannot move against the base; all such pairs."""
+    """Pairs that may touch because the link cannot move against the base; and all pairs of a link and an obstacle."""
     moves = dict(zip(arm.links, arm.bodies.moves.tolist(), strict=True))
     pairs = [(link, name) for link in moves for name in names]
     return {pair: RIGID for pair in pairs if not moves[pair[0]]}, pairs

@@ -1,4 +1,4 @@
-"""The rigid bodies of a URDF: where each one is, and how far a motion of the joints can carry its points."""
+"""The rigid bodies of a URDF: their poses, and bounds on how far a motion of the joints can carry their points."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Placed(NamedTuple):
 
 
 class _Step(NamedTuple):
-    """A joint of the URDF that moves with the joint vector, from the body that carries it to the one it carries."""
+    """A joint that moves with the joint vector, its parent body and its child body."""
 
     parent: int
     child: int
@@ -38,10 +38,10 @@ class _Step(NamedTuple):
 
 
 class Bodies:
-    """What moves as one, and how far.
+    """Rigid bodies with bounding balls: their poses, and bounds on their motion.
 
-    A body is a set of links between which no joint moves with the joint vector; body 0 holds the URDF's root. Each of
-    the S shapes is held by one ball, and more closely by m balls together, which its body carries.
+    A body is a set of links between which no joint moves with the joint vector; body 0 holds the URDF's root. One ball
+    encloses each of the S shapes; m smaller balls together enclose it more tightly. They move with the body.
 
     Attributes:
         body: (S,) body of each shape.
@@ -60,8 +60,8 @@ class Bodies:
         Args:
             chain: the joints from base to tip, and the whole tree that they are part of.
             links: (S) link of each shape.
-            ball: centres (S, 3) in the links' frames and radii (S,) of the balls that hold each shape [m].
-            balls: centres (S, m, 3) and radii (S, m) of those that hold it together.
+            ball: centres (S, 3) in the links' frames and radii (S,) of the single balls [m].
+            balls: centres (S, m, 3) and radii (S, m) of the balls that together enclose each shape [m].
         """
         body_of, offset = {chain.root: 0}, {chain.root: np.eye(4)}
         steps: list[_Step] = []

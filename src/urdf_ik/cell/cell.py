@@ -1,4 +1,4 @@
-"""Cell: an arm's links as bodies, and Pinocchio's model of its URDF; both are built when they are first needed."""
+"""Cell: an arm's links as bodies, and Pinocchio's model of its URDF; both are built at first use."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ class Cell:
 
     Attributes:
         model: the URDF.
-        chain: the joints from base to tip, with the joints that are locked.
-        changed: a collision model whose allowed-collision table a user changed; None: that of the URDF.
+        chain: the joints from base to tip, and the locked joints.
+        changed: a collision model with a changed allowed-collision table; None: the URDF's own.
 
     Example:
         >>> import urdf_ik
@@ -68,14 +68,14 @@ class Cell:
         return self.collisions.in_world(world)
 
     def clearance(self, q: ArrayLike, world: World | None = None) -> float | Array:
-        """Least distance between links that must not touch, and between them and the obstacles of a world.
+        """Smallest distance between links that must not touch, and between links and the obstacles of a world.
 
         Args:
             q: (..., n) rad or m.
             world: the obstacles; default: none, only the arm itself.
 
         Returns:
-            A float for one joint vector, else (...) [m]: 0 in collision, infinite where nothing can collide.
+            A float for one joint vector, else (...) [m]: 0 in collision, infinite if no pair is checked.
 
         Raises:
             ArgumentError: ``q`` does not fit; an obstacle's mesh cannot be read, or it has the name of a link.
@@ -91,9 +91,9 @@ class Cell:
         return self.in_world(world).distance(self.chain.check(q))
 
     def nearest_pair(self, q: ArrayLike, world: World | None = None) -> Nearest | None:
-        """The two bodies that come closest to each other at ``q`` (n,), links or a link and an obstacle.
+        """The nearest checked pair at ``q`` (n,), two links or a link and an obstacle; None if no pair is checked.
 
-        None where nothing can collide. Raises as :meth:`urdf_ik.Arm.clearance` does.
+        Raises the errors of :meth:`urdf_ik.Arm.clearance`.
 
         Example:
             >>> import urdf_ik
@@ -108,19 +108,19 @@ class Cell:
     def motion_is_free(self, q0: ArrayLike, q1: ArrayLike, world: World | None = None, margin: float = 0.0) -> Motions:
         """Whether straight motions in joint space are free of contact from end to end: proven, not sampled.
 
-        Each joint goes from its value in ``q0`` to its value in ``q1``, in proportion to the others, turns included.
-        A motion that is not called free has a contact, or comes within 0.1 mm of one
-        (``urdf_ik.cell.swept_motions.TOUCH``), where no finite number of distances can prove it free.
+        Each joint moves linearly from its value in ``q0`` to its value in ``q1``, full turns included. A motion that is
+        reported as not free has a contact, or comes within 0.1 mm of one (``urdf_ik.cell.swept_motions.TOUCH``): that
+        close, no finite number of distances can prove it free.
 
         Args:
             q0: (..., n) rad or m.
             q1: (..., n) rad or m; the leading dimensions broadcast against those of ``q0``.
             world: the obstacles; default: none, only the arm itself.
-            margin: m that the bodies must stay apart.
+            margin: least distance allowed [m].
 
         Returns:
-            Its ``free`` (...) says which motions are; ``share`` (...) and ``pairs`` describe the first contact of
-            the others. Of a single motion, the result itself is true or false.
+            ``free`` (...) is true for each free motion; ``share`` (...) and ``pairs`` describe the first contact of
+            the others. The result for a single motion is itself true or false.
 
         Raises:
             ArgumentError: the arrays do not fit the arm or each other, a joint goes farther than 10000 rad or m, or

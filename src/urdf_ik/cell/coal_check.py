@@ -1,6 +1,6 @@
 """Coal's check of one pair of shapes: whether they touch, and how far they are apart.
 
-The arm's shapes are placed by Pinocchio; an obstacle is placed when a pair with it is asked about.
+Pinocchio places the arm's shapes. An obstacle is placed when a pair with it is checked.
 """
 
 from __future__ import annotations
@@ -34,11 +34,12 @@ if TYPE_CHECKING:
     Pair = tuple[str, str]
 
 QUERY_ERROR = 1e-5
-"""What a distance of coal may be too large by [m]: its iterations stop at 1e-6."""
+"""Bound on the error of coal's distances [m]: its iterations stop at 1e-6."""
 
 
 REACH = 0.1
-"""Where no pair near a link is known, obstacles are sought within this [m], then within four times as much, and on."""
+"""First radius [m] of the search for an obstacle near an arm without pairs of links; each further search takes four
+times the last radius."""
 
 
 class ShapePair(NamedTuple):
@@ -50,7 +51,7 @@ class ShapePair(NamedTuple):
 
 
 class ArmShapes:
-    """The collision shapes of a URDF, which no world changes.
+    """The collision shapes of a URDF; all worlds share them.
 
     Attributes:
         reference: Pinocchio's model.
@@ -66,7 +67,7 @@ class ArmShapes:
         self.reference, self.geometry = reference, shapes
         frames, objects = reference.pin_model.frames, shapes.geometryObjects
         self.links = [frames[each.parentFrame].name for each in objects]
-        # Pinocchio keeps a shape's place from the movable joint that carries the link.
+        # Pinocchio's placement of a shape is relative to the movable joint that carries the link.
         self.offsets = [frames[each.parentFrame].placement.actInv(each.placement) for each in objects]
         self.solids = [coal_shapes.solid(each.geometry) for each in objects]
         one = [coal_shapes.one_ball(each.geometry) for each in objects]
@@ -84,7 +85,7 @@ class ArmShapes:
 
 
 class Placing(NamedTuple):
-    """Where the shapes are: Pinocchio's geometry data with those of the arm, and the base link as ``pinocchio.SE3``."""
+    """Pinocchio's geometry data with the placed shapes of the arm, and the base link's pose as ``pinocchio.SE3``."""
 
     shapes: Any
     base: Any
@@ -97,8 +98,8 @@ class _Work(threading.local):
         self.data = model.createData()
         self.geometry = shapes.createData()
         self.request = coal.CollisionRequest()
-        # Pinocchio's own requests start each query from the end of the last one: answers would depend, in the seventh
-        # digit, on what was asked before. Fresh ones do not.
+        # Pinocchio's own requests warm-start each query from the last one, so the seventh digit of an answer would
+        # depend on earlier queries. Fresh requests do not.
         for k in range(len(self.geometry.distanceRequests)):
             self.geometry.distanceRequests[k] = coal.DistanceRequest()
 
@@ -148,7 +149,7 @@ class LinkCheck:
         return Placing(work.geometry, work.data.oMi[self._base.parentJoint] * self._base.placement)
 
     def place_at(self, link_poses: Mapping[str, Array]) -> Placing:
-        """The same, with every link at the pose (4, 4) that is given, the base link's too where there are obstacles."""
+        """:meth:`place` with every link at a given pose (4, 4); with obstacles, the base link's pose is needed too."""
         shapes = self._work.geometry
         se3 = {link: pin.SE3(pose[:3, :3], pose[:3, 3]) for link, pose in link_poses.items()}
         for i, (link, offset) in enumerate(zip(self.arm.links, self.arm.offsets, strict=True)):
@@ -159,7 +160,7 @@ class LinkCheck:
 
     @property
     def request(self) -> Any:
-        """The calling thread's request to coal, whose margin is to be set."""
+        """The calling thread's request to coal; the caller sets its margin."""
         return self._work.request
 
     def has_hulls(self, pair: int) -> bool:
@@ -167,7 +168,7 @@ class LinkCheck:
         return self._hulls[pair] >= 0
 
     def touches(self, placing: Placing, pair: int, margin: float = 0.0) -> bool:
-        """Whether a pair of links comes within a margin [m]; its hulls are asked first."""
+        """Whether the distance of a pair of links is within a margin [m]; its convex hulls are checked first."""
         request, hulls = self._work.request, self._hulls[pair]
         request.security_margin = margin
         if hulls >= 0 and not pin.computeCollision(self._model, placing.shapes, hulls, request):
@@ -175,7 +176,7 @@ class LinkCheck:
         return bool(pin.computeCollision(self._model, placing.shapes, pair, request))
 
     def distance(self, placing: Placing, pair: int, hulls: bool) -> float:
-        """How far a pair of links is apart [m], not above zero in collision; of its hulls, no more than that."""
+        """Distance of a pair of links [m], or of its hulls, which is a lower bound; zero or less in collision."""
         number = self._hulls[pair] if hulls else pair
         return float(pin.computeDistance(self._model, placing.shapes, number).min_distance)
 
@@ -183,7 +184,7 @@ class LinkCheck:
 class CoalCheck:
     """Pairs of an arm's shapes and of a world's obstacles that must not touch, by their numbers in ``bounds``.
 
-    It does not change; it may be asked from any number of threads.
+    It is immutable; any number of threads may use it.
 
     Attributes:
         links: the pairs of links.
@@ -198,7 +199,7 @@ class CoalCheck:
         excepted: Collection[tuple[int, str]] = (),
         added: Collection[tuple[int, str]] = (),
     ) -> None:
-        """Put the obstacles beside the arm.
+        """Combine the arm's pairs with the obstacles.
 
         Args:
             links: the arm's own pairs.
@@ -225,14 +226,14 @@ class CoalCheck:
         return self.links.arm.links[shape], self.index.standing(slot).name
 
     def rank(self, pair: int) -> tuple[int, int, int]:
-        """The place of a pair in the order in which pairs are asked, whatever the world went through before."""
+        """Sort key of a pair; the order of the queries does not depend on the world's history."""
         if pair < self.bounds.among_links:
             return -1, pair, 0
         shape, slot = divmod(pair - self.bounds.among_links, self.index.count)
         return shape, self.index.standing(slot).serial, slot
 
     def touches(self, placing: Placing, pair: int, margin: float = 0.0) -> bool:
-        """Whether a pair comes within a margin [m]; its hulls are asked first."""
+        """Whether the distance of a pair is within a margin [m]; its convex hulls are checked first."""
         if pair < self.bounds.among_links:
             return self.links.touches(placing, pair, margin)
         request = self.links.request
@@ -243,7 +244,7 @@ class CoalCheck:
         return True
 
     def distance(self, placing: Placing, pair: int, hulls: bool = False) -> float:
-        """How far a pair is apart [m], not above zero in collision; of its hulls, no more than that."""
+        """Distance of a pair [m], or of its hulls, which is a lower bound; zero or less in collision."""
         if pair < self.bounds.among_links:
             return self.links.distance(placing, pair, hulls)
         first, second, grown, at = next(self._solids(placing, pair)) if hulls else [*self._solids(placing, pair)][-1]
@@ -268,11 +269,11 @@ class CoalCheck:
         """The nearest of some pairs and its distance [m], zero in collision.
 
         Args:
-            placing: where the shapes are.
+            placing: the placed shapes.
             pairs: numbers of pairs.
-            least: m, lower bounds on their distances.
-            known: distances of pairs, or of their hulls where the flag is set, that were asked before at this placing;
-                those that are asked now are added.
+            least: lower bounds on their distances [m].
+            known: known distances at this placing, by pair and whether they are those of its hulls; new ones are
+                added.
         """
         best, nearest = np.inf, None
         known = {} if known is None else known
@@ -282,7 +283,7 @@ class CoalCheck:
                 known[pair, hulls] = self.distance(placing, pair, hulls)
             return known[pair, hulls]
 
-        # Bound, whether it is that of the hulls, place in the order of pairs, pair.
+        # Lower bound, whether the hulls gave it, sort key of the pair, pair.
         waiting = [(bound, False, self.rank(pair), pair) for pair, bound in zip(pairs, least, strict=True)]
         heapq.heapify(waiting)
         while waiting and best > 0.0:
@@ -306,7 +307,7 @@ class CoalCheck:
             if bounds.has_obstacles and not self.index.has_tree:
                 row, pair = bounds.every(k)
             elif bounds.has_obstacles:
-                # No obstacle is of interest that is farther away than the nearest of a few.
+                # The distance to a few likely obstacles bounds the search for the nearest one.
                 guess = self._each(q[part], placed, links, *self._likely(placed.centres), known)
                 limit = np.array([distance for _, distance in guess]) + QUERY_ERROR
                 row, pair, _ = bounds.near(placed.centres, np.repeat(limit[:, None], placed.centres.shape[1], axis=1))
@@ -333,10 +334,10 @@ class CoalCheck:
             yield self.nearest(self.links.place(q[i]), pairs, limits, known[i])
 
     def pairs_at(self, link_poses: Mapping[str, Array], touching: bool) -> tuple[list[int], list[float], Placing]:
-        """Pairs that may be the nearest, or may be touching, with every link at the pose (4, 4) that is given.
+        """Pairs that may touch, or may be the nearest, with every link at a given pose (4, 4).
 
         Returns:
-            The pairs, lower bounds on their distances [m], and where the shapes are.
+            The pairs, lower bounds on their distances [m], and the placed shapes.
         """
         bounds, arm, placing = self.bounds, self.links.arm, self.links.place_at(link_poses)
         pairs, least = list(range(bounds.among_links)), [-np.inf] * bounds.among_links
@@ -355,9 +356,9 @@ class CoalCheck:
         return pairs, least, placing
 
     def _likely(self, centres: Array) -> tuple[Indices, Indices]:
-        """Rows and pairs with obstacles, a few of each row, that are likely to be its nearest.
+        """A few pairs with obstacles for each row that are likely to be its nearest, as rows and pairs.
 
-        A row may lack one where it has pairs of links, which bound its distance as well.
+        A row may have no such pair if the arm has pairs of links: these bound its distance as well.
         """
         row, pair = self.bounds.nearby(centres)
         reach = REACH
@@ -371,9 +372,9 @@ class CoalCheck:
         return row, pair
 
     def _solids(self, placing: Placing, pair: int) -> Iterator[tuple[Any, Any, float, tuple[Any, Any]]]:
-        """Coal's geometries of a link and an obstacle, by how much the latter is grown, and where they are.
+        """Coal's geometries of a link and an obstacle, the obstacle's inflation [m], and the poses of both.
 
-        The hulls come first, where there are any, then the shapes.
+        The convex hulls come first, if there are any, then the shapes.
         """
         shape, slot = divmod(pair - self.bounds.among_links, self.index.count)
         one, other = self.links.arm.solids[shape], self.index.solid(slot)

@@ -1,4 +1,4 @@
-"""Coal's geometry of the shapes of an arm and of a world, with the balls, boxes and convex hulls that hold them."""
+"""Coal's geometry of the shapes of an arm and of a world, with their bounding balls, boxes and convex hulls."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ class Solid(NamedTuple):
 
     Attributes:
         exact: the shape.
-        hull: its convex hull, which a query takes a hundredth of the time for; None where there is none.
+        hull: its convex hull, whose queries take a hundredth of the time; None without a hull.
     """
 
     exact: Any
@@ -168,7 +168,7 @@ class RoundedBox(NamedTuple):
 
 
 def rounded_box(shape: Shape, geometry: Any) -> RoundedBox:
-    """What holds a shape: exact for boxes, spheres, capsules and half-spaces."""
+    """The rounded box that encloses a shape: exact for boxes, spheres, capsules and half-spaces."""
     match shape:
         case Sphere(radius):
             return RoundedBox(np.eye(4), np.zeros(3), np.zeros(3), radius)
@@ -177,7 +177,7 @@ def rounded_box(shape: Shape, geometry: Any) -> RoundedBox:
             return RoundedBox(np.eye(4), -end, end, radius)
         case HalfSpace(normal, offset):
             frame = np.eye(4)
-            # Any unit axes at right angles of which z is the normal.
+            # Any orthonormal axes whose z is the normal.
             frame[:3, :3] = np.roll(np.linalg.svd(np.array(normal)[:, None])[0], -1, axis=1)
             frame[:3, 2] = normal
             infinite = np.full(3, np.inf)

@@ -1,4 +1,4 @@
-"""The collision shapes of an arm and of a world, and which pairs of them must not touch."""
+"""CollisionModel: the collision shapes of an arm and of a world, and the pairs that must not touch."""
 
 from __future__ import annotations
 
@@ -29,20 +29,19 @@ SAMPLES, MOST_SAMPLES = 200, 10**6
 """Random joint vectors by which pairs that always collide are found, and the most of them."""
 
 ALWAYS = 0.95
-"""Share of the sampled joint vectors from which on a pair counts as always colliding."""
+"""A pair that collides in at least this share of the sampled joint vectors counts as always colliding."""
 
 SEED = 0
 """Seed of these joint vectors: the same URDF gives the same pairs."""
 
 
 class CollisionModel(CollisionQueries):
-    """The collision shapes of a URDF and of a world, and which pairs of them must not touch.
+    """The collision shapes of a URDF and of a world, and the pairs that must not touch.
 
-    Joints outside the chain stay at zero; a joint that mimics another follows it. Meshes are surfaces: one that lies
-    wholly inside another touches nothing. The same joint vector gives the same answer, whatever was asked before.
-    A model does not change: :meth:`in_world`, :meth:`allow` and :meth:`check` return new ones, which share the shapes.
-    The world may change, and counts as it is at the moment of a question. One model may be used from any number of
-    threads.
+    Joints outside the chain stay at zero; a joint that mimics another follows it. Meshes are surfaces: a mesh wholly
+    inside another one does not touch it. The answer for a joint vector does not depend on earlier queries.
+    A model is immutable: :meth:`in_world`, :meth:`allow` and :meth:`check` return new ones, which share the shapes.
+    The world may change; each query uses its present state. Any number of threads may use one model.
 
     Attributes:
         joint_names: joints of a joint vector, base to tip.
@@ -73,18 +72,18 @@ class CollisionModel(CollisionQueries):
 
         Args:
             model: the URDF as it was read; meshes come from its ``package_dirs`` only.
-            base: base link; the root where left out.
-            tip: tip link; the end of the only movable chain where left out.
+            base: base link; default: the root.
+            tip: tip link; default: the end of the only movable chain.
             srdf: path or text of an SRDF whose ``disable_collisions`` are allowed pairs.
-            samples: random joint vectors by which pairs that always collide are found; 0: none are sought.
+            samples: number of random joint vectors in the search for pairs that always collide; 0: no search.
             seed: seed of these joint vectors.
-            locked: joints that are no part of a joint vector but stand at these values [rad or m].
+            locked: fixed values of joints outside the joint vector [rad or m].
 
         Raises:
             UrdfError: the SRDF is broken, or names a link that the URDF does not have.
             ChainError: base or tip is unknown, or the tip is ambiguous.
-            ArgumentError: ``samples`` or ``seed`` is no whole number, or out of range.
-            UnsupportedArm: the chain has a joint that one number does not describe.
+            ArgumentError: ``samples`` or ``seed`` is not a whole number, or out of range.
+            UnsupportedArm: the chain has a joint with more than one degree of freedom.
         """
         held = inputs.mapping({} if locked is None else locked, "locked", "a value for each joint by name")
         samples = inputs.whole(samples, "samples", high=MOST_SAMPLES)
@@ -98,7 +97,7 @@ class CollisionModel(CollisionQueries):
         self._error: UrdfError | None = None
         self._seen: Seen | None = None
         self._link_check: LinkCheck | None = None
-        # The model that ``in_world`` made last: the same world is asked about again and again.
+        # The last result of ``in_world``, as most callers use one world again and again.
         self._last: CollisionModel | None = None
         disabled = () if srdf is None else srdf_reader.disabled_pairs(srdf, model.links)
         try:
@@ -125,12 +124,12 @@ class CollisionModel(CollisionQueries):
 
     @property
     def has_geometry(self) -> bool:
-        """Whether there is something to check; if not, every check raises, and ``missing`` says why."""
+        """Whether the collision shapes were read; if not, every check raises, and ``missing`` says why."""
         return self._error is None
 
     @property
     def missing(self) -> str:
-        """What is missing where ``has_geometry`` is false, else ''."""
+        """The reason why ``has_geometry`` is false, else ''."""
         return "" if self._error is None else str(self._error)
 
     @property
@@ -309,7 +308,7 @@ class CollisionModel(CollisionQueries):
         return allowed_collisions.made({**self._allowed, **allowed}, pairs, self._changes, self._ranks(names))
 
     def _now(self) -> Seen:
-        """What is checked in the world as it is."""
+        """The check for the world's present state."""
         seen, world = self._seen, self.world
         if seen is None or (world is not None and seen.version != world.version):
             version, index = (0, None) if world is None else world.snapshot()

@@ -42,14 +42,14 @@ class Nearest(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """What a model checks while the world's version stays the same."""
+    """The check for one version of the world."""
 
     version: int
     check: CoalCheck
 
 
 class CollisionQueries:
-    """The queries of a :class:`urdf_ik.cell.CollisionModel`, whatever decides which pairs are checked."""
+    """The queries of a :class:`urdf_ik.cell.CollisionModel`; the subclass decides which pairs are checked."""
 
     joint_names: tuple[str, ...]
     _reference: Reference
@@ -58,15 +58,15 @@ class CollisionQueries:
     _error: UrdfError | None
 
     def _now(self) -> Seen:
-        """What is checked in the world as it is."""
+        """The check for the world's present state."""
         raise NotImplementedError
 
     def in_collision(self, q: ArrayLike, margin: float = 0.0) -> bool | NDArray[np.bool_]:
-        """Whether something touches that must not.
+        """Whether a checked pair touches.
 
         Args:
             q: (..., n) rad or m.
-            margin: m that the bodies must stay apart.
+            margin: least distance allowed [m].
 
         Returns:
             A bool for one joint vector, else (...) bool.
@@ -99,13 +99,13 @@ class CollisionQueries:
         return bool(whole) if whole.ndim == 0 else whole
 
     def distance(self, q: ArrayLike) -> float | Array:
-        """Smallest distance between what must not touch.
+        """Smallest distance of a checked pair.
 
         Args:
             q: (..., n) rad or m; rows that are not finite give NaN.
 
         Returns:
-            A float for one joint vector, else (...) [m]: 0 in collision, infinite where no pair is checked.
+            A float for one joint vector, else (...) [m]: 0 in collision, infinite if no pair is checked.
 
         Raises:
             UrdfError: there are no collision shapes, or not all of them were found.
@@ -125,7 +125,7 @@ class CollisionQueries:
         return float(whole) if whole.ndim == 0 else whole
 
     def colliding_pairs(self, q: ArrayLike) -> tuple[Pair, ...]:
-        """What touches and must not.
+        """The checked pairs that touch.
 
         Args:
             q: (n,) rad or m.
@@ -159,13 +159,13 @@ class CollisionQueries:
         return tuple(sorted(found, key=place))
 
     def nearest_pair(self, q: ArrayLike) -> Nearest | None:
-        """What comes closest to each other, of that which must not touch.
+        """The checked pair with the smallest distance.
 
         Args:
             q: (n,) rad or m.
 
         Returns:
-            The pair and its distance; where several collide, one of them. None where no pair is checked.
+            The pair and its distance; one of them if several collide. None if no pair is checked.
 
         Raises:
             UrdfError: there are no collision shapes, or not all of them were found.
@@ -190,8 +190,9 @@ class CollisionQueries:
 
         Args:
             q0: (k, n) rad or m, where the motions begin.
-            q1: (k, n) rad or m, where they end; every joint goes its way in a straight line, turns included.
-            margin: m that the bodies must stay apart.
+            q1: (k, n) rad or m, where they end; every joint moves linearly from one value to the other, full turns
+                included.
+            margin: least distance allowed [m].
 
         Raises:
             UrdfError: there are no collision shapes, or not all of them were found.
@@ -219,7 +220,7 @@ class CollisionQueries:
         return swept_motions.motions(self._now().check, start, end, margin)
 
     def in_collision_with(self, link_poses: Mapping[str, ArrayLike]) -> bool | NDArray[np.bool_]:
-        """:meth:`in_collision`, with every link where the caller says instead of where Pinocchio puts it.
+        """:meth:`in_collision` with the links at given poses instead of Pinocchio's.
 
         Args:
             link_poses: link name to (..., 4, 4) [m], all in one frame.
@@ -241,7 +242,7 @@ class CollisionQueries:
         return hits
 
     def distance_with(self, link_poses: Mapping[str, ArrayLike]) -> float | Array:
-        """:meth:`distance`, with every link where the caller says instead of where Pinocchio puts it.
+        """:meth:`distance` with the links at given poses instead of Pinocchio's.
 
         Args:
             link_poses: link name to (..., 4, 4) [m], all in one frame; a set with a pose that is not finite gives
@@ -269,7 +270,7 @@ class CollisionQueries:
             raise self._error.with_traceback(None)
 
     def _rows(self, q: ArrayLike) -> tuple[Array, NDArray[np.bool_], CoalCheck]:
-        """The finite joint vectors (k, n), the places (...) that they come from, and the check."""
+        """The finite joint vectors (k, n), a mask (...) of their places in ``q``, and the check."""
         self._require_geometry()
         Q = self._reference.vectors(q)
         places = np.asarray((np.abs(Q) <= LARGEST).all(axis=-1))
@@ -287,14 +288,14 @@ class CollisionQueries:
         return Q[None], self._now().check
 
     def _touching(self, check: CoalCheck, Q: Array, margin: float) -> Iterator[tuple[int, Iterator[int]]]:
-        """Rows of Q (k, n) in which something may touch, each with the pairs that do."""
+        """Rows of Q (k, n) in which a pair may touch, each with the pairs that do."""
         for part, placed in check.bounds.chunks(Q):
             for i, pairs in check.bounds.near_in_rows(placed, margin):
                 placing = check.links.place(Q[part.start + i])
                 yield part.start + i, (pair for pair in pairs if check.touches(placing, pair, margin))
 
     def _each_placing(self, link_poses: Mapping[str, ArrayLike], otherwise: Any) -> Any:
-        """Whether each set of link poses collides, or the distances, whichever ``otherwise`` stands for."""
+        """Whether each set of link poses collides if ``otherwise`` is False; else the distances, or NaN."""
         self._require_geometry()
         check = self._now().check
         needed = dict.fromkeys([*self._arm.links, *([self._reference.base] if check.index.count else [])])

@@ -1,7 +1,7 @@
 """Lower bounds on distances, many joint vectors at a time, from balls about the shapes and boxes about the obstacles.
 
-Coal is asked only about pairs whose bound leaves the answer open. Pairs of two links are few, and each is bounded.
-Pairs of a link and an obstacle are never listed one by one: the index of the obstacles gives those that are near.
+Coal checks only the pairs that the bounds do not decide. Pairs of two links are few, and each gets a bound. Pairs of a
+link and an obstacle are never listed one by one: the index of the obstacles returns the near ones.
 """
 
 from __future__ import annotations
@@ -22,21 +22,21 @@ if TYPE_CHECKING:
     Indices = NDArray[np.intp]
 
 CHUNK = 128
-"""Joint vectors whose bounds are computed at once: few enough to stay in the processor's cache."""
+"""Joint vectors per block of bounds: few enough for the processor's cache."""
 
 CROWDED = 4096
-"""Nodes of a level of the obstacles' tree from which on a row is crowded.
+"""A row with at least so many nodes in one level of the obstacles' tree is crowded.
 
-A piece of a motion is then cut before its obstacles are listed, and a joint vector is looked at alone."""
+A crowded piece of a motion is halved before its obstacles are listed; a crowded joint vector is checked alone."""
 
 
 class Open(NamedTuple):
-    """Pairs of a link's shape and an obstacle's piece that a bound leaves open.
+    """Pairs of a link's shape and an obstacle's piece that the bounds do not decide.
 
     Attributes:
-        row: (e,) which joint vector.
+        row: (e,) index of the joint vector.
         pair: (e,) number of the pair.
-        closer: (e,) m by which the pair comes closer at most; zero where nothing moves.
+        closer: (e,) greatest distance by which the pair comes closer [m]; zero without motion.
         crowded: (k,) bool: rows whose open pairs are too many to be listed.
     """
 

@@ -1,4 +1,4 @@
-"""Pinocchio's own model of a URDF, which this package's kinematics are held to. It shares no code with ``chain``."""
+"""Reference: Pinocchio's model of a URDF, the check of this package's kinematics. It shares no code with ``chain``."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ HALF_SLIDE = 1.0
 """Joint vectors are drawn from +-these [rad, m] where a joint has no limit."""
 
 FAR = 100.0
-"""A limit beyond this [rad, m] stands for no limit: some URDFs write 1e9 or 1e16."""
+"""A limit beyond this [rad, m] means no limit: some URDFs write 1e9 or 1e16."""
 
 
 class _Drive(NamedTuple):
@@ -54,15 +54,15 @@ class _Work(threading.local):
 class Reference:
     """Forward kinematics, Jacobian and errors of a chain as Pinocchio computes them from the URDF itself.
 
-    Joints outside the chain stay at zero; a joint that mimics another follows it. Every thread works on scratch
-    memory of its own, so one object may be used from any number of threads.
+    Joints outside the chain stay at zero; a joint that mimics another follows it. Each thread has its own scratch
+    memory, so any number of threads may use one object.
 
     Attributes:
         base: base link; every pose is expressed in it.
         tip: tip link.
-        joint_names: independent movable joints, base to tip; where a joint of the chain mimics one that is not on
-            it, the latter's name.
-        prismatic: (n,) true for joints that slide.
+        joint_names: independent movable joints, base to tip; if a joint of the chain mimics one outside it, the name of
+            the joint outside.
+        prismatic: (n,) true for prismatic joints.
         ranges: (n, 2) rad or m, the joint limits, with a turn [-pi, pi] or [-1, 1] m in place of missing ones.
         limits: (n, 2) rad or m, infinite where there is no limit; those of mimicking joints of the chain count, unless
             they leave nothing.
@@ -90,14 +90,14 @@ class Reference:
 
         Args:
             source: a model that was read, a path, or XML text.
-            base: base link; the root where left out.
-            tip: tip link, anywhere in the tree; the end of the only movable chain where left out.
-            locked: joints that are no part of a joint vector but stand at these values [rad or m].
+            base: base link; default: the root.
+            tip: tip link, anywhere in the tree; default: the end of the only movable chain.
+            locked: fixed values of joints outside the joint vector [rad or m].
 
         Raises:
-            UrdfError: the chain uses a broken part of the URDF, or Pinocchio refuses it.
+            UrdfError: the chain uses a defective part of the URDF, or Pinocchio refuses it.
             ChainError: base or tip is unknown, or the tip is ambiguous.
-            UnsupportedArm: the chain has a joint that one number does not describe (floating, planar).
+            UnsupportedArm: the chain has a floating or planar joint.
         """
         model = source if isinstance(source, urdf.UrdfModel) else urdf.read(source)
         self._made_from = partial(Reference, locked=dict(locked or {})), (model, base, tip)
@@ -124,7 +124,7 @@ class Reference:
             joint = self._joint(name)
             driver, multiplier, offset = followed[name]
             offset += multiplier * held.get(driver, 0.0)
-            # A joint that Pinocchio itself makes follow another has no entry of its own.
+            # A joint that Pinocchio treats as a mimic has no own entry in the configuration.
             if joint.nq and joint.nv == 1 and (driver in column or offset):
                 place = column.get(driver)
                 self._drives.append(_Drive(joint.idx_q, joint.idx_v, joint.nq == 2, place, multiplier, offset))

@@ -1,6 +1,6 @@
-"""The shapes that obstacles and tools are made of; coal is imported when a shape is first made for it.
+"""The shapes of obstacles and tools; coal is imported when its first geometry is made.
 
-Each is centred at the origin of its own frame, cylinders and capsules along z, as in a URDF.
+Each shape is centred at the origin of its frame, cylinders and capsules along z, as in a URDF.
 """
 
 from __future__ import annotations
@@ -29,15 +29,15 @@ if TYPE_CHECKING:
 
 
 SPECK = 1e-8
-"""Size of the triangle that stands for a point of a cloud [m]: coal wants a triangle to have an area."""
+"""Size of the triangle in place of each point of a cloud [m]: coal needs triangles with an area."""
 
 
 class Shape:
-    """What every shape can do."""
+    """Base class of the shapes."""
 
     @property
     def inflation(self) -> float:
-        """Length [m] by which what :meth:`geometry` gives is to be grown on all sides."""
+        """Length [m] by which the caller must grow :meth:`geometry` on all sides."""
         return 0.0
 
     def geometry(self) -> Any:

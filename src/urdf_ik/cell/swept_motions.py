@@ -1,9 +1,9 @@
 """Straight motions in joint space, proven free of contact from end to end.
 
-Conservative advancement: from the middle of a piece of the motion, no pair of shapes can come closer on the way to
-either end than the sum over the joints between them of how far each can carry their points (:mod:`.bodies`). A pair
-that is farther apart than that is free over the whole piece; else the piece is cut. Nothing is sampled: a wall between
-two joint vectors is seen however thin it is.
+Conservative advancement: on the way from the middle of a piece of the motion to either end, the distance of two shapes
+shrinks by at most the sum, over the joints between them, of how far each joint can carry their points
+(:mod:`.bodies`). A pair that is farther apart than this sum at the middle is free over the whole piece; otherwise the
+piece is halved. Nothing is sampled: even the thinnest wall between two joint vectors is found.
 """
 
 from __future__ import annotations
@@ -29,29 +29,29 @@ if TYPE_CHECKING:
     Pair = tuple[str, str]
 
 TOUCH = 1e-4
-"""Clearance beyond the margin [m] below which two shapes count as in contact: no finite number of distances proves a
-motion free along which they slide on each other. A motion along which everything stays farther apart is found free."""
+"""Clearance beyond the margin [m] below which two shapes count as in contact. No finite number of distances can prove a
+motion free if two shapes slide on each other; a motion on which all stay farther apart than this is proven free."""
 
 LONGEST = 1e4
-"""How far a joint may go in one motion [rad or m], some 1600 turns: the pieces to be proven grow with the way."""
+"""Longest way of a joint in one motion [rad or m], some 1600 turns: the number of pieces grows with the way."""
 
 STRIDE = 0.02
-"""Pieces on which a pair may come closer by more than this [m] are cut without asking coal: bounds are cheap, and a
+"""A piece on which a pair may come closer by more than this [m] is halved without a coal query: bounds are cheap, and a
 query with so wide a margin visits most of a mesh."""
 
 
 @dataclass(frozen=True, eq=False)
 class Motions:
-    """Straight motions in joint space, one or a batch of them, and whether they are free.
+    """One straight motion in joint space or a batch of them, and whether they are free.
 
-    A single one is true where it is free: ``if arm.motion_is_free(q0, q1): ...``.
+    A single motion is true if it is free: ``if arm.motion_is_free(q0, q1): ...``.
 
     Attributes:
-        free: (...) bool: proven that everything stays apart by more than the margin, from end to end.
-        share: (...) of the motion at the first contact, NaN where it is free. What comes before is proven free; at it
-            the pair is apart by no more than the margin and two ``TOUCH``.
-        pairs: of the first contact, two links or a link and an obstacle, None where the motion is free; a list in the
-            order of the motions.
+        free: (...) bool: every pair provably stays apart by more than the margin, from end to end.
+        share: (...) share of the motion at the first contact, NaN if it is free. The motion is proven free up to
+            there; at the contact the distance is at most the margin plus two ``TOUCH``.
+        pairs: for each motion the pair of the first contact, two links or a link and an obstacle; None if the motion
+            is free.
 
     Example:
         >>> import urdf_ik
@@ -67,7 +67,7 @@ class Motions:
 
     @property
     def pair(self) -> Pair | None:
-        """The pair of the first contact of a single motion, None where it is free."""
+        """The pair of the first contact of a single motion, None if it is free."""
         if self.free.ndim:
             raise ArgumentError(f"{self.free.size} motions have a pair each: see pairs")
         return self.pairs[0]
@@ -87,7 +87,7 @@ class _Pieces(NamedTuple):
     """Pieces of motions, with the pairs that are not yet proven free on them.
 
     Attributes:
-        motion: (m,) which motion.
+        motion: (m,) index of the motion.
         start: (m,) share of the motion at which the piece begins.
         end: (m,) share at which it ends.
         links: (m, A) pairs of two links that are open.
@@ -120,7 +120,7 @@ class _Pieces(NamedTuple):
 
 
 def check_margin(margin: float) -> float:
-    """``margin`` as a float; refuses one that is no length.
+    """``margin`` [m] as a float.
 
     Raises:
         ArgumentError: it is negative or not finite.
@@ -129,10 +129,10 @@ def check_margin(margin: float) -> float:
 
 
 def check_length(q0: Array, q1: Array, names: Sequence[str]) -> None:
-    """Refuse motions from q0 (k, n) to q1 (k, n) on which a joint goes farther than ``LONGEST``.
+    """Check that no joint goes farther than ``LONGEST`` on the motions from q0 (k, n) to q1 (k, n).
 
     Raises:
-        ArgumentError: one does.
+        ArgumentError: a joint goes farther.
     """
     if (bad := inputs.first_bad(q1 - q0, LONGEST)) is not None:
         motion, joint = bad
@@ -160,7 +160,7 @@ def motions(check: CoalCheck, q0: Array, q1: Array, margin: float) -> Motions:
 def _halved(
     check: CoalCheck, q0: Array, q1: Array, margin: float, pieces: _Pieces, first: Array, pair: NDArray[np.intp]
 ) -> _Pieces:
-    """What is left to prove after a look at the middle of each piece; contacts go into ``first`` and ``pair``."""
+    """Check the middle of each piece; return the halves left to prove, write contacts to ``first`` and ``pair``."""
     pieces = pieces.some(pieces.start < first[pieces.motion])
     motion, start, end = pieces.motion, pieces.start, pieces.end
     middle, half = 0.5 * (start + end), 0.5 * (end - start)
@@ -191,13 +191,13 @@ def _halved(
             own = order[ends[row] : ends[row + 1]]
             contact = _contact(check, q[i], margin, links[row], links_closer[row], world, own, still)
             if contact is not None:
-                # Where the whole half piece lies within TOUCH of the contact, there is nothing left to find.
+                # If the pair can come closer by at most TOUCH, the first half of the piece need not be searched.
                 first[motion[i]] = start[i] if contact.closer <= TOUCH else middle[i]
                 pair[motion[i]] = contact.pair
         pieces.links[part] = links
         rest[part] = links.any(axis=1) | world.crowded
         rest[part.start + world.row[still]] = True
-        # From the first look of coal's on, what it closed must stay closed.
+        # After the first coal query the open pairs are listed, so that pairs proven free stay closed.
         pieces.listed[part] |= asked
         kept = still & pieces.listed[part][world.row]
         found.append((part.start + world.row[kept], world.pair[kept]))
@@ -211,7 +211,7 @@ def _halved(
 
 
 class _Contact(NamedTuple):
-    """A pair in contact, and by how much it can come closer on the piece [m]."""
+    """A pair in contact, and the distance by which it can come closer on the piece [m]."""
 
     pair: int
     closer: float
@@ -227,7 +227,7 @@ def _contact(
     own: NDArray[np.intp],
     still: NDArray[np.bool_],
 ) -> _Contact | None:
-    """Ask coal about the open pairs at the middle q (n,) of a piece, and close those that are proven free.
+    """Check the open pairs with coal at the middle q (n,) of a piece, and close those that are proven free.
 
     Args:
         check: coal's check.
@@ -236,8 +236,8 @@ def _contact(
         links: (A,) pairs of two links that are open.
         links_closer: (A,) m by which they can come closer on the piece.
         world: open pairs with obstacles, of this piece and of others.
-        own: those of this piece.
-        still: (e,) which of ``world`` are open.
+        own: indices into ``world`` of this piece's pairs.
+        still: (e,) whether each pair of ``world`` is open.
 
     Returns:
         A pair in contact, if there is one.

@@ -1,4 +1,4 @@
-"""Arms with a tool: a link more at the tip, written into the URDF like any other, so that every reader sees it."""
+"""Tools: an additional link at the tip, written into the URDF, so that every reader sees it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A world: named shapes around the arm, placed in its base link's frame. No coal until a check asks for it."""
+"""World: named shapes around the arm, placed in its base link's frame. Only a check imports coal."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ if TYPE_CHECKING:
 
 
 SHOWN = 8
-"""Obstacles that the text of a world names."""
+"""The ``repr`` of a world names at most so many obstacles."""
 
 ORTHOGONAL = 4e-16
-"""Greatest entry of ``|R^T R - I|`` up to which a rotation is left as it is: a few roundings."""
+"""A rotation stays unchanged if no entry of ``|R^T R - I|`` exceeds this: a few roundings."""
 
 
 class Obstacle(NamedTuple):
@@ -41,7 +41,7 @@ class Obstacle(NamedTuple):
 
     Attributes:
         name: unique in its world.
-        shape: what it is.
+        shape: its shape.
         pose: (4, 4) of the shape in the arm's base link [m], read-only.
     """
 
@@ -54,15 +54,15 @@ class Obstacle(NamedTuple):
 
 
 def _obstacle(name: str, shape: Shape, pose: Array) -> Obstacle:
-    """An obstacle as it was before it was copied."""
+    """Rebuild a pickled or copied obstacle."""
     return Obstacle(name, shape, frozen(pose))
 
 
 class World:
     """The obstacles around an arm: named shapes, each at a pose in the arm's base link.
 
-    What is asked of a world sees it as it is at that moment: an obstacle that was moved counts at its new place at
-    once. One world may be changed and asked from several threads.
+    A query uses the world's present state: a moved obstacle counts at its new pose at once. Several threads may change
+    and query one world.
 
     Example:
         >>> world = World()
@@ -81,7 +81,7 @@ class World:
         self._added = 0  # how many were ever added
         self._version = 0
         self._index: ObstacleIndex | None = None
-        # What was added, moved or removed since the index was made.
+        # Names of the obstacles added, moved or removed since the index was made.
         self._stale: set[str] = set()
         self._lock = forks.lock()
 
@@ -91,18 +91,18 @@ class World:
         source: str | os.PathLike[str] | IO[Any],
         package_dirs: Sequence[str | os.PathLike[str]] = (),
     ) -> World:
-        """A cell that is described as a URDF of fixed links: every collision shape of every link.
+        """The collision shapes of a URDF of fixed links as obstacles.
 
-        An obstacle has the name of its link, with '/1', '/2' and so on behind it from the link's second shape on. The
-        root link's frame is put on the arm's base link.
+        An obstacle has the name of its link; from the link's second shape on, '/1', '/2' and so on follow. The root
+        link's frame coincides with the arm's base link.
 
         Args:
             source: a path, XML text, or an open file.
             package_dirs: folders that meshes may come from, besides the URDF's own.
 
         Raises:
-            UrdfError: the URDF or one of its shapes is broken, or a mesh is not found.
-            ArgumentError: a joint can move, a shape has no extent, or there is no collision shape at all.
+            UrdfError: the URDF or one of its shapes is defective, or a mesh is not found.
+            ArgumentError: a joint can move, a shape has no extent, or there is no collision shape.
 
         Example:
             >>> shape = '<collision><geometry><sphere radius="0.1"/></geometry></collision>'

@@ -1,4 +1,4 @@
-"""What an arm reaches: workspaces, base placements, data sets, and the engine that computes them on Dask."""
+"""Workspaces, base placements and data sets of an arm, and the engine that computes them on Dask."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a robot is, as its file says: URDF, xacro, MJCF and SRDF, meshes, the catalogue of names, and poses."""
+"""Robot descriptions (URDF, xacro, MJCF, SRDF, meshes), the catalogue of robot names, and poses."""
 
 from __future__ import annotations
 

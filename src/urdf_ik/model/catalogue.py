@@ -1,4 +1,4 @@
-"""What each name leads to: a URDF of this package, of example-robot-data, or of robot_descriptions."""
+"""The catalogue of robot names: URDFs of this package, of example-robot-data and of robot_descriptions."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ EXAMPLE_ROBOT_DATA: Mapping[str, tuple[str, str, str]] = {
 }
 """Arms of example-robot-data: file below its ``robots`` folder, base link and tip link.
 
-These are the links that the file gives by itself, but for a name that means one of several arms or tool frames.
+They are the default chain of the file, except for a name of one of several arms or tool frames.
 """
 
 INSTALL_EXAMPLE_ROBOT_DATA = "pip install 'urdf-ik[robots]'"
@@ -70,16 +70,16 @@ _MARKER = "share/example-robot-data/package.xml"
 
 @dataclass(frozen=True)
 class Entry:
-    """An arm that has a name.
+    """An arm of the catalogue.
 
     Attributes:
-        name: the name it was asked for by.
-        path: its URDF.
-        base: base link of the arm, None for that of the chain that is meant.
-        tip: tip link of the arm, None for that of the chain that is meant.
-        package_dirs: folders in which ``package://`` addresses of its meshes are looked up.
-        description: what the arm is; '' for those of example-robot-data.
-        xacro_args: arguments of the xacro that it is, or None.
+        name: the requested name.
+        path: its URDF or xacro.
+        base: base link of the arm; None: that of the default chain.
+        tip: tip link of the arm; None: that of the default chain.
+        package_dirs: folders for the ``package://`` addresses of its meshes.
+        description: the arm in words; '' for those of example-robot-data.
+        xacro_args: arguments of the xacro, None for a URDF.
     """
 
     name: str
@@ -94,7 +94,7 @@ class Entry:
 def names() -> tuple[str, ...]:
     """Every name of the catalogue, bundled arms first, whether or not example-robot-data is installed.
 
-    Those of robot_descriptions, which ``resolve`` takes too, are :func:`urdf_ik.model.downloads.names`.
+    ``resolve`` also takes the names of robot_descriptions: :func:`urdf_ik.model.downloads.names`.
 
     Example:
         >>> names()[0]
@@ -121,7 +121,7 @@ def is_here(name: str) -> bool:
 
 
 def resolve(name: str) -> Entry:
-    """Find the arm of that name; one of robot_descriptions is downloaded when it is first asked for.
+    """Find the arm of that name; a model of robot_descriptions is downloaded at first use.
 
     Args:
         name: a bundled arm, one of example-robot-data, or a model of robot_descriptions, with or without its

@@ -1,4 +1,4 @@
-"""The models of robot_descriptions, which that package downloads when they are first asked for."""
+"""The models of robot_descriptions, which that package downloads at first use."""
 
 from __future__ import annotations
 
@@ -134,7 +134,7 @@ def fetch(model: str, instead: str) -> Model:
 
 @cache
 def _descriptions() -> Mapping[str, Any]:
-    """What robot_descriptions knows of its models, {} where it is not installed."""
+    """The models that robot_descriptions lists, {} if it is not installed."""
     try:
         from robot_descriptions import DESCRIPTIONS
     except ImportError:

@@ -1,4 +1,4 @@
-"""What is no URDF yet: xacro and MJCF, as URDF."""
+"""The conversion of xacro and MJCF to URDF."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ def as_urdf(
     """The source as URDF text.
 
     Args:
-        source: what was opened.
-        roots: folders in which ROS packages are looked for first.
+        source: the opened file or text.
+        roots: folders that are searched first for ROS packages.
         xacro_args: values of a xacro's arguments; not None makes any source a xacro.
 
     Returns:
-        The URDF, and errors of the shapes that it cannot hold.
+        The URDF, and an error for each shape that a URDF cannot hold.
 
     Raises:
         UrdfError: the xacro or the MJCF cannot be read.

@@ -1,4 +1,4 @@
-"""What a URDF's links look like: their visual shapes, else their collision shapes, as triangles."""
+"""Triangle meshes of a URDF's links: their visual shapes, else their collision shapes."""
 
 from __future__ import annotations
 
@@ -126,7 +126,7 @@ def _numbers(element: Any, name: str, count: int, otherwise: float = 0.0) -> lis
 
 
 def _colour(material: Any, shared: dict[str, Any]) -> list[int] | None:
-    """Red, green, blue, opacity, 0 to 255; None where the shape has no colour of its own."""
+    """Red, green, blue, opacity, 0 to 255; None for a shape without a colour."""
     if material is None:
         return None
     own = material.find("color")

@@ -1,4 +1,4 @@
-"""Two URDFs as one: the links of the second, fixed to a link of the first."""
+"""The merge of two URDFs: a fixed joint attaches the second to a link of the first."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ _NAMING = ("link", "joint", "material")
 
 
 def joined(model: UrdfModel, other: UrdfModel, link: str, pose: NDArray[np.float64], prefix: str) -> UrdfModel:
-    """A model with the tree of another: its root fixed to ``link`` at ``pose`` (4, 4) m, its names behind ``prefix``.
+    """Fix the root of ``other`` to ``link`` of ``model`` at ``pose`` (4, 4) m; its names get ``prefix``.
 
     Raises:
-        ArgumentError: a name of the other one with the prefix is taken.
+        ArgumentError: ``model`` already has one of the prefixed names.
 
     Example:
         >>> import numpy as np

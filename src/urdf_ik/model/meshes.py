@@ -1,7 +1,7 @@
-"""Meshes: their filenames, confined to the folders that they may come from, and what their files must be.
+"""Mesh files: the folders that they may come from, and the checks before a reader opens them.
 
-A file is looked at before a reader opens it: the readers of meshes open further files that a mesh names (the buffers
-of a glTF, the materials of an OBJ) wherever these lie, and build what it describes however often it places it.
+Mesh readers open every further file that a mesh names (the buffers of a glTF, the materials of an OBJ), in any folder,
+and build every placed copy of a part. The checks here therefore run first.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from urdf_ik.support.tolerances import LARGEST
 
 KINDS = (".stl", ".dae", ".obj", ".ply", ".off", ".glb", ".gltf")
 MAX_BYTES = 64 * 2**20
-"""Greatest size of a mesh's file, and of what its parts come to where it places them many times."""
+"""Greatest size of a mesh's file, and of all its parts counted as often as it places them [bytes]."""
 MAX_TOGETHER = 4 * MAX_BYTES
 """Greatest size of all the collision meshes of a URDF [bytes]."""
 
@@ -35,7 +35,7 @@ _STL_HEAD = 84
 _STL_FACE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _GLB, _JSON = b"glTF", 0x4E4F534A
 _PART = 64
-"""What a part of a mesh counts for that places others and holds nothing itself [bytes]."""
+"""Size counted for each part of a mesh besides its own data [bytes]."""
 _HINT = (
     "add the folder that holds it, or its package, to mesh_roots, or name the package's folder in AMENT_PREFIX_PATH or "
     "ROS_PACKAGE_PATH"
@@ -86,7 +86,7 @@ def _package(filename: str, roots: Sequence[Path]) -> Path | None:
 
 
 def _candidates(filename: str, roots: Sequence[Path]) -> list[Path] | None:
-    """Places the name may mean, in the order of the roots; None for an address of another kind."""
+    """Paths that the filename may mean, in the order of the roots; None for an unknown kind of address."""
     scheme, separator, rest = filename.partition("://")
     if not separator:
         return [root / filename for root in roots]
@@ -268,7 +268,7 @@ def _check_collada(file: _File, data: bytes) -> None:
 
 
 def _grown(file: _File, sizes: list[int], parts: list[list[int]]) -> int:
-    """What the largest part comes to with everything that it places, in bytes."""
+    """Size [bytes] of the largest part together with all parts that it places."""
     grown: dict[int, int] = {}
     for first in range(len(sizes)):
         waiting: list[tuple[int, bool]] = [(first, False)]
@@ -295,7 +295,7 @@ def _require_small(file: _File, total: int) -> None:
 
 
 def opened(path: Path, roots: Sequence[Path], source: str) -> Any:
-    """What trimesh makes of a mesh's file, a ``trimesh.Scene``, after :func:`check`.
+    """Read a mesh file with trimesh, as a ``trimesh.Scene``, after :func:`check`.
 
     Raises:
         UrdfError: as :func:`check`; it cannot be read; a vertex is not finite.
@@ -307,7 +307,7 @@ def opened(path: Path, roots: Sequence[Path], source: str) -> Any:
     file = _File(path, roots, source)
 
     class Confined(Resolver):
-        """Further files, from the folders alone."""
+        """Gives trimesh further files only from inside the folders."""
 
         def __init__(self) -> None:
             pass

@@ -21,18 +21,18 @@ if TYPE_CHECKING:
 INSTALL = "pip install 'urdf-ik[mjcf]'"
 WORLD = "world"
 NO_RANGE = 1000.0
-"""Bounds [m] of a slide that has no range in the model: a URDF cannot do without."""
+"""Bounds [m] of a slide without a range in the model: a URDF needs bounds."""
 
 
 def as_urdf(source: Source) -> tuple[Source, tuple[UrdfError, ...]]:
     """A MuJoCo model as URDF: bodies and sites as links, hinges and slides as joints, geoms as shapes.
 
     A joint's zero is MuJoCo's, also where it has a ``ref``; a body with several joints has links between them. Ball
-    and free joints become floating joints, joint equalities of first order become mimics. Files of meshes that are
-    not there are left out.
+    and free joints become floating joints, joint equalities of first order become mimics. Missing mesh files are
+    omitted.
 
     Returns:
-        The URDF, and errors of the shapes that it cannot hold.
+        The URDF, and an error for each shape that a URDF cannot hold.
 
     Raises:
         UrdfError: it is no file, or MuJoCo refuses the model.
@@ -46,7 +46,7 @@ def as_urdf(source: Source) -> tuple[Source, tuple[UrdfError, ...]]:
     except ImportError:
         raise MissingPackage(f"{source.name}: this is a MuJoCo model, and mujoco is not installed: {INSTALL}") from None
     try:
-        # Text that came packed is parsed as it was unpacked; it can include no files.
+        # Text from a packed file is parsed as a string, and cannot include other files.
         packed = path.suffix == ".gz"
         spec = mujoco.MjSpec.from_string(source.text) if packed else mujoco.MjSpec.from_file(str(path))
         lost = _without_missing_files(spec, source, path.parent / spec.meshdir)
@@ -146,7 +146,7 @@ class _Writer:
             self._join(f"{link}_fixed", "fixed", parent, link, place)
 
     def _between(self, joint: int) -> str:
-        """A link between a joint and the body that it moves only together with others, or at an anchor of its own."""
+        """An additional link below a joint: for a body with several joints, or a joint away from its body's origin."""
         name = f"{self._joint_name(joint)}_link"
         while name in self._names:
             name += "_"
@@ -205,7 +205,7 @@ class _Writer:
         return element
 
     def _shape(self, link: Any, geom: int, name: str) -> None:
-        """A geom as what is seen, and as what collides where it does."""
+        """Write a geom as a visual shape, and also as a collision shape if it collides."""
         model, kinds = self.model, self.mujoco.mjtGeom
         kind, size = kinds(int(model.geom_type[geom])), model.geom_size[geom]
         place = pose(model.geom_pos[geom], quat_wxyz=model.geom_quat[geom])

@@ -1,4 +1,4 @@
-"""Poses: from positions and orientations in the usual notations, back to them, and the check of what is given."""
+"""Poses: conversions from and to the usual notations of position and orientation, and the checks of given poses."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ORIENTATIONS = {"quat_xyzw": 4, "quat_wxyz": 4, "rotvec": 3, "rpy": 3, "euler_zy
 PROJECTION_TOLERANCE = 0.1
 """Greatest entry of R^T R - I that :func:`project_rotation` takes for an inexact rotation, not for a mistake."""
 
-# What rounding leaves of a zero: below it, a half turn's w and a vertical pitch's cosine count as zero.
+# Rounding: below this, a half turn's w and a vertical pitch's cosine count as zero.
 _ZERO = 4.0 * np.finfo(np.float64).eps
 _LAST_ROW = np.array([0.0, 0.0, 0.0, 1.0])
 _AT_ONCE = 1024  # poses that are checked at a time: what is computed of them stays in the processor's cache
@@ -267,7 +267,7 @@ def project_rotation(T: Any, tolerance: float = PROJECTION_TOLERANCE) -> Array:
         (..., 4, 4) float64, a new array.
 
     Raises:
-        PoseError: as :func:`check_poses`, with this tolerance in the place of its own.
+        PoseError: as :func:`check_poses`, but with this tolerance.
 
     Example:
         >>> T = pose([0.5, 0.0, 0.2], rpy=[0.0, 0.0, 1.0])
@@ -377,7 +377,7 @@ def _rigid(T: Array, tolerance: float) -> NDArray[np.bool_]:
 
 
 def _problem(T: Array, tolerance: float) -> str:
-    """What is wrong with one matrix (4, 4), and what would be right."""
+    """The defect of one matrix (4, 4), and the correction."""
     bad = np.argwhere(~np.isfinite(T))
     if bad.size:
         r, c = bad[0]

@@ -1,4 +1,4 @@
-"""Where ROS packages lie: in given folders, and where the environment says."""
+"""The search for ROS packages, in given folders and in those that the environment variables name."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from lxml import etree
 
 MANIFEST = "package.xml"
 DEEPEST = 5
-"""Folders of ROS_PACKAGE_PATH are searched for packages down to so many levels."""
+"""Greatest depth of the search below the folders of ROS_PACKAGE_PATH."""
 
 
 def find(name: str, roots: Sequence[Path]) -> Path | None:
@@ -18,10 +18,10 @@ def find(name: str, roots: Sequence[Path]) -> Path | None:
 
     Args:
         name: the package's name.
-        roots: folders that are looked at first: a package's own folder, or one that packages lie in.
+        roots: folders that are searched first: each is a package itself, or holds packages.
 
     Returns:
-        The folder; None where it is neither in ``roots`` nor in AMENT_PREFIX_PATH nor in ROS_PACKAGE_PATH.
+        The folder; None if neither ``roots`` nor AMENT_PREFIX_PATH nor ROS_PACKAGE_PATH has it.
 
     Example:
         >>> Path("cell_description").mkdir()
@@ -39,7 +39,7 @@ def find(name: str, roots: Sequence[Path]) -> Path | None:
 
 
 def own_package(file: Path) -> Path | None:
-    """The folder of the ROS package that a file is part of: the nearest one above it that holds a package.xml.
+    """The folder of a file's ROS package: the nearest parent folder with a package.xml.
 
     Example:
         >>> Path("cell/urdf").mkdir(parents=True)

@@ -1,4 +1,4 @@
-"""What an SRDF says of a URDF: pairs of links that may touch, and chains that have names."""
+"""The parts of an SRDF that are read: pairs of links that may touch, and named chains."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ if TYPE_CHECKING:
 __all__ = ["chain_groups", "disabled_pairs", "groups_beside"]
 
 _FOLDERS = (".", "../srdf", "../config", "../moveit")
-"""Where the SRDF of a URDF lies, from the URDF's folder."""
+"""Folders that may hold a URDF's SRDF, relative to the URDF's folder."""
 _MOST = 20
 
 
 def disabled_pairs(source: str | os.PathLike[str] | bytes, links: Collection[str]) -> tuple[tuple[str, str], ...]:
-    """Read the ``<disable_collisions>`` of an SRDF; its other elements are not looked at.
+    """Read the ``<disable_collisions>`` elements of an SRDF and ignore the others.
 
     Args:
         source: a path, or XML text.
@@ -67,10 +67,10 @@ def chain_groups(
 
 
 def groups_beside(path: Path, robot: str, links: Collection[str]) -> dict[str, tuple[str, str]]:
-    """The groups with a ``<chain>`` of the SRDFs beside a URDF, found without being named.
+    """The groups with a ``<chain>`` in the SRDFs beside a URDF.
 
-    They lie in the URDF's own folder, or in ``srdf``, ``config`` or ``moveit`` beside it, and have the robot's name.
-    One that cannot be read, or that is another URDF's, is passed over.
+    The search covers the URDF's own folder, and ``srdf``, ``config`` and ``moveit`` beside it. An SRDF counts if it
+    has the robot's name. An SRDF that cannot be read, or that names links of another URDF, is skipped.
 
     Args:
         path: the URDF's file.
@@ -98,7 +98,7 @@ def groups_beside(path: Path, robot: str, links: Collection[str]) -> dict[str, t
 
 
 def _opened(source: str | os.PathLike[str] | bytes) -> tuple[Any, str]:
-    """The root of an SRDF, and how messages call the file."""
+    """The root element of an SRDF, and the file's name in messages."""
     opened = open_source(source)
     root = parse(opened)
     if child(root, "link") is not None or child(root, "joint") is not None:

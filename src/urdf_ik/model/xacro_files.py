@@ -1,4 +1,4 @@
-"""Xacro, by the package of that name."""
+"""The expansion of xacro files by the package xacro."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from urdf_ik.support.text import quoted
 
 INSTALL = "pip install 'urdf-ik[xacro]'"
 
-# The package keeps its arguments, its stack of files and the search for packages in variables of its modules.
+# The package xacro keeps its arguments, its file stack and its package search in module globals.
 _ONE_AT_A_TIME = forks.lock()
 
 
 class _NoPackage(Exception):
-    """A ROS package that was not found."""
+    """A ROS package was not found."""
 
 
 class _Arguments(dict[str, str]):
-    """Arguments that remember which of them the xacro has asked for."""
+    """Arguments, with a record of the names that the xacro has looked up."""
 
     def __init__(self, given: Mapping[str, object]) -> None:
         super().__init__({name: str(value) for name, value in given.items()})
@@ -40,12 +40,12 @@ class _Arguments(dict[str, str]):
 
 
 def expanded(source: Source, roots: Sequence[Path], given: Mapping[str, object]) -> Source:
-    """A xacro as URDF.
+    """Expand a xacro to a URDF.
 
     Args:
-        source: the xacro; files that it includes are looked for beside it.
-        roots: folders in which ``$(find package)`` looks first; then it looks at the xacro's own ROS package, at
-            AMENT_PREFIX_PATH and at ROS_PACKAGE_PATH.
+        source: the xacro; the search for included files starts in its folder.
+        roots: folders that ``$(find package)`` searches first; the xacro's own ROS package, AMENT_PREFIX_PATH and
+            ROS_PACKAGE_PATH follow.
         given: values of its arguments by name.
 
     Raises:

@@ -1,4 +1,4 @@
-"""The hardened way from a path, XML text or open file to an XML tree whose elements know their lines."""
+"""The hardened XML parser: a path, XML text or open file in, an XML tree with line numbers out."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ ENCODINGS = frozenset(
     + [f"iso8859-{k}" for k in (*range(1, 12), *range(13, 17))] + [f"cp125{k}" for k in range(9)]
     + ["koi8-r", "koi8-u", "gb2312", "gbk", "gb18030", "big5", "shift_jis", "cp932", "euc_jp", "iso2022_jp", "euc_kr"]
 )  # fmt: skip
-"""The codecs of the encodings that XML parsers know; others of Python's are no encodings of text, or slow."""
+"""Codecs of the encodings that XML parsers know; Python's others do not encode text, or are slow."""
 XACRO_HINT = "for a xacro, end the file's name in .xacro, or give xacro_args (--xacro-arg NAME:=VALUE)"
 
 _GZIP = b"\x1f\x8b"
@@ -231,7 +231,7 @@ def _text(content: str | bytes | bytearray, name: str) -> str:
 
 
 def _unpacked(data: bytes, name: str) -> bytes:
-    """What gzip has compressed, up to the size that is read at all; other data as it is."""
+    """Gzip data unpacked, up to the greatest size that is read; other data unchanged."""
     if not data.startswith(_GZIP):
         return data
     try:

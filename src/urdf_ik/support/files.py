@@ -1,4 +1,4 @@
-"""Files: read up to a limit, without waiting for the writer of a pipe; written whole or not at all."""
+"""File access: reads are bounded and never wait for the writer of a pipe; writes are atomic."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 STDIN = "standard input"
 _QUOTED = 200
-"""Characters of a path that a message quotes at most."""
+"""Greatest length of a path in a message [characters]."""
 
 
 def name_of(path: object) -> str:
@@ -60,7 +60,7 @@ def opened(path: Path) -> IO[bytes]:
     """
 
     def at_once(name: str, flags: int) -> int:
-        # Without this the opening of a named pipe waits for its first writer.
+        # Without O_NONBLOCK, opening a named pipe waits for its first writer.
         found = os.open(name, flags | os.O_NONBLOCK)
         os.set_blocking(found, True)
         return found
@@ -69,7 +69,7 @@ def opened(path: Path) -> IO[bytes]:
 
 
 def require_regular(path: Path, error: Callable[[str], UrdfIkError] = ArgumentError) -> None:
-    """Refuse what other packages would wait for, or read without an end: a pipe, a device; and what is not there.
+    """Refuse a missing file, and pipes and devices, on which other packages would block or read without end.
 
     Raises:
         UrdfIkError: ``error``; there is no regular file of this name.
@@ -119,7 +119,7 @@ def read(source: Any, most: int, error: Callable[[str], UrdfIkError] = ArgumentE
 
 
 def from_open(file: Any, most: int) -> Any:
-    """What a file that is open holds, up to a little more than ``most`` bytes or characters.
+    """The contents of an open file, up to a little more than ``most`` bytes or characters.
 
     Example:
         >>> import io
@@ -131,7 +131,7 @@ def from_open(file: Any, most: int) -> Any:
     except TypeError:  # an object whose read() takes no size
         return file.read()
     parts, count = [data], most
-    # A pipe gives what is there, which may be less than was asked for.
+    # One read of a pipe may return fewer bytes than requested.
     while isinstance(data, str | bytes) and data and (count := count - len(data)) >= 0:
         data = file.read(count + 1)
         parts.append(data)

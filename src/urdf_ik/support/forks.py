@@ -1,7 +1,7 @@
-"""Safe forks: a fork waits until no other thread holds a lock of this package or an import lock.
+"""Fork safety: a fork waits until no other thread holds a lock of this package or an import lock.
 
 A lock that another thread holds during fork() would stay locked in the child, which has only the thread that forked. A
-first call holds such locks: it imports modules and computes cached properties.
+thread holds such locks while it imports modules or computes cached properties, as every first call does.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def lock() -> threading.RLock:
 
 
 def _locks() -> list[Any]:
-    """Our own locks, and those of what is computed when it is first asked for (before Python 3.12 it has some)."""
+    """This package's locks, and those of its cached properties, which have one before Python 3.12."""
     found = list(_own)
     for name, module in list(sys.modules.items()):
         if name.partition(".")[0] == "urdf_ik":
@@ -95,5 +95,6 @@ def _after() -> None:
 
 
 if hasattr(os, "register_at_fork"):
-    # What is registered last is called first: the import that a fork waits for may want the locks that others take.
+    # The handler registered last runs first: an import that this fork waits for may need locks that the handlers of
+    # other modules take.
     os.register_at_fork(before=_before, after_in_parent=_after, after_in_child=_after)

@@ -1,4 +1,4 @@
-"""Read-only arrays, and objects whose arrays stay read-only when pickled or copied: NumPy's own copies do not."""
+"""Read-only arrays, and objects whose arrays stay read-only when pickled or copied (NumPy's copies are writeable)."""
 
 from __future__ import annotations
 

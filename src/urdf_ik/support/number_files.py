@@ -20,16 +20,16 @@ Array = NDArray[np.float64]
 Refused = Callable[[str], UrdfIkError]
 
 MAX_BYTES = 2**28
-"""Of a file, and of what a compressed one unpacks to: more than a million poses as text."""
+"""Greatest size of a file, packed and unpacked [bytes]: more than a million poses as text."""
 
 
 class Wanted(NamedTuple):
-    """What a file is read for.
+    """The numbers that a file must hold.
 
     Attributes:
-        keys: what the array may be called in an .npz file or a JSON object.
-        element: what messages call one entry of a list, such as 'waypoint'.
-        accepted: a sentence on what would be valid.
+        keys: accepted names of the array in an .npz file or a JSON object.
+        element: the name of one entry of a list in messages, such as 'waypoint'.
+        accepted: a sentence that describes valid contents.
         error: the class of errors.
     """
 
@@ -43,12 +43,12 @@ class Rows(NamedTuple):
     """A CSV.
 
     Attributes:
-        name: what messages call the file.
-        header: names of its columns; None where its first line holds a number.
+        name: the file's name in messages.
+        header: names of its columns; None if its first line holds a number.
         first: the line of the header, or of the first row.
-        lines: of each row, where it is in the file.
+        lines: the line number of each row.
         cells: texts, a list a row, without the header.
-        wanted: what it was read for.
+        wanted: the numbers that it must hold.
     """
 
     name: str
@@ -84,11 +84,11 @@ class Rows(NamedTuple):
 
 
 def read(source: Any, wanted: Wanted) -> tuple[str, Array | Rows]:
-    """What messages call a file, and the numbers in it.
+    """Read a file of numbers; return its name in messages, and the numbers.
 
     Args:
         source: a path, or a file open for reading.
-        wanted: what it is read for.
+        wanted: the numbers that the file must hold.
 
     Raises:
         UrdfIkError: the error wanted; the file cannot be read, is too large, or holds no numbers.

@@ -1,4 +1,4 @@
-"""Sequences given for arrays: their length is checked before they are expanded."""
+"""The length check of sequences that are converted to arrays; it runs before they are expanded."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from typing import Any
 import numpy as np
 
 MOST_LISTED = 2**24
-"""Numbers in lists, ranges and other sequences at most, which take ten times the memory of an array."""
+"""Greatest count of numbers in lists, ranges and other sequences, which take ten times the memory of an array."""
 MOST_REPEATED = 2**27
-"""Numbers of an array at most that stands for more than it holds, as ``np.broadcast_to`` makes it: 1 GiB."""
+"""Greatest count of numbers in an array that repeats its memory, such as ``np.broadcast_to`` returns: 1 GiB."""
 _DEEPEST = 8
-"""Levels of lists within lists at most: stacks of stacks of poses have six."""
+"""Greatest depth of nested lists: stacks of stacks of poses have six levels."""
 _MASKED = "a masked array is given"
 _LEAVES = frozenset((float, int, bool, complex, str, bytes, type(None), np.float64, np.float32, np.int64, np.str_))
 _AS_ARRAY = ("__array__", "__array_interface__", "__array_struct__", "__buffer__")
 
 
 def too_long(value: Any) -> str:
-    """Why a sequence is not written out as an array: it is too long, too deep or masked; nothing where it may be.
+    """The reason why a sequence is not converted to an array (too long, too deep or masked), '' without one.
 
     Example:
         >>> too_long(range(10**9))
@@ -31,9 +31,9 @@ def too_long(value: Any) -> str:
 
 
 def looked_through(value: Any) -> tuple[str, bool]:
-    """Why something is not written out as an array, nothing where it may be; whether there are others than lists in it.
+    """The reason as in :func:`too_long`, and whether the value contains sequences other than lists.
 
-    It may be too long or too deep, or masked. Only lengths are asked for: a range of any length costs nothing.
+    Only lengths are read: a range of any length costs nothing.
 
     Example:
         >>> looked_through([0.5, range(3)])

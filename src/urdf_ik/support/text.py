@@ -12,11 +12,11 @@ from typing import Any
 from urdf_ik.errors import MOST_OF_A_NAME, SHORT, escaped, printable
 
 _MOST_COMPARED = 1000
-"""Names that are compared with one that is not there."""
+"""Greatest number of names that a misspelt name is compared with."""
 
 
 def quoted(value: object, most: int = MOST_OF_A_NAME) -> str:
-    """A value as messages quote it: its ``repr``, on one line, cut where it is long.
+    """A value in a message: its ``repr`` on one line, cut after ``most`` characters.
 
     Example:
         >>> quoted("tool" * 30)
@@ -32,9 +32,9 @@ def quoted(value: object, most: int = MOST_OF_A_NAME) -> str:
 
 
 def nearest(name: object, names: Iterable[str], n: int = 3, cutoff: float = 0.6) -> list[str]:
-    """Those of ``names`` that may have been meant by ``name``, the likeliest first.
+    """The entries of ``names`` most similar to ``name``, the most similar first.
 
-    Long names are compared by their beginnings, and of many names the first are looked at: the work grows with both.
+    Only the first characters of long names and the first of many names are compared, which bounds the work.
 
     Example:
         >>> nearest("too0", ["base_link", "tool0"])

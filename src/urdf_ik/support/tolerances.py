@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 LARGEST = 1e15
-"""Greatest length [m], angle [rad] or factor that is taken: beyond it a double holds no digit of a millimetre or of an
-angle, and squares of what solvers multiply begin to overflow. ``src/core/kinematics/arm.hpp`` has the same."""
+"""Greatest valid length [m], angle [rad] or factor: beyond it a double does not resolve a millimetre or an angle, and
+products in the solvers begin to overflow. ``src/core/kinematics/arm.hpp`` has the same value."""
 
 STILL = 1e-17
 """A joint that mimics another with a smaller multiplier stands still: in a turn it moves less than rounding."""
@@ -14,7 +14,7 @@ STILL = 1e-17
 
 @dataclass(frozen=True)
 class SolverTolerances:
-    """What the compiled solvers compare with: ``Tolerances`` of src/core/kinematics/arm.hpp.
+    """Tolerances of the compiled solvers: ``Tolerances`` of src/core/kinematics/arm.hpp.
 
     Attributes:
         reach: position [of the arm's size] and rotation [rad] error below which a solution is verified.
@@ -43,14 +43,14 @@ class SolverTolerances:
 
 @dataclass(frozen=True)
 class Tolerances(SolverTolerances):
-    """What all else compares with, too.
+    """All tolerances: those of the compiled solvers, and those of the Python code.
 
     Attributes:
-        near_angle: two axes this close to parallel [rad] may be meant to be.
-        near_distance: two axes this close [share of size] may be meant to meet.
-        contract: error [of the arm's size, rad] that every result keeps within.
+        near_angle: two axes this close to parallel [rad] may be intended as parallel.
+        near_distance: two axes this close [share of size] may be intended to intersect.
+        contract: greatest error of every result [share of the arm's size, rad].
         damped: smallest singular value, lengths as shares of the size, below which joint velocities are damped.
-        damping: their damping at a singularity.
+        damping: damping of joint velocities at a singularity.
     """
 
     near_angle: float = 0.02

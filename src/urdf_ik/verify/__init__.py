@@ -1,4 +1,4 @@
-"""Is it right, is it complete, is it what it was: an arm, a changed URDF or a foreign solver against a reference.
+"""Checks of an arm, a changed URDF or another solver against a reference: correct, complete and unchanged answers.
 
 One vocabulary: a *reference* is Pinocchio, a second solver, a lock file or another arm; a *report* has a verdict, the
 *properties* that hold and do not, and the *pose to replay*.

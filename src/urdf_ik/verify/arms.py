@@ -1,4 +1,4 @@
-"""What every check needs of an arm: Pinocchio's model of it, its collision shapes, and its solutions."""
+"""Accessors that every check uses: an arm's Pinocchio model, its collision shapes and its solutions."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def redundancy_at(arm: Arm, q: Array) -> Array | None:
 
 
 def solutions_of(arm: Arm, T: Array, redundancy: Array | None = None) -> IKSolutions:
-    """Every solution of poses (m, 4, 4), of which an arm with few joints is asked for what it controls."""
+    """Every solution of poses (m, 4, 4); an arm with few joints solves for the part of a pose that it controls."""
     if arm.task != "pose":
         return arm.for_task(arm.task).ik(arm.solver.control.target_of(T))
     return arm.ik(T) if redundancy is None else arm.ik(T, redundancy=redundancy)

@@ -1,4 +1,4 @@
-"""An arm as plain numbers and words: what two arms are compared by, and what a lock file holds of one."""
+"""Description: an arm as plain numbers and words, for comparisons and lock files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One difference between two descriptions of an arm: its kind, its words, and what counts as the same."""
+"""Difference: one difference between two descriptions of an arm; and the tolerances below which values are the same."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ _MOST_PLACES, _MOST_SHAPES = 6, 3
 
 @dataclass(frozen=True)
 class Tolerance:
-    """What counts as the same.
+    """Tolerances up to which values count as the same.
 
     Attributes:
         distance: [m].
         angle: [rad].
-        limit: of a joint limit, relative to it where it is beyond 1 rad or 1 m.
+        limit: of a joint limit [rad or m], relative to the limit if it is beyond 1 rad or 1 m.
     """
 
     distance: float = 1e-9
@@ -45,7 +45,7 @@ class Tolerance:
         """From millimetres and degrees; None: the default.
 
         Raises:
-            ArgumentError: one is no number, or negative.
+            ArgumentError: a value is not a number, or is negative.
 
         Example:
             >>> Tolerance.read(0.5).distance

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def differences(a: Description, b: Description, tolerance: Tolerance = DEFAULT) -> tuple[Difference, ...]:
-    """What is different in ``b``, in ``a``'s words; empty where both describe the same arm to the tolerance.
+    """The differences of ``b`` from ``a``, in ``a``'s names; empty if both are the same arm within the tolerance.
 
     Example:
         >>> import urdf_ik
@@ -57,7 +57,7 @@ def _names(a: Description, b: Description) -> list[Difference]:
         moved = [name for name, other in zip(a.joint_names, b.joint_names, strict=True) if name != other]
         if moved:
             before, after = ", ".join(a.joint_names), ", ".join(b.joint_names)
-            # A joint that has another place moves another part of the arm: that is no matter of names.
+            # A joint at another place moves another part of the arm, so this is not a difference of names.
             out.append(Difference("kinematics", ", ".join(moved), f"the joints' order was {before}, and is {after}"))
         return out
     gone = set(a.joint_names) - set(b.joint_names)
@@ -177,7 +177,7 @@ def _pose(steps: Sequence[Step]) -> Array:
 
 
 def _held(step: Step) -> Array:
-    """What a joint that is held adds, (4, 4)."""
+    """Transform (4, 4) of a locked joint at its value."""
     T = np.eye(4)
     if step.held:
         axis = np.array(step.axis)

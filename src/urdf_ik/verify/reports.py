@@ -1,4 +1,4 @@
-"""What every report of this room can do: be read as text, JSON, HTML and JUnit XML."""
+"""Base classes of the reports: output as text, JSON, HTML and JUnit XML."""
 
 from __future__ import annotations
 
@@ -48,15 +48,15 @@ class Report(Written):
 
     @property
     def passed(self) -> bool:
-        """Whether all is well."""
+        """Whether the check passed."""
         raise NotImplementedError
 
     def title(self) -> str:
-        """What was checked."""
+        """The title: the subject of the check."""
         raise NotImplementedError
 
     def lines(self) -> tuple[str, ...]:
-        """What was found, a line each."""
+        """The findings, a line each."""
         raise NotImplementedError
 
     def verdict(self) -> str:

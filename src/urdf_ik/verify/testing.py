@@ -1,4 +1,4 @@
-"""For tests of your own: an arm of yours must agree with Pinocchio.
+"""The assertion that an arm agrees with Pinocchio, for your own test suite.
 
 >>> from urdf_ik.verify.testing import assert_agrees_with_pinocchio
 >>> report = assert_agrees_with_pinocchio("planar_2r", n=20)
@@ -73,10 +73,10 @@ def assert_agrees_with_pinocchio(
 
 
 def verdict(report: Report, name: str) -> tuple[bool | None, str]:
-    """What a report says of one of ``crosscheck.PROPERTIES``.
+    """The verdict of a report on one of ``crosscheck.PROPERTIES``.
 
     Returns:
-        Whether it holds, None where it was left out for a good reason; and the reason, or where the worst value is.
+        Whether the property holds, None if it was skipped; and its worst value with the place, or the reason.
 
     Example:
         >>> verdict(assert_agrees_with_pinocchio("planar_2r", n=20), "forward kinematics, position")[0]

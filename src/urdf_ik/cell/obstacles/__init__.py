@@ -1,1 +1,1 @@
-"""The obstacles of a world by place: a tree of boxes, and an index of what stands where."""
+"""The spatial index of a world's obstacles, and its tree of boxes."""

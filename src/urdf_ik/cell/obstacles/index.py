@@ -1,8 +1,8 @@
-"""The obstacles of a world at one moment, found by place: a tree of those that stand, a short list of those that move.
+"""The spatial index of a world's obstacles at one moment: a tree, and a short list of those changed since it was built.
 
-A change of the world makes a new index, which shares the tree with the last one. What was moved or added since the tree
-was made stands in the list, which every query looks through. What was moved or removed is no longer present in the
-tree. Where the list has grown too long, the next index has a new tree.
+A change of the world makes a new index, which shares the tree with the last one. Obstacles that were moved or added
+since the tree was built are in the list, which every query scans. Obstacles that were moved or removed no longer count
+in the tree. If the list has grown too long, the next index builds a new tree.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     Indices = NDArray[np.intp]
 
 FEW = 64
-"""Up to as many pieces of obstacles a world has no tree: looking at all of them takes no longer."""
+"""A world with at most so many pieces of obstacles has no tree: a scan of all pieces is as fast."""
 
 HOLD = np.dtype(
     [
@@ -43,7 +43,7 @@ HOLD = np.dtype(
         ("entry", np.int64),
     ]
 )
-"""What holds one piece of an obstacle: all points within ``radius`` of a box, which may be infinite on some sides.
+"""Bound of one piece of an obstacle: all points within ``radius`` of a box, which may be infinite on some sides.
 
 ``rotation`` brings points of the base link into the box's frame (``point @ rotation``), ``origin`` is subtracted then;
 ``box_low`` and ``box_high`` are the corners of an axis-aligned box about it in the base link. ``serial`` is the

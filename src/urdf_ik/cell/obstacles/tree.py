@@ -1,4 +1,4 @@
-"""A tree of axis-aligned boxes: which of a hundred thousand boxes are near some points, in a few NumPy calls.
+"""A tree of axis-aligned boxes: finds the boxes near given points among a hundred thousand, in a few NumPy calls.
 
 Coal has such trees (its broad-phase managers), but from Python one cannot say which pairs to check: their callbacks
 cannot be derived from, and the built-in ones know neither allowed pairs nor a margin for each pair. Here the tree only

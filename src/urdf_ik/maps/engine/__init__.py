@@ -1,7 +1,7 @@
-"""Long work in chunks that are kept on the disk as they are made, in this process or on a cluster.
+"""The engine for long runs: chunks, computed in this process or on a cluster, each saved to disk when finished.
 
-A store is a folder that outlives the run which fills it: killed at any moment, the same run goes on where it stopped,
-and ends with the same bytes. Maps, data sets, placements and surveys are made this way.
+A store is a folder that outlives the run which fills it. A run that was killed at any moment continues where it
+stopped, and ends with the same bytes. Maps, data sets, placements and surveys use it.
 
 >>> from urdf_ik.maps.engine import Folder, run
 >>> with Folder("numbers", {"what": "squares"}, 3) as store:

@@ -1,4 +1,4 @@
-"""How much memory and disk are free, and whether a result fits."""
+"""Free memory and disk space, and the check that a result fits."""
 
 from __future__ import annotations
 

@@ -76,7 +76,7 @@ class Lock:
 
 
 def _read(file: int) -> dict[str, object]:
-    """What a lock file says; {} where it says nothing."""
+    """The contents of a lock file; {} if it is empty or unreadable."""
     try:
         found = json.loads(os.pread(file, 4096, 0))
     except (OSError, ValueError):

@@ -1,4 +1,4 @@
-"""Long work in chunks: one after the other in this process, or as tasks on Dask's workers."""
+"""run(): computes chunks one after the other in this process, or as tasks on Dask's workers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where an arm's tip can be: the exact region of planar arms, a map of the solutions of any other.
+"""Workspaces: the exact region that a planar arm's tip reaches, and maps of the solutions of any arm.
 
 >>> import urdf_ik
 >>> from urdf_ik.maps import workspaces
@@ -7,11 +7,11 @@
 >>> len(found.branch_shares()), found.slice("z", 1.0).axes
 (8, ('x', 'y'))
 
-Maps that outgrow memory are made in a store, ``workspace(..., store="map.zarr")``, by this process or by the workers
+A map larger than memory is written to a store, ``workspace(..., store="map.zarr")``, by this process or by the workers
 of a Dask cluster.
 
-A map holds the answers of ``arm.ik`` for every voxel's centre in every orientation sampled: it says what is true of
-these poses, and nothing of what lies between them.
+A map holds the answers of ``arm.ik`` for every voxel's centre in every sampled orientation. It says nothing about the
+poses between them.
 """
 
 from __future__ import annotations

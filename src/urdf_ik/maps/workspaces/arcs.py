@@ -172,7 +172,7 @@ def _crossings(circle: Circle, other: Circle, size: float) -> list[float]:
 
 
 def _distinct(cuts: list[float]) -> Array:
-    """The angles in [0, 2 pi), sorted; the first one given stands for all that are the same."""
+    """The angles in [0, 2 pi), sorted, without duplicates; the first of several equal ones is kept."""
     kept: list[float] = []
     for cut in cuts:
         angle = float(np.mod(cut, TURN))
@@ -182,7 +182,7 @@ def _distinct(cuts: list[float]) -> Array:
 
 
 def _kept(circle: Circle, cuts: Array, inside: Inside, others: list[Circle], size: float) -> list[Arc]:
-    """The pieces of a circle that bound the region, those that continue each other joined."""
+    """The arcs of a circle that bound the region; consecutive arcs are joined."""
     sweeps = np.diff(np.append(cuts, cuts[0] + TURN))
     angles = cuts[:, None] + sweeps[:, None] * (np.arange(1, PROBES + 1) / (PROBES + 1))
     outward = np.stack([np.cos(angles), np.sin(angles)], axis=-1)

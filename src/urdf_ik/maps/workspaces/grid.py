@@ -166,7 +166,7 @@ class Grid:
         """The grid of such a description.
 
         Raises:
-            ArgumentError: it is none.
+            ArgumentError: it is invalid.
 
         Example:
             >>> Grid.from_described({"lower": [0.0, 0.0, 0.0], "voxel": 0.1, "shape": [2, 1, 1]}).count
@@ -204,13 +204,13 @@ def grid_of(arm: Arm, voxel: float, bounds: ArrayLike | None) -> Grid:
             "larger voxels, or narrower bounds"
         )
     counts = [max(1, math.ceil(float(step) - _ROUNDING)) for step in steps]
-    # Whole voxels, with the middle where it was asked for.
+    # Whole voxels, centred on the requested middle.
     lower = 0.5 * (lower + upper) - 0.5 * voxel * np.array(counts, dtype=np.float64)
     return Grid(lower, float(voxel), (counts[0], counts[1], counts[2]))
 
 
 def _reach_box(arm: Arm) -> tuple[Array, Array]:
-    """A box (3,), (3,) m that holds all positions of the tip: no further off than the links and slides are long."""
+    """A box (3,), (3,) m around all positions of the tip, from the lengths of the links and slides."""
     chain = arm.chain
     middle, first = chain.P[0].copy(), chain.P[1].copy()
     if not chain.prismatic[0]:

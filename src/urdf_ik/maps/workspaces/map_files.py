@@ -1,7 +1,7 @@
-"""Workspace maps in files: a compressed ``.npz`` without pickle, with a header in JSON.
+"""Files of workspace maps: a compressed ``.npz`` without pickle, with a header in JSON.
 
-The array ``header`` is text: format, version, the fields of ``About`` and the grid. The other arrays are those of
-``WorkspaceMap``, by its attributes' names; those that were not computed are left out.
+The array ``header`` is text: format, version, the fields of ``About`` and the grid. The other arrays have the names of
+the attributes of ``WorkspaceMap``; the file omits an array that was not computed.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MAX_BYTES = 2**30
-"""What a map may unpack to where nothing else is said [bytes]."""
+"""Default of the greatest unpacked size of a map [bytes]."""
 FORMAT, VERSION = "urdf-ik workspace map", 2
 
 _Map = TypeVar("_Map")

@@ -32,7 +32,7 @@ ALL, DIRECTIONS, TURNS, ANGLES, NOTHING = (
     "evenly spaced angles",
     "nothing: the task is a position",
 )
-"""What is sampled beside the position."""
+"""Descriptions of the samples at each position, by task."""
 
 
 def rotations(n: int) -> Array:
@@ -53,10 +53,10 @@ def directions(n: int) -> Array:
 
 
 def sampled(arm: Arm) -> str:
-    """What the arm's task has beside its position, as a sentence for people and files.
+    """Description of the samples that the arm's task needs at each position.
 
     Raises:
-        ArgumentError: the arm can take but few orientations, and they are different ones at every position.
+        ArgumentError: the arm reaches only few orientations, and others at every position.
     """
     by_task = {"position and axis": DIRECTIONS, "planar pose": ANGLES, "position": NOTHING, "planar position": NOTHING}
     if arm.task in by_task:
@@ -72,7 +72,7 @@ def sampled(arm: Arm) -> str:
 
 
 def samples(arm: Arm, n: int) -> Array:
-    """What the task has beside its position: (n, 3, 3) rotations, (n, 3) directions, (n, 1) rad; (1, 0) for nothing."""
+    """Samples at each position: (n, 3, 3) rotations, (n, 3) directions or (n, 1) rad; (1, 0) for a position task."""
     kind = sampled(arm)
     angles = 2.0 * np.pi * np.arange(n) / n - np.pi
     if kind == ALL:

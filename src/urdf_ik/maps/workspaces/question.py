@@ -1,4 +1,4 @@
-"""Question: the arrays of a map and all that they depend on. Solver: its answers at positions."""
+"""Question: the inputs that determine a map's arrays. Solver: the arrays at given positions."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ class Held(NamedTuple):
 
     Attributes:
         kind: type of its numbers.
-        per: 'orientation' or 'branch': what its last dimension counts.
-        words: what the numbers are.
-        units: of the numbers; '1' for those without.
+        per: 'orientation' or 'branch', the meaning of its last dimension.
+        words: description of the numbers.
+        units: of the numbers; '1' without a unit.
     """
 
     kind: type[np.generic]
@@ -43,7 +43,7 @@ class Held(NamedTuple):
 
     @property
     def fill(self) -> float:
-        """What stands for nothing."""
+        """The fill value: NaN for measured values, else 0."""
         return float("nan") if self.kind is np.float32 else 0
 
 
@@ -61,13 +61,13 @@ HELD = {
 
 @dataclass(frozen=True, eq=False)
 class Question(ArmQuestion):
-    """What is asked of every pose of a grid; it is pickled for workers.
+    """The inputs that determine a map; pickled for workers.
 
     Attributes:
         arm: the arm.
         grid: the voxels.
-        samples: (S, ...) what is sampled at each position.
-        holds: names of the arrays that are asked for, a part of ``HELD``.
+        samples: (S, ...) orientations, directions or angles sampled at each position.
+        holds: names of the requested arrays, a subset of ``HELD``.
         world: obstacles for 'free' and 'clearance', or None.
         redundancy: value of the redundancy parameter, or None.
         threads: number of threads that solve.
@@ -95,7 +95,7 @@ class Question(ArmQuestion):
 
     @property
     def pairs(self) -> tuple[tuple[str, str], ...] | None:
-        """Pairs of links that are checked for collision; None where no collision is asked for."""
+        """Pairs of links that are checked for collision; None if no requested array needs collision."""
         if "free" not in self.holds and "clearance" not in self.holds:
             return None
         return self.arm.cell.collisions.checked_pairs
@@ -105,7 +105,7 @@ class Question(ArmQuestion):
         return (*positions, len(self.branches) if HELD[name].per == "branch" else len(self.samples))
 
     def size(self, positions: int) -> int:
-        """Bytes of all arrays at so many positions."""
+        """Size of all arrays at so many positions [bytes]."""
         return sum(
             int(np.prod(self.shape(name, (positions,)))) * np.dtype(HELD[name].kind).itemsize for name in self.holds
         )
@@ -115,11 +115,11 @@ class Question(ArmQuestion):
         return self.at_once * len(self.samples) * (128 + 20 * len(self.branches) * (self.arm.dof + 1) * 8)
 
     def solver(self) -> Solver:
-        """What answers at positions."""
+        """The solver of this question at given positions."""
         return Solver(self)
 
     def about(self) -> About:
-        """What the map is of."""
+        """The description of the map."""
         arm, free = self.arm, self.arm.redundancy
         return About(
             robot=arm.name,

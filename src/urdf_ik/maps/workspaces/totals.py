@@ -1,4 +1,4 @@
-"""Sums over a map, and the addition of those of its blocks."""
+"""Sums over a map, computed block by block."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
     Counts = NDArray[np.uint8]
 
-# Arrays of a file, those that every map has and those that were asked for, and their types other than uint8.
+# Arrays of a file: those of every map, the requested ones, and the types other than uint8.
 _ALWAYS = ("samples", "solutions", "branch_poses")
 _PERHAPS = ("within", "free", "manipulability", "margin", "clearance")
 _MEASURED = ("manipulability", "margin", "clearance")
@@ -40,12 +40,12 @@ VALUES = {
     "margin": "greatest limit margin",
     "clearance": "greatest clearance [m]",
 }
-"""What a voxel can be asked for, and what that is."""
+"""Values of a voxel, by name, with their descriptions."""
 
 
 @dataclass(frozen=True)
 class About:
-    """What a map is of.
+    """The arm, task and settings of a map.
 
     Attributes:
         robot: the URDF's name.
@@ -56,7 +56,7 @@ class About:
         limits: (lower, upper) of each joint [rad or m], None where there is no limit.
         locked: joints that are held, with their values [rad or m].
         task: what the arm controls, see ``arm.task``.
-        sampled: what is sampled at each position.
+        sampled: the kind of samples at each position, in words.
         branches: names of the family's branches.
         counted: 'solutions', 'within' or 'free': which solutions count for reach, branches, manipulability and margin.
         redundancy: value of the redundancy parameter [rad or m], None for an arm without one.
@@ -95,7 +95,7 @@ class About:
         """From the fields as JSON holds them.
 
         Raises:
-            ArgumentError: one is missing, or is none.
+            ArgumentError: a field is missing or invalid.
 
         Example:
             >>> from dataclasses import asdict
@@ -303,7 +303,7 @@ class WorkspaceMap(Frozen):
         return np.stack([cuts[change[: len(cuts)] > 0], cuts[change[: len(cuts)] < 0]], axis=-1)
 
     def look_up(self, targets: Any, what: str | None = None) -> NDArray[Any]:
-        """What an array holds in the cells that targets are in: nearest voxel and nearest orientation.
+        """Values of an array in the cells of targets: nearest voxel and nearest orientation.
 
         Args:
             targets: (m, ...) of the map's task, ``about.task``, as ``arm.ik`` takes them.

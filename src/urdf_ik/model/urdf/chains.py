@@ -1,4 +1,4 @@
-"""The chains that a URDF offers from base to tip, and the one that is meant where none is named."""
+"""Candidate chains of a URDF from base to tip, and the choice of one by default."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from urdf_ik.model.urdf.limbs import Ending, Limb, named
 from urdf_ik.support.text import nearest, quoted
 
 FINGER_JOINTS = 3
-"""A branch with more joints than that is no finger, whatever it is called."""
+"""A branch with more joints is not a finger, whatever its name."""
 SLIDING_JOINTS = 1
-"""A slide with no more joints than that, beside others at the end of an arm, is a finger's."""
+"""A prismatic joint beside others at the end of an arm is a finger if its branch has at most so many joints."""
 _MOST_NAMES = 40
-"""Names of chains and limbs that an error lists at most."""
+"""An error lists at most so many names of chains and limbs."""
 _SHOWN = 8
-"""Chains that an error spells out at most."""
+"""An error describes at most so many chains."""
 ARM_JOINTS = 3
-"""A hand is looked for behind at least so many joints."""
+"""A hand comes after at least so many joints."""
 
 _FINGER = re.compile(
     r"finger|knuckle|gripper|jaw|claw|thumb|mors|grip_|_grip|(?<![a-z])(index|middle|ring|pinky|little)(?![a-z])",
@@ -34,7 +34,7 @@ _FINGER = re.compile(
 )
 _WRIST = re.compile(r"rot|roll|pitch|yaw|wrist|base|mount", re.IGNORECASE)
 _SIDES = {"left": "left", "l": "left", "right": "right", "r": "right"}
-# Names of tool frames, the most telling first.
+# Names of tool frames, the most specific first.
 _TOOL_FRAMES = (
     re.compile(r"(^|[_/])tcp\d?([_/]|$)", re.IGNORECASE),
     re.compile(r"(^|[_/])tool0([_/]|$)", re.IGNORECASE),
@@ -46,17 +46,17 @@ _FLANGE = re.compile(r"(^|[_/])flange([_/]|$)", re.IGNORECASE)
 
 @dataclass(frozen=True)
 class Candidate:
-    """A chain that may be meant.
+    """A candidate chain.
 
     Attributes:
-        name: what it can be called by; 'left' and 'right' where the URDF says so, else the tip's name.
+        name: its name; 'left' or 'right' if the names of the URDF say so, else the tip's name.
         base: base link.
         tip: tip link.
-        joints: its movable joints that follow no other, base to tip.
+        joints: its movable joints without a mimic, base to tip.
         frames: the other links that are fixed to its last moving link.
         before: movable joints between the root and the base, which it shares with other chains.
-        chosen: whether it is meant where neither base nor tip is named.
-        reason: why this tip, and why it is chosen or not, in words.
+        chosen: whether it is the default if neither base nor tip is given.
+        reason: why this link is the tip, or why the tip is ambiguous, in words.
 
     Example:
         >>> import urdf_ik
@@ -93,7 +93,7 @@ class Chains:
     """The chains below one link.
 
     Attributes:
-        base: the link that they begin at.
+        base: the first link of every chain.
         joints: the joints, in the file's order.
     """
 
@@ -106,12 +106,12 @@ class Chains:
             self._carried.setdefault(joint.parent, []).append(joint)
 
     def candidates(self) -> tuple[Candidate, ...]:
-        """The chains that may be meant, the longest first; one is chosen, or none where that is in doubt."""
+        """Candidate chains, the longest first; none is chosen if the choice is ambiguous."""
         ways = [way for way in self._ways() if len(way) > 1]
         ways.sort(key=lambda way: -_actuated(way))
         if not ways or not _actuated(ways[0]):
             return ()
-        # A head or a wheel is no rival to an arm, another arm is.
+        # Chains with more than half of the longest one's joints compete with it: another arm does, a head does not.
         meant = [way for way in ways if 2 * _actuated(way) > _actuated(ways[0])]
         names = _side_names(meant)
         starts = [0 if len(meant) == 1 else _common(meant), *(_common([ways[0], way]) for way in ways[len(meant) :])]
@@ -122,13 +122,13 @@ class Chains:
         )
 
     def limbs(self) -> tuple[Limb, ...]:
-        """Every limb, from where it parts from the others, in the file's order; fingers follow their arm."""
+        """Every limb, from its branching point on, in the file's order; fingers follow their arm."""
         ways = [way for way in self._ways() if _actuated(way)]
         endings: dict[tuple[str, str], Ending] = {}
         for k, way in enumerate(ways):
             others = [other for j, other in enumerate(ways) if j != k]
             shared = [_common([way, other]) for other in others]
-            # A branch with one joint, such as a camera's, parts no limb.
+            # A branch with one joint, such as a camera's, does not start a new limb.
             forks = {at for at, other in zip(shared, others, strict=True) if _actuated(other[at + 1 :]) > 1}
             stops = [0, *sorted(forks - {0, len(way) - 1}), len(way) - 1]
             hand, arm = len(way) - 1, Ending("", "", (), ())
@@ -145,14 +145,14 @@ class Chains:
         return named(list(endings.values()))
 
     def _ending(self, way: Sequence[_Body], arm: tuple[str, ...]) -> Ending:
-        """The limb along bodies, the first of which does not move with it."""
+        """The limb along bodies; the first body is its fixed base."""
         carriers = [body.carrier for body in way[1:] if body.carrier is not None]
         joints = tuple(joint.name for joint in carriers if _moves(joint))
         words = (*joints, *(joint.child for joint in carriers))
         return Ending(way[0].links[0], self._tip(way[-1])[0] or way[-1].links[0], joints, words, arm)
 
     def _fingers(self, body: _Body, depth: int, arm: tuple[str, ...]) -> Iterator[Ending]:
-        """The fingers that a body carries, each along its longest way."""
+        """The fingers on a body, each along its longest branch."""
         for joint in body.carried:
             if joint.type in MOVABLE and self._is_finger(joint, len(body.carried), depth) and self._height(joint):
                 way = [body, self._body(joint.child, joint)]
@@ -174,9 +174,9 @@ class Chains:
 
     @cached_property
     def _heights(self) -> dict[str, int]:
-        """Most joints that follow no other on a way down from each link."""
+        """Greatest number of joints without a mimic on a path down from each link."""
         links = [self.base]
-        for link in links:  # which grows, parents before children
+        for link in links:  # the list grows during the loop: parents before children
             links += [joint.child for joint in self._carried.get(link, ())]
         heights: dict[str, int] = {}
         for link in reversed(links):
@@ -185,13 +185,13 @@ class Chains:
         return heights
 
     def _height(self, joint: Joint) -> int:
-        """Most joints that follow no other on a way down, this one included."""
+        """Greatest number of joints without a mimic on a path down, this one included."""
         return int(_moves(joint)) + self._heights[joint.child]
 
     def _ways(self) -> list[list[_Body]]:
-        """Ways from the base down to the ends of arms; those behind a floating or planar joint begin there."""
+        """Paths from the base down to the ends of arms; a floating or planar joint starts a new path."""
         ways: list[list[_Body]] = []
-        # Without recursion: a chain may have as many joints as there may be links.
+        # Without recursion: a chain may be as long as MAX_LINKS.
         waiting: list[tuple[_Body, int, list[_Body]]] = [(self._body(self.base, None), 0, [])]
         while waiting:
             body, depth, way = waiting.pop()
@@ -208,7 +208,7 @@ class Chains:
         return ways
 
     def _is_finger(self, joint: Joint, beside: int, depth: int) -> bool:
-        """Whether a joint moves a finger rather than the arm: one of several in a hand, or an arm's last one."""
+        """Whether a joint moves a finger and not the arm: one of several joints in a hand, or the last of an arm."""
         height = self._height(joint)
         if beside > 1 and not height:
             return True
@@ -238,7 +238,7 @@ class Chains:
         )
 
     def _tip(self, body: _Body) -> tuple[str | None, str]:
-        """The tool frame among links that are fixed to each other; None where that is in doubt."""
+        """The tool frame among links that are fixed to each other, and the reason; None if it is ambiguous."""
         if len(body.links) == 1:
             return body.links[0], "the last link"
         for pattern in _TOOL_FRAMES:
@@ -247,7 +247,7 @@ class Chains:
         leaves = [link for link in body.links if not self._carried.get(link)]
         if len(leaves) == 1:
             return leaves[0], "the only link at the end"
-        if not leaves:  # each carries a finger
+        if not leaves:  # every link carries a finger
             ends = [link for link in body.links if all(below.type != "fixed" for below in self._carried[link])]
             if len(ends) == 1:
                 return ends[0], "the only link at the end of those that are fixed to it"
@@ -259,13 +259,13 @@ class Chains:
         return None, f"{len(body.links)} links, all fixed to {quoted(body.links[0])}"
 
     def _is_apart(self, link: str) -> bool:
-        """Whether a fixed leaf lies elsewhere than the link that carries it."""
+        """Whether the origin of a fixed leaf differs from its parent link's."""
         carrier = next(joint for joint in self.joints if joint.child == link)
         return bool(np.abs(carrier.origin[:3, 3]).max() > 0.0)
 
 
 def doubt(source: str, candidates: Sequence[Candidate], limbs: Sequence[Limb], chain: str | None) -> ChainError:
-    """The error where no candidate is chosen, or none or several have the name that was asked for."""
+    """The error for an ambiguous chain, or for a name that no chain or several chains have."""
     if chain is not None:
         every = dict.fromkeys([*(each.name for each in candidates), *(limb.name for limb in limbs)])
         names = ", ".join(quoted(name) for name in islice(every, _MOST_NAMES))
@@ -305,7 +305,7 @@ def _common(ways: Sequence[Sequence[_Body]]) -> int:
 
 
 def _side_names(ways: Sequence[Sequence[_Body]]) -> list[str]:
-    """'left' and 'right' for two ways whose last joints or links say so, else nothing."""
+    """'left' and 'right' if the last joints or links of two paths have these names, else an empty list."""
     found = []
     for way in ways:
         names = [way[-1].links[0], *(body.carrier.name for body in way[-1:] if body.carrier is not None)]

@@ -1,4 +1,4 @@
-"""What one joint must hold for its kinematics to mean one thing, and the clean XML that says only that."""
+"""Checks of one joint: its attributes must define its kinematics uniquely; and its clean XML."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 _T = TypeVar("_T")
 
 _LONGEST = 1000
-"""Characters of an attribute that holds numbers, at most: six times what three numbers with all their digits have."""
+"""Greatest length of an attribute with numbers [characters]; three numbers with 17 digits take far fewer."""
 MOVABLE = ("revolute", "continuous", "prismatic")
 TYPES = (*MOVABLE, "fixed", "floating", "planar")
 
@@ -36,14 +36,14 @@ _NUMBERS = re.compile(rf"[ \t\r\n]*{_DECIMAL}(?:[ \t\r\n]+{_DECIMAL})*[ \t\r\n]*
 
 @dataclass(frozen=True)
 class Place:
-    """Where in which source a check stands, so that every error names it."""
+    """Source and element under check; every error names them."""
 
     source: str
     element: Any
     label: str
 
     def error(self, problem: str, *, hint: str, at: Any = None) -> UrdfError:
-        """The error of a defect here, or at a child of the place where ``at`` is given."""
+        """The error of a defect in this element, or in its child ``at``."""
         where, label = self.element, self.label
         if at is not None and at is not self.element:
             where, label = at, f"<{written_tag(at)}> of {self.label}"
@@ -79,19 +79,19 @@ class Place:
         return values
 
     def origin(self, element: Any) -> dict[str, str]:
-        """Attributes of the ``<origin>`` that may stand in ``element``: xyz [m] and rpy [rad]."""
+        """Attributes of the ``<origin>`` of ``element``: xyz [m] and rpy [rad]; empty without one."""
         origin = child(element, "origin")
         if origin is None:
             return {}
         if origin.get("quat_xyzw") is not None:
-            # URDF 1.2 only: Pinocchio would read it there, and yourdfpy never.
+            # URDF 1.2 only: Pinocchio reads it there, yourdfpy never does.
             problem = f"quat_xyzw={quoted(origin.get('quat_xyzw'))} is read by some URDF readers only"
             self.fail(problem, hint="write the rotation as rpy, in rad", at=origin)
         values = {name: self.numbers(origin, name, 3, "0 0 0") for name in ("xyz", "rpy")}
         return {name: " ".join(self.in_range(origin, name, each)) for name, each in values.items()}
 
     def in_range(self, element: Any, attribute: str, values: list[str]) -> list[str]:
-        """These values of the attribute, none of them beyond ``LARGEST``."""
+        """The values, unless one of them exceeds ``LARGEST``."""
         if any(abs(float(value)) > LARGEST for value in values):
             problem = f"{attribute}={quoted(element.get(attribute))} is beyond {LARGEST:g}, where no digit is left"
             self.fail(problem, hint="write lengths in m, and angles in rad", at=element)
@@ -100,7 +100,7 @@ class Place:
 
 @dataclass(frozen=True)
 class RawJoint:
-    """A joint whose attributes have been checked, before the tree has."""
+    """A joint whose attributes were checked; the tree was not yet."""
 
     name: str
     type: str
@@ -122,7 +122,7 @@ class RawJoint:
         return line
 
     def write(self, robot: Any) -> None:
-        """Append the joint to the clean tree, with nothing in it but kinematics."""
+        """Append the joint to the clean tree, with its kinematics only."""
         joint = etree.SubElement(robot, "joint", name=self.name, type=self.type)
         etree.SubElement(joint, "parent", link=self.parent)
         etree.SubElement(joint, "child", link=self.child)
@@ -143,9 +143,9 @@ class RawJoint:
 def check_joint(
     place: Place, links: dict[str, Any], taken: Mapping[str, RawJoint], defects: Defects
 ) -> RawJoint | None:
-    """One ``<joint>`` by itself, its defects kept; None where it does not join two links.
+    """Check one ``<joint>`` and record its defects; None if it does not name two links.
 
-    A link that it joins and that is not declared is added to ``links``.
+    A link that it names and that the file does not declare is added to ``links``.
     """
     element = place.element
     name = _joint_name(place, taken, defects)
@@ -196,7 +196,7 @@ def check_joint(
 
 
 def _joint_name(place: Place, taken: Mapping[str, RawJoint], defects: Defects) -> str:
-    """The joint's name, or one made of its line where it has none of its own."""
+    """The joint's name, or one made from its line number if it has no valid and unique name."""
     name, other = place.element.get("name"), None
     try:
         check_name(place)
@@ -239,7 +239,7 @@ def check_name(place: Place) -> str:
 
 
 def label_of(element: Any) -> str:
-    """A link or joint as messages call it."""
+    """The name of a link or joint in messages."""
     name = element.get("name")
     return f"<{tag(element)}>" if name is None else f'<{tag(element)} name="{quoted(name)[1:-1]}">'
 
@@ -265,7 +265,7 @@ def _undeclared(place: Place, end: str, name: str, links: Mapping[str, Any]) -> 
 
 
 def _axis(place: Place) -> str:
-    """Unit direction of the axis; yourdfpy leaves a prismatic joint's axis as long as it is written."""
+    """Unit direction of the axis; yourdfpy does not normalize the axis of a prismatic joint."""
     element = child(place.element, "axis")
     if element is None:
         return "1 0 0"
@@ -277,13 +277,13 @@ def _axis(place: Place) -> str:
         place.fail(problem, hint='write a direction, such as "0 0 1"', at=element)
     if abs(math.hypot(x, y, z) - 1.0) < 1e-15:
         return " ".join(values)
-    x, y, z = x / largest, y / largest, z / largest  # first, so that no length overflows, and none vanishes
+    x, y, z = x / largest, y / largest, z / largest  # the length then neither overflows nor underflows
     length = math.hypot(x, y, z)
     return f"{x / length!r} {y / length!r} {z / length!r}"
 
 
 def _bounds(place: Place, kind: str) -> tuple[float, float]:
-    """Lower and upper; a bound that is not written is 0, as the URDF standard says."""
+    """Lower and upper bound; a missing one is 0, as the URDF standard says."""
     element, bounded = child(place.element, "limit"), kind in ("revolute", "prismatic")
     if element is None and bounded:
         place.fail(

@@ -1,7 +1,7 @@
-"""Defects of a URDF: one table says who uses each part of the file, and what is assumed where nobody does.
+"""Defects of a URDF: a table of the users of each part, and of the value assumed in place of a defective part.
 
-A defect in a part that the asked chain, its mimic parents or the asked question use is an error. Anywhere else it is a
-:class:`UrdfWarning`, and the URDF is read as the table says.
+A defect is an error if the loaded chain, the joints that it mimics, or the requested check use the part. Otherwise it
+is a :class:`UrdfWarning`, and the reader assumes the value in the table.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ TAKEN_FOR_FIXED = "the joint is fixed"
 
 
 class Rule(NamedTuple):
-    """What a defect of one kind means: which element, what is wrong, who refuses it, what is assumed elsewhere."""
+    """One kind of defect: the element, the defect, the users that refuse it, and the assumption for all others."""
 
     element: str
     defect: str
@@ -55,11 +55,11 @@ RULES: dict[str, Rule] = {
 
 @dataclass(frozen=True)
 class UrdfWarning:
-    """A defect in a part of a URDF that is not used as long as nobody asks for it.
+    """A defect in a part of a URDF; an error is raised only if the part is used.
 
     Attributes:
         rule: the row of ``RULES``.
-        error: the error that is raised where the part is used.
+        error: the error that is raised if the part is used.
         joints: a chain that uses one of these joints, or one that mimics them, is refused.
         links: a chain through one of these links is refused.
         collides: whether collision checks are refused.
@@ -118,7 +118,7 @@ class Defects:
         links: Sequence[str] = (),
         collides: bool | None = None,
     ) -> None:
-        """Keep a defect; whether it stops collision checks is the rule's to say, unless it is given."""
+        """Record a defect; ``collides``, by default the rule's, says whether collision checks are refused."""
         stops = COLLISION in RULES[rule].used_by if collides is None else collides
         kept = error.with_traceback(None)
         self.found.append(UrdfWarning(rule, kept, tuple(joints), tuple(links), stops))

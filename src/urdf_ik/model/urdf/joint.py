@@ -1,4 +1,4 @@
-"""One joint of a URDF, as every room above knows it."""
+"""Joint: one joint of a URDF."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The limbs of a robot with several chains, by the names of their joints and links: arms, legs, heads, fingers."""
+"""Limbs of a robot with several chains, named after their joints and links: arms, legs, heads, fingers."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ _KINDS = {
     "torso": "torso waist trunk spine chest lumbar thorax",
 }
 LONGEST_WHEEL = 2
-"""A limb with more joints is none of a wheel's, though it may end in one."""
+"""A limb with more joints is not a wheel, though it may end in one."""
 ARM_JOINTS = 5
-"""A limb whose names say nothing is an arm if it has so many joints."""
+"""A limb whose names match no kind is an arm if it has at least so many joints."""
 _KIND_OF = {word: kind for kind, words in _KINDS.items() for word in words.split()}
 _SIDES = {"left": "left", "l": "left", "right": "right", "r": "right"}
 _ENDS = {"front": "front", "f": "front", "fore": "front", "rear": "rear", "hind": "rear", "back": "rear", "h": "rear"}
@@ -41,9 +41,9 @@ class Limb:
     Attributes:
         name: such as 'left_arm', 'right_front_leg', 'head' or 'left_thumb_finger'; different from all others.
         kind: 'arm', 'leg', 'head', 'finger', 'wheel', 'torso', or 'limb' where the names do not say.
-        base: link that it begins at, where it parts from the other limbs.
+        base: its first link, where it branches off from the other limbs.
         tip: its last link.
-        joints: its movable joints that follow no other, base to tip.
+        joints: its movable joints without a mimic, base to tip.
 
     Example:
         >>> import urdf_ik
@@ -60,9 +60,9 @@ class Limb:
 
 @dataclass(frozen=True)
 class Ending:
-    """A limb without a name: where it begins and ends, its joints, and every name that says what it may be.
+    """A limb before it is named: its base, tip and joints, and the names of its joints and links.
 
-    ``arm`` holds the names of the arm that carries it, for a finger.
+    For a finger, ``arm`` holds the joint and link names of the arm that carries it.
     """
 
     base: str
@@ -73,7 +73,7 @@ class Ending:
 
     @property
     def kind(self) -> str:
-        """What the names say, 'limb' where they say nothing."""
+        """The kind that most words of the names match; without a match, 'arm' or 'limb' by the number of joints."""
         if self.arm:
             return "finger"
         votes = Counter(kind for name in self.names for word in _words(name) if (kind := _kind_of(word)))
@@ -85,7 +85,7 @@ class Ending:
 
 
 def named(endings: Sequence[Ending]) -> tuple[Limb, ...]:
-    """The limbs with names of their own, in the order in which they are given.
+    """The limbs, each with a unique name, in the given order.
 
     Example:
         >>> leg = Ending("hip", "foot", ("LHipYaw",), ("LHipYaw", "l_foot"))
@@ -129,7 +129,7 @@ def _name(ending: Ending, kind: str) -> str:
                 sides[_SIDES[word[0]]] += 1
             elif word in _ENDS and len(word) > 1:
                 ends[_ENDS[word]] += 1
-    # Half of the names, so that a frame called 'front' on an arm says nothing.
+    # At least half of the names must agree: one frame called 'front' does not make an arm a front arm.
     half = len(ending.arm or ending.names) / 2.0
     parts = [found.most_common(1)[0][0] for found in (sides, ends) if found and found.most_common(1)[0][1] >= half]
     if kind == "finger" and digits:

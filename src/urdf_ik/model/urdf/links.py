@@ -1,8 +1,8 @@
-"""Links in the clean XML: shapes, inertia and colours as far as every URDF reader understands them.
+"""Links in the clean XML: the shapes, inertia and colours that every URDF reader understands.
 
-None of it touches kinematics, so a defect here refuses nothing. But Pinocchio drops the rest of a link,
-collision shapes and all, after the first part it cannot read, and yourdfpy gives up on the whole file: the
-part at fault is left out of the clean XML, and the error that says so is kept.
+None of these affects kinematics, so a defect does not stop the reader. But after the first part that it cannot read,
+Pinocchio drops the rest of the link, collision shapes included, and yourdfpy refuses the whole file. The clean XML
+therefore omits a defective part, and the defect is recorded.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 def write_links(robot: Any, links: dict[str, Any], source: str, defects: Defects) -> None:
-    """Append every link to the clean tree; the parts that are left out are kept as defects."""
+    """Append every link to the clean tree; omit its defective parts and record them."""
     count = 0
     for name, element in links.items():
         link = etree.SubElement(robot, "link", name=name)
@@ -56,7 +56,7 @@ def write_links(robot: Any, links: dict[str, Any], source: str, defects: Defects
 
 
 def write_materials(robot: Any, original: Any, source: str) -> None:
-    """Append the colours that links refer to by name; a broken one is left out, as nothing rests on it."""
+    """Append the colours that links refer to by name, without the defective ones."""
     written: set[str] = set()
     for count, element in enumerate(children(original, "material")):
         if count >= MAX_PARTS:
@@ -123,7 +123,7 @@ def _write_origin(place: Place, out: Any) -> None:
 
 
 def _material(place: Place, element: Any, out: Any) -> bool:
-    """Write a material if every reader takes it; says whether it did."""
+    """Write a material if every reader takes it; return whether it was written."""
     name, color = element.get("name"), child(element, "color")
     if not name:
         return False

@@ -1,4 +1,4 @@
-"""From a file, text or stream to a :class:`UrdfModel`: what is broken where nothing uses it is a warning."""
+"""The reader of a URDF from a file, text or stream; a defect in a part that is not used becomes a warning."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ def read(
     xacro_args: Mapping[str, object] | None = None,
     strict: bool = False,
 ) -> UrdfModel:
-    """Read a URDF; a defect in a part that a chain need not use is a warning.
+    """Read a URDF; a defect becomes a warning if the chain may do without the defective part.
 
     Args:
         source: a path, XML text, or an open text or binary file: a URDF, compressed or not, a MuJoCo model (MJCF), or
             a xacro, which is a program: a file whose name ends in ``.xacro``, or anything with ``xacro_args``.
         mesh_roots: folders that meshes may come from besides the URDF's own and its ROS package; meshes need not
-            exist. ROS packages are looked for here first, then in AMENT_PREFIX_PATH and ROS_PACKAGE_PATH.
+            exist. The search for ROS packages starts here; AMENT_PREFIX_PATH and ROS_PACKAGE_PATH follow.
         xacro_args: values of a xacro's arguments by name.
         strict: whether every defect is an error.
 
@@ -43,7 +43,7 @@ def read(
         The model, with every joint's origin and axis as yourdfpy reads them.
 
     Raises:
-        UrdfError: the URDF cannot be read, or is broken; the message names file, line, element and hint.
+        UrdfError: the URDF cannot be read or is defective; the message names file, line, element and correction.
         MissingPackage: a xacro or MJCF is given, and the package that reads it is not installed.
 
     Example:
@@ -75,7 +75,7 @@ def read(
         for joint in raw:
             joint.write(robot)
     xml = etree.tostring(clean, encoding="utf-8", xml_declaration=True, pretty_print=True)
-    # Kinematics need no shapes: reading them, too, takes most of yourdfpy's time.
+    # yourdfpy would spend most of its time on the shapes, which kinematics does not need.
     theirs = yourdfpy_model(etree.tostring(bare)).joint_map
     return UrdfModel(
         name=name,

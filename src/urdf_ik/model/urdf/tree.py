@@ -1,4 +1,4 @@
-"""What the links and joints of a URDF must hold together: names of their own, and one tree."""
+"""Checks of all links and joints of a URDF together: unique names, one tree, no circles of mimics."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 MAX_LINKS = 500
 """Pinocchio crashes on chains of a few thousand links and yourdfpy hangs before that."""
 _SHOWN = 8
-"""Joints or links of a circle that an error lists at most."""
+"""An error lists at most so many joints or links of a circle."""
 VERSIONS = ("1.0", "1.1", "1.2")
 
 
 def check_robot(robot: Any, source: str, defects: Defects) -> str:
-    """Name of the robot, '' where it has none; instructions of xacro that were left over are kept as defects.
+    """Name of the robot, or ''; unresolved xacro instructions are recorded as defects.
 
     Raises:
         UrdfError: another version of the format.
@@ -42,7 +42,7 @@ def check_robot(robot: Any, source: str, defects: Defects) -> str:
 
 
 def check_links(robot: Any, source: str, defects: Defects) -> dict[str, Any]:
-    """Link elements by name, in the file's order; without those that have no name of their own.
+    """Link elements by name, in the file's order; links without a name, or with one that is taken, are omitted.
 
     Raises:
         UrdfError: there is no link, or there are too many.
@@ -71,7 +71,7 @@ def check_links(robot: Any, source: str, defects: Defects) -> dict[str, Any]:
 
 
 def check_joints(robot: Any, links: dict[str, Any], source: str, defects: Defects) -> list[RawJoint]:
-    """Joints that join two links, in the file's order; their tree and their mimics are not checked yet.
+    """Joints between two links, in the file's order; the tree and the mimics are not checked yet.
 
     Raises:
         UrdfError: there are too many.
@@ -90,7 +90,7 @@ def check_joints(robot: Any, links: dict[str, Any], source: str, defects: Defect
 def check_tree(
     joints: list[RawJoint], links: dict[str, Any], source: str, defects: Defects
 ) -> tuple[str, list[RawJoint], dict[str, Any]]:
-    """The root link, and the joints and links of its tree: the part of the file that has most moving joints.
+    """The root link, and the joints and links of its tree: of several trees the one with most moving joints.
 
     Raises:
         UrdfError: all links are parts of circles.
@@ -113,7 +113,7 @@ def check_tree(
     if not trees:
         raise circles[0][0]
     moving = {root: sum(parent_of[link].type in MOVABLE for link in tree - {root}) for root, tree in trees.items()}
-    root = max(trees, key=lambda each: moving[each])  # the first of several with as many
+    root = max(trees, key=lambda each: moving[each])  # the first in the file if several have as many
     for start, apart in trees.items():
         if start != root:
             error = Place(source, links[start], label_of(links[start])).error(
@@ -131,14 +131,14 @@ def check_tree(
 
 
 def check_mimics(joints: list[RawJoint], defects: Defects) -> list[RawJoint]:
-    """The joints, without the ``<mimic>`` of those whose row of mimics does not end at a joint that moves by itself."""
+    """The joints, without each ``<mimic>`` that names no movable joint; a circle of mimics loses one of them."""
     by_name = {joint.name: joint for joint in joints}
     for joint in joints:
         name = joint.name
         if joint.mimic is not None and (error := _refused_driver(joint, by_name)) is not None:
             by_name[name] = replace(joint, mimic=None)
             defects.add("mimic", error, joints=[name])
-    sound: set[str] = set()  # joints whose row of mimics ends
+    sound: set[str] = set()  # joints whose mimics lead to a joint that moves by itself
     for start in by_name:
         name, walked = start, dict[str, None]()
         while name not in sound and (mimic := by_name[name].mimic) is not None:
@@ -168,7 +168,7 @@ def _below(root: str, parent_of: Mapping[str, RawJoint]) -> set[str]:
 
 
 def _circles(links: Mapping[str, Any], parent_of: Mapping[str, RawJoint]) -> list[tuple[UrdfError, set[str]]]:
-    """The error of each circle of links, and the links in it and below it."""
+    """For each circle of links its error, and the links in it and below it."""
     circles = []
     sound: set[str] = set()
     for start in links:
@@ -194,7 +194,7 @@ def _collides(elements: Iterable[Any]) -> bool:
 
 
 def _refused_driver(joint: RawJoint, joints: Mapping[str, RawJoint]) -> UrdfError | None:
-    """The error of a joint that mimics one that is not there, or that has no value."""
+    """The error of a joint that mimics a missing joint, or one without a single value."""
     driver = joint.mimic[0] if joint.mimic else ""
     element = child(joint.place.element, "mimic")
     if driver not in joints:

@@ -1,4 +1,4 @@
-"""Reading a URDF: hardened XML in, a checked kinematic tree out, with line and element in every refusal."""
+"""UrdfModel: a URDF that was read and checked, its kinematic tree and its clean XML."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class UrdfModel:
-    """A URDF that has been read and found sound: its links and joints form one tree.
+    """A URDF that was read and checked: its links and joints form one tree.
 
     Attributes:
         name: the robot's name; may be empty.
-        source: what messages call it: the path, or ``<text>``.
-        path: the file it was read from, absolute, or None.
+        source: its name in messages: the path, or ``<text>``.
+        path: absolute path of the file that it was read from, or None.
         xml: the clean URDF (UTF-8), links and joints and nothing else, which yourdfpy and Pinocchio read alike.
         links: names of the links, in the file's order.
         joints: in the file's order.
@@ -76,13 +76,13 @@ class UrdfModel:
         return tuple(dict.fromkeys(str(folder) for folder in (*own, *self.mesh_roots) if folder is not None))
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Write the URDF, tools included: what was read, without what kinematics and shapes do not need.
+        """Write the clean URDF (``model.xml``), tools included.
 
-        Meshes keep the names that they have in the file that was read. ``urdf_ik.load(path, arm.base, arm.tip,
+        Meshes keep the filenames of the file that was read. ``urdf_ik.load(path, arm.base, arm.tip,
         locked=dict(arm.chain.locked), mesh_roots=arm.model.package_dirs)`` gives the same arm again.
 
         Args:
-            path: the file, which is replaced if it is there. The same text as bytes: ``model.xml``.
+            path: the file, which is replaced if it exists.
 
         Raises:
             ArgumentError: it cannot be written.
@@ -126,7 +126,7 @@ class UrdfModel:
         return self._carried.get(link, ())
 
     def path_between(self, base: str, tip: str) -> tuple[Joint, ...]:
-        """The joints from ``base`` to ``tip``: up to the link that is above both, and down from there.
+        """The joints from ``base`` up to the lowest common ancestor of both links, and down to ``tip``.
 
         Raises:
             ChainError: there is no such link.
@@ -145,13 +145,14 @@ class UrdfModel:
         return (*up, *reversed(down))
 
     def chains(self, base: str | None = None) -> tuple[Candidate, ...]:
-        """The chains that may be meant below a link, the longest first; without the fingers of hands.
+        """Candidate chains below a link, the longest first, without the fingers of hands.
 
-        One of them is chosen where the URDF leaves no doubt: an arm with more than twice the joints of every other
-        chain, that ends in one link, or in links one of which is named as a tool frame or stands alone at the end.
+        One is chosen if the URDF leaves no doubt: it has at least twice the joints of every other chain, and its tip
+        is unique. The tip is unique if the chain ends in one link, or if a single end link has the name of a tool
+        frame or is the only leaf.
 
         Args:
-            base: link that they begin at; default: the root.
+            base: first link of the chains; default: the root.
 
         Raises:
             ChainError: there is no such link.
@@ -164,10 +165,10 @@ class UrdfModel:
         return self._chains_below(base).candidates()
 
     def limbs(self, base: str | None = None) -> tuple[Limb, ...]:
-        """The limbs below a link, by the names of their joints and links: arms, legs, a head, fingers.
+        """The limbs below a link, named after their joints and links: arms, legs, a head, fingers.
 
         Args:
-            base: link that they are looked for below; default: the root.
+            base: the search goes downwards from this link; default: the root.
 
         Raises:
             ChainError: there is no such link.
@@ -180,7 +181,7 @@ class UrdfModel:
         return self._chains_below(base).limbs()
 
     def _chains_below(self, base: str | None) -> Chains:
-        # Joints that were only taken for fixed, for their defects, are parts of the chains that may be meant.
+        # A joint that was read as fixed because of a defect may still belong to the chain that the caller means.
         still = {name for each in self.warnings if each.assumed == TAKEN_FOR_FIXED for name in each.joints}
         joints = self.joints
         if still:
@@ -190,18 +191,17 @@ class UrdfModel:
     def resolve_chain(
         self, base: str | None = None, tip: str | None = None, chain: str | None = None
     ) -> tuple[str, str]:
-        """Base and tip with what is missing filled in: the root, and the end of the chain that is meant.
+        """Base and tip, with defaults: the root, and the tip of the chosen or named chain.
 
-        Both may be any links of the tree: the tip need not lie below the base when both are given.
+        If both are given they may be any links of the tree: the tip need not lie below the base.
 
         Args:
             base: base link.
             tip: tip link.
-            chain: name of one of ``chains``, or of ``limbs``, where the tip is not given.
+            chain: name of one of ``chains`` or of ``limbs``; used only without a tip.
 
         Raises:
-            ChainError: there is no such link, or it is in doubt which chain is meant; the candidates say what is
-                valid.
+            ChainError: there is no such link, or the chain is ambiguous; ``candidates`` lists the valid names.
 
         Example:
             >>> import urdf_ik
@@ -213,7 +213,7 @@ class UrdfModel:
         if tip is not None:
             return self.root if base is None else self._require(base, "base"), self._require(tip, "tip")
         if base is None and any(each.rule == "parts" and each.joints for each in self.warnings):
-            # The arm that is meant may be apart: say what took the robot apart.
+            # The wanted arm may be in a part that is not connected to the rest: report why the tree fell apart.
             raise next(each.error for each in self.warnings if each.rule in ("undeclared", "ends", "parts"))
         candidates = self.chains(base)
         if not candidates:
@@ -233,10 +233,10 @@ class UrdfModel:
         raise doubt(self.source, candidates, limbs, chain)
 
     def require_sound(self, base: str, tip: str) -> None:
-        """Refuse the chain between two links where it uses a part of the URDF that has a defect.
+        """Raise an error if the chain between two links uses a defective part of the URDF.
 
         Raises:
-            UrdfError: a joint of it, a joint that one of these mimics, or a link has a defect.
+            UrdfError: a joint or link of the chain, or a joint that one of its joints mimics, has a defect.
             ChainError: there is no such link.
 
         Example:
@@ -253,14 +253,14 @@ class UrdfModel:
                 raise warning.error
 
     def _row(self, joint: Joint) -> list[Joint]:
-        """The joint, and those that it follows."""
+        """The joint, the joint that it mimics, and so on."""
         row = [joint]
         while (mimic := row[-1].mimic) is not None:
             row.append(self._by_name[mimic[0]])
         return row
 
     def driver(self, joint: Joint) -> tuple[Joint, float, float]:
-        """The joint at the end of a row of mimics, itself for one that is free, with multiplier and offset.
+        """The joint that drives ``joint`` through its mimics, with multiplier and offset; itself without a mimic.
 
         Example:
             >>> import urdf_ik
@@ -299,7 +299,7 @@ class UrdfModel:
         if isinstance(link, str) and (link == self.root or link in self._carrier):
             return link
         if apart := next((each for each in self.warnings if link in each.links), None):
-            raise apart.error  # the file has it, but in no tree with the others
+            raise apart.error  # the file has this link, but not in the tree
         close = nearest(printable(link), self.links)
         hint = f"; did you mean {' or '.join(map(quoted, close))}?" if close else ""
         what = "link" if role == "link" else f"{role} link"
@@ -318,7 +318,7 @@ class UrdfModel:
 
 
 def resolve_mesh(model: UrdfModel, filename: str) -> Path:
-    """Find the file of a mesh, only in the URDF's own folder, its ROS package, the mesh roots and ROS packages.
+    """Find the file of a mesh in the URDF's own folder, its ROS package, the mesh roots and other ROS packages.
 
     Args:
         model: the URDF that names the mesh.
@@ -328,7 +328,7 @@ def resolve_mesh(model: UrdfModel, filename: str) -> Path:
         The file's path, absolute, with symbolic links followed.
 
     Raises:
-        UrdfError: the name leads outside these folders, or is not found there; the message lists them.
+        UrdfError: the path leads outside these folders, or no such file exists there; the message lists them.
 
     Example:
         >>> from pathlib import Path
@@ -345,7 +345,7 @@ def resolve_mesh(model: UrdfModel, filename: str) -> Path:
 
 
 def yourdfpy_model(xml: bytes) -> Any:
-    """The yourdfpy.URDF of clean XML, without meshes, a scene and capsules.
+    """The yourdfpy.URDF of clean XML, without meshes, scene and capsules.
 
     Example:
         >>> yourdfpy_model(b'<robot name="r"><link name="only"/></robot>').robot.name

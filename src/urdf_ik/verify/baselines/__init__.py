@@ -1,4 +1,4 @@
-"""An arm's answers of today, kept in a lock file, and what of them holds tomorrow.
+"""Baselines: an arm's answers in a lock file, and the check of a later arm against them.
 
 >>> import urdf_ik
 >>> lock = urdf_ik.freeze(urdf_ik.load("planar_2r"))

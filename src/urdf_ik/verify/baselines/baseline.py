@@ -1,4 +1,4 @@
-"""What a lock file holds, and its text: one pose a line, sorted keys, numbers that read back exactly."""
+"""Baseline: the contents of a lock file, and its text: one pose a line, sorted keys, numbers that read back exactly."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An arm of today against a baseline: what moved, which branches vanished, and at which poses."""
+"""verify(): compares an arm with a baseline, and reports moved frames, vanished branches and the poses."""
 
 from __future__ import annotations
 
@@ -49,14 +49,14 @@ _MOST_PLACES = 6
 
 @dataclass(frozen=True, repr=False)
 class Verification(Report):
-    """What of a baseline holds for an arm.
+    """The result of verifying an arm against a baseline.
 
     Attributes:
         arm: the arm that was verified.
         frozen: the arm of the baseline.
-        differences: what is different, and counts.
-        ignored: what is different, and was not to count.
-        notes: what was not compared, or is different without being a fault, such as the name of a family.
+        differences: the differences that count.
+        ignored: the differences that the caller ignores.
+        notes: parts that were not compared, and harmless differences such as the name of a family.
         poses: number of poses that were compared.
         solutions: number of solutions, then and now.
     """
@@ -71,11 +71,11 @@ class Verification(Report):
 
     @property
     def passed(self) -> bool:
-        """Whether nothing is different that counts."""
+        """Whether there is no difference that counts."""
         return not self.differences
 
     def title(self) -> str:
-        """What was compared.
+        """The names of the compared sides.
 
         Example:
             >>> import urdf_ik
@@ -225,7 +225,7 @@ def _answers(baseline: Recorded, arm: Arm, order: tuple[int, ...], no_contacts: 
 
 @dataclass
 class _Found:
-    """What the poses show, over all of them."""
+    """Differences found at the poses: places of lost, gained and moved solutions, changed limits and contacts."""
 
     lost: list[tuple[int, str]]
     gained: list[tuple[int, str]]
@@ -242,7 +242,7 @@ def _solutions(
     order: tuple[int, ...],
     change: float,
 ) -> list[Difference]:
-    """What the solutions show; ``change`` is that of the arm [rad, share of its size], as far as it is tolerated."""
+    """Differences of the solutions; ``change`` is the tolerated change of the arm [rad, share of its size]."""
     found = _Found([], [], [], [], [])
     for index, (then, now) in enumerate(zip(baseline.poses, today, strict=True)):
         _compare(found, index, then, now, _Same(arm, reference, order, then.matrix, change), baseline.arm)
@@ -379,9 +379,9 @@ def _compare(found: _Found, index: int, then: Pose, now: Pose, same: _Same, arm:
 
 
 def _double(same: _Same, q: Array, others: Array, one: Answer, all_others: list[Answer]) -> bool:
-    """Whether a solution that is not among the others is no difference.
+    """Whether a solution without an equal among the others is not a difference.
 
-    It may vanish by rounding, be a double root with one of them, or stand for a continuum that one of them stands for.
+    It may vanish by rounding, form a double root with one of them, or represent the same continuum as one of them.
     """
     if same.is_fragile(q):
         return True
@@ -392,7 +392,7 @@ def _double(same: _Same, q: Array, others: Array, one: Answer, all_others: list[
 
 
 def _at_limit(answer: Answer, limits: Array, margin: float) -> bool:
-    """Whether a joint is so near to a limit, turns aside, that rounding decides."""
+    """Whether a joint is within ``margin`` of a limit, modulo full turns, so that rounding decides."""
     q = np.array(answer.q)[:, None]
     gap = np.abs(q - limits)
     turned = np.abs(shortest(np.where(np.isfinite(limits), q - limits, np.pi)))

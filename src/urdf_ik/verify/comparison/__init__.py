@@ -1,7 +1,7 @@
-"""Two arms, or two URDFs of one arm: what is different, and what it does to the solutions and to the tool.
+"""Comparisons of two arms or of two URDFs of one arm: the differences, and their effect on solutions and tool.
 
-For swaps: another arm, another tool, a calibrated copy of a nominal arm. Each arm is asked for what it controls of a
-pose (see ``Arm.task``); where a tip really is, Pinocchio says.
+They answer the questions before a swap: another arm, another tool, a calibrated copy of a nominal arm. Each arm solves
+for the part of a pose that it controls (see ``Arm.task``); Pinocchio computes where its tip really is.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What two arms answer to the same poses, and how far apart the answers are."""
+"""Solutions of two arms for the same poses, and the distances between them."""
 
 from __future__ import annotations
 
@@ -141,7 +141,7 @@ def paired(a: Arm, b: Arm) -> tuple[list[int] | None, str]:
 
 
 def cautions(a: Arm, b: Arm) -> list[str]:
-    """What the numbers of solutions do not tell."""
+    """Cautions about the comparison of the numbers of solutions."""
     out = []
     if a.task != b.task:
         out.append(f"like with like: A is asked for the {a.task}, B for the {b.task}, which is what each controls")
@@ -158,7 +158,7 @@ def cautions(a: Arm, b: Arm) -> list[str]:
 
 
 def tool_error(a: Reference, b: Reference, q: Array, order: list[int]) -> ToolError | None:
-    """Where B's tip is at joint vectors ``q`` (m, n) of A, against where A's is."""
+    """Difference between the tip poses of A and B at joint vectors ``q`` (m, n) of A; None without one."""
     if not len(q):
         return None
     swapped = np.empty_like(q)
@@ -168,7 +168,7 @@ def tool_error(a: Reference, b: Reference, q: Array, order: list[int]) -> ToolEr
 
 
 def _solve(arm: Arm, drawn: Drawn | Given) -> IKSolutions:
-    """What ``arm`` answers to the poses of ``drawn``, asked for what it controls."""
+    """Solutions of ``arm`` for the poses of ``drawn``, as far as its task controls them."""
     values = None
     if isinstance(drawn, Drawn) and (arm is drawn.arm or _same_parameter(arm, drawn.arm)):
         values = arms.redundancy_at(drawn.arm, drawn.q)

@@ -1,4 +1,4 @@
-"""Many arms asked for the same poses: one tidy table, and one picture of who reaches what."""
+"""Solutions of many arms for the same poses: one tidy table, and one picture of the reached poses."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 NOT_CHECKED = "not checked"
 UNREACHED, OUTSIDE, TOUCHING, FREE, UNKNOWN = "not reached", "outside limits", "contact", "free", "contacts not checked"
-"""What the picture says of a branch at a pose."""
+"""Labels of a branch at a pose in the picture."""
 
 _SHADES = {UNREACHED: "#e0e0e0", OUTSIDE: "#f9a825", TOUCHING: "#c62828", FREE: "#2e7d32", UNKNOWN: "#7cb342"}
 _ROW, _WIDTH, _LABEL = 16, 640, 260
@@ -184,7 +184,7 @@ class ManyArms(Written):
 
 
 def compare_many(arms: Mapping[str, Arm] | Iterable[Arm], poses: Any, *, collisions: str | bool = True) -> ManyArms:
-    """What many arms answer to the same poses.
+    """Solve the same poses with many arms.
 
     Args:
         arms: the arms; a dictionary names them, else they go by their robots' names.

@@ -1,4 +1,4 @@
-"""What a comparison of two arms found. Lengths in m, angles in rad; the text shows mm and degrees."""
+"""Comparison: the report on two arms. Its fields are in m and rad; its text shows mm and degrees."""
 
 from __future__ import annotations
 
@@ -87,15 +87,15 @@ class LimitChange:
 
 @dataclass(frozen=True)
 class Reach:
-    """How both arms answer the same poses.
+    """Solutions of both arms for the same poses.
 
     Attributes:
-        made_by: whose joint vectors made the poses, 'A' or 'B', drawn within its limits; 'you' where they were given.
-        poses: how many.
-        solved: poses that A, and that B, has a solution for.
-        within_limits: poses that A, and that B, has a solution for within its limits.
-        solutions: solutions of A, and of B, over all poses.
-        same_number: poses of which both have the same number of solutions.
+        made_by: 'A' or 'B', the arm whose joint vectors, drawn within its limits, made the poses; 'you' for given ones.
+        poses: number of poses.
+        solved: number of poses with a solution, for A and for B.
+        within_limits: number of poses with a solution within the limits, for A and for B.
+        solutions: number of solutions over all poses, for A and for B.
+        same_number: number of poses for which both arms have the same number of solutions.
     """
 
     made_by: str
@@ -114,10 +114,10 @@ class BranchChange:
         branch: its name in A.
         matched: 'name' where B has a branch of that name and no axis is flipped, else 'nearest': of each pose's
             solutions in B the nearest, joints that turn the other way taken with the other sign.
-        poses: how many were compared.
-        unmatched: solutions of A without a counterpart in B.
-        median: (n,) rad or m, of the difference of each joint, an angle's on the circle; NaN where none was compared.
-        worst: (n,) rad or m, likewise.
+        poses: number of poses compared.
+        unmatched: number of solutions of A without a counterpart in B.
+        median: (n,) rad or m, median difference of each joint, for angles on the circle; NaN if none was compared.
+        worst: (n,) rad or m, greatest difference of each joint, likewise.
     """
 
     branch: str
@@ -130,7 +130,7 @@ class BranchChange:
 
 @dataclass(frozen=True)
 class ToolError:
-    """Where B's tip is when it is given A's joint vectors, against where A's is, as Pinocchio measures both.
+    """Difference between the tip poses of A and B at the same joint vectors, both computed by Pinocchio.
 
     Attributes:
         joint_vectors: how many were tried: A's solutions of the poses that it made.

@@ -1,4 +1,4 @@
-"""Two arms, or two URDFs of one arm: what is different, and what it does to the solutions and to the tool."""
+"""compare(): the differences of two arms, or of two URDFs of one arm, and their effect on solutions and tool."""
 
 from __future__ import annotations
 
@@ -42,21 +42,20 @@ def compare(
     ignore: str | Iterable[str] = (),
     progress: Callable[[int, int], None] | None = None,
 ) -> Comparison:
-    """What is different between two arms.
+    """Compare two arms.
 
-    Both arms draw ``n`` joint vectors within their limits; both are asked for all poses that these make. Joints are
-    paired by name where both arms have the same names, else by their order from base to tip. Arms with different
-    numbers of joints, or of which one cannot be solved, are compared as far as that makes sense; ``notes`` says in
-    words what was left out.
+    Each arm draws ``n`` joint vectors within its limits; both arms solve all poses that these make. Joints are paired
+    by name if both arms have the same names, else by their order from base to tip. If the numbers of joints differ, or
+    one arm cannot be solved, some parts of the comparison are skipped; ``notes`` lists them.
 
     Args:
         a: the first arm, such as the nominal one.
         b: the second arm, such as the calibrated one.
         n: number of poses that each arm makes.
         seed: the same seed gives the same comparison.
-        poses: (..., 4, 4) m, poses of your own, which both are asked for as well.
-        tolerance_mm: lengths [mm] up to which a difference counts as none; default: 1e-6.
-        tolerance_deg: angles [deg], likewise; default: 6e-8.
+        poses: (..., 4, 4) m, further poses that both arms solve.
+        tolerance_mm: greatest difference of lengths that is ignored [mm]; default: 1e-6.
+        tolerance_deg: greatest difference of angles that is ignored [deg]; default: 6e-8.
         ignore: kinds of differences that do not count: 'limits', 'collisions', 'visuals', 'names'.
         progress: called with (steps done, steps).
 
@@ -65,7 +64,7 @@ def compare(
 
     Raises:
         ArgumentError: n is below 1, the seed or a tolerance is negative, or a kind cannot be ignored.
-        PoseError: one of ``poses`` is no pose.
+        PoseError: one of ``poses`` is invalid.
 
     Example:
         >>> import urdf_ik
@@ -126,7 +125,7 @@ def _side(arm: Arm) -> Side:
 
 
 def _structure(a: Arm, b: Arm) -> tuple[Fact, ...]:
-    """What is known of the arms, and the relations between axes that are not the same."""
+    """Structural properties of both arms, and the relations between axes that differ."""
 
     def known(arm: Arm) -> dict[str, str]:
         structure = arm.structure

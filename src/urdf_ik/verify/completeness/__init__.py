@@ -1,9 +1,9 @@
-"""Two independent ways to every solution, compared pose by pose: a report of every difference.
+"""Completeness checks: the solutions of two independent methods, compared pose by pose.
 
-Compared are the arm's own solver and a second way that shares nothing with it but forward kinematics: the elimination
-of Raghavan and Roth, set up at three places of the loop, and Newton's method from many random starts.
+The first method is the arm's own solver. The second shares only forward kinematics with it: the elimination of Raghavan
+and Roth, set up at three places of the loop, and Newton's method from many random starts.
 
-The planted joint vector of each pose is a third witness: it is missed where neither has it.
+Each pose comes from a planted joint vector. If neither method finds this vector, the report counts it as missed.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Two independent ways to every solution, compared pose by pose: a report of every difference."""
+"""compare(): the solutions of an arm's solver and of a second, independent method, pose by pose."""
 
 from __future__ import annotations
 

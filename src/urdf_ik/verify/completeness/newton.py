@@ -1,6 +1,6 @@
-"""Newton's method on a chain, many joint vectors at a time: what the second way and its comparison polish with.
+"""Newton's method on a chain, for many joint vectors at a time; the second method polishes its solutions with it.
 
-It shares nothing with the solvers but the chain's forward kinematics, so that a fault of theirs is not repeated here.
+It shares only the chain's forward kinematics with the solvers, so a fault of a solver is not repeated here.
 """
 
 from __future__ import annotations

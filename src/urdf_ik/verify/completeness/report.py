@@ -1,4 +1,4 @@
-"""What a comparison of two ways to all solutions found."""
+"""Completeness: the report on two independent methods for all solutions."""
 
 from __future__ import annotations
 

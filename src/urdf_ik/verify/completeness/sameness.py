@@ -1,15 +1,15 @@
-"""When two sets of solutions of one pose are the same: rounding, double roots and continua are no differences.
+"""Sameness: the comparison of two solution sets of one pose, up to rounding, double roots and continua.
 
-Two joint vectors of one pose, both polished on the arm as written, are one solution where
+Two joint vectors of one pose, both polished on the arm as written, count as one solution if
 
-- they are as close as rounding in the pose leaves them: 1e-6 rad, and more by 1e-13 over the Jacobian's smallest
-  singular value, up to 1e-3 rad;
-- or half way between them the arm is still in the pose, to the solvers' own tolerance ``fold``: one double root;
-- or both lie on one continuum of solutions: walking from the one along the direction that the Jacobian loses, with the
-  arm in the pose to ``fold`` at every step, leads to the other. Isolated solutions, however near a singularity, do not
-  hold the pose that long: the first step is 0.02 rad.
+- they differ by no more than rounding of the pose explains: 1e-6 rad, plus 1e-13 over the Jacobian's smallest singular
+  value, up to 1e-3 rad;
+- or the arm is still in the pose half way between them, to the solvers' tolerance ``fold``: a double root;
+- or both lie on one continuum of solutions: a walk from the one along the Jacobian's null direction, with the arm in
+  the pose to ``fold`` at every step, leads to the other. The first step is 0.02 rad, too long for an isolated solution
+  to stay in the pose, however near a singularity it lies.
 
-What misses the pose by more than 1e-9 under Pinocchio is no solution, and always a difference.
+A joint vector that misses the pose by more than 1e-9 under Pinocchio is not a solution, and always a difference.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ DISTANCES = tuple(10.0**-k for k in range(1, 9))
 """How far [rad] from a singularity the poses near one are, in turn."""
 
 CORNER = 0.0
-"""What stands for that distance of poses whose joints are at right angles."""
+"""The value in place of that distance for poses with joints at right angles."""
 
 NOISES = (0.0, 1e-9, 1e-6, 1e-4, 1e-2)
 """How far [rad] from right angles their joints are, in turn. Nearer to one, rounding of the pose decides."""
@@ -118,11 +118,11 @@ def _beside_singularity(chain: Chain, rng: np.random.Generator, near: float) -> 
 
 @dataclass
 class Unmatched:
-    """What two answers to one pose do not share.
+    """Solutions that only one of two answers to a pose has.
 
     Attributes:
-        only_first: (row, joint vector) of what only the first answer has.
-        only_second: the same of the second answer.
+        only_first: (row, joint vector) of each solution that only the first answer has.
+        only_second: the same for the second answer.
         planted_lost: whether neither answer has the planted joint vector.
         double_roots: number of solutions that only one answer has, but as a double root with another of the other's.
         continua: the same for representatives of one continuum.
@@ -138,7 +138,7 @@ class Unmatched:
 
 
 class Sameness:
-    """Tells whether joint vectors are one solution; lengths count as shares of the arm's size."""
+    """Decides whether joint vectors are one solution; lengths are shares of the arm's size."""
 
     def __init__(self, chain: Chain, reference: Reference) -> None:
         self.reference = reference
@@ -150,7 +150,7 @@ class Sameness:
         for mine, theirs, only in ((first, second, out.only_first), (second, first, out.only_second)):
             position, rotation = self.reference.errors(mine, T)
             for i, q in enumerate(mine):
-                # What misses the pose is no solution, though the polish might bring it to one.
+                # A joint vector that misses the pose is not a solution, even if polishing would make it one.
                 if max(position[i], rotation[i]) > EXACT or not self._has(T, q, theirs, out):
                     only.append((i, q))
         answered = np.concatenate([first, second])
@@ -171,7 +171,7 @@ class Sameness:
         return float(far[far > SAME].min(initial=np.inf))
 
     def _has(self, T: Array, q: Array, others: Array, count: Unmatched | None) -> bool:
-        """Whether q (6,) is one of the others (k, 6); ``count`` is called where that took more than closeness."""
+        """Whether q (6,) is one of the others (k, 6); ``count`` counts double roots and continua."""
         if (largest_apart(others, q) <= SAME).any():
             return True
         q = descend(self._chain, T, q[None], 20, 0.0)[0][0]
@@ -211,13 +211,13 @@ class Sameness:
         return False
 
     def _correct(self, T: Array, q: Array) -> bool:
-        """Bring q (6,) in place back into the pose by steps across the continuum; False where it is too far off."""
+        """Move q (6,), in place, back into the pose by steps across the continuum; False if the move is too long."""
         start = q.copy()
         for _ in range(8):
             (e,), (error,) = errors(self._chain, T, q[None])
             if error <= DEFAULT.fold:
                 return bool(np.abs(q - start).max() < 0.25 * STEP)
-            # The direction that is lost has no part in the correction.
+            # The correction leaves out the Jacobian's null direction.
             q += np.linalg.pinv(self._jacobian(q), rcond=10.0 * DEFAULT.singular) @ e
         return False
 

@@ -1,9 +1,9 @@
-"""A second way to all solutions of a six-joint arm, which shares nothing with the solvers but forward kinematics.
+"""SecondWay: all solutions of a six-joint arm by a method that shares only forward kinematics with the solvers.
 
 Elimination after Raghavan and Roth ("Inverse kinematics of the general 6R manipulator and related linkages", ASME
 Journal of Mechanical Design 115(3), 1993), its equations fitted to sampled angles instead of written out, set up at
-three places of the loop; and Newton's method from random starts, which needs no structure. Both only propose: what is
-returned was polished on the arm as written.
+three places of the loop; and Newton's method from random starts, which needs no structure. Both only propose joint
+vectors; each is then polished on the arm as written.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""An arm of this package against Pinocchio, over random poses and every branch: a report that can fail."""
+"""Cross-checks of an arm with Pinocchio, over random poses and every branch."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An arm of this package against Pinocchio, over random poses and every branch: a report that can fail."""
+"""check(): compares an arm with Pinocchio over random poses and every branch."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ PROPERTIES = (
     "collision, verdict",
     "collision, distance",
 )
-"""The rows of a report, in its order; one that cannot be checked is left out, and ``Report.skipped`` says why."""
+"""The rows of a report, in order; it omits a row that cannot be checked, and ``Report.skipped`` gives the reason."""
 
 COLLISION_POSES = 2000
 """Joint vectors whose collision is compared: a distance between meshes takes a millisecond."""
@@ -162,7 +162,7 @@ def _seed(seed: int) -> int:
 
 
 def _collision(arm: Arm, wanted: bool | None, most: int | None) -> tuple[Collision | None, str]:
-    """What compares collision, or None and the reason why nothing does."""
+    """The comparison of collisions, or None and the reason why it is skipped."""
     if wanted is False:
         return None, "not asked for"
     shapes = CollisionModel(arm.model, arm.base, arm.tip, locked=dict(arm.chain.locked))

@@ -1,4 +1,4 @@
-"""What a cross-check found: one row a property, with the worst case in it."""
+"""Report: the result of a cross-check, one row a property, each with its worst case."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ class Report:
         joint_names: joints of a joint vector, base to tip.
         n: number of random poses.
         seed: seed of the joint vectors that made them.
-        reference: who was asked, with the version.
+        reference: name and version of the reference.
         rows: one a property.
         skipped: (property, reason) of what could not be checked.
 
@@ -214,7 +214,7 @@ class Report:
         return cls.from_dict(data)
 
     def title(self) -> str:
-        """What was checked against whom.
+        """The title: the arm and the reference.
 
         Example:
             >>> import urdf_ik

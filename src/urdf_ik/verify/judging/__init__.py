@@ -1,4 +1,4 @@
-"""Any solver judged on an arm: what it has wrong, misses or doubles, with the pose to replay.
+"""Judgements of any solver on an arm: its wrong, missed and duplicate solutions, each with the pose to replay.
 
 >>> import urdf_ik
 >>> from urdf_ik.verify import judge

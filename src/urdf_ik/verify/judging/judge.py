@@ -1,4 +1,4 @@
-"""Judging a solver: poses of five kinds, the solutions that they have, and what the solver makes of them."""
+"""judge(): compares a solver's answers with all solutions, over poses of five kinds."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a judge found of a solver: counts by kind of pose, and every fault with its pose."""
+"""Judgement: the report on a solver, counts by kind of pose, and every fault with its pose."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from urdf_ik.verify.reports import Report, html_of
 
 WRONG, MISSING, DOUBLED, OUTSIDE, FAILED = "wrong", "missing", "doubled", "outside limits", "failed"
 FAULTS = (WRONG, MISSING, DOUBLED, FAILED)
-"""What speaks against a solver; solutions outside the limits do only where it was to keep inside them."""
+"""Kinds of faults; a solution outside the limits is one only if the solver had to stay within them."""
 
 _SHOWN = 6
 
@@ -22,12 +22,12 @@ class Kind:
 
     Attributes:
         name: 'random', 'round', 'tool down', 'near singularity' or 'at singularity'.
-        poses: how many.
-        expected: solutions that the poses have.
-        found: joint vectors that the solver gave.
-        wrong: those that do not reach the pose, or are no joint vectors.
-        missing: solutions that the solver does not have.
-        doubled: solutions that it gave more than once.
+        poses: number of poses.
+        expected: number of solutions of the poses.
+        found: number of joint vectors that the solver returned.
+        wrong: number of returned vectors that do not reach the pose, or are invalid.
+        missing: number of solutions that the solver did not return.
+        doubled: number of solutions that it returned more than once.
         outside: solutions outside the joint limits, whatever whole turns are added.
         failed: poses at which it raised an error.
         further: solutions that hold and that the reference set lacks: faults of the judge's own solver.
@@ -53,7 +53,7 @@ class Fault:
         fault: 'wrong', 'missing', 'doubled', 'outside limits' or 'failed'.
         kind: kind of the pose.
         index: number of the pose; :func:`urdf_ik.verify.judging.replay` gives it again.
-        q: (n,) rad or m, the joint vector that it is about; () where there is none.
+        q: (n,) rad or m, the joint vector at fault; () without one.
         words: by how much, or what was raised.
     """
 
@@ -80,7 +80,7 @@ class Judgement(Report):
         n: poses of each kind.
         seed: seed of the poses.
         tolerance: error [m; rad] above which a solution is wrong.
-        within_limits: whether only solutions inside the joint limits were asked for.
+        within_limits: whether the solver had to return only solutions within the joint limits.
         kinds: counts by kind of pose.
         faults: every fault.
     """

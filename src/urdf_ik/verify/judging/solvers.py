@@ -1,4 +1,4 @@
-"""Solvers that are no Python functions: a process that talks JSON lines, a shared library of IKFast's."""
+"""Solvers outside Python: a process that exchanges JSON lines, and a shared library made by IKFast."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Many arms checked in one run: a folder of URDFs in, one table out.
+"""Surveys: checks of many arms in one run, a folder of URDFs in, one table out.
 
 >>> from pathlib import Path
 >>> from urdf_ik.model import catalogue

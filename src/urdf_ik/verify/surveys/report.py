@@ -1,4 +1,4 @@
-"""What the checks of many arms found: one row an arm."""
+"""Survey: the report on many arms, one row an arm."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Checked:
         family: the family that solves the arm.
         found: the figure that the check ends with.
         words: what failed, or why the arm was not checked; '' for an arm that passed.
-        report: the whole report as plain values; None where there is none.
+        report: the whole report as plain values, or None.
     """
 
     file: str

@@ -1,4 +1,4 @@
-"""Checking many arms: in this process, or on the workers of a cluster, into a store that is gone on with."""
+"""survey(): checks many arms in this process or on a cluster's workers; a store lets a stopped run go on."""
 
 from __future__ import annotations
 

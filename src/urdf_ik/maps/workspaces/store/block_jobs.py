@@ -104,7 +104,7 @@ class Layout:
 
     @property
     def attributes(self) -> dict[str, Any]:
-        """What the group says of itself."""
+        """The attributes of the group."""
         return {
             "format": FORMAT,
             "version": VERSION,

@@ -1,4 +1,4 @@
-"""Blocks: how the voxels of a grid are cut into the chunks of a store."""
+"""Blocks: the division of a grid's voxels into the chunks of a store."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Stores of maps made from others: a part of one, two side by side; and what two of them differ in. Block by block."""
+"""Operations on stored maps, block by block: cut out a part, join two side by side, compare two."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _ALIGNED = 1e-6  # share of a voxel by which the lattices of two maps may be off
 
 
 class Differences(NamedTuple):
-    """What two maps of one grid differ in.
+    """Differences of two maps of one grid.
 
     Attributes:
         poses: number of poses.
@@ -51,7 +51,7 @@ class Differences(NamedTuple):
 
 
 def differences(first: StoredMap, second: StoredMap) -> Differences:
-    """What two maps differ in, by the solutions that count in each; a block at a time is in memory.
+    """The differences of two maps, by the solutions that count in each; one block at a time is in memory.
 
     Raises:
         ArgumentError: the maps have other grids or orientations.
@@ -198,7 +198,7 @@ class _Copying:
 
 
 def _stores(**given: Any) -> None:
-    """Refuse what is no store of a map."""
+    """Check that every argument is a stored map."""
     for name, value in given.items():
         inputs.kind(value, "blocks", name, "a store of a map, as urdf_ik.maps.workspaces.opened gives it,")
 

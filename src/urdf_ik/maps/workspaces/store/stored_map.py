@@ -33,19 +33,18 @@ FORMAT, VERSION = "urdf-ik workspace map in Zarr", 1
 
 
 class StoredMap:
-    """A map in a Zarr group, which is never read whole unless asked.
+    """A map in a Zarr group, read block by block; only a full load reads all of it.
 
-    The group is read by any Zarr reader, such as ``xarray.open_zarr(path)``: an array for each thing that is held, with
-    the dimensions x, y, z and orientation, or x, y, z and branch; coordinates in metres; what the map is of stands in
-    the attributes.
+    Any Zarr reader can read the group, such as ``xarray.open_zarr(path)``. Each array has the dimensions x, y, z and
+    orientation, or x, y, z and branch; coordinates are in metres. The group's attributes hold the fields of ``about``.
 
     Attributes:
         path: the store.
         about: the arm and the question.
         grid: the voxels (X, Y, Z).
-        samples: (S, ...) what was sampled at each position: rotation matrices, directions or angles.
+        samples: (S, ...) samples at each position: rotation matrices, directions or angles.
         holds: names of the arrays.
-        blocks: how the grid is cut.
+        blocks: the division of the grid into blocks.
 
     Raises:
         JobError: there is no such store, or it is damaged.
@@ -171,7 +170,7 @@ class StoredMap:
         return summed(block.totals() for _, block in self._each())
 
     def look_up(self, targets: Any, what: str | None = None) -> NDArray[Any]:
-        """What an array holds in the cells that targets are in; see :meth:`WorkspaceMap.look_up`.
+        """Values of an array in the cells of targets; see :meth:`WorkspaceMap.look_up`.
 
         Each block is read once.
 
@@ -200,7 +199,7 @@ class StoredMap:
         return np.zeros(len(numbers), np.uint8) if found is None else found
 
     def _require(self, wanted: NDArray[np.intp]) -> None:
-        """Refuse blocks of which one was never made: Zarr would read it as zeros."""
+        """Check that every block was computed: Zarr would read a missing one as zeros."""
         done = finished(self.path)
         if len(done) == self.blocks.count:
             return
