@@ -251,7 +251,7 @@ class Unchanged(_Stated):
     def runtest(self) -> None:
         """Fail where there is one; skip where there is no lock."""
         import urdf_ik
-        from urdf_ik.verify.difference import summed
+        from urdf_ik.verify.change import summed
 
         assert isinstance(self.parent, CheckedArm)
         given = self.parent.given

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 import urdf_ik
 from urdf_ik import ArgumentError, PoseError, UnsupportedArm
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 
 Array = NDArray[np.float64]
 

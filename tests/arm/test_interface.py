@@ -13,7 +13,7 @@ from cases import from_catalogue
 
 import urdf_ik
 from urdf_ik import errors
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 
 ARMS = ("zyyzyz_6r", "planar_2r", "positioning_3r", "stanford_rrprrr", "srs_7r")
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 import urdf_ik
 from urdf_ik import ChainError
 from urdf_ik.arm import with_positioner
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 
 Array = NDArray[np.float64]
 

@@ -341,7 +341,7 @@ def test_an_answer_does_not_depend_on_earlier_ones() -> None:
 @pytest.mark.parametrize("name", ["zyyzyz_6r", "ur5"])
 def test_shapes_follow_given_link_poses(name: str) -> None:
     """With Pinocchio's own link poses, moved as a whole, verdict and distance are those of the joint vector."""
-    from urdf_ik.cell.reference import Reference
+    from urdf_ik.cell.pinocchio_reference import Reference
 
     body, entry = from_catalogue(name), catalogue.resolve(name)
     q = np.random.default_rng(8).uniform(-3, 3, (20, 6))

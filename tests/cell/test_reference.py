@@ -13,7 +13,7 @@ import pytest
 from arms import KINDS, random_arm
 from oracle import Oracle
 
-from urdf_ik.cell.reference import Reference, pose_errors
+from urdf_ik.cell.pinocchio_reference import Reference, pose_errors
 from urdf_ik.errors import ArgumentError, ChainError, UnsupportedArm, UrdfError
 from urdf_ik.model import catalogue, urdf
 

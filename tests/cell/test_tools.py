@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 import urdf_ik
 from urdf_ik import ArgumentError, Box, Capsule, Cylinder, HalfSpace, Mesh, Points, PoseError, Sphere
 from urdf_ik.cell import CollisionModel
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 
 Array = NDArray[np.float64]
 

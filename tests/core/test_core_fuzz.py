@@ -14,7 +14,7 @@ from arms_general import unstructured
 from arms_seven import SEVEN, random_seven
 
 import urdf_ik
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import UrdfIkError
 
 Array = np.typing.NDArray[np.float64]

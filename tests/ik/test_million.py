@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import urdf_ik
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 

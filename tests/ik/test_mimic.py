@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 from with_reference import arm_and_reference, distances, holds, scaled_jacobian
 
 import urdf_ik
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.cli import app
 from urdf_ik.errors import UnsupportedArm, UrdfError
 from urdf_ik.ik.cuspidality import is_cuspidal

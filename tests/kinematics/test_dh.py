@@ -17,7 +17,7 @@ from typer.testing import CliRunner
 
 import urdf_ik
 from urdf_ik import DHTable, pose
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.cli import app
 from urdf_ik.errors import ArgumentError, UrdfError
 

@@ -12,7 +12,7 @@ from oracle import Oracle
 import urdf_ik
 from urdf_ik import ArgumentError, ChainError
 from urdf_ik.cell import CollisionModel
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.verify import crosscheck
 
 TEXT = sliding(skew(7), 4, -0.5, 0.5)

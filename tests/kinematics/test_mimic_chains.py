@@ -7,7 +7,7 @@ import pytest
 
 import urdf_ik
 from urdf_ik import UrdfError
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.model.urdf import read
 
 AXES = (

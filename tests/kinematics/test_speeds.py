@@ -7,7 +7,7 @@ import pytest
 from arms_mimic import LINKAGES, linkage
 
 import urdf_ik
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 
 TEXT = """<robot name="two"><link name="base"/><link name="a"/><link name="b"/><link name="c"/>
 <joint name="j1" type="revolute"><parent link="base"/><child link="a"/><axis xyz="0 0 1"/>

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 import urdf_ik
 from urdf_ik import DHTable
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import ArgumentError
 from urdf_ik.kinematics import velocity
 from urdf_ik.support.tolerances import DEFAULT

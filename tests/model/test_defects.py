@@ -11,7 +11,7 @@ import pytest
 
 import urdf_ik
 from urdf_ik import ChainError, UrdfError
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.model.urdf import read
 from urdf_ik.model.urdf.defects import CHAIN, COLLISION, RULES
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import urdf_ik
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import UnsupportedArm, UrdfError
 from urdf_ik.model import catalogue, downloads
 from urdf_ik.model.urdf import UrdfModel, read

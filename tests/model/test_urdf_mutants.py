@@ -17,7 +17,7 @@ import pytest
 
 import urdf_ik
 from urdf_ik import UrdfIkError
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.model import catalogue
 
 SEED, COUNT = map(int, os.environ.get("URDF_IK_MUTANTS", "7:240").split(":"))

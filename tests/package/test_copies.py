@@ -12,7 +12,7 @@ import pytest
 
 import urdf_ik
 from urdf_ik import errors
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.kinematics import velocity
 from urdf_ik.maps import workspaces
 

@@ -8,7 +8,7 @@ from tests.paths.test_follow import joint_path
 
 import urdf_ik
 from urdf_ik import ArgumentError
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.paths import Plan
 
 AT = (0.02, -0.01, 0.08)

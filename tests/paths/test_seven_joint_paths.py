@@ -7,7 +7,7 @@ import pytest
 from paths import check, distance_to_box, joint_path
 
 import urdf_ik
-from urdf_ik.paths import PathSettings, settings
+from urdf_ik.paths import PathSettings, checked_settings
 from urdf_ik.paths.planner import assembly, redundant, smoothing
 
 
@@ -100,7 +100,7 @@ def test_srs_smoothing_finds_the_least_sum_of_squares() -> None:
     arm = urdf_ik.load("srs_7r")
     q = joint_path(arm, 40, 2, size=0.2)
     T = arm.fk(q)
-    asked = settings.checked(arm.solver, T, PathSettings(), None)
+    asked = checked_settings.checked(arm.solver, T, PathSettings(), None)
     whole = assembly.Refined(T, np.arange(40.0), np.ones(39))
     value = np.unwrap(arm.redundancy_of(q))
     better, moved = smoothing.smoothed(asked, whole, q, value)
@@ -124,7 +124,7 @@ def test_panda_grid_is_finer_than_the_coarsest() -> None:
     """The Panda's limits leave few solutions of a pose, so the first grid has more values than the fewest."""
     arm = urdf_ik.load("panda")
     T = arm.fk(joint_path(arm, 10, 0))
-    asked = settings.checked(arm.solver, T, PathSettings(), None)
+    asked = checked_settings.checked(arm.solver, T, PathSettings(), None)
     whole = assembly.Refined(T, np.arange(10.0), np.ones(9))
     count = redundant._values(asked, whole)
     assert redundant.FEWEST < count <= redundant.MOST

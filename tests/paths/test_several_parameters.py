@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import urdf_ik
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.paths import Plan
 
 

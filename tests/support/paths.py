@@ -37,7 +37,7 @@ def between(arm: urdf_ik.Arm, plan: Plan) -> float:
 def check(arm: urdf_ik.Arm, plan: Plan) -> None:
     """A found plan reaches its poses by Pinocchio, keeps the limits, and stays near the straight segments."""
     assert plan.found, plan.explain()
-    reference = urdf_ik.cell.reference.Reference(arm.model, arm.base, arm.tip)
+    reference = urdf_ik.cell.pinocchio_reference.Reference(arm.model, arm.base, arm.tip)
     assert np.abs(reference.pose(plan.q) - plan.poses).max() < 1e-8
     low, high = arm.limits.T
     assert (plan.q >= low - 1e-9).all()

@@ -13,7 +13,7 @@ from cases import described, named
 from numpy.typing import NDArray
 
 import urdf_ik
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.paths import Step, Tracker
 
 Array = NDArray[np.float64]

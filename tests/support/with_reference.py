@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import urdf_ik
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 
 Array = NDArray[np.float64]
 

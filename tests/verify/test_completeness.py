@@ -14,7 +14,7 @@ from arms_general import calibrated_ur, crx_like, jaco_like, standard_dh
 from cases import described, from_catalogue
 
 import urdf_ik
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import UnsupportedArm, UrdfIkError
 from urdf_ik.verify import completeness
 from urdf_ik.verify.completeness.report import BOTH, SECOND, SOLVER, Completeness, Difference, Group

@@ -16,7 +16,7 @@ from rich.console import Console
 
 import urdf_ik
 from urdf_ik.arm import with_positioner
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import UnsupportedArm, UrdfError, UrdfIkError
 from urdf_ik.verify.crosscheck import Report, Row, check, replay
 

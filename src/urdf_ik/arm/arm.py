@@ -12,11 +12,11 @@ from urdf_ik.errors import ArgumentError
 from urdf_ik.ik import preparation
 from urdf_ik.ik.explanation import explain
 from urdf_ik.ik.nearest import nearest
+from urdf_ik.ik.pose_solving import for_task, solve
 from urdf_ik.ik.redundancy import values
 from urdf_ik.ik.redundancy.interval_search import intervals
 from urdf_ik.ik.redundancy.sweep import sweep
 from urdf_ik.ik.solutions import limits
-from urdf_ik.ik.solve import for_task, solve
 from urdf_ik.kinematics import velocity
 from urdf_ik.paths.tracker import Tracker
 
@@ -140,14 +140,15 @@ class Arm:
         """Configurations (..., nq) of Pinocchio's model of the whole URDF: joints by name, continuous ones (cos, sin).
 
         Joints outside the chain stay at zero. Joints that mimic others follow them. ``arm.cell.reference.pin_model`` is
-        the ``pinocchio.Model``. See :meth:`urdf_ik.cell.reference.Reference.configurations`.
+        the ``pinocchio.Model``. See :meth:`urdf_ik.cell.pinocchio_reference.Reference.configurations`.
         """
         return self.cell.reference.configurations(self.chain.check(q))
 
     def from_pinocchio(self, q_pin: ArrayLike) -> Array:
         """Joint vectors (..., n) rad or m of configurations (..., nq), the inverse of :meth:`to_pinocchio`.
 
-        Angles of continuous joints come back in (-pi, pi]; see :meth:`urdf_ik.cell.reference.Reference.joint_vectors`.
+        Angles of continuous joints come back in (-pi, pi]; see
+        :meth:`urdf_ik.cell.pinocchio_reference.Reference.joint_vectors`.
         """
         return self.cell.reference.joint_vectors(q_pin)
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from urdf_ik.cell import tool
 from urdf_ik.cell.cell import Cell
-from urdf_ik.ik import preparation, solve
+from urdf_ik.ik import pose_solving, preparation
 from urdf_ik.kinematics.chain import from_urdf, velocity_limits
 from urdf_ik.support import inputs
 
@@ -196,7 +196,7 @@ def for_task(arm: Parts, task: str) -> Parts:
         >>> len(arm.ik([0.1, 0.1]))
         2
     """
-    return arm._replace(solver=solve.for_task(arm.solver, preparation.check_task(task)))
+    return arm._replace(solver=pose_solving.for_task(arm.solver, preparation.check_task(task)))
 
 
 def _again(arm: Parts, model: UrdfModel | None = None, chain: Chain | None = None) -> Parts:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from urdf_ik.cell.collision_model import CollisionModel
     from urdf_ik.cell.collision_queries import Nearest
-    from urdf_ik.cell.reference import Reference
+    from urdf_ik.cell.pinocchio_reference import Reference
     from urdf_ik.cell.swept_motions import Motions
     from urdf_ik.cell.world import World
     from urdf_ik.kinematics.chain import Chain
@@ -59,7 +59,7 @@ class Cell:
     @cached_property
     def reference(self) -> Reference:
         """Pinocchio's model of the whole URDF, built from the file itself."""
-        from urdf_ik.cell.reference import Reference
+        from urdf_ik.cell.pinocchio_reference import Reference
 
         return Reference(self.model, self.chain.base, self.chain.tip, locked=dict(self.chain.locked))
 

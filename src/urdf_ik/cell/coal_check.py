@@ -17,7 +17,7 @@ from urdf_ik.cell import coal_shapes
 from urdf_ik.cell.bodies import Bodies
 from urdf_ik.cell.distance_bounds import DistanceBounds
 from urdf_ik.cell.obstacles.index import index_of
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.support.tolerances import LARGEST
 
 if TYPE_CHECKING:

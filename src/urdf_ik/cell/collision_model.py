@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from urdf_ik.cell import allowed_collisions, coal_shapes
 from urdf_ik.cell.coal_check import ArmShapes, CoalCheck, LinkCheck
 from urdf_ik.cell.collision_queries import CollisionQueries, Seen
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import ArgumentError, UrdfError
 from urdf_ik.kinematics.chain import from_urdf
 from urdf_ik.model import srdf as srdf_reader

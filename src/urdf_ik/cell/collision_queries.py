@@ -9,7 +9,7 @@ import numpy as np
 
 from urdf_ik.cell import swept_motions
 from urdf_ik.cell.coal_check import ArmShapes, CoalCheck
-from urdf_ik.cell.reference import Reference, finite
+from urdf_ik.cell.pinocchio_reference import Reference, finite
 from urdf_ik.errors import ArgumentError, PoseError, UrdfError, printable
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs

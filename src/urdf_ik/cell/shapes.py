@@ -16,7 +16,7 @@ import numpy as np
 from urdf_ik.errors import ArgumentError, UrdfError, printable
 from urdf_ik.model import meshes
 from urdf_ik.support import inputs
-from urdf_ik.support.frozen import Frozen
+from urdf_ik.support.read_only import Frozen
 from urdf_ik.support.text import quoted
 from urdf_ik.support.tolerances import LARGEST
 

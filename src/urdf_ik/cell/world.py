@@ -16,7 +16,7 @@ from urdf_ik.cell.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from urdf_ik.errors import ArgumentError, PoseError, UrdfError, listed, printable
 from urdf_ik.model import meshes, poses, urdf
 from urdf_ik.support import files, forks
-from urdf_ik.support.frozen import frozen
+from urdf_ik.support.read_only import frozen
 from urdf_ik.support.text import nearest, quoted
 
 if TYPE_CHECKING:

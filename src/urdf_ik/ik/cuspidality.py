@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdf_ik.ik.solve import solve
+from urdf_ik.ik.pose_solving import solve
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import shortest
 

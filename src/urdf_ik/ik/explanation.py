@@ -8,9 +8,9 @@ import numpy as np
 
 from urdf_ik.errors import ArgumentError, PoseError
 from urdf_ik.ik.families import RedundantMember
+from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy import sweep
 from urdf_ik.ik.redundancy.interval_search import intervals
-from urdf_ik.ik.solve import solve
 from urdf_ik.kinematics.chain.redundancy import spread
 from urdf_ik.model.poses import check_poses
 

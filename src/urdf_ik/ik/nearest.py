@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.families import RedundantMember
+from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy import nearest as along_parameter
 from urdf_ik.ik.redundancy import region_search
 from urdf_ik.ik.representatives import near_each
-from urdf_ik.ik.solve import solve
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike

@@ -14,7 +14,7 @@ from urdf_ik.ik.solver import Solver
 from urdf_ik.ik.tasks import TASKS, Targets, control_of
 from urdf_ik.kinematics.chain.free_axis import FreeAxis
 from urdf_ik.kinematics.structure import analyse
-from urdf_ik.support.frozen import frozen
+from urdf_ik.support.read_only import frozen
 from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:

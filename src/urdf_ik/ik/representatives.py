@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.solutions import distances
 from urdf_ik.ik.solutions.ik_solutions import IKSolutions
-from urdf_ik.ik.solve import solve
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

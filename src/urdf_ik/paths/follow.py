@@ -10,7 +10,7 @@ import numpy as np
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
-from urdf_ik.paths import settings as settings_of
+from urdf_ik.paths import checked_settings as settings_of
 from urdf_ik.paths import waypoints
 from urdf_ik.paths.path_settings import PathSettings
 from urdf_ik.paths.plan import Stop
@@ -29,9 +29,9 @@ if TYPE_CHECKING:
     from urdf_ik.cell import World
     from urdf_ik.cell.cell import Cell
     from urdf_ik.ik.solver import Solver
+    from urdf_ik.paths.checked_settings import CheckedSettings
     from urdf_ik.paths.plan import Plan
     from urdf_ik.paths.planner.nodes import Nodes
-    from urdf_ik.paths.settings import CheckedSettings
 
     Array = NDArray[np.float64]
     Ints = NDArray[np.int64]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError
-from urdf_ik.paths import settings
+from urdf_ik.paths.checked_settings import each_joint, velocities
 from urdf_ik.support import files, inputs
 from urdf_ik.support.text import json_text
 
@@ -126,8 +126,8 @@ def timed(plan: Any, velocity: Any = None, acceleration: Any = None, *, dt: floa
     dt = inputs.number(dt, "dt", above=0.0, unit="s")
     solver = plan.solver
     names = solver.joint_names
-    v = settings.velocities(solver) if velocity is None else settings.each_joint("velocity", velocity, names)
-    a = 2.0 * v if acceleration is None else settings.each_joint("acceleration", acceleration, names)
+    v = velocities(solver) if velocity is None else each_joint("velocity", velocity, names)
+    a = 2.0 * v if acceleration is None else each_joint("acceleration", acceleration, names)
     q = plan.motion
     steps = (np.abs(np.diff(q, axis=0)) / v).max(axis=1, initial=0.0)
     # A step that moves nothing takes no time, and a spline needs places that ascend.

@@ -14,7 +14,7 @@ from cases import Array
 from lxml import etree
 
 import urdf_ik
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import UnsupportedArm, UrdfIkError
 from urdf_ik.kinematics.structure import analyse
 

@@ -9,7 +9,7 @@ import pytest
 from cases import Array
 
 import urdf_ik
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 
 AXES = {"x": "1 0 0", "y": "0 1 0", "z": "0 0 1"}
 OFFSETS = ("0 0 0", ".1 0 .05", "0 .2 .1", "0 .1 .25", ".25 .1 .1", ".1 .05 0")

@@ -111,7 +111,7 @@ def examine() -> Findings:
     versions = {"urdf-ik": __version__, "python": platform.python_version()}
     versions |= {name: _version(name) for name in NEEDED}
     begun = time.perf_counter()
-    for package in ("urdf_ik.cell.reference", "urdf_ik.arm", "yourdfpy"):
+    for package in ("urdf_ik.cell.pinocchio_reference", "urdf_ik.arm", "yourdfpy"):
         import_module(package)
     loaded = time.perf_counter()
     tests = tuple(_test(name) for name in _ARMS)
@@ -157,7 +157,7 @@ def as_json(found: Findings) -> str:
 def _test(name: str) -> Test:
     """Solve poses of random joint vectors, look for these among the answers, and have Pinocchio measure all."""
     from urdf_ik.arm import load
-    from urdf_ik.cell.reference import Reference
+    from urdf_ik.cell.pinocchio_reference import Reference
     from urdf_ik.support import angles
 
     arm = load(name)

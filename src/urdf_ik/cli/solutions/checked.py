@@ -100,7 +100,7 @@ def solve(
     unchecked = ""
     todo = np.argwhere(valid)
     if errors:
-        from urdf_ik.cell.reference import Reference
+        from urdf_ik.cell.pinocchio_reference import Reference
 
         reference = Reference(arm.model, arm.base, arm.tip, locked=dict(arm.chain.locked))
         position, rotation = np.full(valid.shape, np.nan), np.full(valid.shape, np.nan)

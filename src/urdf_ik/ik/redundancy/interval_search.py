@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from urdf_ik import _core
+from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy import last_axis, swivel
 from urdf_ik.ik.redundancy.contacts import without_contacts
 from urdf_ik.ik.redundancy.interval_arrays import End, Found, joined
 from urdf_ik.ik.redundancy.intervals import Intervals
 from urdf_ik.ik.redundancy.self_motion import Curves
 from urdf_ik.ik.redundancy.values import only_parameter
-from urdf_ik.ik.solve import solve
 from urdf_ik.kinematics.chain.redundancy import SWIVEL
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError
+from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy import self_motion
 from urdf_ik.ik.redundancy.interval_arrays import End, Found
 from urdf_ik.ik.redundancy.self_motion import Curves
 from urdf_ik.ik.solutions import distances
 from urdf_ik.ik.solutions.distances import QUALITIES
-from urdf_ik.ik.solve import solve
 from urdf_ik.support import indices, inputs
 from urdf_ik.support.angles import TURN
 from urdf_ik.support.text import aligned, quoted

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik import _core
+from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy.interval_arrays import End, Found
 from urdf_ik.ik.redundancy.limit_bounds import Bounds
-from urdf_ik.ik.solve import solve
 from urdf_ik.support import tolerances
 from urdf_ik.support.angles import wrapped
 

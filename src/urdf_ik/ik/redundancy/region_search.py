@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError
+from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy.interval_search import span
 from urdf_ik.ik.redundancy.region import Region
 from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.ik.solutions import distances, limits
-from urdf_ik.ik.solve import solve
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
 from urdf_ik.support.text import quoted

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdf_ik.errors import ArgumentError, PoseError
+from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy.interval_search import intervals, span
 from urdf_ik.ik.redundancy.values import only_parameter
-from urdf_ik.ik.solve import solve
 from urdf_ik.model.poses import check_poses
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik.ik.families.srs import SrsArm
+from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy.interval_arrays import End, Found, joined
 from urdf_ik.ik.redundancy.limit_bounds import Bounds
-from urdf_ik.ik.solve import solve
 from urdf_ik.kinematics.chain.redundancy import SWIVEL
 from urdf_ik.support.angles import TURN
 

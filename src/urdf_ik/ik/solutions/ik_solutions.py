@@ -13,7 +13,7 @@ from urdf_ik.ik.solutions.solution import KeptSolutions, Singular, Solution, Ste
 from urdf_ik.ik.solutions.turn_names import suffix, turned_branches
 from urdf_ik.kinematics import velocity
 from urdf_ik.support import inputs
-from urdf_ik.support.frozen import frozen
+from urdf_ik.support.read_only import frozen
 from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions.turn_names import suffix
 from urdf_ik.support import indices
 from urdf_ik.support.angles import TURN
-from urdf_ik.support.frozen import frozen
+from urdf_ik.support.read_only import frozen
 from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import numpy as np
 from urdf_ik.errors import ArgumentError, PoseError
 from urdf_ik.model.poses import as_pose_array
 from urdf_ik.support import inputs
-from urdf_ik.support.frozen import Frozen
+from urdf_ik.support.read_only import Frozen
 from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:

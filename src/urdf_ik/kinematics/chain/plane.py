@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik.model.poses import as_pose_array
-from urdf_ik.support.frozen import Frozen
+from urdf_ik.support.read_only import Frozen
 from urdf_ik.support.tolerances import DEFAULT
 
 if TYPE_CHECKING:

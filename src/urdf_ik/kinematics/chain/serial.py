@@ -12,7 +12,7 @@ import numpy as np
 from urdf_ik import _core
 from urdf_ik.errors import ArgumentError, ChainError
 from urdf_ik.support import inputs
-from urdf_ik.support.frozen import Frozen
+from urdf_ik.support.read_only import Frozen
 from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:

@@ -24,7 +24,7 @@ from urdf_ik.kinematics.dh.frames import rotation_z, slide_z, step_x
 from urdf_ik.kinematics.dh.from_chain import fields_of, frames_of
 from urdf_ik.support import inputs
 from urdf_ik.support.files import name_of
-from urdf_ik.support.frozen import Frozen
+from urdf_ik.support.read_only import Frozen
 from urdf_ik.support.text import quoted
 from urdf_ik.support.tolerances import DEFAULT
 

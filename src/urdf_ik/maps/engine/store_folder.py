@@ -18,7 +18,7 @@ from typing import Any
 
 from urdf_ik.errors import JobError, printable
 from urdf_ik.maps.engine.journal import Journal, Kept, digest
-from urdf_ik.maps.engine.lock import Lock
+from urdf_ik.maps.engine.store_lock import Lock
 from urdf_ik.support import files, inputs
 from urdf_ik.support.files import name_of
 from urdf_ik.support.text import json_text

@@ -13,7 +13,7 @@ from urdf_ik.ik.solutions import limits
 from urdf_ik.maps.workspaces.arcs import Circle, Region, region
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import TURN
-from urdf_ik.support.frozen import Frozen
+from urdf_ik.support.read_only import Frozen
 from urdf_ik.support.text import quoted
 from urdf_ik.support.tolerances import DEFAULT
 

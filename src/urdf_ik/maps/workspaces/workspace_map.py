@@ -14,7 +14,7 @@ from urdf_ik.maps.workspaces.cells import cells
 from urdf_ik.maps.workspaces.grid import AXES, Grid
 from urdf_ik.maps.workspaces.totals import BranchShare, Totals
 from urdf_ik.support import inputs
-from urdf_ik.support.frozen import Frozen
+from urdf_ik.support.read_only import Frozen
 from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:

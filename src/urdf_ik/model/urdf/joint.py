@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from urdf_ik.support.frozen import Frozen
+from urdf_ik.support.read_only import Frozen
 
 if TYPE_CHECKING:
     import numpy as np

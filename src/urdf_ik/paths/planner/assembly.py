@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from urdf_ik.paths.checked_settings import CheckedSettings
     from urdf_ik.paths.plan import Stop
     from urdf_ik.paths.planner.graph import Layers, Way
     from urdf_ik.paths.planner.search import Search
-    from urdf_ik.paths.settings import CheckedSettings
 
     Array = NDArray[np.float64]
 

@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.solutions import limits
-from urdf_ik.ik.solve import solve
 from urdf_ik.paths.planner import nodes as node_sets
 from urdf_ik.paths.planner.nodes import Nodes
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from urdf_ik.paths.settings import CheckedSettings
+    from urdf_ik.paths.checked_settings import CheckedSettings
 
     Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from urdf_ik.ik.solve import solve
+from urdf_ik.ik.pose_solving import solve
 from urdf_ik.paths.planner.graph import Layers
 from urdf_ik.paths.planner.refinement import WIDEST
 

@@ -23,9 +23,9 @@ from urdf_ik.support.angles import shortest
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from urdf_ik.paths.checked_settings import CheckedSettings
     from urdf_ik.paths.planner.graph import Way
     from urdf_ik.paths.planner.nodes import Nodes
-    from urdf_ik.paths.settings import CheckedSettings
 
     Array = NDArray[np.float64]
 

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy.values import nearest_values
-from urdf_ik.ik.solve import solve
 from urdf_ik.paths.planner.straightness import keeps_straight
 from urdf_ik.paths.waypoints import interpolated, twists
 from urdf_ik.support.angles import shortest

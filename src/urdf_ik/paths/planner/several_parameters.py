@@ -18,9 +18,9 @@ import numpy as np
 from scipy.linalg import solveh_banded
 
 from urdf_ik.ik import preparation
+from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy.interval_search import span
 from urdf_ik.ik.redundancy.values import nearest_values
-from urdf_ik.ik.solve import solve
 from urdf_ik.kinematics.chain.redundancy import FREE_AXIS, LOCKED_JOINT
 from urdf_ik.paths.plan import EVERY_BRANCH, Plan, Stop
 from urdf_ik.paths.planner.assembly import Refined, cut_coarse, made, priced
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.ik.solver import Solver
-    from urdf_ik.paths.settings import CheckedSettings
+    from urdf_ik.paths.checked_settings import CheckedSettings
 
     Array = NDArray[np.float64]
 

@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg import solveh_banded
 
-from urdf_ik.ik.solve import solve
+from urdf_ik.ik.pose_solving import solve
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from urdf_ik.paths.checked_settings import CheckedSettings
     from urdf_ik.paths.planner.assembly import Refined
     from urdf_ik.paths.planner.obstacles import Obstacles
-    from urdf_ik.paths.settings import CheckedSettings
 
     Array = NDArray[np.float64]
 

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.ik.solver import Solver
+    from urdf_ik.paths.checked_settings import CheckedSettings
     from urdf_ik.paths.planner.search import Search
-    from urdf_ik.paths.settings import CheckedSettings
 
     Array = NDArray[np.float64]
     Ints = NDArray[np.int64]

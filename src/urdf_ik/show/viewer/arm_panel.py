@@ -10,7 +10,7 @@ import numpy as np
 
 from urdf_ik.ik.solutions import limits
 from urdf_ik.show.viewer import interval_strip
-from urdf_ik.show.viewer.scene import colours
+from urdf_ik.show.viewer.arm_and_gizmo import colours
 
 if TYPE_CHECKING:
     from collections.abc import Callable

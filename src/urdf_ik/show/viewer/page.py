@@ -37,7 +37,6 @@ if TYPE_CHECKING:
     from urdf_ik.show.viewer.surroundings import PathDrawing
 
 INSTALL = "pip install 'urdf-ik[viewer]'"
-
 _NO_CHOICE = "catalogue ..."
 
 
@@ -91,10 +90,10 @@ class Viewer:
             import viser
         except ImportError:
             raise MissingPackage(f"the viewer needs viser, which is not installed: {INSTALL}") from None
-        from urdf_ik.show.viewer import arm_panel, page_messages, path_panel, scene, surroundings, uploads
+        from urdf_ik.show.viewer import arm_and_gizmo, arm_panel, page_messages, path_panel, surroundings, uploads
 
         address.check(host, port)
-        self._parts, self._plain = (arm_panel.Panel, scene.Drawing), arm_panel.plain
+        self._parts, self._plain = (arm_panel.Panel, arm_and_gizmo.Drawing), arm_panel.plain
         self._upload_part = uploads.Uploads
         self._path_parts = path_panel.PathPanel, surroundings.PathDrawing, surroundings.Obstacles
         self._host, self._mesh_roots, self._dark = host, tuple(mesh_roots), dark
@@ -337,18 +336,14 @@ class Viewer:
         self._latest.put("refused", lambda: self._say(reason))
 
     def _agree(self) -> None:
-        """Send every page the values of all sliders and the target: two pages that move them at once may differ.
-
-        A single page is left alone: on a slow machine it may still be sending newer values.
-        """
-        if len(self.server.get_clients()) < 2:
-            return
-        self._show(self.state)
-        self.panel.send_again()
-        self.drawing.send_target_again()
-        if self._path is not None:
-            self._path[0].show(self.place, again=True)
-        self.server.flush()
+        """Send all pages the sliders and the target: two that move them may differ, a single one has newer values."""
+        if len(self.server.get_clients()) > 1:
+            self._show(self.state)
+            for part in (self.panel, self.drawing):
+                part.send_again()
+            if self._path is not None:
+                self._path[0].show(self.place, again=True)
+            self.server.flush()
 
     def _show_plan(self, plan: Plan | None) -> None:
         self._player.stop()

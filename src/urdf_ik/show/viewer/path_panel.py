@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from urdf_ik.show.viewer.arm_and_gizmo import colours
 from urdf_ik.show.viewer.arm_panel import on_change, plain, send_again
-from urdf_ik.show.viewer.scene import colours
 
 if TYPE_CHECKING:
     from collections.abc import Callable

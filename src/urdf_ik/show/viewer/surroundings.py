@@ -11,7 +11,7 @@ from urdf_ik.cell.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Points,
 from urdf_ik.errors import ArgumentError
 from urdf_ik.model import link_shapes
 from urdf_ik.model.poses import to_quat_wxyz
-from urdf_ik.show.viewer.scene import colours
+from urdf_ik.show.viewer.arm_and_gizmo import colours
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from urdf_ik.arm import Arm
     from urdf_ik.cell import CollisionModel
-    from urdf_ik.cell.reference import Reference
+    from urdf_ik.cell.pinocchio_reference import Reference
     from urdf_ik.ik.solutions import IKSolutions
 
     Array = NDArray[np.float64]

@@ -16,10 +16,10 @@ from urdf_ik.support.tolerances import DEFAULT as SOLVERS
 from urdf_ik.verify import arms
 from urdf_ik.verify.baselines.pose_sampling import answered, contacts_of, least_singular_value
 from urdf_ik.verify.baselines.records import Answer, Pose, Recorded
+from urdf_ik.verify.change import DEFAULT, Difference, Tolerance, apart, ignored, moved, summed
+from urdf_ik.verify.change_search import differences, greatest_change, order_of
 from urdf_ik.verify.crosscheck.properties import CONDITIONING, PLANTED
 from urdf_ik.verify.description import Description, described, matrix
-from urdf_ik.verify.difference import DEFAULT, Difference, Tolerance, apart, ignored, moved, summed
-from urdf_ik.verify.differences import differences, greatest_change, order_of
 from urdf_ik.verify.reports import Report
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
-    from urdf_ik.cell.reference import Reference
+    from urdf_ik.cell.pinocchio_reference import Reference
 
     Array = NDArray[np.float64]
 

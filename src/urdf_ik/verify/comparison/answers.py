@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
-    from urdf_ik.cell.reference import Reference
+    from urdf_ik.cell.pinocchio_reference import Reference
     from urdf_ik.ik.solutions import IKSolutions
 
     Array = NDArray[np.float64]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from urdf_ik.support.text import Section
-from urdf_ik.verify.difference import DEFAULT, Difference, same_limit, summed
+from urdf_ik.verify.change import DEFAULT, Difference, same_limit, summed
 from urdf_ik.verify.reports import Written, html_of, short
 
 if TYPE_CHECKING:

@@ -11,11 +11,11 @@ from urdf_ik.ik.cuspidality import is_cuspidal
 from urdf_ik.model.poses import as_pose_array, check_poses
 from urdf_ik.support import inputs
 from urdf_ik.support.tolerances import DEFAULT
+from urdf_ik.verify.change import Tolerance, angle_between, apart, ignored
+from urdf_ik.verify.change_search import differences
 from urdf_ik.verify.comparison import answers
 from urdf_ik.verify.comparison.report import AxisChange, Comparison, Fact, LimitChange, Side
 from urdf_ik.verify.description import described
-from urdf_ik.verify.difference import Tolerance, angle_between, apart, ignored
-from urdf_ik.verify.differences import differences
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pinocchio as pin
 
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import UnsupportedArm
 from urdf_ik.support import inputs
 from urdf_ik.verify.completeness.report import BOTH, SECOND, SOLVER, Completeness, Difference, Group

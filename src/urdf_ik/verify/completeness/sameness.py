@@ -27,7 +27,7 @@ from urdf_ik.verify.crosscheck.properties import EXACT
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from urdf_ik.cell.reference import Reference
+    from urdf_ik.cell.pinocchio_reference import Reference
     from urdf_ik.kinematics.chain import Chain
 
     Array = NDArray[np.float64]

@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from urdf_ik.cell import CollisionModel
-from urdf_ik.cell.reference import Reference
+from urdf_ik.cell.pinocchio_reference import Reference
 from urdf_ik.errors import UrdfError
 from urdf_ik.support import inputs
 from urdf_ik.verify.crosscheck.properties import Collision, Inverse, Kinematics, limits

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdf_ik.cell.reference import finite, pose_errors
+from urdf_ik.cell.pinocchio_reference import finite, pose_errors
 from urdf_ik.errors import PoseError, UnsupportedArm
 from urdf_ik.support import inputs
 from urdf_ik.support.angles import shortest
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from urdf_ik.arm import Arm
     from urdf_ik.cell import CollisionModel
-    from urdf_ik.cell.reference import Reference
+    from urdf_ik.cell.pinocchio_reference import Reference
     from urdf_ik.ik.solutions import IKSolutions
 
     Array = NDArray[np.float64]

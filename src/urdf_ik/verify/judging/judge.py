@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.arm import Arm
-    from urdf_ik.cell.reference import Reference
+    from urdf_ik.cell.pinocchio_reference import Reference
 
     Array = NDArray[np.float64]
 
@@ -217,7 +217,7 @@ class _Judged:
     def _misses(self, found: Array, T: Array) -> Array:
         """By how much poses (k, 4, 4) miss T, in what the arm controls of a pose."""
         if self._arm.task == "pose":
-            from urdf_ik.cell.reference import pose_errors
+            from urdf_ik.cell.pinocchio_reference import pose_errors
 
             position, rotation = pose_errors(found, T)
             return np.maximum(position, rotation)

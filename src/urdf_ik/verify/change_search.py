@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik.support.text import quoted
+from urdf_ik.verify.change import DEFAULT, Difference, Tolerance, angle_between, apart, moved, same_limit, within
 from urdf_ik.verify.description import MISSING, Description, Shape, Step, matrix
-from urdf_ik.verify.difference import DEFAULT, Difference, Tolerance, angle_between, apart, moved, same_limit, within
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -171,7 +171,7 @@ def length(distance: float) -> str:
 
 def apart(one: Array, other: Array) -> tuple[float, float]:
     """Distance [m] and angle [rad] between two poses (4, 4)."""
-    from urdf_ik.cell.reference import pose_errors
+    from urdf_ik.cell.pinocchio_reference import pose_errors
 
     position, rotation = pose_errors(one, other)
     return float(position), float(rotation)

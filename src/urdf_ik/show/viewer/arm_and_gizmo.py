@@ -101,7 +101,7 @@ class Drawing:
         if not keep_target:
             _place(self.target, state.target)
 
-    def send_target_again(self) -> None:
+    def send_again(self) -> None:
         """Send every page where the target is; viser itself sends changes alone."""
         from viser import _messages as messages
 
