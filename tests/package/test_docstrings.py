@@ -24,7 +24,7 @@ PACKAGES = [module.name for module in pkgutil.walk_packages([FOLDER], "urdf_ik."
 FILES = [f"urdf_ik.{module.name}" for module in pkgutil.iter_modules([FOLDER]) if not module.ispkg]
 FILES += [
     f"urdf_ik.{name}"
-    for name in ("cell.reference", "ik.cuspidality", "ik.tasks", "kinematics.velocity", "model.catalogue",
+    for name in ("cell.pinocchio_reference", "ik.cuspidality", "ik.tasks", "kinematics.velocity", "model.catalogue",
                  "model.poses", "verify.testing")
 ]  # fmt: skip
 ROOMS = ["urdf_ik", *PACKAGES, *(name for name in FILES if name != "urdf_ik._core")]

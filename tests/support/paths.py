@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 import urdf_ik
-from urdf_ik.paths.plan import Plan
+from urdf_ik.paths.planned_motion import Plan
 
 
 def joint_path(arm: urdf_ik.Arm, m: int, seed: int, size: float = 0.3) -> np.ndarray:

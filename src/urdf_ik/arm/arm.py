@@ -304,7 +304,7 @@ class Arm:
             >>> plan.found, len(plan.q), len(set(plan.branches))
             (True, 50, 1)
         """
-        from urdf_ik.paths.follow import follow  # brings coal
+        from urdf_ik.paths.planning import follow  # brings coal
 
         return follow(self.solver, self.cell, T, **settings)
 

@@ -8,7 +8,7 @@ from urdf_ik.support.lazy import attributes
 
 if TYPE_CHECKING:
     from urdf_ik.paths.path_settings import PathSettings
-    from urdf_ik.paths.plan import Change, Margins, Plan, Stop
+    from urdf_ik.paths.planned_motion import Change, Margins, Plan, Stop
     from urdf_ik.paths.tracker import Step, Tracker
     from urdf_ik.paths.waypoint_files import read_waypoints
     from urdf_ik.paths.waypoints import arc, line, polyline
@@ -28,12 +28,12 @@ __all__ = [
 ]
 
 _MODULE = {
-    "Change": "plan",
-    "Margins": "plan",
+    "Change": "planned_motion",
+    "Margins": "planned_motion",
     "PathSettings": "path_settings",
-    "Plan": "plan",
+    "Plan": "planned_motion",
     "Step": "tracker",
-    "Stop": "plan",
+    "Stop": "planned_motion",
     "Tracker": "tracker",
     "arc": "waypoints",
     "line": "waypoints",

@@ -8,7 +8,7 @@ import numpy as np
 
 from urdf_ik.ik.solutions import limits
 from urdf_ik.paths import waypoints
-from urdf_ik.paths.plan import Change, Plan
+from urdf_ik.paths.planned_motion import Change, Plan
 from urdf_ik.paths.planner.graph import CHANGE, MISMATCH, Graph, Pricing
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.paths.checked_settings import CheckedSettings
-    from urdf_ik.paths.plan import Stop
+    from urdf_ik.paths.planned_motion import Stop
     from urdf_ik.paths.planner.graph import Layers, Way
     from urdf_ik.paths.planner.search import Search
 

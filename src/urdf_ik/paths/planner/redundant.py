@@ -9,7 +9,7 @@ import numpy as np
 
 from urdf_ik.ik.redundancy.interval_search import span
 from urdf_ik.ik.redundancy.values import nearest_values
-from urdf_ik.paths.plan import EVERY_BRANCH, Plan
+from urdf_ik.paths.planned_motion import EVERY_BRANCH, Plan
 from urdf_ik.paths.planner import nodes as node_sets
 from urdf_ik.paths.planner.assembly import Refined, add_margins, cut_coarse, made, not_found, priced
 from urdf_ik.paths.planner.graph import CHANGE, COSTS, MISMATCH, Graph, Pricing

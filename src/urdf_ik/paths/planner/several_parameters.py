@@ -22,7 +22,7 @@ from urdf_ik.ik.pose_solving import solve
 from urdf_ik.ik.redundancy.interval_search import span
 from urdf_ik.ik.redundancy.values import nearest_values
 from urdf_ik.kinematics.chain.redundancy import FREE_AXIS, LOCKED_JOINT
-from urdf_ik.paths.plan import EVERY_BRANCH, Plan, Stop
+from urdf_ik.paths.planned_motion import EVERY_BRANCH, Plan, Stop
 from urdf_ik.paths.planner.assembly import Refined, cut_coarse, made, priced
 from urdf_ik.paths.planner.graph import COSTS
 from urdf_ik.paths.planner.joint_steps import Joints

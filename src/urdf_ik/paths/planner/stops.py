@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdf_ik.ik.explanation import explain
-from urdf_ik.paths.plan import EVERY_BRANCH, Stop
+from urdf_ik.paths.planned_motion import EVERY_BRANCH, Stop
 from urdf_ik.paths.planner import nodes as node_sets
 from urdf_ik.paths.planner.limit_windows import central, room
 from urdf_ik.paths.planner.straightness import keeps_straight

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from urdf_ik.cell import World
     from urdf_ik.maps.workspaces import StoredMap, WorkspaceMap
     from urdf_ik.paths import Plan
-    from urdf_ik.paths.plan import Stop
+    from urdf_ik.paths.planned_motion import Stop
     from urdf_ik.show.viewer.map_view import MapView
     from urdf_ik.show.viewer.path_panel import PathPanel
     from urdf_ik.show.viewer.playback import Track

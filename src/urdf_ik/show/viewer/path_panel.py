@@ -10,7 +10,7 @@ from urdf_ik.show.viewer.arm_panel import on_change, plain, send_again
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from urdf_ik.paths.plan import Stop
+    from urdf_ik.paths.planned_motion import Stop
     from urdf_ik.show.viewer.playback import Track
 
 _PLAY, _PAUSE = "Play", "Pause"

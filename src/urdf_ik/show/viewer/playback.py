@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdf_ik.paths import Plan
-    from urdf_ik.paths.plan import Stop
+    from urdf_ik.paths.planned_motion import Stop
     from urdf_ik.show.viewer.state import State
 
     Array = NDArray[np.float64]

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from urdf_ik.cell import World
     from urdf_ik.cell.shapes import Shape
-    from urdf_ik.paths.plan import Stop
+    from urdf_ik.paths.planned_motion import Stop
     from urdf_ik.show.viewer.playback import Track
 
     Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ from urdf_ik.ik.solutions.limits import LIMIT_TOLERANCE
 from urdf_ik.paths import checked_settings as settings_of
 from urdf_ik.paths import waypoints
 from urdf_ik.paths.path_settings import PathSettings
-from urdf_ik.paths.plan import Stop
+from urdf_ik.paths.planned_motion import Stop
 from urdf_ik.paths.planner import nodes as node_sets
 from urdf_ik.paths.planner import redundant, several_parameters
 from urdf_ik.paths.planner.assembly import cut_coarse, made, not_found, priced
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from urdf_ik.cell.cell import Cell
     from urdf_ik.ik.solver import Solver
     from urdf_ik.paths.checked_settings import CheckedSettings
-    from urdf_ik.paths.plan import Plan
+    from urdf_ik.paths.planned_motion import Plan
     from urdf_ik.paths.planner.nodes import Nodes
 
     Array = NDArray[np.float64]
