@@ -61,7 +61,7 @@ def test_examples(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
 
 
 # A method that passes on names the function that has its arguments and its example.
-SHOWN_ELSEWHERE = re.compile(r"([Ss]ee|example:) :(func|meth):`([\w.]+)`")
+SHOWN_ELSEWHERE = re.compile(r"([Ss]ee|example:)\s+:(func|meth):`([\w.]+)`")
 
 
 def public() -> Iterator[tuple[str, str]]:
