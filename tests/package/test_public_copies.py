@@ -33,7 +33,8 @@ WAYS: dict[str, Callable[[Any], Any]] = {
 
 def public_classes() -> dict[type, str]:
     """The classes in the ``__all__`` of every package and module, with a name of each."""
-    names = ["urdf_ik", *(each.name for each in pkgutil.walk_packages([str(Path(urdf_ik.__file__).parent)], "urdf_ik."))]
+    folder = str(Path(urdf_ik.__file__).parent)
+    names = ["urdf_ik", *(each.name for each in pkgutil.walk_packages([folder], "urdf_ik."))]
     found: dict[type, str] = {}
     for module in (importlib.import_module(name) for name in names if not name.startswith(INNER)):
         for name in getattr(module, "__all__", ()):
