@@ -14,8 +14,8 @@ import typer
 from typer import Argument, Option
 
 from urdf_ik.cli import console
-from urdf_ik.cli.completion import links, robots_and_files
 from urdf_ik.cli.console import Angles
+from urdf_ik.cli.prompt.completion import links, robots_and_files
 from urdf_ik.errors import escaped
 from urdf_ik.support.text import quoted
 

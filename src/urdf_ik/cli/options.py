@@ -16,7 +16,7 @@ from typer import Option
 from typer.models import ArgumentInfo
 
 from urdf_ik import __version__
-from urdf_ik.cli.completion import data_files
+from urdf_ik.cli.prompt.completion import data_files
 from urdf_ik.support.inputs import MOST_POSES, MOST_THREADS
 from urdf_ik.support.settings import Form, Setting, settings_of
 

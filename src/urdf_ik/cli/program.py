@@ -17,7 +17,7 @@ from urdf_ik import errors
 from urdf_ik.cli import interrupts, options
 from urdf_ik.cli.commands import COMMANDS, GROUPS
 from urdf_ik.cli.errors import Status, quoting_little, status_of, unloaded, unwritten
-from urdf_ik.cli.grouped_command import GroupedCommand
+from urdf_ik.cli.prompt.grouped_command import GroupedCommand
 
 _STYLE: dict[str, Any] = {"rich_markup_mode": None, "pretty_exceptions_enable": False}
 
@@ -115,7 +115,7 @@ app = typer.Typer(
 def root(context: typer.Context, version: options.Version = False) -> None:
     """Print the first steps where no command is given."""
     if context.invoked_subcommand is None:
-        from urdf_ik.cli.first_steps import steps
+        from urdf_ik.cli.prompt.first_steps import steps
 
         typer.echo(steps())
 

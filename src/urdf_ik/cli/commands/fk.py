@@ -17,8 +17,8 @@ from typer import Option
 
 from urdf_ik.cli import console, options, tables
 from urdf_ik.cli.arm_options import ArmOptions, angles_of
-from urdf_ik.cli.completion import data_files
 from urdf_ik.cli.options import Format
+from urdf_ik.cli.prompt.completion import data_files
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
