@@ -159,16 +159,17 @@ class KeptSolutions(Answer):
         self.step = step
         self._redundancy = redundancy
 
+    if TYPE_CHECKING:
+
+        @property
+        def q(self) -> Array:
+            """(..., B, n) rad or m, NaN where there is no solution; angles in (-pi, pi] as the solver gives them."""
+    else:
+        q = Answer._read_only_q  # a property written in Python takes as long as a fifth of solving a pose
+
     def __reduce__(self) -> tuple[type[Self], tuple[Any, ...]]:
         arrays = (self._poses, self._q, self._info)
         return type(self), (self.solver, *arrays, self._branches, self._origin, self.step, self._redundancy)
-
-    @property
-    def q(self) -> Array:
-        """(..., B, n) rad or m, NaN where there is no solution; angles in (-pi, pi] as the solver gives them."""
-        q = self._q
-        q.setflags(write=False)
-        return q
 
     @property
     def valid(self) -> NDArray[np.bool_]:
