@@ -214,13 +214,13 @@ def test_a_broken_srdf_is_refused(text: str, says: str) -> None:
 
 
 def test_the_srdf_of_an_arm_excuses_its_pairs_wherever_the_arm_goes() -> None:
-    """Of a loaded arm, with a tool, with a joint held and pickled; pairs of unknown links allow nothing, or are refused."""
+    """Of a loaded arm, with a tool, with a joint held, and pickled; pairs of unknown links allow nothing."""
     pair, other = ("link_4", "link_6"), ("link_3", "link_5")
     disable = '<disable_collisions link1="{}" link2="{}"/>'
     srdf = f'<robot name="r">{disable.format(*pair)}{disable.format("link_1", "hand")}</robot>'
     arm = urdf_ik.load("zyyzyz_6r", srdf=srdf)
     plain = urdf_ik.load("zyyzyz_6r")
-    assert (arm.base, arm.tip) == (plain.base, plain.tip)  # a SRDF without groups chooses no chain
+    assert (arm.base, arm.tip) == (plain.base, plain.tip)  # an SRDF without groups chooses no chain
     for each in (arm, arm.with_tool(np.eye(4)), arm.with_locked({"joint_1": 0.0}), pickle.loads(pickle.dumps(arm))):
         table = each.cell.collisions.table()
         assert table.allowed[pair] == "srdf" and other in table.checked

@@ -10,7 +10,6 @@ from urdf_ik.support.display import html_of
 from urdf_ik.support.text import Section
 
 
-
 def title(plan: Any) -> str:
     """Whose plan it is, whether it was found, and whether contacts were checked."""
     found = f"Plan of {plan.solver.name}: {'found' if plan.found else 'not found'}, {len(plan.poses)} waypoints"
@@ -35,7 +34,8 @@ def html(plan: Any) -> str:
     """The same for a notebook, with each joint's range and the margins, or the reason why each branch stops."""
     if not plan.found:
         stops = tuple((stop.branch, str(stop.waypoint), stop.cause, stop.reason) for stop in plan.stops)
-        return html_of(title(plan), "no plan", False, [Section("", ("start branch", "before waypoint", "cause", "reason"), stops)])
+        header: tuple[str, ...] = ("start branch", "before waypoint", "cause", "reason")
+        return html_of(title(plan), "no plan", False, [Section("", header, stops)])
     header = ("joint", "unit", "first", "last", "least", "most", "lower limit", "upper limit")
     joints = tuple(
         (name, "m" if kind == "prismatic" else "rad", *(f"{value:.4f}" for value in (q[0], q[-1], q.min(), q.max())),
