@@ -295,7 +295,7 @@ class Arm:
         Raises:
             ArgumentError: waypoints, ``start``, ``end`` or a setting do not fit.
             PoseError: a waypoint is not a rigid pose.
-            UrdfError: a world is given, and the arm has no collision shapes.
+            UrdfError: a world is given, or ``collisions="require"``, and not all collision shapes can be read.
             UnsupportedArm: no solver takes this arm.
 
         Example:
