@@ -54,7 +54,17 @@ class ArmOptions:
         None
     )
     srdf: Annotated[
-        Path | None, Option(metavar="FILE", exists=True, dir_okay=False, help="SRDF, whose groups are the chains.")
+        Path | None,
+        Option(
+            metavar="FILE",
+            exists=True,
+            dir_okay=False,
+            help="SRDF: its groups are chains, its disabled pairs may touch.",
+        ),
+    ] = None
+    allow: Annotated[
+        list[str] | None,
+        Option(metavar="LINK,LINK", help="Two links that may touch (`info --pairs`); repeatable."),
     ] = None
     lock: Annotated[
         list[str] | None, Option(metavar="NAME=VALUE", help="Hold a joint: rad, m, or 30deg; repeatable.")
@@ -112,6 +122,11 @@ class ArmOptions:
         if tool is not None:
             names = ("tool", *(f"tool_{k}" for k in range(2, len(arm.model.links) + 3)))
             arm = arm.with_tool(tool, name=next(name for name in names if name not in arm.model.links))
+        for typed in self.allow or ():
+            first, comma, second = (part.strip() for part in typed.partition(","))
+            if not (first and comma and second):
+                raise typer.BadParameter(f"{quoted(typed)} is not LINK,LINK", param_hint="--allow")
+            arm = arm.with_cell(arm.cell.allow(first, second))
         return self._freed(arm)
 
     def _freed(self, arm: Arm) -> Arm:
