@@ -47,6 +47,7 @@ def test_out_holds_for_tasks_and_redundancy_parameters() -> None:
     again = seven.ik(T, redundancy=np.linspace(-1.0, 1.0, len(T)), out=earlier)
     np.testing.assert_array_equal(again.redundancy, np.linspace(-1.0, 1.0, len(T)))
     np.testing.assert_array_equal(again.q, seven.ik(T, redundancy=np.linspace(-1.0, 1.0, len(T))).q)
+    assert seven.ik(T[0], redundancy=0.3).redundancy.shape == ()
 
 
 def test_out_is_refused_where_it_does_not_fit(arm: urdf_ik.Arm) -> None:

@@ -118,8 +118,8 @@ def _solve_array(
     if out is not None:
         _check_memory(solver, out, batch)
     reference = None if q_ref is None else _reference(solver, q_ref)
-    targets = np.ascontiguousarray(targets)
-    values = None if values is None else np.ascontiguousarray(values)
+    targets = np.asarray(targets, order="C")
+    values = None if values is None else np.asarray(values, order="C")  # also of no dimension
     solved: IKSolutions | None = core.many(
         IKSolutions, solver, solver.branches, targets, reference, values, threads, out
     )
