@@ -9,6 +9,7 @@ import numpy as np
 
 from urdf_ik.errors import MissingPackage
 from urdf_ik.ik.solutions.solution import Singular
+from urdf_ik.support.display import Markup, table
 from urdf_ik.support.palette import colours
 
 if TYPE_CHECKING:
@@ -40,6 +41,7 @@ def to_frame(solutions: Any) -> Any:
     columns["branch"] = solutions.names[at]
     columns |= dict(zip(solutions.solver.joint_names, solutions.q[at].T, strict=True))
     columns["within_limits"] = _within(solutions)[at]
+    columns["status"] = solutions.status[at[:-1]]
     columns["singular"] = [str(Singular(int(flags)).name or "") if flags else "" for flags in solutions.singular[at]]
     return pandas.DataFrame(columns)
 
@@ -60,6 +62,7 @@ def to_xarray(solutions: Any) -> Any:
             "valid": ((*poses, "branch"), solutions.valid),
             "singular": ((*poses, "branch"), solutions.singular),
             "within_limits": ((*poses, "branch"), _within(solutions)),
+            "status": (tuple(poses), solutions.status),
             "T": ((*poses, "row", "column"), solutions.poses),
         },
         coords={
@@ -99,18 +102,6 @@ def html(solutions: Any) -> str:
     return f"<div><p><b>{escape(title)}</b><br/>{count}; {checked}</p>{picture}{table(header, rows)}{rest}</div>"
 
 
-def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """An HTML table; every cell is escaped, but for one that is markup of this module.
-
-    Example:
-        >>> table(["joint"], [["<b>"]])
-        '<table><thead><tr><th>joint</th></tr></thead><tbody><tr><td>&lt;b&gt;</td></tr></tbody></table>'
-    """
-    head = "".join(f"<th>{escape(cell)}</th>" for cell in header)
-    body = "".join("<tr>" + "".join(f"<td>{_cell(cell)}</td>" for cell in row) + "</tr>" for row in rows)
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-
-
 def stick_picture(chain: Chain, q: Array, shades: Sequence[tuple[float, float, float]]) -> str:
     """Stick figures (k, n) from the side as SVG, seen along the horizontal direction in which they are widest."""
     points = stick(chain, q)
@@ -136,16 +127,8 @@ def stick(chain: Chain, q: Array) -> Array:
     return np.stack([poses[link][..., :3, 3] for link in chain.links], axis=-2)
 
 
-class _Markup(str):
-    """Text that is HTML already."""
-
-
-def _cell(text: str) -> str:
-    return text if isinstance(text, _Markup) else escape(str(text))
-
-
 def _dot(shade: tuple[float, float, float]) -> str:
-    return _Markup(f'<span style="color:{_css(shade)}">&#9679;</span>')
+    return Markup(f'<span style="color:{_css(shade)}">&#9679;</span>')
 
 
 def _css(shade: tuple[float, float, float]) -> str:
