@@ -10,7 +10,6 @@ import coal
 import numpy as np
 import pinocchio as pin
 from lxml import etree
-from scipy import spatial
 
 from urdf_ik.cell.obstacles.tree import cell_codes
 from urdf_ik.cell.shapes import SPECK, Capsule, HalfSpace, Mesh, Points, Sphere, cloud, reason_of
@@ -72,6 +71,21 @@ def build(model: UrdfModel, pin_model: Any) -> Any:
     return geometry
 
 
+def why_unreadable(model: UrdfModel) -> str:
+    """Why :func:`build` refuses a URDF, in a few words, such as '6 meshes missing'."""
+    tree = etree.fromstring(model.xml)
+    missing = set()
+    for mesh in tree.iterfind("link/collision/geometry/mesh"):
+        try:
+            resolve_mesh(model, mesh.get("filename"))
+        except UrdfError:
+            missing.add(mesh.get("filename"))
+    if missing:
+        return f"{len(missing)} mesh{'es' if len(missing) > 1 else ''} missing"
+    bare = tree.find("link/collision") is None and not any(each.collides for each in model.warnings)
+    return "no collision shapes" if bare else "a collision shape cannot be read"
+
+
 def one_ball(geometry: Any) -> tuple[Array, float]:
     """A ball that holds a shape: its centre (3,) in the shape's frame and its radius [m]."""
     geometry.computeLocalAABB()
@@ -114,6 +128,8 @@ def hull(geometry: Any) -> Any:
     """The convex hull of a mesh as coal's ``Convex``; None for other shapes, and where the mesh is flat."""
     if not isinstance(geometry, coal.BVHModelBase):
         return None
+    from scipy import spatial  # slow to import, and only meshes need it
+
     vertices = np.array(geometry.vertices())
     try:
         found = spatial.ConvexHull(vertices, qhull_options="Qt Pp")

@@ -14,8 +14,9 @@ from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions.turn_names import suffix
 from urdf_ik.support import indices
 from urdf_ik.support.angles import TURN
+from urdf_ik.support.display import html_of
 from urdf_ik.support.read_only import frozen
-from urdf_ik.support.text import quoted
+from urdf_ik.support.text import Section, quoted
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -29,8 +30,9 @@ if TYPE_CHECKING:
     Columns = NDArray[np.intp]
     Places = slice | tuple[int | slice, ...] | list[int] | NDArray[Any]
 
-# The bit of a pose's first column that says that other solutions may be missing.
-_UNCERTAIN = np.uint8(32)
+# A pose's status stands in two bits of its first column's flags; the lower one says that solutions may be missing.
+_STATUS, _UNCERTAIN = np.uint8(5), np.uint8(32)
+_WORDS = np.array(["complete", "incomplete", "clustered", "continuum"])
 
 _Number = TypeVar("_Number", bound=np.generic)
 
@@ -52,7 +54,7 @@ class Singular(IntFlag):
     OTHER = 8
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class Solution:
     """One joint vector that brings the tip to the pose.
 
@@ -81,6 +83,16 @@ class Solution:
     def __str__(self) -> str:
         flag = f" (singular: {self.singular.name})" if self.singular else ""
         return f"{self.branch}: [{', '.join(f'{x:.6f}' for x in self.q)}]{flag}"
+
+    def __repr__(self) -> str:
+        return f"<Solution {self}>"
+
+    def _repr_html_(self) -> str:
+        header = [f"q{k + 1}" for k in range(len(self.q))]
+        found = f"singular: {self.singular.name}" if self.singular else "solution"
+        return html_of(
+            self.branch, found, not self.singular, [Section("", tuple(header), (tuple(f"{x:.6f}" for x in self.q),))]
+        )
 
 
 def _solution(q: Array, branch: str, singular: Singular, index: int) -> Solution:
@@ -143,8 +155,8 @@ class KeptSolutions(Answer):
             solver: the solver that made them.
             T: (..., 4, 4) m, the poses.
             q: (..., B, n) rad or m, NaN rows where there is no solution.
-            info: (..., B), bit 0: valid, bits 1 to 4: ``Singular``; bit 5 of the first column: other solutions of the
-                pose may be missing.
+            info: (..., B), bit 0: valid, bits 1 to 4: ``Singular``; bits 5 and 6 of the first column: the pose's
+                status.
             branches: B names.
             origin: (B,) each column's branch of the family; default: its own index.
             step: how they were made from other solutions; None: solved.
@@ -159,16 +171,17 @@ class KeptSolutions(Answer):
         self.step = step
         self._redundancy = redundancy
 
+    if TYPE_CHECKING:
+
+        @property
+        def q(self) -> Array:
+            """(..., B, n) rad or m, NaN where there is no solution; angles in (-pi, pi] as the solver gives them."""
+    else:
+        q = Answer._read_only_q  # a property written in Python takes as long as a fifth of solving a pose
+
     def __reduce__(self) -> tuple[type[Self], tuple[Any, ...]]:
         arrays = (self._poses, self._q, self._info)
         return type(self), (self.solver, *arrays, self._branches, self._origin, self.step, self._redundancy)
-
-    @property
-    def q(self) -> Array:
-        """(..., B, n) rad or m, NaN where there is no solution; angles in (-pi, pi] as the solver gives them."""
-        q = self._q
-        q.setflags(write=False)
-        return q
 
     @property
     def valid(self) -> NDArray[np.bool_]:
@@ -181,20 +194,37 @@ class KeptSolutions(Answer):
         return frozen(self._info >> np.uint8(1) & np.uint8(15))
 
     @property
-    def certain(self) -> NDArray[np.bool_]:
-        """(...) whether the solver is certain that it has found every solution of the pose.
+    def status(self) -> NDArray[np.str_]:
+        """(...) what is known about each pose's solutions, in one word.
 
-        A closed form is: each of its steps has all of its branches followed. The general solver is where every root of
-        its elimination that may be real led to a solution of its own, or where all complex solutions of the pose were
-        counted, as many as the arm has at almost every pose. Near a special arm (imperfection below 4e-3) the count
-        leaves out complex solutions far from real ones, with an imaginary part above 4: a pose at
-        which one of these were real would not be noticed. All of it is computed in floating point; none is a proof.
-        What filters drop does not change it.
+        - 'complete': every solution is there, once. Without solutions the pose is unreachable.
+        - 'clustered': every solution is counted; solutions nearer to each other than rounding stand as one.
+        - 'continuum': a curve of solutions keeps the pose. Its representatives are there; other ones may be missing.
+        - 'incomplete': solutions may be missing.
+
+        docs/explanation/proven.md says for which arms the first two are proven, and up to which rounding. What filters
+        drop does not change it.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("puma_560")
+            >>> str(arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])).status)
+            'complete'
         """
+        return frozen(np.asarray(_WORDS[(self._first_flags >> _STATUS) & np.uint8(3)]))
+
+    @property
+    def certain(self) -> NDArray[np.bool_]:
+        """(...) whether no solution is missing: the status is 'complete' or 'clustered'."""
+        return frozen(np.asarray(self._first_flags & _UNCERTAIN == 0))
+
+    @property
+    def _first_flags(self) -> NDArray[np.uint8]:
+        """(...) flags of the first columns, as they were solved."""
         solved: KeptSolutions = self
         while solved.step is not None:
             solved = solved.step.parent
-        return frozen(np.asarray(solved._info[..., 0] & _UNCERTAIN == 0))
+        return np.asarray(solved._info[..., 0])
 
     @property
     def branches(self) -> tuple[str, ...]:
@@ -275,6 +305,21 @@ class KeptSolutions(Answer):
             [[0.7574, -0.5, 0.1, -0.3426], [0.3, 0.5, 0.1, 0.2]]
         """
         return self._q[self._columns("to_array()")]
+
+    @property
+    def list(self) -> list[Solution]:
+        """The solutions of a single pose, each with ``q``, ``branch`` and ``singular``; as iteration gives them.
+
+        Raises:
+            ArgumentError: this is a batch.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> [one.branch for one in arm.ik(arm.fk([0.3, 0.5, 0.1, 0.2])).list]
+            ['elbow left', 'elbow right']
+        """
+        return [*self]
 
     def __len__(self) -> int:
         return len(self._columns("len()"))
