@@ -55,11 +55,10 @@ COUNTS: Counter[str] = Counter()
 
 @pytest.fixture(scope="module", autouse=True)
 def _counts(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Print at the end what the sweep saw; a process of pytest-xdist has no terminal."""
+    """Print at the end what the sweep saw."""
     yield
-    terminal = request.config.pluginmanager.getplugin("terminalreporter")
-    if terminal is not None and COUNTS:
-        terminal.write_line(f"\nsweep: {', '.join(f'{count:,} {what}' for what, count in COUNTS.items())}")
+    with request.config.pluginmanager.getplugin("capturemanager").global_and_fixture_disabled():
+        print(f"\nsweep: {', '.join(f'{count:,} {what}' for what, count in COUNTS.items())}")
 
 
 def _chains(model: UrdfModel) -> dict[str, tuple[str, str]]:
