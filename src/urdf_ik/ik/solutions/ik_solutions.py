@@ -9,7 +9,8 @@ import numpy as np
 
 from urdf_ik.errors import ArgumentError
 from urdf_ik.ik.solutions import distances, explanations, limits, tables
-from urdf_ik.ik.solutions.solution import KeptSolutions, Singular, Solution, Step
+from urdf_ik.ik.solutions.differentiable import DifferentiableSolutions
+from urdf_ik.ik.solutions.solution import Singular, Solution, Step
 from urdf_ik.ik.solutions.turn_names import suffix, turned_branches
 from urdf_ik.kinematics import velocity
 from urdf_ik.support import inputs
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
-class IKSolutions(KeptSolutions):
+class IKSolutions(DifferentiableSolutions):
     """The solutions of one pose or of a batch of poses, one column a branch.
 
     The solutions of a single pose are iterated over, counted with ``len`` and picked with ``s[k]``, the valid

@@ -33,7 +33,7 @@ class TreeJoint(Frozen):
 
     ``column`` is the index in the joint vector that drives it (None: it stays at ``offset``), with
     value = multiplier * q[column] + offset; ``driver`` is the joint that it mimics, or the joint itself; '' for a
-    joint that does not move.
+    joint that does not move. ``rpy`` [rad] and ``axis_length`` are those of the joint's origin and axis as written.
     """
 
     parent: str
@@ -45,6 +45,9 @@ class TreeJoint(Frozen):
     multiplier: float
     offset: float
     driver: str = ""
+    name: str = ""
+    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    axis_length: float = 1.0
 
     @cached_property
     def motion(self) -> Any:  # a _core.Chain, of whose answers the generated stub says nothing
