@@ -3,8 +3,8 @@
 The determinant cannot change its sign on a motion that crosses no singularity, so the sign is a name that lasts: such a
 motion never joins solutions of two signs, in whatever pose. Without joint limits a pose has as many regular solutions
 of one sign as of the other: the signs sum to the degree of the map from joint vectors to poses, which is 0, since poses
-out of reach have no solution. The number after the sign orders one pose's solutions and says nothing about another pose; along a path
-:func:`urdf_ik.paths.followed_names.followed` keeps it.
+out of reach have no solution. The number after the sign orders one pose's solutions and says nothing about another
+pose; along a path :mod:`urdf_ik.paths.followed_names` keeps it.
 """
 
 from __future__ import annotations
