@@ -26,7 +26,7 @@ PAGES = {
     "paths": ("Paths", ("line", "arc", "polyline", "read_waypoints", "Plan")),
     "redundancy": ("Redundancy", ("Interval", "Intervals", "Region")),
     "tables": ("Tables and comparisons", ("DHTable", "compare", "compare_many", "Comparison", "freeze")),
-    "calibration": ("Calibration", ("calibrate", "Calibration")),
+    "calibrations": ("Calibration", ("calibrate", "Calibration")),
 }
 ROOMS = {
     "calibration": "Measurements and vendors' calibrations",

@@ -63,7 +63,15 @@ class Measurements:
         return KINDS[self.kind]
 
     def part(self, rows: NDArray[Any]) -> Measurements:
-        """Some of the measurements."""
+        """Some of the measurements.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("planar_2r")
+            >>> q = [[0.1, 0.2], [0.3, 0.4]]
+            >>> len(measured(arm, q, arm.fk(q)).part(np.array([True, False])))
+            1
+        """
         return Measurements(self.kind, self.q[rows], self.values[rows])
 
 

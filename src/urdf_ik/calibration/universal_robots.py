@@ -153,6 +153,12 @@ def ur_kinematics(arm: Arm, calibration_hash: str = "") -> UrKinematics:
 
     Raises:
         UrdfError: the URDF lacks one of the joints, or its axes are not the z axes of their frames.
+
+    Example:
+        >>> import urdf_ik
+        >>> ur_kinematics(urdf_ik.load("puma_560"))
+        Traceback (most recent call last):
+        urdf_ik.errors.UrdfError: ...: no joint 'shoulder_pan_joint'...
     """
     inputs.arm(arm)
     origins = {link: (*map(float, joint.origin[:3, 3]), *map(float, joint.rpy)) for link, joint in _joints(arm).items()}
