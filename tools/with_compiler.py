@@ -115,10 +115,12 @@ def environment(mode: str) -> dict[str, str]:
         is_zig = found is None
         env |= zig_scripts() if found is None else {"CXX": found}
     if mode == "--each":
-        # What --here may have left in CMake's cache is forgotten: an editable install builds what tests use, a wheel not.
+        # CMake forgets what --here may have left in its cache: an editable install builds what tests use, a wheel does not.
         return with_argument(with_levels(env, this_level() if is_zig else ";".join(LEVELS)), "-UURDF_IK_TESTS")
     built = any(ROOT.glob("build/cp*/CMakeCache.txt"))
-    return with_argument(with_levels(env, this_level()), "-DURDF_IK_TESTS=OFF") if mode == "--here" and not built else env
+    if mode != "--here" or built:
+        return env
+    return with_argument(with_levels(env, this_level()), "-DURDF_IK_TESTS=OFF")
 
 
 if __name__ == "__main__":
