@@ -115,8 +115,9 @@ def environment(mode: str) -> dict[str, str]:
         is_zig = found is None
         env |= zig_scripts() if found is None else {"CXX": found}
     if mode == "--each":
-        # CMake forgets what --here may have left in its cache: an editable install builds what tests use, a wheel does not.
-        return with_argument(with_levels(env, this_level() if is_zig else ";".join(LEVELS)), "-UURDF_IK_TESTS")
+        # CMake forgets what --here left in its cache: an editable install builds what tests use, a wheel does not.
+        levels = this_level() if is_zig else ";".join(LEVELS)
+        return with_argument(with_levels(env, levels), "-UURDF_IK_TESTS")
     built = any(ROOT.glob("build/cp*/CMakeCache.txt"))
     if mode != "--here" or built:
         return env
