@@ -228,7 +228,7 @@ def test_far_slides_keep_their_digits() -> None:
 
 
 def test_a_refused_arm_of_eight_joints_is_solved_as_its_message_says() -> None:
-    """A lift, a telescope of four slides and a wrist, as on Stretch: the lock that the refusal names leads to answers."""
+    """A lift, a telescope of four slides and a wrist, as on Stretch: with the lock that the refusal names it answers."""
     axes = {"lift": "0 0 1", **{f"arm_l{k}": "0 -1 0" for k in (3, 2, 1, 0)}}
     axes |= {"wrist_yaw": "0 0 1", "wrist_pitch": "0 1 0", "wrist_roll": "1 0 0"}
     text = '<robot name="stretch"><link name="l0"/>'
@@ -236,7 +236,8 @@ def test_a_refused_arm_of_eight_joints_is_solved_as_its_message_says() -> None:
         kind = "revolute" if "wrist" in name else "prismatic"
         text += (
             f'<link name="l{i}"/><joint name="{name}" type="{kind}"><parent link="l{i - 1}"/><child link="l{i}"/>'
-            f'<origin xyz="0.05 0 0.1"/><axis xyz="{axis}"/><limit lower="0" upper="0.5" effort="1" velocity="1"/></joint>'
+            f'<origin xyz="0.05 0 0.1"/><axis xyz="{axis}"/>'
+            '<limit lower="0" upper="0.5" effort="1" velocity="1"/></joint>'
         )
     text += "</robot>"
     arm = urdf_ik.load(text, "l0", "l8")
