@@ -228,7 +228,7 @@ def test_far_slides_keep_their_digits() -> None:
 
 
 def test_a_refused_arm_of_eight_joints_is_solved_as_its_message_says() -> None:
-    """A lift, a telescope of four slides and a wrist, as on Stretch: with the lock that the refusal names it answers."""
+    """A lift, four slides and a wrist, as on Stretch: with the lock that the refusal names the arm answers."""
     axes = {"lift": "0 0 1", **{f"arm_l{k}": "0 -1 0" for k in (3, 2, 1, 0)}}
     axes |= {"wrist_yaw": "0 0 1", "wrist_pitch": "0 1 0", "wrist_roll": "1 0 0"}
     text = '<robot name="stretch"><link name="l0"/>'
