@@ -1,0 +1,112 @@
+// The certified roots of one pose, counted against the number that there can be.
+//
+// If an arm has at most N isolated roots at every pose, N distinct regular ones are all, and there is no continuum beside them:
+// regular roots persist at all poses near by, and another root, isolated or not, has regular joint vectors near it, whose poses
+// would have N + 1 roots.
+#pragma once
+
+#include "certificate/single.hpp"
+#include "certificate/status.hpp"
+
+namespace urdf_ik::URDF_IK_LEVEL {
+
+// A certified real root: joint values, radius of existence and of uniqueness, and a lower bound on its Jacobian's smallest
+// singular value.
+struct RealRoot {
+    double q[6], inner, outer, least;
+};
+// A certified root that is not real, as z = e^(i angle). Its conjugate is another one.
+struct PairOfRoots {
+    double z[6][2], inner, outer;
+};
+
+struct Account {
+    static constexpr int most = 16;
+    Expected expected = {most, Why::theorem};
+    RealRoot real[most];
+    PairOfRoots pair[most / 2];
+    int reals = 0, pairs = 0;
+
+    STEP int counted() const { return reals + 2 * pairs; }
+    STEP bool all() const { return counted() == expected.many && expected.why != Why::unproven; }
+};
+
+// A lower bound on the greatest |difference| of two joints, whole turns aside: for x = |e^(i d) - 1| it is |d| >= x / (1 + x).
+STEP double apart_at_least(const double (&a)[6][2], const double (&b)[6][2]) {
+    double most = 0.0;
+    for (int k = 0; k < 6; ++k) {
+        const double re = a[k][0] - b[k][0], im = a[k][1] - b[k][1];
+        const double share = (re * re + im * im) / (b[k][0] * b[k][0] + b[k][1] * b[k][1]);
+        most = max(most, share);
+    }
+    const double x = sqrt(most);
+    return x / (1.0 + x) * (1.0 - 1e-12);
+}
+// The conjugate angle has one over the conjugate of e^(i angle).
+STEP void conjugate(const double (&z)[6][2], double (&out)[6][2]) {
+    for (int k = 0; k < 6; ++k) {
+        const double w = 1.0 / (z[k][0] * z[k][0] + z[k][1] * z[k][1]);
+        out[k][0] = w * z[k][0], out[k][1] = w * z[k][1];
+    }
+}
+
+// Adds a root unless its ball meets that of a known one: then they may be the same.
+STEP bool add_real(Account& account, const RealRoot& root) {
+    if (account.reals == Account::most) return false;
+    for (int i = 0; i < account.reals; ++i) {
+        double most = 0.0;
+        for (int j = 0; j < 6; ++j) most = max(most, abs(wrap(root.q[j] - account.real[i].q[j])));
+        if (!(most - 1e-15 > root.inner + account.real[i].inner)) return false;
+    }
+    account.real[account.reals++] = root;
+    return true;
+}
+// The same for a root that is not real: the imaginary part of a joint exceeds its ball.
+STEP bool add_pair(Account& account, const PairOfRoots& root) {
+    if (account.pairs == Account::most / 2) return false;
+    double conjugated[6][2];
+    conjugate(root.z, conjugated);
+    for (int i = 0; i < account.pairs; ++i) {
+        const PairOfRoots& other = account.pair[i];
+        const double sum = root.inner + other.inner;
+        if (!(apart_at_least(root.z, other.z) > sum) || !(apart_at_least(conjugated, other.z) > sum)) return false;
+    }
+    account.pair[account.pairs++] = root;
+    return true;
+}
+
+// The certificates of a block of real joint vectors.
+PART Certificate certify_real(const Loop& loop, const Block (&q)[6]) {
+    Turn<Block> turn[6];
+    turns_of(q, turn);
+    const LoopAt<Block> at = loop_at(loop, turn);
+    Orthogonal<Block> f;
+    make_orthogonal(at.twist, f);
+    return certify(loop, at, f, growth_of(q));
+}
+
+// Newton's method from a block of complex joints, until no lane in use moves by more than SETTLED or for `rounds` rounds, and the
+// certificates there. Steps are limited to half a radian.
+inline constexpr double SETTLED = 1e-7;
+PART Certificate certify_complex(const Loop& loop, CBlock (&z)[6], unsigned lanes, int rounds, Growth& growth) {
+    Turn<CBlock> turn[6];
+    LoopAt<CBlock> at;
+    Orthogonal<CBlock> f;
+    for (int round = 0;; ++round) {
+        turns_of(z, turn);
+        at = loop_at(loop, turn);
+        make_orthogonal(at.twist, f);
+        const Six<CBlock> step = newton_step(f, at.error);
+        Block size = square(step[0]);
+        for (int k = 1; k < 6; ++k) size = max(size, square(step[k]));
+        if (round == rounds) break;
+        const Block shrink = min(Block(1.0), 0.5 / sqrt(size + TINY));
+        for (int k = 0; k < 6; ++k) z[k] = z[k] * small_turn(scaled(shrink, step[k]));
+        // What this step leaves is of the order of its square.
+        if (!(bits(size > Block(SETTLED * SETTLED)) & lanes)) rounds = round + 1;
+    }
+    growth = growth_of(z);
+    return certify(loop, at, f, growth);
+}
+
+}  // namespace urdf_ik::URDF_IK_LEVEL
