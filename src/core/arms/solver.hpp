@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "arms/common.hpp"
+#include "certificate/proof.hpp"
 #include "levels.hpp"
 
 namespace urdf_ik {
@@ -21,6 +22,9 @@ public:
     virtual void distances(const double*, double (&out)[4]) const {
         for (double& each : out) each = __builtin_nan("");
     }
+
+    // What is proven about the solutions of a pose T; false if the solver proves nothing, or T is no rigid motion.
+    virtual bool prove(const double*, Proof&) const { return false; }
 
     int joints = 6, branches = 8;
     int numbers = 16;    // of a target; a pose has sixteen

@@ -5,6 +5,7 @@
 // would have N + 1 roots.
 #pragma once
 
+#include "certificate/proof.hpp"
 #include "certificate/single.hpp"
 #include "certificate/status.hpp"
 
@@ -107,6 +108,30 @@ PART Certificate certify_complex(const Loop& loop, CBlock (&z)[6], unsigned lane
     }
     growth = growth_of(z);
     return certify(loop, at, f, growth);
+}
+
+// The account as data: joint values instead of z, both of each pair.
+PART void as_data(const Account& account, Proof& out) {
+    out.expected = account.expected, out.roots = 0;
+    for (int i = 0; i < account.reals; ++i) {
+        const RealRoot& each = account.real[i];
+        const int to = out.roots++;
+        for (int k = 0; k < 6; ++k) out.root[to][k][0] = each.q[k], out.root[to][k][1] = 0.0;
+        out.inner[to] = each.inner, out.outer[to] = each.outer, out.real[to] = true;
+    }
+    for (int i = 0; i < account.pairs; ++i) {
+        const PairOfRoots& each = account.pair[i];
+        for (int sign = -1; sign <= 1; sign += 2) {
+            const int to = out.roots++;
+            for (int k = 0; k < 6; ++k) {
+                const double square = each.z[k][0] * each.z[k][0] + each.z[k][1] * each.z[k][1];
+                out.root[to][k][0] = __builtin_atan2(each.z[k][1], each.z[k][0]);
+                out.root[to][k][1] = sign * 0.5 * __builtin_log(square);
+            }
+            // Rounding of the logarithm and the angle, in units of one.
+            out.inner[to] = each.inner + 8.0 * UNIT, out.outer[to] = each.outer - 8.0 * UNIT, out.real[to] = false;
+        }
+    }
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

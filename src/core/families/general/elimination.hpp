@@ -419,12 +419,14 @@ PART void keep_accounted(const EliminationArm& arm, const Goal<double>& goal, co
     }
 }
 
-Status complete(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns) {
+// The same with the account; see complete.hpp.
+PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns, Account& account) {
     // The rounding of a slide far out moves the tip, so the accepted error grows with the distance of the goal, up to
     // the tolerance.
     const double far = arm.any_slide ? 1.0 + sqrt(dot(goal.p, goal.p)) / arm.written.size : 1.0;
     SearchState search = search_state(arm, goal, columns, min(CONVERGED * far, arm.written.tolerances.reach));
     bool certain = find_all(arm, goal, search);
+    account = search.account;
     if (search.account.all()) {
         keep_accounted(arm, goal, search);
         return Status::complete;
@@ -447,6 +449,11 @@ Status complete(const EliminationArm& arm, const Goal<double>& goal, const Colum
     return certain && !search.provable && !arm.any_slide ? Status::complete : Status::incomplete;
 }
 
+Status complete(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns) {
+    Account account;
+    return complete(arm, goal, columns, account);
+}
+
 struct General6 {
     using Arm = EliminationArm;
     static constexpr int branches = 16;
@@ -456,6 +463,23 @@ struct General6 {
         set_status(columns.flags[0], status);
     }
 };
+
+// See EliminationSolvers.
+PART bool prove(const EliminationArm& arm, const double* T, Proof& out) {
+    double from[16], proper[16], q[6 * 16];
+    std::uint8_t flags[16];
+    for (int k = 0; k < 16; ++k) from[k] = T[k];
+    if (!(pose_defect<double>(from) <= arm.written.tolerances.rotation)) return false;
+    project_rotation(from, proper);
+    const Columns<6> columns = {q, flags, 16};
+    columns.clear();
+    Account account;
+    out = {};
+    out.status = complete(arm, goal_of(proper), columns, account);
+    as_data(account, out);
+    if (arm.any_slide || !all_known(arm)) out.expected.why = Why::unproven;
+    return true;
+}
 
 // See EliminationSolvers.
 PART void try_variants(const EliminationArm& arm, const EliminationVariant* variants, int many, const double* T, long m,

@@ -1,6 +1,7 @@
 // An arm of six joints for the elimination.
 #pragma once
 
+#include "certificate/proof.hpp"
 #include "families/general/continuation_arm.hpp"
 #include "kinematics/arm.hpp"
 
@@ -45,6 +46,8 @@ struct EliminationSolvers {
     // Finds poses with all their solutions from m joint vectors (m, 6), at least two. near: leaves out solutions far
     // from real, for an arm near a special one.
     void (*find_known_poses)(const Written<6>&, const double (*q)[6], int m, bool near, Continuation&);
+    // What is proven about the solutions of the pose T. Returns whether T is a rigid motion.
+    bool (*prove)(const EliminationArm&, const double* T, Proof&);
 };
 
 }  // namespace urdf_ik
