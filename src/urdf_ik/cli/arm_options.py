@@ -50,7 +50,17 @@ class ArmOptions:
         Option(metavar="NAME", help="Which arm of several, as `info --chains` names it, or an SRDF's group."),
     ] = None
     srdf: Annotated[
-        Path | None, Option(metavar="FILE", exists=True, dir_okay=False, help="SRDF, whose groups are the chains.")
+        Path | None,
+        Option(
+            metavar="FILE",
+            exists=True,
+            dir_okay=False,
+            help="SRDF, whose groups are the chains, and whose disabled pairs of links may touch.",
+        ),
+    ] = None
+    allow: Annotated[
+        list[str] | None,
+        Option(metavar="LINK,LINK", help="Two links that may touch; repeatable. `info --pairs` lists all pairs."),
     ] = None
     lock: Annotated[
         list[str] | None,
@@ -124,6 +134,11 @@ class ArmOptions:
         if tool is not None:
             names = ("tool", *(f"tool_{k}" for k in range(2, len(arm.model.links) + 3)))
             arm = arm.with_tool(tool, name=next(name for name in names if name not in arm.model.links))
+        for typed in self.allow or ():
+            first, comma, second = (part.strip() for part in typed.partition(","))
+            if not (first and comma and second):
+                raise typer.BadParameter(f"{quoted(typed)} is not LINK,LINK", param_hint="--allow")
+            arm = arm.with_cell(arm.cell.allow(first, second))
         return self._freed(arm)
 
     def _freed(self, arm: Arm) -> Arm:

@@ -123,6 +123,7 @@ _TYPED: dict[Form, tuple[Any, str]] = {
     Form.EACH_JOINT: (str, "V|V1,V2,..."),
     Form.LENGTH_AND_ANGLE: (str, "M,RAD"),
     Form.FLAG: (bool, ""),
+    Form.CHECK: (bool, ""),
     Form.WORLD: (Path, "FILE"),
 }
 """The type and the metavariable of an option for a setting of each form."""
@@ -140,6 +141,8 @@ def _option(name: str, found: Setting) -> Any:
     text = f"{found.help.removesuffix('.')}{f' [{found.unit}]' if found.unit else ''}."
     if found.form is Form.WORLD:
         text = f"{text} The collision shapes of a URDF of fixed links, in the base."
+    if found.form is Form.CHECK:
+        text = f"{text} With --{name} it is an error where they cannot be."
     return Annotated[kind | None, Option(metavar=metavar or None, help=text)]
 
 

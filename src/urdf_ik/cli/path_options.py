@@ -61,6 +61,8 @@ def _value(form: Form, typed: Any, name: str, angles: Angles, chosen: ArmOptions
         return length, float(np.deg2rad(angle)) if angles.degrees else angle
     if form is Form.WORLD:
         return read_world(typed, chosen)
+    if form is Form.CHECK:
+        return "require" if typed else False
     return typed.value if form is Form.CHOICE else typed
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import inspect
 import sys
+import warnings
 from collections.abc import Iterator, Mapping
 from importlib import import_module
 from pathlib import Path
@@ -77,7 +78,8 @@ class Commands(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         """Run the command."""
         try:
-            with quoting_little():
+            with quoting_little(), warnings.catch_warnings():
+                warnings.showwarning = _warn  # type: ignore[assignment]
                 return super().invoke(ctx)
         except KeyboardInterrupt as error:
             if str(error):  # long work says how much of it is kept
@@ -98,6 +100,11 @@ class Commands(TyperGroup):
                 raise
             typer.echo(f"Error: {text}", err=True)
             raise typer.Exit(status) from None
+
+
+def _warn(message: Warning | str, *_: Any) -> None:
+    """Say a warning in a line, without the place in the source that it came from."""
+    typer.echo(errors.escaped(f"warning: {message}"), err=True)
 
 
 app = typer.Typer(

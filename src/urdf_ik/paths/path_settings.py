@@ -28,8 +28,11 @@ class PathSettings:
     margin: float = setting(
         0.0, "Least distance of the arm's bodies from each other and from obstacles.", Form.NUMBER, "m"
     )
-    collisions: bool = setting(
-        True, "Whether contacts are checked, at the waypoints and all the way between them.", Form.FLAG
+    collisions: bool | str = setting(
+        True,
+        "Whether contacts are checked, at the waypoints and all the way between them; by default where the collision "
+        "shapes can be read.",
+        Form.CHECK,
     )
     cost: str = setting(
         "l2",

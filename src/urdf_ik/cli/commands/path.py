@@ -105,9 +105,8 @@ def text_of(found: Followed, angles: Angles, in_time: Timed | None, others: tupl
     lines: list[Table | str] = [head]
     if found.world is not None:
         lines.append(f"world: {', '.join(found.world.names)}")
-    if plan.obstacles is None:
-        why = arm.cell.collisions.missing if not arm.cell.collisions.has_geometry else "as asked"
-        lines.append(f"contacts were not checked: {why}")
+    if plan.unchecked:
+        lines.append(f"contacts not checked: {plan.unchecked}")
     took = f"in {found.seconds:.2f} s"
     if not plan.found:
         rows = [[stop.branch, str(stop.waypoint), stop.cause, stop.reason] for stop in plan.stops]
@@ -226,6 +225,7 @@ def json_of(found: Followed, angles: Angles, in_time: Timed | None, others: tupl
         "waypoints": len(plan.poses),
         "seconds": found.seconds,
         "found": plan.found,
+        "contacts": f"not checked: {plan.unchecked}" if plan.unchecked else "checked",
         "stops": [stop._asdict() for stop in plan.stops],
     }
     if plan.found:
