@@ -13,18 +13,18 @@
 // In the middle of the loop no twist is a product of more than three turns. Angles may be complex; z = e^(i angle). Lengths are
 // shares of the arm's size.
 //
-// Rounding. u is the unit roundoff, M_k = e^|Im q_k| the 2-norm of a turn, M the product of all six, l the sum of the lengths of
-// the five steps and of G. Errors are measured in the Frobenius norm, which is at most sqrt(3) M for X's rotation.
+// Rounding. u is the unit roundoff, M_k = e^|Im q_k| the 2-norm of a turn, M the product of all six. Errors are measured in the
+// Frobenius norm, which is at most sqrt(3) M for X's rotation.
 // - A cosine and a sine from z are off by 3 u M_k each; a product of complex numbers is off by sqrt(5) u at most. Turning two
 //   columns then adds (6 + sqrt(2) (sqrt(5) + 1)) u M_k < 10.6 u M_k times the norm.
 // - A step adds 3 u times the norms of the absolute values, which is at most 3 sqrt(3) u < 5.2 u times the norm.
 // - Six turns and six steps: sqrt(3) 6 (10.6 + 5.2) u M < 165 u M. G is a product of three rotations, 6 sqrt(3) sqrt(3) u, and
 //   they and the five steps are orthogonal to 4 u each: less than 50 u M. Together 215 u M.
 // - The skew part's vector is at most 1 / sqrt(2) of that, and is half a difference: less than 155 u M.
-// - Each length is turned by at most these rotations, and 3 sqrt(3) u for its product and 6 u for six sums are added: the position
-//   is off by less than 230 u M l.
+// - The step behind k turns has a rotation that is off by less than (28 k + 50) u M so far, which turns its length; its product
+//   adds 3 sqrt(3) u, and six sums 6 u: the position is off by less than sum_k (28 k + 62) u M times the step's length.
 // - A twist's axis and point come from at most three of the turns, with norms up to m, the larger product of M_1 M_2 M_3 and
-//   M_4 M_5 M_6: its error is below 100 u m^2 (2 l + 1).
+//   M_4 M_5 M_6, and from lengths of sum l: its error is below 100 u m^2 (2 l + 1).
 #pragma once
 
 #include "answers/polish.hpp"
@@ -36,7 +36,8 @@ using CBlock = Complexes<Block>;
 
 // The counts above, times u.
 inline constexpr double UNIT = 1.1102230246251565e-16;
-inline constexpr double ROUNDING_OF_ROTATION = 155.0 * UNIT, ROUNDING_OF_POSITION = 230.0 * UNIT, ROUNDING_OF_TWIST = 100.0 * UNIT;
+inline constexpr double ROUNDING_OF_ROTATION = 155.0 * UNIT, ROUNDING_OF_TWIST = 100.0 * UNIT;
+inline constexpr double ROUNDING_A_TURN = 28.0 * UNIT, ROUNDING_OF_STEP = 62.0 * UNIT;
 
 // Real and complex blocks alike: V is Block or CBlock.
 STEP Block conj(const Block& a) { return a; }
@@ -49,10 +50,10 @@ STEP Block above(const CBlock& a) {
     return max(x, y) + 0.41421357 * min(x, y);
 }
 
-// The loop of one pose: inverse steps, G, two of the steps themselves, and l.
+// The loop of one pose: inverse steps, G, two of the steps themselves, l, and the rounding of X's position over M.
 struct Loop {
     Motion third, second, first, goal, fifth, fourth, ahead[2];
-    double length;
+    double length, rounding;
 };
 
 STEP Motion inverse_of(const Motion& m, double inverse_size) {
@@ -91,11 +92,16 @@ PART Loop loop_of(const Written<6>& arm, const Goal<double>& goal) {
                  inverse_of(arm.step[5], w),
                  inverse_of(arm.step[4], w),
                  {arm.step[4], arm.step[5]},
+                 0.0,
                  0.0};
     for (Motion& each : loop.ahead) {
         for (double& x : each.t) x *= w;
     }
-    const auto add = [&](const Motion& m) { loop.length += sqrt(m.t[0] * m.t[0] + m.t[1] * m.t[1] + m.t[2] * m.t[2]); };
+    int turns = 0;
+    const auto add = [&](const Motion& m) {
+        const double length = sqrt(m.t[0] * m.t[0] + m.t[1] * m.t[1] + m.t[2] * m.t[2]);
+        loop.length += length, loop.rounding += (ROUNDING_OF_STEP + ROUNDING_A_TURN * turns++) * length;
+    };
     add(loop.third), add(loop.second), add(loop.first), add(loop.goal), add(loop.fifth), add(loop.fourth);
     return loop;
 }

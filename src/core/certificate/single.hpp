@@ -139,7 +139,7 @@ template <class V>
 PART Certificate certify(const Loop& loop, const LoopAt<V>& at, const Orthogonal<V>& f, const Growth& growth) {
     const Inverse<V> C = inverse_of(f);
     const Block l = loop.length, size = sqrt(square_of(at.error));
-    const Block of_rotation = ROUNDING_OF_ROTATION * growth.all, of_position = ROUNDING_OF_POSITION * growth.all * l;
+    const Block of_rotation = ROUNDING_OF_ROTATION * growth.all, of_position = loop.rounding * growth.all;
     const Block of_twist = ROUNDING_OF_TWIST * growth.side * growth.side * (2.0 * l + 1.0);
     Block S = 0.0, longest_row = 0.0;
     for (int k = 0; k < 6; ++k) {

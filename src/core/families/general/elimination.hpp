@@ -8,8 +8,7 @@
 #pragma once
 
 #include "answers/beside.hpp"
-#include "answers/blocks.hpp"
-#include "certificate/account.hpp"
+#include "families/general/collecting.hpp"
 #include "families/general/complete.hpp"
 #include "families/general/complex_roots.hpp"
 #include "families/general/continuation.hpp"
@@ -33,114 +32,12 @@ inline constexpr double OWN_ROOT = 1e-3;
 inline constexpr double OWN_ROOT_NEAR_SPECIAL = 1e-6;
 // A root with a squared length this much below one is off the circle: the determinant's rounding at simple roots is smaller.
 inline constexpr double ON_CIRCLE = 1e-7;
-// Rounds of Newton's method to a complex solution: moved axes are up to 1e-5 off, and convergence is quadratic.
-inline constexpr int ROUNDS_TO_PAIRS = 6;
 // The end of a path is not real if an angle's imaginary part is above this: at regular ends, and at singular ends.
 inline constexpr double IMAGINARY = 1e-4, IMAGINARY_SINGULAR = 0.05;
 // Paths run from s = 1 to s = 0. A path that stops above this s was lost; one that stops below it ends at a singular solution.
 inline constexpr double AT_SINGULAR = 1e-10;
 // Attempts at continuation, each from another known pose; and starts all over the joint space if none of them decides.
 inline constexpr int ATTEMPTS = 4, ALL_OVER = 160;
-
-// The state of solving one pose.
-struct SearchState {
-    Columns<6> columns;
-    double enough;  // a candidate with at most this error is a solution
-    double error = __builtin_inf(), best[6] = {};  // the candidate with the least error so far
-    bool all_known = false;  // whether all complex solutions were accounted for, the distant ones too
-    bool provable = false;   // whether the roots are certified and counted
-    Loop loop = {};
-    Account account = {};
-};
-
-// A block of joint vectors, and a bit for each lane in use.
-struct Candidates {
-    Block q[6];
-    unsigned lanes;
-};
-
-STEP MaskOf<Block> mask_of(unsigned lanes) {
-    double x[BLOCK];
-    for (int l = 0; l < BLOCK; ++l) x[l] = lanes >> l & 1;
-    return load<Block>(x) > Block(0.0);
-}
-STEP void lane_of(const Block (&q)[6], int l, double (&out)[6]) {
-    for (int j = 0; j < 6; ++j) out[j] = q[j][l];
-}
-
-// Whether the known poses have all sixteen solutions of six turning joints. Arms near a special one have fewer known
-// solutions: the paths of the others are too far from real to be followed. These come near real only where the special
-// arm is singular.
-STEP bool all_known(const EliminationArm& arm) { return arm.paths.solutions == KnownPose::most; }
-
-STEP SearchState search_state(const EliminationArm& arm, const Goal<double>& goal, const Columns<6>& columns, double enough) {
-    SearchState search = {columns, enough};
-    search.all_known = all_known(arm), search.provable = search.all_known && !arm.any_slide;
-    if (search.provable) search.loop = loop_of(arm.written, goal);
-    return search;
-}
-
-// ---- collecting ------------------------------------------------------------------------------------------------------
-
-// The column of q, which is kept if it is new; -1 if all columns are taken. least: a lower bound on the smallest singular value of
-// its Jacobian.
-PART int column_of(const EliminationArm& arm, const Goal<double>& goal, SearchState& search, const double (&q)[6], double least) {
-    const Columns<6>& columns = search.columns;
-    if (is_new(arm.written, goal, columns, q)) {
-        for (int b = 0; b < columns.many; ++b) {
-            if (columns.valid(b)) continue;
-            keep(columns, b, q, least < NEAR_FOLD ? singular_marks(arm.written, goal, q, 0) : 0);
-            return b;
-        }
-        return -1;
-    }
-    int nearest = -1;
-    double least_gap = __builtin_inf();
-    for (int b = 0; b < columns.many; ++b) {
-        if (!columns.valid(b)) continue;
-        double most = 0.0;
-        for (int j = 0; j < 6; ++j) most = max(most, abs(gap(arm.written, j, q[j], columns.row(b)[j])));
-        if (most < least_gap) least_gap = most, nearest = b;
-    }
-    // Next to a singularity, keep only the most accurate approximation of the root.
-    double known[6];
-    for (int j = 0; j < 6; ++j) known[j] = columns.row(nearest)[j];
-    if (least_gap > arm.written.tolerances.duplicate &&
-        error_at(arm.written, goal, q).size < 0.1 * error_at(arm.written, goal, known).size) {
-        const int marks = columns.flags[nearest] & ~VALID;
-        columns.clear(nearest);
-        if (!is_new(arm.written, goal, columns, q)) return column_of(arm, goal, search, q, least);
-        keep(columns, nearest, q, marks);
-    }
-    return nearest;
-}
-
-// The columns of the solutions that Newton's method reaches from the starts; -1 for starts that reach no solution.
-template <bool damped>
-PART void columns_from(const EliminationArm& arm, const Goal<double>& goal, SearchState& search, Candidates& starts, int rounds,
-                       int (&column)[BLOCK]) {
-    const Course course = {rounds, FINISHED, damped ? PATIENCE : rounds};
-    const Polished<Block> out =
-        polish<damped, Written<6>, Block>(arm.written, spread<Block>(goal), starts.q, course, mask_of(starts.lanes));
-    const unsigned good = bits(out.error <= Block(search.enough)) & starts.lanes;
-    if (search.provable && good) {
-        const Certificate c = certify_real(search.loop, starts.q);
-        for (unsigned rest = bits(c.holds) & good; rest; rest &= rest - 1) {
-            const int l = __builtin_ctz(rest);
-            RealRoot root = {{}, c.inner[l], c.outer[l], out.least[l]};
-            lane_of(starts.q, l, root.q);
-            add_real(search.account, root);
-        }
-    }
-    for (int l = 0; l < BLOCK; ++l) {
-        double q[6];
-        lane_of(starts.q, l, q);
-        column[l] = good >> l & 1 ? column_of(arm, goal, search, q, out.least[l]) : -1;
-        if (!(starts.lanes >> l & 1) || !(out.error[l] < search.error)) continue;
-        search.error = out.error[l];
-        for (int j = 0; j < 6; ++j) search.best[j] = q[j];
-    }
-}
 
 // ---- one variant of the elimination ------------------------------------------------------------------------------------
 
@@ -191,29 +88,7 @@ PART void follow_slowly(const EliminationArm& arm, const Goal<double>& goal, Sea
     if (starts.lanes) columns_from<true>(arm, goal, search, starts, 40, unused);
 }
 
-// Certifies the solutions that Newton's method reaches from a block of complex joints, and adds them to the account. A real one is
-// polished in real numbers, as every solution.
-PART void account_for(const EliminationArm& arm, const Goal<double>& goal, SearchState& search, CBlock (&z)[6], unsigned lanes) {
-    Growth growth;
-    const Certificate c = certify_complex(search.loop, z, lanes, ROUNDS_TO_PAIRS, growth);
-    Candidates starts = {{}, 0};
-    for (unsigned rest = bits(c.holds) & lanes; rest; rest &= rest - 1) {
-        const int l = __builtin_ctz(rest);
-        if (growth.imaginary[l] > c.inner[l]) {
-            PairOfRoots root = {{}, c.inner[l], c.outer[l]};
-            for (int k = 0; k < 6; ++k) root.z[k][0] = z[k].re[l], root.z[k][1] = z[k].im[l];
-            add_pair(search.account, root);
-        } else {
-            starts.lanes |= 1u << l;
-        }
-    }
-    if (!starts.lanes) return;
-    for (int k = 0; k < 6; ++k) starts.q[k] = atan2(z[k].im, z[k].re);
-    int column[BLOCK];
-    columns_from<false>(arm, goal, search, starts, 12, column);
-}
-
-// The same for the determinant's roots off the unit circle, one of each pair.
+// Accounts for the determinant's roots off the unit circle, one of each pair.
 PART void gather_pairs(const EliminationArm& arm, const EliminationVariant& variant, const Goal<double>& goal, const Equations& A,
                        const Frame<double>& G, const Complex (&z)[2 * DEGREE], SearchState& search) {
     double re[2 * DEGREE], im[2 * DEGREE];
@@ -399,24 +274,17 @@ PART void search_all_over(const EliminationArm& arm, const Goal<double>& goal, S
 PART bool find_all(const EliminationArm& arm, const Goal<double>& goal, SearchState& search) {
     // An arm without known poses is singular everywhere, and its determinant means nothing.
     if (gather(arm, arm.variant, goal, search) && arm.paths.poses > 0) return true;
+    if (search.provable && count_clusters(arm, goal, search) != Status::incomplete) return true;
     bool settled = false;
     for (int attempt = 0; attempt < ATTEMPTS && attempt < arm.paths.poses; ++attempt) {
         const Arrived all = gather_ends(arm, goal, search, attempt);
         // A result with singular ends needs a second attempt that agrees.
-        if (search.account.all() || all == Arrived::regular || (all == Arrived::settled && settled)) return true;
+        if (search.provable && count_clusters(arm, goal, search) != Status::incomplete) return true;
+        if (all == Arrived::regular || (all == Arrived::settled && settled)) return true;
         settled |= all == Arrived::settled;
     }
     search_all_over(arm, goal, search);
     return false;
-}
-
-// The columns of a proven account: its real roots.
-PART void keep_accounted(const EliminationArm& arm, const Goal<double>& goal, const SearchState& search) {
-    search.columns.clear();
-    for (int i = 0; i < search.account.reals; ++i) {
-        const RealRoot& root = search.account.real[i];
-        keep(search.columns, i, root.q, root.least < NEAR_FOLD ? singular_marks(arm.written, goal, root.q, 0) : 0);
-    }
 }
 
 // The same with the account; see complete.hpp.
@@ -426,10 +294,11 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
     const double far = arm.any_slide ? 1.0 + sqrt(dot(goal.p, goal.p)) / arm.written.size : 1.0;
     SearchState search = search_state(arm, goal, columns, min(CONVERGED * far, arm.written.tolerances.reach));
     bool certain = find_all(arm, goal, search);
+    const Status proven = search.provable ? count_clusters(arm, goal, search) : Status::incomplete;
     account = search.account;
-    if (search.account.all()) {
+    if (proven != Status::incomplete) {
         keep_accounted(arm, goal, search);
-        return Status::complete;
+        return proven;
     }
     // If no candidate converged, the best may be a double root. Without the damping HELD, rounding would move the arm
     // along its singular direction.
@@ -446,6 +315,7 @@ PART Status complete(const EliminationArm& arm, const Goal<double>& goal, const 
     // aside. The valleys of all weak solutions are then searched; after an even number, only those of nearly singular
     // ones.
     if (!certain) walk_valleys(arm.written, goal, columns.count() % 2 ? SECOND_NEXT_DOOR : IN_A_VALLEY, columns);
+    if (search.provable && holds_curve(arm, goal, columns)) return Status::continuum;
     return certain && !search.provable && !arm.any_slide ? Status::complete : Status::incomplete;
 }
 

@@ -66,13 +66,6 @@ class Proof:
         real: (k,) whether the solution is real; otherwise its imaginary part exceeds ``inner`` in some joint.
         clusters: balls with several solutions, disjoint from each other and from the others.
         counted: the solutions in all balls.
-
-    Example:
-        >>> import urdf_ik
-        >>> arm = urdf_ik.load("crx_like")  # doctest: +SKIP
-        >>> proof = arm.ik(arm.fk([0.3, -0.5, 0.8, 0.4, 0.7, -0.2])).proof  # doctest: +SKIP
-        >>> proof.counted, proof.expected  # doctest: +SKIP
-        (16, 16)
     """
 
     status: str
