@@ -27,8 +27,8 @@
 //   M_4 M_5 M_6, and from lengths of sum l: its error is below 100 u m^2 (2 l + 1).
 #pragma once
 
-#include "answers/polish.hpp"
 #include "arithmetic/complex.hpp"
+#include "kinematics/kinematics.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
@@ -66,7 +66,7 @@ STEP Motion inverse_of(const Motion& m, double inverse_size) {
 }
 
 // The pose of frame 6 after its turn, in frame 1 before its turn.
-STEP Frame<double> inner_pose(const Written<6>& arm, const Goal<double>& goal) {
+STEP Frame<double> inner_pose(const Written<6>& arm, const Frame<double>& goal) {
     const auto &first = arm.step[0], &last = arm.step[6];
     const auto rotated = [](const double (&R)[3][3], const Vec<double>& a) {  // by the transpose
         return Vec<double>{R[0][0] * a.x + R[1][0] * a.y + R[2][0] * a.z, R[0][1] * a.x + R[1][1] * a.y + R[2][1] * a.z,
@@ -81,7 +81,7 @@ STEP Frame<double> inner_pose(const Written<6>& arm, const Goal<double>& goal) {
     return {each(R, [&](const Vec<double>& a) { return rotated(first.R, a); }), rotated(first.R, p)};
 }
 
-PART Loop loop_of(const Written<6>& arm, const Goal<double>& goal) {
+PART Loop loop_of(const Written<6>& arm, const Frame<double>& goal) {
     const double w = 1.0 / arm.size;
     const Frame<double> G = inner_pose(arm, goal);
     Loop loop = {inverse_of(arm.step[3], w),
