@@ -42,6 +42,8 @@ class Chain:
 
     def axes(self, arg: object, /) -> object: ...
 
+    def inverse(self, q: object, row: object | None, size: float, singular: float) -> object: ...
+
 def image_range(q: object, bounds: object, turns: object) -> tuple:
     """
     Turns to the first and the last image inside the bounds: two arrays like q (..., n).

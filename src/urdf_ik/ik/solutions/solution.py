@@ -307,6 +307,21 @@ class KeptSolutions(Answer):
         """
         return self._q[self._columns("to_array()")]
 
+    @property
+    def list(self) -> list[Solution]:
+        """The solutions of a single pose, each with ``q``, ``branch`` and ``singular``; as iteration gives them.
+
+        Raises:
+            ArgumentError: this is a batch.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> [one.branch for one in arm.ik(arm.fk([0.3, 0.5, 0.1, 0.2])).list]
+            ['elbow left', 'elbow right']
+        """
+        return [*self]
+
     def __len__(self) -> int:
         return len(self._columns("len()"))
 
