@@ -6,8 +6,8 @@
 //   branches   the number of columns
 //   fast       fast(arm, seen, found): all branches of a block of poses; found is Found<branches>
 //   by_signs   whether three signs distinguish its branches; if so
-//   branch     branch(arm, seen, signs): one branch and one pose per lane, also beyond a branch's end (see margin_root);
-//              imperfect arms use it (families/imperfect/imperfect.hpp)
+//   branch     branch(arm, seen, signs): one branch and one pose per lane, on numbers or on balls; numbers also beyond a
+//              branch's end (see margin_root)
 //   closely    closely(arm, goal, seen, reference, columns, wanted): the branches of one pose whose bit is set in
 //              `wanted`, added to the columns. If it returns a number, each set bit is a branch that rounding leaves
 //              open (see around.hpp)
@@ -24,24 +24,10 @@
 
 #include "answers/answer.hpp"
 #include "answers/around.hpp"
+#include "answers/branch.hpp"
 #include "kinematics/target.hpp"
 
 namespace urdf_ik::URDF_IK_LEVEL {
-
-// A branch: the ideal arm's joint angles as (cos, sin), offsets included; the margins of shoulder, elbow and wrist, whose roots
-// have the branch's signs (bits 4, 2 and 1 of its number); and the smallest squared lever arm of its angles (dimensionless).
-// Margins and lever arms are reduced by the earlier joints' (see after).
-struct Branch {
-    Turn<Block> turn[6];
-    Block shoulder, elbow, wrist, arms;
-};
-// The signs of a block of branches.
-struct Signs {
-    Block shoulder, elbow, wrist;
-};
-// The squared lever arm of a joint, reduced by those of earlier joints. A small motion of the target moves a joint by the motion
-// over its lever arm, or over the root of its margin, and this moves all later joints: `before` is the smallest of these squares.
-template <class V> STEP V after(const V& arm, const V& before) { return arm * min(V(1.0), before); }
 
 // For one or several branches: the lanes in which they are not solutions, and the lanes in which this is in doubt.
 struct State {
@@ -287,9 +273,10 @@ template <class Family> STEP int solve_block(const typename Family::Arm& arm, co
 }
 
 // Branches from `first` on, one per lane, each for its own target.
-template <class Family> STEP Branch branches_from(const typename Family::Arm& arm, const Seen<Block>& seen, int first) {
+template <class Family, class V> STEP Branch<V> branches_from(const typename Family::Arm& arm, const Seen<V>& seen, int first) {
     const auto& of = arm.ideal.signs;
-    return Family::branch(arm, seen, {load<Block>(of[0] + first), load<Block>(of[1] + first), load<Block>(of[2] + first)});
+    const auto signs = [&](int k) { return V(load<Block>(of[k] + first)); };
+    return Family::template branch<V>(arm, seen, {signs(0), signs(1), signs(2)});
 }
 
 // The joint vectors of all branches of a batch, also beyond their ends: see Batch::beyond. columns: per pose, eight or more.
@@ -300,7 +287,7 @@ template <class Family> PART void branches_beyond(const typename Family::Arm& ar
         if constexpr (Family::by_signs) {
             const Seen<Block> seen = to_frame_1(spread<Block>(goal_of(batch.T + 16 * i)), arm.ideal);
             for (int first = 0; first < 8; first += BLOCK) {
-                const Branch at = branches_from<Family>(arm, seen, first);
+                const Branch<Block> at = branches_from<Family>(arm, seen, first);
                 for (int j = 0; j < 6; ++j) {
                     const Block q = wrap(angle(at.turn[j]) - arm.ideal.offset[j]);
                     for (int l = 0; l < BLOCK; ++l) to[6 * (first + l) + j] = q[l];

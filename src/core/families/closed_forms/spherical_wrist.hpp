@@ -177,14 +177,14 @@ template <Shoulder kind> struct SphericalWrist {
         }
     }
 
-    static STEP Branch branch(const Arm& arm, const Seen<Block>& seen, const Signs& signs) {
+    template <class V> static STEP Branch<V> branch(const Arm& arm, const Seen<V>& seen, const Signs<V>& signs) {
         const auto& ideal = arm.ideal;
         const Twists t = {ideal.cos_alpha[3], ideal.sin_alpha[3], ideal.cos_alpha[4], ideal.sin_alpha[4]};
-        const Place<Block> at = position<kind, Block>(arm, seen.p, signs.shoulder, signs.elbow, {});
-        const Rot<Block> M = wrist_rotation(seen.R, ideal, at);
-        const Bend<Block> bend = wrist_bend(M.z, t, signs.wrist);
-        const WristTurns<Block> turns = wrist_turns(M, bend.turn, t);
-        const Block arms = min(at.arm1, at.arm2), before = min(min(abs(at.margin1), abs(at.margin2)), arms);
+        const Place<V> at = position<kind, V>(arm, seen.p, signs.shoulder, signs.elbow, {});
+        const Rot<V> M = wrist_rotation(seen.R, ideal, at);
+        const Bend<V> bend = wrist_bend(M.z, t, signs.wrist);
+        const WristTurns<V> turns = wrist_turns(M, bend.turn, t);
+        const V arms = min(at.arm1, at.arm2), before = min(min(abs(at.margin1), abs(at.margin2)), arms);
         return {{at.t1, at.t2, unit(at.t3.c, at.t3.s), turns.first, bend.turn, unit(turns.last.c, turns.last.s)},
                 at.margin1,
                 at.margin2,
