@@ -72,6 +72,13 @@ class Motions:
             raise ArgumentError(f"{self.free.size} motions have a pair each: see pairs")
         return self.pairs[0]
 
+    def spread(self, places: NDArray[np.bool_]) -> Motions:
+        """These motions at ``places`` (k,), and between them motions that are not free."""
+        free, share = np.zeros(len(places), dtype=np.bool_), np.full(len(places), np.nan)
+        free[places], share[places] = self.free, self.share
+        each = iter(self.pairs)
+        return Motions(free, share, [next(each) if there else None for there in places])
+
     def __bool__(self) -> bool:
         if self.free.ndim:
             raise ArgumentError(f"{self.free.size} motions have no single truth value: use free.all() or free.any()")

@@ -11,16 +11,19 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from urdf_ik.errors import ArgumentError
-from urdf_ik.ik.solutions import limits
+from urdf_ik.ik.solutions import IKSolutions, limits
+from urdf_ik.ik.solutions.derivatives import joint_rates
 from urdf_ik.kinematics import velocity
+from urdf_ik.paths import plan_display
 from urdf_ik.support import files
+from urdf_ik.support.display import short
 from urdf_ik.support.text import json_text
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from urdf_ik.ik.solver import Solver
     from urdf_ik.paths.planner.obstacles import Obstacles
@@ -113,6 +116,7 @@ class Plan:
         tolerance: (m, rad) from the straight segments within which every motion was proven to stay.
         obstacles: the bodies that the plan stays clear of; None where collisions are not checked.
         others: computes the ``alternatives`` at their first use.
+        unchecked: why contacts were not checked, such as '6 meshes missing' or 'not asked for'; '' where they were.
 
     Example:
         >>> import urdf_ik
@@ -135,6 +139,7 @@ class Plan:
     tolerance: tuple[float, float] = (0.0, 0.0)
     obstacles: Obstacles | None = field(default=None, repr=False)
     others: Callable[[], tuple[Plan, ...]] | None = field(default=None, repr=False)
+    unchecked: str = ""
 
     @property
     def found(self) -> bool:
@@ -150,7 +155,8 @@ class Plan:
     @cached_property
     def alternatives(self) -> tuple[Plan, ...]:
         """The best plan from every branch of the first waypoint that leads to the end, the cheapest first."""
-        return () if self.others is None else self.others()
+        found = () if self.others is None else self.others()
+        return tuple(replace(plan, unchecked=self.unchecked) for plan in found)
 
     def with_others(self, others: Callable[[], tuple[Plan, ...]]) -> Plan:
         """This plan with a function that computes its alternatives at their first use.
@@ -173,6 +179,59 @@ class Plan:
         if self.obstacles is not None and self.found:
             clearance = np.asarray(self.obstacles.model.distance(self.q))
         return Margins(room, clearance, velocity.manipulability(self.solver.chain, self.q))
+
+    def velocities(self, twists: ArrayLike, rates: ArrayLike | None = None) -> Array:
+        """Joint velocities (m, n) rad/s or m/s at the waypoints, by the inverse of the Jacobian.
+
+        Args:
+            twists: (m, 6) or (6,) m/s and rad/s of the targets at the waypoints, in base axes at their origins.
+            rates: (m, k) or (k,) per s, of the redundancy parameters; default: zeros.
+
+        Returns:
+            NaN at a singular waypoint.
+
+        Raises:
+            ArgumentError: there is no plan, or an argument does not fit.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> T0, T1 = arm.fk([[0.3, 0.5, 0.1, 0.2], [0.5, 0.7, 0.1, 0.2]])
+            >>> arm.follow(urdf_ik.line(T0, T1, 10)).velocities([0.1, 0.0, 0.0, 0.0, 0.0, 0.0]).shape
+            (10, 4)
+        """
+        return joint_rates(self._solutions(), twists, rates)[..., 0, :]
+
+    def accelerations(self, twists: ArrayLike, twist_rates: ArrayLike | None = None) -> Array:
+        """Joint accelerations (m, n) rad/s^2 or m/s^2 at the waypoints, redundancy parameters held.
+
+        Args:
+            twists: (m, 6) or (6,) as in :meth:`velocities`.
+            twist_rates: (m, 6) or (6,) m/s^2 and rad/s^2, at which the twists change, in base axes; default: zeros.
+
+        Returns:
+            NaN at a singular waypoint.
+
+        Raises:
+            ArgumentError: there is no plan, or an argument does not fit.
+            UnsupportedArm: the arm is solved at a swivel angle.
+
+        Example:
+            >>> import urdf_ik
+            >>> arm = urdf_ik.load("scara_rrpr")
+            >>> T0, T1 = arm.fk([[0.3, 0.5, 0.1, 0.2], [0.5, 0.7, 0.1, 0.2]])
+            >>> arm.follow(urdf_ik.line(T0, T1, 10)).accelerations([0.1, 0.0, 0.0, 0.0, 0.0, 0.0]).shape
+            (10, 4)
+        """
+        solutions = self._solutions()
+        changes = np.zeros(6) if twist_rates is None else twist_rates
+        return joint_rates(solutions, changes, bent=solutions.d2q_dT2(twists))[..., 0, :]
+
+    def _solutions(self) -> IKSolutions:
+        """The plan's joint vectors as solutions of its waypoints, one column."""
+        self._require()
+        info = np.ones((len(self.q), 1), np.uint8)
+        return IKSolutions(self.solver, self.poses, self.q[:, None].copy(), info, ("plan",))
 
     def explain(self) -> str:
         """Why there is no plan: a line for each branch of the first waypoint, the one that gets farthest first.
@@ -262,6 +321,7 @@ class Plan:
                 "branches": list(self.branches),
                 "changes": [change._asdict() for change in self.changes],
                 "stops": [stop._asdict() for stop in self.stops],
+                "contacts": f"not checked: {self.unchecked}" if self.unchecked else "checked",
             },
         )
         if path is not None:
@@ -291,17 +351,21 @@ class Plan:
         files.write(path, lambda file: np.savez(file, allow_pickle=False, **held))
 
     def __str__(self) -> str:
+        unchecked = f", contacts not checked: {self.unchecked}" if self.unchecked else ""
         if not self.found:
-            return f"no plan for {self.solver.name} along {len(self.poses)} waypoints\n{self.explain()}"
+            return f"no plan for {self.solver.name} along {len(self.poses)} waypoints{unchecked}\n{self.explain()}"
         changes = f", {len(self.changes)} reconfigurations" if self.changes else ""
         step = np.abs(np.diff(self.q, axis=0)).max(initial=0.0)
         return (
             f"{len(self.q)} waypoints of {self.solver.name}: {self.branches[0]} to {self.branches[-1]}{changes}, "
-            f"cost {self.cost:.6g}, largest step {step:.4f}"
+            f"cost {self.cost:.6g}, largest step {step:.4f}{unchecked}"
         )
 
     def __repr__(self) -> str:
-        return f"<Plan of {self.solver.name}: {'found' if self.found else 'not found'}, {len(self.poses)} waypoints>"
+        return short(plan_display.title(self), plan_display.lines(self))
+
+    def _repr_html_(self) -> str:
+        return plan_display.html(self)
 
     def _require(self) -> None:
         if not self.found:
