@@ -18,19 +18,33 @@
 
 namespace urdf_ik::URDF_IK_LEVEL {
 
-// Rounding that every target's ball holds [rad, share of size]: what Newton's method leaves of the error of a solution that is
-// returned; twelve operations on each number of a target in to_frame_1(); and the rounding of seven rotations whose cosines and
-// sines are rounded (two each).
-inline constexpr double TARGET_ROUNDING = CONVERGED + 26.0 * ROUNDED;
-// Solutions closer to each other than this [rad] stand as one: the pose error half way between them is about an eighth of the
-// square, 1e-13, which rounding can make of a solution next to a double root.
-inline constexpr double NEARER_THAN_ROUNDING = 1e-6;
+// Two solutions that differ in the sign of a root stand as one if the root's square is below TINY_MARGIN, and two joint vectors if
+// each joint's angles are closer than NEARER_THAN_ROUNDING [rad]. Half way between them, where the root is zero, the pose error is
+// about the margin, or an eighth of the squared distance: what lies there would be verified as a solution too
+// (Tolerances::reach, 1e-10).
+inline constexpr double TINY_MARGIN = 1e-12;
+inline constexpr double NEARER_THAN_ROUNDING = 1e-5;
+
+// Whether three signs tell a family's branches apart.
+template <class Family> constexpr bool branches_have_signs() {
+    return requires { requires Family::by_signs; };
+}
+
+// Branches from `first` on, one per lane, each for its own target.
+template <class Family, class V> STEP Branch<V> branches_from(const typename Family::Arm& arm, const Seen<V>& seen, int first) {
+    const auto& of = arm.ideal.signs;
+    const auto signs = [&](int k) { return V(load<Block>(of[k] + first)); };
+    return Family::template branch<V>(arm, seen, {signs(0), signs(1), signs(2)});
+}
 
 // The boxes of one pose, by branch: centres and chords of the arcs of the joints' angles, offsets included. A whole circle has its
 // centre at the origin and a chord of 1.
 struct Boxes {
     double c[6][8], s[6][8], chord[6][8];
-    unsigned empty = 0, sure = 0, free = 0;
+    // By margin (shoulder, elbow, wrist): it may have either sign, it is at most TINY_MARGIN.
+    unsigned open[3] = {}, tiny[3] = {}, empty = 0, free = 0;
+
+    STEP unsigned sure() const { return ~(open[0] | open[1] | open[2]) & 255u; }
 };
 
 // The boxes of a block of branches from `first` on, each for targets within `turn` [rad] and `shift` [m] of its own.
@@ -44,10 +58,13 @@ PART void include(const typename Family::Arm& arm, const Seen<Block>& target, co
     const Seen<Number> seen = {{within(target.R.x, turn), within(target.R.y, turn), within(target.R.z, turn)},
                                within(target.p, shift)};
     const Branch<Number> at = branches_from<Family, Number>(arm, seen, first);
-    const auto below = [](const Number& margin) { return margin.greatest() < Block(0.0); };
-    const auto above = [](const Number& margin) { return margin.least() > Block(0.0); };
-    to.empty |= bits(below(at.shoulder) | below(at.elbow) | below(at.wrist)) << first;
-    to.sure |= bits(above(at.shoulder) & above(at.elbow) & above(at.wrist)) << first;
+    const Number* margins[3] = {&at.shoulder, &at.elbow, &at.wrist};
+    for (int k = 0; k < 3; ++k) {
+        const Block most = margins[k]->greatest();
+        const unsigned below = bits(most < Block(0.0)), above = bits(margins[k]->least() > Block(0.0));
+        to.empty |= below << first, to.open[k] |= (~above & ((1u << BLOCK) - 1)) << first;
+        to.tiny[k] |= bits(most <= Block(TINY_MARGIN)) << first;
+    }
     for (int j = 0; j < 6; ++j) {
         const Turn<Number>& t = at.turn[j];
         store(t.c.mid, to.c[j] + first), store(t.s.mid, to.s[j] + first), store(t.c.rad, to.chord[j] + first);
@@ -55,68 +72,77 @@ PART void include(const typename Family::Arm& arm, const Seen<Block>& target, co
     }
 }
 
-// How far a joint vector (its joints' angles, offsets included) is from the boxes, by branch: the greatest distance of a joint's
-// point on the circle from the centre of its arc, and whether every joint lies in its arc, or within `slack` of it.
-struct Near {
-    double distance[8];
-    unsigned inside = 0;
-};
-PART Near near_boxes(const Boxes& boxes, const double (&angles)[6], double slack) {
-    Near out;
+// The boxes that hold a joint vector, given by the points of its joints' angles (offsets included) on the circle, or are so near to
+// it that what they hold stands as one with it.
+PART unsigned inside(const Boxes& boxes, const Turn<double> (&at)[6]) {
+    unsigned out = 0;
     for (int first = 0; first < 8; first += BLOCK) {
-        Block most = 0.0, beyond = -1.0;
+        Block beyond = -1.0;
         for (int j = 0; j < 6; ++j) {
-            const Turn<double> at = exact_turn(angles[j]);
-            const Block c = load<Block>(boxes.c[j] + first) - at.c, s = load<Block>(boxes.s[j] + first) - at.s;
-            const Block away = root(c * c + s * s);
-            most = max(most, away), beyond = max(beyond, away - load<Block>(boxes.chord[j] + first));
+            const Block c = load<Block>(boxes.c[j] + first) - at[j].c, s = load<Block>(boxes.s[j] + first) - at[j].s;
+            beyond = max(beyond, root(c * c + s * s) - load<Block>(boxes.chord[j] + first));
         }
-        store(most, out.distance + first);
-        out.inside |= bits(beyond <= Block(slack)) << first;
+        out |= bits(beyond <= Block(NEARER_THAN_ROUNDING)) << first;
     }
     return out;
 }
 
-// The status of an exact arm's pose: every box is empty, holds one solution of its own, or is so small and so near to a solution
-// that those that it may hold stand as one with it.
-template <class Arm> PART Status status_of(const Arm& arm, const Boxes& boxes, const Columns<6>& columns) {
-    unsigned owned = 0, met = 0, clustered = 0, used = 0;  // by branch; by column
-    double widest[8] = {};
-    for (int b = 0; b < 8; ++b) {
-        for (int j = 0; j < 6; ++j) widest[b] = max(widest[b], boxes.chord[j][b]);
-    }
-    const unsigned open = ~boxes.empty & 255u;
+// The status of an exact arm's pose. A box whose joints are all fixed holds at most one solution, since the signs of the roots tell
+// the branches apart: a solution of its own decides it. A box without one is decided if each of its open roots is tiny and one of
+// its twins, whose tiny roots have other signs, has a solution. Behind a short lever arm twins may be far apart: BESIDE excludes it.
+template <class Arm> PART Status decided(const Arm& arm, const Boxes& boxes, const Columns<6>& columns) {
+    unsigned owned = 0, met = 0;  // by branch
+    const unsigned there = ~boxes.empty & 255u;
     for (int k = 0; k < columns.many; ++k) {
         if (!columns.valid(k)) continue;
-        double angles[6];
-        for (int j = 0; j < 6; ++j) angles[j] = columns.row(k)[j] + arm.ideal.offset[j];
-        const Near near = near_boxes(boxes, angles, arm.written.tolerances.duplicate);
-        const unsigned in = near.inside & open;
+        Row<8> angles = 0.0;
+        for (int j = 0; j < 6; ++j) angles.set(j, columns.row(k)[j] + arm.ideal.offset[j]);
+        const Turn<Row<8>> points = cos_sin_of_any(angles);
+        Turn<double> at[6];
+        for (int j = 0; j < 6; ++j) at[j] = {points.c[j], points.s[j]};
+        const unsigned in = inside(boxes, at) & there;
         if (!in) return Status::incomplete;
         met |= in;
-        const unsigned alone = in & boxes.sure & ~boxes.free & ~owned;
-        owned |= alone & -alone;  // one column owns one box
-        for (int b = 0; b < 8; ++b) clustered |= unsigned(near.distance[b] + widest[b] <= NEARER_THAN_ROUNDING) << b;
+        // One column owns one box: a sure one rather than another.
+        unsigned alone = in & ~boxes.free & ~owned;
+        if (alone & boxes.sure()) alone &= boxes.sure();
+        owned |= alone & -alone;
     }
-    (void)used;
-    const unsigned left = open & ~owned;
-    if (left & ~(clustered | (boxes.free & met))) return Status::incomplete;
-    if (left & ~clustered) return Status::continuum;
-    return left ? Status::clustered : Status::complete;
+    Status status = Status::complete;
+    for (int b = 0; b < 8; ++b) {
+        const unsigned bit = 1u << b;
+        if (!(there & ~owned & bit)) continue;
+        if (boxes.free & bit) {
+            if (!(met & bit)) return Status::incomplete;
+            status = Status::continuum;
+            continue;
+        }
+        unsigned tiny = 0, twins = bit;
+        for (int j = 0; j < 6; ++j) {
+            if (boxes.chord[j][b] > BESIDE) return Status::incomplete;
+        }
+        for (int k = 0; k < 3; ++k) {
+            if (boxes.open[k] & ~boxes.tiny[k] & bit) return Status::incomplete;
+            if (boxes.tiny[k] & bit) tiny |= 4u >> k;
+        }
+        for (int c = 0; c < 8; ++c) twins |= unsigned(!(unsigned(b ^ c) & ~tiny)) << c;
+        if (!(twins & owned)) return Status::incomplete;
+        if (status == Status::complete) status = Status::clustered;
+    }
+    return status;
 }
 
 // The status of one pose of an exact arm whose solutions are in the columns; seen: its target, whose rotation is a rotation.
 template <class Family>
 PART Status status_by_inclusion(const typename Family::Arm& arm, const Seen<double>& seen, const Columns<6>& columns) {
-    const auto wide = [](const Vec<double>& a) { return Vec<Block>{Block(a.x), Block(a.y), Block(a.z)}; };
-    const Seen<Block> target = {{wide(seen.R.x), wide(seen.R.y), wide(seen.R.z)}, wide(seen.p)};
-    const double far = arm.ideal.size + abs(seen.p.x) + abs(seen.p.y) + abs(seen.p.z);
+    const Goal<Block> target = spread<Block>({seen.R, seen.p});
+    const auto& [turn, shift, length] = arm.ideal.displacement;
+    const double far = arm.ideal.size + sqrt(dot(seen.p, seen.p));
     Boxes boxes;
     for (int first = 0; first < 8; first += BLOCK) {
-        include<Family>(arm, target, arm.ideal.budget.turn[0] + TARGET_ROUNDING, arm.ideal.budget.shift[0] + TARGET_ROUNDING * far,
-                        first, boxes);
+        include<Family>(arm, {target.R, target.p}, turn[0] + TARGET_ROUNDING, shift[0] + TARGET_ROUNDING * far, first, boxes);
     }
-    return status_of(arm, boxes, columns);
+    return decided(arm, boxes, columns);
 }
 
 }  // namespace urdf_ik::URDF_IK_LEVEL

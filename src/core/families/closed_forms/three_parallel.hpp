@@ -88,6 +88,7 @@ template <Hand kind> struct ThreeParallel {
     // Margins, squared arms and error of the steps before the elbow.
     struct Upstream {
         Block margin1, margin5, arm1, fixed, error;
+        Clear<Block> clear;
     };
 
     template <class Out> static STEP void fast(const Arm& arm, const Seen<Block>& seen, Out& found) {
@@ -115,7 +116,10 @@ template <Hand kind> struct ThreeParallel {
         const Block high = (from.p.z - arm.along) * (1.0 / ideal.size), arm1 = (seen.p.x * seen.p.x + seen.p.y * seen.p.y) * scale;
         at.set(FIRST + shoulder, first.turn);
         const auto elbows = [&](const Turn<Block>& bend, const Block& margin, const WristTurns<Block>& turns, int flip) {
-            const Upstream up = {first.margin * scale, margin, arm1, turns.fixed, turns.error + high * high};
+            const Block margin1 = first.margin * scale;
+            const Upstream up = {margin1,      margin,
+                                 arm1,         turns.fixed,
+                                 turns.error + high * high, Clear<Block>::first(margin1, arm1).then(margin, turns.fixed)};
             state[2 * shoulder + flip] =
                 both_elbows(arm, up, to_axis_4(from.p, turns.first, forearm(arm, bend)), 2 * shoulder + flip, at);
         };
@@ -153,7 +157,7 @@ template <Hand kind> struct ThreeParallel {
                           ((f.margin < Block(-edge)) & (min(before, min(up.fixed, up.arm1)) > Block(edge)));
         const auto doubt = (min(min(before, f.margin), arms) <= Block(edge)) |
                            !(miss * miss * scale + up.error * uu <= (reach * reach * 1e-2) * uu);
-        return {lost, doubt};
+        return {lost, doubt, up.clear.is_close(f.margin, ideal.together)};
     }
 
     // Joint values from the angles, less the offsets.
@@ -167,6 +171,7 @@ template <Hand kind> struct ThreeParallel {
         Block phi = angle[(flip && !square ? PHI_FLIPPED : PHI) + shoulder];
         Block q6 = wrap(angle[(flip && !square ? SIXTH_FLIPPED : SIXTH) + shoulder] - offset[5]);
         if (flip && square) phi = half_turn_from(phi), q6 = half_turn_from(q6);
+        found.unproven |= bits(state.close);
         for (int down = 0; down < 2; ++down) {
             const Block t2 = angle[SECOND + 2 * k + down], t3 = down ? -angle[BEND + k] : angle[BEND + k];
             const Block t4 = arm.turn_4 * (phi - (t2 + arm.turn_3 * t3));
