@@ -22,10 +22,10 @@ template <class V> STEP V after(const V& arm, const V& before) { return arm * mi
 
 // Whether rounding may have changed the sign of one of the margins that a closed form computes one after the other.
 //
-// A step whose inputs err by e gives a margin m that errs by at most g e, and angles that err by at most g e / sqrt(m a): the root's
-// error is that of the margin over the root, and a turn's error that of the vector over its length, the root of the squared lever
-// arm a. So margin k errs by at most e g1 ... gk / sqrt(m1 a1 ... mk-1 ak-1), e being the targets' rounding. Its sign is right if
-// mk^2 m1 a1 ... mk-1 ak-1 exceeds (e g1 g2 g3)^2, which is IdealFrames::together.
+// A step whose inputs err by e gives a margin m that errs by at most g e, and angles that err by at most g e / sqrt(m a): the
+// root's error is that of the margin over the root, and a turn's error that of the vector over its length, the root of the squared
+// lever arm a. So margin k errs by at most e g1 ... gk / sqrt(m1 a1 ... mk-1 ak-1), e being the targets' rounding. Its sign is
+// right if mk^2 m1 a1 ... mk-1 ak-1 exceeds (e g1 g2 g3)^2, which is IdealFrames::together.
 template <class V> struct Clear {
     V least, before;  // of mk^2 m1 a1 ... mk-1 ak-1; m1 a1 ... of the steps so far
 

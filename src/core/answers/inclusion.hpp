@@ -22,7 +22,7 @@ namespace urdf_ik::URDF_IK_LEVEL {
 // each joint's angles are closer than NEARER_THAN_ROUNDING [rad]. Half way between them, where the root is zero, the pose error is
 // about the margin, or an eighth of the squared distance: what lies there would be verified as a solution too
 // (Tolerances::reach, 1e-10).
-inline constexpr double TINY_MARGIN = 1e-12;
+inline constexpr double TINY_MARGIN = 1e-11;
 inline constexpr double NEARER_THAN_ROUNDING = 1e-5;
 
 // Whether three signs tell a family's branches apart.
@@ -89,7 +89,8 @@ PART unsigned inside(const Boxes& boxes, const Turn<double> (&at)[6]) {
 
 // The status of an exact arm's pose. A box whose joints are all fixed holds at most one solution, since the signs of the roots tell
 // the branches apart: a solution of its own decides it. A box without one is decided if each of its open roots is tiny and one of
-// its twins, whose tiny roots have other signs, has a solution. Behind a short lever arm twins may be far apart: BESIDE excludes it.
+// its twins, whose tiny roots have other signs, has a solution. Behind a short lever arm twins may be far apart: BESIDE excludes
+// it.
 template <class Arm> PART Status decided(const Arm& arm, const Boxes& boxes, const Columns<6>& columns) {
     unsigned owned = 0, met = 0;  // by branch
     const unsigned there = ~boxes.empty & 255u;

@@ -83,8 +83,8 @@ template <class V> STEP Ball<V> root(const Ball<V>& a) {
 template <class V> STEP Ball<V> margin_root(const Ball<V>& margin) { return root(margin); }
 
 // (c, s) scaled to length 1. A disc of radius d about a vector of length n is seen from the origin under angles of up to
-// asin(d / n); the chord of asin(x) is sqrt(2 - 2 sqrt(1 - x^2)) <= x (1 + 0.4143 x^2) for x in [0, 1]. A disc that holds the origin
-// gives the whole circle: the ball of radius 1 about the origin.
+// asin(d / n); the chord of asin(x) is sqrt(2 - 2 sqrt(1 - x^2)) <= x (1 + 0.4143 x^2) for x in [0, 1]. A disc that holds the
+// origin gives the whole circle: the ball of radius 1 about the origin.
 template <class V> STEP Turn<Ball<V>> unit(const Ball<V>& c, const Ball<V>& s) {
     const V over = inverse_sqrt(c.mid * c.mid + s.mid * s.mid + TINY);
     const V x = root(c.rad * c.rad + s.rad * s.rad) * over * INFLATED;

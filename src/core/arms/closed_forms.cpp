@@ -41,13 +41,20 @@ void read(const Values& v, SphericalWristArm& to) {
     v.read("centre", to.centre), v.read("rho", to.rho), v.read("cos_phi", to.cos_phi), v.read("sin_phi", to.sin_phi);
     v.read("height", to.height), v.read("bend_offset", to.bend_offset), v.read("swing", to.swing);
     v.read("square_wrist", to.square_wrist);
-    const double* s = to.ideal.sin_alpha, size = to.ideal.size, steep = 1.0 / std::fabs(s[0]), wrist = 1.0 / (s[3] * s[4]);
+    const double *s = to.ideal.sin_alpha, size = to.ideal.size, steep = 1.0 / std::fabs(s[0]), wrist = 1.0 / (s[3] * s[4]);
     const double links = size * size / (2.0 * to.ideal.a[1] * to.rho), swing = std::fabs(to.swing[0]) * size;
     switch (static_cast<Shoulder>(variant_of(v, SHOULDERS))) {
-    case Shoulder::parallel_23: to.ideal.together = together(steep, links, wrist * wrist); break;
-    case Shoulder::intersecting_12: to.ideal.together = together(swing * size, steep, wrist * wrist); break;
-    case Shoulder::parallel_12: to.ideal.together = together(swing, size / (2.0 * to.ideal.a[0]), wrist * wrist); break;
-    case Shoulder::general: break;
+        case Shoulder::parallel_23:
+            to.ideal.together = together(steep, links, wrist * wrist);
+            break;
+        case Shoulder::intersecting_12:
+            to.ideal.together = together(swing * size, steep, wrist * wrist);
+            break;
+        case Shoulder::parallel_12:
+            to.ideal.together = together(swing, size / (2.0 * to.ideal.a[0]), wrist * wrist);
+            break;
+        case Shoulder::general:
+            break;
     }
 }
 
@@ -56,7 +63,8 @@ void read(const Values& v, ThreeParallelArm& to) {
     v.read("along", to.along), v.read("turn_3", to.turn_3), v.read("turn_4", to.turn_4);
     v.read("cos_first", to.cos_first), v.read("sin_first", to.sin_first), v.read("square_wrist", to.square_wrist);
     const auto& ideal = to.ideal;
-    const double wrist = 1.0 / (to.sin_first * ideal.sin_alpha[4]), links = ideal.size * ideal.size / (2.0 * ideal.a[1] * ideal.a[2]);
+    const double wrist = 1.0 / (to.sin_first * ideal.sin_alpha[4]),
+                 links = ideal.size * ideal.size / (2.0 * ideal.a[1] * ideal.a[2]);
     to.ideal.together = together(1.0 / std::fabs(ideal.sin_alpha[0]), links, wrist * wrist);
 }
 

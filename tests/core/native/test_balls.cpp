@@ -86,8 +86,7 @@ void subproblems() {
         const double X = near * (uniform(0.0, 1.0) < 0.5 ? -1.0 : 1.0), offset = uniform(-1.0, 1.0);
         const Exact px = X * cosl(first) - offset * sinl(first), py = X * sinl(first) + offset * cosl(first);
         const Ball<double> k_ball = {offset, radius}, side_of_X = X < 0.0 ? -1.0 : 1.0;
-        const Swing<Ball<double>> s =
-            swing_to_offset<Ball<double>>({double(px), radius}, {double(py), radius}, k_ball, side_of_X);
+        const Swing<Ball<double>> s = swing_to_offset<Ball<double>>({double(px), radius}, {double(py), radius}, k_ball, side_of_X);
         HOLDS(turns(s.turn, cosl(first), sinl(first)) && holds(s.margin, Exact(X) * X));
     }
 }

@@ -117,9 +117,12 @@ template <Hand kind> struct ThreeParallel {
         at.set(FIRST + shoulder, first.turn);
         const auto elbows = [&](const Turn<Block>& bend, const Block& margin, const WristTurns<Block>& turns, int flip) {
             const Block margin1 = first.margin * scale;
-            const Upstream up = {margin1,      margin,
-                                 arm1,         turns.fixed,
-                                 turns.error + high * high, Clear<Block>::first(margin1, arm1).then(margin, turns.fixed)};
+            const Upstream up = {margin1,
+                                 margin,
+                                 arm1,
+                                 turns.fixed,
+                                 turns.error + high * high,
+                                 Clear<Block>::first(margin1, arm1).then(margin, turns.fixed)};
             state[2 * shoulder + flip] =
                 both_elbows(arm, up, to_axis_4(from.p, turns.first, forearm(arm, bend)), 2 * shoulder + flip, at);
         };
@@ -197,7 +200,11 @@ template <Hand kind> struct ThreeParallel {
         const Turn<V> t3 = unit(e.bend.c, e.bend.s);
         Turn<V> t4 = turns.first;
         unturn(t4.c, t4.s, e.second), unturn(t4.c, t4.s, Turn<V>{t3.c, arm.turn_3 * t3.s});
-        return {{first.turn, e.second, t3, unit(t4.c, arm.turn_4 * t4.s), bend.turn, unit(turns.last.c, turns.last.s)}, margin1, e.margin, bend.margin, arms};
+        return {{first.turn, e.second, t3, unit(t4.c, arm.turn_4 * t4.s), bend.turn, unit(turns.last.c, turns.last.s)},
+                margin1,
+                e.margin,
+                bend.margin,
+                arms};
     }
 
     static PART unsigned closely(const Arm& arm, const Goal<double>& goal, const Seen<double>& seen, const Reference<6>& reference,
