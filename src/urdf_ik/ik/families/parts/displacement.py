@@ -24,11 +24,11 @@ class Displacement:
     """Bounds on the motion between the tips of two arms at the same joint vector, by the steps that remain.
 
     An arm is a chain of seven constant steps with a turn between two of them: A0 turn A1 turn ... A6 for the ideal arm,
-    B0 ... B6 for the arm as written, whose frames are slid along its axes and turned about them so that they are near the
-    ideal ones. Replacing one step after the other by its counterpart turns the tip by the angle t_i between A_i and B_i,
-    and shifts it by |a_i - b_i| + t_i times the distance from there to the tip, which is at most the sum of the later
-    steps' lengths. The triangle inequality adds these up, whatever the turns are. Entry k is for steps k to 6: entry 0 for
-    the whole arm, entry k for what joint k moves.
+    B0 ... B6 for the arm as written, whose frames are slid along its axes and turned about them so that they are near
+    the ideal ones. Replacing one step after the other by its counterpart turns the tip by the angle t_i between A_i
+    and B_i, and shifts it by |a_i - b_i| + t_i times the distance from there to the tip, which is at most the sum of
+    the later steps' lengths. The triangle inequality adds these up, whatever the turns are. Entry k is for steps k to
+    6: entry 0 for the whole arm, entry k for what joint k moves.
 
     Attributes:
         turn: (7,) rad, sum of t_i.
