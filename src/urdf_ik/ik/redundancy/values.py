@@ -63,7 +63,7 @@ def redundancy_of(solver: Solver, q: ArrayLike, T: Any = None) -> Array:
     if T is not None and solver.free_axis is not None:
         _require_reached(solver.free_axis, np.broadcast_to(reached, target.shape), target)
     Q = np.broadcast_to(Q, (*batch, solver.dof))
-    values = member.value_of(Q.reshape(-1, solver.dof), target.reshape(-1, 4, 4))
+    values = np.array(member.value_of(Q.reshape(-1, solver.dof), target.reshape(-1, 4, 4)))
     if T is None and solver.free_axis is not None:
         values[:, 0] = 0.0  # not what rounding makes of it
     values[gone.reshape(-1)] = np.nan

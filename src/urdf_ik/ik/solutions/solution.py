@@ -11,6 +11,7 @@ import numpy as np
 
 from urdf_ik._core import Answer
 from urdf_ik.errors import ArgumentError
+from urdf_ik.ik.solutions import local_names
 from urdf_ik.ik.solutions.proof import WORDS
 from urdf_ik.ik.solutions.turn_names import suffix
 from urdf_ik.support import indices
@@ -271,9 +272,15 @@ class KeptSolutions(Answer):
 
     @property
     def names(self) -> NDArray[np.object_]:
-        """(..., B) each solution's branch, with the turns of an image; unlike ``branches`` also of those picked."""
+        """(..., B) each solution's branch, with the turns of an image; unlike ``branches`` also of those picked.
+
+        Where geometry gives no name: the sign of the Jacobian's determinant, which lasts, and a number, which does not;
+        see :mod:`urdf_ik.ik.solutions.local_names`.
+        """
         if self.step is None:
-            return np.broadcast_to(np.array(self._branches, dtype=np.object_), self._info.shape)
+            plain = np.broadcast_to(np.array(self._branches, dtype=np.object_), self._info.shape)
+            local = local_names.local(self._branches)
+            return local_names.signed(plain, self._q, self.singular, self.solver) if local else plain
         names: NDArray[np.object_] = self.step.parent.names
         if self.step.columns is not None:
             names = np.take_along_axis(names, self.step.columns, axis=-1)
