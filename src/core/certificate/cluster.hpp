@@ -7,7 +7,9 @@
 // zeros as the model, 2^r by Bezout's theorem if the r quadrics have no common zero but t = 0:
 //   |y| = across:  s' across > |g'| + |A_yt| along + |H'_tt| along^2 / 2 + |H'_ty| along across + |H'_yy| across^2 / 2 + third
 //   |t| = along:   m along^2 > |g_t| + |A_tt| along + |A_ty| across + |H_t,ty| along across + |H_t,yy| across^2 / 2 + third
-//   third = (s D)^3 e^(s D) / 6,  D^2 = along^2 + across^2,  s^2 = sum (|v_k|^2 + 2 |w_k|^2)
+//   third = |T_ttt| along^3 + s^3 (3 along^2 across + 3 along across^2 + across^3) / 6 + (s D)^4 e^(s D) / 24,
+//   D^2 = along^2 + across^2,  s^2 = sum (|v_k|^2 + 2 |w_k|^2)
+// T_ttt are the terms of third order in t alone, of the output at hand: the coefficients of the product of exponentials.
 // m is the smallest singular value of Macaulay's matrix of the quadrics, whose columns are the monomials of degree r + 1, weighted
 // by the root of the multinomial coefficient so that a unit vector's have length one, and whose rows are each quadric times each
 // monomial of degree r - 1: the product with a unit vector's monomials has the length of the quadrics there. It is zero exactly
@@ -46,24 +48,20 @@ struct Local {
     Svd<6, 6> J;
     Number g[6], A[6][6];       // A[k][i]: row i of column k
     Number H[6][6][6];          // second derivatives: output, input, input
+    Six<Number> twist[6];
     double rounding, spread;    // of f; s of the third derivatives
     bool near;                  // whether X's trace is near 3
 };
 
-STEP void z_of(const Number (&q)[6], double (&z)[6][2]) {
-    for (int k = 0; k < 6; ++k) {
-        const Turn<double> t = exact_turn(q[k].re);
-        const double length = __builtin_exp(-q[k].im);
-        z[k][0] = length * t.c, z[k][1] = length * t.s;
-    }
-}
-
 // f and J at q, without what clusters need beyond.
 STEP LoopAt<Number> loop_at(const Loop& loop, const Number (&q)[6]) {
-    double z[6][2];
-    z_of(q, z);
     Turn<Number> turn[6];
-    for (int k = 0; k < 6; ++k) turn[k] = turn_of(Number(z[k][0], z[k][1]));
+    for (int k = 0; k < 6; ++k) {
+        // A real angle stays exactly real.
+        const Turn<double> t = exact_turn(q[k].re);
+        const double length = __builtin_exp(-q[k].im);
+        turn[k] = q[k].im == 0.0 ? Turn<Number>{t.c, t.s} : turn_of(Number(length * t.c, length * t.s));
+    }
     return loop_at(loop, turn);
 }
 
@@ -100,7 +98,10 @@ STEP double step_across(const LoopAt<Number>& at, const Svd<6, 6>& J, int lost, 
 // The rest of the numbers at q; J is there.
 PART void localise(const Loop& loop, const LoopAt<Number>& at, const Number (&q)[6], Local& out) {
     double growth = 0.0, side[2] = {0.0, 0.0};
-    for (int k = 0; k < 6; ++k) growth += abs(q[k].im), side[k / 3] += abs(q[k].im), out.q[k] = q[k];
+    for (int k = 0; k < 6; ++k) {
+        growth += abs(q[k].im), side[k / 3] += abs(q[k].im), out.q[k] = q[k];
+        out.twist[k] = at.twist[k];
+    }
     const double M = __builtin_exp(growth), m = __builtin_exp(max(side[0], side[1])), l = loop.length;
     out.rounding = M * sqrt(ROUNDING_OF_ROTATION * ROUNDING_OF_ROTATION + loop.rounding * loop.rounding);
     const double of_twist = ROUNDING_OF_TWIST * m * m * (2.0 * l + 1.0);
@@ -119,7 +120,7 @@ PART void localise(const Loop& loop, const LoopAt<Number>& at, const Number (&q)
     out.spread = sqrt(out.spread) + 4.0 * of_twist;
     for (int o = 0; o < 6; ++o) {
         out.g[o] = 0.0;
-        for (int i = 0; i < 6; ++i) out.g[o] += conj(out.J.left[o][i]) * at.error[i];
+        for (int i = 0; i < 6; ++i) out.g[o] = out.g[o] - conj(out.J.left[o][i]) * at.error[i];
         for (int k = 0; k < 6; ++k) {
             out.A[k][o] = 0.0;
             for (int j = 0; j < 6; ++j) {
@@ -214,14 +215,107 @@ PART double least_of_quadrics(const Local& at, int lost) {
     return max(out.s[14] - 18.0 * off, 0.0);
 }
 
+// ---- terms of third order ------------------------------------------------------------------------------------------------
+
+// A product of matrices of twists, without its last row, which is zero.
+struct Twists {
+    Number R[3][3], p[3];
+};
+STEP Twists matrix_of(const Six<Number>& zeta) {
+    const Number &x = zeta[3], &y = zeta[4], &z = zeta[5], none = 0.0;
+    return {{{none, -z, y}, {z, none, -x}, {-y, x, none}}, {zeta[0], zeta[1], zeta[2]}};
+}
+STEP Twists times(const Twists& a, const Twists& b, double f) {
+    Twists out;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) out.R[i][j] = f * (a.R[i][0] * b.R[0][j] + a.R[i][1] * b.R[1][j] + a.R[i][2] * b.R[2][j]);
+        out.p[i] = f * (a.R[i][0] * b.p[0] + a.R[i][1] * b.p[1] + a.R[i][2] * b.p[2]);
+    }
+    return out;
+}
+STEP void add_scaled(Twists& to, const Number& f, const Twists& a) {
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) to.R[i][j] += f * a.R[i][j];
+        to.p[i] += f * a.p[i];
+    }
+}
+
+// Monomials of degree d in r variables have places 0 to COUNT[r - 1][d] - 1, by their exponents a of the first and b of the second.
+inline constexpr int COUNT[3][4] = {{1, 1, 1, 1}, {1, 2, 3, 4}, {1, 3, 6, 10}};
+STEP int place_of(int r, int d, int a, int b) { return r == 1 ? 0 : r == 2 ? d - a : (d - a) * (d - a + 1) / 2 + (d - a - b); }
+
+// The norms of T_ttt's coefficients, of the first 6 - r outputs and of the others. The coefficient of a monomial counts with one
+// over the root of the multinomial coefficient.
+struct ThirdOrder {
+    double y, t;
+};
+PART ThirdOrder third_order(const Local& at, int r) {
+    Twists P[4][10] = {};  // of the product so far: degree, monomial
+    const int n = 6 - r;
+    for (int k = 0; k < 6; ++k) {
+        const Twists one = matrix_of(at.twist[k]), two = times(one, one, 0.5), three = times(two, one, 1.0 / 3.0);
+        // The powers of the linear form, by its coefficients.
+        Number L[4][10] = {};
+        L[0][0] = 1.0;
+        const auto raised = [&](int d, const auto& f) {  // f(place in degree d, place in degree d + 1, variable)
+            for (int a = 0; a <= d; ++a) {
+                for (int b = 0; b <= (r == 1 ? 0 : d - a); ++b) {
+                    if ((r == 1 && a != d) || (r == 2 && a + b != d)) continue;
+                    for (int v = 0; v < r; ++v) f(place_of(r, d, a, b), place_of(r, d + 1, a + (v == 0), b + (v == 1)), v);
+                }
+            }
+        };
+        for (int d = 0; d < 3; ++d) {
+            raised(d, [&](int from, int to, int v) { L[d + 1][to] += at.J.right[n + v][k] * L[d][from]; });
+        }
+        // From the highest degree down: P_d gains P_(d-1) zeta L + P_(d-2) zeta^2 L^2 / 2 + zeta^3 L^3 / 6.
+        const auto by_form = [&](int d, const auto& of) {
+            raised(d, [&](int from, int to, int v) { of(from, to, at.J.right[n + v][k]); });
+        };
+        by_form(2, [&](int from, int to, const Number& c) { add_scaled(P[3][to], c, times(P[2][from], one, 1.0)); });
+        for (int i = 0; i < COUNT[r - 1][1]; ++i) {
+            // P_1's monomial i times L^2.
+            const Twists each = times(P[1][i], two, 1.0);
+            for (int a = 0; a <= 2; ++a) {
+                for (int b = 0; b <= (r == 1 ? 0 : 2 - a); ++b) {
+                    if ((r == 1 && a != 2) || (r == 2 && a + b != 2)) continue;
+                    add_scaled(P[3][place_of(r, 3, a + (i == 0), b + (i == 1))], L[2][place_of(r, 2, a, b)], each);
+                }
+            }
+        }
+        for (int i = 0; i < COUNT[r - 1][3]; ++i) add_scaled(P[3][i], L[3][i], three);
+        by_form(1, [&](int from, int to, const Number& c) { add_scaled(P[2][to], c, times(P[1][from], one, 1.0)); });
+        for (int i = 0; i < COUNT[r - 1][2]; ++i) add_scaled(P[2][i], L[2][i], two);
+        for (int i = 0; i < COUNT[r - 1][1]; ++i) add_scaled(P[1][i], L[1][i], one);
+    }
+    double sum[2] = {0.0, 0.0};
+    for (int a = 0; a <= 3; ++a) {
+        for (int b = 0; b <= (r == 1 ? 0 : 3 - a); ++b) {
+            if ((r == 1 && a != 3) || (r == 2 && a + b != 3)) continue;
+            constexpr double factorial[4] = {1.0, 1.0, 2.0, 6.0};
+            const double many = 6.0 / (factorial[a] * factorial[b] * factorial[3 - a - b]);
+            const Twists& c = P[3][place_of(r, 3, a, b)];
+            const Number V[6] = {c.p[0],
+                                 c.p[1],
+                                 c.p[2],
+                                 0.5 * (c.R[2][1] - c.R[1][2]),
+                                 0.5 * (c.R[0][2] - c.R[2][0]),
+                                 0.5 * (c.R[1][0] - c.R[0][1])};
+            for (int o = 0; o < 6; ++o) sum[o >= n] += square(inner_product(at.J.left[o], V)) / many;
+        }
+    }
+    const double off = ROUNDING_OF_FORMS * at.spread * at.spread * at.spread;
+    return {sqrt(sum[0]) + off, sqrt(sum[1]) + off};
+}
+
 // The smallest ball that is proven to hold 2^lost roots; along is 0 if none is. largest: the largest one.
-struct Ball {
+struct Region {
     double across, along, largest_across, largest_along, m;
     bool blurred;  // the roots are nearer to each other than rounding
 };
-PART Ball ball_of(const Local& at, int lost) {
+PART Region ball_of(const Local& at, int lost) {
     const int n = 6 - lost;
-    Ball out = {0.0, 0.0, 0.0, 0.0, least_of_quadrics(at, lost), false};
+    Region out = {0.0, 0.0, 0.0, 0.0, least_of_quadrics(at, lost), false};
     if (!at.near || !(out.m > 0.0)) return out;
     double f_y = 0.0, f_t = 0.0;
     for (int o = 0; o < 6; ++o) (o < n ? f_y : f_t) += square(at.g[o]);
@@ -231,17 +325,20 @@ PART Ball ball_of(const Local& at, int lost) {
     const double A_yt = norm_of(at, n, 6, 0, n), A_ty = norm_of(at, 0, n, n, 6), A_tt = norm_of(at, n, 6, n, 6);
     const double y_tt = norm_of(at, 0, n, n, 6, n, 6), y_ty = norm_of(at, 0, n, 0, n, n, 6), y_yy = norm_of(at, 0, n, 0, n, 0, n);
     const double t_ty = norm_of(at, n, 6, 0, n, n, 6), t_yy = norm_of(at, n, 6, 0, n, 0, n);
+    const ThirdOrder T = third_order(at, lost);
+    const double s = at.spread;
     double R = LARGEST_CLUSTER;
     for (int k = 0; k < RADII; ++k, R *= QUARTER_DECADE) {
-        const double s = at.spread, base = f_y + A_yt * R + 0.5 * y_tt * R * R, slope = least - y_ty * R;
+        const double base = f_y + A_yt * R + 0.5 * y_tt * R * R + T.y * R * R * R, slope = least - y_ty * R;
         if (!(slope > 0.0)) continue;
-        // Any value may be tried: twice what the first-order terms ask for.
-        const double rho = 2.0 * (base + s * R * s * R * s * R / 3.0) / slope, D = sqrt(R * R + rho * rho);
+        // Any value may be tried: twice what the terms in t alone ask for.
+        const double rho = 2.0 * (base + s * R * s * R * s * R * s * R / 20.0) / slope, D = sqrt(R * R + rho * rho);
         if (!(s * D < LARGEST_BALL)) continue;
-        const double third = s * D * s * D * s * D * GROWTH / 6.0;
-        const bool y = slope * rho > SLACK_OF_SUMS * (base + 0.5 * y_yy * rho * rho + third);
-        const bool t =
-            out.m * R * R > SLACK_OF_SUMS * (f_t + A_tt * R + A_ty * rho + t_ty * R * rho + 0.5 * t_yy * rho * rho + third);
+        const double mixed = s * s * s * rho * (3.0 * R * R + 3.0 * R * rho + rho * rho) / 6.0;
+        const double rest = mixed + s * D * s * D * s * D * s * D * GROWTH / 24.0;
+        const bool y = slope * rho > SLACK_OF_SUMS * (base + 0.5 * y_yy * rho * rho + rest);
+        const bool t = out.m * R * R > SLACK_OF_SUMS * (f_t + A_tt * R + A_ty * rho + t_ty * R * rho + 0.5 * t_yy * rho * rho +
+                                                        T.t * R * R * R + rest);
         if (!y || !t) continue;
         if (out.along == 0.0) out.largest_across = rho, out.largest_along = R;
         out.across = rho, out.along = R;
@@ -286,7 +383,7 @@ PART bool cluster_near(const Loop& loop, const Number (&from)[6], int lost, Clus
         return most;
     };
     Local at;
-    Ball ball = {};
+    Region ball = {};
     bool near = false;
     for (int round = 0; round < CENTRINGS; ++round) {
         const LoopAt<Number> loop_here = loop_at(loop, q);
