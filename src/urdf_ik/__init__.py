@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         UrdfError,
         UrdfIkError,
     )
+    from urdf_ik.export import compile
     from urdf_ik.ik.redundancy import Interval, Intervals, Region
     from urdf_ik.ik.solutions import IKSolutions, Singular, Solution
     from urdf_ik.kinematics.chain import Chain
@@ -71,6 +72,7 @@ __all__ = [
     "arc",
     "compare",
     "compare_many",
+    "compile",
     "freeze",
     "line",
     "load",
@@ -112,6 +114,7 @@ _MODULE = {
     "arc": "paths",
     "compare": "verify.comparison",
     "compare_many": "verify.comparison",
+    "compile": "export",
     "freeze": "verify.baselines",
     "line": "paths",
     "load": "arm",

@@ -24,6 +24,11 @@ class Answer:
 
     step: types.MemberDescriptorType = ...
 
+def prepared(call: object) -> object:
+    """
+    What a function without arguments returns. Meanwhile this thread computes forward kinematics alike on every processor.
+    """
+
 class Chain:
     """
     Forward kinematics of a chain of joints; immutable. Angles may be of any size.

@@ -22,7 +22,7 @@ FLOORS = (
     {"cell"},
     {"paths"},
     {"arm"},
-    {"maps", "verify"},
+    {"export", "maps", "verify"},
     {"interop", "show"},
     {"cli"},
 )

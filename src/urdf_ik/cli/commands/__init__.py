@@ -14,6 +14,7 @@ COMMANDS = {
     "check": "check",
     "compare": "compare",
     "freeze": "freeze",
+    "compile": "compile",
     "verify": "verify",
     "judge": "judge",
     "dh": "dh",
