@@ -15,7 +15,7 @@ PACKAGE = "urdf_ik"
 # The rooms, floor by floor in the order in which a pose flows: a room imports from its own floor and from those below,
 # also inside functions and for type checking.
 FLOORS = (
-    {"_core", "errors", "support"},
+    {"_core", "cmake", "errors", "support"},
     {"model"},
     {"kinematics"},
     {"ik"},
@@ -29,8 +29,8 @@ FLOORS = (
 FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
 # The same of the compiled core: what computes knows nothing of Python, whose side the bindings are.
 CORE_FLOORS = (
-    "arithmetic", "kinematics", "certificate", "answers", "families", "self_motion", "motion", "", "arms", "bindings",
-    "steps",
+    "arithmetic", "kinematics", "certificate", "answers", "families", "self_motion", "motion", "", "arms", "library",
+    "bindings", "steps",
 )  # fmt: skip
 MOST_LINES, MOST_FILES = 450, 15
 SUFFIXES = {".py", ".pyi", ".cpp", ".hpp"}

@@ -1,6 +1,7 @@
 // The solver of one arm: its numbers, and the functions for this processor's instruction set.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <map>
 #include <memory>
@@ -21,11 +22,22 @@ public:
     virtual void distances(const double*, double (&out)[4]) const {
         for (double& each : out) each = __builtin_nan("");
     }
+    // The values (parameters) of the redundancy parameters for which solve() gives the joint vector q for the pose T; `reached` is
+    // the tip's pose at q. Poses are row by row.
+    virtual void redundancy_of(const double* /*q*/, const double* /*T*/, const double* /*reached*/, double* /*values*/) const {}
 
     int joints = 6, branches = 8;
     int numbers = 16;    // of a target; a pose has sixteen
     int parameters = 0;  // redundancy parameters of each target
 };
+
+// A redundancy parameter's value: an angle in (-pi, pi]; one that is there already keeps its digits.
+inline double parameter_value(double value, bool turns) {
+    constexpr double pi = 3.141592653589793, turn = 6.283185307179586;
+    if (!turns || std::fabs(value) < pi) return value;
+    const double past = std::fmod(pi - value, turn);
+    return pi - (past < 0.0 ? past + turn : past);
+}
 
 using SolverPointer = std::shared_ptr<const Solver>;
 

@@ -141,7 +141,8 @@ void bind_chain(nb::module_& m) {
         .def(
             "fk", [](const PyChain& self, nb::handle q) { return self.of(q, chain_functions().poses, 4, 4); }, nb::arg().none())
         .def(
-            "jacobian", [](const PyChain& self, nb::handle q) { return self.of(q, chain_functions().jacobians, 6, self.arm.joints); },
+            "jacobian",
+            [](const PyChain& self, nb::handle q) { return self.of(q, chain_functions().jacobians, 6, self.arm.joints); },
             nb::arg().none())
         .def("axes", [](const PyChain& self, nb::handle q) { return self.of(q, chain_functions().axes, 6, self.arm.joints); });
 }

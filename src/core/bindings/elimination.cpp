@@ -46,7 +46,8 @@ static nb::dict known_poses(nb::object written, const JointVectors& q, bool near
     const auto found = std::make_unique<Continuation>();
     {
         nb::gil_scoped_release release;
-        preparation().elimination->find_known_poses(arm, reinterpret_cast<const double (*)[6]>(q.data()), int(q.shape(0)), near, *found);
+        preparation().elimination->find_known_poses(arm, reinterpret_cast<const double (*)[6]>(q.data()), int(q.shape(0)), near,
+                                                    *found);
     }
     std::vector<double> turn, point, solution;
     for (int i = 0; i < found->poses; ++i) {
