@@ -202,7 +202,7 @@ def test_arms_that_cannot_be_compiled_are_refused() -> None:
 
 
 def test_the_c_interface(tmp_path: Path) -> None:
-    """A C program prints names, limits and branches; it knows a pose from what is none, and a file from what is none."""
+    """A C program prints names, limits and branches; it refuses what is no pose, and a file that is not there."""
     arm = urdf_ik.load("zyyzyz_6r")
     file = tmp_path / "arm.json"
     file.write_text(urdf_ik.compile(arm))

@@ -45,7 +45,8 @@ def built(name: str) -> Path:
 
 def run(*command: str, given: bytes = b"", **env: str) -> subprocess.CompletedProcess[bytes]:
     """Run a program that must succeed."""
-    done = subprocess.run(command, input=given, capture_output=True, timeout=600, check=False, env={**os.environ, **env})
+    env = {**os.environ, **env}
+    done = subprocess.run(command, input=given, capture_output=True, timeout=600, check=False, env=env)
     assert done.returncode == 0, f"{' '.join(command)}\n{done.stderr.decode()}"
     return done
 
@@ -94,7 +95,8 @@ def solved(file: Path, T: Array, values: Array | None = None, q_ref: Array | Non
     m, n, B, p = len(T), len(document["joints"]), len(document["branches"]), len(document["parameters"])
     given = [np.array([m, values is not None, q_ref is not None], np.int64), np.ascontiguousarray(T)]
     given += [np.ascontiguousarray(each) for each in (values, q_ref) if each is not None]
-    done = run(str(built("solve.cpp")), str(file), given=b"".join(each.tobytes() for each in given), URDF_IK_ISA=_core.isa())
+    data = b"".join(each.tobytes() for each in given)
+    done = run(str(built("solve.cpp")), str(file), given=data, URDF_IK_ISA=_core.isa())
     shapes = [(m, B, n), (m, 3), (m, n), (m, 4, 4), (m, 6, n), (m, p), (m, 4, n), (m, B)]
     arrays, at = [], 0
     for k, shape in enumerate(shapes):

@@ -147,11 +147,11 @@ def _used_part(model: UrdfModel, chain: Chain) -> str:
         shape.getparent().remove(shape)
     for element in robot.iter():
         element.text = element.tail = None
-    return etree.tostring(robot, encoding="unicode")
+    return str(etree.tostring(robot, encoding="unicode"))
 
 
 def _used(model: UrdfModel, chain: Chain) -> tuple[set[str], set[str]]:
-    """Names of the joints and links that the chain needs: its own, those that drive it or stand beside it at a value."""
+    """Names of the joints and links that the chain needs: its own, drivers, and joints beside it at a value."""
     path = model.path_between(chain.base, chain.tip)
     held = dict(chain.locked)
     others = [joint for joint in model.joints if joint.name in held]
@@ -167,7 +167,8 @@ def _used(model: UrdfModel, chain: Chain) -> tuple[set[str], set[str]]:
             if each.name not in needed:
                 needed[each.name] = each
                 waiting.append(each)
-    return set(needed), {model.root, chain.base, chain.tip, *(end for j in needed.values() for end in (j.parent, j.child))}
+    ends = {end for joint in needed.values() for end in (joint.parent, joint.child)}
+    return set(needed), {model.root, chain.base, chain.tip, *ends}
 
 
 def require_current(path: str | os.PathLike[str], arm: Arm) -> None:

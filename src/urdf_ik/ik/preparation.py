@@ -54,10 +54,11 @@ def prepare(
             or the tip cannot turn about ``free_axis``.
         UnsupportedArm: no solver takes this arm with these settings.
     """
-    made: Solver = _core.prepared(
+    made: Any = _core.prepared(
         lambda: _prepare(name, chain, velocity_limits, contacts, task, free_axis, check_given(name, chain, given))
     )
-    return made
+    solver: Solver = made
+    return solver
 
 
 def _prepare(

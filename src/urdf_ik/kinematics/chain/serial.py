@@ -315,7 +315,8 @@ class Chain(Frozen):
         """
         q = self.check(q)
         # Such a place becomes geometry: its numbers must be the same on every processor.
-        axes, tip = _core.prepared(lambda: (self.motion.axes(q), self.motion.fk(q)))
+        placed: Any = _core.prepared(lambda: (self.motion.axes(q), self.motion.fk(q)))
+        axes, tip = placed
         return axes[3:].T.copy(), axes[:3].T.copy(), tip
 
     def link_poses(self, q: ArrayLike) -> dict[str, NDArray[np.float64]]:
