@@ -128,7 +128,7 @@ def test_a_circle_is_found() -> None:
 
 
 CORE = SOURCE / "core"
-UNITS = sorted(path.relative_to(CORE) for path in CORE.rglob("*.[ch]pp"))
+UNITS = sorted(path.relative_to(CORE) for path in CORE.rglob("*.*") if path.suffix in {".cpp", ".hpp", ".h"})
 
 
 def core_floor(path: Path) -> int:

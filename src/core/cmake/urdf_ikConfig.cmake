@@ -25,7 +25,7 @@ function(urdf_ik_export)
     set(ARM_NAME ${ARM_TARGET})
   endif()
   if(NOT urdf_ik_PYTHON)
-    # PREFIX/lib/pythonX.Y/site-packages/urdf_ik/cmake/core/cmake
+    # PREFIX/lib/pythonX.Y/site-packages/urdf_ik/bundled/core/cmake
     find_program(urdf_ik_PYTHON NAMES python3 python HINTS "${URDF_IK_SOURCES}/../../../../../../bin" NO_CACHE)
   endif()
   set(folder "${CMAKE_CURRENT_BINARY_DIR}/urdf_ik_arms")

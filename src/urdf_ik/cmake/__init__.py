@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-_HERE = Path(__file__).resolve().parent
+_PACKAGE = Path(__file__).resolve().parents[1]
 
 
 def core() -> Path:
@@ -14,5 +14,5 @@ def core() -> Path:
         >>> (core() / "cmake" / "urdf_ikConfig.cmake").is_file()
         True
     """
-    installed = _HERE / "core"
-    return installed if installed.is_dir() else _HERE.parents[1] / "core"
+    installed = _PACKAGE / "bundled" / "core"
+    return installed if installed.is_dir() else _PACKAGE.parent / "core"

@@ -25,7 +25,7 @@ GROUPS = {
         "path": "path",
         "placement": "maps.placement",
         "dataset": "maps.dataset",
-        "compile": "compile",
+        "compile": "outside.compile",
     },
     "Show": {
         "view": "show.view",
