@@ -188,7 +188,7 @@ def require_current(path: str | os.PathLike[str], arm: Arm) -> None:
         >>> _ = Path("arm.json").write_text(urdf_ik.compile(urdf_ik.load("planar_2r")))
         >>> require_current("arm.json", urdf_ik.load("planar_2r_unit"))
         Traceback (most recent call last):
-        urdf_ik.errors.UrdfError: arm.json: compiled from another arm: chain, checks, joints, name, solver, urdf changed ...
+        urdf_ik.errors.UrdfError: arm.json: compiled from another arm: chain, checks, joints, name, ...
     """
     then = compiled.read(path)
     now = json.loads(compile(arm))

@@ -1,7 +1,7 @@
 """Compile an arm: write the JSON file from which C++, C and `urdf_ik.load` solve it without analysing its URDF.
 
-The file is the same whatever processor writes it. With --require-current nothing is written: the command fails unless the file
-is what it would write, so that a URDF that changed since is noticed.
+The file is the same whatever processor writes it. With --require-current nothing is written: the command fails unless
+the file is what it would write, so that a URDF that changed since is noticed.
 
 Examples:
     urdf-ik compile ur5 -o ur5.json
@@ -22,7 +22,7 @@ CompiledFile = Annotated[
     Path, typer.Option("--output", "-o", metavar="FILE", help="The compiled arm's file, such as arm.json.")
 ]
 OnlyCompare = Annotated[
-    bool, typer.Option("--require-current", help="Write nothing; fail unless the file is that of this arm as it is now.")
+    bool, typer.Option("--require-current", help="Write nothing; fail unless the file is that of this arm now.")
 ]
 
 
