@@ -47,6 +47,8 @@ class Chain:
 
     def axes(self, arg: object, /) -> object: ...
 
+    def inverse(self, q: object, row: object | None, size: float, singular: float) -> object: ...
+
 def image_range(q: object, bounds: object, turns: object) -> tuple:
     """
     Turns to the first and the last image inside the bounds: two arrays like q (..., n).
@@ -177,6 +179,9 @@ class Solver:
     def one_near(self, arg0: object, arg1: object, arg2: object, arg3: object, arg4: object, /) -> object: ...
 
     def many(self, kind: object, arm: object, branches: object, T: object, q_ref: object | None, values: object | None, threads: int, out: object | None) -> object: ...
+
+    def image(self) -> bytes:
+        """The bytes of the struct with the arm's numbers."""
 
     def distances(self, seen: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)]) -> list[float]:
         """Of axes, for explanations [m]: up to four, NaN where there is none."""

@@ -95,7 +95,9 @@ def read(
 def _joint(raw: checks.RawJoint, theirs: Any) -> Joint:
     origin = np.eye(4) if theirs.origin is None else np.array(theirs.origin, dtype=np.float64)
     axis = np.array(theirs.axis, dtype=np.float64)
-    axis /= np.linalg.norm(axis)
+    axis_length = float(np.linalg.norm(axis))
+    axis /= axis_length
+    roll, pitch, yaw = map(float, raw.origin.get("rpy", "0 0 0").split())
     for array in (origin, axis):
         array.setflags(write=False)
     return Joint(
@@ -111,6 +113,8 @@ def _joint(raw: checks.RawJoint, theirs: Any) -> Joint:
         effort=raw.effort,
         mimic=raw.mimic,
         line=raw.line,
+        rpy=(roll, pitch, yaw),
+        axis_length=axis_length,
     )
 
 
