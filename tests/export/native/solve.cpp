@@ -1,6 +1,7 @@
 // Solves what a test asks for: solve ARM.json < poses > answers. All numbers are native doubles and 64-bit integers.
 // in:  m, whether values are given, whether a reference is; T (m, 16), values (m, parameters), q_ref (joints)
-// out: q (m, columns, joints), status, nearest column and number of turns (m, 3), nearest (m, joints); of each pose's first solution
+// out: q (m, columns, joints), status, nearest column and number of turns (m, 3), nearest (m, joints); of each pose's first
+// solution
 //      pose (m, 16), Jacobian (m, 6, joints), redundancy (m, parameters), four images (m, 4, joints); flags (m, columns)
 #include <urdf_ik.hpp>
 
@@ -44,7 +45,8 @@ int main(int, char** argv) {
     std::vector<std::uint8_t> flags(m * columns);
     const double* reference = header[2] ? q_ref.data() : zeros.data();
     const long before = allocations;
-    if (arm.ik(T.data(), long(m), q.data(), flags.data(), header[2] ? q_ref.data() : nullptr, header[1] ? values.data() : nullptr) >= 0)
+    if (arm.ik(T.data(), long(m), q.data(), flags.data(), header[2] ? q_ref.data() : nullptr,
+               header[1] ? values.data() : nullptr) >= 0)
         return std::fprintf(stderr, "no pose\n"), 1;
     for (std::size_t i = 0; i < m; ++i) {
         const std::uint8_t* marks = &flags[i * columns];
