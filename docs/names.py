@@ -26,8 +26,11 @@ PAGES = {
     "paths": ("Paths", ("line", "arc", "polyline", "read_waypoints", "Plan")),
     "redundancy": ("Redundancy", ("Interval", "Intervals", "Region")),
     "tables": ("Tables and comparisons", ("DHTable", "compare", "compare_many", "Comparison", "freeze")),
+    "calibrations": ("Calibration", ("calibrate", "Calibration")),
 }
 ROOMS = {
+    "calibration": "Measurements and vendors' calibrations",
+    "kinematics.derivatives": "A chain by the numbers of its URDF",
     "show.plot": "Pictures",
     "show.viewer": "The viewer",
     "interop": "Other programs",

@@ -15,6 +15,7 @@ from urdf_ik.support.lazy import attributes
 
 if TYPE_CHECKING:
     from urdf_ik.arm import Arm, load
+    from urdf_ik.calibration import Calibration, calibrate
     from urdf_ik.cell.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Points, Sphere
     from urdf_ik.cell.world import World
     from urdf_ik.errors import (
@@ -43,6 +44,7 @@ __all__ = [
     "ArgumentError",
     "Arm",
     "Box",
+    "Calibration",
     "Capsule",
     "Chain",
     "ChainError",
@@ -69,6 +71,7 @@ __all__ = [
     "UrdfIkError",
     "World",
     "arc",
+    "calibrate",
     "compare",
     "compare_many",
     "freeze",
@@ -84,6 +87,7 @@ _MODULE = {
     "ArgumentError": "errors",
     "Arm": "arm",
     "Box": "cell.shapes",
+    "Calibration": "calibration",
     "Capsule": "cell.shapes",
     "Chain": "kinematics.chain",
     "ChainError": "errors",
@@ -110,6 +114,7 @@ _MODULE = {
     "UrdfIkError": "errors",
     "World": "cell.world",
     "arc": "paths",
+    "calibrate": "calibration",
     "compare": "verify.comparison",
     "compare_many": "verify.comparison",
     "freeze": "verify.baselines",

@@ -22,7 +22,7 @@ FLOORS = (
     {"cell"},
     {"paths"},
     {"arm"},
-    {"maps", "verify"},
+    {"calibration", "maps", "verify"},
     {"interop", "show"},
     {"cli"},
 )

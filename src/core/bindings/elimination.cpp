@@ -9,12 +9,12 @@
 
 namespace urdf_ik {
 
-using Targets = nb::ndarray<const double, nb::shape<-1, 4, 4>, nb::c_contig, nb::device::cpu>;
+using PoseStack = nb::ndarray<const double, nb::shape<-1, 4, 4>, nb::c_contig, nb::device::cpu>;
 using Bytes = nb::ndarray<std::uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using JointVectors = nb::ndarray<const double, nb::shape<-1, 6>, nb::c_contig, nb::device::cpu>;
 
 // For each variant and pose: the number of solutions found by this variant alone, and whether it is certain of them.
-static void try_elimination(nb::object object, nb::object variants_object, const Targets& T, const Bytes& counts,
+static void try_elimination(nb::object object, nb::object variants_object, const PoseStack& T, const Bytes& counts,
                             const Bytes& certain) {
     const PythonValues values(object, "elimination"), rows(variants_object, "variants");
     const int variants = int(certain.shape(0));

@@ -23,6 +23,7 @@ GROUPS = {
     },
     "Make something with it": {
         "path": "path",
+        "calibrate": "fitted.calibrate",
         "placement": "maps.placement",
         "dataset": "maps.dataset",
     },

@@ -13,6 +13,7 @@ from urdf_ik.errors import ArgumentError
 from urdf_ik.kinematics.chain.free_axis import turning
 from urdf_ik.model.poses import pose
 from urdf_ik.support import inputs
+from urdf_ik.support.read_only import Frozen
 from urdf_ik.support.text import quoted
 
 if TYPE_CHECKING:
@@ -57,7 +58,7 @@ class _Moved(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class WrittenChain:
+class WrittenChain(Frozen):
     """The joints from base to tip with their origins and axes as the URDF has them; :func:`written` makes it.
 
     Attributes:
@@ -89,8 +90,8 @@ class WrittenChain:
         )
 
     @cached_property
-    def _starts(self) -> tuple[int, ...]:
-        """Where the numbers of each joint begin."""
+    def starts(self) -> tuple[int, ...]:
+        """Where the numbers of each joint begin in ``values``."""
         counts = [10 if joint.driver else 6 for joint in self.joints]
         return tuple(int(each) for each in np.cumsum([0, *counts[:-1]]))
 
@@ -164,7 +165,7 @@ class WrittenChain:
         still, tip = np.zeros((*batch, 3)), np.broadcast_to(np.eye(4), (*batch, 4, 4))
         for moved in self._walk(Q, numbers):
             tip = moved.at if moved.sign > 0.0 else moved.parent
-            start = self._starts[moved.joint]
+            start = self.starts[moved.joint]
             for k in range(start, start + (10 if self.joints[moved.joint].driver else 6)):
                 if k in wanted:
                     linear, angular = self._motion(moved, k - start, numbers[start:])
@@ -203,7 +204,7 @@ class WrittenChain:
     def _walk(self, Q: Array, numbers: Array) -> Iterator[_Moved]:
         """Every joint in turn, with the frames of its parent, of its origin and of its child."""
         at = np.broadcast_to(np.eye(4), (*Q.shape[:-1], 4, 4))
-        for k, (joint, up, start) in enumerate(zip(self.joints, self.upwards, self._starts, strict=True)):
+        for k, (joint, up, start) in enumerate(zip(self.joints, self.upwards, self.starts, strict=True)):
             origin, value = pose(numbers[start : start + 3], rpy=numbers[start + 3 : start + 6]), np.zeros(Q.shape[:-1])
             motion = np.eye(4)
             if joint.driver:
