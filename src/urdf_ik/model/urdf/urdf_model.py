@@ -272,7 +272,8 @@ class UrdfModel:
             >>> joint.name, multiplier, offset
             ('joint_1', 1.0, 0.0)
         """
-        inputs.kind(joint, "mimic", "joint", "a joint of this URDF, one of .joints,")
+        if not isinstance(joint, Joint):
+            inputs.kind(joint, "mimic", "joint", "a joint of this URDF, one of .joints,")
         if joint.mimic is None:
             return joint, 1.0, 0.0
         multiplier, offset = 1.0, 0.0
