@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdf_ik.cell import without_pinocchio
 from urdf_ik.cli import console
 from urdf_ik.cli.solutions import redundancy as parameters
 from urdf_ik.ik.solutions import IKSolutions, Singular
@@ -39,6 +40,7 @@ class CheckedSolutions:
         free: (N, B) bool, free of self-collision.
         hits: the pairs of links that collide, by pose and column.
         unchecked: reason why self-collision could not be checked, '' where it was or need not be.
+        unmeasured: reason why the errors could not be measured, '' where they were or need not be.
         position_error: (N, B) m, as Pinocchio measures it, NaN where there is no solution.
         rotation_error: (N, B) rad, likewise.
     """
@@ -54,6 +56,7 @@ class CheckedSolutions:
     unchecked: str
     position_error: NDArray[np.float64] | None
     rotation_error: NDArray[np.float64] | None
+    unmeasured: str = ""
 
     @cached_property
     def valid(self) -> NDArray[np.bool_]:
@@ -81,6 +84,7 @@ def solve(
     pick: Callable[[IKSolutions], IKSolutions],
     *,
     redundancy: NDArray[np.float64] | None = None,
+    task: str = "pose",
     errors: bool,
     collisions: bool,
     world: World | None = None,
@@ -88,9 +92,13 @@ def solve(
 ) -> CheckedSolutions:
     """Solve, filter with ``pick`` and check; ``tick(done, total)`` reports how far the checks are.
 
-    ``redundancy``: (N,) rad or m, or None for the arm's default; ``world``: obstacles that count as collisions.
+    ``redundancy``: (N,) rad or m, or None for the arm's default; ``task``: the part of the poses that is the target;
+    ``world``: obstacles that count as collisions.
     """
-    solutions = pick(arm.ik(poses, redundancy=redundancy))
+    from urdf_ik.cli.solutions.targets import of_task
+
+    targets = poses if task == "pose" else of_task(arm, poses, task)
+    solutions = pick(arm.ik(targets, redundancy=redundancy, task=None if task == "pose" else task))
     q, valid = solutions.q, solutions.valid
     lower, upper = arm.limits.T
     within = valid & ((q >= lower - LIMIT_TOLERANCE) & (q <= upper + LIMIT_TOLERANCE)).all(axis=-1)
@@ -99,14 +107,17 @@ def solve(
     hits: dict[tuple[int, int], Sequence[tuple[str, str]]] = {}
     unchecked = ""
     todo = np.argwhere(valid)
-    if errors:
-        from urdf_ik.cell.pinocchio_reference import Reference
-
-        reference = Reference(arm.model, arm.base, arm.tip, locked=dict(arm.chain.locked))
+    unmeasured = "" if not errors or without_pinocchio.installed() else without_pinocchio.UNCHECKED
+    if errors and not unmeasured:
+        reference = arm.cell.reference
         position, rotation = np.full(valid.shape, np.nan), np.full(valid.shape, np.nan)
         for start in range(0, len(todo), _BATCH):
             i, b = todo[start : start + _BATCH].T
-            position[i, b], rotation[i, b] = reference.errors(q[i, b], poses[i])
+            position[i, b], rotation[i, b] = (
+                reference.errors(q[i, b], poses[i])
+                if task == "pose"
+                else arm.solver.control.errors(reference.pose(q[i, b]), targets[i])
+            )
             tick(start + len(i), len(todo))
     if collisions:
         body = arm.cell.collisions.in_world(world)
@@ -119,7 +130,7 @@ def solve(
                     hits[int(i), int(b)] = body.colliding_pairs(q[i, b])
                 tick(done + 1, len(todo))
     return CheckedSolutions(
-        arm, poses, solutions, solutions.names, within, turned, free, hits, unchecked, position, rotation
+        arm, poses, solutions, solutions.names, within, turned, free, hits, unchecked, position, rotation, unmeasured
     )
 
 
