@@ -185,7 +185,7 @@ def test_installed_command_knows_the_bundled_arms(installed: Installed, name: st
 def test_the_steps_of_the_page_about_ci_run_where_the_wheel_is_all_there_is(
     installed: Installed, tmp_path: Path
 ) -> None:
-    """In an empty environment, each line of the workflow in turn: status 0; after an axis was negated, the lock says no.
+    """In an empty environment, each line of the workflow in turn: status 0; an axis negated, the lock says no.
 
     pip finds the dependencies and pytest where this environment has them, so nothing is fetched.
     """
