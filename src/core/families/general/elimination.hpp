@@ -351,7 +351,7 @@ PART bool prove(const EliminationArm& arm, const double* T, Proof& out) {
     return true;
 }
 
-// See EliminationSolvers.
+// See EliminationPreparation.
 PART void try_variants(const EliminationArm& arm, const EliminationVariant* variants, int many, const double* T, long m,
                        const EliminationTrial& out) {
     for (long i = 0; i < m; ++i) {

@@ -41,13 +41,17 @@ struct EliminationTrial {
 
 struct EliminationSolvers {
     long (*solve)(const EliminationArm&, const Batch&);
+    // What is proven about the solutions of the pose T. Returns whether T is a rigid motion.
+    bool (*prove)(const EliminationArm&, const double* T, Proof&);
+};
+
+// What preparing an arm needs.
+struct EliminationPreparation {
     // Tries `variants` variants on m poses T.
     void (*trial)(const EliminationArm&, const EliminationVariant*, int variants, const double* T, long m, const EliminationTrial&);
     // Finds poses with all their solutions from m joint vectors (m, 6), at least two. near: leaves out solutions far
     // from real, for an arm near a special one.
     void (*find_known_poses)(const Written<6>&, const double (*q)[6], int m, bool near, Continuation&);
-    // What is proven about the solutions of the pose T. Returns whether T is a rigid motion.
-    bool (*prove)(const EliminationArm&, const double* T, Proof&);
 };
 
 }  // namespace urdf_ik
